@@ -1,0 +1,68 @@
+"""Exact simulation and analysis of piecewise-smooth dynamical systems.
+
+Names are imported when first used, so that ``import nonsmooth`` costs nothing.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+from nonsmooth.version import __version__
+
+if TYPE_CHECKING:
+    from nonsmooth import models, plot
+    from nonsmooth.errors import (
+        ModelError,
+        NonsmoothError,
+        OptionError,
+        RunError,
+        RunWarning,
+    )
+    from nonsmooth.simulation.simulate import simulate
+    from nonsmooth.simulation.words import phase_word
+    from nonsmooth.system.parts import Exit, Mode
+    from nonsmooth.system.system import System
+
+__all__ = [
+    "Exit",
+    "Mode",
+    "ModelError",
+    "NonsmoothError",
+    "OptionError",
+    "RunError",
+    "RunWarning",
+    "System",
+    "__version__",
+    "models",
+    "phase_word",
+    "plot",
+    "simulate",
+]
+
+_HOME = {
+    "Exit": "nonsmooth.system.parts",
+    "Mode": "nonsmooth.system.parts",
+    "ModelError": "nonsmooth.errors",
+    "NonsmoothError": "nonsmooth.errors",
+    "OptionError": "nonsmooth.errors",
+    "RunError": "nonsmooth.errors",
+    "RunWarning": "nonsmooth.errors",
+    "System": "nonsmooth.system.system",
+    "phase_word": "nonsmooth.simulation.words",
+    "simulate": "nonsmooth.simulation.simulate",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name in ("models", "plot"):
+        return importlib.import_module(f"nonsmooth.{name}")
+    if name not in _HOME:
+        raise AttributeError(f"module 'nonsmooth' has no attribute {name!r}")
+    value = getattr(importlib.import_module(_HOME[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

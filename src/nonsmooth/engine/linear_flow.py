@@ -1,0 +1,163 @@
+"""The exact flow of a linear mode in modal coordinates.
+
+A segment starts with `start_segment`; after that `advance` gives the modal coordinates
+at any s by closed form, always from the start of the segment, so that nothing
+accumulates, and `state_at` turns them into states.
+"""
+
+from __future__ import annotations
+
+import math
+
+from nonsmooth.engine import layout as at
+from nonsmooth.engine.jit import kernel
+
+__all__ = ["advance", "augmented", "start_segment", "state_at"]
+
+_TURN = 2.0 * math.pi
+
+
+@kernel
+def augmented(n, powers, window, harmonics, number, phase, z):
+    """Fill 1, powers of time and harmonics of the augmented coordinates at a phase.
+
+    shapes: harmonics (2, K), z (N,); the states in its first n entries are left alone
+
+    Angles come from the phase within the window and the fraction of a turn that whole
+    windows leave over, so they lose nothing however many periods have passed.
+    """
+    z[n] = 1.0
+    if powers > 0:
+        time = number * window + phase
+        for j in range(1, powers + 1):
+            z[n + j] = z[n + j - 1] * time
+    for k in range(harmonics.shape[1]):
+        turns = harmonics[1, k] * number
+        angle = _TURN * (turns - math.floor(turns)) + harmonics[0, k] * phase
+        z[n + 1 + powers + 2 * k] = math.cos(angle)
+        z[n + 2 + powers + 2 * k] = math.sin(angle)
+
+
+@kernel
+def start_segment(flow, bounds, slots, unit, m, z, modal, sizes, length):
+    """Modal coordinates, their moduli and rounding margins at the start of a segment.
+
+    shapes: sheets as in Tables, z (N,), modal and sizes as in Segment; length bounds the
+    segment, unit scales the margins
+    """
+    count = slots[m, at.COUNT]
+    for j in range(count):
+        re, im, noise = 0.0, 0.0, 0.0
+        for i in range(z.size):
+            weight = flow[m, at.modal_row(i), j]
+            re += weight.real * z[i]
+            im += weight.imag * z[i]
+            noise += bounds[m, i, j] * abs(z[i])
+        modal[at.START, j] = complex(re, im)
+        modal[at.NOW, j] = complex(re, im)
+        sizes[at.NOISE, j] = noise * unit
+        size = math.sqrt(re * re + im * im)
+        growth = flow[m, 0, j].real
+        if growth > 0.0:
+            size *= math.exp(growth * length)
+        sizes[at.SIZE_START, j] = size
+        sizes[at.SIZE_NOW, j] = size
+    for c in range(slots[m, at.N_CLUSTERS]):
+        _start_cluster(flow, slots, m, c, modal, sizes, length)
+
+
+@kernel
+def _start_cluster(flow, slots, m, c, modal, sizes, length):
+    """Coefficients of exp(N s) w in powers of s, and bounds over the segment."""
+    first = slots[m, at.CLUSTERS + 3 * c]
+    end = first + slots[m, at.CLUSTERS + 3 * c + 1]
+    degree = slots[m, at.CLUSTERS + 3 * c + 2]
+    rest = flow.shape[1] - flow.shape[2]  # the nilpotent rows come last
+    for a in range(first, end):
+        modal[at.CHAIN, a] = modal[at.START, a]
+        sizes[at.CHAIN_NOISE, a] = sizes[at.NOISE, a]
+    for d in range(1, degree + 1):
+        for a in range(first, end):
+            total = complex(0.0, 0.0)
+            noise = 0.0
+            for b in range(a, end):
+                total += flow[m, rest + a, b] * modal[at.CHAIN + d - 1, b]
+                noise += abs(flow[m, rest + a, b]) * sizes[at.CHAIN_NOISE + d - 1, b]
+            modal[at.CHAIN + d, a] = total / d
+            sizes[at.CHAIN_NOISE + d, a] = noise / d
+    growth = math.exp(max(0.0, flow[m, 0, first].real) * length)
+    for a in range(first, end):
+        bound = 0.0
+        noise = 0.0
+        for d in range(degree, -1, -1):
+            bound = bound * length + abs(modal[at.CHAIN + d, a])
+            noise = noise * length + sizes[at.CHAIN_NOISE + d, a]
+        sizes[at.SIZE_START, a] = bound * growth
+        sizes[at.SIZE_NOW, a] = bound * growth
+        sizes[at.NOISE, a] = noise * growth
+
+
+@kernel
+def advance(flow, slots, m, modal, sizes, s):
+    """Modal coordinates at s, and bounds of their moduli from s to the segment's end."""
+    for j in range(slots[m, at.END_CONSTANT], slots[m, at.END_REAL]):
+        rate = flow[m, 0, j].real
+        decay = math.exp(rate * s)
+        w = modal[at.START, j]
+        modal[at.NOW, j] = complex(w.real * decay, w.imag * decay)
+        if rate < 0.0:
+            sizes[at.SIZE_NOW, j] = sizes[at.SIZE_START, j] * decay
+    for j in range(slots[m, at.END_REAL], slots[m, at.END_ROTATION]):
+        angle = flow[m, 0, j].imag * s
+        modal[at.NOW, j] = _turned(modal[at.START, j], math.cos(angle), math.sin(angle))
+    for j in range(slots[m, at.END_ROTATION], slots[m, at.END_DAMPED]):
+        rate = flow[m, 0, j].real
+        angle = flow[m, 0, j].imag * s
+        decay = math.exp(rate * s)
+        cos, sin = decay * math.cos(angle), decay * math.sin(angle)
+        modal[at.NOW, j] = _turned(modal[at.START, j], cos, sin)
+        if rate < 0.0:
+            sizes[at.SIZE_NOW, j] = sizes[at.SIZE_START, j] * decay
+    for c in range(slots[m, at.N_CLUSTERS]):
+        _advance_cluster(flow, slots, m, c, modal, sizes, s)
+
+
+@kernel
+def _turned(w, cos, sin):
+    return complex(w.real * cos - w.imag * sin, w.real * sin + w.imag * cos)
+
+
+@kernel
+def _advance_cluster(flow, slots, m, c, modal, sizes, s):
+    first = slots[m, at.CLUSTERS + 3 * c]
+    end = first + slots[m, at.CLUSTERS + 3 * c + 1]
+    degree = slots[m, at.CLUSTERS + 3 * c + 2]
+    mean = flow[m, 0, first]
+    cos, sin, decay = 1.0, 0.0, 1.0
+    if mean.real != 0.0 or mean.imag != 0.0:
+        decay = math.exp(mean.real * s)
+        cos, sin = decay * math.cos(mean.imag * s), decay * math.sin(mean.imag * s)
+    for a in range(first, end):
+        re, im = modal[at.CHAIN + degree, a].real, modal[at.CHAIN + degree, a].imag
+        for d in range(degree - 1, -1, -1):
+            re = re * s + modal[at.CHAIN + d, a].real
+            im = im * s + modal[at.CHAIN + d, a].imag
+        modal[at.NOW, a] = _turned(complex(re, im), cos, sin)
+        if mean.real < 0.0:
+            sizes[at.SIZE_NOW, a] = sizes[at.SIZE_START, a] * decay
+
+
+@kernel
+def state_at(flow, slots, m, modal, out_state):
+    """States from the current modal coordinates; slaved ones follow their relation.
+
+    shapes: out_state (n,) or longer, its first n entries are set
+    """
+    big_n = flow.shape[2]
+    for i in range(out_state.size):
+        total = 0.0
+        for j in range(slots[m, at.COUNT]):
+            weight = flow[m, at.state_row(big_n, i), j]
+            value = modal[at.NOW, j]
+            total += weight.real * value.real - weight.imag * value.imag
+        out_state[i] = total

@@ -1,0 +1,230 @@
+"""The engine loop: flow, first crossing, transition, again and again.
+
+Segments run from an event to the next one or to the end of the forcing period, never to
+a sample or to the end asked for: both only read the closed form. So neither the sampling
+nor the end of a run can change the trajectory.
+"""
+
+from __future__ import annotations
+
+import math
+
+from nonsmooth.engine import layout as at
+from nonsmooth.engine.arrays import copy_vector
+from nonsmooth.engine.event_log import log_event, log_transition, normal_phase
+from nonsmooth.engine.first_crossing import CERTIFIED, GRAZE, NONE, STUCK, first_crossing
+from nonsmooth.engine.jit import entry, kernel
+from nonsmooth.engine.linear_flow import advance, augmented, start_segment, state_at
+from nonsmooth.engine.records import EVENT_FLOATS, EVENTS, SAMPLES, UNCERTAIN, WINDOW_EVENTS
+from nonsmooth.engine.status import EventKind, Status
+from nonsmooth.engine.transitions import guard_holds, pass_exits, slaved_agree
+
+__all__ = ["run", "start"]
+
+_COMPLETED = int(Status.COMPLETED)
+_DIVERGED = int(Status.DIVERGED)
+_EVENT_LIMIT = int(Status.EVENT_LIMIT)
+_STEP_LIMIT = int(Status.STEP_LIMIT)
+_INADMISSIBLE = int(Status.INADMISSIBLE)
+_BUFFER_FULL = int(Status.BUFFER_FULL)
+_START = int(EventKind.START)
+_SWITCH = int(EventKind.SWITCH)
+_IMPACT = int(EventKind.IMPACT)
+_GRAZE = int(EventKind.GRAZE)
+_MOST_EVENTS = 10_000  # in one window; more means that impacts accumulate
+_MOST_SIZE = 1e12  # of a state that does not drift
+# A segment that starts this late in a window runs through the next one: a cut just after
+# an event would forget which guards are zero by construction.
+_LATE = 0.9
+
+
+@entry
+def start(tables, anchor, segment, records, mode, tolerance):
+    """Find the mode of a start and pass the exits that fire at once.
+
+    shapes: anchor holds window, phase and states; mode = -1 takes the first that fits
+    status: COMPLETED, STOPPED, UNDECIDED, or INADMISSIBLE when no mode fits
+    """
+    n = tables.sizes[0]
+    affine, wiring, z = tables.affine, tables.wiring, segment.z
+    _augment(tables, anchor.state, anchor.place[0], anchor.phase[0], z)
+    low, high = (0, affine.shape[0]) if mode < 0 else (mode, mode + 1)
+    first = -1
+    for m in range(low, high):
+        if _fits(n, affine, wiring, m, z, tolerance):
+            first = m
+            break
+    if first < 0:
+        return _INADMISSIBLE
+    status, m, path, passes, _ = pass_exits(
+        n, affine, wiring, first, -1, z, segment.spare, segment.order, segment.basis, tolerance
+    )
+    row = log_event(records, anchor.place[0], anchor.phase[0], _START, first, -1, True, 0.0)
+    for i in range(n):
+        records.event_floats[row, EVENT_FLOATS + i] = anchor.state[i]
+    log_transition(records, row, _START, m, path, passes, z)
+    anchor.place[1] = m
+    _set_anchor(anchor, segment, records, n)
+    return status
+
+
+@kernel
+def _fits(n, affine, wiring, m, z, tolerance):
+    for g in range(wiring[m, 0, at.N_EXITS]):
+        if not guard_holds(affine, m, g, z, tolerance):
+            return False
+    return slaved_agree(n, affine, wiring, m, z, tolerance)
+
+
+@kernel
+def _augment(tables, state, number, phase, z):
+    n, powers = tables.sizes[0], tables.sizes[1]
+    copy_vector(state, z, n)
+    augmented(n, powers, tables.clock[0], tables.harmonics, number, phase, z)
+
+
+@entry
+def run(tables, anchor, segment, records, end_number, end_phase, tolerance):
+    """Run from an anchor to a time given as window number and phase.
+
+    shapes: see `Anchor`, `Segment`, `Records`; all of them are changed in place
+    status: COMPLETED, STOPPED, DIVERGED, UNDECIDED, INADMISSIBLE, EVENT_LIMIT,
+    STEP_LIMIT, or BUFFER_FULL (call again after emptying the event buffer)
+    """
+    flow, slots, window = tables.flow, tables.slots, tables.clock[0]
+    modal, sizes = segment.modal, segment.sizes
+    place, cursor = anchor.place, records.cursor
+    _augment(tables, anchor.state, place[0], anchor.phase[0], segment.z)
+    while True:
+        if cursor[EVENTS] >= records.event_floats.shape[0] - 1:
+            return _BUFFER_FULL
+        m, phase = place[1], anchor.phase[0]
+        whole = window if phase <= _LATE * window else 2.0 * window
+        length = min(whole - phase, tables.spans[m, at.LONGEST])
+        copy_vector(anchor.order, segment.order, anchor.order.size)
+        unit = tables.spans[m, at.ROUNDING]
+        start_segment(flow, tables.bounds, slots, unit, m, segment.z, modal, sizes, length)
+        s, e, found = _search(tables, segment, anchor, records, m, length)
+        end = (end_number - place[0]) * window + (end_phase - phase)
+        if cursor[SAMPLES] < records.sample_phase.size:
+            until = min(s, end)
+            latest = _write_samples(
+                flow, slots, m, modal, sizes, records, place[0], phase, window, s, until
+            )
+            if latest != s:
+                advance(flow, slots, m, modal, sizes, s)
+        if end <= s:
+            advance(flow, slots, m, modal, sizes, end)
+            state_at(flow, slots, m, modal, records.end_state)
+            bounded = _bounded(tables.drifting, records.end_state)
+            return _COMPLETED if bounded else _DIVERGED
+        if found == STUCK:
+            return _STEP_LIMIT
+        state_at(flow, slots, m, modal, anchor.state)
+        copy_vector(anchor.state, records.end_state, anchor.state.size)
+        if not _bounded(tables.drifting, anchor.state):
+            return _DIVERGED
+        if e >= 0:
+            status = _pass_event(tables, segment, anchor, records, s, e, found, tolerance)
+            if status != _COMPLETED:
+                return status
+            continue
+        if length < whole - phase:
+            anchor.phase[0] = phase + length  # cut short for the accuracy of a cluster
+        else:
+            place[0] += 1 if whole == window else 2
+            anchor.phase[0] = 0.0
+            cursor[WINDOW_EVENTS] = 0
+        for g in range(anchor.order.size):
+            anchor.order[g] = 0
+        _augment(tables, anchor.state, place[0], anchor.phase[0], segment.z)
+
+
+@kernel
+def _search(tables, segment, anchor, records, m, length):
+    """First crossing of the segment; tangencies that rounding leaves open are logged."""
+    s = 0.0
+    while True:
+        s, e, found, go_on = first_crossing(tables, segment, m, s, length)
+        if found != GRAZE:
+            return s, e, found
+        records.cursor[UNCERTAIN] += 1
+        _log_crossing(tables, segment, anchor, records, s, e, _GRAZE, False)
+        s = go_on
+        if s >= length:
+            advance(tables.flow, tables.slots, m, segment.modal, segment.sizes, length)
+            return length, -1, NONE
+
+
+@kernel
+def _write_samples(flow, slots, m, modal, sizes, records, number, phase, window, now, until):
+    """Samples of this segment up to and including ``until``; returns where modal stands."""
+    k = records.cursor[SAMPLES]
+    while k < records.sample_phase.size:
+        s = (records.sample_number[k] - number) * window + (records.sample_phase[k] - phase)
+        if s > until:
+            break
+        if s != now:
+            advance(flow, slots, m, modal, sizes, s)
+            now = s
+        state_at(flow, slots, m, modal, records.sample_state[k])
+        records.sample_mode[k] = m
+        k += 1
+    records.cursor[SAMPLES] = k
+    return now
+
+
+@kernel
+def _log_crossing(tables, segment, anchor, records, s, e, kind, certified):
+    """Log an event at s of the segment with the state before it; returns its row."""
+    flow, slots, modal = tables.flow, tables.slots, segment.modal
+    n, m = tables.sizes[0], anchor.place[1]
+    number, phase = normal_phase(anchor.place[0], anchor.phase[0] + s, tables.clock[0])
+    row = log_event(records, number, phase, kind, m, e, certified, segment.scan[e, at.RATE])
+    if row >= 0:
+        values = records.event_floats[row]
+        state_at(flow, slots, m, modal, values[EVENT_FLOATS : EVENT_FLOATS + n])
+        for i in range(n):
+            values[EVENT_FLOATS + n + i] = values[EVENT_FLOATS + i]
+    return row
+
+
+@kernel
+def _pass_event(tables, segment, anchor, records, s, e, found, tolerance):
+    """Log an event, pass its exits and set the anchor behind it."""
+    n, m = tables.sizes[0], anchor.place[1]
+    cursor = records.cursor
+    row = _log_crossing(tables, segment, anchor, records, s, e, _SWITCH, found == CERTIFIED)
+    if found != CERTIFIED:
+        cursor[UNCERTAIN] += 1
+    number, phase = normal_phase(anchor.place[0], anchor.phase[0] + s, tables.clock[0])
+    cursor[WINDOW_EVENTS] = 1 if number > anchor.place[0] else cursor[WINDOW_EVENTS] + 1
+    _augment(tables, anchor.state, number, phase, segment.z)
+    status, m, path, passes, jumped = pass_exits(
+        n, tables.affine, tables.wiring, m, e, segment.z, segment.spare, segment.order,
+        segment.basis, tolerance,
+    )  # fmt: skip
+    log_transition(records, row, _IMPACT if jumped else _SWITCH, m, path, passes, segment.z)
+    anchor.place[0], anchor.place[1] = number, m
+    anchor.phase[0] = phase
+    _set_anchor(anchor, segment, records, n)
+    if status == _COMPLETED and cursor[WINDOW_EVENTS] > _MOST_EVENTS:
+        return _EVENT_LIMIT
+    return status
+
+
+@kernel
+def _set_anchor(anchor, segment, records, n):
+    copy_vector(segment.z, anchor.state, n)
+    copy_vector(segment.z, records.end_state, n)
+    copy_vector(segment.order, anchor.order, anchor.order.size)
+
+
+@kernel
+def _bounded(drifting, state):
+    for i in range(state.size):
+        if not math.isfinite(state[i]):
+            return False
+        if abs(state[i]) > _MOST_SIZE and not (drifting >> i) & 1:
+            return False
+    return True

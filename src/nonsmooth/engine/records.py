@@ -1,0 +1,72 @@
+"""Buffers that a run writes into and the anchor from which it can go on.
+
+An anchor is the start of a segment: window number, phase, mode, states and the known
+orders of zero. A run that ends in the middle of a segment keeps its anchor, so that
+going on repeats the very same operations and the result does not depend on where a run
+was cut.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from nonsmooth.engine.layout import Floats, Integers
+
+__all__ = ["Anchor", "Records", "allocate_anchor", "allocate_records"]
+
+# columns of Records.event_integers
+NUMBER, KIND, FROM, TO, EXIT, PATH, PASSES, IS_CERTIFIED = range(8)
+EVENT_INTEGERS = 8
+# columns of Records.event_floats; states before and states after follow
+PHASE, GUARD_RATE = 0, 1
+EVENT_FLOATS = 2
+# entries of Records.cursor
+SAMPLES, EVENTS, WINDOW_EVENTS, UNCERTAIN = range(4)
+
+
+class Anchor(NamedTuple):
+    """Where a run goes on: the start of the current segment."""
+
+    place: Integers  # (2,): window number, mode
+    phase: Floats  # (1,)
+    state: Floats  # (n,)
+    order: Integers  # (e,)
+
+
+class Records(NamedTuple):
+    """Everything that a run writes."""
+
+    sample_number: Integers  # (s,) window of each sample, in order of time
+    sample_phase: Floats  # (s,)
+    sample_state: Floats  # (s, n)
+    sample_mode: Integers  # (s,)
+    event_integers: Integers  # (c, EVENT_INTEGERS)
+    event_floats: Floats  # (c, EVENT_FLOATS + 2 n)
+    cursor: Integers  # (4,): samples written, events logged, events in this window, uncertain
+    end_state: Floats  # (n,)
+
+
+def allocate_anchor(sizes: Integers) -> Anchor:
+    """Anchor at time zero."""
+    n, n_exits = int(sizes[0]), int(sizes[5])
+    return Anchor(np.zeros(2, np.int64), np.zeros(1), np.zeros(n), np.zeros(n_exits, np.int64))
+
+
+def allocate_records(
+    sizes: Integers, sample_number: Integers, sample_phase: Floats, capacity: int
+) -> Records:
+    """Buffers for given sample times and a number of events."""
+    n = int(sizes[0])
+    count = sample_number.size
+    return Records(
+        sample_number=sample_number,
+        sample_phase=sample_phase,
+        sample_state=np.full((count, n), np.nan),
+        sample_mode=np.full(count, -1, np.int64),
+        event_integers=np.zeros((capacity, EVENT_INTEGERS), np.int64),
+        event_floats=np.zeros((capacity, EVENT_FLOATS + 2 * n)),
+        cursor=np.zeros(4, np.int64),
+        end_state=np.full(n, np.nan),
+    )

@@ -1,0 +1,150 @@
+"""From a program and parameter values to tables: everything the loop needs, in numba.
+
+A sweep pays this once per parameter value, so nothing here is Python.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import partial
+
+import numpy as np
+
+from nonsmooth.engine import layout as at
+from nonsmooth.engine.jit import entry, kernel
+from nonsmooth.engine.modal import decouple, triangular_form
+from nonsmooth.engine.slots import fill_slots
+from nonsmooth.engine.status import Status
+from nonsmooth.engine.tape import run_tape
+from nonsmooth.engine.zeros import fill_orders
+
+__all__ = ["set_up"]
+
+_OK = int(Status.COMPLETED)
+_NOT_FINITE = int(Status.NOT_FINITE)
+# Without a true period, time is cut into windows of about this many radians of the
+# fastest motion, a compromise between restarts and the accuracy of long arguments.
+_WINDOW_RADIANS = 32.0
+
+
+@partial(entry, allocates=True)
+def set_up(program, parameters, tables):
+    """Fill the tables of a program for one set of parameter values.
+
+    status: COMPLETED, NOT_FINITE, NOT_CONVERGED or ILL_CONDITIONED, with the mode where
+    it happened (-1: clock)
+    """
+    slots = np.zeros(parameters.size + program.constants.size + program.tape.shape[0])
+    run_tape(parameters, program.constants, program.tape, slots)
+    mode = _fill_matrices(program, slots, tables)
+    if mode >= 0:
+        return _NOT_FINITE, mode
+    _fill_guards(tables.generator, tables.affine, tables.wiring)
+    if not _fill_clock(
+        program.period_slot, slots, tables.clock, tables.harmonics, tables.generator
+    ):
+        return _NOT_FINITE, -1
+    big_n = tables.generator.shape[1]
+    t = np.zeros((big_n, big_n), np.complex128)
+    v = np.zeros((big_n, big_n), np.complex128)
+    v_inverse = np.zeros((big_n, big_n), np.complex128)
+    norm = np.zeros(big_n)
+    label = np.zeros(big_n, np.int64)
+    for m in range(tables.generator.shape[0]):
+        status = triangular_form(tables.generator[m], t, v, v_inverse, norm)
+        if status == _OK:
+            decouple(t, v, v_inverse, label, norm, tables.clock[0])
+            status = fill_slots(tables, m, t, v, v_inverse, label, norm)
+        if status != _OK:
+            return status, m
+    fill_orders(tables.sizes[0], tables.affine, tables.wiring)
+    return _OK, 0
+
+
+@kernel
+def _fill_matrices(program, slots, tables):
+    """Generators, guards, relations and resets; returns the mode of a bad number or -1."""
+    n, powers, n_frequencies = program.sizes[0], program.sizes[1], program.sizes[2]
+    n_exits = program.sizes[5]
+    generator, affine, harmonics = tables.generator, tables.affine, tables.harmonics
+    for index in np.ndindex(tables.wiring.shape):
+        tables.wiring[index] = program.wiring[index]
+    generator[:] = 0.0
+    affine[:] = 0.0
+    tables.flow[:] = 0.0
+    _scatter(program.flow, slots, generator)
+    for row in range(program.relations.shape[0]):
+        m, i, column, slot = program.relations[row]
+        affine[m, at.relation_row(n_exits, i), column] += slots[slot]
+    for row in range(program.guards.shape[0]):
+        m, e, column, slot = program.guards[row]
+        affine[m, at.guard_row(e, 0), column] += slots[slot]
+    for row in range(program.resets.shape[0]):
+        m, e, i, column, slot = program.resets[row]
+        affine[m, at.reset_row(n_exits, n, e, i), column] += slots[slot]
+    for k in range(n_frequencies):
+        harmonics[0, k] = slots[program.frequency_slots[k]]
+    for m in range(generator.shape[0]):
+        for j in range(1, powers + 1):
+            generator[m, n + j, n + j - 1] = float(j)
+        for k in range(n_frequencies):
+            c = n + 1 + powers + 2 * k
+            generator[m, c, c + 1] = -harmonics[0, k]
+            generator[m, c + 1, c] = harmonics[0, k]
+        if not math.isfinite(generator[m].sum() + affine[m].sum()):
+            return m
+    return -1
+
+
+@kernel
+def _scatter(rows, slots, matrices):
+    for row in range(rows.shape[0]):
+        matrices[rows[row, 0], rows[row, 1], rows[row, 2]] += slots[rows[row, 3]]
+
+
+@kernel
+def _fill_guards(generator, affine, wiring):
+    """Rows of the time derivatives of every guard: h, h M, h M M, ..."""
+    big_n = generator.shape[1]
+    for m in range(generator.shape[0]):
+        for e in range(wiring[m, 0, at.N_EXITS]):
+            for r in range(1, at.DERIVATIVES):
+                for j in range(big_n):
+                    total = 0.0
+                    for i in range(big_n):
+                        total += affine[m, at.guard_row(e, r - 1), i] * generator[m, i, j]
+                    affine[m, at.guard_row(e, r), j] = total
+
+
+@kernel
+def _fill_clock(period_slot, slots, clock, harmonics, generator):
+    if period_slot >= 0:
+        clock[0] = slots[period_slot]
+        clock[1] = 1.0
+    else:
+        clock[0] = _natural_window(generator)
+        clock[1] = 0.0
+    if not (math.isfinite(clock[0]) and clock[0] > 0.0):
+        return False
+    for k in range(harmonics.shape[1]):
+        turns = harmonics[0, k] * clock[0] / (2.0 * math.pi)
+        whole = np.rint(turns)
+        # the period is a rounded quotient, so a whole number comes out off by some ulps
+        harmonics[1, k] = whole if abs(turns - whole) <= 1e-9 * max(1.0, whole) else turns
+    return True
+
+
+@kernel
+def _natural_window(generator):
+    """Power of two near _WINDOW_RADIANS of the fastest motion of any mode."""
+    fastest = 0.0
+    big_n = generator.shape[1]
+    for m in range(generator.shape[0]):
+        for i in range(big_n):
+            for j in range(big_n):
+                # along cycles of length two the units cancel
+                both = abs(generator[m, i, j] * generator[m, j, i])
+                fastest = max(fastest, math.sqrt(both))
+    if fastest == 0.0:
+        return 64.0
+    return 2.0 ** np.rint(math.log2(_WINDOW_RADIANS / fastest))

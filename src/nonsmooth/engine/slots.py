@@ -1,0 +1,254 @@
+"""Modal slots of a mode: one per natural motion, sorted by kind for the inner loop.
+
+Of each pair of conjugate motions one is kept with double weight, so that every guard and
+state is the real part of a weighted sum of slots.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from nonsmooth.engine import layout as at
+from nonsmooth.engine.arrays import copy_vector
+from nonsmooth.engine.jit import allocating, kernel
+from nonsmooth.engine.status import Status
+
+__all__ = ["fill_slots"]
+
+_CONSTANT, _REAL, _ROTATION, _DAMPED, _CLUSTER, _DROPPED = 0, 1, 2, 3, 4, 9
+_OK = int(Status.COMPLETED)
+_ILL_CONDITIONED = int(Status.ILL_CONDITIONED)
+_UNIT = 2.220446049250313e-16
+_SPREAD = 0.5  # largest spread of a cluster times the length of its segments
+_LOST_DIGITS = 1e6  # cancellation between motions beyond which a mode is refused
+
+
+@allocating
+def fill_slots(tables, m, t, v, v_inverse, label, norm):
+    """Sort the decoupled motions of mode m into slots and fill its modal sheets.
+
+    shapes: t, v, v_inverse (N, N) complex as from decouple; label, norm (N,)
+    status: COMPLETED or ILL_CONDITIONED
+    """
+    big_n = t.shape[0]
+    kind = np.zeros(big_n, np.int64)
+    weight = np.ones(big_n)
+    place = np.zeros(big_n, np.int64)
+    if _cancellation(v, v_inverse) > _LOST_DIGITS:
+        return _ILL_CONDITIONED
+    _classify(tables.wiring[m, 0, at.SLAVED], t, v, label, norm, kind, weight)
+    flow, slots, spans = tables.flow[m], tables.slots[m], tables.spans[m]
+    rest = flow[flow.shape[0] - big_n :]  # the nilpotent rows come last
+    count = _place_simple(slots, kind, place)
+    spans[at.LONGEST] = 1e300
+    n_clusters = 0
+    for j in range(big_n):
+        if kind[j] == _CLUSTER and _is_first(label, j):
+            first = count
+            for i in range(j, big_n):
+                if label[i] == label[j]:
+                    place[count] = i
+                    count += 1
+            cluster = slots[at.CLUSTERS + 3 * n_clusters : at.CLUSTERS + 3 * n_clusters + 3]
+            _fill_cluster(flow[0], rest, spans, cluster, tables.clock[0], t, place, first, count)
+            n_clusters += 1
+    slots[at.COUNT] = count
+    slots[at.N_CLUSTERS] = n_clusters
+    length = min(tables.clock[0], spans[at.LONGEST])
+    fastest = _fill_spectrum(flow[0], t, norm, kind, place, count, length)
+    # rounding of the sums, and of eigenvalues over the time that they act
+    spans[at.ROUNDING] = _UNIT * (8.0 + 2.0 * fastest)
+    _fill_weights(tables, m, v, v_inverse, weight, place, count)
+    _fill_guard_weights(tables, m, rest, v, weight, place, count)
+    return _OK
+
+
+@kernel
+def _place_simple(slots, kind, place):
+    count = 0
+    for wanted in range(_CLUSTER):
+        for j in range(kind.size):
+            if kind[j] == wanted:
+                place[count] = j
+                count += 1
+        slots[at.END_CONSTANT + wanted] = count
+    return count
+
+
+@kernel
+def _is_first(label, j):
+    for i in range(j):
+        if label[i] == label[j]:
+            return False
+    return True
+
+
+@kernel
+def _classify(slaved, t, v, label, norm, kind, weight):
+    """Kind of each motion; conjugate partners are dropped, slaved coordinates are inert."""
+    big_n = t.shape[0]
+    for j in range(big_n):
+        mean = complex(0.0, 0.0)
+        members = 0
+        largest = 0.0
+        for i in range(big_n):
+            if label[i] == label[j]:
+                mean += t[i, i]
+                members += 1
+                largest = max(largest, norm[i])
+        mean /= members
+        margin = 1e-12 * largest  # far above rounding, far below an honest frequency
+        if mean.imag < -margin:
+            kind[j] = _DROPPED
+            continue
+        paired = mean.imag > margin
+        weight[j] = 2.0 if paired else 1.0
+        if members > 1:
+            kind[j] = _CLUSTER
+        elif paired:
+            kind[j] = _ROTATION if abs(mean.real) <= 4.0 * _UNIT * largest else _DAMPED
+        else:
+            kind[j] = _CONSTANT if mean.real == 0.0 else _REAL
+        if kind[j] == _CONSTANT and _only_slaved(slaved, v, j):
+            kind[j] = _DROPPED
+
+
+@kernel
+def _only_slaved(slaved, v, j):
+    for i in range(v.shape[0]):
+        if v[i, j] != 0.0 and not (slaved >> i) & 1:
+            return False
+    return True
+
+
+@kernel
+def _cancellation(v, v_inverse):
+    """Largest size of the parts that make up a coordinate, relative to the coordinate.
+
+    max over i of sum_j |v_ij| |v_inverse_ji|; it does not depend on the units chosen.
+    """
+    worst = 0.0
+    for i in range(v.shape[0]):
+        total = 0.0
+        for j in range(v.shape[0]):
+            total += abs(v[i, j]) * abs(v_inverse[j, i])
+        worst = max(worst, total)
+    return worst
+
+
+@kernel
+def _fill_cluster(eigenvalues, rest, spans, cluster, window, t, place, first, end):
+    """Mean eigenvalue, nilpotent rest, degree and admissible length of one cluster."""
+    size = end - first
+    mean = complex(0.0, 0.0)
+    for a in range(first, end):
+        mean += t[place[a], place[a]]
+    mean /= size
+    spread = 0.0
+    for a in range(first, end):
+        spread = max(spread, abs(t[place[a], place[a]] - mean))
+        eigenvalues[a] = mean
+        for b in range(first, end):
+            rest[a, b] = t[place[a], place[b]] if b >= a else complex(0.0, 0.0)
+        rest[a, a] -= mean
+    length = window
+    if spread > 0.0:
+        length = min(length, _SPREAD / spread)
+        spans[at.LONGEST] = min(spans[at.LONGEST], length)
+    # terms beyond the exact chain shrink like (spread * length)^k / k!
+    degree = size - 1
+    term = 1.0
+    while spread > 0.0 and term > 1e-18 and degree < at.MAX_DEGREE:
+        degree += 1
+        term *= spread * length * (degree / (degree - size + 1.0)) / (degree - size + 1.0)
+    cluster[0], cluster[1], cluster[2] = first, size, degree
+
+
+@kernel
+def _fill_spectrum(eigenvalues, t, norm, kind, place, count, length):
+    """Eigenvalues of the simple slots; returns the largest phase error in units of rounding."""
+    fastest = 0.0
+    for slot in range(count):
+        j = place[slot]
+        if kind[j] == _CONSTANT:
+            eigenvalues[slot] = 0.0
+        elif kind[j] == _REAL:
+            eigenvalues[slot] = t[j, j].real
+        elif kind[j] == _ROTATION:
+            eigenvalues[slot] = complex(0.0, t[j, j].imag)
+        elif kind[j] == _DAMPED:
+            eigenvalues[slot] = t[j, j]
+        fastest = max(fastest, _phase_error(eigenvalues[slot], norm, j, length))
+    return fastest
+
+
+@kernel
+def _phase_error(eigenvalue, norm, j, length):
+    """Relative error of exp(eigenvalue s) over a segment, in units of rounding.
+
+    Decayed motions do not count. Eigenvalues of blocks larger than two come out of an
+    iteration and carry errors of the size of the whole block.
+    """
+    acting = length
+    if eigenvalue.real < 0.0:
+        acting = min(length, -1.0 / eigenvalue.real)
+    members = 0
+    for i in range(norm.size):
+        members += norm[i] == norm[j]
+    return acting * (norm[j] if members > 2 else abs(eigenvalue))
+
+
+@kernel
+def _fill_weights(tables, m, v, v_inverse, weight, place, count):
+    """Rows between augmented coordinates and slots, slots and states."""
+    big_n = v.shape[0]
+    n, n_exits = tables.sizes[0], tables.sizes[5]
+    flow, bounds, affine = tables.flow[m], tables.bounds[m], tables.affine[m]
+    slaved = tables.wiring[m, 0, at.SLAVED]
+    for slot in range(count):
+        j = place[slot]
+        for i in range(big_n):
+            flow[at.modal_row(i), slot] = v_inverse[j, i]
+            bounds[i, slot] = abs(v_inverse[j, i])
+        for i in range(n):
+            value = v[i, j]
+            if (slaved >> i) & 1:
+                value = _product(affine[at.relation_row(n_exits, i)], v, j)
+            flow[at.state_row(big_n, i), slot] = value * weight[j]
+
+
+@allocating
+def _fill_guard_weights(tables, m, rest, v, weight, place, count):
+    """Guards, their first two rates and the bound of the third one, in slots."""
+    big_n = v.shape[0]
+    n = tables.sizes[0]
+    flow, bounds, affine = tables.flow[m], tables.bounds[m], tables.affine[m]
+    row = np.zeros(big_n, np.complex128)
+    for e in range(tables.wiring[m, 0, at.N_EXITS]):
+        for slot in range(count):
+            j = place[slot]
+            row[slot] = _product(affine[at.guard_row(e, 0)], v, j) * weight[j]
+            bounds[at.guard_size_row(big_n, e), slot] = abs(row[slot])
+        for r in range(3):
+            copy_vector(row, flow[at.guard_flow_row(big_n, n, e, r)], count)
+            _differentiate(flow[0], rest, row, count)
+        for slot in range(count):
+            bounds[at.guard_third_row(big_n, e), slot] = abs(row[slot])
+
+
+@kernel
+def _product(row, v, j):
+    total = complex(0.0, 0.0)
+    for i in range(row.size):
+        total += row[i] * v[i, j]
+    return total
+
+
+@kernel
+def _differentiate(eigenvalues, rest, row, count):
+    """row := row L with L the block-diagonal matrix of the slots."""
+    for b in range(count - 1, -1, -1):
+        total = row[b] * eigenvalues[b]
+        for a in range(b + 1):
+            total += row[a] * rest[a, b]
+        row[b] = total

@@ -1,0 +1,77 @@
+"""Status codes of a run and their words; event kinds; what each says and its cure."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+
+__all__ = ["CURES", "SETUP_ERRORS", "EventKind", "Status"]
+
+
+class Status(IntEnum):
+    """How a run ended; the lower-case name is the word users see."""
+
+    COMPLETED = 0
+    STOPPED = 1
+    DIVERGED = 2
+    UNDECIDED = 3
+    NONUNIQUE = 4
+    INADMISSIBLE = 5
+    EVENT_LIMIT = 6
+    STEP_LIMIT = 7
+    INTERRUPTED = 8
+    # inside the engine only
+    BUFFER_FULL = 20
+    NOT_FINITE = 21
+    ILL_CONDITIONED = 22
+    NOT_CONVERGED = 23
+
+    @property
+    def word(self) -> str:
+        """Word for results and messages."""
+        return self.name.lower()
+
+
+class EventKind(IntEnum):
+    """What an event is: how the trajectory went on."""
+
+    START = 0
+    SWITCH = 1
+    IMPACT = 2
+    GRAZE = 3
+
+    @property
+    def word(self) -> str:
+        """Word for results."""
+        return self.name.lower()
+
+
+CURES: dict[Status, str] = {
+    Status.STOPPED: "an exit to 'stop' fired",
+    Status.DIVERGED: (
+        "a state that is not declared in drift= exceeded 1e12; check damping and signs, or"
+        " declare the states that travel without bound in drift="
+    ),
+    Status.UNDECIDED: (
+        "at one instant the exits hand over in a circle, so no mode holds; check the signs of"
+        " the guards involved"
+    ),
+    Status.INADMISSIBLE: (
+        "a slaved state does not agree with its equation on entering a mode; name it in the"
+        " exit's reset= if it shall jump"
+    ),
+    Status.EVENT_LIMIT: (
+        "more than 10000 events in one period or window, as when impacts accumulate; sticking"
+        " is not supported in this version, so raise the restitution or add a sticking mode"
+    ),
+    Status.STEP_LIMIT: "the search for a crossing took more than 1000000 steps; please rescale",
+    Status.INTERRUPTED: "interrupted by the user; what was computed is kept",
+}
+
+SETUP_ERRORS: dict[Status, str] = {
+    Status.NOT_FINITE: "a coefficient is not a finite number for these parameters",
+    Status.ILL_CONDITIONED: (
+        "the motion of this mode cannot be split into its natural motions with enough digits"
+        " (strongly non-normal matrix), which this version refuses"
+    ),
+    Status.NOT_CONVERGED: "the eigenvalues of this mode did not converge",
+}

@@ -1,0 +1,201 @@
+"""What happens at one instant: exits fire in turn until a mode holds.
+
+An exit that fires applies its reset and enters its target; there the first exit, in
+declared order, whose guard is negative (or zero with its first non-zero derivative
+negative) fires at the same instant, and so on.
+"""
+
+from __future__ import annotations
+
+from nonsmooth.engine import layout as at
+from nonsmooth.engine.arrays import copy_vector
+from nonsmooth.engine.jit import kernel
+from nonsmooth.engine.status import Status
+from nonsmooth.engine.zeros import ALWAYS_ZERO, push_exit, start_directions, zero_order
+
+__all__ = ["PATH_BITS", "PATH_LENGTH", "guard_holds", "pass_exits", "slaved_agree"]
+
+_COMPLETED = int(Status.COMPLETED)
+_STOPPED = int(Status.STOPPED)
+_UNDECIDED = int(Status.UNDECIDED)
+_INADMISSIBLE = int(Status.INADMISSIBLE)
+_MOST_PASSES = 100
+_OPEN = -1  # order of zero that has to be worked out along the path
+_CLEARLY = 1e-9  # a guard above this part of its terms is not zero by construction
+PATH_BITS = 6  # bits per exit in the recorded path
+PATH_LENGTH = 10
+
+
+@kernel
+def pass_exits(n, affine, wiring, m, e, z, spare, order, basis, tolerance):
+    """Pass exit e of mode m and whatever must fire after it at the same instant.
+
+    shapes: sheets as in Tables, z (N,) augmented coordinates, changed in place; order (e,)
+    an output; spare, basis scratch as in Segment
+    returns: status, mode that holds, path (exits passed, six bits each, lowest first),
+    number of exits passed, whether a reset was applied
+    e = -1 stands for a start: nothing fires before mode m is looked at
+    """
+    first_mode, first_exit = m, e
+    visited = 1 << m
+    path, passes, jumped = 0, 0, False
+    followed = False  # whether basis holds the directions left free by the path so far
+    if e < 0:
+        _settle_slaved(n, affine, wiring, m, z)
+    else:
+        _set_fired_zero(n, affine, m, e, z)
+    while True:
+        if e >= 0:
+            target = wiring[m, 1 + e, at.TARGET]
+            if passes < PATH_LENGTH:
+                path |= (e + 1) << (PATH_BITS * passes)
+            passes += 1
+            jumped = _reset(n, affine, wiring, m, e, z, spare) or jumped
+            if target < 0:
+                return _STOPPED, m, path, passes, jumped
+            if not _slave(n, affine, wiring, m, e, target, z, tolerance):
+                return _INADMISSIBLE, target, path, passes, jumped
+            m = target
+            if ((visited >> m) & 1 and not jumped) or passes > _MOST_PASSES:
+                return _UNDECIDED, m, path, passes, jumped
+            visited |= 1 << m
+            followed = False
+        e = -1
+        for g in range(wiring[m, 0, at.N_EXITS]):
+            known = _OPEN
+            if passes == 1 and first_exit >= 0:
+                known = wiring[first_mode, 1 + first_exit, at.ORDERS + g]
+            elif not _nearly_zero(affine, m, g, z):
+                known = 0
+            if known == _OPEN:
+                if not followed:
+                    _follow(n, affine, wiring, first_mode, first_exit, path, passes, basis)
+                    followed = True
+                known = zero_order(affine, m, g, basis)
+            order[g] = known
+            if _must_fire(affine, m, g, z, order, tolerance):
+                e = g
+                break
+        if e < 0:
+            return _COMPLETED, m, path, passes, jumped
+
+
+@kernel
+def _follow(n, affine, wiring, m, e, path, passes, basis):
+    """Directions left free along the whole path so far."""
+    start_directions(n, affine, wiring, m, e, basis)
+    for k in range(min(passes, PATH_LENGTH)):
+        way = ((path >> (PATH_BITS * k)) & ((1 << PATH_BITS) - 1)) - 1
+        push_exit(n, affine, wiring, m, way, basis)
+        m = wiring[m, 1 + way, at.TARGET]
+
+
+@kernel
+def _sum_of_terms(affine, m, row, z):
+    """Value of a row at z, and the sum of the sizes of its terms."""
+    total, size = 0.0, 0.0
+    for i in range(z.size):
+        term = affine[m, row, i] * z[i]
+        total += term
+        size += abs(term)
+    return total, size
+
+
+@kernel
+def guard_holds(affine, m, g, z, tolerance):
+    """Whether a guard is not negative, as far as the tolerance tells."""
+    value, size = _sum_of_terms(affine, m, at.guard_row(g, 0), z)
+    return value >= -tolerance * size
+
+
+@kernel
+def _nearly_zero(affine, m, g, z):
+    value, size = _sum_of_terms(affine, m, at.guard_row(g, 0), z)
+    return abs(value) <= _CLEARLY * size
+
+
+@kernel
+def _must_fire(affine, m, g, z, order, tolerance):
+    """Whether a guard is negative in the sense of its first derivative that is not zero.
+
+    order[g] counts the zeros known by construction on entry; those that the tolerance
+    declares to be zero are added.
+    """
+    if order[g] == ALWAYS_ZERO:
+        return False
+    for r in range(order[g], at.DERIVATIVES):
+        value, size = _sum_of_terms(affine, m, at.guard_row(g, r), z)
+        if abs(value) > tolerance * size:
+            order[g] = r
+            return value < 0.0
+    order[g] = ALWAYS_ZERO
+    return False
+
+
+@kernel
+def _set_fired_zero(n, affine, m, e, z):
+    """Put the state exactly on the fired guard, by its most influential coordinate."""
+    row = at.guard_row(e, 0)
+    value, _ = _sum_of_terms(affine, m, row, z)
+    pivot = -1
+    largest = 0.0
+    for i in range(n):
+        # relative influence, so that units do not decide
+        influence = abs(affine[m, row, i]) * (abs(z[i]) + 1e-300)
+        if influence > largest:
+            pivot, largest = i, influence
+    if pivot >= 0:
+        z[pivot] -= value / affine[m, row, pivot]
+
+
+@kernel
+def _reset(n, affine, wiring, m, e, z, spare):
+    """Apply the reset of an exit, all new values from the state before."""
+    bits = wiring[m, 1 + e, at.RESETTING]
+    if bits == 0:
+        return False
+    n_exits = wiring.shape[1] - 1
+    for i in range(n):
+        spare[i] = z[i]
+        if (bits >> i) & 1:
+            spare[i] = _sum_of_terms(affine, m, at.reset_row(n_exits, n, e, i), z)[0]
+    copy_vector(spare, z, n)
+    return True
+
+
+@kernel
+def _slave(n, affine, wiring, m, e, target, z, tolerance):
+    """Put slaved states of the target on their relations; False where they disagree."""
+    agree = True
+    n_exits = wiring.shape[1] - 1
+    for i in range(n):
+        if (wiring[target, 0, at.SLAVED] >> i) & 1:
+            value, size = _sum_of_terms(affine, target, at.relation_row(n_exits, i), z)
+            jumps = (wiring[m, 1 + e, at.RESETTING] >> i) & 1
+            # the root of the fired guard leaves a little more than the tolerance
+            allowed = max(tolerance, _CLEARLY) * (size + abs(z[i]))
+            if not jumps and abs(value - z[i]) > allowed:
+                agree = False
+    _settle_slaved(n, affine, wiring, target, z)
+    return agree
+
+
+@kernel
+def _settle_slaved(n, affine, wiring, m, z):
+    """Put the slaved states of a mode on their relations."""
+    n_exits = wiring.shape[1] - 1
+    for i in range(n):
+        if (wiring[m, 0, at.SLAVED] >> i) & 1:
+            z[i] = _sum_of_terms(affine, m, at.relation_row(n_exits, i), z)[0]
+
+
+@kernel
+def slaved_agree(n, affine, wiring, m, z, tolerance):
+    """Whether the slaved states of a mode agree with their relations."""
+    n_exits = wiring.shape[1] - 1
+    for i in range(n):
+        if (wiring[m, 0, at.SLAVED] >> i) & 1:
+            value, size = _sum_of_terms(affine, m, at.relation_row(n_exits, i), z)
+            if abs(value - z[i]) > tolerance * (size + abs(z[i])):
+                return False
+    return True

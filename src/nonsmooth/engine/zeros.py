@@ -1,0 +1,122 @@
+"""What is zero by construction after an event, and to which order.
+
+After an event the fired guard is zero, slaved relations hold, and a reset may keep more.
+A guard of the next mode may therefore start at zero together with some of its
+derivatives. Whether it does follows from linear algebra on the directions that are left
+free, and is never measured from rounded values: the mole, for example, separates with a
+guard that is zero to second order.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from nonsmooth.engine import layout as at
+from nonsmooth.engine.arrays import copy_vector
+from nonsmooth.engine.jit import allocating, kernel
+
+__all__ = ["ALWAYS_ZERO", "fill_orders", "push_exit", "start_directions", "zero_order"]
+
+ALWAYS_ZERO = 99  # order of a guard that stays zero
+_RELATIVE = 1e-10  # a product of rows counts as zero below this part of its terms
+
+
+@allocating
+def fill_orders(n, affine, wiring):
+    """Orders of zero for every exit taken alone, the usual case.
+
+    shapes: affine, wiring as in Tables; the orders in wiring are the output
+    """
+    big_n = affine.shape[2]
+    basis = np.zeros((2, big_n, big_n))
+    for m in range(affine.shape[0]):
+        for e in range(wiring[m, 0, at.N_EXITS]):
+            target = wiring[m, 1 + e, at.TARGET]
+            if target < 0:
+                continue
+            start_directions(n, affine, wiring, m, e, basis)
+            push_exit(n, affine, wiring, m, e, basis)
+            for g in range(wiring[target, 0, at.N_EXITS]):
+                wiring[m, 1 + e, at.ORDERS + g] = zero_order(affine, target, g, basis)
+
+
+@kernel
+def start_directions(n, affine, wiring, m, e, basis):
+    """Directions of augmented coordinates that are free when exit e of mode m fires.
+
+    shapes: basis (2, N, N); the columns of basis[0] span the directions. e = -1 stands
+    for a start, where only the relations of slaved states hold
+    """
+    big_n = affine.shape[2]
+    basis[:] = 0.0
+    for i in range(big_n):
+        basis[0, i, i] = 1.0
+    _slave(n, affine, wiring, m, basis)
+    if e < 0:
+        return
+    row = at.guard_row(e, 0)
+    pivot = -1
+    largest = 0.0
+    for j in range(big_n):
+        value = abs(_product(affine, m, row, basis, 0, j))
+        if value > largest:
+            pivot, largest = j, value
+    if pivot < 0:
+        return
+    at_pivot = _product(affine, m, row, basis, 0, pivot)
+    for j in range(big_n):
+        if j != pivot:
+            factor = _product(affine, m, row, basis, 0, j) / at_pivot
+            for i in range(big_n):
+                basis[0, i, j] -= factor * basis[0, i, pivot]
+    for i in range(big_n):
+        basis[0, i, pivot] = 0.0
+
+
+@kernel
+def push_exit(n, affine, wiring, m, e, basis):
+    """Carry the free directions through the reset of an exit and the target's relations."""
+    n_exits = wiring.shape[1] - 1
+    for i in range(basis.shape[1]):
+        copy_vector(basis[0, i], basis[1, i], basis.shape[1])
+    for i in range(n):
+        if (wiring[m, 1 + e, at.RESETTING] >> i) & 1:
+            row = at.reset_row(n_exits, n, e, i)
+            for j in range(basis.shape[1]):
+                basis[0, i, j] = _product(affine, m, row, basis, 1, j)
+    _slave(n, affine, wiring, wiring[m, 1 + e, at.TARGET], basis)
+
+
+@kernel
+def _slave(n, affine, wiring, m, basis):
+    n_exits = wiring.shape[1] - 1
+    for i in range(n):
+        if (wiring[m, 0, at.SLAVED] >> i) & 1:
+            for j in range(basis.shape[1]):
+                row = at.relation_row(n_exits, i)
+                basis[0, i, j] = _product(affine, m, row, basis, 0, j)
+
+
+@kernel
+def zero_order(affine, m, g, basis):
+    """How many derivatives of guard g of mode m, from its value on, are zero by construction.
+
+    returns: 0 when the value itself is free, ALWAYS_ZERO when all are zero
+    """
+    for r in range(at.DERIVATIVES):
+        row = at.guard_row(g, r)
+        for j in range(basis.shape[1]):
+            size = 0.0
+            for i in range(basis.shape[1]):
+                size += abs(affine[m, row, i] * basis[0, i, j])
+            if abs(_product(affine, m, row, basis, 0, j)) > _RELATIVE * size:
+                return r
+    return ALWAYS_ZERO
+
+
+@kernel
+def _product(affine, m, row, basis, layer, j):
+    total = 0.0
+    for i in range(affine.shape[2]):
+        total += affine[m, row, i] * basis[layer, i, j]
+    return total

@@ -1,0 +1,75 @@
+"""Exceptions that nonsmooth raises on purpose.
+
+::
+
+    NonsmoothError
+    ├── ModelError(ValueError)      the system as written cannot be right
+    ├── OptionError(ValueError)     an argument of a verb cannot be right
+    └── RunError(RuntimeError)      the run could not start or had to stop
+
+Every message says what was required, what came instead and what to do.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+from typing import Any
+
+__all__ = [
+    "ModelError",
+    "NonsmoothError",
+    "OptionError",
+    "RunError",
+    "RunWarning",
+    "unknown_name",
+]
+
+
+class NonsmoothError(Exception):
+    """Base of every exception that nonsmooth raises on purpose."""
+
+
+class ModelError(NonsmoothError, ValueError):
+    """The system as written cannot be right; the message points at the place."""
+
+
+class OptionError(NonsmoothError, ValueError):
+    """An argument given to a verb cannot be right."""
+
+
+class RunError(NonsmoothError, RuntimeError):
+    """A run could not start, or stopped where the caller asked for an exception.
+
+    Parameters
+    ----------
+    message : str
+        What happened and what can be done.
+    status : str, optional
+        Status word of the run, the same as in a result's attributes.
+    time : float, optional
+        Time at which the run stopped.
+    partial : object, optional
+        What was computed up to then.
+    """
+
+    def __init__(
+        self, message: str, *, status: str = "", time: float = float("nan"), partial: Any = None
+    ) -> None:
+        super().__init__(message)
+        self.status = status
+        self.time = time
+        self.partial = partial
+
+
+class RunWarning(UserWarning):
+    """A run ended before its time; the result says why and holds what was computed."""
+
+
+def unknown_name(kind: str, name: str, known: Iterable[str]) -> str:
+    """Sentence for a name that is not declared: what is known, and the nearest one."""
+    names = sorted(known)
+    near = get_close_matches(name, names, n=1)
+    hint = f"; did you mean {near[0]!r}?" if near else ""
+    listed = ", ".join(names) if names else "none"
+    return f"unknown {kind} {name!r}{hint} (known: {listed})"

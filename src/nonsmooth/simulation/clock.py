@@ -1,0 +1,142 @@
+"""Times as window number and phase, and the sample times of a run.
+
+A time is kept as (number of whole windows, phase within the window). The window is the
+period of the forcing where there is one. So a run of a million periods ends at a phase
+that is as exact as that of the first one.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.errors import OptionError
+
+__all__ = ["Instant", "Plan", "instants", "plan_run"]
+
+_UNIT = float(np.finfo(float).eps)
+DEFAULT_SAMPLES = 1000  # intervals of a run given by t_end of a system without a period
+
+
+class Instant(NamedTuple):
+    """A time as window number and phase."""
+
+    number: int
+    phase: float
+
+
+class Plan(NamedTuple):
+    """Where a run ends and when it is sampled."""
+
+    end: Instant
+    sample_number: npt.NDArray[np.int64]
+    sample_phase: npt.NDArray[np.float64]
+
+
+def instants(
+    times: npt.ArrayLike, window: float
+) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.float64]]:
+    """Window numbers and phases of times; times within rounding of a window's end belong to the next."""
+    times = np.asarray(times, dtype=float)
+    nearest = np.rint(times / window)
+    on_boundary = np.abs(times - nearest * window) <= 4.0 * _UNIT * np.abs(times)
+    number = np.where(on_boundary, nearest, np.floor(times / window))
+    phase = np.where(on_boundary, 0.0, np.clip(times - number * window, 0.0, window))
+    return number.astype(np.int64), phase
+
+
+def plan_run(
+    window: float,
+    periodic: bool,
+    start: Instant,
+    *,
+    periods: float | None,
+    t_end: float | None,
+    times: npt.ArrayLike | None,
+    samples_per_period: int,
+) -> Plan:
+    """End and sample times of a run from exactly one of ``periods``, ``t_end``, ``times``."""
+    given = [
+        name
+        for name, value in (("periods", periods), ("t_end", t_end), ("times", times))
+        if value is not None
+    ]
+    if len(given) != 1:
+        what = "none is" if not given else " and ".join(given) + " are"
+        raise OptionError(f"give exactly one of periods=, t_end= and times=; {what} given")
+    if times is not None:
+        return _plan_times(window, start, times)
+    _check_samples(samples_per_period)
+    t_start = start.number * window + start.phase
+    if periods is not None:
+        if not periodic:
+            raise OptionError(
+                "periods= needs a system with a period; declare period= in the system, or give"
+                " t_end= or times="
+            )
+        if not (np.isfinite(periods) and periods > 0):
+            raise OptionError(f"periods = {periods} must be positive and finite")
+        whole = int(np.floor(periods))
+        end = _after(start, whole, (periods - whole) * window, window)
+        return _plan_grid(
+            window, start, end, int(np.floor(periods * samples_per_period)), samples_per_period
+        )
+    assert t_end is not None
+    if not (np.isfinite(t_end) and t_end > t_start):
+        raise OptionError(f"t_end = {t_end} must be later than the start, t = {t_start:g}")
+    number, phase = instants([t_end], window)
+    end = Instant(int(number[0]), float(phase[0]))
+    if periodic:
+        count = int(np.floor((t_end - t_start) / window * samples_per_period + 1e-9))
+        return _plan_grid(window, start, end, count, samples_per_period)
+    grid = np.linspace(t_start, t_end, DEFAULT_SAMPLES + 1)
+    return _grid_of_times(window, start, end, grid)
+
+
+def _check_samples(samples_per_period: int) -> None:
+    if samples_per_period != int(samples_per_period) or samples_per_period < 1:
+        raise OptionError(
+            f"samples_per_period = {samples_per_period} must be a whole number of at least 1"
+        )
+
+
+def _after(start: Instant, windows: int, phase: float, window: float) -> Instant:
+    number, phase = start.number + windows, start.phase + phase
+    if phase >= window * (1.0 - 4.0 * _UNIT):  # a sum of phases meets the boundary up to rounding
+        return Instant(number + 1, max(0.0, phase - window))
+    return Instant(number, phase)
+
+
+def _plan_grid(window: float, start: Instant, end: Instant, count: int, per_window: int) -> Plan:
+    index = np.arange(count + 1, dtype=np.int64)
+    number = start.number + index // per_window
+    phase = start.phase + (index % per_window) * (window / per_window)
+    over = phase >= window * (1.0 - 4.0 * _UNIT)
+    return Plan(end, number + over, np.maximum(0.0, phase - window * over))
+
+
+def _plan_times(window: float, start: Instant, times: npt.ArrayLike) -> Plan:
+    grid = np.atleast_1d(np.asarray(times, dtype=float))
+    if grid.ndim != 1 or grid.size == 0 or not np.all(np.isfinite(grid)):
+        raise OptionError("times= takes a one-dimensional, non-empty list of finite numbers")
+    if np.any(np.diff(grid) < 0.0):
+        raise OptionError("times= must not decrease; sort it")
+    t_start = start.number * window + start.phase
+    if grid[0] < t_start - 4.0 * _UNIT * abs(t_start):
+        raise OptionError(
+            f"times[0] = {grid[0]:g} lies before the start, t = {t_start:g}; runs go forward only"
+        )
+    number, phase = instants(grid[-1:], window)
+    return _grid_of_times(window, start, Instant(int(number[0]), float(phase[0])), grid)
+
+
+def _grid_of_times(
+    window: float, start: Instant, end: Instant, grid: npt.NDArray[np.float64]
+) -> Plan:
+    number, phase = instants(grid, window)
+    # a first time equal to the start up to rounding is the start
+    early = (number < start.number) | ((number == start.number) & (phase < start.phase))
+    number[early], phase[early] = start.number, start.phase
+    return Plan(end, number, phase)

@@ -1,0 +1,168 @@
+"""Drives the engine loop: tables, chunks, the event buffer, interruption, progress."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.engine import records as at
+from nonsmooth.engine.layout import (
+    MAX_AUGMENTED,
+    Tables,
+    allocate_segment,
+    allocate_tables,
+    augmented_size,
+)
+from nonsmooth.engine.loop import run, start
+from nonsmooth.engine.records import Anchor, Records, allocate_anchor, allocate_records
+from nonsmooth.engine.setup import set_up
+from nonsmooth.engine.status import SETUP_ERRORS, Status
+from nonsmooth.errors import ModelError
+from nonsmooth.simulation.clock import Instant, Plan
+from nonsmooth.simulation.kernels import announce_compilation
+from nonsmooth.simulation.progress import Progress
+from nonsmooth.system.system import System
+
+__all__ = ["NoMode", "Outcome", "build_tables", "run_plan"]
+
+_CAPACITY = 8192  # events per buffer
+_WINDOWS_PER_CALL = 10_000  # a few hundredths of a second: interruption and progress
+
+
+class NoMode(Exception):
+    """No mode admits the start; carries the augmented coordinates of the start."""
+
+    def __init__(self, z: npt.NDArray[np.float64]) -> None:
+        super().__init__("no mode admits the start")
+        self.z = z
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a run left behind, as arrays."""
+
+    status: Status
+    tables: Tables
+    plan: Plan
+    anchor: Anchor
+    records: Records
+    n_samples: int
+    event_integers: npt.NDArray[np.int64]
+    event_floats: npt.NDArray[np.float64]
+    n_uncertain: int
+    end: Instant
+
+
+def build_tables(system: System) -> Tables:
+    """Tables of a system for its parameter values."""
+    program = system.compiled.program
+    if augmented_size(program.sizes) > MAX_AUGMENTED:
+        raise ModelError(
+            f"{system.name}: states, powers of time and two per frequency make"
+            f" {augmented_size(program.sizes)} coordinates; at most {MAX_AUGMENTED} are supported"
+        )
+    announce_compilation()
+    tables = allocate_tables(program)
+    values = np.array(list(system.parameter_values.values()), dtype=float)
+    code, mode = set_up(program, values, tables)
+    if code != Status.COMPLETED:
+        where = "the period" if mode < 0 else f"mode {system.mode_names[mode]!r}"
+        given = ", ".join(f"{k} = {v:g}" for k, v in system.parameter_values.items())
+        raise ModelError(f"{system.name}, {where}: {SETUP_ERRORS[Status(code)]} ({given})")
+    return tables
+
+
+def run_plan(
+    tables: Tables,
+    plan: Plan,
+    tolerance: float,
+    *,
+    anchor: Anchor | None = None,
+    state: npt.NDArray[np.float64] | None = None,
+    begin: Instant = Instant(0, 0.0),
+    mode: int = -1,
+) -> Outcome:
+    """Run a plan from an anchor, or from a state at an instant; `NoMode` when none fits."""
+    sizes = tables.sizes
+    records = allocate_records(sizes, plan.sample_number, plan.sample_phase, _CAPACITY)
+    segment = allocate_segment(sizes)
+    status = Status.COMPLETED
+    if anchor is None:
+        assert state is not None
+        anchor = allocate_anchor(sizes)
+        anchor.place[0], anchor.phase[0] = begin
+        anchor.state[:] = state
+        status = Status(start(tables, anchor, segment, records, mode, tolerance))
+        if status == Status.INADMISSIBLE:
+            raise NoMode(segment.z.copy())
+    log = _EventLog(records)
+    if status == Status.COMPLETED:
+        status = _run(tables, plan, anchor, segment, records, log, tolerance)
+    end = plan.end
+    if status != Status.COMPLETED:
+        end = Instant(int(anchor.place[0]), float(anchor.phase[0]))
+    integers, floats = log.close()
+    return Outcome(
+        status=status,
+        tables=tables,
+        plan=plan,
+        anchor=anchor,
+        records=records,
+        n_samples=int(records.cursor[at.SAMPLES]),
+        event_integers=integers,
+        event_floats=floats,
+        n_uncertain=int(records.cursor[at.UNCERTAIN]),
+        end=end,
+    )
+
+
+def _run(
+    tables: Tables,
+    plan: Plan,
+    anchor: Anchor,
+    segment: Any,
+    records: Records,
+    log: _EventLog,
+    tolerance: float,
+) -> Status:
+    first = int(anchor.place[0])
+    with Progress("simulating", max(1, plan.end.number - first)) as progress:
+        while True:
+            done = int(anchor.place[0]) + _WINDOWS_PER_CALL
+            stop = Instant(done, 0.0) if done < plan.end.number else plan.end
+            try:
+                status = Status(run(tables, anchor, segment, records, *stop, tolerance))
+            except KeyboardInterrupt:
+                return Status.INTERRUPTED
+            if status == Status.BUFFER_FULL:
+                log.empty()
+            elif status != Status.COMPLETED or stop == plan.end:
+                return status
+            try:
+                progress.update(int(anchor.place[0]) - first)
+            except KeyboardInterrupt:
+                return Status.INTERRUPTED
+
+
+class _EventLog:
+    """Collects the event buffer whenever it is full."""
+
+    def __init__(self, records: Records) -> None:
+        self.records = records
+        self.integers: list[npt.NDArray[np.int64]] = []
+        self.floats: list[npt.NDArray[np.float64]] = []
+
+    def empty(self) -> None:
+        """Move the rows of the buffer away."""
+        count = int(self.records.cursor[at.EVENTS])
+        self.integers.append(self.records.event_integers[:count].copy())
+        self.floats.append(self.records.event_floats[:count].copy())
+        self.records.cursor[at.EVENTS] = 0
+
+    def close(self) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.float64]]:
+        """All rows."""
+        self.empty()
+        return np.concatenate(self.integers), np.concatenate(self.floats)

@@ -1,0 +1,147 @@
+"""Where a run starts: from names, from a point of a dataset, or from the end of a run."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.engine.layout import DERIVATIVES, N_EXITS, SLAVED, Tables
+from nonsmooth.engine.records import Anchor
+from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.simulation.clock import Instant, instants
+from nonsmooth.system.system import System
+
+__all__ = ["Start", "explain_misfit", "resolve_start"]
+
+
+@dataclass(frozen=True)
+class Start:
+    """State, instant and mode of a start, or the anchor of a run to go on from."""
+
+    state: npt.NDArray[np.float64]
+    instant: Instant
+    mode: int = -1
+    anchor: Anchor | None = None
+
+
+def resolve_start(
+    system: System, tables: Tables, initial: Any, t_start: float | None, mode: str | None
+) -> Start:
+    """Start of a run from what the user gave."""
+    if hasattr(initial, "data_vars"):
+        return _from_dataset(system, tables, initial, t_start, mode)
+    if initial is not None and not isinstance(initial, Mapping):
+        raise OptionError(
+            f"initial = {initial!r:.60}: give a mapping of state names to numbers, such as"
+            f" {{{system.states[0]!r}: 0.1}}, a point of a dataset, or a run to go on from"
+        )
+    state = _from_mapping(system, initial or {})
+    return Start(state, _instant(tables, t_start or 0.0), _mode_index(system, mode))
+
+
+def _from_mapping(system: System, initial: Mapping[str, Any]) -> npt.NDArray[np.float64]:
+    values = dict(system.rest_state)
+    for name, value in initial.items():
+        if name not in values:
+            raise OptionError(f"initial: {unknown_name('state', str(name), system.states)}")
+        try:
+            number = float(value)
+        except (TypeError, ValueError):
+            number = math.nan
+        if not math.isfinite(number):
+            raise OptionError(f"initial[{name!r}] = {value!r:.60} is not a finite number")
+        values[name] = number
+    return np.array([values[name] for name in system.states])
+
+
+def _mode_index(system: System, mode: str | None) -> int:
+    if mode is None:
+        return -1
+    if mode not in system.mode_names:
+        raise OptionError(f"mode: {unknown_name('mode', mode, system.mode_names)}")
+    return system.mode_names.index(mode)
+
+
+def _instant(tables: Tables, time: float) -> Instant:
+    if not math.isfinite(time):
+        raise OptionError(f"t_start = {time} is not a finite number")
+    number, phase = instants([time], float(tables.clock[0]))
+    return Instant(int(number[0]), float(phase[0]))
+
+
+def _from_dataset(
+    system: System, tables: Tables, data: Any, t_start: float | None, mode: str | None
+) -> Start:
+    missing = [name for name in system.states if name not in data.data_vars]
+    if missing:
+        raise OptionError(f"initial: the dataset has no state {missing[0]!r} of {system.name!r}")
+    if "time" in data.dims:
+        return _from_run(system, tables, data, t_start, mode)
+    state = np.array([float(data[name]) for name in system.states])
+    if not np.all(np.isfinite(state)):
+        raise OptionError("initial: the point of the dataset has states that are not finite")
+    time = t_start if t_start is not None else float(data.coords.get("time", 0.0))
+    names = data["mode"].attrs.get("flag_meanings", "").split() if "mode" in data else []
+    if mode is None and names == list(system.mode_names):
+        return Start(state, _instant(tables, time), int(data["mode"]))
+    return Start(state, _instant(tables, time), _mode_index(system, mode))
+
+
+def _from_run(
+    system: System, tables: Tables, run: Any, t_start: float | None, mode: str | None
+) -> Start:
+    status = run.attrs.get("status")
+    if status != "completed" or "anchor_state" not in run:
+        raise OptionError(
+            f"initial: the run ended with status {status!r} and cannot go on; take one of its"
+            " points instead, as in run.isel(time=-1)"
+        )
+    if t_start is not None or mode is not None:
+        raise OptionError("a run goes on where it ended: leave out t_start= and mode=")
+    end = Instant(int(run.attrs["end_number"]), float(run.attrs["end_phase"]))
+    if run.attrs["system"] != system.to_toml():
+        # another system, a changed parameter for instance: same state, same phase
+        window = float(tables.clock[0])
+        same = math.isclose(window, float(run.attrs["window"]), rel_tol=1e-15)
+        time = end.number * float(run.attrs["window"]) + end.phase
+        return Start(run["end_state"].values.copy(), end if same else _instant(tables, time))
+    anchor = Anchor(
+        np.array([run.attrs["anchor_number"], run.attrs["anchor_mode"]], np.int64),
+        np.array([run.attrs["anchor_phase"]], float),
+        run["anchor_state"].values.astype(float),
+        np.atleast_1d(np.asarray(run.attrs["anchor_order"], np.int64)),
+    )
+    return Start(run["end_state"].values.copy(), end, anchor=anchor)
+
+
+def explain_misfit(system: System, tables: Tables, start: Start, z: npt.NDArray[np.float64]) -> str:
+    """What fails in each mode for a start that no mode admits."""
+    lines = []
+    n_exits = int(tables.sizes[5])
+    for m, (name, forms) in enumerate(system.structure.modes.items()):
+        if start.mode not in (-1, m):
+            continue
+        faults = []
+        for e in range(int(tables.wiring[m, 0, N_EXITS])):
+            value = float(tables.affine[m, DERIVATIVES * e] @ z)
+            if value < 0.0:
+                guard = system.modes[name].exits[e].guard
+                faults.append(f"guard {guard!r} is {value:.6g}, it must not be negative")
+        for i, state in enumerate(system.states):
+            if (int(tables.wiring[m, 0, SLAVED]) >> i) & 1:
+                wanted = float(tables.affine[m, DERIVATIVES * n_exits + i] @ z)
+                if wanted != z[i]:
+                    text = forms.slaved_equations[state].text
+                    faults.append(f"{state} = {z[i]:.6g}, but {text!r} gives {wanted:.6g}")
+        lines.append(f"  {name}: {'; '.join(faults)}")
+    given = ", ".join(f"{k} = {v:.6g}" for k, v in zip(system.states, z, strict=False))
+    return (
+        f"the initial state ({given}) fits no mode of {system.name!r}:\n"
+        + "\n".join(lines)
+        + "\nchange the state so that it lies inside one of the modes"
+    )

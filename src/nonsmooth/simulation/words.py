@@ -1,0 +1,85 @@
+"""Phase words: the modes that a run visits, in order.
+
+Modes of zero duration, passed within one instant, are no part of a word.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from nonsmooth.engine import records as at
+from nonsmooth.engine.status import EventKind
+from nonsmooth.errors import OptionError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from nonsmooth.simulation.runner import Outcome
+    from nonsmooth.system.system import System
+
+__all__ = ["last_period_word", "phase_word"]
+
+_LONGEST = 100  # modes in the attribute of a dataset; the function below has no limit
+
+
+def phase_word(
+    run: xr.Dataset, start: float | None = None, stop: float | None = None
+) -> tuple[str, ...]:
+    """Modes that a run visits between two times, in order.
+
+    Parameters
+    ----------
+    run : xarray.Dataset
+        Result of `simulate`.
+    start, stop : float, optional
+        Times; the whole run by default. The mode in force at ``start`` comes first.
+
+    Returns
+    -------
+    tuple of str
+        Names of modes.
+
+    Raises
+    ------
+    OptionError
+        When ``stop`` is before ``start``.
+
+    Examples
+    --------
+    >>> import nonsmooth as ns
+    >>> run = ns.simulate(ns.models.moling(a=0.3, b=0.15, xi=0.05, omega=0.1), periods=20)
+    >>> T = run.attrs["period"]
+    >>> ns.phase_word(run, 18.25 * T, 19.25 * T)
+    ('no_contact', 'contact', 'progression', 'contact', 'no_contact')
+    """
+    low = -np.inf if start is None else start
+    high = np.inf if stop is None else stop
+    if high < low:
+        raise OptionError(f"stop = {high:g} lies before start = {low:g}")
+    names = run["event_to"].attrs["flag_meanings"].split()
+    keep = run["event_kind"].values != EventKind.GRAZE.word
+    times, entered = run["event_time"].values[keep], run["event_to"].values[keep]
+    return tuple(names[m] for m in _modes_between(times, entered, low, high))
+
+
+def last_period_word(system: System, outcome: Outcome) -> str:
+    """Word of the last period of a run, of the whole run where there is no period."""
+    rows = outcome.event_integers
+    keep = rows[:, at.KIND] != EventKind.GRAZE
+    window = float(outcome.tables.clock[0])
+    times = (rows[:, at.NUMBER] * window + outcome.event_floats[:, at.PHASE])[keep]
+    end = outcome.end.number * window + outcome.end.phase
+    low = end - window if system.period_value is not None else -np.inf
+    modes = _modes_between(times, rows[keep, at.TO], low, end)
+    if modes.size == 0:  # no event since the run went on from an earlier one
+        modes = outcome.anchor.place[1:2]
+    text = " ".join(system.mode_names[m] for m in modes[-_LONGEST:])
+    return ("... " if modes.size > _LONGEST else "") + text
+
+
+def _modes_between(times: np.ndarray, entered: np.ndarray, low: float, high: float) -> np.ndarray:
+    first = int(np.searchsorted(times, low, side="right"))
+    last = int(np.searchsorted(times, high, side="left"))
+    return entered[max(0, first - 1) : max(last, first)].astype(int)

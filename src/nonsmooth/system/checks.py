@@ -1,0 +1,255 @@
+"""Checks of a system: what is declared, what hangs together, what values are allowed.
+
+Three rounds, from cheap to dear: words (before anything is parsed), structure (linear
+forms), values (everything that depends on the numbers of the parameters).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING
+
+from nonsmooth.errors import ModelError, unknown_name
+from nonsmooth.system.evaluate import constant_value
+from nonsmooth.system.expressions import Expression, Name, names_in, to_text
+from nonsmooth.system.functions import FUNCTIONS
+from nonsmooth.system.grammar import is_name, parse
+from nonsmooth.system.linear import LinearForm, Power, State
+from nonsmooth.system.parts import STOP, Mode, Text
+
+if TYPE_CHECKING:
+    from nonsmooth.system.structure import Structure
+    from nonsmooth.system.system import System
+
+__all__ = [
+    "check_structure",
+    "check_values",
+    "check_words",
+    "parameter_values",
+    "period_value",
+    "refuse_unsupported",
+    "rest_state",
+]
+
+# names with a fixed meaning in the grammar, and the dimensions of every result
+_RESERVED = {"t", "pi", "rate", STOP, *FUNCTIONS}
+_RESULT_NAMES = {
+    "time", "event", "state", "mode", "point", "lane", "orbit", "parameter", "phase",
+    "period_number",
+}  # fmt: skip
+_UNSUPPORTED = {
+    "equations": "write one Mode per smooth piece in modes=",
+    "surfaces": "write the two sides of the surface as modes with an exit each",
+    "symmetry": "leave it out; no analysis of this version uses it",
+    "slow": "write the change as a definition in t, as far as the modes stay linear",
+    "signals": "write the input as harmonics of t",
+}
+
+
+def refuse_unsupported(system: System) -> None:
+    """Refuse what the contract names and this version does not do yet."""
+    for key, cure in _UNSUPPORTED.items():
+        if getattr(system, key) is not None:
+            raise ModelError(f"{key}= is not supported in this version; {cure}")
+
+
+def check_words(system: System) -> None:
+    """Every name is well-formed, declared once and allowed where it stands."""
+    if not system.states:
+        raise ModelError("states: a system needs at least one state")
+    if not system.modes:
+        raise ModelError("modes: a system needs at least one mode")
+    owner: dict[str, str] = {}
+    for kind in ("states", "parameters", "definitions", "outputs"):
+        for name in getattr(system, kind):
+            _check_name(kind, name)
+            if name in owner:
+                raise ModelError(f"{kind}: {name!r} is declared already in {owner[name]}")
+            owner[name] = kind
+    for name, mode in system.modes.items():
+        _check_name("modes", name)
+        _check_mode(system, name, mode)
+    for name in system.drift:
+        if name not in system.states:
+            raise ModelError(f"drift: {unknown_name('state', name, system.states)}")
+    for name in system.initial:
+        if name not in system.states:
+            raise ModelError(f"initial: {unknown_name('state', name, system.states)}")
+    for name, label in system.describe.items():
+        if name not in owner:
+            raise ModelError(f"describe: {unknown_name('name', name, owner)}")
+        if not isinstance(label, str):
+            raise ModelError(f"describe[{name!r}]: a label is a text, not {label!r:.60}")
+
+
+def _check_name(kind: str, name: object) -> None:
+    if not isinstance(name, str) or not is_name(name):
+        raise ModelError(
+            f"{kind}: {name!r:.60} is not a name; use letters, digits and _, not a reserved word"
+        )
+    if name in _RESERVED:
+        raise ModelError(f"{kind}: {name!r} has a fixed meaning; choose another name")
+    if kind in ("states", "outputs") and name in _RESULT_NAMES:
+        raise ModelError(
+            f"{kind}: {name!r} is the name of a dimension of results; choose another name"
+        )
+
+
+def _check_mode(system: System, name: str, mode: Mode) -> None:
+    if not isinstance(mode, Mode):
+        raise ModelError(f"modes[{name!r}] is {mode!r:.60}; write Mode(flow, exits=...)")
+    for state in (*mode.flow, *mode.slaved):
+        if state not in system.states:
+            raise ModelError(f"modes[{name!r}]: {unknown_name('state', state, system.states)}")
+    for state in system.states:
+        if state in mode.flow and state in mode.slaved:
+            raise ModelError(
+                f"modes[{name!r}]: {state!r} has a flow and is slaved; keep one of them"
+            )
+        if state not in mode.flow and state not in mode.slaved:
+            raise ModelError(
+                f"modes[{name!r}]: state {state!r} has neither a flow nor a slaved equation;"
+                f' add flow["{state}"], "0" if it does not change'
+            )
+    for key in mode.definitions:
+        if key not in system.definitions:
+            raise ModelError(
+                f"modes[{name!r}].definitions: {unknown_name('definition', key, system.definitions)};"
+                " a mode overrides definitions of the system"
+            )
+
+
+def check_structure(system: System) -> None:
+    """Linear forms exist and nothing depends on a drifting state."""
+    structure = system.structure
+    for drifting in system.drift_states:
+        for where, form, own in _forms_with_place(structure):
+            if own != drifting and State(drifting) in form.terms:
+                raise ModelError(
+                    f"drift: {where} depends on {drifting!r}, so it cannot be a drift state;"
+                    " leave it out of drift= or rewrite the equation"
+                )
+
+
+def _forms_with_place(structure: Structure) -> Iterator[tuple[str, LinearForm, str]]:
+    """Forms that a drift must not enter; the last entry may depend on itself."""
+    for name, mode in structure.modes.items():
+        for state, form in mode.rates.items():
+            yield f"the rate of {state!r} in mode {name!r}", form, ""
+        for state, form in mode.slaved.items():
+            yield f"the slaved equation of {state!r} in mode {name!r}", form, ""
+        for way in mode.exits:
+            yield f"the guard of {way.name!r} in mode {name!r}", way.guard, ""
+            for state, form in way.reset.items():
+                yield f"the reset of {state!r} by {way.name!r} in mode {name!r}", form, state
+
+
+def check_values(system: System) -> None:
+    """Everything that depends on the values of the parameters."""
+    values = system.parameter_values
+    for condition, reason in system.require.items():
+        if not _holds(condition, values):
+            given = ", ".join(f"{n.name} = {values[n.name]:g}" for n in _condition_names(condition))
+            raise ModelError(f"{condition} is required, {given} was given: {reason}")
+    for name, mode in system.structure.modes.items():
+        for way in mode.exits:
+            _check_guard(f"modes[{name!r}], exit {way.name!r}", way.guard, values)
+    _ = system.rest_state
+    period = system.period_value
+    if period is not None:
+        _check_period(system, period)
+
+
+def parameter_values(parameters: Mapping[str, Text]) -> dict[str, float]:
+    """Numbers of the parameters; a text is a constant expression."""
+    values = {}
+    for name, given in parameters.items():
+        tree = parse(given, where=f"parameters[{name!r}]")  # type: ignore[arg-type]
+        unknown = [n.name for n in names_in(tree) if n.name != "pi"]
+        if unknown:
+            raise ModelError(
+                f"parameters[{name!r}] = {given!r} uses {unknown[0]!r}; a value is a number or"
+                " a constant expression. Put expressions of parameters into definitions"
+            )
+        value = constant_value(tree, {})
+        if not math.isfinite(value):
+            raise ModelError(f"parameters[{name!r}] = {given!r} is not a finite number")
+        values[name] = value
+    return values
+
+
+def rest_state(system: System) -> dict[str, float]:
+    """Documented rest state: ``initial``, zero where it says nothing."""
+    state = dict.fromkeys(system.states, 0.0)
+    for name, equation in system.structure.initial.items():
+        form = system.structure.static_form.form(equation)
+        state[name] = static_value(form, system.parameter_values, equation.where)
+    return state
+
+
+def period_value(system: System) -> float | None:
+    """Period as a number, positive and finite."""
+    equation = system.structure.period
+    if equation is None:
+        return None
+    form = system.structure.static_form.form(equation)
+    value = static_value(form, system.parameter_values, "period")
+    if not (value > 0.0 and math.isfinite(value)):
+        raise ModelError(f"period: {equation.text!r} is {value}; it must be positive and finite")
+    return value
+
+
+def static_value(form: LinearForm, values: Mapping[str, float], where: str) -> float:
+    """Value of a form that must depend on parameters only."""
+    if not form.is_constant:
+        raise ModelError(f"{where}: states and time cannot appear here, only parameters")
+    value = constant_value(form.constant_part, values)
+    if not math.isfinite(value):
+        raise ModelError(
+            f"{where}: {to_text(form.constant_part)} is {value} for the parameters given"
+        )
+    return value
+
+
+def _holds(condition: str, values: Mapping[str, float]) -> bool:
+    return bool(constant_value(_condition(condition), values))
+
+
+def _condition(text: str) -> Expression:
+    """Tree of a condition such as ``xi > 0``, read through the grammar's ``where``."""
+    tree = parse(f"where({text}, 1, 0)", where=f"require[{text!r}]")
+    return tree
+
+
+def _condition_names(text: str) -> list[Name]:
+    return list({node.name: node for node in names_in(_condition(text))}.values())
+
+
+def _check_guard(where: str, guard: LinearForm, values: Mapping[str, float]) -> None:
+    if not guard.is_constant:
+        return
+    value = constant_value(guard.constant_part, values)
+    if not value > 0.0:
+        raise ModelError(
+            f"{where}: the guard is the constant {value:g}; a guard is positive inside its mode,"
+            " so this mode could never be left or never be entered"
+        )
+
+
+def _check_period(system: System, period: float) -> None:
+    structure = system.structure
+    for frequency in structure.frequencies:
+        turns = constant_value(frequency, system.parameter_values) * period / (2.0 * math.pi)
+        # a period computed in double precision from its frequency is off by some ulps only
+        if abs(turns - round(turns)) > 1e-9 * max(1.0, abs(turns)):
+            raise ModelError(
+                f"period = {period:g} is not a period of the equations: cos({to_text(frequency)}*t)"
+                f" turns {turns:.6g} times in it; give a common period, or none"
+            )
+    for where, form, _ in _forms_with_place(structure):
+        for basis in form.terms:
+            if isinstance(basis, Power) and basis.order > 0:
+                raise ModelError(
+                    f"period: {where} grows with t, so the system has no period; leave it out"
+                )

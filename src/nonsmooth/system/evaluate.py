@@ -1,0 +1,41 @@
+"""Values of expressions on numbers or numpy arrays, node by node from the function table."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from nonsmooth.system.expressions import Expression, Name, Number, to_text
+from nonsmooth.system.functions import lookup
+
+__all__ = ["constant_value", "evaluate"]
+
+
+def evaluate(expression: Expression, values: Mapping[str, Any]) -> Any:
+    """Value of an expression, names taken from ``values``; arrays broadcast.
+
+    The rate of a state is asked for under the name ``rate(state)``.
+
+    Division by zero and the like give ``inf`` or ``nan`` as numpy does; callers that
+    need a finite value check it and say which text it came from.
+    """
+    if isinstance(expression, Number):
+        return expression.value
+    if isinstance(expression, Name):
+        return math.pi if expression.name == "pi" else values[expression.name]
+    if expression.function == "rate":
+        return values[to_text(expression)]
+    arguments = [evaluate(argument, values) for argument in expression.arguments]
+    if expression.function == "**":
+        # numpy refuses integer arrays with negative powers and returns ints otherwise
+        arguments = [np.asarray(a, dtype=float) for a in arguments]
+    with np.errstate(all="ignore"):
+        return lookup(expression.function).evaluate(*arguments)
+
+
+def constant_value(expression: Expression, values: Mapping[str, float]) -> float:
+    """Value of an expression of parameters only, as a float."""
+    return float(evaluate(expression, values))

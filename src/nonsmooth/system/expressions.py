@@ -1,0 +1,189 @@
+"""Expression trees: what the text of an equation means, as frozen data.
+
+Trees are built by `nonsmooth.system.grammar` from text and by `add`, `multiply` and the
+other builders below, which fold numbers so that derived coefficients stay short. Nothing
+here knows about states, modes or time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+__all__ = [
+    "ONE",
+    "ZERO",
+    "Call",
+    "Expression",
+    "Name",
+    "Number",
+    "add",
+    "call",
+    "divide",
+    "multiply",
+    "names_in",
+    "negate",
+    "subtract",
+    "to_text",
+    "walk",
+]
+
+
+@dataclass(frozen=True, slots=True)
+class Number:
+    """A literal number."""
+
+    value: float
+    at: int = field(default=-1, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Name:
+    """A name: state, parameter, definition, `t` or `pi`."""
+
+    name: str
+    at: int = field(default=-1, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Call:
+    """An operator or function applied to arguments; sums and products hold many."""
+
+    function: str
+    arguments: tuple[Expression, ...]
+    at: int = field(default=-1, compare=False, repr=False)
+
+
+Expression = Number | Name | Call
+
+ZERO = Number(0.0)
+ONE = Number(1.0)
+
+
+def add(*terms: Expression) -> Expression:
+    """Sum with its numbers folded into one."""
+    constant = 0.0
+    rest: list[Expression] = []
+    for term in terms:
+        parts = term.arguments if isinstance(term, Call) and term.function == "+" else (term,)
+        for part in parts:
+            if isinstance(part, Number):
+                constant += part.value
+            else:
+                rest.append(part)
+    if constant != 0.0 or not rest:
+        rest.append(Number(constant))
+    return rest[0] if len(rest) == 1 else Call("+", tuple(rest))
+
+
+def multiply(*factors: Expression) -> Expression:
+    """Product with its numbers folded into one; a zero factor makes zero."""
+    constant = 1.0
+    rest: list[Expression] = []
+    for factor in factors:
+        parts = (
+            factor.arguments if isinstance(factor, Call) and factor.function == "*" else (factor,)
+        )
+        for part in parts:
+            if isinstance(part, Number):
+                constant *= part.value
+            else:
+                rest.append(part)
+    if constant == 0.0 or not rest:
+        return Number(constant)
+    if constant == -1.0:
+        return negate(rest[0] if len(rest) == 1 else Call("*", tuple(rest)))
+    if constant != 1.0:
+        rest.insert(0, Number(constant))
+    return rest[0] if len(rest) == 1 else Call("*", tuple(rest))
+
+
+def negate(x: Expression) -> Expression:
+    """``-x``."""
+    if isinstance(x, Number):
+        return Number(-x.value) if x.value != 0.0 else ZERO
+    if isinstance(x, Call) and x.function == "neg":
+        return x.arguments[0]
+    return Call("neg", (x,))
+
+
+def subtract(x: Expression, y: Expression) -> Expression:
+    """``x - y``."""
+    return add(x, negate(y))
+
+
+def divide(x: Expression, y: Expression) -> Expression:
+    """``x / y``, unless one of them makes it trivial."""
+    if x == ZERO and not isinstance(y, Number):
+        return ZERO
+    if y == ONE:
+        return x
+    if isinstance(x, Number) and isinstance(y, Number) and y.value != 0.0:
+        return Number(x.value / y.value)
+    return Call("/", (x, y))
+
+
+def call(function: str, *arguments: Expression) -> Expression:
+    """Apply a named function to arguments."""
+    return Call(function, arguments)
+
+
+def walk(expression: Expression) -> Iterator[Expression]:
+    """Every node of the tree, parents before children."""
+    stack = [expression]
+    while stack:
+        node = stack.pop()
+        yield node
+        if isinstance(node, Call):
+            stack.extend(reversed(node.arguments))
+
+
+def names_in(expression: Expression) -> list[Name]:
+    """Return the name nodes of the tree in the order of the text."""
+    return [node for node in walk(expression) if isinstance(node, Name)]
+
+
+_STRENGTH = {"+": 1, "*": 2, "/": 2, "neg": 3, "**": 4}
+
+
+def to_text(expression: Expression) -> str:
+    """Text that parses back to an equal tree, with as few parentheses as safe."""
+    return _text(expression, 0)
+
+
+def _text(node: Expression, surrounding: int) -> str:
+    if isinstance(node, Name):
+        return node.name
+    if isinstance(node, Number):
+        value = node.value
+        text = str(int(value)) if value.is_integer() and abs(value) < 1e15 else repr(value)
+        return f"({text})" if value < 0.0 and surrounding > 1 else text
+    if node.function in (">", ">=", "<", "<="):
+        left, right = node.arguments
+        return f"{_text(left, 0)} {node.function} {_text(right, 0)}"
+    strength = _STRENGTH.get(node.function)
+    if strength is None:
+        return f"{node.function}({', '.join(_text(a, 0) for a in node.arguments)})"
+    text = _operator_text(node, strength)
+    return f"({text})" if strength < surrounding else text
+
+
+def _operator_text(node: Call, strength: int) -> str:
+    first, *others = node.arguments
+    if node.function == "neg":
+        return f"-{_text(first, strength + 1)}"
+    if node.function == "**":
+        return f"{_text(first, strength + 1)}**{_text(others[0], strength)}"
+    if node.function == "/":
+        return f"{_text(first, strength)}/{_text(others[0], strength + 1)}"
+    if node.function == "*":
+        return "*".join([_text(first, strength), *(_text(o, strength + 1) for o in others)])
+    text = _text(first, strength)
+    for term in others:
+        if isinstance(term, Call) and term.function == "neg":
+            text += f" - {_text(term.arguments[0], strength + 1)}"
+        elif isinstance(term, Number) and term.value < 0.0:
+            text += f" - {_text(Number(-term.value), 0)}"
+        else:
+            text += f" + {_text(term, strength + 1)}"
+    return text

@@ -1,0 +1,316 @@
+"""Recognition of expressions that are linear in the states.
+
+A `LinearForm` is a sum of coefficients times basis functions: the states, powers of
+time, and the harmonics cos(w t), sin(w t) of any number of frequencies. Coefficients and
+frequencies are expressions of parameters only, so a form is exact and stays valid for
+every parameter value. Products of harmonics are rewritten as sums, nothing is
+approximated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+from nonsmooth.system.expressions import (
+    ONE,
+    ZERO,
+    Call,
+    Expression,
+    Name,
+    Number,
+    add,
+    call,
+    divide,
+    multiply,
+    negate,
+    subtract,
+    to_text,
+)
+
+__all__ = ["Basis", "Harmonic", "LinearForm", "NotLinear", "Power", "State", "linear_form"]
+
+_MAX_POWER = 6  # of time; higher ones are more likely a mistake than a model
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """A state as basis function."""
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class Power:
+    """A power of time as basis function; order 0 is the constant one."""
+
+    order: int
+
+
+@dataclass(frozen=True, slots=True)
+class Harmonic:
+    """cos(w t) or sin(w t) as basis function."""
+
+    kind: Literal["cos", "sin"]
+    frequency: Expression
+
+
+Basis = State | Power | Harmonic
+CONSTANT = Power(0)
+
+
+class NotLinear(Exception):
+    """The expression is not linear; carries the reason and the node."""
+
+    def __init__(self, reason: str, node: Expression) -> None:
+        super().__init__(reason)
+        self.reason = reason
+        self.node = node
+
+
+class LinearForm:
+    """Coefficients by basis function; the algebra that recognition needs."""
+
+    __slots__ = ("terms",)
+
+    def __init__(self, terms: dict[Basis, Expression] | None = None) -> None:
+        self.terms = {b: c for b, c in (terms or {}).items() if c != ZERO}
+
+    @classmethod
+    def of(cls, basis: Basis) -> LinearForm:
+        """Form of one basis function."""
+        return cls({basis: ONE})
+
+    @classmethod
+    def constant(cls, value: Expression) -> LinearForm:
+        """Form of a constant, an expression of parameters."""
+        return cls({CONSTANT: value})
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether neither states nor time appear."""
+        return all(basis == CONSTANT for basis in self.terms)
+
+    @property
+    def constant_part(self) -> Expression:
+        """Coefficient of the constant."""
+        return self.terms.get(CONSTANT, ZERO)
+
+    def coefficient(self, basis: Basis) -> Expression:
+        """Coefficient of one basis function, zero where it does not appear."""
+        return self.terms.get(basis, ZERO)
+
+    def plus(self, other: LinearForm) -> LinearForm:
+        """Sum of two forms."""
+        terms = dict(self.terms)
+        for basis, value in other.terms.items():
+            terms[basis] = add(terms[basis], value) if basis in terms else value
+        return LinearForm(terms)
+
+    def scaled(self, factor: Expression) -> LinearForm:
+        """Product with an expression of parameters."""
+        return LinearForm({b: multiply(factor, c) for b, c in self.terms.items()})
+
+    def divided(self, divisor: Expression) -> LinearForm:
+        """Quotient by an expression of parameters."""
+        return LinearForm({b: divide(c, divisor) for b, c in self.terms.items()})
+
+    def times(self, other: LinearForm, node: Expression) -> LinearForm:
+        """Product of two forms where it is a form again."""
+        if self.is_constant:
+            return other.scaled(self.constant_part)
+        if other.is_constant:
+            return self.scaled(other.constant_part)
+        product = LinearForm()
+        for left, left_value in self.terms.items():
+            for right, right_value in other.terms.items():
+                pair = _basis_product(left, right, node)
+                product = product.plus(pair.scaled(multiply(left_value, right_value)))
+        return product
+
+    def rate(self, rate_of_state: Callable[[str], LinearForm]) -> LinearForm:
+        """Time derivative along a flow given by the rates of the states."""
+        total = LinearForm()
+        for basis, value in self.terms.items():
+            total = total.plus(_basis_rate(basis, rate_of_state).scaled(value))
+        return total
+
+
+def linear_form(expression: Expression, form_of: Callable[[Name | Call], LinearForm]) -> LinearForm:
+    """Linear form of an expression.
+
+    Parameters
+    ----------
+    expression : Expression
+        The tree.
+    form_of : callable
+        Form of a name, or of a call of ``rate``.
+
+    Raises
+    ------
+    NotLinear
+        With the node that is to blame.
+    """
+    if isinstance(expression, Number):
+        return LinearForm.constant(expression)
+    if isinstance(expression, Name) or expression.function == "rate":
+        return form_of(expression)
+    arguments = [linear_form(argument, form_of) for argument in expression.arguments]
+    if all(argument.is_constant for argument in arguments):
+        return _constant_call(expression, arguments)
+    rule = _RULES.get(expression.function)
+    if rule is None:
+        raise NotLinear(f"{expression.function} of a state or of time is not linear", expression)
+    return rule(expression, arguments)
+
+
+def _constant_call(node: Call, arguments: list[LinearForm]) -> LinearForm:
+    values = [argument.constant_part for argument in arguments]
+    folding: dict[str, Callable[..., Expression]] = {
+        "+": add,
+        "*": multiply,
+        "/": divide,
+        "neg": negate,
+    }
+    return LinearForm.constant(folding.get(node.function, _plain(node.function))(*values))
+
+
+def _plain(function: str) -> Callable[..., Expression]:
+    return lambda *values: call(function, *values)
+
+
+def _sum(node: Call, arguments: list[LinearForm]) -> LinearForm:
+    total = LinearForm()
+    for argument in arguments:
+        total = total.plus(argument)
+    return total
+
+
+def _negative(node: Call, arguments: list[LinearForm]) -> LinearForm:
+    return arguments[0].scaled(Number(-1.0))
+
+
+def _product(node: Call, arguments: list[LinearForm]) -> LinearForm:
+    total = arguments[0]
+    for argument in arguments[1:]:
+        total = total.times(argument, node)
+    return total
+
+
+def _quotient(node: Call, arguments: list[LinearForm]) -> LinearForm:
+    above, below = arguments
+    if not below.is_constant:
+        raise NotLinear("division by a state or by time is not linear", node)
+    return above.divided(below.constant_part)
+
+
+def _power(node: Call, arguments: list[LinearForm]) -> LinearForm:
+    base = arguments[0]
+    exponent = node.arguments[1]
+    if not isinstance(exponent, Number) or exponent.value not in range(1, _MAX_POWER + 1):
+        raise NotLinear("this power of a state or of time is not linear", node)
+    total = base
+    for _ in range(int(exponent.value) - 1):
+        total = total.times(base, node)
+    return total
+
+
+def _harmonic(node: Call, arguments: list[LinearForm]) -> LinearForm:
+    """cos or sin of ``w t + p``, split by the addition theorem."""
+    angle = arguments[0]
+    if set(angle.terms) - {CONSTANT, Power(1)}:
+        raise NotLinear(f"{node.function} of anything but w*t + phase is not linear", node)
+    phase = angle.constant_part
+    cos, sin = _harmonic_pair(angle.coefficient(Power(1)))
+    if phase == ZERO:
+        return cos if node.function == "cos" else sin
+    cos_phase, sin_phase = call("cos", phase), call("sin", phase)
+    if node.function == "cos":
+        return cos.scaled(cos_phase).plus(sin.scaled(negate(sin_phase)))
+    return sin.scaled(cos_phase).plus(cos.scaled(sin_phase))
+
+
+_RULES: dict[str, Callable[[Call, list[LinearForm]], LinearForm]] = {
+    "+": _sum,
+    "neg": _negative,
+    "*": _product,
+    "/": _quotient,
+    "**": _power,
+    "cos": _harmonic,
+    "sin": _harmonic,
+}
+
+
+def _harmonic_pair(frequency: Expression) -> tuple[LinearForm, LinearForm]:
+    """Forms of cos(w t) and sin(w t); one spelling per frequency, sign taken out."""
+    frequency = _ordered(frequency)
+    if frequency == ZERO:
+        return LinearForm.constant(ONE), LinearForm()
+    positive = frequency.arguments[0] if _is_negative(frequency) else frequency  # type: ignore[union-attr]
+    cos = LinearForm.of(Harmonic("cos", positive))
+    sin = LinearForm.of(Harmonic("sin", positive))
+    return cos, sin if positive is frequency else sin.scaled(Number(-1.0))
+
+
+def _is_negative(expression: Expression) -> bool:
+    return isinstance(expression, Call) and expression.function == "neg"
+
+
+def _ordered(expression: Expression) -> Expression:
+    """Same sums and products with their parts in one order, so that spellings meet."""
+    if not isinstance(expression, Call):
+        if isinstance(expression, Number) and expression.value < 0.0:
+            return Call("neg", (Number(-expression.value),))
+        return expression
+    arguments = tuple(_ordered(argument) for argument in expression.arguments)
+    if expression.function in ("+", "*"):
+        build = add if expression.function == "+" else multiply
+        return build(*sorted(arguments, key=to_text))
+    return Call(expression.function, arguments)
+
+
+def _basis_product(left: Basis, right: Basis, node: Expression) -> LinearForm:
+    if left == CONSTANT:
+        return LinearForm.of(right)
+    if right == CONSTANT:
+        return LinearForm.of(left)
+    if isinstance(left, State) or isinstance(right, State):
+        both = isinstance(left, State) and isinstance(right, State)
+        reason = "a product of states" if both else "a state multiplied by a function of time"
+        raise NotLinear(f"{reason} is not linear", node)
+    if isinstance(left, Power) and isinstance(right, Power):
+        if left.order + right.order > _MAX_POWER:
+            raise NotLinear(f"powers of time above {_MAX_POWER} are not supported", node)
+        return LinearForm.of(Power(left.order + right.order))
+    if isinstance(left, Harmonic) and isinstance(right, Harmonic):
+        return _harmonic_product(left, right)
+    raise NotLinear("time multiplied by a harmonic is not supported", node)
+
+
+def _harmonic_product(left: Harmonic, right: Harmonic) -> LinearForm:
+    """Product-to-sum formulas."""
+    cos_d, sin_d = _harmonic_pair(subtract(left.frequency, right.frequency))
+    if left.frequency == right.frequency:
+        cos_d, sin_d = LinearForm.constant(ONE), LinearForm()
+    cos_s, sin_s = _harmonic_pair(add(left.frequency, right.frequency))
+    minus = Number(-1.0)
+    if left.kind == right.kind:
+        sign = ONE if left.kind == "cos" else minus
+        total = cos_d.plus(cos_s.scaled(sign))
+    else:
+        sign = ONE if left.kind == "sin" else minus
+        total = sin_s.plus(sin_d.scaled(sign))
+    return total.scaled(Number(0.5))
+
+
+def _basis_rate(basis: Basis, rate_of_state: Callable[[str], LinearForm]) -> LinearForm:
+    if isinstance(basis, State):
+        return rate_of_state(basis.name)
+    if isinstance(basis, Power):
+        if basis.order == 0:
+            return LinearForm()
+        return LinearForm({Power(basis.order - 1): Number(float(basis.order))})
+    if basis.kind == "cos":
+        return LinearForm({Harmonic("sin", basis.frequency): negate(basis.frequency)})
+    return LinearForm({Harmonic("cos", basis.frequency): basis.frequency})

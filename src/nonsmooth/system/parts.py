@@ -1,0 +1,117 @@
+"""`Mode` and `Exit`: the words in which a user writes a piecewise-smooth system.
+
+They hold texts exactly as given; `System` gives them meaning and checks them together.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from nonsmooth.errors import ModelError
+from nonsmooth.system.grammar import is_name
+
+__all__ = ["STOP", "Exit", "Mode", "Text"]
+
+Text = str | float | int
+STOP = "stop"
+
+
+@dataclass(frozen=True, slots=True)
+class Exit:
+    """A way out of a mode.
+
+    The guard is positive inside the mode. The exit fires when the guard is negative, or
+    zero with its first non-zero derivative negative; a guard that stays zero holds.
+
+    Parameters
+    ----------
+    guard : str
+        Expression that is positive inside the mode.
+    to : str, optional
+        Mode entered, or ``"stop"`` to end the run; the same mode by default.
+    reset : mapping of str to str, optional
+        New values of some states from the values just before, all at once.
+    name : str, optional
+        Name of the event; the target's name by default.
+    sticks : str, optional
+        Not supported in this version; refused with a message.
+
+    Examples
+    --------
+    >>> from nonsmooth import Exit
+    >>> Exit("sigma - x", reset={"v": "-r*v"}, name="impact").name
+    'impact'
+    """
+
+    guard: Text
+    to: str | None = None
+    reset: Mapping[str, Text] = field(default_factory=dict)
+    name: str | None = None
+    sticks: str | None = None
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.reset, Mapping):
+            raise ModelError(f"Exit: reset maps state names to expressions, not {self.reset!r:.60}")
+        object.__setattr__(self, "reset", dict(self.reset))
+        for label, value in (("to", self.to), ("name", self.name)):
+            if value is not None and not (isinstance(value, str) and is_name(value)):
+                raise ModelError(
+                    f"Exit: {label}={value!r:.60} is not a name; use letters, digits and _"
+                )
+        if self.sticks is not None:
+            raise ModelError(
+                f"Exit: sticks={self.sticks!r} is not supported in this version; write the"
+                " sticking motion as a mode of its own, with its own flow and exits"
+            )
+
+
+@dataclass(frozen=True, slots=True)
+class Mode:
+    """One smooth piece of a system: flow, exits and relations that hold in it.
+
+    Parameters
+    ----------
+    flow : mapping of str to str
+        Rate of change of each state that is not slaved.
+    exits : sequence of Exit, optional
+        Ways out, in the order in which they are tried when several fire at one instant.
+    slaved : mapping of str to str, optional
+        States given by an equation instead of a flow.
+    definitions : mapping of str to str, optional
+        Intermediate expressions that differ from the system's in this mode.
+    cells : mapping, optional
+        Not supported in this version; refused with a message.
+
+    Examples
+    --------
+    >>> from nonsmooth import Exit, Mode
+    >>> mode = Mode({"x": "v", "v": "-x"}, exits=[Exit("x", reset={"v": "-v"})])
+    >>> sorted(mode.flow)
+    ['v', 'x']
+    """
+
+    flow: Mapping[str, Text]
+    exits: Sequence[Exit] = ()
+    slaved: Mapping[str, Text] = field(default_factory=dict)
+    definitions: Mapping[str, Text] = field(default_factory=dict)
+    cells: Mapping[str, str] | None = None
+
+    def __post_init__(self) -> None:
+        for label in ("flow", "slaved", "definitions"):
+            value = getattr(self, label)
+            if not isinstance(value, Mapping):
+                raise ModelError(f"Mode: {label} maps names to expressions, not {value!r:.60}")
+            object.__setattr__(self, label, dict(value))
+        exits = (self.exits,) if isinstance(self.exits, Exit) else tuple(self.exits)
+        for position, way in enumerate(exits):
+            if not isinstance(way, Exit):
+                raise ModelError(
+                    f"Mode: exits[{position}] is {way!r:.60}; write Exit(guard, to=...)"
+                )
+        object.__setattr__(self, "exits", exits)
+        if self.cells is not None:
+            raise ModelError(
+                "Mode: cells= belong to piecewise texts, which this version does not split;"
+                " write one mode per smooth piece"
+            )

@@ -1,0 +1,290 @@
+"""What the texts of a system mean, before any parameter has a value.
+
+A `Structure` holds the parsed trees and, for each mode, the linear forms of flows,
+guards, resets and slaved relations. It does not depend on parameter values, so all
+systems made by ``with_parameters`` share one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from nonsmooth.errors import ModelError, unknown_name
+from nonsmooth.system.expressions import (
+    Call,
+    Expression,
+    Name,
+    divide,
+    names_in,
+    negate,
+    subtract,
+    walk,
+)
+from nonsmooth.system.functions import lookup
+from nonsmooth.system.grammar import parse, point_at
+from nonsmooth.system.linear import (
+    Harmonic,
+    LinearForm,
+    NotLinear,
+    Power,
+    State,
+    linear_form,
+)
+from nonsmooth.system.parts import STOP, Exit, Mode, Text
+
+if TYPE_CHECKING:
+    from nonsmooth.system.system import System
+
+__all__ = ["Equation", "ExitForms", "ModeForms", "Structure"]
+
+
+@dataclass(frozen=True, slots=True)
+class Equation:
+    """A text, where it stands in the system, and its tree."""
+
+    text: str
+    where: str
+    tree: Expression
+
+    @classmethod
+    def read(cls, text: Text, where: str, known: set[str]) -> Equation:
+        """Parse a text and check that every name in it is declared."""
+        tree = parse(text, where=where)  # type: ignore[arg-type]
+        for name in names_in(tree):
+            if name.name not in known:
+                sentence = unknown_name("name", name.name, known - {"pi", "t"})
+                raise ModelError(point_at(str(text), name.at, f"{where}: {sentence}"))
+        return cls(str(text), where, tree)
+
+
+@dataclass(frozen=True, slots=True)
+class ExitForms:
+    """Linear forms of one exit and the index of the mode entered (-1 ends the run)."""
+
+    name: str
+    target: int
+    guard: LinearForm
+    reset: dict[str, LinearForm]
+
+
+class Structure:
+    """Parsed texts of a system and the linear forms of its modes."""
+
+    def __init__(self, system: System) -> None:
+        self.states = system.states
+        self.parameters = tuple(system.parameters)
+        self.mode_names = tuple(system.modes)
+        self.drift = tuple(system.drift)
+        names = {*self.states, *self.parameters, "t", "pi"}
+        known = names | set(system.definitions)
+        self.definitions = {
+            key: Equation.read(text, f"definitions[{key!r}]", known)
+            for key, text in system.definitions.items()
+        }
+        self.outputs = {
+            key: Equation.read(text, f"outputs[{key!r}]", known | set(system.outputs))
+            for key, text in system.outputs.items()
+        }
+        self.initial = {
+            key: Equation.read(text, f"initial[{key!r}]", known)
+            for key, text in system.initial.items()
+        }
+        self.period = (
+            None if system.period is None else Equation.read(system.period, "period", known)
+        )
+        self.modes = {
+            name: ModeForms(self, name, mode, known) for name, mode in system.modes.items()
+        }
+
+    @cached_property
+    def frequencies(self) -> tuple[Expression, ...]:
+        """Angular frequencies of all harmonics, in order of appearance."""
+        found: dict[Expression, None] = {}
+        for form in self.all_forms:
+            for basis in form.terms:
+                if isinstance(basis, Harmonic):
+                    found.setdefault(basis.frequency)
+        return tuple(found)
+
+    @cached_property
+    def time_order(self) -> int:
+        """Highest power of time in any form."""
+        orders = [b.order for form in self.all_forms for b in form.terms if isinstance(b, Power)]
+        return max(orders, default=0)
+
+    @cached_property
+    def all_forms(self) -> tuple[LinearForm, ...]:
+        """Every linear form of every mode."""
+        return tuple(form for mode in self.modes.values() for form in mode.all_forms)
+
+    @property
+    def static_form(self) -> ModeForms:
+        """Names resolved where no mode matters: parameters and their definitions."""
+        return next(iter(self.modes.values()))
+
+
+class ModeForms:
+    """Names resolved and equations recognised within one mode."""
+
+    def __init__(self, structure: Structure, name: str, mode: Mode, known: set[str]) -> None:
+        self.structure = structure
+        self.name = name
+        place = f"modes[{name!r}]"
+        self.definitions: Mapping[str, Equation] = structure.definitions | {
+            key: Equation.read(text, f"{place}.definitions[{key!r}]", known)
+            for key, text in mode.definitions.items()
+        }
+        self.flow_equations = {
+            key: Equation.read(text, f"{place}.flow[{key!r}]", known)
+            for key, text in mode.flow.items()
+        }
+        self.slaved_equations = {
+            key: _relation(key, text, f"{place}.slaved[{key!r}]", known)
+            for key, text in mode.slaved.items()
+        }
+        self._open: list[str] = []  # names being resolved, to see definitions that go in circles
+        self._forms: dict[str, LinearForm] = {}
+        self.slaved = {key: self._slaved_form(key) for key in mode.slaved}
+        self.rates = {state: self.rate(state) for state in structure.states}
+        self.exits = [
+            self._exit(way, f"{place}.exits[{position}]", known)
+            for position, way in enumerate(mode.exits)
+        ]
+
+    @property
+    def all_forms(self) -> list[LinearForm]:
+        """Every linear form of the mode."""
+        forms = [*self.slaved.values(), *self.rates.values()]
+        for way in self.exits:
+            forms += [way.guard, *way.reset.values()]
+        return forms
+
+    def form(self, equation: Equation) -> LinearForm:
+        """Linear form of an equation; an error that points at what is not linear."""
+        try:
+            return linear_form(equation.tree, self._form_of)
+        except NotLinear as fault:
+            message = f"{equation.where} in mode {self.name!r}: {fault.reason}; {_cure(fault.node)}"
+            raise ModelError(
+                point_at(equation.text, _place(fault.node, equation), message)
+            ) from None
+
+    def rate(self, state: str) -> LinearForm:
+        """Linear form of the rate of change of a state; derived for a slaved one."""
+        key = f"rate({state})"
+        if key not in self._forms:
+            self._enter(key)
+            if state in self.slaved_equations:
+                self._forms[key] = self.slaved[state].rate(self.rate)
+            else:
+                self._forms[key] = self.form(self.flow_equations[state])
+            self._open.pop()
+        return self._forms[key]
+
+    def _form_of(self, node: Name | Call) -> LinearForm:
+        if isinstance(node, Call):
+            return self.rate(self._state_of(node))
+        name = node.name
+        if name == "t":
+            return LinearForm.of(Power(1))
+        if name == "pi" or name in self.structure.parameters:
+            return LinearForm.constant(Name(name))
+        if name in self.slaved_equations:
+            return self._slaved_form(name)
+        if name in self.structure.states:
+            return LinearForm.of(State(name))
+        return self._resolved(name, self.definitions[name])
+
+    def _state_of(self, node: Call) -> str:
+        argument = node.arguments[0]
+        assert isinstance(argument, Name)  # the grammar admits nothing else
+        if argument.name not in self.structure.states:
+            raise ModelError(unknown_name("state in rate()", argument.name, self.structure.states))
+        return argument.name
+
+    def _resolved(self, name: str, equation: Equation) -> LinearForm:
+        if name not in self._forms:
+            self._enter(name)
+            self._forms[name] = self.form(equation)
+            self._open.pop()
+        return self._forms[name]
+
+    def _enter(self, name: str) -> None:
+        if name in self._open:
+            circle = " -> ".join([*self._open[self._open.index(name) :], name])
+            raise ModelError(f"modes[{self.name!r}]: {circle} goes in a circle; break it")
+        self._open.append(name)
+
+    def _slaved_form(self, state: str) -> LinearForm:
+        """Explicit form of a slaved state; a relation left = right is solved for it."""
+        equation = self.slaved_equations[state]
+        if "=" not in equation.text:
+            return self._resolved(state, equation)
+        if state in self._forms:
+            return self._forms[state]
+        own = LinearForm.of(State(state))
+        self._forms[state] = own  # stands for itself while its relation is read
+        difference = self.form(equation)
+        coefficient = difference.coefficient(State(state))
+        rest = difference.plus(own.scaled(negate(coefficient)))
+        if not difference.plus(LinearForm()).terms or State(state) not in difference.terms:
+            raise ModelError(f"{equation.where}: {state!r} does not appear in {equation.text!r}")
+        solved = LinearForm({b: negate(divide(c, coefficient)) for b, c in rest.terms.items()})
+        self._forms[state] = solved
+        return solved
+
+    def _exit(self, way: Exit, place: str, known: set[str]) -> ExitForms:
+        names = self.structure.mode_names
+        target = way.to or self.name
+        if target != STOP and target not in names:
+            raise ModelError(f"{place}.to: {unknown_name('mode', target, (*names, STOP))}")
+        for state in way.reset:
+            if state not in self.structure.states:
+                raise ModelError(
+                    f"{place}.reset: {unknown_name('state', state, self.structure.states)}"
+                )
+        return ExitForms(
+            name=way.name or target,
+            target=-1 if target == STOP else names.index(target),
+            guard=self.form(Equation.read(way.guard, f"{place}.guard", known)),
+            reset={
+                state: self.form(Equation.read(text, f"{place}.reset[{state!r}]", known))
+                for state, text in way.reset.items()
+            },
+        )
+
+
+def _relation(state: str, text: Text, where: str, known: set[str]) -> Equation:
+    """Equation of a slaved state; ``left = right`` is read as ``left - right``."""
+    if not isinstance(text, str) or "=" not in text:
+        return Equation.read(text, where, known)
+    sides = text.split("=")
+    if len(sides) != 2 or not all(side.strip() for side in sides):
+        raise ModelError(
+            f"{where}: a relation has one '=' between two expressions, not {text!r:.80}"
+        )
+    left, right = (Equation.read(side, where, known).tree for side in sides)
+    return Equation(text, where, subtract(left, right))
+
+
+def _cure(node: Expression) -> str:
+    piecewise = any(
+        isinstance(n, Call) and n.function != "rate" and not lookup(n.function).smooth
+        for n in walk(node)
+    )
+    if piecewise:
+        return (
+            "piecewise texts are not split into cells in this version:"
+            " write one mode per smooth piece"
+        )
+    return (
+        "this version runs modes that are linear in the states; nonlinear flows are not supported"
+    )
+
+
+def _place(node: Expression, equation: Equation) -> int:
+    """Position of a node in the text of an equation, unless it came from elsewhere."""
+    return node.at if any(node is part for part in walk(equation.tree)) else -1

@@ -1,0 +1,227 @@
+"""`System`: a piecewise-smooth dynamical system as a frozen value.
+
+It holds what the user wrote, checked. What the texts mean is in `structure`, the arrays
+that the engine runs are made by `compile`; no time stepping happens here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields
+from functools import cached_property
+from typing import Any
+
+from nonsmooth.errors import ModelError, unknown_name
+from nonsmooth.system import checks
+from nonsmooth.system.compile import Compiled, compile_structure
+from nonsmooth.system.parts import Mode, Text
+from nonsmooth.system.structure import Structure
+from nonsmooth.system.toml import system_to_toml
+
+__all__ = ["System"]
+
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class System:
+    """A piecewise-smooth dynamical system written as text equations.
+
+    A system is a set of modes, each with a smooth flow and exits whose guards are
+    positive inside the mode. All texts use one grammar: numbers, names, ``pi``, ``t`` for
+    time, ``+ - * / **``, parentheses, the usual functions, and ``rate(s)`` for the rate
+    of change of state ``s`` in the current mode. Systems are values: they compare, hash
+    and pickle, and a change makes a new one.
+
+    Parameters
+    ----------
+    states : sequence of str
+        Names of the states, in order.
+    modes : mapping of str to Mode
+        The modes; the first one is tried first when a run starts.
+    parameters : mapping of str to float or str, optional
+        Default values; a text may be a constant expression such as ``"pi/2"``.
+    definitions : mapping of str to str, optional
+        Intermediate expressions, usable in every equation; a mode may override them.
+    outputs : mapping of str to str, optional
+        Quantities recorded beside the states.
+    period : str or float, optional
+        Period of the forcing; checked against the equations.
+    drift : sequence of str or mapping of str to str, optional
+        States on which nothing depends; a mapping gives the period of an angle.
+    require : mapping of str to str, optional
+        Conditions on parameters, each with the reason shown when it fails.
+    initial : mapping of str to float or str, optional
+        Rest state; states left out are zero.
+    describe : mapping of str to str, optional
+        Labels of anything named, such as ``{"x": "displacement [mm]"}``.
+    name : str, optional
+        Name of the system.
+    equations, surfaces, symmetry, slow, signals : optional
+        Not supported in this version; refused with a message.
+
+    Raises
+    ------
+    ModelError
+        When a name is not declared, a flow is missing, a mode is not linear in the
+        states, a requirement fails, and so on; the message points at the place.
+
+    See Also
+    --------
+    Mode, Exit : the parts of a system.
+    simulate : runs it.
+
+    Examples
+    --------
+    >>> import nonsmooth as ns
+    >>> wall = ns.System(
+    ...     states=["x", "v"],
+    ...     parameters={"omega": 2.8, "r": 0.8},
+    ...     period="2*pi/omega",
+    ...     modes={
+    ...         "free": ns.Mode(
+    ...             {"x": "v", "v": "cos(omega*t) - x"},
+    ...             exits=[ns.Exit("-x", reset={"v": "-r*v"}, name="impact")],
+    ...         )
+    ...     },
+    ... )
+    >>> wall.with_parameters(r=0.5).parameter_values
+    {'omega': 2.8, 'r': 0.5}
+    """
+
+    states: Sequence[str]
+    modes: Mapping[str, Mode] = field(default_factory=dict)
+    parameters: Mapping[str, Text] = field(default_factory=dict)
+    definitions: Mapping[str, Text] = field(default_factory=dict)
+    outputs: Mapping[str, Text] = field(default_factory=dict)
+    period: Text | None = None
+    drift: Sequence[str] | Mapping[str, Text] = ()
+    require: Mapping[str, str] = field(default_factory=dict)
+    initial: Mapping[str, Text] = field(default_factory=dict)
+    describe: Mapping[str, str] = field(default_factory=dict)
+    name: str = "system"
+    equations: Any = None
+    surfaces: Any = None
+    symmetry: Any = None
+    slow: Any = None
+    signals: Any = None
+
+    def __post_init__(self) -> None:
+        checks.refuse_unsupported(self)
+        for key in ("states", "drift"):
+            value = getattr(self, key)
+            if isinstance(value, str):
+                raise ModelError(f"{key}: give a list of names, not the text {value!r}")
+            object.__setattr__(
+                self, key, dict(value) if isinstance(value, Mapping) else tuple(value)
+            )
+        for item in fields(self):
+            if isinstance(getattr(self, item.name), Mapping):
+                object.__setattr__(self, item.name, dict(getattr(self, item.name)))
+        checks.check_words(self)
+        checks.check_structure(self)
+        checks.check_values(self)
+
+    @cached_property
+    def parameter_values(self) -> dict[str, float]:
+        """Values of the parameters as numbers."""
+        return checks.parameter_values(self.parameters)
+
+    @cached_property
+    def structure(self) -> Structure:
+        """What the texts mean; shared by systems that differ in parameter values only."""
+        return Structure(self)
+
+    @cached_property
+    def compiled(self) -> Compiled:
+        """Arrays for the engine; independent of parameter values, shared like `structure`."""
+        return compile_structure(self.structure)
+
+    @cached_property
+    def rest_state(self) -> dict[str, float]:
+        """Documented rest state with every state in it."""
+        return checks.rest_state(self)
+
+    @cached_property
+    def period_value(self) -> float | None:
+        """Period of the forcing for the present parameters, or None."""
+        return checks.period_value(self)
+
+    @property
+    def mode_names(self) -> tuple[str, ...]:
+        """Names of the modes in the order declared."""
+        return tuple(self.modes)
+
+    @property
+    def drift_states(self) -> tuple[str, ...]:
+        """Names of the states on which nothing depends."""
+        return tuple(self.drift)
+
+    def with_parameters(self, **parameters: Text) -> System:
+        """Return the same system with some parameter values changed; ``require`` is repeated.
+
+        Parameters
+        ----------
+        **parameters : float or str
+            New values by name.
+
+        Returns
+        -------
+        System
+
+        Raises
+        ------
+        ModelError
+            For an unknown name, a value that is not a finite number, or a failed
+            requirement.
+
+        Examples
+        --------
+        >>> import nonsmooth as ns
+        >>> ns.models.moling().with_parameters(b=0.2).parameter_values["b"]
+        0.2
+        """
+        for name in parameters:
+            if name not in self.parameters:
+                raise ModelError(unknown_name("parameter", name, self.parameters))
+        other = object.__new__(System)
+        other.__setstate__(self.__getstate__() | {"parameters": {**self.parameters, **parameters}})
+        # texts are unchanged, so the parsed structure and its arrays stay valid
+        other.__dict__.update(structure=self.structure, compiled=self.compiled)
+        checks.check_values(other)
+        return other
+
+    def to_toml(self) -> str:
+        """Return the system as TOML text.
+
+        Returns
+        -------
+        str
+            The definition with a version key inside.
+
+        Examples
+        --------
+        >>> import nonsmooth as ns
+        >>> print(ns.models.moling().to_toml().splitlines()[1])
+        name = "moling"
+        """
+        return system_to_toml(self)
+
+    @cached_property
+    def _identity(self) -> str:
+        return self.to_toml()
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, System) and self._identity == other._identity
+
+    def __hash__(self) -> int:
+        return hash(self._identity)
+
+    def __repr__(self) -> str:
+        values = ", ".join(f"{k}={v:g}" for k, v in self.parameter_values.items())
+        return f"<System {self.name!r}: states {' '.join(self.states)}; {values}>"
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {item.name: getattr(self, item.name) for item in fields(self)}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        for key, value in state.items():
+            object.__setattr__(self, key, value)

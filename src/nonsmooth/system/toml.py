@@ -1,0 +1,63 @@
+"""A system as TOML text: the form in which it is stored beside every result."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from nonsmooth.system.system import System
+
+__all__ = ["FORMAT_VERSION", "system_to_toml"]
+
+FORMAT_VERSION = 1
+
+
+def system_to_toml(system: System) -> str:
+    """TOML text with the same words as the Python contract and a version key."""
+    lines = [f"format = {FORMAT_VERSION}", f"name = {_value(system.name)}"]
+    lines.append(f"states = {_value(list(system.states))}")
+    if system.period is not None:
+        lines.append(f"period = {_value(system.period)}")
+    if isinstance(system.drift, Mapping):
+        lines += ["", *_table("drift", system.drift)]
+    elif system.drift:
+        lines.append(f"drift = {_value(list(system.drift))}")
+    for key in ("parameters", "definitions", "outputs", "require", "initial", "describe"):
+        entries = getattr(system, key)
+        if entries:
+            lines += ["", *_table(key, entries)]
+    for name, mode in system.modes.items():
+        lines += ["", *_table(f"modes.{name}.flow", mode.flow)]
+        for key in ("slaved", "definitions"):
+            if getattr(mode, key):
+                lines += ["", *_table(f"modes.{name}.{key}", getattr(mode, key))]
+        for way in mode.exits:
+            lines += ["", f"[[modes.{name}.exits]]", f"guard = {_value(way.guard)}"]
+            for key in ("to", "name"):
+                if getattr(way, key) is not None:
+                    lines.append(f"{key} = {_value(getattr(way, key))}")
+            if way.reset:
+                inner = ", ".join(f"{k} = {_value(v)}" for k, v in way.reset.items())
+                lines.append(f"reset = {{ {inner} }}")
+    return "\n".join(lines) + "\n"
+
+
+def _table(name: str, entries: Mapping[str, Any]) -> list[str]:
+    return [f"[{name}]", *(f"{_key(key)} = {_value(value)}" for key, value in entries.items())]
+
+
+def _key(key: str) -> str:
+    return key if key.isidentifier() and key.isascii() else _value(key)
+
+
+def _value(value: Any) -> str:
+    """TOML spelling; basic strings of TOML and of JSON agree for printable text."""
+    if isinstance(value, list):
+        return "[" + ", ".join(_value(item) for item in value) + "]"
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=True)
+    if isinstance(value, int):
+        return str(value)
+    return repr(float(value))

@@ -1,0 +1,15 @@
+"""Settings that every test shares: how hypothesis draws, and where pictures go."""
+
+import os
+
+from hypothesis import settings
+
+# Before anything imports matplotlib: a test machine has no screen.
+os.environ["MPLBACKEND"] = "Agg"
+
+# A failure must come back when the same tests run again, so the default run draws the same
+# examples each time. No deadline: the first call of a kernel may compile it.
+settings.register_profile("ci", derandomize=True, deadline=None, database=None)
+# For looking further than the default run does: HYPOTHESIS_PROFILE=search
+settings.register_profile("search", deadline=None, max_examples=2000)
+settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "ci"))

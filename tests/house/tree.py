@@ -1,0 +1,43 @@
+"""The files of this repository, found without git so that an unpacked archive can be tested."""
+
+import os
+from fnmatch import fnmatch
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+SOURCE = ROOT / "src" / "nonsmooth"
+
+
+def python_files() -> list[Path]:
+    """The package's own modules, in a fixed order."""
+    return sorted(SOURCE.rglob("*.py"))
+
+
+def text_files() -> list[Path]:
+    """Every file that git does not ignore and that is UTF-8 text."""
+    skipped = [".git", *_ignored_folders()]
+    found = []
+    for folder, subfolders, names in os.walk(ROOT):
+        subfolders[:] = sorted(
+            s for s in subfolders if not any(fnmatch(s, pattern) for pattern in skipped)
+        )
+        found += [path for name in sorted(names) if is_text(path := Path(folder, name))]
+    return found
+
+
+def is_text(path: Path) -> bool:
+    """Whether a file reads as UTF-8 without zero bytes."""
+    try:
+        return "\0" not in path.read_text(encoding="utf-8")
+    except UnicodeDecodeError:
+        return False
+
+
+def relative(path: Path) -> str:
+    """The path as a message should show it."""
+    return path.relative_to(ROOT).as_posix()
+
+
+def _ignored_folders() -> list[str]:
+    lines = (ROOT / ".gitignore").read_text(encoding="utf-8").splitlines()
+    return [line.strip("/") for line in lines if line.endswith("/")]

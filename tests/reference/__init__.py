@@ -1,0 +1,1 @@
+"""Truth computed apart from the package: see README.md in this folder."""
