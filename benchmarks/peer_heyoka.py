@@ -70,7 +70,7 @@ def chain(p, z, count):
         "v2": k * (x1 - 2.0 * x2 + x3) + c * (v1 - 2.0 * v2 + v3),
         "v3": k * (x2 - x3) + c * (v2 - v3) - hy.par[0] * (x3 - p["e"]),
     }
-    return rates, [0.0], switched_stop(x3 - p["e"], p["stop"] / p["m"], count)
+    return rates, [0.0], switched_stop(x3 - p["e"], p["k_stop"] / p["m"], count)
 
 
 def mole(p, z, count):

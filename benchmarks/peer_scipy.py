@@ -91,7 +91,7 @@ def chain(p):
     k, c, drive = p["k"] / p["m"], p["c"] / p["m"], p["A"] / p["m"]
 
     def flow(contact):
-        stop = p["stop"] / p["m"] if contact else 0.0
+        stop = p["k_stop"] / p["m"] if contact else 0.0
 
         def rates(t, z):
             x1, x2, x3, v1, v2, v3 = z

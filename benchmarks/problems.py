@@ -41,7 +41,7 @@ MOLE = Problem(
 CHAIN = Problem(
     "chain",
     ("x1", "x2", "x3", "v1", "v2", "v3"),
-    {"m": 1.0, "k": 1.0, "c": 0.05, "stop": 10.0, "e": 0.5, "A": 0.5, "omega": 0.45},
+    {"m": 1.0, "k": 1.0, "c": 0.05, "k_stop": 10.0, "e": 0.5, "A": 0.5, "omega": 0.45},
     2e-12,
 )
 PROBLEMS = {"soft_impact": SOFT_IMPACT, "mole": MOLE, "chain": CHAIN}

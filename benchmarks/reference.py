@@ -183,7 +183,7 @@ def chain(p):
     modes = {
         "free": (flow(mpf(0)), [({"x3": -one, "one": p["e"]}, lambda z: "contact")]),
         "contact": (
-            flow(p["stop"] / p["m"]),
+            flow(p["k_stop"] / p["m"]),
             [({"x3": one, "one": -p["e"]}, lambda z: "free")],
         ),
     }

@@ -2,7 +2,7 @@
 
     m x1'' = -k x1        - c x1'          + k (x2 - x1) + c (x2' - x1') + A cos(omega tau)
     m x2'' = -k (x2 - x1) - c (x2' - x1')  + k (x3 - x2) + c (x3' - x2')
-    m x3'' = -k (x3 - x2) - c (x3' - x2')  - stop (x3 - e) H(x3 - e)
+    m x3'' = -k (x3 - x2) - c (x3' - x2')  - k_stop (x3 - e) H(x3 - e)
 
 Each mode has three damped pairs, z = Re(V w) + steady response, w_j' = lambda_j w_j, scaled so
 that x3 = Re(w_1 + w_2 + w_3) + steady.  A crossing maps w by one constant 6 x 6 matrix and a forced
@@ -20,9 +20,9 @@ REACH = 1.6  # longest step tried at once; tuned, any value is correct
 X3 = 2  # z = (x1, x2, x3, x1', x2', x3')
 
 
-def mode_constants(stop, m, k, c, e, A, omega):
+def mode_constants(k_stop, m, k, c, e, A, omega):
     """Eigenvalues, real basis (columns Re w, Im w), its inverse, steady response (cos, sin, 1)."""
-    stiffness = np.array([[2 * k, -k, 0], [-k, 2 * k, -k], [0, -k, k + stop]]) / m
+    stiffness = np.array([[2 * k, -k, 0], [-k, 2 * k, -k], [0, -k, k + k_stop]]) / m
     damping = np.array([[2 * c, -c, 0], [-c, 2 * c, -c], [0, -c, c]]) / m
     flow = np.block([[np.zeros((3, 3)), np.eye(3)], [-stiffness, -damping]])
     values, vectors = np.linalg.eig(flow)
@@ -32,13 +32,13 @@ def mode_constants(stop, m, k, c, e, A, omega):
     vectors = vectors[:, upper] / vectors[X3, upper]
     basis = np.hstack([vectors.real, -vectors.imag])
     steady = np.linalg.solve(1j * omega * np.eye(6) - flow, np.array([0, 0, 0, A / m, 0, 0]))
-    offset = np.linalg.solve(-flow, np.array([0, 0, 0, 0, 0, stop * e / m]))
+    offset = np.linalg.solve(-flow, np.array([0, 0, 0, 0, 0, k_stop * e / m]))
     return values, basis, np.linalg.inv(basis), np.array([steady.real, -steady.imag, offset])
 
 
-def constants(stop, m, k, c, e, A, omega):
+def constants(k_stop, m, k, c, e, A, omega):
     """Arrays for `simulate`, first index the mode (0 free, 1 in contact)."""
-    modes = [mode_constants(stiffness, m, k, c, e, A, omega) for stiffness in (0.0, stop)]
+    modes = [mode_constants(stiffness, m, k, c, e, A, omega) for stiffness in (0.0, k_stop)]
     lambdas = np.array([values for values, *_ in modes])
     # Rows: lambda, lambda^2, lambda^3 (real, imaginary) and |lambda|^4.
     rates = np.array(

@@ -68,7 +68,7 @@ class FlintBalls:
 
 
 class IntervalBalls:
-    """Intervals of mpmath: slower by about a hundred."""
+    """Intervals of mpmath: about five times slower."""
 
     GUARD_DIGITS = 40
 
@@ -76,7 +76,7 @@ class IntervalBalls:
         self.digits = digits
 
     def working(self) -> Any:
-        return _iv_digits(self.digits)
+        return _IntervalDigits(self.digits)
 
     def exact(self, x: mpf) -> Any:
         return iv.mpf([x, x])
@@ -112,7 +112,7 @@ class IntervalBalls:
                 state = factor * state
 
 
-class _iv_digits:
+class _IntervalDigits:
     """mpmath's interval context has no ``workdps`` of its own."""
 
     def __init__(self, digits: int) -> None:

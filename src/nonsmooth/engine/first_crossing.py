@@ -46,6 +46,8 @@ def first_crossing(tables, segment, m, start, length):
     s = start
     if start > 0.0:
         advance(flow, slots, m, modal, sizes, s)
+    for g in range(n_exits):
+        scan[g, at.MARGIN] = _margin(bounds, slots, m, g, sizes)
     for _ in range(_MOST_STEPS):
         rest = length - s
         soonest = rest
@@ -55,8 +57,7 @@ def first_crossing(tables, segment, m, start, length):
             if s == 0.0 and order[g] > 0:
                 _leave(affine, flow, bounds, slots, m, g, order[g], z, sizes, scan, rest)
             else:
-                margin = _margin(bounds, slots, m, g, sizes)
-                found = _look_ahead(scan, g, margin, rest)
+                found = _look_ahead(scan, g, rest)
                 if found != NONE:
                     return s, g, found, s + scan[g, at.SAFE]
             if scan[g, at.SAFE] < soonest:
@@ -112,13 +113,14 @@ def _margin(bounds, slots, m, g, sizes):
 
 
 @kernel
-def _look_ahead(scan, g, margin, rest):
+def _look_ahead(scan, g, rest):
     """Safe step of a guard; NONE unless rounding makes a tangency here undecidable."""
     value, rate, second = scan[g, at.VALUE], scan[g, at.RATE], scan[g, at.SECOND]
-    third = scan[g, at.THIRD]
+    third, margin = scan[g, at.THIRD], scan[g, at.MARGIN]
     if value <= margin:
         return _within_margin(scan, g, margin, rest)
-    scan[g, at.SAFE] = _safe_step(value, rate, second, third, rest)
+    # the margin is taken off, else rounding could carry a step across a tangency
+    scan[g, at.SAFE] = _safe_step(value - margin, rate, second, third, rest)
     if rate < 0.0:
         latest = -2.0 * value / rate
         # the rate stays below half of itself up to there: one root, none before it
@@ -258,6 +260,5 @@ def _finish(flow, bounds, slots, m, g, n, modal, sizes, scan, s):
         # a step this short leaves an error below rounding after one third-order update
         if abs(step) <= 1e-6 * span or abs(step) <= 4.0 * _UNIT * root:
             break
-    margin = _margin(bounds, slots, m, g, sizes)
-    certified = scan[g, at.RATE] ** 2 > 4.0 * margin * abs(scan[g, at.SECOND])
+    certified = scan[g, at.RATE] ** 2 > 4.0 * scan[g, at.MARGIN] * abs(scan[g, at.SECOND])
     return root, CERTIFIED if certified else UNCERTAIN

@@ -51,8 +51,9 @@ START, NOW, CHAIN = 0, 1, 2
 # Segment.sizes: bounds of moduli at the start, from the current point on, rounding
 # margins, margins of the coefficients of clusters
 SIZE_START, SIZE_NOW, NOISE, CHAIN_NOISE = 0, 1, 2, 3
-# Segment.scan: value, rate, second rate and bound of the third one; safe step; latest root
-VALUE, RATE, SECOND, THIRD, SAFE, LATEST = range(6)
+# Segment.scan: value, rate, second rate and bound of the third one; safe step; latest root;
+# rounding margin of the value over the segment
+VALUE, RATE, SECOND, THIRD, SAFE, LATEST, MARGIN = range(7)
 
 
 class Program(NamedTuple):
@@ -95,7 +96,7 @@ class Segment(NamedTuple):
     modal: Complexes  # (2 + MAX_DEGREE + 1, N)
     sizes: Floats  # (3 + MAX_DEGREE + 1, N)
     order: Integers  # (e,): known order of zero of each guard at the start
-    scan: Floats  # (e, 6)
+    scan: Floats  # (e, 7)
     basis: Floats  # (2, N, N): directions left free by what is known to be zero, and a spare
 
 
@@ -187,6 +188,6 @@ def allocate_segment(sizes: Integers) -> Segment:
         modal=np.zeros((CHAIN + MAX_DEGREE + 1, big_n), np.complex128),
         sizes=np.zeros((CHAIN_NOISE + MAX_DEGREE + 1, big_n)),
         order=np.zeros(e, np.int64),
-        scan=np.zeros((e, 6)),
+        scan=np.zeros((e, 7)),
         basis=np.zeros((2, big_n, big_n)),
     )

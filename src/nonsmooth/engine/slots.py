@@ -56,8 +56,9 @@ def fill_slots(tables, m, t, v, v_inverse, label, norm):
     slots[at.N_CLUSTERS] = n_clusters
     length = min(tables.clock[0], spans[at.LONGEST])
     fastest = _fill_spectrum(flow[0], t, norm, kind, place, count, length)
-    # rounding of the sums, and of eigenvalues over the time that they act
-    spans[at.ROUNDING] = _UNIT * (8.0 + 2.0 * fastest)
+    # rounding of the sums, and of eigenvalues over the time that they act; wide enough for
+    # what a state inherits from some tens of earlier segments
+    spans[at.ROUNDING] = _UNIT * (32.0 + 2.0 * fastest)
     _fill_weights(tables, m, v, v_inverse, weight, place, count)
     _fill_guard_weights(tables, m, rest, v, weight, place, count)
     return _OK
