@@ -1,0 +1,1 @@
+"""Numba kernels: flow, first crossing, transition. See README.md for the array contract."""

@@ -15,8 +15,8 @@ from __future__ import annotations
 import math
 
 from nonsmooth.engine import layout as at
-from nonsmooth.engine.jit import kernel
-from nonsmooth.engine.linear_flow import advance
+from nonsmooth.engine.jit import inlined, kernel
+from nonsmooth.engine.linear_flow import advance, advance_little
 from nonsmooth.engine.zeros import ALWAYS_ZERO
 
 __all__ = ["CERTIFIED", "GRAZE", "NONE", "STUCK", "UNCERTAIN", "first_crossing"]
@@ -28,7 +28,7 @@ _UNIT = 2.220446049250313e-16
 _FAR = 1e300
 
 
-@kernel
+@inlined
 def first_crossing(tables, segment, m, start, length):
     """Search for the first guard of mode m to fall below zero within (start, length].
 
@@ -43,6 +43,7 @@ def first_crossing(tables, segment, m, start, length):
     )  # fmt: skip
     n_exits = tables.wiring[m, 0, at.N_EXITS]
     n = tables.sizes[0]
+    fastest = tables.spans[m, at.FASTEST]
     s = start
     if start > 0.0:
         advance(flow, slots, m, modal, sizes, s)
@@ -67,7 +68,7 @@ def first_crossing(tables, segment, m, start, length):
             advance(flow, slots, m, modal, sizes, length)
             return length, -1, NONE, length
         if scan[which, at.LATEST] < _FAR and _alone(scan, n_exits, which):
-            root, found = _finish(flow, bounds, slots, m, which, n, modal, sizes, scan, s)
+            root, found = _finish(flow, bounds, slots, fastest, m, which, n, modal, sizes, scan, s)
             if root <= length:
                 return root, which, found, root
             soonest = rest  # the guard falls, but not to zero within the segment
@@ -75,7 +76,9 @@ def first_crossing(tables, segment, m, start, length):
                 if g != which:
                     soonest = min(soonest, scan[g, at.SAFE])
         elif s + soonest == s:
-            return _nearest(flow, bounds, slots, m, n_exits, n, modal, sizes, scan, s, length)
+            return _nearest(
+                flow, bounds, slots, fastest, m, n_exits, n, modal, sizes, scan, s, length
+            )
         s = min(s + soonest, length)
         advance(flow, slots, m, modal, sizes, s)
         if s >= length:
@@ -83,7 +86,7 @@ def first_crossing(tables, segment, m, start, length):
     return s, -1, STUCK, s
 
 
-@kernel
+@inlined
 def _read_guard(flow, bounds, slots, m, g, n, modal, sizes, scan):
     """Value, rate and second rate of a guard, and the bound of its third derivative."""
     big_n = flow.shape[2]
@@ -112,7 +115,7 @@ def _margin(bounds, slots, m, g, sizes):
     return total
 
 
-@kernel
+@inlined
 def _look_ahead(scan, g, rest):
     """Safe step of a guard; NONE unless rounding makes a tangency here undecidable."""
     value, rate, second = scan[g, at.VALUE], scan[g, at.RATE], scan[g, at.SECOND]
@@ -129,7 +132,7 @@ def _look_ahead(scan, g, rest):
     return NONE
 
 
-@kernel
+@inlined
 def _safe_step(value, rate, second, third, rest):
     """First root of a quadratic that lies below the guard on [0, reach]."""
     reach = rest
@@ -193,7 +196,7 @@ def _leave_slowly(affine, flow, bounds, slots, m, g, order, z, sizes):
 
 @kernel
 def _within_margin(scan, g, margin, rest):
-    """The guard is zero as far as rounding can tell: crossing, leaving or touching?"""
+    """Tell crossing, leaving and touching apart where the guard is zero up to rounding."""
     value, rate, second = scan[g, at.VALUE], scan[g, at.RATE], scan[g, at.SECOND]
     third = scan[g, at.THIRD]
     reach = math.sqrt(margin / max(third * rest, abs(second), 1e-300))
@@ -228,14 +231,14 @@ def _alone(scan, n_exits, which):
 
 
 @kernel
-def _nearest(flow, bounds, slots, m, n_exits, n, modal, sizes, scan, s, length):
+def _nearest(flow, bounds, slots, fastest, m, n_exits, n, modal, sizes, scan, s, length):
     """Guards that reach zero together: the earlier root, in declared order when equal."""
     best = -1
     best_root = _FAR
     best_found = CERTIFIED
     for g in range(n_exits):
         if scan[g, at.LATEST] < _FAR:
-            root, found = _finish(flow, bounds, slots, m, g, n, modal, sizes, scan, s)
+            root, found = _finish(flow, bounds, slots, fastest, m, g, n, modal, sizes, scan, s)
             if root < best_root - 4.0 * _UNIT * abs(root):
                 best, best_root, best_found = g, root, found
     if best < 0:
@@ -246,19 +249,21 @@ def _nearest(flow, bounds, slots, m, n_exits, n, modal, sizes, scan, s, length):
 
 
 @kernel
-def _finish(flow, bounds, slots, m, g, n, modal, sizes, scan, s):
+def _finish(flow, bounds, slots, fastest, m, g, n, modal, sizes, scan, s):
     """Root of a guard that falls monotonically, by Chebyshev's third-order iteration."""
     latest = s + scan[g, at.LATEST]
-    span = scan[g, at.LATEST]
     root = s
     for _ in range(20):
         quotient = scan[g, at.VALUE] / scan[g, at.RATE]
         step = -quotient * (1.0 + 0.5 * quotient * scan[g, at.SECOND] / scan[g, at.RATE])
-        root = min(max(root + step, s), latest)
+        following = min(max(root + step, s), latest)
+        # the error of a step is below (step / span)^3 span, so this one is the last
+        if abs(step) * fastest <= 1e-4 and abs(step) <= 1e-5 * (latest - s):
+            advance_little(flow, slots, m, modal, sizes, root, following - root)
+            root = following
+            break
+        root = following
         advance(flow, slots, m, modal, sizes, root)
         _read_guard(flow, bounds, slots, m, g, n, modal, sizes, scan)
-        # a step this short leaves an error below rounding after one third-order update
-        if abs(step) <= 1e-6 * span or abs(step) <= 4.0 * _UNIT * root:
-            break
     certified = scan[g, at.RATE] ** 2 > 4.0 * scan[g, at.MARGIN] * abs(scan[g, at.SECOND])
     return root, CERTIFIED if certified else UNCERTAIN

@@ -7,6 +7,7 @@ every cached kernel holds a hash of all kernel sources.
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 from collections.abc import Callable
 from pathlib import Path
@@ -15,7 +16,7 @@ from typing import Any
 import numba
 from numba.core.caching import FunctionCache
 
-__all__ = ["allocating", "entry", "is_warm", "kernel", "sources_hash"]
+__all__ = ["allocating", "entry", "inlined", "is_warm", "kernel", "sources_hash"]
 
 # contract, nsz and arcp keep the certificate valid; reassoc and nnan would not
 _OPTIONS: dict[str, Any] = {
@@ -51,22 +52,30 @@ def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
     Without numba's memory manager: allocating is an error, and arrays are passed without
     reference counts, whose atomic updates cost more than the arithmetic of a small kernel.
     """
-    return numba.njit(**_OPTIONS, _nrt=False)(function)  # type: ignore[no-any-return]
+    return numba.njit(**_OPTIONS, _nrt=False)(function)
+
+
+def inlined(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Compile a kernel into its callers.
+
+    For the parts of the loop that take many arrays: numba passes an array as seven words
+    by value, and a call with thirty arrays costs as much as a guard evaluation.
+    """
+    return numba.njit(**_OPTIONS, _nrt=False, forceinline=True)(function)
 
 
 def allocating(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile a function that kernels call and that may allocate; for set-up only."""
-    return numba.njit(**_OPTIONS)(function)  # type: ignore[no-any-return]
+    return numba.njit(**_OPTIONS)(function)
 
 
 def entry(function: Callable[..., Any], *, allocates: bool = False) -> Callable[..., Any]:
     """Compile a function that Python calls, cached on disk where a place can be written."""
     dispatcher = numba.njit(**_OPTIONS, _nrt=allocates)(function)
-    try:
+    # without a writable place it is compiled anew in each process: slow but right
+    with contextlib.suppress(RuntimeError, OSError):
         dispatcher._cache = _KernelCache(function)
-    except (RuntimeError, OSError):
-        pass  # no writable place: compiled anew in each process, which is slow but right
-    return dispatcher  # type: ignore[no-any-return]
+    return dispatcher
 
 
 def is_warm(dispatcher: Any) -> bool:

@@ -44,8 +44,9 @@ COUNT, END_CONSTANT, END_REAL, END_ROTATION, END_DAMPED, N_CLUSTERS, CLUSTERS = 
 # Tables.wiring[m, 1 + e]: target, bits of states reset, order of zero of each guard entered
 N_EXITS, SLAVED = 0, 1
 TARGET, RESETTING, ORDERS = 0, 1, 2
-# Tables.spans: longest segment for which clusters are accurate, unit of rounding margins
-LONGEST, ROUNDING = 0, 1
+# Tables.spans: longest segment for which clusters are accurate, unit of rounding margins,
+# largest modulus of the eigenvalues
+LONGEST, ROUNDING, FASTEST = range(3)
 # Segment.modal: coordinates at the start, at the current point, coefficients of clusters
 START, NOW, CHAIN = 0, 1, 2
 # Segment.sizes: bounds of moduli at the start, from the current point on, rounding
@@ -83,7 +84,7 @@ class Tables(NamedTuple):
     flow: Complexes  # (m, rows, N): everything about the modal slots of a mode
     bounds: Floats  # (m, rows, N): absolute weights for bounds and margins
     slots: Integers  # (m, 6 + 3 N)
-    spans: Floats  # (m, 2)
+    spans: Floats  # (m, 3)
     wiring: Integers  # (m, 1 + e, 2 + e)
     drifting: int
 
@@ -172,7 +173,7 @@ def allocate_tables(program: Program) -> Tables:
         flow=np.zeros((m, 1 + 2 * big_n + n + 3 * e, big_n), np.complex128),
         bounds=np.zeros((m, big_n + 2 * e, big_n)),
         slots=np.zeros((m, CLUSTERS + 3 * big_n), np.int64),
-        spans=np.zeros((m, 2)),
+        spans=np.zeros((m, 3)),
         wiring=program.wiring.copy(),
         drifting=program.drifting,
     )

@@ -13,7 +13,7 @@ from nonsmooth.engine import layout as at
 from nonsmooth.engine.arrays import copy_vector
 from nonsmooth.engine.event_log import log_event, log_transition, normal_phase
 from nonsmooth.engine.first_crossing import CERTIFIED, GRAZE, NONE, STUCK, first_crossing
-from nonsmooth.engine.jit import entry, kernel
+from nonsmooth.engine.jit import entry, inlined, kernel
 from nonsmooth.engine.linear_flow import advance, augmented, start_segment, state_at
 from nonsmooth.engine.records import EVENT_FLOATS, EVENTS, SAMPLES, UNCERTAIN, WINDOW_EVENTS
 from nonsmooth.engine.status import EventKind, Status
@@ -76,7 +76,7 @@ def _fits(n, affine, wiring, m, z, tolerance):
     return slaved_agree(n, affine, wiring, m, z, tolerance)
 
 
-@kernel
+@inlined
 def _augment(tables, state, number, phase, z):
     n, powers = tables.sizes[0], tables.sizes[1]
     copy_vector(state, z, n)
@@ -140,7 +140,7 @@ def run(tables, anchor, segment, records, end_number, end_phase, tolerance):
         _augment(tables, anchor.state, place[0], anchor.phase[0], segment.z)
 
 
-@kernel
+@inlined
 def _search(tables, segment, anchor, records, m, length):
     """First crossing of the segment; tangencies that rounding leaves open are logged."""
     s = 0.0
@@ -156,7 +156,7 @@ def _search(tables, segment, anchor, records, m, length):
             return length, -1, NONE
 
 
-@kernel
+@inlined
 def _write_samples(flow, slots, m, modal, sizes, records, number, phase, window, now, until):
     """Samples of this segment up to and including ``until``; returns where modal stands."""
     k = records.cursor[SAMPLES]
@@ -174,7 +174,7 @@ def _write_samples(flow, slots, m, modal, sizes, records, number, phase, window,
     return now
 
 
-@kernel
+@inlined
 def _log_crossing(tables, segment, anchor, records, s, e, kind, certified):
     """Log an event at s of the segment with the state before it; returns its row."""
     flow, slots, modal = tables.flow, tables.slots, segment.modal
@@ -189,7 +189,7 @@ def _log_crossing(tables, segment, anchor, records, s, e, kind, certified):
     return row
 
 
-@kernel
+@inlined
 def _pass_event(tables, segment, anchor, records, s, e, found, tolerance):
     """Log an event, pass its exits and set the anchor behind it."""
     n, m = tables.sizes[0], anchor.place[1]
@@ -213,7 +213,7 @@ def _pass_event(tables, segment, anchor, records, s, e, found, tolerance):
     return status
 
 
-@kernel
+@inlined
 def _set_anchor(anchor, segment, records, n):
     copy_vector(segment.z, anchor.state, n)
     copy_vector(segment.z, records.end_state, n)

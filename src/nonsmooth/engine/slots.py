@@ -55,10 +55,13 @@ def fill_slots(tables, m, t, v, v_inverse, label, norm):
     slots[at.COUNT] = count
     slots[at.N_CLUSTERS] = n_clusters
     length = min(tables.clock[0], spans[at.LONGEST])
-    fastest = _fill_spectrum(flow[0], t, norm, kind, place, count, length)
+    worst = _fill_spectrum(flow[0], t, norm, kind, place, count, length)
+    spans[at.FASTEST] = 0.0
+    for slot in range(count):
+        spans[at.FASTEST] = max(spans[at.FASTEST], abs(flow[0, slot]))
     # rounding of the sums, and of eigenvalues over the time that they act; wide enough for
     # what a state inherits from some tens of earlier segments
-    spans[at.ROUNDING] = _UNIT * (32.0 + 2.0 * fastest)
+    spans[at.ROUNDING] = _UNIT * (32.0 + 2.0 * worst)
     _fill_weights(tables, m, v, v_inverse, weight, place, count)
     _fill_guard_weights(tables, m, rest, v, weight, place, count)
     return _OK

@@ -1,0 +1,1 @@
+"""Runs: start, loop, records, datasets."""

@@ -38,7 +38,7 @@ class Plan(NamedTuple):
 def instants(
     times: npt.ArrayLike, window: float
 ) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.float64]]:
-    """Window numbers and phases of times; times within rounding of a window's end belong to the next."""
+    """Window numbers and phases; a time within rounding of a window's end begins the next."""
     times = np.asarray(times, dtype=float)
     nearest = np.rint(times / window)
     on_boundary = np.abs(times - nearest * window) <= 4.0 * _UNIT * np.abs(times)

@@ -28,6 +28,7 @@ from nonsmooth.system.system import System
 
 __all__ = ["NoMode", "Outcome", "build_tables", "run_plan"]
 
+_ZERO = Instant(0, 0.0)
 _CAPACITY = 8192  # events per buffer
 _WINDOWS_PER_CALL = 10_000  # a few hundredths of a second: interruption and progress
 
@@ -82,7 +83,7 @@ def run_plan(
     *,
     anchor: Anchor | None = None,
     state: npt.NDArray[np.float64] | None = None,
-    begin: Instant = Instant(0, 0.0),
+    begin: Instant = _ZERO,
     mode: int = -1,
 ) -> Outcome:
     """Run a plan from an anchor, or from a state at an instant; `NoMode` when none fits."""

@@ -115,8 +115,8 @@ def _check_mode(system: System, name: str, mode: Mode) -> None:
     for key in mode.definitions:
         if key not in system.definitions:
             raise ModelError(
-                f"modes[{name!r}].definitions: {unknown_name('definition', key, system.definitions)};"
-                " a mode overrides definitions of the system"
+                f"modes[{name!r}].definitions: a mode overrides definitions of the system;"
+                f" {unknown_name('definition', key, system.definitions)}"
             )
 
 
