@@ -116,7 +116,7 @@ def simulate(
     >>> import nonsmooth as ns
     >>> run = ns.simulate(ns.models.moling(a=0.3, b=0.15, xi=0.05, omega=0.1), periods=20)
     >>> run.attrs["status"], float(run["v"][-1].round(4))
-    ('completed', 186.8093)
+    ('completed', 613.4445)
     """
     _check_options(tangent, tolerance)
     if parameters:
