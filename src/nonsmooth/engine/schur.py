@@ -42,14 +42,14 @@ def _triangular_pair(t, q, k):
     a, b, c, d = t[k, k].real, t[k, k + 1].real, t[k + 1, k].real, t[k + 1, k + 1].real
     half = 0.5 * (a - d)
     mean = 0.5 * (a + d)
-    discriminant = half * half + b * c
+    discriminant = _sum_of_products(half, half, b, c)
     if discriminant >= 0.0:
         root = np.sqrt(discriminant)
         first = complex(mean + root if mean >= 0.0 else mean - root, 0.0)
         # the smaller one from the determinant: the difference would lose its digits
         second = complex(2.0 * mean, 0.0) - first
         if first.real != 0.0:
-            second = complex((a * d - b * c) / first.real, 0.0)
+            second = complex(_sum_of_products(a, d, -b, c) / first.real, 0.0)
     else:
         root = np.sqrt(-discriminant)
         first = complex(mean, root)
@@ -67,6 +67,30 @@ def _triangular_pair(t, q, k):
     t[k + 1, k] = 0.0
     t[k, k] = first
     t[k + 1, k + 1] = second
+
+
+@kernel
+def _sum_of_products(a, b, c, d):
+    """a b + c d with the rounding errors of the products added back (Dekker 1971).
+
+    Two nearly equal products cancel close to critical damping, and where coordinates are
+    far from the natural ones.
+    """
+    p, q = a * b, c * d
+    return (p + q) + (_product_error(a, b, p) + _product_error(c, d, q))
+
+
+@kernel
+def _product_error(a, b, product):
+    a_high, b_high = _leading_half(a), _leading_half(b)
+    a_low, b_low = a - a_high, b - b_high
+    return ((a_high * b_high - product) + a_high * b_low + a_low * b_high) + a_low * b_low
+
+
+@kernel
+def _leading_half(x):
+    scaled = 134217729.0 * x  # 2^27 + 1
+    return scaled - (scaled - x)
 
 
 @kernel

@@ -11,7 +11,7 @@ from functools import partial
 import numpy as np
 
 from nonsmooth.engine import layout as at
-from nonsmooth.engine.jit import entry, kernel
+from nonsmooth.engine.jit import allocating, entry, kernel
 from nonsmooth.engine.modal import decouple, triangular_form
 from nonsmooth.engine.slots import fill_slots
 from nonsmooth.engine.status import Status
@@ -40,16 +40,19 @@ def set_up(program, parameters, tables):
     if mode >= 0:
         return _NOT_FINITE, mode
     _fill_guards(tables.generator, tables.affine, tables.wiring)
-    if not _fill_clock(
-        program.period_slot, slots, tables.clock, tables.harmonics, tables.generator
-    ):
-        return _NOT_FINITE, -1
     big_n = tables.generator.shape[1]
     t = np.zeros((big_n, big_n), np.complex128)
     v = np.zeros((big_n, big_n), np.complex128)
     v_inverse = np.zeros((big_n, big_n), np.complex128)
     norm = np.zeros(big_n)
     label = np.zeros(big_n, np.int64)
+    if program.period_slot >= 0:
+        tables.clock[0], tables.clock[1] = slots[program.period_slot], 1.0
+    else:
+        tables.clock[0] = _natural_window(tables.generator, t, v, v_inverse, norm)
+        tables.clock[1] = 0.0
+    if not _count_turns(tables.clock, tables.harmonics):
+        return _NOT_FINITE, -1
     for m in range(tables.generator.shape[0]):
         status = triangular_form(tables.generator[m], t, v, v_inverse, norm)
         if status == _OK:
@@ -117,13 +120,8 @@ def _fill_guards(generator, affine, wiring):
 
 
 @kernel
-def _fill_clock(period_slot, slots, clock, harmonics, generator):
-    if period_slot >= 0:
-        clock[0] = slots[period_slot]
-        clock[1] = 1.0
-    else:
-        clock[0] = _natural_window(generator)
-        clock[1] = 0.0
+def _count_turns(clock, harmonics):
+    """Turns of each harmonic in a window; False when the window is no length."""
     if not (math.isfinite(clock[0]) and clock[0] > 0.0):
         return False
     for k in range(harmonics.shape[1]):
@@ -134,17 +132,14 @@ def _fill_clock(period_slot, slots, clock, harmonics, generator):
     return True
 
 
-@kernel
-def _natural_window(generator):
+@allocating
+def _natural_window(generator, t, v, v_inverse, norm):
     """Power of two near _WINDOW_RADIANS of the fastest motion of any mode."""
     fastest = 0.0
-    big_n = generator.shape[1]
     for m in range(generator.shape[0]):
-        for i in range(big_n):
-            for j in range(big_n):
-                # along cycles of length two the units cancel
-                both = abs(generator[m, i, j] * generator[m, j, i])
-                fastest = max(fastest, math.sqrt(both))
+        triangular_form(generator[m], t, v, v_inverse, norm)
+        for i in range(t.shape[0]):
+            fastest = max(fastest, abs(t[i, i]))
     if fastest == 0.0:
         return 64.0
     return 2.0 ** np.rint(math.log2(_WINDOW_RADIANS / fastest))
