@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from nonsmooth.engine.arrays import copy_matrix, set_identity
 from nonsmooth.engine.blocks import balance_block, order_blocks
 from nonsmooth.engine.jit import allocating, kernel
 from nonsmooth.engine.schur import schur_block
@@ -49,7 +50,8 @@ def triangular_form(matrix, t, v, v_inverse, norm):
         for i in range(low, high):
             for j in range(low, high):
                 largest = max(largest, abs(t[i, j]))
-        norm[low:high] = largest
+        for i in range(low, high):
+            norm[i] = largest
     for block in range(n_blocks):
         status = schur_block(t, q, starts[block], starts[block + 1])
         if status != _OK:
@@ -69,18 +71,16 @@ def decouple(t, v, v_inverse, label, norm, horizon):
     coordinate, an output; norm (N,) as from triangular_form
     """
     n = t.shape[0]
-    triangular = t.copy()
+    triangular = np.empty((n, n), np.complex128)
+    copy_matrix(t, triangular)
     unit = np.zeros((n, n), np.complex128)
     unit_inverse = np.zeros((n, n), np.complex128)
     for i in range(n):
         label[i] = i
     while True:
-        t[:, :] = triangular
-        unit[:, :] = 0.0
-        unit_inverse[:, :] = 0.0
-        for i in range(n):
-            unit[i, i] = 1.0
-            unit_inverse[i, i] = 1.0
+        copy_matrix(triangular, t)
+        set_identity(unit)
+        set_identity(unit_inverse)
         first, second = _eliminate(t, unit, unit_inverse, label, horizon)
         if first < 0:
             break

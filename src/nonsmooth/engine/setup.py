@@ -11,6 +11,7 @@ from functools import partial
 import numpy as np
 
 from nonsmooth.engine import layout as at
+from nonsmooth.engine.arrays import copy_matrix, set_zero
 from nonsmooth.engine.jit import allocating, entry, kernel
 from nonsmooth.engine.modal import decouple, triangular_form
 from nonsmooth.engine.slots import fill_slots
@@ -70,21 +71,23 @@ def _fill_matrices(program, slots, tables):
     n, powers, n_frequencies = program.sizes[0], program.sizes[1], program.sizes[2]
     n_exits = program.sizes[5]
     generator, affine, harmonics = tables.generator, tables.affine, tables.harmonics
-    for index in np.ndindex(tables.wiring.shape):
-        tables.wiring[index] = program.wiring[index]
-    generator[:] = 0.0
-    affine[:] = 0.0
-    tables.flow[:] = 0.0
+    for m in range(generator.shape[0]):
+        copy_matrix(program.wiring[m], tables.wiring[m])
+        set_zero(generator[m])
+        set_zero(affine[m])
+        set_zero(tables.flow[m])
     _scatter(program.flow, slots, generator)
     for row in range(program.relations.shape[0]):
-        m, i, column, slot = program.relations[row]
-        affine[m, at.relation_row(n_exits, i), column] += slots[slot]
+        term = program.relations[row]
+        place = at.relation_row(n_exits, term[1])
+        affine[term[0], place, term[2]] += slots[term[3]]
     for row in range(program.guards.shape[0]):
-        m, e, column, slot = program.guards[row]
-        affine[m, at.guard_row(e, 0), column] += slots[slot]
+        term = program.guards[row]
+        affine[term[0], at.guard_row(term[1], 0), term[2]] += slots[term[3]]
     for row in range(program.resets.shape[0]):
-        m, e, i, column, slot = program.resets[row]
-        affine[m, at.reset_row(n_exits, n, e, i), column] += slots[slot]
+        term = program.resets[row]
+        place = at.reset_row(n_exits, n, term[1], term[2])
+        affine[term[0], place, term[3]] += slots[term[4]]
     for k in range(n_frequencies):
         harmonics[0, k] = slots[program.frequency_slots[k]]
     for m in range(generator.shape[0]):
@@ -94,9 +97,18 @@ def _fill_matrices(program, slots, tables):
             c = n + 1 + powers + 2 * k
             generator[m, c, c + 1] = -harmonics[0, k]
             generator[m, c + 1, c] = harmonics[0, k]
-        if not math.isfinite(generator[m].sum() + affine[m].sum()):
+        if not (_finite(generator[m]) and _finite(affine[m])):
             return m
     return -1
+
+
+@kernel
+def _finite(matrix):
+    total = 0.0
+    for i in range(matrix.shape[0]):
+        for j in range(matrix.shape[1]):
+            total += abs(matrix[i, j])
+    return math.isfinite(total)
 
 
 @kernel

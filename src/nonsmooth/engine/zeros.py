@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from nonsmooth.engine import layout as at
-from nonsmooth.engine.arrays import copy_vector
+from nonsmooth.engine.arrays import copy_matrix, set_identity
 from nonsmooth.engine.jit import allocating, kernel
 
 __all__ = ["ALWAYS_ZERO", "fill_orders", "push_exit", "start_directions", "zero_order"]
@@ -48,9 +48,7 @@ def start_directions(n, affine, wiring, m, e, basis):
     for a start, where only the relations of slaved states hold
     """
     big_n = affine.shape[2]
-    basis[:] = 0.0
-    for i in range(big_n):
-        basis[0, i, i] = 1.0
+    set_identity(basis[0])
     _slave(n, affine, wiring, m, basis)
     if e < 0:
         return
@@ -77,8 +75,7 @@ def start_directions(n, affine, wiring, m, e, basis):
 def push_exit(n, affine, wiring, m, e, basis):
     """Carry the free directions through the reset of an exit and the target's relations."""
     n_exits = wiring.shape[1] - 1
-    for i in range(basis.shape[1]):
-        copy_vector(basis[0, i], basis[1, i], basis.shape[1])
+    copy_matrix(basis[0], basis[1])
     for i in range(n):
         if (wiring[m, 1 + e, at.RESETTING] >> i) & 1:
             row = at.reset_row(n_exits, n, e, i)
