@@ -60,11 +60,12 @@ CURES: dict[Status, str] = {
         " exit's reset= if it shall jump"
     ),
     Status.EVENT_LIMIT: (
-        "more than 10000 events in one period or window, as when impacts accumulate; sticking"
-        " is not supported in this version, so raise the restitution or add a sticking mode"
+        "impacts accumulate: more than 100 at one instant or 10000 events in one period;"
+        " sticking is not supported in this version, so write the sticking motion as a mode"
+        " of its own, entered by a guard on the speed"
     ),
     Status.STEP_LIMIT: "the search for a crossing took more than 1000000 steps; please rescale",
-    Status.INTERRUPTED: "interrupted by the user; what was computed is kept",
+    Status.INTERRUPTED: "by the user; what was computed is kept",
 }
 
 SETUP_ERRORS: dict[Status, str] = {

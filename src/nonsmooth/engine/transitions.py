@@ -18,6 +18,7 @@ __all__ = ["PATH_BITS", "PATH_LENGTH", "guard_holds", "pass_exits", "slaved_agre
 _COMPLETED = int(Status.COMPLETED)
 _STOPPED = int(Status.STOPPED)
 _UNDECIDED = int(Status.UNDECIDED)
+_EVENT_LIMIT = int(Status.EVENT_LIMIT)
 _INADMISSIBLE = int(Status.INADMISSIBLE)
 _MOST_PASSES = 100
 _OPEN = -1  # order of zero that has to be worked out along the path
@@ -33,7 +34,8 @@ def pass_exits(n, affine, wiring, m, e, z, spare, order, basis, tolerance):
     shapes: sheets as in Tables, z (N,) augmented coordinates, changed in place; order (e,)
     an output; spare, basis scratch as in Segment
     returns: status, mode that holds, path (exits passed, six bits each, lowest first),
-    number of exits passed, whether a reset was applied
+    number of exits passed, whether a reset was applied. EVENT_LIMIT when resets go on and
+    on, as at the end of accumulating impacts; UNDECIDED when modes hand over in a circle
     e = -1 stands for a start: nothing fires before mode m is looked at
     """
     first_mode, first_exit = m, e
@@ -56,8 +58,10 @@ def pass_exits(n, affine, wiring, m, e, z, spare, order, basis, tolerance):
             if not _slave(n, affine, wiring, m, e, target, z, tolerance):
                 return _INADMISSIBLE, target, path, passes, jumped
             m = target
-            if ((visited >> m) & 1 and not jumped) or passes > _MOST_PASSES:
+            if (visited >> m) & 1 and not jumped:
                 return _UNDECIDED, m, path, passes, jumped
+            if passes > _MOST_PASSES:
+                return _EVENT_LIMIT, m, path, passes, jumped
             visited |= 1 << m
             followed = False
         e = -1

@@ -1,0 +1,25 @@
+"""Pictures of results: a dataset and axes in, axes out; nothing is simulated here.
+
+matplotlib is imported when something is drawn.
+"""
+
+from __future__ import annotations
+
+from nonsmooth.plot.figures import print_figure, save_figure
+from nonsmooth.plot.histories import time_history
+from nonsmooth.plot.markers import event_markers
+from nonsmooth.plot.mode_spans import phases
+from nonsmooth.plot.portrait import phase_portrait
+from nonsmooth.plot.style import PALETTE, axis_label, mode_colours
+
+__all__ = [
+    "PALETTE",
+    "axis_label",
+    "event_markers",
+    "mode_colours",
+    "phase_portrait",
+    "phases",
+    "print_figure",
+    "save_figure",
+    "time_history",
+]

@@ -84,7 +84,7 @@ def _attributes(system: System, outcome: Outcome, options: dict[str, Any]) -> di
         "anchor_number": int(outcome.anchor.place[0]),
         "anchor_phase": float(outcome.anchor.phase[0]),
         "anchor_mode": int(outcome.anchor.place[1]),
-        "anchor_order": outcome.anchor.order.copy(),
+        "anchor_order": " ".join(str(order) for order in outcome.anchor.order),
     }
     if system.period_value is not None:
         attrs["period"] = system.period_value

@@ -114,7 +114,7 @@ def _from_run(
         np.array([run.attrs["anchor_number"], run.attrs["anchor_mode"]], np.int64),
         np.array([run.attrs["anchor_phase"]], float),
         run["anchor_state"].values.astype(float),
-        np.atleast_1d(np.asarray(run.attrs["anchor_order"], np.int64)),
+        np.array(run.attrs["anchor_order"].split(), np.int64),
     )
     return Start(run["end_state"].values.copy(), end, anchor=anchor)
 

@@ -1,0 +1,59 @@
+"""The commands of ``nonsmooth`` and the options that belong to none of them."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from nonsmooth.cli import chapter
+from nonsmooth.cli.console import Commands
+from nonsmooth.cli.models import models
+from nonsmooth.cli.simulate import simulate
+from nonsmooth.version import __version__
+
+__all__ = ["app"]
+
+app = typer.Typer(
+    cls=Commands,
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"nonsmooth {__version__}")
+        raise typer.Exit()
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version", callback=_print_version, is_eager=True, help="Print the version."
+        ),
+    ] = False,
+) -> None:
+    """Exact simulation of piecewise-smooth dynamical systems.
+
+    Exit codes: 0 done, 1 ended early (files are written), 2 wrong use, 130 interrupted.
+    """
+
+
+app.command()(simulate)
+app.command()(models)
+
+
+@app.command()
+def warmup() -> None:
+    """Compile the kernels now, once for this installation."""
+    from nonsmooth.simulation.kernels import warm_up
+
+    typer.echo(f"kernels ready after {warm_up():.1f} s")
+
+
+app.add_typer(chapter.app, name="chapter")

@@ -1,0 +1,101 @@
+"""Texts of the command line as names, numbers and systems.
+
+Expressions go through the grammar of the library; nothing is handed to Python.
+"""
+
+from __future__ import annotations
+
+import inspect
+import re
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
+
+from nonsmooth.errors import OptionError, unknown_name
+
+if TYPE_CHECKING:
+    from nonsmooth.system.system import System
+
+__all__ = ["build_system", "constants", "model_functions", "names", "settings", "time_range"]
+
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
+
+
+def model_functions() -> dict[str, Callable[..., System]]:
+    """Functions of `nonsmooth.models` that make a system, by name."""
+    from nonsmooth import models
+
+    found: dict[str, Callable[..., System]] = {}
+    for name in models.__all__:
+        thing = getattr(models, name)
+        if inspect.isfunction(thing) and thing.__annotations__.get("return") == "System":
+            found[name] = thing
+    return found
+
+
+def build_system(model: str, values: dict[str, str]) -> System:
+    """System of a model with some parameters given as text."""
+    known = model_functions()
+    if model not in known:
+        raise OptionError(unknown_name("model", model, known))
+    make = known[model]
+    arguments = inspect.signature(make).parameters
+    given = {name: _number_or_text(text) for name, text in values.items()}
+    system = make(**{name: value for name, value in given.items() if name in arguments})
+    others = {name: value for name, value in given.items() if name not in arguments}
+    for name in others:
+        if name not in system.parameters:
+            raise OptionError(
+                f"{model}: {unknown_name('parameter', name, {*arguments, *system.parameters})}"
+            )
+    return system.with_parameters(**others) if others else system
+
+
+def _number_or_text(text: str) -> float | str:
+    # A plain number as such: the system then equals the one that a script makes.
+    return float(text) if _NUMBER.fullmatch(text.strip()) else text
+
+
+def settings(texts: Sequence[str], option: str) -> dict[str, str]:
+    """Texts such as ``b=0.15`` as names with the texts of their values."""
+    values: dict[str, str] = {}
+    for text in texts:
+        name, sign, value = (part.strip() for part in text.partition("="))
+        if not (name and sign and value):
+            raise OptionError(f"{option}: {text!r} is not of the form name=value")
+        if name in values:
+            raise OptionError(f"{option}: {name!r} is given twice")
+        values[name] = value
+    return values
+
+
+def constants(values: dict[str, str], option: str) -> dict[str, float]:
+    """Values of constant expressions such as ``pi/2``."""
+    from nonsmooth.system.evaluate import constant_value
+    from nonsmooth.system.expressions import names_in
+    from nonsmooth.system.grammar import parse
+
+    numbers = {}
+    for name, text in values.items():
+        tree = parse(text, where=f"{option}: {name}")
+        others = sorted(n.name for n in names_in(tree) if n.name != "pi")
+        if others:
+            raise OptionError(
+                f"{option}: {name} = {text} uses {others[0]!r}; give a number or a constant"
+                " expression such as pi/2"
+            )
+        numbers[name] = constant_value(tree, {})
+    return numbers
+
+
+def names(text: str | None) -> list[str]:
+    """Names separated by commas."""
+    return [part.strip() for part in (text or "").split(",") if part.strip()]
+
+
+def time_range(text: str) -> tuple[float, float]:
+    """Two times separated by a comma."""
+    parts = names(text)
+    if len(parts) != 2:
+        raise OptionError(f"--time-range: {text!r} is not two times, such as 800,1200")
+    times = constants(dict(zip(("begin", "end"), parts, strict=True)), "--time-range")
+    return times["begin"], times["end"]

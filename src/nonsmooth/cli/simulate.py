@@ -1,0 +1,176 @@
+"""``nonsmooth simulate``: run a ready-made system, print a summary, draw and save."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from nonsmooth.cli.arguments import build_system, constants, names, settings, time_range
+from nonsmooth.cli.console import ENDED_EARLY, INTERRUPTED
+from nonsmooth.errors import OptionError, RunWarning, unknown_name
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from nonsmooth.system.system import System
+
+__all__ = ["simulate"]
+
+_PERIODS = 20.0  # as long as the chapter's time histories
+_WIDTH, _HEIGHT = 12.0, 7.5  # centimetres, between one column and two
+
+
+def simulate(
+    model: Annotated[str, typer.Argument(metavar="MODEL", help="Its name, see: nonsmooth models.")],
+    parameters: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="NAME=VALUE...", help="Parameters; a value may be an expression like pi/2."
+        ),
+    ] = None,
+    *,
+    periods: Annotated[
+        float | None, typer.Option(help="Length of the run in periods; 20 by default.")
+    ] = None,
+    t_end: Annotated[float | None, typer.Option(help="Time at which the run ends.")] = None,
+    start: Annotated[
+        str | None, typer.Option(metavar="p=0.1,y=0", help="States at the start.")
+    ] = None,
+    samples_per_period: Annotated[int, typer.Option(help="Samples per period.")] = 100,
+    plot: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Draw a time history: .png or .pdf.")
+    ] = None,
+    variables: Annotated[
+        str | None, typer.Option(metavar="x,v", help="States and outputs to draw.")
+    ] = None,
+    first_period: Annotated[
+        float | None, typer.Option("--from", metavar="PERIOD", help="Draw from this period on.")
+    ] = None,
+    times: Annotated[
+        str | None, typer.Option("--time-range", metavar="A,B", help="Draw between two times.")
+    ] = None,
+    save: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Save the run as netCDF: .nc.")
+    ] = None,
+) -> None:
+    """Simulate a ready-made system and print a summary."""
+    _check_files(plot, save)
+    system = build_system(model, settings(parameters or [], "NAME=VALUE"))
+    shown = _variables(system, variables)
+    if periods is None and t_end is None and system.period is not None:
+        periods = _PERIODS
+    window = _window(system, first_period, times)
+    _check_window(system, window, periods, t_end)
+    run = _run(
+        system,
+        constants(settings(names(start), "--start"), "--start"),
+        periods=periods,
+        t_end=t_end,
+        samples_per_period=samples_per_period,
+    )
+    from nonsmooth.cli.summary import summary
+
+    typer.echo(summary(run))
+    if save is not None:
+        _save(run, save)
+    if plot is not None:
+        _plot(run, shown, window, plot)
+    status = run.attrs["status"]
+    if status == "interrupted":
+        raise typer.Exit(INTERRUPTED)
+    if status not in ("completed", "stopped"):
+        raise typer.Exit(ENDED_EARLY)
+
+
+def _check_files(plot: Path | None, save: Path | None) -> None:
+    """Refuse files that could not be written, before a long run and not after it."""
+    from nonsmooth.plot.files import check_target
+
+    if plot is not None:
+        check_target(plot, (".png", ".pdf"))
+    if save is not None:
+        check_target(save, (".nc",))
+
+
+def _variables(system: System, text: str | None) -> list[str]:
+    """Variables to draw; by default the motion, and what it drifts by."""
+    known = [*system.states, *system.outputs]
+    chosen = names(text)
+    for name in chosen:
+        if name not in known:
+            raise OptionError(f"--variables: {unknown_name('variable', name, known)}")
+    if chosen:
+        return chosen
+    drifting = list(system.drift_states)
+    # states beside a drift are relative to it, and the motion itself is an output
+    return [*list(system.outputs)[:1], *drifting] if drifting else list(system.states[:1])
+
+
+def _window(
+    system: System, first_period: float | None, times: str | None
+) -> tuple[float, float] | None:
+    """Times to draw, with infinity for the end of the run."""
+    if first_period is not None and times is not None:
+        raise OptionError("give one of --from and --time-range, not both")
+    if times is not None:
+        return time_range(times)
+    if first_period is None:
+        return None
+    if system.period_value is None:
+        raise OptionError(f"--from counts periods, and {system.name!r} has none; use --time-range")
+    return first_period * system.period_value, math.inf
+
+
+def _check_window(
+    system: System,
+    window: tuple[float, float] | None,
+    periods: float | None,
+    t_end: float | None,
+) -> None:
+    """Refuse times to draw that a run of this length does not reach."""
+    end = t_end
+    if end is None and periods is not None and system.period_value is not None:
+        end = periods * system.period_value
+    if window is not None and end is not None and not window[0] < min(window[1], end):
+        last = f"{window[1]:g}" if window[1] < math.inf else "the end"
+        raise OptionError(
+            f"the times to draw, {window[0]:g} to {last}, must run forward and begin before"
+            f" the run ends at t = {end:g}"
+        )
+
+
+def _run(system: System, initial: dict[str, float], **options: Any) -> xr.Dataset:
+    from nonsmooth.simulation.simulate import simulate as run_system
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RunWarning)  # the summary says the same
+        return run_system(system, initial, **options)
+
+
+def _save(run: xr.Dataset, path: Path) -> None:
+    from nonsmooth.plot.files import replacing
+
+    with replacing(path) as draft:
+        run.to_netcdf(draft, engine="h5netcdf")
+    typer.echo(f"saved {path}")
+
+
+def _plot(
+    run: xr.Dataset, variables: list[str], window: tuple[float, float] | None, path: Path
+) -> None:
+    from nonsmooth.plot import print_figure, save_figure, time_history
+
+    first, last = float(run["time"][0]), float(run["time"][-1])
+    if window is not None:
+        window = window[0], min(window[1], last)
+        if run.attrs["status"] != "completed" and not first <= window[0] < window[1]:
+            typer.echo("the run ended before the times to draw; all of it is drawn", err=True)
+            window = None
+    figure, (ax,) = print_figure(width=_WIDTH, height=_HEIGHT)
+    time_history(run, variables, ax=ax, time_range=window)
+    save_figure(figure, path)
+    typer.echo(f"drawn {path}")

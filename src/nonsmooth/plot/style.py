@@ -1,0 +1,152 @@
+"""How pictures look: colours, line styles, labels with units, legends."""
+
+from __future__ import annotations
+
+import textwrap
+from typing import TYPE_CHECKING, Any
+
+from nonsmooth.errors import OptionError
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+
+__all__ = [
+    "LINES",
+    "PALETTE",
+    "axis_label",
+    "finish_axes",
+    "mode_colours",
+    "place_legend",
+    "wrapped",
+]
+
+# M. Okabe and K. Ito, Color universal design, 2008: told apart with every kind of colour
+# vision. Ordered so that the first ones also differ in grey; yellow, faint on white, is last.
+PALETTE = {
+    "blue": "#0072B2",
+    "orange": "#E69F00",
+    "green": "#009E73",
+    "vermilion": "#D55E00",
+    "purple": "#CC79A7",
+    "sky": "#56B4E9",
+    "yellow": "#F0E442",
+}
+
+# Colour and dashes of the first, second, ... variable of one picture: either is enough. All
+# are dark, so that they stand out before the pale colours of the modes too.
+LINES: tuple[dict[str, Any], ...] = (
+    {"color": "black", "linestyle": "-", "linewidth": 1.0},
+    {"color": "#D55E00", "linestyle": "--", "linewidth": 1.0},
+    {"color": "#7A2060", "linestyle": ":", "linewidth": 1.5},  # dots of 1 point look faint
+    {"color": "#00664B", "linestyle": "-.", "linewidth": 1.0},
+)
+
+_HANDLE, _GAP = 2.2, 1.2  # of a legend: length of its lines, space between columns; in letters
+_LABEL_WIDTH = 34  # characters; at 8 points this is the height of a column-wide picture
+
+
+def axis_label(variable: xr.DataArray) -> str:
+    """Label of an axis: the long name of a variable and its units in brackets.
+
+    Parameters
+    ----------
+    variable : xarray.DataArray
+        A variable of a result.
+
+    Returns
+    -------
+    str
+        Such as ``"displacement [mm]"``, or just ``"time"`` for what has no units.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> from nonsmooth.plot import axis_label
+    >>> axis_label(xr.DataArray(0.0, attrs={"long_name": "displacement", "units": "mm"}))
+    'displacement [mm]'
+    >>> axis_label(xr.DataArray(0.0, name="time"))
+    'time'
+    """
+    units = str(variable.attrs.get("units", ""))
+    name = str(variable.attrs.get("long_name") or variable.name or "")
+    return name if units in ("", "1") else f"{name} [{units}]"
+
+
+def wrapped(label: str) -> str:
+    """Label in lines that fit beside axes of a column's width."""
+    return textwrap.fill(label, _LABEL_WIDTH)
+
+
+def mode_colours(run: xr.Dataset) -> dict[str, str]:
+    """Colour of each mode; it depends on the system only, so it is the same in every picture.
+
+    Parameters
+    ----------
+    run : xarray.Dataset
+        Result of `simulate`.
+
+    Returns
+    -------
+    dict of str to str
+        Mode names to colours that matplotlib understands.
+
+    Examples
+    --------
+    >>> import nonsmooth as ns
+    >>> run = ns.simulate(ns.models.moling(), periods=1)
+    >>> ns.plot.mode_colours(run)["contact"]
+    '#E69F00'
+    """
+    if "mode" not in run or "flag_meanings" not in run["mode"].attrs:
+        raise OptionError("the dataset has no variable 'mode' with its names; give it a run")
+    colours = list(PALETTE.values())
+    colours += [_darker(colour) for colour in colours]
+    names = run["mode"].attrs["flag_meanings"].split()
+    return {name: colours[i % len(colours)] for i, name in enumerate(names)}
+
+
+def _darker(colour: str) -> str:
+    return "#" + "".join(f"{int(colour[i : i + 2], 16) * 11 // 20:02X}" for i in (1, 3, 5))
+
+
+def finish_axes(ax: Axes, x_label: str, y_label: str) -> None:
+    """Set the labels that the caller has not set before."""
+    if not ax.get_xlabel():
+        ax.set_xlabel(wrapped(x_label))
+    if not ax.get_ylabel():
+        ax.set_ylabel(wrapped(y_label))
+
+
+def place_legend(ax: Axes) -> None:
+    """Put the legend above the axes, where it hides no curve; nothing without labels."""
+    handles, labels = ax.get_legend_handles_labels()
+    if not handles:
+        return
+    size = float(
+        ax.xaxis.label.get_fontsize()
+    )  # axes of the caller may have larger texts than ours
+    ax.legend(
+        handles,
+        labels,
+        fontsize=size,
+        ncols=_legend_columns(ax, labels, size),
+        loc="lower left",
+        bbox_to_anchor=(0.0, 1.0),
+        borderaxespad=0.2,
+        borderpad=0.2,
+        frameon=False,
+        labelspacing=0.3,
+        handlelength=_HANDLE,
+        columnspacing=_GAP,
+    )
+
+
+def _legend_columns(ax: Axes, labels: list[str], size: float) -> int:
+    """Columns that fit the width of the axes; a wider legend would squeeze them."""
+    figure = ax.get_figure(root=True)
+    assert figure is not None
+    available = ax.get_window_extent().width / figure.dpi * 72.0  # points
+    letters = max(len(label) for label in labels)
+    entry = size * (_HANDLE + 0.8 + 0.55 * letters + _GAP)
+    return max(1, min(len(labels), int((available + size * _GAP) / entry)))

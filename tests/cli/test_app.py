@@ -1,0 +1,61 @@
+import re
+import subprocess
+import sys
+
+import pytest
+
+import nonsmooth as ns
+from nonsmooth.simulation import kernels
+
+
+def shell(*arguments: str) -> subprocess.CompletedProcess[str]:
+    """The command line as a shell starts it."""
+    command = [sys.executable, "-m", "nonsmooth", *arguments]
+    return subprocess.run(command, capture_output=True, text=True)
+
+
+def test_version(call):
+    assert call("--version").stdout == f"nonsmooth {ns.__version__}\n"
+
+
+def test_warmup(call, monkeypatch):
+    monkeypatch.setattr(kernels, "warm_up", lambda: 12.34)
+    assert call("warmup").stdout == "kernels ready after 12.3 s\n"
+
+
+@pytest.mark.parametrize("command", [[], ["simulate"], ["models"], ["chapter"], ["warmup"]])
+def test_help(call, command):
+    result = call(*command, "--help")
+    assert result.exit_code == 0
+    assert "Usage" in result.stdout
+
+
+@pytest.mark.parametrize("command", ["chapter run", "chapter claims", "chapter demo"])
+def test_help_of_the_chapter(call, command):
+    assert call(*command.split(), "--help").exit_code == 0
+
+
+def test_help_loads_nothing_heavy():
+    code = (
+        "import sys; sys.argv = ['nonsmooth', 'simulate', '--help']\n"
+        "from nonsmooth.cli import main\n"
+        "try:\n    main()\n"
+        "finally:\n    print('LOADED', *sorted(sys.modules))\n"
+    )
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert run.returncode == 0, run.stderr
+    loaded = run.stdout.partition("LOADED")[2].split()
+    assert not {"matplotlib", "numba", "numpy", "scipy", "xarray"} & set(loaded)
+
+
+def test_exit_codes_and_plain_text_in_a_pipe():
+    """No traceback and no colour codes; results and messages in different streams."""
+    good = shell("models", "moling")
+    assert (good.returncode, good.stderr) == (0, "")
+    table = shell("models")
+    assert (table.returncode, table.stderr) == (0, "")
+    bad = shell("simulate", "moling", "b=1+")
+    assert (bad.returncode, bad.stdout) == (2, "")
+    assert "Traceback" not in bad.stderr
+    everything = good.stdout + table.stdout + bad.stderr
+    assert not re.search(r"\x1b\[", everything)

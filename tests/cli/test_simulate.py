@@ -1,0 +1,172 @@
+import os
+
+import pytest
+import xarray as xr
+
+import nonsmooth as ns
+from nonsmooth import models
+from nonsmooth.cli import simulate as command
+
+
+def values(output: str) -> dict[str, str]:
+    """The summary's lines by their label."""
+    pairs = (line.strip().partition("  ") for line in output.splitlines())
+    return {label: text.strip() for label, _, text in pairs}
+
+
+def test_summary_of_a_run(call):
+    result = call("simulate", "moling", "b=0.15", "--periods", "60")
+    assert result.exit_code == 0, result.stderr
+    found = values(result.stdout)
+    run = ns.simulate(ns.models.moling(b=0.15), periods=60)
+    assert found["status"] == "completed"
+    assert found["periods"] == "60 of 62.83185"
+    assert found["events"] == f"{run.attrs['n_events']}, 4 per period"
+    assert found["certified"] == "yes"
+    assert found["phase word, last period"] == run.attrs["phase_word"]
+    assert found["end state"].endswith(f"v = {float(run['end_state'][3]):.7g}")
+    steady = ", ".join(["31.3453"] * 5)  # see the docstring of models.progression
+    assert found["progression of v"] == f"{steady} per period (last 5 periods)"
+
+
+def test_the_saved_run_is_the_run(call, tmp_path):
+    """Text on the command line and numbers in a script make the same system."""
+    file = tmp_path / "run.nc"
+    result = call("simulate", "moling", "b=0.1", "g=0.02", "--periods", "5", "--save", file)
+    assert result.exit_code == 0, result.stderr
+    assert f"saved {file}" in result.stdout
+    with xr.open_dataset(file, engine="h5netcdf") as saved:
+        run = ns.simulate(ns.models.moling(b=0.1, g=0.02), periods=5)
+        xr.testing.assert_identical(saved.load(), run)
+    assert os.listdir(tmp_path) == ["run.nc"]
+
+
+def test_expressions_are_values(call, tmp_path):
+    file = tmp_path / "run.nc"
+    options = ["--start", "p=-1/4,y=cos(pi)", "--t-end", "10", "--samples-per-period", "7"]
+    result = call("simulate", "moling", "phi=pi/3", *options, "--save", file)
+    assert result.exit_code == 0, result.stderr
+    run = ns.simulate(
+        ns.models.moling(phi="pi/3"), {"p": -0.25, "y": -1.0}, t_end=10.0, samples_per_period=7
+    )
+    with xr.open_dataset(file, engine="h5netcdf") as saved:
+        xr.testing.assert_identical(saved.load(), run)
+
+
+@pytest.fixture
+def drawn(monkeypatch):
+    """What is asked of the plot."""
+    calls = []
+    monkeypatch.setattr(
+        ns.plot,
+        "time_history",
+        lambda run, names, ax, time_range: calls.append((names, time_range)),
+    )
+    return calls
+
+
+def test_defaults_of_the_picture(call, drawn, tmp_path):
+    """Mass and slider bottom over the default length of 20 periods."""
+    assert call("simulate", "moling", "--plot", tmp_path / "a.png").exit_code == 0
+    assert drawn == [(["x", "v"], None)]
+
+
+def test_part_of_the_run_is_drawn(call, drawn, tmp_path):
+    file = tmp_path / "a.png"
+    times = ["--time-range", "800, 1200"]
+    assert call("simulate", "moling", *times, "--variables", "p,q", "--plot", file).exit_code == 0
+    assert call("simulate", "moling", "--from", "15", "--plot", file).exit_code == 0
+    (names, window), (_, later) = drawn
+    assert (names, window) == (["p", "q"], (800.0, 1200.0))
+    period = ns.models.moling().period_value
+    assert later == pytest.approx((15 * period, 20 * period))
+
+
+def test_a_picture_is_drawn(call, tmp_path):
+    result = call("simulate", "moling", "--plot", tmp_path / "a.pdf")
+    assert result.exit_code == 0, result.stderr
+    assert (tmp_path / "a.pdf").read_bytes().startswith(b"%PDF")
+
+
+def test_a_run_that_ends_early(call, accumulating, tmp_path):
+    """Code 1, the reason, and files all the same; the whole run where the window is missed."""
+    files = ["--plot", tmp_path / "a.png", "--save", tmp_path / "a.nc"]
+    result = call("simulate", "ball", "--t-end", "100", "--time-range", "50,60", *files)
+    assert result.exit_code == 1
+    with pytest.warns(ns.RunWarning):
+        run = ns.simulate(models.ball(), t_end=100.0)
+    assert values(result.stdout)["status"] == run.attrs["message"]
+    assert "all of it is drawn" in result.stderr
+    assert sorted(os.listdir(tmp_path)) == ["a.nc", "a.png"]
+
+
+def test_parameters_beside_the_arguments(call, accumulating):
+    """A model need not offer every parameter of its system as an argument."""
+    result = call("simulate", "ball", "weight=2", "--t-end", "0.5")
+    assert result.exit_code == 0, result.stderr
+    assert values(result.stdout)["end state"] == "h = 0.75, u = -1"
+    assert "periods" not in values(result.stdout)
+
+
+def test_interruption(call, monkeypatch):
+    """The library keeps what it has computed; the code is that of a signal."""
+
+    def interrupted(system, initial, **options):
+        run = ns.simulate(system, initial, **options)
+        run.attrs |= {"status": "interrupted", "message": "interrupted by the user"}
+        return run
+
+    monkeypatch.setattr(command, "_run", interrupted)
+    result = call("simulate", "moling")
+    assert result.exit_code == 130
+    assert values(result.stdout)["status"] == "interrupted by the user"
+
+
+def test_interruption_outside_the_run(call, monkeypatch):
+    def interrupt(*arguments, **options):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(command, "_run", interrupt)
+    result = call("simulate", "moling")
+    assert (result.exit_code, result.stderr) == (130, "nonsmooth: interrupted\n")
+
+
+MISUSES = {
+    "simulate mole": "unknown model 'mole'; did you mean 'moling'?",
+    "simulate moling B=1": "moling: unknown parameter 'B' (known: a, b, g, omega, phi, xi)",
+    "simulate moling b": "'b' is not of the form name=value",
+    "simulate moling b=": "'b=' is not of the form name=value",
+    "simulate moling b=1 b=2": "'b' is given twice",
+    "simulate moling b=1+": "the expression ends where a value is expected",
+    "simulate moling b=a": "uses 'a'",
+    "simulate moling b=__import__('os')": "parameters['b']",
+    "simulate moling b=nan": "parameters['b']",
+    "simulate moling xi=0": "xi > 0 is required, xi = 0 was given",
+    "simulate moling --start p=5": "fits no mode of 'moling'",
+    "simulate moling --start r=5": "unknown state 'r'",
+    "simulate moling --start p=q": "--start: p = q uses 'q'",
+    "simulate moling --periods 5 --t-end 3": "exactly one of periods=, t_end= and times=",
+    "simulate moling --periods -1": "must be positive",
+    "simulate moling --variables w": "--variables: unknown variable 'w'",
+    "simulate moling --plot a.gif": "ends with '.gif'",
+    "simulate moling --save a.txt": "ends with '.txt'",
+    "simulate moling --save no/a.nc": "the folder 'no' of 'no/a.nc' does not exist",
+    "simulate moling --time-range 5": "is not two times",
+    "simulate moling --time-range 9,5": "must run forward",
+    "simulate moling --from 20": "must run forward and begin before the run ends",
+    "simulate moling --from 1 --time-range 2,3": "give one of --from and --time-range",
+    "simulate ball --from 1 --t-end 5": "--from counts periods, and 'ball' has none",
+    "simulate ball": "exactly one of periods=, t_end= and times=",
+    "simulate": "Missing argument",
+    "simulate moling --periods many": "Invalid value for '--periods'",
+}
+
+
+@pytest.mark.parametrize("line", MISUSES)
+def test_misuse_is_told(call, accumulating, monkeypatch, tmp_path, line):
+    monkeypatch.chdir(tmp_path)
+    result = call(*line.split(" "))
+    assert result.exit_code == 2
+    assert MISUSES[line] in " ".join(result.stderr.split())
+    assert result.stdout == ""
+    assert os.listdir(tmp_path) == []

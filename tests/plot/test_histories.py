@@ -1,0 +1,107 @@
+import numpy as np
+import pytest
+
+import nonsmooth as ns
+from nonsmooth.errors import OptionError
+
+ROOT2 = np.sqrt(2.0)
+
+
+def test_kinks_and_jumps_are_drawn_at_the_event(bouncing, ax):
+    """Samples at 0, 1, 2, 2.5 only; the impacts at sqrt(2) would be cut off by a chord."""
+    ns.plot.time_history(bouncing, ["h", "u"], ax=ax)
+    height, velocity = ax.lines
+    assert height.get_xdata() == pytest.approx([0, 0, 0, 1, ROOT2, ROOT2, 2, 2.5])
+    assert height.get_ydata()[4:6] == pytest.approx([0.0, 0.0])
+    assert velocity.get_ydata()[4:6] == pytest.approx([-ROOT2, ROOT2 / 2])
+
+
+def test_a_sample_at_an_event_keeps_its_side(bouncing, ax):
+    """Times never decrease and the jump is taken once, whichever state the sample holds."""
+    time = float(bouncing["event_time"][1])
+    run = ns.simulate(ns.models.moling(), periods=1)
+    crossing = float(run["event_time"][1])
+    run = ns.simulate(ns.models.moling(), times=[0.0, crossing, 2 * crossing])
+    ns.plot.time_history(run, "v", ax=ax)
+    assert np.all(np.diff(ax.lines[0].get_xdata()) >= 0.0)
+    assert time == pytest.approx(ROOT2)
+
+
+def test_outputs_are_drawn_at_samples(mole, ax):
+    ns.plot.time_history(mole, ["x", "v"], ax=ax)
+    mass, slider = ax.lines
+    np.testing.assert_array_equal(mass.get_xdata(), mole["time"])
+    np.testing.assert_array_equal(mass.get_ydata(), mole["x"])
+    assert slider.get_xdata().size == mole.sizes["time"] + 2 * mole.sizes["event"]
+
+
+def test_a_range_is_cut_where_it_says(mole, ax):
+    ns.plot.time_history(mole, ["x", "v"], ax=ax, time_range=(800.0, 1200.0))
+    assert ax.get_xlim() == (800.0, 1200.0)
+    for line, name in zip(ax.lines, ("x", "v"), strict=True):
+        assert line.get_xdata()[[0, -1]] == pytest.approx([800.0, 1200.0])
+        low, high = mole["time"].searchsorted([800.0, 1200.0])
+        inside = mole[name].values[low:high]
+        assert set(inside) <= set(line.get_ydata())
+
+
+def test_a_range_within_one_step_is_a_straight_line(bouncing, ax):
+    ns.plot.time_history(bouncing, "u", ax=ax, time_range=(1.1, 1.2))
+    assert ax.lines[0].get_ydata() == pytest.approx([-1.1, -1.2])
+
+
+def test_styles_and_legend(mole, ax):
+    """The chapter draws the mass solid and the slider dashed."""
+    ns.plot.time_history(mole, ["x", "v"], ax=ax, labels={"x": "mass"})
+    assert [line.get_linestyle() for line in ax.lines] == ["-", "--"]
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["mass", "v"]
+
+
+def test_one_line_needs_no_legend(mole, ax):
+    ns.plot.time_history(mole, "x", ax=ax)
+    assert ax.get_legend() is None
+    assert ax.get_ylabel() == "displacement of the mass"
+
+
+def test_labels_have_units(bouncing, ax):
+    ns.plot.time_history(bouncing, ["h", "u"], ax=ax)
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("time", "h [m], u [m/s]")
+
+
+def test_labels_of_the_caller_stay(bouncing, ax):
+    ax.set_xlabel("time in s")
+    ns.plot.time_history(bouncing, "h", ax=ax)
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("time in s", "height [m]")
+
+
+def test_new_axes_belong_to_pyplot(bouncing):
+    import matplotlib.pyplot as plt
+
+    assert ns.plot.time_history(bouncing, "h").figure is plt.gcf()
+
+
+def test_unknown_variable_lists_the_known_ones(mole):
+    with pytest.raises(OptionError, match=r"unknown variable 'w' \(known: acceleration, p, q,"):
+        ns.plot.time_history(mole, ["x", "w"])
+
+
+@pytest.mark.parametrize("wrong", ["mode", "state_before", "end_state"])
+def test_only_variables_over_time_are_drawn(mole, wrong):
+    with pytest.raises(OptionError, match="unknown variable"):
+        ns.plot.time_history(mole, wrong)
+
+
+@pytest.mark.parametrize("wrong", [(3, 2), (1e6, 2e6), (-2, -1), (1,), "ab", 7])
+def test_a_range_that_misses_the_run_is_refused(mole, wrong):
+    with pytest.raises(OptionError, match="time_range"):
+        ns.plot.time_history(mole, "x", time_range=wrong)
+
+
+def test_no_variables(mole):
+    with pytest.raises(OptionError, match="name at least one of"):
+        ns.plot.time_history(mole, [])
+
+
+def test_run_without_samples(mole):
+    with pytest.raises(OptionError, match="no samples"):
+        ns.plot.time_history(mole.isel(time=slice(0)), "x")
