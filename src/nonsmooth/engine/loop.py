@@ -182,10 +182,10 @@ def _log_crossing(tables, segment, anchor, records, s, e, kind, certified):
     number, phase = normal_phase(anchor.place[0], anchor.phase[0] + s, tables.clock[0])
     row = log_event(records, number, phase, kind, m, e, certified, segment.scan[e, at.RATE])
     if row >= 0:
-        values = records.event_floats[row]
-        state_at(flow, slots, m, modal, values[EVENT_FLOATS : EVENT_FLOATS + n])
+        before = records.event_floats[row, EVENT_FLOATS : EVENT_FLOATS + n]
+        state_at(flow, slots, m, modal, before)
         for i in range(n):
-            values[EVENT_FLOATS + n + i] = values[EVENT_FLOATS + i]
+            records.event_floats[row, EVENT_FLOATS + n + i] = before[i]
     return row
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from nonsmooth.engine.layout import Floats, Integers
 
-__all__ = ["Anchor", "Records", "allocate_anchor", "allocate_records"]
+__all__ = ["Anchor", "Records", "allocate_anchor", "allocate_records", "with_fresh_events"]
 
 # columns of Records.event_integers
 NUMBER, KIND, FROM, TO, EXIT, PATH, PASSES, IS_CERTIFIED = range(8)
@@ -65,8 +65,18 @@ def allocate_records(
         sample_phase=sample_phase,
         sample_state=np.full((count, n), np.nan),
         sample_mode=np.full(count, -1, np.int64),
-        event_integers=np.zeros((capacity, EVENT_INTEGERS), np.int64),
-        event_floats=np.zeros((capacity, EVENT_FLOATS + 2 * n)),
+        event_integers=np.empty((capacity, EVENT_INTEGERS), np.int64),
+        event_floats=np.empty((capacity, EVENT_FLOATS + 2 * n)),
         cursor=np.zeros(4, np.int64),
         end_state=np.full(n, np.nan),
+    )
+
+
+def with_fresh_events(records: Records, capacity: int) -> Records:
+    """The same records with an empty event buffer; the old one stays with who holds it."""
+    records.cursor[EVENTS] = 0
+    width = records.event_floats.shape[1]
+    return records._replace(
+        event_integers=np.empty((capacity, EVENT_INTEGERS), np.int64),
+        event_floats=np.empty((capacity, width)),
     )

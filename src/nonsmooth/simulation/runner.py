@@ -17,7 +17,13 @@ from nonsmooth.engine.layout import (
     augmented_size,
 )
 from nonsmooth.engine.loop import run, start
-from nonsmooth.engine.records import Anchor, Records, allocate_anchor, allocate_records
+from nonsmooth.engine.records import (
+    Anchor,
+    Records,
+    allocate_anchor,
+    allocate_records,
+    with_fresh_events,
+)
 from nonsmooth.engine.setup import set_up
 from nonsmooth.engine.status import SETUP_ERRORS, Status
 from nonsmooth.errors import ModelError
@@ -29,7 +35,8 @@ from nonsmooth.system.system import System
 __all__ = ["NoMode", "Outcome", "build_tables", "run_plan"]
 
 _ZERO = Instant(0, 0.0)
-_CAPACITY = 8192  # events per buffer
+_CAPACITY = 1024  # events in the first buffer
+_LARGEST_CAPACITY = 65536
 _WINDOWS_PER_CALL = 10_000  # a few hundredths of a second: interruption and progress
 
 
@@ -99,13 +106,13 @@ def run_plan(
         status = Status(start(tables, anchor, segment, records, mode, tolerance))
         if status == Status.INADMISSIBLE:
             raise NoMode(segment.z.copy())
-    log = _EventLog(records)
+    log = _EventLog()
     if status == Status.COMPLETED:
-        status = _run(tables, plan, anchor, segment, records, log, tolerance)
+        status, records = _run(tables, plan, anchor, segment, records, log, tolerance)
     end = plan.end
     if status != Status.COMPLETED:
         end = Instant(int(anchor.place[0]), float(anchor.phase[0]))
-    integers, floats = log.close()
+    integers, floats = log.close(records)
     return Outcome(
         status=status,
         tables=tables,
@@ -128,7 +135,7 @@ def _run(
     records: Records,
     log: _EventLog,
     tolerance: float,
-) -> Status:
+) -> tuple[Status, Records]:
     first = int(anchor.place[0])
     with Progress("simulating", max(1, plan.end.number - first)) as progress:
         while True:
@@ -137,33 +144,38 @@ def _run(
             try:
                 status = Status(run(tables, anchor, segment, records, *stop, tolerance))
             except KeyboardInterrupt:
-                return Status.INTERRUPTED
+                return Status.INTERRUPTED, records
             if status == Status.BUFFER_FULL:
-                log.empty()
+                records = log.swap(records)
             elif status != Status.COMPLETED or stop == plan.end:
-                return status
+                return status, records
             try:
                 progress.update(int(anchor.place[0]) - first)
             except KeyboardInterrupt:
-                return Status.INTERRUPTED
+                return Status.INTERRUPTED, records
 
 
 class _EventLog:
-    """Collects the event buffer whenever it is full."""
+    """Collects event buffers: a full one is set aside and a larger one takes its place."""
 
-    def __init__(self, records: Records) -> None:
-        self.records = records
+    def __init__(self) -> None:
         self.integers: list[npt.NDArray[np.int64]] = []
         self.floats: list[npt.NDArray[np.float64]] = []
 
-    def empty(self) -> None:
-        """Move the rows of the buffer away."""
-        count = int(self.records.cursor[at.EVENTS])
-        self.integers.append(self.records.event_integers[:count].copy())
-        self.floats.append(self.records.event_floats[:count].copy())
-        self.records.cursor[at.EVENTS] = 0
+    def swap(self, records: Records) -> Records:
+        """Records to go on with, after the rows of the present buffer were set aside."""
+        self._keep(records)
+        capacity = min(4 * len(records.event_floats), _LARGEST_CAPACITY)
+        return with_fresh_events(records, capacity)
 
-    def close(self) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.float64]]:
+    def close(self, records: Records) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.float64]]:
         """All rows."""
-        self.empty()
+        self._keep(records)
+        if len(self.floats) == 1:
+            return self.integers[0], self.floats[0]
         return np.concatenate(self.integers), np.concatenate(self.floats)
+
+    def _keep(self, records: Records) -> None:
+        count = int(records.cursor[at.EVENTS])
+        self.integers.append(records.event_integers[:count])
+        self.floats.append(records.event_floats[:count])
