@@ -1,0 +1,19 @@
+"""The chapter's figures and claims, recomputed with public functions only.
+
+Whatever is heavy is imported when a figure or a claim is asked for.
+"""
+
+from __future__ import annotations
+
+from nonsmooth.chapter.claims import claim_ids, evaluate_claims
+from nonsmooth.chapter.demo import run_demo
+from nonsmooth.chapter.registry import figure_ids, figure_summary, run_figures
+
+__all__ = [
+    "claim_ids",
+    "evaluate_claims",
+    "figure_ids",
+    "figure_summary",
+    "run_demo",
+    "run_figures",
+]

@@ -32,7 +32,8 @@ def moling(
 
         \text{no contact:} && p' &= y, & y' &= f, & q' &= -q/2\xi, & v' &= 0, \\
         \text{contact:} && y' &= f - F, & q' &= y, & p &= q + g, & v' &= 0, \\
-        \text{progression:} && y' &= f - 1, & q' &= (1 - q)/2\xi, & p &= q + g, & v' &= (F - 1)/2\xi.
+        \text{progression:} && y' &= f - 1, & q' &= (1 - q)/2\xi, & p &= q + g,
+        & v' &= (F - 1)/2\xi.
 
     ====== ========== ======= =========================================
     symbol argument   default source

@@ -77,8 +77,8 @@ def check_words(system: System) -> None:
         if name not in system.states:
             raise ModelError(f"initial: {unknown_name('state', name, system.states)}")
     for name, label in system.describe.items():
-        if name not in owner:
-            raise ModelError(f"describe: {unknown_name('name', name, owner)}")
+        if name not in owner and name != "time":
+            raise ModelError(f"describe: {unknown_name('name', name, [*owner, 'time'])}")
         if not isinstance(label, str):
             raise ModelError(f"describe[{name!r}]: a label is a text, not {label!r:.60}")
 

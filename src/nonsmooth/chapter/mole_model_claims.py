@@ -1,0 +1,139 @@
+"""Claims on the model: scaling, geometry of contact, and which phase a state belongs to."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from nonsmooth import OptionError, simulate
+from nonsmooth.chapter.absolute_mole import absolute_mole
+from nonsmooth.chapter.judgement import Check, Evidence, Finding
+from nonsmooth.models import MolingRig, moling
+
+__all__ = ["CHECKS", "STATIC_FORCES"]
+
+STATIC_FORCES = (0.05, 0.095, 0.1, 0.15, 0.19, 0.27)
+# Three rigs of our choice, with little, moderate and heavy damping and three phases.
+_RIGS: tuple[dict[str, float], ...] = (
+    {"damping": 31.6, "static_force": 30.0, "dynamic_force": 60.0, "phase": np.pi / 2},
+    {"damping": 220.0, "static_force": 91.2, "dynamic_force": 100.0, "phase": 0.3},
+    {"damping": 750.0, "static_force": 60.0, "dynamic_force": 180.0, "phase": -2.0},
+)
+_COMMON = {"mass": 2.0, "stiffness": 5e4, "friction_force": 200.0, "gap": 8e-5}
+_NAMES = {"x": "X_m", "y": "Y_m", "z": "X_t", "v": "X_b"}
+_UNIT = float(np.finfo(float).eps)
+
+
+def _scaling(rigs: Sequence[dict[str, float]] = _RIGS, periods: int = 20) -> Evidence:
+    differences = []
+    for data in rigs:
+        rig = MolingRig(**_COMMON, angular_frequency=15.8, **data)
+        scaled = rig.to_si(simulate(rig.system(), periods=periods))
+        direct = simulate(absolute_mole(rig), periods=periods)
+        relative = [
+            np.abs(scaled[ours].values - 1e3 * direct[theirs].values).max()
+            / np.abs(scaled[ours].values).max()
+            for ours, theirs in _NAMES.items()
+        ]
+        differences.append(float(max(relative)))
+    return {"periods": periods, "rigs": len(rigs), "differences": differences}
+
+
+def _judge_scaling(evidence: Evidence) -> Finding:
+    largest = max(evidence["differences"])
+    text = (
+        f"displacements and velocity of {evidence['rigs']} rigs, simulated in SI units and in"
+        f" scaled ones, agree to {largest:.1e} of their largest values over"
+        f" {evidence['periods']} periods"
+    )
+    return Finding(largest <= 1e-10, text)
+
+
+def _contact_offset(forces: Sequence[float] = STATIC_FORCES, periods: int = 50) -> Evidence:
+    deviations, scales = [], []
+    for b in forces:
+        run = simulate(moling(b=b), periods=periods)
+        touching = run["mode"].values != 0
+        gap = moling(b=b).parameter_values["g"]
+        offset = (run["x"] - run["z"]).values[touching] - gap
+        deviations.append(float(np.abs(offset).max()))
+        scales.append(float(np.abs(run["x"].values).max()))
+    return {"static_forces": list(forces), "deviations": deviations, "largest_x": scales}
+
+
+def _judge_offset(evidence: Evidence) -> Finding:
+    # x and z are sums, each rounded once; their difference has two roundings of x
+    rounding = [2.0 * _UNIT * scale for scale in evidence["largest_x"]]
+    holds = all(d <= r for d, r in zip(evidence["deviations"], rounding, strict=True))
+    text = (
+        f"abs(x - z - g) in contact is at most {max(evidence['deviations']):.1e} while x reaches"
+        f" {max(evidence['largest_x']):.0f}; rounding of x and z is"
+        f" {max(rounding):.1e}"
+    )
+    return Finding(holds, text)
+
+
+def _phase_conditions(span: float = 3.0, steps: int = 13) -> Evidence:
+    """States on a grid, by the chapter's three conditions and by the library's start."""
+    system = moling()
+    gap, xi = (system.parameter_values[name] for name in ("g", "xi"))
+    counts = dict.fromkeys(("one", "none_inadmissible", "none_pulling", "other_mode"), 0)
+    sample: dict[str, Any] = {}
+    grid = np.linspace(-span, span, steps)
+    for h, y, q in product((-1.0, 0.0, 1.0), grid / xi / 2.0, grid):
+        state = {"p": h + q + gap, "y": float(y), "q": float(q)}
+        force = 2.0 * xi * y + q
+        named = _printed_phase(h, force)
+        try:
+            mode = simulate(system, state, times=[0.0]).attrs["phase_word"]
+        except OptionError:
+            mode = "inadmissible"
+        if named == mode:
+            counts["one"] += 1
+        elif named is not None:
+            counts["other_mode"] += 1
+        elif mode == "inadmissible":
+            counts["none_inadmissible"] += 1
+        else:
+            counts["none_pulling"] += 1
+            sample = {**{name: float(x) for name, x in state.items()}, "mode": mode}
+    return {"states": 3 * steps**2, **counts, "example": sample}
+
+
+def _printed_phase(h: float, force: float) -> str | None:
+    """Phase by the three conditions that the chapter states."""
+    if h < 0.0:
+        return "no_contact"
+    if h == 0.0 and 0.0 < force < 1.0:
+        return "contact"
+    if h == 0.0 and force >= 1.0:
+        return "progression"
+    return None
+
+
+def _judge_conditions(evidence: Evidence) -> Finding:
+    left_out = evidence["none_pulling"]
+    text = (
+        f"of {evidence['states']} states {evidence['one']} are decided as the run starts;"
+        f" {evidence['none_inadmissible']} with p > q + g are no states of the mole;"
+        f" {left_out} on p = q + g with 2 xi y + q <= 0 fall under no condition"
+        f" (the mass leaves at once, or stays if the force is zero and rising), and"
+        f" {evidence['other_mode']} on the edge 2 xi y + q = 1 start in the phase that the"
+        f" conditions do not name, the force falling"
+    )
+    return Finding(left_out == 0 and evidence["other_mode"] == 0, text)
+
+
+CHECKS = (
+    Check("M07", "three rigs of our choice, from rest, nothing dropped", _scaling, _judge_scaling),
+    Check("M08", "six b of Fig. 6, from rest, 50 periods", _contact_offset, _judge_offset),
+    Check(
+        "M46",
+        "grid of (y0, q0) on p0 - q0 - g = -1, 0 and 1 at tau = 0, parameters of Fig. 7d",
+        _phase_conditions,
+        _judge_conditions,
+    ),
+)

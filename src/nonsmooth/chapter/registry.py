@@ -1,0 +1,142 @@
+"""Figures of the chapter by name, and writing them with the data they show."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from nonsmooth.errors import OptionError, unknown_name
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+__all__ = ["figure_ids", "figure_summary", "run_figures"]
+
+
+class _Entry(NamedTuple):
+    module: str
+    function: str
+    summary: str
+
+
+_FIGURES = {
+    "fig5b": _Entry(
+        "mole_histories", "fig5b", "history of the mole with the data of the first test"
+    ),
+    "fig5d": _Entry(
+        "mole_histories", "fig5d", "history of the mole with the data of the second test"
+    ),
+    "fig6": _Entry(
+        "mole_histories", "fig6", "mass and slider bottom from rest for six static forces"
+    ),
+    "fig7": _Entry("mole_histories", "fig7", "the same in the steady state, tau from 800 to 1200"),
+    "fig11": _Entry(
+        "mole_phases", "fig11", "drifting motion split into bounded oscillation and progression"
+    ),
+    "phases": _Entry("mole_phases", "period_one_phases", "four phases of a period-one motion"),
+}
+
+
+def figure_ids() -> list[str]:
+    """Names of the figures, in the order of the chapter.
+
+    Returns
+    -------
+    list of str
+
+    Examples
+    --------
+    >>> from nonsmooth.chapter import figure_ids
+    >>> figure_ids()
+    ['fig5b', 'fig5d', 'fig6', 'fig7', 'fig11', 'phases']
+    """
+    return list(_FIGURES)
+
+
+def figure_summary(name: str) -> str:
+    """What a figure shows, in one line.
+
+    Parameters
+    ----------
+    name : str
+        Name of the figure.
+
+    Returns
+    -------
+    str
+
+    Raises
+    ------
+    OptionError
+        For an unknown name.
+
+    Examples
+    --------
+    >>> from nonsmooth.chapter import figure_summary
+    >>> figure_summary("phases")
+    'four phases of a period-one motion'
+    """
+    return _entry(name).summary
+
+
+def run_figures(ids: Iterable[str], out: Path | str) -> list[Path]:
+    """Draw figures and write each as a PNG with its data as netCDF beside it.
+
+    Parameters
+    ----------
+    ids : iterable of str
+        Names of figures, see `figure_ids`.
+    out : pathlib.Path or str
+        Folder for the files; made if it is not there.
+
+    Returns
+    -------
+    list of pathlib.Path
+        Files written, picture and data of each figure in turn. Each appears whole or not
+        at all.
+
+    Raises
+    ------
+    OptionError
+        For an unknown name.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from nonsmooth.chapter import run_figures
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     [path.name for path in run_figures(["fig5b"], folder)]
+    ['fig5b.png', 'fig5b.nc']
+    """
+    from nonsmooth.chapter.files import save_data
+    from nonsmooth.plot import save_figure
+
+    names = [ids] if isinstance(ids, str) else list(ids)
+    makers = [_maker(name) for name in names]  # unknown names before any work
+    folder = Path(out)
+    folder.mkdir(parents=True, exist_ok=True)
+    written = []
+    for name, make in zip(names, makers, strict=True):
+        figure, data = make()
+        data.attrs = {"figure": name, "title": figure_summary(name), **data.attrs}
+        written.append(save_figure(figure, folder / f"{name}.png"))
+        written.append(save_data(data, folder / f"{name}.nc"))
+    return written
+
+
+def _entry(name: str) -> _Entry:
+    if name not in _FIGURES:
+        raise OptionError(unknown_name("figure", str(name), _FIGURES))
+    return _FIGURES[name]
+
+
+def _maker(name: str) -> Callable[[], tuple[Figure, xr.Dataset]]:
+    entry = _entry(name)
+    module = importlib.import_module(f"nonsmooth.chapter.{entry.module}")
+    function: Callable[[], tuple[Figure, xr.Dataset]] = getattr(module, entry.function)
+    return function

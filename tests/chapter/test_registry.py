@@ -1,0 +1,96 @@
+"""Figures and the demonstration: files whole, data beside the pictures."""
+
+import csv
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from nonsmooth.chapter import figure_ids, figure_summary, run_demo, run_figures
+from nonsmooth.chapter.files import save_data
+from nonsmooth.errors import OptionError
+
+PNG = b"\x89PNG\r\n\x1a\n"
+
+
+@pytest.mark.parametrize("name", figure_ids())
+def test_figure_writes_picture_and_data(name, tmp_path):
+    """A PNG that is not empty, netCDF that opens, and nothing left behind."""
+    out = tmp_path / "new" / "folder"
+    paths = run_figures([name], out)
+    assert [path.name for path in paths] == [f"{name}.png", f"{name}.nc"]
+    assert sorted(out.iterdir()) == sorted(paths)
+    picture = paths[0].read_bytes()
+    assert picture.startswith(PNG) and len(picture) > 10_000
+    with xr.open_dataset(paths[1]) as data:
+        assert data.attrs["figure"] == name
+        assert data.attrs["title"] == figure_summary(name)
+        assert {"x", "v", "mode"} <= set(data.data_vars)
+        assert data["x"].attrs["long_name"]
+        assert np.all(np.isfinite(data["x"].values))
+
+
+def test_panels_hold_the_printed_forces(tmp_path):
+    """Data of Fig. 7: six static forces, tau from 800 to 1200, each with its system."""
+    run_figures("fig7", tmp_path)
+    with xr.open_dataset(tmp_path / "fig7.nc") as data:
+        assert list(data["b"].values) == [0.05, 0.095, 0.1, 0.15, 0.19, 0.27]
+        assert data["time"].min() >= 800.0 and data["time"].max() <= 1200.0
+        for b, text in zip(data["b"].values, data["system"].values, strict=True):
+            assert f"\nb = {b:g}\n" in str(text)
+        assert set(data["status"].values) == {"completed"}
+
+
+def test_phases_are_those_of_the_chapter(tmp_path):
+    """One period: progression, contact, flight, contact, and back to where it began."""
+    run_figures(["phases"], tmp_path)
+    with xr.open_dataset(tmp_path / "phases.nc") as data:
+        assert data.attrs["phases"] == "progression contact no_contact contact"
+        for name in "pyq":
+            assert float(data[name][-1]) == pytest.approx(float(data[name][0]), abs=1e-9)
+        force = 0.1 * data["y"] + data["q"]
+        assert float(force[0]) == pytest.approx(1.0, abs=1e-12)
+
+
+def test_unknown_figure_is_refused_before_any_work(tmp_path):
+    """The message lists the figures; no file is written."""
+    with pytest.raises(OptionError, match="unknown figure 'fig99'"):
+        run_figures(["fig5b", "fig99"], tmp_path)
+    assert not list(tmp_path.iterdir())
+    with pytest.raises(OptionError, match="fig6"):
+        figure_summary("fig66")
+
+
+def test_failed_write_leaves_the_old_file(tmp_path):
+    """A crash half way must not destroy what was there."""
+    path = tmp_path / "data.nc"
+    path.write_text("old")
+    with pytest.raises(TypeError):
+        save_data(xr.Dataset(attrs={"bad": object()}), path)
+    assert path.read_text() == "old"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_demo(tmp_path, capsys):
+    """A table, three figures, and a line for each file."""
+    run_demo(tmp_path)
+    printed = capsys.readouterr().out
+    names = sorted(path.name for path in tmp_path.iterdir())
+    assert names == sorted(
+        [
+            "progression.csv",
+            *(f"{n}.{e}" for n in ("fig6", "fig7", "phases") for e in ("png", "nc")),
+        ]
+    )
+    assert all(f"{name}\n" in printed for name in names)
+    with (tmp_path / "progression.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["regime"] for row in rows] == [
+        "aperiodic", "period 4", "period 2", "period 1", "aperiodic", "period 1",
+    ]  # fmt: skip
+    best = max(rows, key=lambda row: float(row["per_period"]))
+    assert best["b"] == "0.15"
+    assert float(best["per_unit_time"]) == pytest.approx(
+        float(best["per_period"]) * 0.1 / (2 * np.pi), rel=1e-12
+    )
+    assert {row["status"] for row in rows} == {"completed"}

@@ -1,0 +1,225 @@
+"""Linear forms against the direct value of the same text, and what is refused."""
+
+import math
+import time
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import nonsmooth as ns
+from nonsmooth.errors import ModelError
+from nonsmooth.system.evaluate import evaluate
+from nonsmooth.system.grammar import parse
+from nonsmooth.system.linear import Harmonic, Power, State
+
+NOT_COLLECTED = pytest.mark.xfail(
+    reason="like terms of a frequency are not collected: w + w is not 2*w, nor -w + w + w plain w"
+)
+PARAMETERS = {"a": 0.7, "b": -1.3, "k": 2.5, "w": 1.9, "T": 3.7, "p": 0.4}
+
+constants = st.sampled_from(
+    ["a", "b", "k", "2", "0.5", "(a + b)", "sin(p)", "k**2", "sqrt(k)", "where(a > b, k, 3)", "pi"]
+)
+frequencies = st.sampled_from(["w", "2*w", "w/2", "k", "2*pi/T", "(w + k)", "3"])
+phases = st.sampled_from(["", " + p", " - p", " + pi/4", " + 2*p", " - 0.5"])
+harmonics = st.tuples(st.sampled_from(["cos", "sin"]), frequencies, phases).map(
+    lambda part: f"{part[0]}({part[1]}*t{part[2]})"
+)
+powers = st.sampled_from(["t", "t**2", "t**3", "(1 - t)", "(t + a)**2"])
+states = st.sampled_from(["x", "v", "(x - v)", "(2*x + a)", "-v"])
+timely = st.one_of(
+    harmonics,
+    powers,
+    st.tuples(harmonics, harmonics).map("*".join),
+    harmonics.map("{}**2".format),
+    st.tuples(harmonics, harmonics, harmonics).map("*".join),
+)
+pieces = st.one_of(constants, states, timely)
+terms = st.one_of(
+    pieces,
+    st.tuples(constants, pieces).map("*".join),
+    st.tuples(pieces, constants).map("/".join).filter(lambda text: "0.0" not in text),
+    pieces.map("-({})".format),
+)
+affine = st.lists(terms, min_size=1, max_size=5).map(" + ".join)
+
+
+def form_of(text, **more):
+    """Linear form of a text as the rate of x, and the system it stands in."""
+    system = ns.System(
+        states=["x", "v"],
+        parameters=PARAMETERS,
+        modes={"m": ns.Mode({"x": text, "v": "0"})},
+        **more,
+    )
+    return system.structure.modes["m"].rates["x"], system
+
+
+def form_value(form, values):
+    """Value of a form and the sum of the sizes of its terms, by numpy."""
+    total, size = 0.0, 0.0
+    for basis, coefficient in form.terms.items():
+        factor = evaluate(coefficient, values)
+        if isinstance(basis, State):
+            part = factor * values[basis.name]
+        elif isinstance(basis, Power):
+            part = factor * values["t"] ** basis.order
+        else:
+            angle = evaluate(basis.frequency, values) * values["t"]
+            part = factor * (np.cos(angle) if basis.kind == "cos" else np.sin(angle))
+        total, size = total + part, size + abs(part)
+    return float(total), float(size)
+
+
+@given(affine, st.floats(-10, 10), st.floats(-10, 10), st.floats(0, 10))
+def test_a_form_has_the_value_of_its_text(text, x, v, t):
+    # Rounding: some tens of operations, each 1.1e-16 of the terms that it adds; the angle
+    # of a harmonic, at most 6.4 * 10, is off by 64 eps = 1.4e-14 of itself, and a product
+    # of three adds three of them. 1e-12 of the terms, and of one for a factor that is
+    # zero by cancellation, lies above.
+    form, system = form_of(text)
+    values = {**system.parameter_values, "x": x, "v": v, "t": t}
+    found, size = form_value(form, values)
+    direct = float(evaluate(parse(text), values))
+    assert abs(found - direct) <= 1e-12 * (size + abs(direct) + 10.0)
+
+
+@pytest.mark.parametrize(
+    ("text", "harmonic_count"),
+    [
+        ("cos(w*t)*cos(w*t)", 1),  # 2w, the difference is the constant
+        ("sin(w*t)*cos(w*t)", 1),
+        ("cos(w*t)*cos(k*t)", 2),
+        ("sin(w*t)**2 + cos(w*t)**2", 1),
+        pytest.param("cos(w*t)**4", 2, marks=NOT_COLLECTED),
+        pytest.param("cos(w*t)**3", 2, marks=NOT_COLLECTED),
+    ],
+)
+def test_products_of_harmonics_become_sums(text, harmonic_count):
+    form, system = form_of(text)
+    frequencies = {basis.frequency for basis in form.terms if isinstance(basis, Harmonic)}
+    values = {**system.parameter_values, "t": 1.234}
+    # a frequency whose coefficients cancel, as in sin**2 + cos**2, may stay with weight zero
+    assert len(frequencies) <= harmonic_count
+    direct = float(evaluate(parse(text), values))
+    assert form_value(form, values)[0] == pytest.approx(direct, abs=1e-14)
+
+
+@pytest.mark.parametrize(
+    "spellings",
+    [
+        ["cos(w*t + p)", "cos(p + t*w)", "sin(t*w)", "cos(-w*t)", "sin(-(w*t) + 1)", "cos(w*(t + a))"],
+        ["cos(2*w*t)", "cos(w*2*t)", "sin(t*w*2)", "cos(2*(w*t))", "cos(-2*w*t)"],
+        ["cos(2*pi*t/T)", "cos(2*pi/T*t)", "cos(2*(pi*t)/T)"],
+        pytest.param(["cos(2*w*t)", "cos(w*t + w*t)", "cos(t*(w + w))"], marks=NOT_COLLECTED),
+        pytest.param(["cos(2*pi*t/T)", "cos(t/T*2*pi)", "cos(2*pi*(t/T))"], marks=NOT_COLLECTED),
+        pytest.param(["cos(w*t/2)", "cos(0.5*w*t)"], marks=NOT_COLLECTED),
+    ],
+)  # fmt: skip
+def test_spellings_of_one_frequency_share_one_basis(spellings):
+    # Two bases of one frequency are not wrong, but cost two coordinates each and turn an
+    # exact resonance into a near one.
+    _, system = form_of(" + ".join(spellings))
+    shown = [str(f) for f in system.structure.frequencies]
+    assert len(system.structure.frequencies) == 1, shown
+
+
+def test_polynomials_in_time():
+    form, _ = form_of("(1 + t)*(1 - t)*(1 + t**2)")
+    values = {"t": 3.0}
+    # (1 - t^2)(1 + t^2) = 1 - t^4, exact in doubles at t = 3
+    assert form_value(form, values) == (-80.0, 82.0)
+    assert set(form.terms) <= {Power(order) for order in range(5)}
+
+
+REFUSED = [
+    ("x*v", "product of states"),
+    ("x**2", "product of states"),
+    ("x*(v + 1)", "product of states"),
+    ("x*t", "multiplied by a function of time"),
+    ("x*cos(w*t)", "multiplied by a function of time"),
+    ("t*cos(w*t)", "time multiplied by a harmonic"),
+    ("1/x", "division by a state"),
+    ("a/(1 + t)", "division by a state or by time"),
+    ("x**a", "this power"),
+    ("x**0.5", "this power"),
+    ("x**-1", "this power"),
+    ("2**x", "this power"),
+    ("t**7", "this power"),
+    ("t**4*t**3", "powers of time above"),
+    ("sin(x)", "sin of anything but"),
+    ("cos(t**2)", "cos of anything but"),
+    ("exp(-t)", "exp of a state or of time"),
+    ("sqrt(x)", "sqrt of a state"),
+    ("tanh(x/a)", "tanh of a state"),
+]
+
+
+@pytest.mark.parametrize(("text", "reason"), REFUSED, ids=[row[0] for row in REFUSED])
+def test_nonlinear_texts_are_refused_with_the_reason(text, reason):
+    with pytest.raises(ModelError) as caught:
+        form_of(text)
+    message = str(caught.value)
+    assert reason in message
+    assert "modes['m'].flow['x']" in message
+    assert "nonlinear flows are not supported" in message
+    assert message.split("\n")[1].strip() == text
+
+
+@pytest.mark.parametrize(
+    "text", ["sign(v)", "abs(x)", "min(x, v)", "max(x, 0)", "heaviside(x)", "clip(x, 0, 1)",
+             "where(x > 0, x, 0)", "where(t > 1, 1, 0)", "-x - k*sign(v - 1)"],
+)  # fmt: skip
+def test_piecewise_texts_are_refused_with_the_hint(text):
+    with pytest.raises(ModelError, match="write one mode per smooth piece"):
+        form_of(text)
+
+
+def test_piecewise_texts_of_parameters_are_numbers():
+    form, system = form_of("max(a, b)*x + where(a > b, 1, 2) + clip(k, 0, 1)*v + abs(b)")
+    values = {**system.parameter_values, "t": 0.0, "x": 1.0, "v": 10.0}
+    # 0.7 + 1 + 10 + 1.3
+    assert form_value(form, values)[0] == pytest.approx(13.0, rel=1e-15)
+
+
+def test_the_fault_may_lie_in_a_definition():
+    with pytest.raises(ModelError, match=r"definitions\['d'\] in mode 'm': a product of states"):
+        form_of("2*d", definitions={"d": "1 + x*v"})
+
+
+@pytest.mark.parametrize(
+    "depth",
+    [40, pytest.param(300, marks=pytest.mark.xfail(reason="deep chains end in RecursionError"))],
+)
+def test_definitions_on_definitions(depth):
+    # chained statics are legitimate; a long chain must work or be refused, never overflow
+    chain = {f"d{i}": f"sin(d{i - 1}) + 1" for i in range(1, depth)}
+    value = PARAMETERS["a"]
+    for _ in range(1, depth):
+        value = math.sin(value) + 1.0
+    form, system = form_of(f"d{depth - 1}*x", definitions={"d0": "a", **chain})
+    values = {**system.parameter_values, "x": 1.0}
+    # the map contracts near its fixed point, so errors do not grow along the chain
+    assert form_value(form, values)[0] == pytest.approx(value, rel=1e-13)
+
+
+def test_definitions_that_double_are_bounded():
+    # each one names the last twice: 2^40 terms if they were written out
+    doubling = {f"d{i}": f"d{i - 1} + d{i - 1}" for i in range(1, 16)}
+    form, system = form_of("d15*x", definitions={"d0": "a", **doubling})
+    values = {**system.parameter_values, "x": 1.0}
+    # the error of 2^15 equal additions: at most 2^15 eps = 7e-12 relative
+    assert form_value(form, values)[0] == pytest.approx(PARAMETERS["a"] * 2**15, rel=7e-12)
+
+
+@pytest.mark.xfail(
+    reason="a product of n harmonics makes 2^n of them, unbounded: n = 14 takes 36 s"
+)
+def test_products_of_many_harmonics_are_refused_at_once():
+    # a text of 150 characters must not cost seconds; 60 coordinates is the bound of a run
+    began = time.perf_counter()
+    with pytest.raises(ModelError):
+        form_of("*".join(f"cos({n}.5*t)" for n in range(11)))
+    assert time.perf_counter() - began < 0.2
