@@ -140,7 +140,7 @@ def _count_turns(clock, harmonics):
         turns = harmonics[0, k] * clock[0] / (2.0 * math.pi)
         whole = np.rint(turns)
         # the period is a rounded quotient, so a whole number comes out off by some ulps
-        harmonics[1, k] = whole if abs(turns - whole) <= 1e-9 * max(1.0, whole) else turns
+        harmonics[1, k] = whole if abs(turns - whole) <= 1e-14 * max(1.0, whole) else turns
     return True
 
 

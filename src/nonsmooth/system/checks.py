@@ -12,11 +12,12 @@ from typing import TYPE_CHECKING
 
 from nonsmooth.errors import ModelError, unknown_name
 from nonsmooth.system.evaluate import constant_value
-from nonsmooth.system.expressions import Expression, Name, names_in, to_text
+from nonsmooth.system.expressions import ONE, Expression, Name, names_in, to_text
 from nonsmooth.system.functions import FUNCTIONS
 from nonsmooth.system.grammar import is_name, parse
 from nonsmooth.system.linear import LinearForm, Power, State
 from nonsmooth.system.parts import STOP, Mode, Text
+from nonsmooth.system.structure import Equation
 
 if TYPE_CHECKING:
     from nonsmooth.system.structure import Structure
@@ -36,8 +37,11 @@ __all__ = [
 _RESERVED = {"t", "pi", "rate", STOP, *FUNCTIONS}
 _RESULT_NAMES = {
     "time", "event", "state", "mode", "point", "lane", "orbit", "parameter", "phase",
-    "period_number",
+    "period_number", "event_time", "event_period_number", "event_phase", "event_name",
+    "event_kind", "event_from", "event_to", "event_path", "event_count", "guard_rate",
+    "certified", "state_before", "state_after", "end_state", "anchor_state",
 }  # fmt: skip
+_MOST = 60  # modes, and exits of a mode: sets of them are bits of one integer
 _UNSUPPORTED = {
     "equations": "write one Mode per smooth piece in modes=",
     "surfaces": "write the two sides of the surface as modes with an exit each",
@@ -56,6 +60,10 @@ def refuse_unsupported(system: System) -> None:
 
 def check_words(system: System) -> None:
     """Every name is well-formed, declared once and allowed where it stands."""
+    if not isinstance(system.name, str):
+        raise ModelError(f"name: {system.name!r:.60} is not a text")
+    if len(system.modes) > _MOST:
+        raise ModelError(f"modes: {len(system.modes)} modes; at most {_MOST} are supported")
     if not system.states:
         raise ModelError("states: a system needs at least one state")
     if not system.modes:
@@ -92,13 +100,15 @@ def _check_name(kind: str, name: object) -> None:
         raise ModelError(f"{kind}: {name!r} has a fixed meaning; choose another name")
     if kind in ("states", "outputs") and name in _RESULT_NAMES:
         raise ModelError(
-            f"{kind}: {name!r} is the name of a dimension of results; choose another name"
+            f"{kind}: {name!r} is the name of a variable of results; choose another name"
         )
 
 
 def _check_mode(system: System, name: str, mode: Mode) -> None:
     if not isinstance(mode, Mode):
         raise ModelError(f"modes[{name!r}] is {mode!r:.60}; write Mode(flow, exits=...)")
+    if len(mode.exits) > _MOST:
+        raise ModelError(f"modes[{name!r}]: {len(mode.exits)} exits; at most {_MOST} are supported")
     for state in (*mode.flow, *mode.slaved):
         if state not in system.states:
             raise ModelError(f"modes[{name!r}]: {unknown_name('state', state, system.states)}")
@@ -122,10 +132,21 @@ def _check_mode(system: System, name: str, mode: Mode) -> None:
 
 def check_structure(system: System) -> None:
     """Linear forms exist and nothing depends on a drifting state."""
-    structure = system.structure
+    try:
+        structure = system.structure
+    except RecursionError:
+        raise ModelError(
+            f"{system.name}: definitions build on each other too deeply; write some of them out"
+        ) from None
     for drifting in system.drift_states:
         for where, form, own in _forms_with_place(structure):
-            if own != drifting and State(drifting) in form.terms:
+            if own == drifting:
+                moved = {b: c for b, c in form.terms.items() if b != State(drifting)}
+                allowed = form.coefficient(State(drifting)) == ONE
+                allowed = allowed and not any(isinstance(b, State) for b in moved)
+            else:
+                allowed = State(drifting) not in form.terms
+            if not allowed:
                 raise ModelError(
                     f"drift: {where} depends on {drifting!r}, so it cannot be a drift state;"
                     " leave it out of drift= or rewrite the equation"
@@ -149,16 +170,47 @@ def check_values(system: System) -> None:
     """Everything that depends on the values of the parameters."""
     values = system.parameter_values
     for condition, reason in system.require.items():
+        for node in _condition_names(condition):
+            if node.name not in values and node.name != "pi":
+                sentence = unknown_name("parameter", node.name, values)
+                raise ModelError(f"require[{condition!r}]: {sentence}")
         if not _holds(condition, values):
-            given = ", ".join(f"{n.name} = {values[n.name]:g}" for n in _condition_names(condition))
+            names = [n.name for n in _condition_names(condition) if n.name != "pi"]
+            given = ", ".join(f"{name} = {values[name]:g}" for name in names)
             raise ModelError(f"{condition} is required, {given} was given: {reason}")
     for name, mode in system.structure.modes.items():
         for way in mode.exits:
             _check_guard(f"modes[{name!r}], exit {way.name!r}", way.guard, values)
+    _check_finite(system)
+    _check_angles(system)
     _ = system.rest_state
     period = system.period_value
     if period is not None:
         _check_period(system, period)
+
+
+def _check_finite(system: System) -> None:
+    """Every coefficient is a finite number for the present parameters."""
+    for where, form, _ in _forms_with_place(system.structure):
+        for coefficient in form.terms.values():
+            value = constant_value(coefficient, system.parameter_values)
+            if not math.isfinite(value):
+                raise ModelError(
+                    f"{where}: {to_text(coefficient)} is {value} for the parameters given;"
+                    " change them, or forbid such values in require="
+                )
+
+
+def _check_angles(system: System) -> None:
+    """Periods of angles in ``drift`` are positive."""
+    if not isinstance(system.drift, Mapping):
+        return
+    known = {*system.parameters, *system.definitions, "pi"}
+    for state, text in system.drift.items():
+        where = f"drift[{state!r}]"
+        form = system.structure.static_form.form(Equation.read(text, where, known))
+        if not static_value(form, system.parameter_values, where) > 0.0:
+            raise ModelError(f"{where} = {text!r}: the period of an angle is positive")
 
 
 def parameter_values(parameters: Mapping[str, Text]) -> dict[str, float]:
@@ -218,8 +270,7 @@ def _holds(condition: str, values: Mapping[str, float]) -> bool:
 
 def _condition(text: str) -> Expression:
     """Tree of a condition such as ``xi > 0``, read through the grammar's ``where``."""
-    tree = parse(f"where({text}, 1, 0)", where=f"require[{text!r}]")
-    return tree
+    return parse(f"where({text}, 1, 0)", where=f"require[{text!r}]")
 
 
 def _condition_names(text: str) -> list[Name]:
@@ -242,10 +293,11 @@ def _check_period(system: System, period: float) -> None:
     for frequency in structure.frequencies:
         turns = constant_value(frequency, system.parameter_values) * period / (2.0 * math.pi)
         # a period computed in double precision from its frequency is off by some ulps only
-        if abs(turns - round(turns)) > 1e-9 * max(1.0, abs(turns)):
+        if abs(turns - round(turns)) > 1e-14 * max(1.0, abs(turns)):
             raise ModelError(
                 f"period = {period:g} is not a period of the equations: cos({to_text(frequency)}*t)"
-                f" turns {turns:.6g} times in it; give a common period, or none"
+                f" turns {turns:.15g} times in it; give a common period as an expression such as"
+                " '2*pi/omega', or none"
             )
     for where, form, _ in _forms_with_place(structure):
         for basis in form.terms:

@@ -170,6 +170,10 @@ def _text(node: Expression, surrounding: int) -> str:
 
 def _operator_text(node: Call, strength: int) -> str:
     first, *others = node.arguments
+    if isinstance(first, Call) and first.function == node.function and node.function in ("+", "*"):
+        opening = f"({_text(first, 0)})"  # a sum that opens a sum keeps its parentheses
+    else:
+        opening = _text(first, strength)
     if node.function == "neg":
         return f"-{_text(first, strength + 1)}"
     if node.function == "**":
@@ -177,8 +181,8 @@ def _operator_text(node: Call, strength: int) -> str:
     if node.function == "/":
         return f"{_text(first, strength)}/{_text(others[0], strength + 1)}"
     if node.function == "*":
-        return "*".join([_text(first, strength), *(_text(o, strength + 1) for o in others)])
-    text = _text(first, strength)
+        return "*".join([opening, *(_text(other, strength + 1) for other in others)])
+    text = opening
     for term in others:
         if isinstance(term, Call) and term.function == "neg":
             text += f" - {_text(term.arguments[0], strength + 1)}"

@@ -9,7 +9,9 @@ nothing is ever handed to Python for evaluation. Precedence is Python's.
 from __future__ import annotations
 
 import keyword
+import math
 import re
+from numbers import Real
 from typing import NamedTuple, NoReturn
 
 from nonsmooth.errors import ModelError, unknown_name
@@ -73,10 +75,8 @@ def parse(text: str, *, where: str = "expression") -> Expression:
     >>> to_text(parse("a*cos(omega*t + phi) - 2*xi*y"))
     'a*cos(omega*t + phi) - 2*xi*y'
     """
-    if isinstance(text, bool) or not isinstance(text, (str, int, float)):
-        raise ModelError(f"{where}: an expression is a text or a number, not {text!r:.60}")
     if not isinstance(text, str):
-        text = repr(float(text))
+        return _number(text, where)
     if len(text) > MAX_LENGTH:
         raise ModelError(
             f"{where}: the text has {len(text):,} characters, at most {MAX_LENGTH:,} are"
@@ -98,6 +98,15 @@ def point_at(text: str, at: int, message: str) -> str:
     tail = "..." if at + 40 < len(text) else ""
     caret = " " * (len(lead) + at - start) + "^"
     return f"{message}\n    {lead}{shown}{tail}\n    {caret}"
+
+
+def _number(value: object, where: str) -> Number:
+    """A plain number, Python's or numpy's, as an expression."""
+    if isinstance(value, bool) or not isinstance(value, Real):
+        raise ModelError(f"{where}: an expression is a text or a number, not {value!r:.60}")
+    if not math.isfinite(value):
+        raise ModelError(f"{where}: {float(value)} is not a finite number")
+    return Number(float(value))
 
 
 class _Parser:

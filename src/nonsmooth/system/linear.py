@@ -9,7 +9,7 @@ approximated.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -26,12 +26,13 @@ from nonsmooth.system.expressions import (
     multiply,
     negate,
     subtract,
-    to_text,
 )
+from nonsmooth.system.frequencies import canonical_frequency
 
 __all__ = ["Basis", "Harmonic", "LinearForm", "NotLinear", "Power", "State", "linear_form"]
 
 _MAX_POWER = 6  # of time; higher ones are more likely a mistake than a model
+_MAX_TERMS = 256  # of a product, which doubles with each harmonic factor
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,12 +123,26 @@ class LinearForm:
             return other.scaled(self.constant_part)
         if other.is_constant:
             return self.scaled(other.constant_part)
+        if len(self.terms) * len(other.terms) > _MAX_TERMS:
+            raise NotLinear(f"this product has more than {_MAX_TERMS} terms", node)
         product = LinearForm()
         for left, left_value in self.terms.items():
             for right, right_value in other.terms.items():
                 pair = _basis_product(left, right, node)
                 product = product.plus(pair.scaled(multiply(left_value, right_value)))
         return product
+
+    def with_replaced(self, forms: Mapping[str, LinearForm]) -> LinearForm:
+        """Form with some states replaced by forms of their own."""
+        if not any(isinstance(b, State) and b.name in forms for b in self.terms):
+            return self
+        total = LinearForm()
+        for basis, value in self.terms.items():
+            if isinstance(basis, State) and basis.name in forms:
+                total = total.plus(forms[basis.name].scaled(value))
+            else:
+                total = total.plus(LinearForm({basis: value}))
+        return total
 
     def rate(self, rate_of_state: Callable[[str], LinearForm]) -> LinearForm:
         """Time derivative along a flow given by the rates of the states."""
@@ -244,30 +259,11 @@ _RULES: dict[str, Callable[[Call, list[LinearForm]], LinearForm]] = {
 
 def _harmonic_pair(frequency: Expression) -> tuple[LinearForm, LinearForm]:
     """Forms of cos(w t) and sin(w t); one spelling per frequency, sign taken out."""
-    frequency = _ordered(frequency)
-    if frequency == ZERO:
+    positive, sign = canonical_frequency(frequency)
+    if positive == ZERO:
         return LinearForm.constant(ONE), LinearForm()
-    positive = frequency.arguments[0] if _is_negative(frequency) else frequency  # type: ignore[union-attr]
     cos = LinearForm.of(Harmonic("cos", positive))
-    sin = LinearForm.of(Harmonic("sin", positive))
-    return cos, sin if positive is frequency else sin.scaled(Number(-1.0))
-
-
-def _is_negative(expression: Expression) -> bool:
-    return isinstance(expression, Call) and expression.function == "neg"
-
-
-def _ordered(expression: Expression) -> Expression:
-    """Same sums and products with their parts in one order, so that spellings meet."""
-    if not isinstance(expression, Call):
-        if isinstance(expression, Number) and expression.value < 0.0:
-            return Call("neg", (Number(-expression.value),))
-        return expression
-    arguments = tuple(_ordered(argument) for argument in expression.arguments)
-    if expression.function in ("+", "*"):
-        build = add if expression.function == "+" else multiply
-        return build(*sorted(arguments, key=to_text))
-    return Call(expression.function, arguments)
+    return cos, LinearForm.of(Harmonic("sin", positive)).scaled(Number(sign))
 
 
 def _basis_product(left: Basis, right: Basis, node: Expression) -> LinearForm:
@@ -291,8 +287,6 @@ def _basis_product(left: Basis, right: Basis, node: Expression) -> LinearForm:
 def _harmonic_product(left: Harmonic, right: Harmonic) -> LinearForm:
     """Product-to-sum formulas."""
     cos_d, sin_d = _harmonic_pair(subtract(left.frequency, right.frequency))
-    if left.frequency == right.frequency:
-        cos_d, sin_d = LinearForm.constant(ONE), LinearForm()
     cos_s, sin_s = _harmonic_pair(add(left.frequency, right.frequency))
     minus = Number(-1.0)
     if left.kind == right.kind:

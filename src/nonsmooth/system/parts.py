@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from nonsmooth.errors import ModelError
+from nonsmooth.system.frozen import FrozenDict
 from nonsmooth.system.grammar import is_name
 
 __all__ = ["STOP", "Exit", "Mode", "Text"]
@@ -53,7 +54,7 @@ class Exit:
     def __post_init__(self) -> None:
         if not isinstance(self.reset, Mapping):
             raise ModelError(f"Exit: reset maps state names to expressions, not {self.reset!r:.60}")
-        object.__setattr__(self, "reset", dict(self.reset))
+        object.__setattr__(self, "reset", FrozenDict(self.reset))
         for label, value in (("to", self.to), ("name", self.name)):
             if value is not None and not (isinstance(value, str) and is_name(value)):
                 raise ModelError(
@@ -102,7 +103,7 @@ class Mode:
             value = getattr(self, label)
             if not isinstance(value, Mapping):
                 raise ModelError(f"Mode: {label} maps names to expressions, not {value!r:.60}")
-            object.__setattr__(self, label, dict(value))
+            object.__setattr__(self, label, FrozenDict(value))
         exits = (self.exits,) if isinstance(self.exits, Exit) else tuple(self.exits)
         for position, way in enumerate(exits):
             if not isinstance(way, Exit):

@@ -7,16 +7,19 @@ systems made by ``with_parameters`` share one.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 from nonsmooth.errors import ModelError, unknown_name
 from nonsmooth.system.expressions import (
+    ZERO,
     Call,
     Expression,
     Name,
+    Number,
     divide,
     names_in,
     negate,
@@ -37,6 +40,9 @@ from nonsmooth.system.parts import STOP, Exit, Mode, Text
 
 if TYPE_CHECKING:
     from nonsmooth.system.system import System
+
+# an equals sign that is not part of a comparison
+_EQUALS = re.compile(r"(?<![<>=])=(?!=)")
 
 __all__ = ["Equation", "ExitForms", "ModeForms", "Structure"]
 
@@ -98,6 +104,8 @@ class Structure:
         self.modes = {
             name: ModeForms(self, name, mode, known) for name, mode in system.modes.items()
         }
+        for forms in self.modes.values():
+            _check_references(self, forms)
 
     @cached_property
     def frequencies(self) -> tuple[Expression, ...]:
@@ -142,12 +150,14 @@ class ModeForms:
             for key, text in mode.flow.items()
         }
         self.slaved_equations = {
-            key: _relation(key, text, f"{place}.slaved[{key!r}]", known)
+            key: _relation(text, f"{place}.slaved[{key!r}]", known)
             for key, text in mode.slaved.items()
         }
         self._open: list[str] = []  # names being resolved, to see definitions that go in circles
         self._forms: dict[str, LinearForm] = {}
-        self.slaved = {key: self._slaved_form(key) for key in mode.slaved}
+        self.slaved: dict[str, LinearForm] = {}
+        self.slaved = self._solve_slaved()
+        self._forms.clear()  # what was read before the slaved states were known
         self.rates = {state: self.rate(state) for state in structure.states}
         self.exits = [
             self._exit(way, f"{place}.exits[{position}]", known)
@@ -165,22 +175,26 @@ class ModeForms:
     def form(self, equation: Equation) -> LinearForm:
         """Linear form of an equation; an error that points at what is not linear."""
         try:
-            return linear_form(equation.tree, self._form_of)
+            return linear_form(equation.tree, self._form_of).with_replaced(self.slaved)
         except NotLinear as fault:
             message = f"{equation.where} in mode {self.name!r}: {fault.reason}; {_cure(fault.node)}"
-            raise ModelError(
-                point_at(equation.text, _place(fault.node, equation), message)
-            ) from None
+            place = _place(fault.node, equation)
+            raise ModelError(point_at(equation.text, place, message)) from None
 
     def rate(self, state: str) -> LinearForm:
         """Linear form of the rate of change of a state; derived for a slaved one."""
         key = f"rate({state})"
         if key not in self._forms:
             self._enter(key)
-            if state in self.slaved_equations:
+            if state not in self.slaved_equations:
+                self._forms[key] = self.form(self.flow_equations[state])
+            elif state in self.slaved:
                 self._forms[key] = self.slaved[state].rate(self.rate)
             else:
-                self._forms[key] = self.form(self.flow_equations[state])
+                raise ModelError(
+                    f"modes[{self.name!r}].slaved: rate({state}) of a slaved state cannot stand"
+                    " in a slaved equation"
+                )
             self._open.pop()
         return self._forms[key]
 
@@ -192,11 +206,13 @@ class ModeForms:
             return LinearForm.of(Power(1))
         if name == "pi" or name in self.structure.parameters:
             return LinearForm.constant(Name(name))
-        if name in self.slaved_equations:
-            return self._slaved_form(name)
         if name in self.structure.states:
             return LinearForm.of(State(name))
-        return self._resolved(name, self.definitions[name])
+        if name not in self._forms:
+            self._enter(name)
+            self._forms[name] = self.form(self.definitions[name])
+            self._open.pop()
+        return self._forms[name]
 
     def _state_of(self, node: Call) -> str:
         argument = node.arguments[0]
@@ -205,36 +221,42 @@ class ModeForms:
             raise ModelError(unknown_name("state in rate()", argument.name, self.structure.states))
         return argument.name
 
-    def _resolved(self, name: str, equation: Equation) -> LinearForm:
-        if name not in self._forms:
-            self._enter(name)
-            self._forms[name] = self.form(equation)
-            self._open.pop()
-        return self._forms[name]
-
     def _enter(self, name: str) -> None:
         if name in self._open:
             circle = " -> ".join([*self._open[self._open.index(name) :], name])
             raise ModelError(f"modes[{self.name!r}]: {circle} goes in a circle; break it")
         self._open.append(name)
 
-    def _slaved_form(self, state: str) -> LinearForm:
-        """Explicit form of a slaved state; a relation left = right is solved for it."""
-        equation = self.slaved_equations[state]
-        if "=" not in equation.text:
-            return self._resolved(state, equation)
-        if state in self._forms:
-            return self._forms[state]
-        own = LinearForm.of(State(state))
-        self._forms[state] = own  # stands for itself while its relation is read
-        difference = self.form(equation)
-        coefficient = difference.coefficient(State(state))
-        rest = difference.plus(own.scaled(negate(coefficient)))
-        if not difference.plus(LinearForm()).terms or State(state) not in difference.terms:
-            raise ModelError(f"{equation.where}: {state!r} does not appear in {equation.text!r}")
-        solved = LinearForm({b: negate(divide(c, coefficient)) for b, c in rest.terms.items()})
-        self._forms[state] = solved
+    def _solve_slaved(self) -> dict[str, LinearForm]:
+        """Explicit forms of the slaved states: their equations solved together.
+
+        Gauss elimination on coefficients that are expressions of parameters; a pivot that
+        vanishes for some values shows as a coefficient that is not finite.
+        """
+        residuals = {
+            state: self._residual(state, equation)
+            for state, equation in self.slaved_equations.items()
+        }
+        solved: dict[str, LinearForm] = {}
+        for state, equation in self.slaved_equations.items():
+            residual = residuals[state].with_replaced(solved)
+            pivot = residual.coefficient(State(state))
+            if pivot == ZERO:
+                raise ModelError(
+                    f"{equation.where}: {state!r} does not appear in {equation.text!r}"
+                )
+            others = {b: c for b, c in residual.terms.items() if b != State(state)}
+            explicit = LinearForm({b: negate(divide(c, pivot)) for b, c in others.items()})
+            solved = {k: form.with_replaced({state: explicit}) for k, form in solved.items()}
+            solved[state] = explicit
         return solved
+
+    def _residual(self, state: str, equation: Equation) -> LinearForm:
+        """Form that vanishes: left - right of a relation, state - expression otherwise."""
+        form = self.form(equation)
+        if _EQUALS.search(equation.text):
+            return form
+        return LinearForm.of(State(state)).plus(form.scaled(Number(-1.0)))
 
     def _exit(self, way: Exit, place: str, known: set[str]) -> ExitForms:
         names = self.structure.mode_names
@@ -257,16 +279,56 @@ class ModeForms:
         )
 
 
-def _relation(state: str, text: Text, where: str, known: set[str]) -> Equation:
+def _check_references(structure: Structure, forms: ModeForms) -> None:
+    """No definition or output goes in a circle, and every rate() names a state.
+
+    Walked without recursion: chains may be longer than Python's stack is deep.
+    """
+    equations = {**forms.definitions, **structure.outputs}
+    done: set[str] = set()
+    for first in equations:
+        path: list[tuple[str, Iterator[str]]] = []
+        if first not in done:
+            path.append((first, _references(equations[first], structure, equations)))
+        while path:
+            name, following = path[-1]
+            step = next(following, None)
+            if step is None:
+                done.add(name)
+                path.pop()
+            elif step in [known for known, _ in path]:
+                circle = " -> ".join([*(known for known, _ in path), step])
+                raise ModelError(f"{equations[step].where}: {circle} goes in a circle; break it")
+            elif step not in done:
+                path.append((step, _references(equations[step], structure, equations)))
+
+
+def _references(
+    equation: Equation, structure: Structure, equations: Mapping[str, Equation]
+) -> Iterator[str]:
+    for node in walk(equation.tree):
+        if isinstance(node, Call) and node.function == "rate":
+            argument = node.arguments[0]
+            if isinstance(argument, Name) and argument.name not in structure.states:
+                sentence = unknown_name("state in rate()", argument.name, structure.states)
+                message = f"{equation.where}: {sentence}"
+                raise ModelError(point_at(equation.text, argument.at, message))
+        elif isinstance(node, Name) and node.name in equations:
+            yield node.name
+
+
+def _relation(text: Text, where: str, known: set[str]) -> Equation:
     """Equation of a slaved state; ``left = right`` is read as ``left - right``."""
-    if not isinstance(text, str) or "=" not in text:
+    if not isinstance(text, str) or not _EQUALS.search(text):
         return Equation.read(text, where, known)
-    sides = text.split("=")
+    sides = _EQUALS.split(text)
     if len(sides) != 2 or not all(side.strip() for side in sides):
         raise ModelError(
             f"{where}: a relation has one '=' between two expressions, not {text!r:.80}"
         )
-    left, right = (Equation.read(side, where, known).tree for side in sides)
+    left = Equation.read(sides[0], where, known).tree
+    # blanks in place of the left side keep the caret of a message in its column
+    right = Equation.read(" " * (len(sides[0]) + 1) + sides[1], where, known).tree
     return Equation(text, where, subtract(left, right))
 
 

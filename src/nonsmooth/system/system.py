@@ -14,6 +14,7 @@ from typing import Any
 from nonsmooth.errors import ModelError, unknown_name
 from nonsmooth.system import checks
 from nonsmooth.system.compile import Compiled, compile_structure
+from nonsmooth.system.frozen import FrozenDict
 from nonsmooth.system.parts import Mode, Text
 from nonsmooth.system.structure import Structure
 from nonsmooth.system.toml import system_to_toml
@@ -110,12 +111,11 @@ class System:
             value = getattr(self, key)
             if isinstance(value, str):
                 raise ModelError(f"{key}: give a list of names, not the text {value!r}")
-            object.__setattr__(
-                self, key, dict(value) if isinstance(value, Mapping) else tuple(value)
-            )
+            frozen = FrozenDict(value) if isinstance(value, Mapping) else tuple(value)
+            object.__setattr__(self, key, frozen)
         for item in fields(self):
             if isinstance(getattr(self, item.name), Mapping):
-                object.__setattr__(self, item.name, dict(getattr(self, item.name)))
+                object.__setattr__(self, item.name, FrozenDict(getattr(self, item.name)))
         checks.check_words(self)
         checks.check_structure(self)
         checks.check_values(self)
@@ -183,7 +183,9 @@ class System:
             if name not in self.parameters:
                 raise ModelError(unknown_name("parameter", name, self.parameters))
         other = object.__new__(System)
-        other.__setstate__(self.__getstate__() | {"parameters": {**self.parameters, **parameters}})
+        other.__setstate__(
+            self.__getstate__() | {"parameters": FrozenDict({**self.parameters, **parameters})}
+        )
         # texts are unchanged, so the parsed structure and its arrays stay valid
         other.__dict__.update(structure=self.structure, compiled=self.compiled)
         checks.check_values(other)

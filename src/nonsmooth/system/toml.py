@@ -57,7 +57,5 @@ def _value(value: Any) -> str:
     if isinstance(value, list):
         return "[" + ", ".join(_value(item) for item in value) + "]"
     if isinstance(value, str):
-        return json.dumps(value, ensure_ascii=True)
-    if isinstance(value, int):
-        return str(value)
-    return repr(float(value))
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+    return repr(float(value))  # one spelling, so that 1 and 1.0 make equal systems

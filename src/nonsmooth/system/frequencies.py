@@ -1,0 +1,88 @@
+"""One spelling for each frequency, so that ``cos(2*w*t)`` and ``cos(w*t + w*t)`` meet.
+
+A frequency is an expression of parameters. It is written as a sum of numbers times
+products, with like products collected and everything in one order.
+"""
+
+from __future__ import annotations
+
+from nonsmooth.system.expressions import (
+    Call,
+    Expression,
+    Number,
+    add,
+    divide,
+    multiply,
+    to_text,
+)
+
+__all__ = ["canonical_frequency"]
+
+_Monomials = dict[tuple[Expression, ...], float]
+
+
+def canonical_frequency(frequency: Expression) -> tuple[Expression, float]:
+    """Frequency in its one spelling, leading term positive, and the sign taken out.
+
+    Zero comes back as the number zero.
+    """
+    terms = _monomials(frequency)
+    ordered = sorted(terms.items(), key=lambda item: [to_text(factor) for factor in item[0]])
+    if not ordered:
+        return Number(0.0), 1.0
+    sign = -1.0 if ordered[0][1] < 0.0 else 1.0
+    parts = [multiply(Number(sign * value), *factors) for factors, value in ordered]
+    return add(*parts), sign
+
+
+def _monomials(expression: Expression) -> _Monomials:
+    """Coefficient of each product of factors; zeros are left out."""
+    if isinstance(expression, Number):
+        return {(): expression.value} if expression.value != 0.0 else {}
+    if isinstance(expression, Call):
+        parts = [_monomials(argument) for argument in expression.arguments]
+        if expression.function == "+":
+            return _sum(parts)
+        if expression.function == "neg":
+            return {factors: -value for factors, value in parts[0].items()}
+        if expression.function == "*":
+            product: _Monomials = {(): 1.0}
+            for part in parts:
+                product = _product(product, part)
+            return product
+        if expression.function == "/":
+            return _product(parts[0], _reciprocal(parts[1]))
+        return {(Call(expression.function, tuple(_rebuilt(part) for part in parts)),): 1.0}
+    return {(expression,): 1.0}
+
+
+def _sum(parts: list[_Monomials]) -> _Monomials:
+    total: _Monomials = {}
+    for part in parts:
+        for factors, value in part.items():
+            total[factors] = total.get(factors, 0.0) + value
+    return {factors: value for factors, value in total.items() if value != 0.0}
+
+
+def _product(left: _Monomials, right: _Monomials) -> _Monomials:
+    parts = [
+        {tuple(sorted((*a, *b), key=to_text)): x * y}
+        for a, x in left.items()
+        for b, y in right.items()
+    ]
+    return _sum(parts)
+
+
+def _reciprocal(terms: _Monomials) -> _Monomials:
+    """One over a sum; over a single product each factor is inverted on its own."""
+    if len(terms) == 1:
+        (factors, value), *_ = terms.items()
+        if value != 0.0:
+            inverse = tuple(divide(Number(1.0), factor) for factor in factors)
+            return {tuple(sorted(inverse, key=to_text)): 1.0 / value}
+    return {(divide(Number(1.0), _rebuilt(terms)),): 1.0}
+
+
+def _rebuilt(terms: _Monomials) -> Expression:
+    ordered = sorted(terms.items(), key=lambda item: [to_text(factor) for factor in item[0]])
+    return add(*(multiply(Number(value), *factors) for factors, value in ordered))
