@@ -18,9 +18,11 @@ from nonsmooth.engine.status import Status
 
 __all__ = ["decouple", "triangular_form"]
 
-# Relative gap below which eigenvalues are kept together. Eliminating across a gap costs
-# about -log10(gap) digits, a cluster costs polynomial terms; 1e-3 leaves 12 digits.
-_CLOSE = 1e-3
+# Eigenvalues are kept together when telling them apart would cost more than three digits.
+# Eliminating across a relative gap costs about -log10(gap) digits, and once more for each
+# further neighbour in a chain of couplings.
+_LOST_DIGITS = 3.0
+_NEIGHBOUR = 0.3
 _OK = int(Status.COMPLETED)
 
 
@@ -100,7 +102,7 @@ def _eliminate(t, unit, unit_inverse, label, horizon):
                 continue
             gap = t[j, j] - t[i, i]
             scale = max(abs(t[i, i]), abs(t[j, j]), 1.0 / horizon)
-            if abs(gap) <= _CLOSE * scale:
+            if abs(gap) <= _NEIGHBOUR * scale and abs(gap) <= _close(t, i, scale) * scale:
                 return i, j
             x = t[i, j] / gap
             for k in range(i):
@@ -112,6 +114,16 @@ def _eliminate(t, unit, unit_inverse, label, horizon):
                 unit[k, j] += x * unit[k, i]
                 unit_inverse[i, k] -= x * unit_inverse[j, k]
     return -1, -1
+
+
+@kernel
+def _close(t, i, scale):
+    """Relative gap below which the neighbours of an eigenvalue are kept together."""
+    neighbours = -1  # it finds itself
+    for k in range(t.shape[0]):
+        if abs(t[k, k] - t[i, i]) <= _NEIGHBOUR * scale:
+            neighbours += 1
+    return 10.0 ** (-_LOST_DIGITS / max(1, neighbours))
 
 
 @kernel

@@ -24,7 +24,7 @@ __all__ = ["set_up"]
 _OK = int(Status.COMPLETED)
 _NOT_FINITE = int(Status.NOT_FINITE)
 # Without a true period, time is cut into windows of about this many radians of the
-# fastest motion, a compromise between restarts and the accuracy of long arguments.
+# fastest oscillation, a compromise between restarts and the accuracy of long arguments.
 _WINDOW_RADIANS = 32.0
 
 
@@ -146,12 +146,15 @@ def _count_turns(clock, harmonics):
 
 @allocating
 def _natural_window(generator, t, v, v_inverse, norm):
-    """Power of two near _WINDOW_RADIANS of the fastest motion of any mode."""
+    """Power of two near _WINDOW_RADIANS of the fastest oscillation or growth of any mode.
+
+    Decay does not count: however fast, its exponential stays accurate.
+    """
     fastest = 0.0
     for m in range(generator.shape[0]):
         triangular_form(generator[m], t, v, v_inverse, norm)
         for i in range(t.shape[0]):
-            fastest = max(fastest, abs(t[i, i]))
+            fastest = max(fastest, abs(t[i, i].imag), t[i, i].real)
     if fastest == 0.0:
         return 64.0
     return 2.0 ** np.rint(math.log2(_WINDOW_RADIANS / fastest))
