@@ -127,7 +127,7 @@ REFUSED = [
     ("2*lambda", 2, "reserved word"),
     ("a + is", 4, "reserved word"),
     ("True", 0, "reserved word"),
-    ("lamda(x)", 0, "unknown function 'lamda'"),
+    ("lamb(x)", 0, "unknown function 'lamb'"),
     ("2*sine(x)", 2, "did you mean 'sin'"),
     ("eval(x)", 0, "unknown function 'eval'"),
     ("2x", 1, "write products with *"),

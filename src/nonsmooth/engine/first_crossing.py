@@ -47,10 +47,8 @@ def first_crossing(tables, segment, m, start, length):
     s = start
     if start > 0.0:
         advance(flow, slots, m, modal, sizes, s)
-    for g in range(n_exits):
-        scan[g, at.MARGIN] = _margin(bounds, slots, m, g, sizes)
     for _ in range(_MOST_STEPS):
-        rest = length - s
+        rest = min(length - s, tables.spans[m, at.REACH])
         soonest = rest
         which = -1
         for g in range(n_exits):
@@ -65,9 +63,8 @@ def first_crossing(tables, segment, m, start, length):
                 soonest = scan[g, at.SAFE]
                 which = g
         if which < 0:
-            advance(flow, slots, m, modal, sizes, length)
-            return length, -1, NONE, length
-        if scan[which, at.LATEST] < _FAR and _alone(scan, n_exits, which):
+            pass  # all guards are safe as far as they were looked at
+        elif scan[which, at.LATEST] < _FAR and _alone(scan, n_exits, which):
             root, found = _finish(flow, bounds, slots, fastest, m, which, n, modal, sizes, scan, s)
             if root <= length:
                 return root, which, found, root
@@ -88,11 +85,11 @@ def first_crossing(tables, segment, m, start, length):
 
 @inlined
 def _read_guard(flow, bounds, slots, m, g, n, modal, sizes, scan):
-    """Value, rate and second rate of a guard, and the bound of its third derivative."""
+    """Value, rate and second rate of a guard, bound of the third one, rounding margin."""
     big_n = flow.shape[2]
     row = at.guard_flow_row(big_n, n, g, 0)
-    row_third = at.guard_third_row(big_n, g)
-    value, rate, second, third = 0.0, 0.0, 0.0, 0.0
+    row_size, row_third = at.guard_size_row(big_n, g), at.guard_third_row(big_n, g)
+    value, rate, second, third, margin = 0.0, 0.0, 0.0, 0.0, 0.0
     for j in range(slots[m, at.COUNT]):
         w = modal[at.NOW, j]
         a, b, c = flow[m, row, j], flow[m, row + 1, j], flow[m, row + 2, j]
@@ -100,19 +97,10 @@ def _read_guard(flow, bounds, slots, m, g, n, modal, sizes, scan):
         rate += b.real * w.real - b.imag * w.imag
         second += c.real * w.real - c.imag * w.imag
         third += bounds[m, row_third, j] * sizes[at.SIZE_NOW, j]
+        margin += bounds[m, row_size, j] * sizes[at.NOISE, j]
     scan[g, at.VALUE], scan[g, at.RATE] = value, rate
     scan[g, at.SECOND], scan[g, at.THIRD] = second, third
-    scan[g, at.LATEST] = _FAR
-
-
-@kernel
-def _margin(bounds, slots, m, g, sizes):
-    """Rounding margin of a guard over the segment."""
-    row = at.guard_size_row(bounds.shape[2], g)
-    total = 0.0
-    for j in range(slots[m, at.COUNT]):
-        total += bounds[m, row, j] * sizes[at.NOISE, j]
-    return total
+    scan[g, at.LATEST], scan[g, at.MARGIN] = _FAR, margin
 
 
 @inlined
@@ -120,8 +108,8 @@ def _look_ahead(scan, g, rest):
     """Safe step of a guard; NONE unless rounding makes a tangency here undecidable."""
     value, rate, second = scan[g, at.VALUE], scan[g, at.RATE], scan[g, at.SECOND]
     third, margin = scan[g, at.THIRD], scan[g, at.MARGIN]
-    if value <= margin:
-        return _within_margin(scan, g, margin, rest)
+    if value <= 1.5 * margin:  # a little above it, so that the step below is never zero
+        return _within_margin(scan, g, 1.5 * margin, rest)
     # the margin is taken off, else rounding could carry a step across a tangency
     scan[g, at.SAFE] = _safe_step(value - margin, rate, second, third, rest)
     if rate < 0.0:

@@ -44,14 +44,15 @@ COUNT, END_CONSTANT, END_REAL, END_ROTATION, END_DAMPED, N_CLUSTERS, CLUSTERS = 
 # Tables.wiring[m, 1 + e]: target, bits of states reset, order of zero of each guard entered
 N_EXITS, SLAVED = 0, 1
 TARGET, RESETTING, ORDERS = 0, 1, 2
-# Tables.spans: longest segment for which clusters are accurate, unit of rounding margins,
-# largest modulus of the eigenvalues
-LONGEST, ROUNDING, FASTEST = range(3)
-# Segment.modal: coordinates at the start, at the current point, coefficients of clusters
-START, NOW, CHAIN = 0, 1, 2
-# Segment.sizes: bounds of moduli at the start, from the current point on, rounding
-# margins, margins of the coefficients of clusters
-SIZE_START, SIZE_NOW, NOISE, CHAIN_NOISE = 0, 1, 2, 3
+# Tables.spans: longest segment for which the closed form is accurate, unit of rounding
+# margins, largest modulus of the eigenvalues, farthest look ahead where a motion grows
+LONGEST, ROUNDING, FASTEST, REACH = range(4)
+# Segment.modal: coordinates at the start, at the current point, at the end while samples
+# are read, coefficients of clusters
+START, NOW, KEPT, CHAIN = 0, 1, 2, 3
+# Segment.sizes: bounds of moduli at the start and from the current point on; rounding
+# margins at the start and at the current point; margins of the coefficients of clusters
+SIZE_START, SIZE_NOW, NOISE_START, NOISE, CHAIN_NOISE = 0, 1, 2, 3, 4
 # Segment.scan: value, rate, second rate and bound of the third one; safe step; latest root;
 # rounding margin of the value over the segment
 VALUE, RATE, SECOND, THIRD, SAFE, LATEST, MARGIN = range(7)
@@ -84,7 +85,7 @@ class Tables(NamedTuple):
     flow: Complexes  # (m, rows, N): everything about the modal slots of a mode
     bounds: Floats  # (m, rows, N): absolute weights for bounds and margins
     slots: Integers  # (m, 6 + 3 N)
-    spans: Floats  # (m, 3)
+    spans: Floats  # (m, 4)
     wiring: Integers  # (m, 1 + e, 2 + e)
     drifting: int
 
@@ -94,8 +95,8 @@ class Segment(NamedTuple):
 
     z: Floats  # (N,) augmented coordinates at the start of the segment
     spare: Floats  # (N,)
-    modal: Complexes  # (2 + MAX_DEGREE + 1, N)
-    sizes: Floats  # (3 + MAX_DEGREE + 1, N)
+    modal: Complexes  # (CHAIN + MAX_DEGREE + 1, N)
+    sizes: Floats  # (CHAIN_NOISE + MAX_DEGREE + 1, N)
     order: Integers  # (e,): known order of zero of each guard at the start
     scan: Floats  # (e, 7)
     basis: Floats  # (2, N, N): directions left free by what is known to be zero, and a spare
@@ -173,7 +174,7 @@ def allocate_tables(program: Program) -> Tables:
         flow=np.zeros((m, 1 + 2 * big_n + n + 3 * e, big_n), np.complex128),
         bounds=np.zeros((m, big_n + 2 * e, big_n)),
         slots=np.zeros((m, CLUSTERS + 3 * big_n), np.int64),
-        spans=np.zeros((m, 3)),
+        spans=np.zeros((m, 4)),
         wiring=program.wiring.copy(),
         drifting=program.drifting,
     )

@@ -39,11 +39,11 @@ def augmented(n, powers, window, harmonics, number, phase, z):
 
 
 @kernel
-def start_segment(flow, bounds, slots, unit, m, z, modal, sizes, length):
+def start_segment(flow, bounds, slots, unit, reach, m, z, modal, sizes, length):
     """Modal coordinates, their moduli and rounding margins at the start of a segment.
 
     shapes: sheets as in Tables, z (N,), modal and sizes as in Segment; length bounds the
-    segment, unit scales the margins
+    segment, unit scales the margins, moduli hold up to reach ahead
     """
     count = slots[m, at.COUNT]
     for j in range(count):
@@ -55,19 +55,20 @@ def start_segment(flow, bounds, slots, unit, m, z, modal, sizes, length):
             noise += bounds[m, i, j] * abs(z[i])
         modal[at.START, j] = complex(re, im)
         modal[at.NOW, j] = complex(re, im)
+        sizes[at.NOISE_START, j] = noise * unit
         sizes[at.NOISE, j] = noise * unit
         size = math.sqrt(re * re + im * im)
         growth = flow[m, 0, j].real
         if growth > 0.0:
-            size *= math.exp(growth * length)
+            size *= math.exp(growth * min(reach, length))
         sizes[at.SIZE_START, j] = size
         sizes[at.SIZE_NOW, j] = size
     for c in range(slots[m, at.N_CLUSTERS]):
-        _start_cluster(flow, slots, m, c, modal, sizes, length)
+        _start_cluster(flow, slots, m, c, modal, sizes, length, min(reach, length))
 
 
 @kernel
-def _start_cluster(flow, slots, m, c, modal, sizes, length):
+def _start_cluster(flow, slots, m, c, modal, sizes, length, reach):
     """Coefficients of exp(N s) w in powers of s, and bounds over the segment."""
     first = slots[m, at.CLUSTERS + 3 * c]
     end = first + slots[m, at.CLUSTERS + 3 * c + 1]
@@ -75,7 +76,7 @@ def _start_cluster(flow, slots, m, c, modal, sizes, length):
     rest = flow.shape[1] - flow.shape[2]  # the nilpotent rows come last
     for a in range(first, end):
         modal[at.CHAIN, a] = modal[at.START, a]
-        sizes[at.CHAIN_NOISE, a] = sizes[at.NOISE, a]
+        sizes[at.CHAIN_NOISE, a] = sizes[at.NOISE_START, a]
     for d in range(1, degree + 1):
         for a in range(first, end):
             total = complex(0.0, 0.0)
@@ -85,28 +86,25 @@ def _start_cluster(flow, slots, m, c, modal, sizes, length):
                 noise += abs(flow[m, rest + a, b]) * sizes[at.CHAIN_NOISE + d - 1, b]
             modal[at.CHAIN + d, a] = total / d
             sizes[at.CHAIN_NOISE + d, a] = noise / d
-    growth = math.exp(max(0.0, flow[m, 0, first].real) * length)
+    growth = math.exp(max(0.0, flow[m, 0, first].real) * reach)
     for a in range(first, end):
         bound = 0.0
-        noise = 0.0
         for d in range(degree, -1, -1):
             bound = bound * length + abs(modal[at.CHAIN + d, a])
-            noise = noise * length + sizes[at.CHAIN_NOISE + d, a]
         sizes[at.SIZE_START, a] = bound * growth
         sizes[at.SIZE_NOW, a] = bound * growth
-        sizes[at.NOISE, a] = noise * growth
 
 
 @inlined
 def advance(flow, slots, m, modal, sizes, s):
-    """Modal coordinates at s, and bounds of their moduli from s to the segment's end."""
+    """Modal coordinates at s, bounds of their moduli ahead of s, rounding margins at s."""
     for j in range(slots[m, at.END_CONSTANT], slots[m, at.END_REAL]):
         rate = flow[m, 0, j].real
         decay = math.exp(rate * s)
         w = modal[at.START, j]
         modal[at.NOW, j] = complex(w.real * decay, w.imag * decay)
-        if rate < 0.0:
-            sizes[at.SIZE_NOW, j] = sizes[at.SIZE_START, j] * decay
+        sizes[at.SIZE_NOW, j] = sizes[at.SIZE_START, j] * decay
+        sizes[at.NOISE, j] = sizes[at.NOISE_START, j] * decay
     for j in range(slots[m, at.END_REAL], slots[m, at.END_ROTATION]):
         cos, sin = cos_sin(flow[m, 0, j].imag * s)
         modal[at.NOW, j] = _turned(modal[at.START, j], cos, sin)
@@ -115,8 +113,8 @@ def advance(flow, slots, m, modal, sizes, s):
         decay = math.exp(rate * s)
         cos, sin = cos_sin(flow[m, 0, j].imag * s)
         modal[at.NOW, j] = _turned(modal[at.START, j], decay * cos, decay * sin)
-        if rate < 0.0:
-            sizes[at.SIZE_NOW, j] = sizes[at.SIZE_START, j] * decay
+        sizes[at.SIZE_NOW, j] = sizes[at.SIZE_START, j] * decay
+        sizes[at.NOISE, j] = sizes[at.NOISE_START, j] * decay
     for c in range(slots[m, at.N_CLUSTERS]):
         _advance_cluster(flow, slots, m, c, modal, sizes, s)
 
@@ -155,13 +153,14 @@ def _advance_cluster(flow, slots, m, c, modal, sizes, s):
         cos, sin = cos_sin(mean.imag * s)
         cos, sin = decay * cos, decay * sin
     for a in range(first, end):
-        re, im = modal[at.CHAIN + degree, a].real, modal[at.CHAIN + degree, a].imag
-        for d in range(degree - 1, -1, -1):
+        re, im, noise = 0.0, 0.0, 0.0
+        for d in range(degree, -1, -1):
             re = re * s + modal[at.CHAIN + d, a].real
             im = im * s + modal[at.CHAIN + d, a].imag
+            noise = noise * s + sizes[at.CHAIN_NOISE + d, a]
         modal[at.NOW, a] = _turned(complex(re, im), cos, sin)
-        if mean.real < 0.0:
-            sizes[at.SIZE_NOW, a] = sizes[at.SIZE_START, a] * decay
+        sizes[at.SIZE_NOW, a] = sizes[at.SIZE_START, a] * decay
+        sizes[at.NOISE, a] = noise * decay
 
 
 @kernel

@@ -102,27 +102,24 @@ def run(tables, anchor, segment, records, end_number, end_phase, tolerance):
         whole = window if phase <= _LATE * window else 2.0 * window
         length = min(whole - phase, tables.spans[m, at.LONGEST])
         copy_vector(anchor.order, segment.order, anchor.order.size)
-        unit = tables.spans[m, at.ROUNDING]
-        start_segment(flow, tables.bounds, slots, unit, m, segment.z, modal, sizes, length)
+        unit, reach = tables.spans[m, at.ROUNDING], tables.spans[m, at.REACH]
+        start_segment(flow, tables.bounds, slots, unit, reach, m, segment.z, modal, sizes, length)
         s, e, found = _search(tables, segment, anchor, records, m, length)
         end = (end_number - place[0]) * window + (end_phase - phase)
-        if cursor[SAMPLES] < records.sample_phase.size:
-            until = min(s, end)
-            latest = _write_samples(
-                flow, slots, m, modal, sizes, records, place[0], phase, window, s, until
-            )
-            if latest != s:
-                advance(flow, slots, m, modal, sizes, s)
+        _write_samples(flow, slots, m, modal, sizes, records, place[0], phase, window, min(s, end))
         if end <= s:
             advance(flow, slots, m, modal, sizes, end)
             state_at(flow, slots, m, modal, records.end_state)
-            bounded = _bounded(tables.drifting, records.end_state)
-            return _COMPLETED if bounded else _DIVERGED
+            if _bounded(tables.drifting, records.end_state):
+                return _COMPLETED
+            anchor.phase[0] = phase + end
+            return _DIVERGED
         if found == STUCK:
             return _STEP_LIMIT
         state_at(flow, slots, m, modal, anchor.state)
         copy_vector(anchor.state, records.end_state, anchor.state.size)
         if not _bounded(tables.drifting, anchor.state):
+            anchor.phase[0] = phase + s
             return _DIVERGED
         if e >= 0:
             status = _pass_event(tables, segment, anchor, records, s, e, found, tolerance)
@@ -157,21 +154,29 @@ def _search(tables, segment, anchor, records, m, length):
 
 
 @inlined
-def _write_samples(flow, slots, m, modal, sizes, records, number, phase, window, now, until):
-    """Samples of this segment up to and including ``until``; returns where modal stands."""
+def _write_samples(flow, slots, m, modal, sizes, records, number, phase, window, until):
+    """Samples of this segment up to and including ``until``.
+
+    The modal coordinates at the end of the segment are put back bit by bit: the last step
+    to an event is rounded differently from a direct evaluation.
+    """
     k = records.cursor[SAMPLES]
+    count = slots[m, at.COUNT]
+    kept = False
     while k < records.sample_phase.size:
         s = (records.sample_number[k] - number) * window + (records.sample_phase[k] - phase)
         if s > until:
             break
-        if s != now:
-            advance(flow, slots, m, modal, sizes, s)
-            now = s
+        if not kept:
+            copy_vector(modal[at.NOW], modal[at.KEPT], count)
+            kept = True
+        advance(flow, slots, m, modal, sizes, s)
         state_at(flow, slots, m, modal, records.sample_state[k])
         records.sample_mode[k] = m
         k += 1
     records.cursor[SAMPLES] = k
-    return now
+    if kept:
+        copy_vector(modal[at.KEPT], modal[at.NOW], count)
 
 
 @inlined

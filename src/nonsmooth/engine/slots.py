@@ -20,6 +20,7 @@ _OK = int(Status.COMPLETED)
 _ILL_CONDITIONED = int(Status.ILL_CONDITIONED)
 _UNIT = 2.220446049250313e-16
 _SPREAD = 0.5  # largest spread of a cluster times the length of its segments
+_MOST_GROWTH = 32.0  # exponent of a growing motion over one segment
 _LOST_DIGITS = 1e6  # cancellation between motions beyond which a mode is refused
 
 
@@ -56,6 +57,7 @@ def fill_slots(tables, m, t, v, v_inverse, label, norm):
     slots[at.N_CLUSTERS] = n_clusters
     length = min(tables.clock[0], spans[at.LONGEST])
     worst = _fill_spectrum(flow[0], t, norm, kind, place, count, length)
+    _limit_growth(flow[0], spans, count)
     spans[at.FASTEST] = 0.0
     for slot in range(count):
         spans[at.FASTEST] = max(spans[at.FASTEST], abs(flow[0, slot]))
@@ -184,6 +186,18 @@ def _fill_spectrum(eigenvalues, t, norm, kind, place, count, length):
             eigenvalues[slot] = t[j, j]
         fastest = max(fastest, _phase_error(eigenvalues[slot], norm, j, length))
     return fastest
+
+
+@kernel
+def _limit_growth(eigenvalues, spans, count):
+    """Look ahead and segments stay short enough for growing motions to be bounded well."""
+    growth = 0.0
+    for slot in range(count):
+        growth = max(growth, eigenvalues[slot].real)
+    spans[at.REACH] = 1e300
+    if growth > 0.0:
+        spans[at.REACH] = 1.0 / growth
+        spans[at.LONGEST] = min(spans[at.LONGEST], _MOST_GROWTH / growth)
 
 
 @kernel
