@@ -4,9 +4,9 @@ import warnings
 
 import numpy as np
 import pytest
-from engine.humps import T_END, first_root, hump_cases, hump_system
 
 import nonsmooth as ns
+from engine.humps import T_END, first_root, hump_cases, hump_system
 
 
 def found_root(system, case):

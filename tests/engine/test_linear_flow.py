@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from engine.linear_systems import computed, linear_system, truth
 
 import nonsmooth as ns
+from engine.linear_systems import computed, linear_system, truth
 
 RNG = np.random.default_rng(5)
 

@@ -196,7 +196,6 @@ def test_a_million_periods():
     assert np.allclose(long["x"], x, rtol=0, atol=1e-12 * size)
 
 
-@pytest.mark.xfail(reason="outputs take cos of the time, states take it of the phase")
 def test_outputs_after_a_million_periods():
     # the forcing that is recorded beside the states must be the one that acts
     system = System(

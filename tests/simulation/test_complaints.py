@@ -47,9 +47,6 @@ def test_1_no_root_is_invented(depth):
     assert run.attrs["n_uncertain"] == 0
 
 
-@pytest.mark.xfail(
-    reason="within the margin the search sticks (step_limit) or fires a rising guard (undecided)"
-)
 @pytest.mark.parametrize("depth", [3e-14, 1e-14, 1e-15])
 def test_1_a_shallow_root_is_flagged_not_fatal(depth):
     # within the margin of rounding either answer is right, if it says uncertain
@@ -195,17 +192,9 @@ def test_10_duplicate_times_scipy_17066():
     assert len(set(run["x"].values.tolist())) == 3
 
 
-OVERFLOW = pytest.mark.xfail(
-    reason="bounds grow as exp(rate*window): steps vanish, and beyond exp(709) roots are missed"
-)
-WIDE = pytest.mark.xfail(
-    reason="a rounding margin is that at the end of the segment, however long that is"
-)
-
-
 @pytest.mark.parametrize(
     "window",
-    [None, "100", pytest.param("800", marks=OVERFLOW), pytest.param("2000", marks=OVERFLOW)],
+    [None, "100", "800", "2000"],
 )
 def test_no_root_is_missed_beside_growing_motions(window):
     # x = exp(t) is no part of the guard; y = exp(-t) reaches 1/2 at log 2. With a declared
@@ -223,10 +212,10 @@ def test_no_root_is_missed_beside_growing_motions(window):
 @pytest.mark.parametrize(
     "window",
     [
-        pytest.param(None, marks=OVERFLOW),
+        None,
         "10",
-        pytest.param("100", marks=OVERFLOW),
-        pytest.param("800", marks=OVERFLOW),
+        "100",
+        "800",
     ],
 )
 def test_a_growing_motion_that_is_reset(window):
@@ -241,9 +230,7 @@ def test_a_growing_motion_that_is_reset(window):
     assert np.allclose(np.diff(run["event_time"]), np.log(1000.0), rtol=1e-14)
 
 
-@pytest.mark.parametrize(
-    "period", [None, 1e2, 1e4, pytest.param(1e6, marks=WIDE), pytest.param(1e8, marks=WIDE)]
-)
+@pytest.mark.parametrize("period", [None, 1e2, 1e4, 1e6, 1e8])
 def test_the_length_of_the_period_does_not_blur_impacts(period):
     # A ball dropped from 1e-3 has nothing to do with a period declared beside it: eight
     # bounces at sqrt(2e-3) (1 + 2 (r + r^2 + ...)), the last with a speed of 1.7e-4.
@@ -260,7 +247,12 @@ def test_the_length_of_the_period_does_not_blur_impacts(period):
     assert np.allclose(run["event_time"][1:], times, rtol=0, atol=1e-13)
 
 
-@pytest.mark.parametrize("omega", [1e-1, 1e-4, pytest.param(1e-6, marks=WIDE)])
+# A flight that travels a/omega**2 per period is known to 1e-16 of that: at 1e-6 the slider's
+# gap of 0.02 would be a rounding error of 3e11. Such a contact is flagged, not resolved.
+SLOW = pytest.mark.xfail(reason="positions are resolved relative to the travel in one period")
+
+
+@pytest.mark.parametrize("omega", [1e-1, 1e-4, pytest.param(1e-6, marks=SLOW)])
 def test_slow_forcing_does_not_blur_the_first_contact(omega):
     # The mole starts from rest with f = b + a cos(pi/2 + omega t) = 0.15 - 0.3 sin(omega t)
     # over a gap of 0.02: p = 0.075 t^2 - 0.3 (t - sin(omega t)/omega)/omega.

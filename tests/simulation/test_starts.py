@@ -7,10 +7,6 @@ import nonsmooth as ns
 from nonsmooth import Exit, Mode, OptionError, System
 
 
-def defect(reason):
-    return pytest.mark.xfail(reason=reason)
-
-
 def decay(**words):
     return System(**({"states": ["x"], "modes": {"m": Mode({"x": "-x"})}} | words))
 
@@ -229,7 +225,6 @@ def test_a_dataset_of_another_system():
         ns.simulate(other, run, t_end=3.0)
 
 
-@defect("a part of a run keeps the attributes of the whole and goes on from the end of that")
 @pytest.mark.parametrize("part", [slice(0, 10), [5]])
 def test_a_part_of_a_run_is_not_the_run(part):
     run = ns.simulate(decay(), {"x": 1.0}, t_end=1.0)

@@ -9,10 +9,6 @@ import nonsmooth as ns
 from nonsmooth import Exit, Mode, RunWarning, System
 
 
-def defect(reason):
-    return pytest.mark.xfail(reason=reason)
-
-
 def ending(status, system, initial=None, **words):
     """A run that must end early, with the warning that tells so."""
     with pytest.warns(RunWarning, match=f"{system.name}: {status}"):
@@ -30,7 +26,6 @@ def test_growth_without_bound_is_diverged():
     assert np.allclose(run["x"], np.exp(run["time"]), rtol=1e-13)
 
 
-@defect("the time of the message is the start of the segment in which the bound was passed")
 def test_diverged_says_when():
     system = System(states=["x"], modes={"m": Mode({"x": "x"})})
     run = ending("diverged", system, {"x": 1.0}, t_end=1000.0)
@@ -134,7 +129,6 @@ def test_bounces_that_do_not_accumulate_yet(r):
     assert np.allclose(run["event_time"][1:], np.sqrt(2.0) * (1 + 2 * geometric), rtol=1e-13)
 
 
-@defect("the rounding margin of a polynomial motion is that at the end of the window: 1e-2 here")
 def test_a_ball_in_small_units():
     # fall of one micrometre at 1e9 m/s^2: the first bounce is at sqrt(2e-15)
     with pytest.warns(RunWarning):

@@ -120,7 +120,8 @@ def _one_period(b: float) -> xr.Dataset:
     """One period of the settled motion from the beginning of progression, where v is zero."""
     system = moling(b=b)
     settled = simulate(system, simulate(system, periods=_SETTLED), periods=2)
-    first = int(np.flatnonzero(settled["event_to"].values == _PROGRESSION)[0])
+    begins = settled["event_to"].values == _PROGRESSION
+    first = int(np.flatnonzero(begins & (settled["event_kind"].values != "start"))[0])
     state = dict(zip("pyq", settled["state_after"].values[first], strict=False))
     # the phase of the forcing is moved, so that time counts from the beginning of progression
     values = system.parameter_values

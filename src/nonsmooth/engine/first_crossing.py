@@ -57,8 +57,12 @@ def first_crossing(tables, segment, m, start, length):
                 _leave(affine, flow, bounds, slots, m, g, order[g], z, sizes, scan, rest)
             else:
                 found = _look_ahead(scan, g, rest)
-                if found != NONE:
+                if found == GRAZE:
                     return s, g, found, s + scan[g, at.SAFE]
+                if found == UNCERTAIN:
+                    root = min(s + scan[g, at.SAFE], length)
+                    advance(flow, slots, m, modal, sizes, root)
+                    return root, g, found, root
             if scan[g, at.SAFE] < soonest:
                 soonest = scan[g, at.SAFE]
                 which = g
@@ -198,7 +202,13 @@ def _within_margin(scan, g, margin, rest):
             scan[g, at.SAFE] = rest if 2.0 * rate >= bend * rest else 2.0 * rate / bend
         return NONE
     scan[g, at.SAFE] = 0.0
-    if second <= 0.0:
+    if second < 0.0:
+        # rises no higher than the margin and falls: the later root of its parabola
+        scan[g, at.SAFE] = (
+            rate + math.sqrt(rate * rate - 2.0 * second * max(value, 0.0))
+        ) / -second
+        return UNCERTAIN
+    if second == 0.0:
         return UNCERTAIN
     lowest = value - 0.5 * rate * rate / second
     if lowest < 0.0 and rate < 0.0:

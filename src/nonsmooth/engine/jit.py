@@ -80,7 +80,7 @@ def entry(function: Callable[..., Any], *, allocates: bool = False) -> Callable[
 
 def is_warm(dispatcher: Any) -> bool:
     """Whether a kernel is compiled already, in this process or in the cache on disk."""
-    if dispatcher.signatures:
+    if getattr(dispatcher, "signatures", True):  # plain functions when jitting is switched off
         return True
     cache = getattr(dispatcher, "_cache", None)
     if not isinstance(cache, _KernelCache):

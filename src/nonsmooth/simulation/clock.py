@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError
+from nonsmooth.simulation.options import check_count, finite_number, time_grid, whole_number
 
 __all__ = ["Instant", "Plan", "instants", "plan_run"]
 
@@ -67,8 +68,8 @@ def plan_run(
         what = "none is" if not given else " and ".join(given) + " are"
         raise OptionError(f"give exactly one of periods=, t_end= and times=; {what} given")
     if times is not None:
-        return _plan_times(window, start, times)
-    _check_samples(samples_per_period)
+        return _plan_times(window, start, time_grid(times))
+    per_window = whole_number("samples_per_period", samples_per_period)
     t_start = start.number * window + start.phase
     if periods is not None:
         if not periodic:
@@ -76,30 +77,22 @@ def plan_run(
                 "periods= needs a system with a period; declare period= in the system, or give"
                 " t_end= or times="
             )
-        if not (np.isfinite(periods) and periods > 0):
-            raise OptionError(f"periods = {periods} must be positive and finite")
+        if not finite_number("periods", periods) > 0:
+            raise OptionError(f"periods = {periods} must be positive")
         whole = int(np.floor(periods))
         end = _after(start, whole, (periods - whole) * window, window)
-        return _plan_grid(
-            window, start, end, int(np.floor(periods * samples_per_period)), samples_per_period
-        )
-    assert t_end is not None
-    if not (np.isfinite(t_end) and t_end > t_start):
+        count = check_count(np.floor(periods * per_window + 1e-9))
+        return _plan_grid(window, start, end, count, per_window)
+    if not finite_number("t_end", t_end) > t_start:
         raise OptionError(f"t_end = {t_end} must be later than the start, t = {t_start:g}")
+    assert t_end is not None
     number, phase = instants([t_end], window)
     end = Instant(int(number[0]), float(phase[0]))
     if periodic:
-        count = int(np.floor((t_end - t_start) / window * samples_per_period + 1e-9))
-        return _plan_grid(window, start, end, count, samples_per_period)
+        count = check_count(np.floor((t_end - t_start) / window * per_window + 1e-9))
+        return _plan_grid(window, start, end, count, per_window)
     grid = np.linspace(t_start, t_end, DEFAULT_SAMPLES + 1)
     return _grid_of_times(window, start, end, grid)
-
-
-def _check_samples(samples_per_period: int) -> None:
-    if samples_per_period != int(samples_per_period) or samples_per_period < 1:
-        raise OptionError(
-            f"samples_per_period = {samples_per_period} must be a whole number of at least 1"
-        )
 
 
 def _after(start: Instant, windows: int, phase: float, window: float) -> Instant:
@@ -114,15 +107,15 @@ def _plan_grid(window: float, start: Instant, end: Instant, count: int, per_wind
     number = start.number + index // per_window
     phase = start.phase + (index % per_window) * (window / per_window)
     over = phase >= window * (1.0 - 4.0 * _UNIT)
-    return Plan(end, number + over, np.maximum(0.0, phase - window * over))
+    number = number + over
+    phase = np.maximum(phase - window * over, 0.0)
+    beyond = (int(number[-1]) - end.number) * window + (float(phase[-1]) - end.phase)
+    if abs(beyond) <= 1e-9 * window / per_window:
+        end = Instant(int(number[-1]), float(phase[-1]))  # equal up to rounding
+    return Plan(end, number, phase.astype(np.float64))
 
 
-def _plan_times(window: float, start: Instant, times: npt.ArrayLike) -> Plan:
-    grid = np.atleast_1d(np.asarray(times, dtype=float))
-    if grid.ndim != 1 or grid.size == 0 or not np.all(np.isfinite(grid)):
-        raise OptionError("times= takes a one-dimensional, non-empty list of finite numbers")
-    if np.any(np.diff(grid) < 0.0):
-        raise OptionError("times= must not decrease; sort it")
+def _plan_times(window: float, start: Instant, grid: npt.NDArray[np.float64]) -> Plan:
     t_start = start.number * window + start.phase
     if grid[0] < t_start - 4.0 * _UNIT * abs(t_start):
         raise OptionError(

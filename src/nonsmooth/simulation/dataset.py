@@ -9,7 +9,7 @@ import xarray as xr
 
 from nonsmooth.engine.status import CURES, EventKind, Status
 from nonsmooth.simulation.events import event_variables, mode_flags
-from nonsmooth.simulation.outputs import output_values
+from nonsmooth.simulation.outputs import Clock, output_values
 from nonsmooth.simulation.runner import Outcome
 from nonsmooth.simulation.words import last_period_word
 from nonsmooth.system.system import System
@@ -39,7 +39,8 @@ def run_dataset(system: System, outcome: Outcome, options: dict[str, Any]) -> xr
         name: ("time", states[:, i].copy(), labelled(system, name, name))
         for i, name in enumerate(system.states)
     }
-    for name, values in output_values(system, time, states, modes).items():
+    clock = Clock(number, phase, outcome.tables)
+    for name, values in output_values(system, clock, states, modes).items():
         variables[name] = ("time", values, labelled(system, name, name))
     variables["mode"] = ("time", modes.astype(np.int8), mode_flags(system, "mode"))
     variables |= event_variables(system, outcome)
@@ -75,6 +76,8 @@ def _attributes(system: System, outcome: Outcome, options: dict[str, Any]) -> di
         "status": outcome.status.word,
         "message": status_message(system, outcome),
         "certified": int(outcome.n_uncertain == 0),
+        "n_samples": outcome.n_samples,
+        "n_rows": len(outcome.event_integers),
         "n_events": int(np.count_nonzero(crossings)),
         "n_uncertain": outcome.n_uncertain,
         "phase_word": last_period_word(system, outcome),

@@ -25,7 +25,7 @@ from nonsmooth.engine.records import (
     with_fresh_events,
 )
 from nonsmooth.engine.setup import set_up
-from nonsmooth.engine.status import SETUP_ERRORS, Status
+from nonsmooth.engine.status import SETUP_ERRORS, EventKind, Status
 from nonsmooth.errors import ModelError
 from nonsmooth.simulation.clock import Instant, Plan
 from nonsmooth.simulation.kernels import announce_compilation
@@ -106,6 +106,8 @@ def run_plan(
         status = Status(start(tables, anchor, segment, records, mode, tolerance))
         if status == Status.INADMISSIBLE:
             raise NoMode(segment.z.copy())
+    else:
+        _log_going_on(records, begin, anchor, state)
     log = _EventLog()
     if status == Status.COMPLETED:
         status, records = _run(tables, plan, anchor, segment, records, log, tolerance)
@@ -153,6 +155,19 @@ def _run(
                 progress.update(int(anchor.place[0]) - first)
             except KeyboardInterrupt:
                 return Status.INTERRUPTED, records
+
+
+def _log_going_on(
+    records: Records, begin: Instant, anchor: Anchor, state: npt.NDArray[np.float64] | None
+) -> None:
+    """Row of the event log for a run that goes on from an earlier one."""
+    mode = anchor.place[1]
+    row = [begin.number, EventKind.START, mode, mode, -1, 0, 0, 1]
+    records.event_integers[0] = row
+    records.event_floats[0, : at.EVENT_FLOATS] = begin.phase, 0.0
+    if state is not None:
+        records.event_floats[0, at.EVENT_FLOATS :] = np.concatenate([state, state])
+    records.cursor[at.EVENTS] = 1
 
 
 class _EventLog:

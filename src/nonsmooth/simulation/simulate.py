@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import warnings
 from collections.abc import Mapping
 from typing import Any
@@ -14,6 +13,7 @@ from nonsmooth.engine.status import Status
 from nonsmooth.errors import OptionError, RunWarning
 from nonsmooth.simulation.clock import plan_run
 from nonsmooth.simulation.dataset import run_dataset
+from nonsmooth.simulation.options import check_run_options
 from nonsmooth.simulation.runner import NoMode, build_tables, run_plan
 from nonsmooth.simulation.start import explain_misfit, resolve_start
 from nonsmooth.system.system import System
@@ -118,9 +118,7 @@ def simulate(
     >>> run.attrs["status"], float(run["v"][-1].round(4))
     ('completed', 613.4445)
     """
-    _check_options(tangent, tolerance)
-    if parameters:
-        system = system.with_parameters(**parameters)
+    system = check_run_options(system, parameters, mode, tolerance, tangent)
     tables = build_tables(system)
     start = resolve_start(system, tables, initial, t_start, mode)
     plan = plan_run(
@@ -149,13 +147,3 @@ def simulate(
     if outcome.status not in (Status.COMPLETED, Status.STOPPED):
         warnings.warn(f"{system.name}: {result.attrs['message']}", RunWarning, stacklevel=2)
     return result
-
-
-def _check_options(tangent: bool, tolerance: float) -> None:
-    if tangent:
-        raise OptionError(
-            "tangent=True is not supported in this version; leave it out, or take differences"
-            " of neighbouring runs"
-        )
-    if not (math.isfinite(tolerance) and 0.0 < tolerance < 1e-3):
-        raise OptionError(f"tolerance = {tolerance} must lie between 0 and 1e-3")

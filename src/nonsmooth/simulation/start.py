@@ -14,6 +14,7 @@ from nonsmooth.engine.layout import DERIVATIVES, N_EXITS, SLAVED, Tables
 from nonsmooth.engine.records import Anchor
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.simulation.clock import Instant, instants
+from nonsmooth.simulation.options import finite_number
 from nonsmooth.system.system import System
 
 __all__ = ["Start", "explain_misfit", "resolve_start"]
@@ -68,8 +69,7 @@ def _mode_index(system: System, mode: str | None) -> int:
 
 
 def _instant(tables: Tables, time: float) -> Instant:
-    if not math.isfinite(time):
-        raise OptionError(f"t_start = {time} is not a finite number")
+    time = finite_number("t_start", time)
     number, phase = instants([time], float(tables.clock[0]))
     return Instant(int(number[0]), float(phase[0]))
 
@@ -100,6 +100,14 @@ def _from_run(
         raise OptionError(
             f"initial: the run ended with status {status!r} and cannot go on; take one of its"
             " points instead, as in run.isel(time=-1)"
+        )
+    whole = (
+        run.sizes["time"] == run.attrs["n_samples"] and run.sizes["event"] == run.attrs["n_rows"]
+    )
+    if not whole:
+        raise OptionError(
+            "initial: this is a part of a run, which cannot go on; take one of its points, as in"
+            " run.isel(time=-1), or the whole run"
         )
     if t_start is not None or mode is not None:
         raise OptionError("a run goes on where it ended: leave out t_start= and mode=")

@@ -11,13 +11,13 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from nonsmooth.errors import ModelError, unknown_name
+from nonsmooth.system.equations import Equation
 from nonsmooth.system.evaluate import constant_value
 from nonsmooth.system.expressions import ONE, Expression, Name, names_in, to_text
 from nonsmooth.system.functions import FUNCTIONS
 from nonsmooth.system.grammar import is_name, parse
 from nonsmooth.system.linear import LinearForm, Power, State
 from nonsmooth.system.parts import STOP, Mode, Text
-from nonsmooth.system.structure import Equation
 
 if TYPE_CHECKING:
     from nonsmooth.system.structure import Structure

@@ -8,12 +8,13 @@ systems made by ``with_parameters`` share one.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 from nonsmooth.errors import ModelError, unknown_name
+from nonsmooth.system.equations import Equation, check_references
 from nonsmooth.system.expressions import (
     ZERO,
     Call,
@@ -21,13 +22,12 @@ from nonsmooth.system.expressions import (
     Name,
     Number,
     divide,
-    names_in,
     negate,
     subtract,
     walk,
 )
 from nonsmooth.system.functions import lookup
-from nonsmooth.system.grammar import parse, point_at
+from nonsmooth.system.grammar import point_at
 from nonsmooth.system.linear import (
     Harmonic,
     LinearForm,
@@ -44,26 +44,7 @@ if TYPE_CHECKING:
 # an equals sign that is not part of a comparison
 _EQUALS = re.compile(r"(?<![<>=])=(?!=)")
 
-__all__ = ["Equation", "ExitForms", "ModeForms", "Structure"]
-
-
-@dataclass(frozen=True, slots=True)
-class Equation:
-    """A text, where it stands in the system, and its tree."""
-
-    text: str
-    where: str
-    tree: Expression
-
-    @classmethod
-    def read(cls, text: Text, where: str, known: set[str]) -> Equation:
-        """Parse a text and check that every name in it is declared."""
-        tree = parse(text, where=where)  # type: ignore[arg-type]
-        for name in names_in(tree):
-            if name.name not in known:
-                sentence = unknown_name("name", name.name, known - {"pi", "t"})
-                raise ModelError(point_at(str(text), name.at, f"{where}: {sentence}"))
-        return cls(str(text), where, tree)
+__all__ = ["ExitForms", "ModeForms", "Structure"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,8 +85,6 @@ class Structure:
         self.modes = {
             name: ModeForms(self, name, mode, known) for name, mode in system.modes.items()
         }
-        for forms in self.modes.values():
-            _check_references(self, forms)
 
     @cached_property
     def frequencies(self) -> tuple[Expression, ...]:
@@ -145,6 +124,7 @@ class ModeForms:
             key: Equation.read(text, f"{place}.definitions[{key!r}]", known)
             for key, text in mode.definitions.items()
         }
+        check_references({**self.definitions, **structure.outputs}, structure.states)
         self.flow_equations = {
             key: Equation.read(text, f"{place}.flow[{key!r}]", known)
             for key, text in mode.flow.items()
@@ -277,44 +257,6 @@ class ModeForms:
                 for state, text in way.reset.items()
             },
         )
-
-
-def _check_references(structure: Structure, forms: ModeForms) -> None:
-    """No definition or output goes in a circle, and every rate() names a state.
-
-    Walked without recursion: chains may be longer than Python's stack is deep.
-    """
-    equations = {**forms.definitions, **structure.outputs}
-    done: set[str] = set()
-    for first in equations:
-        path: list[tuple[str, Iterator[str]]] = []
-        if first not in done:
-            path.append((first, _references(equations[first], structure, equations)))
-        while path:
-            name, following = path[-1]
-            step = next(following, None)
-            if step is None:
-                done.add(name)
-                path.pop()
-            elif step in [known for known, _ in path]:
-                circle = " -> ".join([*(known for known, _ in path), step])
-                raise ModelError(f"{equations[step].where}: {circle} goes in a circle; break it")
-            elif step not in done:
-                path.append((step, _references(equations[step], structure, equations)))
-
-
-def _references(
-    equation: Equation, structure: Structure, equations: Mapping[str, Equation]
-) -> Iterator[str]:
-    for node in walk(equation.tree):
-        if isinstance(node, Call) and node.function == "rate":
-            argument = node.arguments[0]
-            if isinstance(argument, Name) and argument.name not in structure.states:
-                sentence = unknown_name("state in rate()", argument.name, structure.states)
-                message = f"{equation.where}: {sentence}"
-                raise ModelError(point_at(equation.text, argument.at, message))
-        elif isinstance(node, Name) and node.name in equations:
-            yield node.name
 
 
 def _relation(text: Text, where: str, known: set[str]) -> Equation:

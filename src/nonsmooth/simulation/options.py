@@ -1,0 +1,85 @@
+"""Checks of the options of a run, before anything is computed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from numbers import Real
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.errors import OptionError
+from nonsmooth.system.system import System
+
+__all__ = ["check_count", "check_run_options", "finite_number", "time_grid", "whole_number"]
+
+_LARGEST_TIME = 1e15  # whole windows must stay exact, and far below 64 bits
+_MOST_SAMPLES = 10**8
+
+
+def finite_number(name: str, value: Any) -> float:
+    """Value of an option that must be a finite number of reasonable size."""
+    if isinstance(value, bool) or not isinstance(value, Real):
+        raise OptionError(f"{name} = {value!r:.60} is not a number")
+    number = float(value)
+    if not math.isfinite(number) or abs(number) > _LARGEST_TIME:
+        raise OptionError(f"{name} = {number:g} must be finite, at most {_LARGEST_TIME:g} in size")
+    return number
+
+
+def whole_number(name: str, value: Any) -> int:
+    """Value of an option that must be a whole number of at least one."""
+    number = finite_number(name, value)
+    if number != int(number) or number < 1:
+        raise OptionError(f"{name} = {number:g} must be a whole number of at least 1")
+    return int(number)
+
+
+def time_grid(value: Any) -> npt.NDArray[np.float64]:
+    """Times to sample: one dimension, finite, not decreasing."""
+    try:
+        grid = np.atleast_1d(np.asarray(value, dtype=float))
+    except (TypeError, ValueError):
+        raise OptionError(f"times = {value!r:.60}: give a list of numbers") from None
+    if grid.ndim != 1 or grid.size == 0 or not np.all(np.abs(grid) <= _LARGEST_TIME):
+        raise OptionError(
+            "times= takes a one-dimensional, non-empty list of finite numbers, at most"
+            f" {_LARGEST_TIME:g} in size"
+        )
+    if np.any(np.diff(grid) < 0.0):
+        raise OptionError("times= must not decrease; sort it")
+    return grid
+
+
+def check_count(count: float) -> int:
+    """Number of samples, refused where it would fill the memory."""
+    if count > _MOST_SAMPLES:
+        raise OptionError(
+            f"{count:.3g} samples are asked for, at most {_MOST_SAMPLES:g} in one run; take fewer"
+            " per period, or go on from run to run"
+        )
+    return int(count)
+
+
+def check_run_options(
+    system: Any, parameters: Any, mode: Any, tolerance: Any, tangent: Any
+) -> System:
+    """System with its parameters changed; everything else checked for its kind."""
+    if not isinstance(system, System):
+        raise OptionError(
+            f"system = {system!r:.60} is not a System; write one, or take one from ns.models"
+        )
+    if parameters is not None and not isinstance(parameters, Mapping):
+        raise OptionError(f"parameters = {parameters!r:.60}: give a mapping of names to numbers")
+    if mode is not None and not isinstance(mode, str):
+        raise OptionError(f"mode = {mode!r:.60} is not the name of a mode")
+    if not 0.0 < finite_number("tolerance", tolerance) < 1e-3:
+        raise OptionError(f"tolerance = {tolerance} must lie between 0 and 1e-3")
+    if tangent:
+        raise OptionError(
+            "tangent=True is not supported in this version; leave it out, or take differences"
+            " of neighbouring runs"
+        )
+    return system.with_parameters(**parameters) if parameters else system
