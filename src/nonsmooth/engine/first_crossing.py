@@ -16,7 +16,7 @@ import math
 
 from nonsmooth.engine import layout as at
 from nonsmooth.engine.jit import inlined, kernel
-from nonsmooth.engine.linear_flow import advance, advance_little
+from nonsmooth.engine.linear_flow import advance, advance_little, advance_once
 from nonsmooth.engine.zeros import ALWAYS_ZERO
 
 __all__ = ["CERTIFIED", "GRAZE", "NONE", "STUCK", "UNCERTAIN", "first_crossing"]
@@ -45,9 +45,11 @@ def first_crossing(tables, segment, m, start, length):
     n = tables.sizes[0]
     fastest = tables.spans[m, at.FASTEST]
     s = start
-    if start > 0.0:
-        advance(flow, slots, m, modal, sizes, s)
     for _ in range(_MOST_STEPS):
+        if s > 0.0:
+            advance(flow, slots, m, modal, sizes, s)
+            if s >= length:
+                return length, -1, NONE, length
         rest = min(length - s, tables.spans[m, at.REACH])
         soonest = rest
         which = -1
@@ -61,7 +63,7 @@ def first_crossing(tables, segment, m, start, length):
                     return s, g, found, s + scan[g, at.SAFE]
                 if found == UNCERTAIN:
                     root = min(s + scan[g, at.SAFE], length)
-                    advance(flow, slots, m, modal, sizes, root)
+                    advance_once(flow, slots, m, modal, sizes, root)
                     return root, g, found, root
             if scan[g, at.SAFE] < soonest:
                 soonest = scan[g, at.SAFE]
@@ -81,9 +83,6 @@ def first_crossing(tables, segment, m, start, length):
                 flow, bounds, slots, fastest, m, n_exits, n, modal, sizes, scan, s, length
             )
         s = min(s + soonest, length)
-        advance(flow, slots, m, modal, sizes, s)
-        if s >= length:
-            return length, -1, NONE, length
     return s, -1, STUCK, s
 
 
@@ -242,7 +241,7 @@ def _nearest(flow, bounds, slots, fastest, m, n_exits, n, modal, sizes, scan, s,
     if best < 0:
         return s, -1, STUCK, s
     best_root = min(max(best_root, s), length)
-    advance(flow, slots, m, modal, sizes, best_root)
+    advance_once(flow, slots, m, modal, sizes, best_root)
     return best_root, best, best_found, best_root
 
 

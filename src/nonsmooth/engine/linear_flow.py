@@ -13,7 +13,7 @@ from nonsmooth.engine import layout as at
 from nonsmooth.engine.jit import inlined, kernel
 from nonsmooth.engine.trigonometry import cos_sin
 
-__all__ = ["advance", "advance_little", "augmented", "start_segment", "state_at"]
+__all__ = ["advance", "advance_little", "advance_once", "augmented", "start_segment", "state_at"]
 
 _TURN = 2.0 * math.pi
 
@@ -117,6 +117,12 @@ def advance(flow, slots, m, modal, sizes, s):
         sizes[at.NOISE, j] = sizes[at.NOISE_START, j] * decay
     for c in range(slots[m, at.N_CLUSTERS]):
         _advance_cluster(flow, slots, m, c, modal, sizes, s)
+
+
+@kernel
+def advance_once(flow, slots, m, modal, sizes, s):
+    """`advance` as a call, for the places that are rarely passed: its body is long."""
+    advance(flow, slots, m, modal, sizes, s)
 
 
 @kernel

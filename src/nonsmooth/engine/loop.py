@@ -14,7 +14,7 @@ from nonsmooth.engine.arrays import copy_vector
 from nonsmooth.engine.event_log import log_event, log_transition, normal_phase
 from nonsmooth.engine.first_crossing import CERTIFIED, GRAZE, NONE, STUCK, first_crossing
 from nonsmooth.engine.jit import entry, inlined, kernel
-from nonsmooth.engine.linear_flow import advance, augmented, start_segment, state_at
+from nonsmooth.engine.linear_flow import advance, advance_once, augmented, start_segment, state_at
 from nonsmooth.engine.records import EVENT_FLOATS, EVENTS, SAMPLES, UNCERTAIN, WINDOW_EVENTS
 from nonsmooth.engine.status import EventKind, Status
 from nonsmooth.engine.transitions import guard_holds, pass_exits, slaved_agree
@@ -108,7 +108,7 @@ def run(tables, anchor, segment, records, end_number, end_phase, tolerance):
         end = (end_number - place[0]) * window + (end_phase - phase)
         _write_samples(flow, slots, m, modal, sizes, records, place[0], phase, window, min(s, end))
         if end <= s:
-            advance(flow, slots, m, modal, sizes, end)
+            advance_once(flow, slots, m, modal, sizes, end)
             state_at(flow, slots, m, modal, records.end_state)
             if _bounded(tables.drifting, records.end_state):
                 return _COMPLETED
@@ -149,7 +149,7 @@ def _search(tables, segment, anchor, records, m, length):
         _log_crossing(tables, segment, anchor, records, s, e, _GRAZE, False)
         s = go_on
         if s >= length:
-            advance(tables.flow, tables.slots, m, segment.modal, segment.sizes, length)
+            advance_once(tables.flow, tables.slots, m, segment.modal, segment.sizes, length)
             return length, -1, NONE
 
 
