@@ -85,14 +85,16 @@ def test_a_start_that_no_mode_admits():
     lines = str(caught.value).split("\n")
     assert "(p = 1, y = 0, q = 0.5, v = 0) fits no mode of 'moling'" in lines[0]
     assert lines[1] == "  no_contact: guard 'q + g - p' is -0.48, it must not be negative"
-    assert lines[2] == "  contact: p = 1, but 'q + g' gives 0.52"
+    assert lines[2] == "  contact: p is slaved here: give p = 0.52 by 'q + g', not 1"
     assert lines[3].startswith("  progression: guard 'F - 1' is -0.5, it must not be negative; p")
     assert lines[4] == "change the state so that it lies inside one of the modes"
 
 
 def test_a_mode_that_is_asked_for_must_fit():
     mole = ns.models.moling()
-    with pytest.raises(OptionError, match=r"contact: p = 0\.3, but") as caught:
+    with pytest.raises(
+        OptionError, match=r"contact: p is slaved here: give p = .*not 0\.3"
+    ) as caught:
         ns.simulate(mole, {"p": 0.3, "q": 0.5}, periods=1, mode="contact")
     assert "no_contact" not in str(caught.value)
     run = ns.simulate(mole, {"p": 0.52, "q": 0.5}, periods=1, mode="contact")

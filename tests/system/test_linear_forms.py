@@ -163,7 +163,7 @@ def test_nonlinear_texts_are_refused_with_the_reason(text, reason):
     message = str(caught.value)
     assert reason in message
     assert "modes['m'].flow['x']" in message
-    assert "nonlinear flows are not supported" in message
+    assert "linear in the states" in message
     assert message.split("\n")[1].strip() == text
 
 

@@ -15,7 +15,14 @@ from nonsmooth.engine.event_log import log_event, log_transition, normal_phase
 from nonsmooth.engine.first_crossing import CERTIFIED, GRAZE, NONE, STUCK, first_crossing
 from nonsmooth.engine.jit import entry, inlined, kernel
 from nonsmooth.engine.linear_flow import advance, advance_once, augmented, start_segment, state_at
-from nonsmooth.engine.records import EVENT_FLOATS, EVENTS, SAMPLES, UNCERTAIN, WINDOW_EVENTS
+from nonsmooth.engine.records import (
+    EVENT_FLOATS,
+    EVENTS,
+    SAMPLES,
+    STALLED,
+    UNCERTAIN,
+    WINDOW_EVENTS,
+)
 from nonsmooth.engine.status import EventKind, Status
 from nonsmooth.engine.transitions import guard_holds, pass_exits, slaved_agree
 
@@ -32,6 +39,7 @@ _SWITCH = int(EventKind.SWITCH)
 _IMPACT = int(EventKind.IMPACT)
 _GRAZE = int(EventKind.GRAZE)
 _MOST_EVENTS = 10_000  # in one window; more means that impacts accumulate
+_MOST_STALLED = 100  # between which time does not advance: likewise
 _MOST_SIZE = 1e12  # of a state that does not drift
 # A segment that starts this late in a window runs through the next one: a cut just after
 # an event would forget which guards are zero by construction.
@@ -106,7 +114,10 @@ def run(tables, anchor, segment, records, end_number, end_phase, tolerance):
         start_segment(flow, tables.bounds, slots, unit, reach, m, segment.z, modal, sizes, length)
         s, e, found = _search(tables, segment, anchor, records, m, length)
         end = (end_number - place[0]) * window + (end_phase - phase)
-        _write_samples(flow, slots, m, modal, sizes, records, place[0], phase, window, min(s, end))
+        _write_samples(
+            flow, slots, m, modal, sizes, records, anchor.state, place[0], phase, window,
+            min(s, end),
+        )  # fmt: skip
         if end <= s:
             advance_once(flow, slots, m, modal, sizes, end)
             state_at(flow, slots, m, modal, records.end_state)
@@ -154,7 +165,9 @@ def _search(tables, segment, anchor, records, m, length):
 
 
 @inlined
-def _write_samples(flow, slots, m, modal, sizes, records, number, phase, window, until):
+def _write_samples(
+    flow, slots, m, modal, sizes, records, start_state, number, phase, window, until
+):
     """Samples of this segment up to and including ``until``.
 
     The modal coordinates at the end of the segment are put back bit by bit: the last step
@@ -170,8 +183,11 @@ def _write_samples(flow, slots, m, modal, sizes, records, number, phase, window,
         if not kept:
             copy_vector(modal[at.NOW], modal[at.KEPT], count)
             kept = True
-        advance(flow, slots, m, modal, sizes, s)
-        state_at(flow, slots, m, modal, records.sample_state[k])
+        if s == 0.0:  # the state as it was given, not as it comes back from modal coordinates
+            copy_vector(start_state, records.sample_state[k], start_state.size)
+        else:
+            advance(flow, slots, m, modal, sizes, s)
+            state_at(flow, slots, m, modal, records.sample_state[k])
         records.sample_mode[k] = m
         k += 1
     records.cursor[SAMPLES] = k
@@ -203,6 +219,8 @@ def _pass_event(tables, segment, anchor, records, s, e, found, tolerance):
     if found != CERTIFIED:
         cursor[UNCERTAIN] += 1
     number, phase = normal_phase(anchor.place[0], anchor.phase[0] + s, tables.clock[0])
+    stalled = number == anchor.place[0] and phase == anchor.phase[0]
+    cursor[STALLED] = cursor[STALLED] + 1 if stalled else 0
     cursor[WINDOW_EVENTS] = 1 if number > anchor.place[0] else cursor[WINDOW_EVENTS] + 1
     _augment(tables, anchor.state, number, phase, segment.z)
     status, m, path, passes, jumped = pass_exits(
@@ -213,7 +231,8 @@ def _pass_event(tables, segment, anchor, records, s, e, found, tolerance):
     anchor.place[0], anchor.place[1] = number, m
     anchor.phase[0] = phase
     _set_anchor(anchor, segment, records, n)
-    if status == _COMPLETED and cursor[WINDOW_EVENTS] > _MOST_EVENTS:
+    accumulated = cursor[WINDOW_EVENTS] > _MOST_EVENTS or cursor[STALLED] > _MOST_STALLED
+    if status == _COMPLETED and accumulated:
         return _EVENT_LIMIT
     return status
 

@@ -23,7 +23,7 @@ EVENT_INTEGERS = 8
 PHASE, GUARD_RATE = 0, 1
 EVENT_FLOATS = 2
 # entries of Records.cursor
-SAMPLES, EVENTS, WINDOW_EVENTS, UNCERTAIN = range(4)
+SAMPLES, EVENTS, WINDOW_EVENTS, UNCERTAIN, STALLED = range(5)
 
 
 class Anchor(NamedTuple):
@@ -44,7 +44,8 @@ class Records(NamedTuple):
     sample_mode: Integers  # (s,)
     event_integers: Integers  # (c, EVENT_INTEGERS)
     event_floats: Floats  # (c, EVENT_FLOATS + 2 n)
-    cursor: Integers  # (4,): samples written, events logged, events in this window, uncertain
+    cursor: Integers  # (5,): samples written, events logged, events in this window, uncertain
+    # ones, events in a row between which time did not advance
     end_state: Floats  # (n,)
 
 
@@ -67,7 +68,7 @@ def allocate_records(
         sample_mode=np.full(count, -1, np.int64),
         event_integers=np.empty((capacity, EVENT_INTEGERS), np.int64),
         event_floats=np.empty((capacity, EVENT_FLOATS + 2 * n)),
-        cursor=np.zeros(4, np.int64),
+        cursor=np.zeros(5, np.int64),
         end_state=np.full(n, np.nan),
     )
 

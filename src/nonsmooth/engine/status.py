@@ -52,17 +52,18 @@ CURES: dict[Status, str] = {
         " declare the states that travel without bound in drift="
     ),
     Status.UNDECIDED: (
-        "at one instant the exits hand over in a circle, so no mode holds; check the signs of"
-        " the guards involved"
+        "at one instant the exits hand over in a circle: a mode is entered where one of its own"
+        " guards is negative already; check the signs of the guards, and whether a reset is"
+        " missing or the exit should wait until the guard of the mode entered is positive"
     ),
     Status.INADMISSIBLE: (
         "a slaved state does not agree with its equation on entering a mode; name it in the"
         " exit's reset= if it shall jump"
     ),
     Status.EVENT_LIMIT: (
-        "impacts accumulate: more than 100 at one instant or 10000 events in one period;"
-        " sticking is not supported in this version, so write the sticking motion as a mode"
-        " of its own, entered by a guard on the speed"
+        "impacts accumulate: more than 100 at one instant or 10000 events in one period. Does"
+        " the reset reverse the speed? If it does, the motion comes to rest on the surface;"
+        " sticking is not supported in this version, so write it as a mode of its own"
     ),
     Status.STEP_LIMIT: "the search for a crossing took more than 1000000 steps; please rescale",
     Status.INTERRUPTED: "by the user; what was computed is kept",

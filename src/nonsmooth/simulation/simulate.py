@@ -48,7 +48,8 @@ def simulate(
         The system.
     initial : mapping, xarray.Dataset, optional
         Start: state names to values (names left out take their rest value), a point of a
-        result such as ``run.isel(time=5)``, or a whole run, which goes on where it ended.
+        result such as ``run.isel(time=5)``, or a whole run, which goes on where it ended
+        (repeat ``parameters`` if it was made with some).
     periods : float, optional
         Length of the run in periods of the forcing.
     t_end : float, optional
@@ -120,7 +121,7 @@ def simulate(
     """
     system = check_run_options(system, parameters, mode, tolerance, tangent)
     tables = build_tables(system)
-    start = resolve_start(system, tables, initial, t_start, mode)
+    start = resolve_start(system, tables, initial, t_start, mode, parameters is not None)
     plan = plan_run(
         float(tables.clock[0]),
         system.period_value is not None,
@@ -143,6 +144,7 @@ def simulate(
     except NoMode as misfit:
         raise OptionError(explain_misfit(system, tables, start, misfit.z)) from None
     options: dict[str, Any] = {"tolerance": tolerance, "samples_per_period": samples_per_period}
+    options["changed_parameters"] = str(dict(parameters)) if parameters else ""
     result = run_dataset(system, outcome, options)
     if outcome.status not in (Status.COMPLETED, Status.STOPPED):
         warnings.warn(f"{system.name}: {result.attrs['message']}", RunWarning, stacklevel=2)

@@ -31,11 +31,19 @@ class Start:
 
 
 def resolve_start(
-    system: System, tables: Tables, initial: Any, t_start: float | None, mode: str | None
+    system: System,
+    tables: Tables,
+    initial: Any,
+    t_start: float | None,
+    mode: str | None,
+    repeated: bool,
 ) -> Start:
-    """Start of a run from what the user gave."""
+    """Start of a run from what the user gave; ``repeated``: parameters were given again."""
     if hasattr(initial, "data_vars"):
-        return _from_dataset(system, tables, initial, t_start, mode)
+        _check_states(system, initial)
+        if "time" in initial.dims:
+            return _from_run(system, tables, initial, t_start, mode, repeated)
+        return _from_point(system, tables, initial, t_start, mode)
     if initial is not None and not isinstance(initial, Mapping):
         raise OptionError(
             f"initial = {initial!r:.60}: give a mapping of state names to numbers, such as"
@@ -74,14 +82,15 @@ def _instant(tables: Tables, time: float) -> Instant:
     return Instant(int(number[0]), float(phase[0]))
 
 
-def _from_dataset(
-    system: System, tables: Tables, data: Any, t_start: float | None, mode: str | None
-) -> Start:
+def _check_states(system: System, data: Any) -> None:
     missing = [name for name in system.states if name not in data.data_vars]
     if missing:
         raise OptionError(f"initial: the dataset has no state {missing[0]!r} of {system.name!r}")
-    if "time" in data.dims:
-        return _from_run(system, tables, data, t_start, mode)
+
+
+def _from_point(
+    system: System, tables: Tables, data: Any, t_start: float | None, mode: str | None
+) -> Start:
     state = np.array([float(data[name]) for name in system.states])
     if not np.all(np.isfinite(state)):
         raise OptionError("initial: the point of the dataset has states that are not finite")
@@ -93,7 +102,12 @@ def _from_dataset(
 
 
 def _from_run(
-    system: System, tables: Tables, run: Any, t_start: float | None, mode: str | None
+    system: System,
+    tables: Tables,
+    run: Any,
+    t_start: float | None,
+    mode: str | None,
+    repeated: bool,
 ) -> Start:
     status = run.attrs.get("status")
     if status != "completed" or "anchor_state" not in run:
@@ -111,6 +125,11 @@ def _from_run(
         )
     if t_start is not None or mode is not None:
         raise OptionError("a run goes on where it ended: leave out t_start= and mode=")
+    if run.attrs["changed_parameters"] and not repeated:
+        raise OptionError(
+            f"initial: the run was made with parameters={run.attrs['changed_parameters']}, which"
+            " going on needs too; repeat parameters=, or pass parameters={} for the system's own"
+        )
     end = Instant(int(run.attrs["end_number"]), float(run.attrs["end_phase"]))
     if run.attrs["system"] != system.to_toml():
         # another system, a changed parameter for instance: same state, same phase
@@ -145,7 +164,8 @@ def explain_misfit(system: System, tables: Tables, start: Start, z: npt.NDArray[
                 wanted = float(tables.affine[m, DERIVATIVES * n_exits + i] @ z)
                 if wanted != z[i]:
                     text = forms.slaved_equations[state].text
-                    faults.append(f"{state} = {z[i]:.6g}, but {text!r} gives {wanted:.6g}")
+                    fault = f"{state} is slaved here: give {state} = {wanted:.6g} by {text!r}"
+                    faults.append(f"{fault}, not {z[i]:.6g}")
         lines.append(f"  {name}: {'; '.join(faults)}")
     given = ", ".join(f"{k} = {v:.6g}" for k, v in zip(system.states, z, strict=False))
     return (

@@ -15,7 +15,7 @@ from nonsmooth.system.equations import Equation
 from nonsmooth.system.evaluate import constant_value
 from nonsmooth.system.expressions import ONE, Expression, Name, names_in, to_text
 from nonsmooth.system.functions import FUNCTIONS
-from nonsmooth.system.grammar import is_name, parse
+from nonsmooth.system.grammar import is_name, parse, parse_condition
 from nonsmooth.system.linear import LinearForm, Power, State
 from nonsmooth.system.parts import STOP, Mode, Text
 
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from nonsmooth.system.system import System
 
 __all__ = [
+    "check_kinds",
     "check_structure",
     "check_values",
     "check_words",
@@ -56,6 +57,14 @@ def refuse_unsupported(system: System) -> None:
     for key, cure in _UNSUPPORTED.items():
         if getattr(system, key) is not None:
             raise ModelError(f"{key}= is not supported in this version; {cure}")
+
+
+def check_kinds(system: System) -> None:
+    """Mappings where mappings belong."""
+    for key in ("modes", "parameters", "definitions", "outputs", "require", "initial", "describe"):
+        value = getattr(system, key)
+        if not isinstance(value, Mapping):
+            raise ModelError(f"{key}: give a mapping such as {{name: ...}}, not {value!r:.60}")
 
 
 def check_words(system: System) -> None:
@@ -269,8 +278,7 @@ def _holds(condition: str, values: Mapping[str, float]) -> bool:
 
 
 def _condition(text: str) -> Expression:
-    """Tree of a condition such as ``xi > 0``, read through the grammar's ``where``."""
-    return parse(f"where({text}, 1, 0)", where=f"require[{text!r}]")
+    return parse_condition(text, where=f"require[{text!r}]")
 
 
 def _condition_names(text: str) -> list[Name]:

@@ -18,7 +18,7 @@ from nonsmooth.errors import ModelError, unknown_name
 from nonsmooth.system.expressions import Call, Expression, Name, Number
 from nonsmooth.system.functions import COMPARISONS, FUNCTIONS
 
-__all__ = ["MAX_DEPTH", "MAX_LENGTH", "is_name", "parse", "point_at"]
+__all__ = ["MAX_DEPTH", "MAX_LENGTH", "is_name", "parse", "parse_condition", "point_at"]
 
 MAX_LENGTH = 10_000  # characters; longer texts are a mistake or an attack
 MAX_DEPTH = 60  # nesting; keeps every recursion over trees far from Python's limit
@@ -84,6 +84,16 @@ def parse(text: str, *, where: str = "expression") -> Expression:
         )
     parser = _Parser(text, where)
     tree = parser.sum_()
+    parser.end()
+    return tree
+
+
+def parse_condition(text: str, *, where: str) -> Expression:
+    """Tree of a single comparison such as ``xi > 0``."""
+    if not isinstance(text, str) or len(text) > MAX_LENGTH:
+        raise ModelError(f"{where}: a condition is a short text such as 'xi > 0'")
+    parser = _Parser(text, where)
+    tree = parser.condition("a condition is one comparison, as in xi > 0")
     parser.end()
     return tree
 
@@ -250,7 +260,8 @@ class _Parser:
                 unknown_name("function", token.text, known) + "; write products with *",
             )
         opening = self.take()
-        arguments = [self.condition() if token.text == "where" else self.sum_()]
+        hint = "where needs a comparison first, as in where(x > e, a, b)"
+        arguments = [self.condition(hint) if token.text == "where" else self.sum_()]
         while self.here.text == ",":
             self.take()
             arguments.append(self.sum_())
@@ -265,11 +276,11 @@ class _Parser:
             self.fail(token.at, "rate takes the name of a state, as in rate(y)")
         return Call(token.text, tuple(arguments), token.at)
 
-    def condition(self) -> Expression:
+    def condition(self, hint: str) -> Expression:
         left = self.sum_()
         token = self.here
         if token.text not in COMPARISONS:
-            self.fail(token.at, "where needs a comparison first, as in where(x > e, a, b)")
+            self.fail(token.at, hint)
         self.take()
         return Call(token.text, (left, self.sum_()), token.at)
 

@@ -248,10 +248,16 @@ class ModeForms:
                 raise ModelError(
                     f"{place}.reset: {unknown_name('state', state, self.structure.states)}"
                 )
+        guard = self.form(Equation.read(way.guard, f"{place}.guard", known))
+        if target == self.name and not way.reset:
+            raise ModelError(
+                f"{place}: the exit leads back to its own mode {target!r} without a reset, so its"
+                " guard stays negative; add reset=, or another mode in to="
+            )
         return ExitForms(
             name=way.name or target,
             target=-1 if target == STOP else names.index(target),
-            guard=self.form(Equation.read(way.guard, f"{place}.guard", known)),
+            guard=guard,
             reset={
                 state: self.form(Equation.read(text, f"{place}.reset[{state!r}]", known))
                 for state, text in way.reset.items()
@@ -285,7 +291,8 @@ def _cure(node: Expression) -> str:
             " write one mode per smooth piece"
         )
     return (
-        "this version runs modes that are linear in the states; nonlinear flows are not supported"
+        "this version runs modes that are linear in the states, with harmonics cos(w*t + p) and"
+        " powers of t; a decaying input can be written as a state of its own"
     )
 
 

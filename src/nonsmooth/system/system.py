@@ -47,13 +47,15 @@ class System:
     period : str or float, optional
         Period of the forcing; checked against the equations.
     drift : sequence of str or mapping of str to str, optional
-        States on which nothing depends; a mapping gives the period of an angle.
+        States on which nothing depends; a mapping gives the period of an angle, which
+        analyses use and a trajectory does not.
     require : mapping of str to str, optional
         Conditions on parameters, each with the reason shown when it fails.
     initial : mapping of str to float or str, optional
         Rest state; states left out are zero.
     describe : mapping of str to str, optional
-        Labels of anything named, such as ``{"x": "displacement [mm]"}``.
+        Labels of states, parameters, definitions, outputs and ``time``, with units in
+        brackets: ``{"x": "displacement [mm]"}``.
     name : str, optional
         Name of the system.
     equations, surfaces, symmetry, slow, signals : optional
@@ -113,6 +115,7 @@ class System:
                 raise ModelError(f"{key}: give a list of names, not the text {value!r}")
             frozen = FrozenDict(value) if isinstance(value, Mapping) else tuple(value)
             object.__setattr__(self, key, frozen)
+        checks.check_kinds(self)
         for item in fields(self):
             if isinstance(getattr(self, item.name), Mapping):
                 object.__setattr__(self, item.name, FrozenDict(getattr(self, item.name)))
