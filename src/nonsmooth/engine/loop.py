@@ -164,7 +164,7 @@ def _search(tables, segment, anchor, records, m, length):
             return length, -1, NONE
 
 
-@inlined
+@kernel
 def _write_samples(
     flow, slots, m, modal, sizes, records, start_state, number, phase, window, until
 ):
@@ -210,7 +210,7 @@ def _log_crossing(tables, segment, anchor, records, s, e, kind, certified):
     return row
 
 
-@inlined
+@kernel
 def _pass_event(tables, segment, anchor, records, s, e, found, tolerance):
     """Log an event, pass its exits and set the anchor behind it."""
     n, m = tables.sizes[0], anchor.place[1]
