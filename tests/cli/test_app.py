@@ -5,7 +5,7 @@ import sys
 import pytest
 
 import nonsmooth as ns
-from nonsmooth.simulation import kernels
+from nonsmooth.simulation import warmup
 
 
 def shell(*arguments: str) -> subprocess.CompletedProcess[str]:
@@ -19,7 +19,7 @@ def test_version(call):
 
 
 def test_warmup(call, monkeypatch):
-    monkeypatch.setattr(kernels, "warm_up", lambda: 12.34)
+    monkeypatch.setattr(warmup, "warm_up", lambda: 12.34)
     assert call("warmup").stdout == "kernels ready after 12.3 s\n"
 
 

@@ -51,7 +51,7 @@ app.command()(models)
 @app.command()
 def warmup() -> None:
     """Compile the kernels now, once for this installation."""
-    from nonsmooth.simulation.kernels import warm_up
+    from nonsmooth.simulation.warmup import warm_up
 
     typer.echo(f"kernels ready after {warm_up():.1f} s")
 

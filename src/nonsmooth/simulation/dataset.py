@@ -107,8 +107,6 @@ def status_message(system: System, outcome: Outcome) -> str:
         return "completed"
     text = f"{status.word} at t = {end:.9g}: {CURES[status]}"
     if status in (Status.UNDECIDED, Status.INADMISSIBLE) and len(outcome.event_integers):
-        from nonsmooth.simulation.events import event_variables
-
         last = event_variables(system, outcome)
         before = system.mode_names[int(last["event_from"][1][-1])]
         after = system.mode_names[int(last["event_to"][1][-1])]
