@@ -250,12 +250,15 @@ def _finish(flow, bounds, slots, fastest, m, g, n, modal, sizes, scan, s):
     """Root of a guard that falls monotonically, by Chebyshev's third-order iteration."""
     latest = s + scan[g, at.LATEST]
     root = s
+    settled = False
     for _ in range(20):
         quotient = scan[g, at.VALUE] / scan[g, at.RATE]
         step = -quotient * (1.0 + 0.5 * quotient * scan[g, at.SECOND] / scan[g, at.RATE])
         following = min(max(root + step, s), latest)
-        # the error of a step is below (step / span)^3 span, so this one is the last
-        if abs(step) * fastest <= 1e-4 and abs(step) <= 1e-5 * (latest - s):
+        # the last step: within rounding, or its error, (step / span)^3 span, is below it
+        settled = abs(scan[g, at.VALUE]) <= scan[g, at.MARGIN]
+        settled = settled or abs(step) <= 1e-5 * (latest - s)
+        if settled and abs(step) * fastest <= 1e-4:
             advance_little(flow, slots, m, modal, sizes, root, following - root)
             root = following
             break
@@ -263,4 +266,5 @@ def _finish(flow, bounds, slots, fastest, m, g, n, modal, sizes, scan, s):
         advance(flow, slots, m, modal, sizes, root)
         _read_guard(flow, bounds, slots, m, g, n, modal, sizes, scan)
     certified = scan[g, at.RATE] ** 2 > 4.0 * scan[g, at.MARGIN] * abs(scan[g, at.SECOND])
+    certified = certified and settled
     return root, CERTIFIED if certified else UNCERTAIN
