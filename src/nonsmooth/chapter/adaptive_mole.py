@@ -131,5 +131,6 @@ def _equations(
 
 def _terminal(guard: Function, direction: float) -> Function:
     """Event function of scipy that ends the integration at a crossing in one direction."""
+    # scipy reads its options from attributes of the function, which typing cannot express
     guard.terminal, guard.direction = True, direction  # type: ignore[attr-defined]
     return guard

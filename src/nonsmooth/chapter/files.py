@@ -1,12 +1,13 @@
-"""Data files that appear whole or not at all: written beside their place, then moved there."""
+"""Data files of figures and tables, as netCDF and CSV; they appear whole or not at all."""
 
 from __future__ import annotations
 
 import csv
-import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from nonsmooth.plot.files import replacing
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -37,7 +38,9 @@ def save_data(data: xr.Dataset, path: Path) -> Path:
     ...     save_data(xr.Dataset({"x": 1.0}), Path(folder) / "x.nc").name
     'x.nc'
     """
-    return _replace(path, lambda draft: data.to_netcdf(draft, engine="h5netcdf"))
+    with replacing(path) as draft:
+        data.to_netcdf(draft, engine="h5netcdf")
+    return path
 
 
 def save_table(rows: Sequence[Mapping[str, Any]], path: Path) -> Path:
@@ -62,22 +65,8 @@ def save_table(rows: Sequence[Mapping[str, Any]], path: Path) -> Path:
     ...     save_table([{"b": 0.15, "v": 31.3}], Path(folder) / "t.csv").read_text().split()
     ['b,v', '0.15,31.3']
     """
-
-    def write(draft: Path) -> None:
-        with draft.open("w", newline="", encoding="utf-8") as file:
-            table = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
-            table.writeheader()
-            table.writerows(rows)
-
-    return _replace(path, write)
-
-
-def _replace(path: Path, write: Callable[[Path], Any]) -> Path:
-    # the process number keeps two programs that write the same file apart
-    draft = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
-    try:
-        write(draft)
-        os.replace(draft, path)
-    finally:
-        draft.unlink(missing_ok=True)
+    with replacing(path) as draft, draft.open("w", newline="", encoding="utf-8") as file:
+        table = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
+        table.writeheader()
+        table.writerows(rows)
     return path

@@ -65,7 +65,10 @@ CURES: dict[Status, str] = {
         " the reset reverse the speed? If it does, the motion comes to rest on the surface;"
         " sticking is not supported in this version, so write it as a mode of its own"
     ),
-    Status.STEP_LIMIT: "the search for a crossing took more than 1000000 steps; please rescale",
+    Status.STEP_LIMIT: (
+        "the search for a crossing did not advance, or took more than a million steps; choose"
+        " units in which states and guards are nearer to one"
+    ),
     Status.INTERRUPTED: "by the user; what was computed is kept",
 }
 

@@ -226,7 +226,7 @@ def parameter_values(parameters: Mapping[str, Text]) -> dict[str, float]:
     """Numbers of the parameters; a text is a constant expression."""
     values = {}
     for name, given in parameters.items():
-        tree = parse(given, where=f"parameters[{name!r}]")  # type: ignore[arg-type]
+        tree = parse(given, where=f"parameters[{name!r}]")
         unknown = [n.name for n in names_in(tree) if n.name != "pi"]
         if unknown:
             raise ModelError(

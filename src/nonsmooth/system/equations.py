@@ -26,7 +26,7 @@ class Equation:
     @classmethod
     def read(cls, text: Text, where: str, known: set[str]) -> Equation:
         """Parse a text and check that every name in it is declared."""
-        tree = parse(text, where=where)  # type: ignore[arg-type]
+        tree = parse(text, where=where)
         for name in names_in(tree):
             if name.name not in known:
                 sentence = unknown_name("name", name.name, known - {"pi", "t"})

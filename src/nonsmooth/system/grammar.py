@@ -50,12 +50,12 @@ def is_name(text: str) -> bool:
     return bool(re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", text)) and not keyword.iskeyword(text)
 
 
-def parse(text: str, *, where: str = "expression") -> Expression:
+def parse(text: str | float, *, where: str = "expression") -> Expression:
     """Expression tree of a text.
 
     Parameters
     ----------
-    text : str
+    text : str or float
         The expression; a number is taken as it is.
     where : str
         What the text belongs to, for messages.
