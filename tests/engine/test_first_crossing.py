@@ -27,9 +27,9 @@ def check_humps(seed, n_systems, per_system):
         wrong = found != expected and not abs(found - expected) < 1e-6
         if wrong and flags == 0:
             silent_errors.append((gap, found, expected))
-        # the hump of gap 1e-5 is 1e-11 high, thousands of times the rounding margin
-        resolvable_flags += flags > 0 and abs(gap) > 1e-5
-        resolvable_errors += wrong and abs(gap) > 1e-5
+        # the hump of gap 2e-5 is at least 2e-12 high; terms of a hundred leave margins of 5e-13
+        resolvable_flags += flags > 0 and abs(gap) > 2e-5
+        resolvable_errors += wrong and abs(gap) > 2e-5
         if not wrong and np.isfinite(expected) and abs(gap) > 1e-3:
             clean.append(abs((found - expected) * derivatives(case, expected)[1]))
     assert not silent_errors

@@ -1,13 +1,11 @@
 """The first root of the guards of a mode, none skipped.
 
-With the third derivative of a guard bounded by M from s on, Taylor's theorem gives
-
-    g(s + h) >= g + g' h + g'' h^2 / 2 - M h^3 / 6,
-
-so no root lies before the first root of the right-hand side: step there and repeat. Once
-a guard is known to fall monotonically to its root, Newton's method finishes. What
-rounding leaves undecided, a tangency whose depth is below the rounding margin, is
-decided by the best guess and flagged. See docs/explanation/certified-events.md.
+At each point looked at, the Taylor polynomial of every guard with a bound on what follows
+tells how far it is surely positive: step there and repeat (`guard_series`). Once a guard
+is known to fall monotonically to its root, Newton's method on that polynomial and one
+third-order step on the exact flow finish. What rounding leaves undecided, a tangency whose
+depth is below the rounding margin, is decided by the best guess and flagged. See
+docs/explanation/certified-events.md.
 """
 
 from __future__ import annotations
@@ -15,8 +13,9 @@ from __future__ import annotations
 import math
 
 from nonsmooth.engine import layout as at
+from nonsmooth.engine.guard_series import REMAINDER, falls_alone, read_guard, safe_step
 from nonsmooth.engine.jit import inlined, kernel
-from nonsmooth.engine.linear_flow import advance, advance_little, advance_once
+from nonsmooth.engine.linear_flow import advance, advance_little, advance_once, climb
 from nonsmooth.engine.zeros import ALWAYS_ZERO
 
 __all__ = ["CERTIFIED", "GRAZE", "NONE", "STUCK", "UNCERTAIN", "first_crossing"]
@@ -24,6 +23,8 @@ __all__ = ["CERTIFIED", "GRAZE", "NONE", "STUCK", "UNCERTAIN", "first_crossing"]
 # what was found
 NONE, CERTIFIED, UNCERTAIN, GRAZE, STUCK = 0, 1, 2, 3, 4
 _MOST_STEPS = 1_000_000
+_MOST_CLIMBS = 16  # steps of the ladder in a row; each rounds once
+_WORTH = 0.6  # a rung shorter than this part of the safe step is not worth taking
 _UNIT = 2.220446049250313e-16
 _FAR = 1e300
 
@@ -35,170 +36,125 @@ def first_crossing(tables, segment, m, start, length):
     shapes: segment as left by start_segment; its orders are the known orders of zero of
     the guards at s = 0
     returns: s, exit (-1: none), what was found, and where to go on after a GRAZE.
-    segment.modal holds the coordinates at s.
+    segment.now holds the slots at s.
     """
-    flow, slots, bounds, affine = tables.flow, tables.slots, tables.bounds, tables.affine
-    modal, sizes, scan, order, z = (
-        segment.modal, segment.sizes, segment.scan, segment.order, segment.z,
-    )  # fmt: skip
+    scan, order = segment.scan, segment.order
     n_exits = tables.wiring[m, 0, at.N_EXITS]
-    n = tables.sizes[0]
-    fastest = tables.spans[m, at.FASTEST]
+    top = tables.spans[m, at.RUNG]
     s = start
+    climbs = 0
+    if s > 0.0:
+        advance_once(tables, segment, m, s)
+    far = tables.spans[m, at.REACH]
     for _ in range(_MOST_STEPS):
-        if s > 0.0:
-            advance(flow, slots, m, modal, sizes, s)
-            if s >= length:
-                return length, -1, NONE, length
-        rest = min(length - s, tables.spans[m, at.REACH])
+        rest = min(length - s, far)
         soonest = rest
+        reach = rest if rest < 1.5 * top else top
         which = -1
         for g in range(n_exits):
-            _read_guard(flow, bounds, slots, m, g, n, modal, sizes, scan)
+            read_guard(tables, segment, m, g)
+            scan[g, at.LATEST] = _FAR
             if s == 0.0 and order[g] > 0:
-                _leave(affine, flow, bounds, slots, m, g, order[g], z, sizes, scan, rest)
+                scan[g, at.SAFE] = _leave(scan, g, order[g], reach)
             else:
-                found = _look_ahead(scan, g, rest)
+                found = _look_ahead(scan, g, reach, far)
                 if found == GRAZE:
                     return s, g, found, s + scan[g, at.SAFE]
                 if found == UNCERTAIN:
                     root = min(s + scan[g, at.SAFE], length)
-                    advance_once(flow, slots, m, modal, sizes, root)
+                    advance_once(tables, segment, m, root)
                     return root, g, found, root
             if scan[g, at.SAFE] < soonest:
                 soonest = scan[g, at.SAFE]
                 which = g
-        if which < 0:
-            pass  # all guards are safe as far as they were looked at
-        elif scan[which, at.LATEST] < _FAR and _alone(scan, n_exits, which):
-            root, found = _finish(flow, bounds, slots, fastest, m, which, n, modal, sizes, scan, s)
-            if root <= length:
-                return root, which, found, root
-            soonest = rest  # the guard falls, but not to zero within the segment
-            for g in range(n_exits):
-                if g != which:
-                    soonest = min(soonest, scan[g, at.SAFE])
-        elif s + soonest == s:
-            return _nearest(
-                flow, bounds, slots, fastest, m, n_exits, n, modal, sizes, scan, s, length
-            )
-        s = min(s + soonest, length)
+                reach = min(reach, soonest if scan[g, at.LATEST] == _FAR else scan[g, at.LATEST])
+        if which >= 0:
+            if scan[which, at.LATEST] < _FAR and _alone(scan, n_exits, which):
+                root, found = _finish(tables, segment, m, which, s)
+                if root <= length:
+                    return root, which, found, root
+                soonest = rest  # the guard falls, but not to zero within the segment
+                for g in range(n_exits):
+                    if g != which:
+                        soonest = min(soonest, scan[g, at.SAFE])
+                climbs = _MOST_CLIMBS
+            elif s + soonest == s:
+                return _nearest(tables, segment, m, n_exits, s, length)
+        rung, step = _rung_below(top, soonest)
+        worth = rung < at.RUNGS and step >= _WORTH * soonest and climbs < _MOST_CLIMBS
+        if worth and soonest < length - s:
+            climbs += 1
+            s += step
+            climb(tables, segment, m, rung, s)
+        else:
+            climbs = 0
+            s = min(s + soonest, length)
+            advance(tables, segment, m, s)
+            if s >= length:
+                return length, -1, NONE, length
     return s, -1, STUCK, s
 
 
 @inlined
-def _read_guard(flow, bounds, slots, m, g, n, modal, sizes, scan):
-    """Value, rate and second rate of a guard, bound of the third one, rounding margin."""
-    big_n = flow.shape[2]
-    row = at.guard_flow_row(big_n, n, g, 0)
-    row_size, row_third = at.guard_size_row(big_n, g), at.guard_third_row(big_n, g)
-    value, rate, second, third, margin = 0.0, 0.0, 0.0, 0.0, 0.0
-    for j in range(slots[m, at.COUNT]):
-        w = modal[at.NOW, j]
-        a, b, c = flow[m, row, j], flow[m, row + 1, j], flow[m, row + 2, j]
-        value += a.real * w.real - a.imag * w.imag
-        rate += b.real * w.real - b.imag * w.imag
-        second += c.real * w.real - c.imag * w.imag
-        third += bounds[m, row_third, j] * sizes[at.SIZE_NOW, j]
-        margin += bounds[m, row_size, j] * sizes[at.NOISE, j]
-    scan[g, at.VALUE], scan[g, at.RATE] = value, rate
-    scan[g, at.SECOND], scan[g, at.THIRD] = second, third
-    scan[g, at.LATEST], scan[g, at.MARGIN] = _FAR, margin
+def _rung_below(top, step):
+    """The longest rung of the ladder that is not longer than a step, and its length."""
+    rung = 0
+    length = top
+    while length > step and rung < at.RUNGS:
+        length *= 0.5
+        rung += 1
+    return rung, length
 
 
 @inlined
-def _look_ahead(scan, g, rest):
+def _look_ahead(scan, g, reach, far):
     """Safe step of a guard; NONE unless rounding makes a tangency here undecidable."""
-    value, rate, second = scan[g, at.VALUE], scan[g, at.RATE], scan[g, at.SECOND]
-    third, margin = scan[g, at.THIRD], scan[g, at.MARGIN]
-    if value <= 1.5 * margin:  # a little above it, so that the step below is never zero
-        return _within_margin(scan, g, 1.5 * margin, rest)
+    a0, a1, a2, a3, a4, a5 = scan[g, 0], scan[g, 1], scan[g, 2], scan[g, 3], scan[g, 4], scan[g, 5]
+    bound, margin = scan[g, at.BOUND], scan[g, at.MARGIN]
+    if a0 <= 1.5 * margin:  # a little above it, so that the step below is never zero
+        return _within_margin(scan, g, 1.5 * margin, reach)
     # the margin is taken off, else rounding could carry a step across a tangency
-    scan[g, at.SAFE] = _safe_step(value - margin, rate, second, third, rest)
-    if rate < 0.0:
-        latest = -2.0 * value / rate
-        # the rate stays below half of itself up to there: one root, none before it
-        if abs(second) * latest + 0.5 * third * latest * latest <= -0.5 * rate:
+    step = safe_step(a0 - margin, a1, a2, a3, a4, a5, bound, reach)
+    scan[g, at.SAFE] = step
+    if a1 < 0.0 and step < reach:
+        latest = -2.0 * a0 / a1
+        if latest <= far and falls_alone(a1, a2, a3, a4, a5, bound, latest):
             scan[g, at.LATEST] = latest
     return NONE
 
 
-@inlined
-def _safe_step(value, rate, second, third, rest):
-    """First root of a quadratic that lies below the guard on [0, reach]."""
-    reach = rest
-    step = rest
-    for _ in range(2):
-        bend = third * reach / 3.0 - second
-        inside = rate * rate + 2.0 * bend * value
-        if inside < 0.0:
-            return reach
-        root = math.sqrt(inside)
-        if rate > 0.0:
-            step = (rate + root) / bend if bend > 0.0 else reach
-        else:
-            step = 2.0 * value / (root - rate) if root > rate else reach
-        if step >= reach:
-            return reach
-        reach = min(rest, 2.0 * step)  # a shorter reach bends less
-    return step
-
-
 @kernel
-def _leave(affine, flow, bounds, slots, m, g, order, z, sizes, scan, rest):
+def _leave(scan, g, order, reach):
     """Safe step from a zero of known order; the zero itself is divided out."""
-    rate, second, third = scan[g, at.RATE], scan[g, at.SECOND], scan[g, at.THIRD]
     if order == ALWAYS_ZERO:
-        step = rest
-    elif order == 1:
-        reach = rest
-        step = rest
-        for _ in range(2):
-            bend = third * reach / 3.0 - second
-            if 2.0 * rate >= bend * reach:
-                step = reach
-                break
-            step = 2.0 * rate / bend
-            reach = min(rest, 2.0 * step)
-    elif order == 2:
-        step = rest if third == 0.0 else 3.0 * second / third
-    else:
-        step = _leave_slowly(affine, flow, bounds, slots, m, g, order, z, sizes)
-    scan[g, at.SAFE] = min(step, rest)
+        return reach
+    a0, a1, a2, a3, a4, a5 = scan[g, 0], scan[g, 1], scan[g, 2], scan[g, 3], scan[g, 4], scan[g, 5]
+    last = -scan[g, at.BOUND]
+    tail = scan[g, at.BOUND]
+    for _ in range(order):
+        a0, a1, a2, a3, a4, a5, last = a1, a2, a3, a4, a5, last, 0.0
+    for _ in range(at.TERMS - order):
+        tail *= reach
+    while tail > REMAINDER * (a0 + (abs(a1) + abs(a2) * reach) * reach) and reach > 0.0:
+        reach *= 0.5
+        tail *= 0.5 ** (at.TERMS - order)
+    return safe_step(max(a0, 0.0), a1, a2, a3, a4, a5, -last, reach)
 
 
 @kernel
-def _leave_slowly(affine, flow, bounds, slots, m, g, order, z, sizes):
-    """Orders above two: the leading derivative against a bound of the one after it."""
-    big_n = flow.shape[2]
-    leading = 0.0
-    for i in range(z.size):
-        leading += affine[m, at.guard_row(g, order), i] * z[i]
-    rest_row = flow.shape[1] - big_n
-    following = 0.0
-    for j in range(slots[m, at.COUNT]):
-        speed = abs(flow[m, 0, j])
-        for a in range(slots[m, at.COUNT]):
-            speed += abs(flow[m, rest_row + a, j])
-        weight = bounds[m, at.guard_third_row(big_n, g), j]
-        following += weight * sizes[at.SIZE_NOW, j] * speed ** (order - 2)
-    return _FAR if following == 0.0 else (order + 1.0) * leading / following
-
-
-@kernel
-def _within_margin(scan, g, margin, rest):
+def _within_margin(scan, g, margin, reach):
     """Tell crossing, leaving and touching apart where the guard is zero up to rounding."""
-    value, rate, second = scan[g, at.VALUE], scan[g, at.RATE], scan[g, at.SECOND]
-    third = scan[g, at.THIRD]
-    reach = math.sqrt(margin / max(third * rest, abs(second), 1e-300))
-    curvature = abs(second) + third * min(rest, reach)
+    value, rate, second = scan[g, 0], scan[g, 1], 2.0 * scan[g, 2]
+    near = min(reach, math.sqrt(margin / max(abs(second), 1e-300)))
+    third = 120.0 * scan[g, at.BOUND] * near + 60.0 * abs(scan[g, 5])
+    third = (third * near + 24.0 * abs(scan[g, 4])) * near + 6.0 * abs(scan[g, 3])
+    curvature = abs(second) + third * near
     if rate * rate > 16.0 * margin * curvature:
         if rate < 0.0:
             scan[g, at.SAFE] = 0.0
             scan[g, at.LATEST] = -4.0 * margin / rate
         else:
-            bend = third * rest / 3.0 - second
-            scan[g, at.SAFE] = rest if 2.0 * rate >= bend * rest else 2.0 * rate / bend
+            scan[g, at.SAFE] = _leave(scan, g, 1, reach)
         return NONE
     scan[g, at.SAFE] = 0.0
     if second < 0.0:
@@ -218,7 +174,7 @@ def _within_margin(scan, g, margin, rest):
     return GRAZE
 
 
-@kernel
+@inlined
 def _alone(scan, n_exits, which):
     """Whether every other guard is safe up to the latest place of this guard's root."""
     for g in range(n_exits):
@@ -228,43 +184,62 @@ def _alone(scan, n_exits, which):
 
 
 @kernel
-def _nearest(flow, bounds, slots, fastest, m, n_exits, n, modal, sizes, scan, s, length):
+def _nearest(tables, segment, m, n_exits, s, length):
     """Guards that reach zero together: the earlier root, in declared order when equal."""
     best = -1
     best_root = _FAR
     best_found = CERTIFIED
     for g in range(n_exits):
-        if scan[g, at.LATEST] < _FAR:
-            root, found = _finish(flow, bounds, slots, fastest, m, g, n, modal, sizes, scan, s)
+        if segment.scan[g, at.LATEST] < _FAR:
+            root, found = _finish(tables, segment, m, g, s)
             if root < best_root - 4.0 * _UNIT * abs(root):
                 best, best_root, best_found = g, root, found
     if best < 0:
         return s, -1, STUCK, s
     best_root = min(max(best_root, s), length)
-    advance_once(flow, slots, m, modal, sizes, best_root)
+    advance_once(tables, segment, m, best_root)
     return best_root, best, best_found, best_root
 
 
-@kernel
-def _finish(flow, bounds, slots, fastest, m, g, n, modal, sizes, scan, s):
+@inlined
+def _finish(tables, segment, m, g, s):
     """Root of a guard that falls monotonically, by Chebyshev's third-order iteration."""
-    latest = s + scan[g, at.LATEST]
-    root = s
+    scan = segment.scan
+    fastest = tables.spans[m, at.FASTEST]
+    span = scan[g, at.LATEST]
+    root = s + _polynomial_root(scan, g, span)
     settled = False
     for _ in range(20):
-        quotient = scan[g, at.VALUE] / scan[g, at.RATE]
-        step = -quotient * (1.0 + 0.5 * quotient * scan[g, at.SECOND] / scan[g, at.RATE])
-        following = min(max(root + step, s), latest)
+        advance(tables, segment, m, root)
+        read_guard(tables, segment, m, g)
+        value, rate = scan[g, 0], scan[g, 1]
+        quotient = value / rate
+        step = -quotient * (1.0 + quotient * scan[g, 2] / rate)
+        following = min(max(root + step, s), s + span)
         # the last step: within rounding, or its error, (step / span)^3 span, is below it
-        settled = abs(scan[g, at.VALUE]) <= scan[g, at.MARGIN]
-        settled = settled or abs(step) <= 1e-5 * (latest - s)
+        settled = abs(value) <= scan[g, at.MARGIN] or abs(step) <= 1e-5 * span
         if settled and abs(step) * fastest <= 1e-4:
-            advance_little(flow, slots, m, modal, sizes, root, following - root)
+            step = following - root
+            advance_little(tables, segment, m, root, step)
+            scan[g, 1] = rate + step * (2.0 * scan[g, 2] + 3.0 * step * scan[g, 3])
             root = following
             break
         root = following
-        advance(flow, slots, m, modal, sizes, root)
-        _read_guard(flow, bounds, slots, m, g, n, modal, sizes, scan)
-    certified = scan[g, at.RATE] ** 2 > 4.0 * scan[g, at.MARGIN] * abs(scan[g, at.SECOND])
+    certified = scan[g, 1] ** 2 > 8.0 * scan[g, at.MARGIN] * abs(scan[g, 2])
     certified = certified and settled
     return root, CERTIFIED if certified else UNCERTAIN
+
+
+@inlined
+def _polynomial_root(scan, g, span):
+    """Root of the Taylor polynomial of a falling guard within [0, span], by Newton's method."""
+    a0, a1, a2, a3, a4, a5 = scan[g, 0], scan[g, 1], scan[g, 2], scan[g, 3], scan[g, 4], scan[g, 5]
+    u = -a0 / a1
+    for _ in range(8):
+        value = a0 + u * (a1 + u * (a2 + u * (a3 + u * (a4 + u * a5))))
+        rate = a1 + u * (2.0 * a2 + u * (3.0 * a3 + u * (4.0 * a4 + u * (5.0 * a5))))
+        step = -value / rate
+        u = min(max(u + step, 0.0), span)
+        if abs(step) <= 1e-6 * span:
+            break
+    return u

@@ -1,8 +1,7 @@
 """The arrays that kernels pass around, and which row of them holds what.
 
 `Program` is a system before parameters have values, `Tables` is the same system for one
-set of values, `Segment` is the scratch of one smooth piece. Tables are few large sheets
-rather than many small arrays: passing an array to a kernel costs time for each array.
+set of values, `Segment` is the scratch of one smooth piece.
 
 Sizes: m modes, e exits at most, n states, N augmented coordinates (states, 1, powers of
 time, cos and sin of each frequency). See README.md beside this file for the contract.
@@ -34,8 +33,10 @@ Complexes = npt.NDArray[np.complex128]
 Integers = npt.NDArray[np.int64]
 
 DERIVATIVES = 6  # rows kept per guard: its value and five time derivatives
+TERMS = 6  # of the Taylor polynomial of a guard; the next one is bounded
 MAX_DEGREE = 24  # of the polynomial in s that multiplies exp(mu s) in a cluster
 MAX_AUGMENTED = 60  # sets of coordinates are bits of one integer
+RUNGS = 8  # of the ladder of steps for which rotations are computed beforehand
 
 # Tables.slots: number of slots, ends of the constant, real, rotation and damped ones,
 # number of clusters, then first slot, size and degree of each cluster
@@ -45,17 +46,23 @@ COUNT, END_CONSTANT, END_REAL, END_ROTATION, END_DAMPED, N_CLUSTERS, CLUSTERS = 
 N_EXITS, SLAVED = 0, 1
 TARGET, RESETTING, ORDERS = 0, 1, 2
 # Tables.spans: longest segment for which the closed form is accurate, unit of rounding
-# margins, largest modulus of the eigenvalues, farthest look ahead where a motion grows
-LONGEST, ROUNDING, FASTEST, REACH = range(4)
-# Segment.modal: coordinates at the start, at the current point, at the end while samples
-# are read, coefficients of clusters
-START, NOW, KEPT, CHAIN = 0, 1, 2, 3
-# Segment.sizes: bounds of moduli at the start and from the current point on; rounding
-# margins at the start and at the current point; margins of the coefficients of clusters
-SIZE_START, SIZE_NOW, NOISE_START, NOISE, CHAIN_NOISE = 0, 1, 2, 3, 4
-# Segment.scan: value, rate, second rate and bound of the third one; safe step; latest root;
-# rounding margin of the value over the segment
-VALUE, RATE, SECOND, THIRD, SAFE, LATEST, MARGIN = range(7)
+# margins, largest modulus of the eigenvalues, farthest look ahead where a motion grows,
+# longest step of the ladder
+LONGEST, ROUNDING, FASTEST, REACH, RUNG = range(5)
+SPANS = 5
+# Tables.entry[m, slot, i]: weight of augmented coordinate i in a slot and its modulus
+WEIGHT_RE, WEIGHT_IM, WEIGHT_SIZE = range(3)
+# Tables.series[m, e, slot]: what a slot adds to the Taylor coefficients of a guard, by its
+# real part and by its imaginary part, to the bound of the next one, and to the margin
+BY_RE, BY_IM, BY_SIZE, BY_NOISE = 0, TERMS, 2 * TERMS, 2 * TERMS + 1
+SERIES = 2 * TERMS + 2
+# Segment.origin and Segment.now: real and imaginary part of a slot, bound of its modulus
+# from there on, rounding margin; Tables.ladder: factors of the first three
+RE, IM, SIZE, NOISE = range(4)
+# Segment.scan: Taylor coefficients of a guard, bound of the next one, rounding margin of the
+# value, safe step, latest root
+BOUND, MARGIN, SAFE, LATEST = range(TERMS, TERMS + 4)
+SCAN = TERMS + 4
 
 
 class Program(NamedTuple):
@@ -82,10 +89,15 @@ class Tables(NamedTuple):
     harmonics: Floats  # (2, K): frequencies, turns in one window
     generator: Floats  # (m, N, N): z' = generator z
     affine: Floats  # (m, rows, N): guards with derivatives, relations, resets
-    flow: Complexes  # (m, rows, N): everything about the modal slots of a mode
-    bounds: Floats  # (m, rows, N): absolute weights for bounds and margins
-    slots: Integers  # (m, 6 + 3 N)
-    spans: Floats  # (m, 4)
+    spectrum: Complexes  # (m, N): eigenvalue of each slot
+    nilpotent: Complexes  # (m, N, N): what clusters have beyond their mean eigenvalue
+    entry: Floats  # (m, N, N, 3): augmented coordinates to slots
+    reads: Integers  # (m, N): first augmented coordinate with a weight in a slot
+    states: Complexes  # (m, n, N): slots to states
+    series: Floats  # (m, e, N, SERIES): slots to Taylor coefficients of guards
+    ladder: Floats  # (m, RUNGS, N, 3): factors of the slots for a step of each rung
+    slots: Integers  # (m, CLUSTERS + 3 N)
+    spans: Floats  # (m, SPANS)
     wiring: Integers  # (m, 1 + e, 2 + e)
     drifting: int
 
@@ -95,10 +107,13 @@ class Segment(NamedTuple):
 
     z: Floats  # (N,) augmented coordinates at the start of the segment
     spare: Floats  # (N,)
-    modal: Complexes  # (CHAIN + MAX_DEGREE + 1, N)
-    sizes: Floats  # (CHAIN_NOISE + MAX_DEGREE + 1, N)
+    origin: Floats  # (N, 4) slots at the start of the segment
+    now: Floats  # (N, 4) slots at the current point
+    kept: Floats  # (N, 4) slots at the end of the segment while samples are read
+    chain: Complexes  # (MAX_DEGREE + 1, N) coefficients of clusters in powers of s
+    chain_noise: Floats  # (MAX_DEGREE + 1, N) their rounding margins
     order: Integers  # (e,): known order of zero of each guard at the start
-    scan: Floats  # (e, 7)
+    scan: Floats  # (e, SCAN)
     basis: Floats  # (2, N, N): directions left free by what is known to be zero, and a spare
 
 
@@ -120,42 +135,6 @@ def reset_row(n_exits, n, e, i):
     return DERIVATIVES * n_exits + n + e * n + i
 
 
-@kernel
-def modal_row(i):
-    """Row of Tables.flow that turns augmented coordinate i into slots; row 0 is the spectrum."""
-    return 1 + i
-
-
-@kernel
-def state_row(big_n, i):
-    """Row of Tables.flow that turns slots into state i."""
-    return 1 + big_n + i
-
-
-@kernel
-def guard_flow_row(big_n, n, e, r):
-    """Row of Tables.flow that turns slots into derivative r < 3 of guard e."""
-    return 1 + big_n + n + 3 * e + r
-
-
-@kernel
-def nilpotent_row(big_n, n, n_exits, a):
-    """Row of Tables.flow with what cluster slot a has beyond the mean eigenvalue."""
-    return 1 + big_n + n + 3 * n_exits + a
-
-
-@kernel
-def guard_size_row(big_n, e):
-    """Row of Tables.bounds with the absolute weights of guard e; modal ones come before."""
-    return big_n + 2 * e
-
-
-@kernel
-def guard_third_row(big_n, e):
-    """Row of Tables.bounds with the absolute weights of the third derivative of guard e."""
-    return big_n + 2 * e + 1
-
-
 def augmented_size(sizes: Integers) -> int:
     """Number of augmented coordinates N."""
     return int(sizes[0] + 1 + sizes[1] + 2 * sizes[2])
@@ -171,10 +150,15 @@ def allocate_tables(program: Program) -> Tables:
         harmonics=np.zeros((2, n_frequencies)),
         generator=np.zeros((m, big_n, big_n)),
         affine=np.zeros((m, DERIVATIVES * e + n + e * n, big_n)),
-        flow=np.zeros((m, 1 + 2 * big_n + n + 3 * e, big_n), np.complex128),
-        bounds=np.zeros((m, big_n + 2 * e, big_n)),
+        spectrum=np.zeros((m, big_n), np.complex128),
+        nilpotent=np.zeros((m, big_n, big_n), np.complex128),
+        entry=np.zeros((m, big_n, big_n, 3)),
+        reads=np.zeros((m, big_n), np.int64),
+        states=np.zeros((m, n, big_n), np.complex128),
+        series=np.zeros((m, e, big_n, SERIES)),
+        ladder=np.zeros((m, RUNGS, big_n, 3)),
         slots=np.zeros((m, CLUSTERS + 3 * big_n), np.int64),
-        spans=np.zeros((m, 4)),
+        spans=np.zeros((m, SPANS)),
         wiring=program.wiring.copy(),
         drifting=program.drifting,
     )
@@ -187,9 +171,12 @@ def allocate_segment(sizes: Integers) -> Segment:
     return Segment(
         z=np.zeros(big_n),
         spare=np.zeros(big_n),
-        modal=np.zeros((CHAIN + MAX_DEGREE + 1, big_n), np.complex128),
-        sizes=np.zeros((CHAIN_NOISE + MAX_DEGREE + 1, big_n)),
+        origin=np.zeros((big_n, 4)),
+        now=np.zeros((big_n, 4)),
+        kept=np.zeros((big_n, 4)),
+        chain=np.zeros((MAX_DEGREE + 1, big_n), np.complex128),
+        chain_noise=np.zeros((MAX_DEGREE + 1, big_n)),
         order=np.zeros(e, np.int64),
-        scan=np.zeros((e, 7)),
+        scan=np.zeros((e, SCAN)),
         basis=np.zeros((2, big_n, big_n)),
     )

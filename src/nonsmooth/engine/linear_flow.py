@@ -1,8 +1,9 @@
-"""The exact flow of a linear mode in modal coordinates.
+"""The exact flow of a linear mode in modal slots.
 
-A segment starts with `start_segment`; after that `advance` gives the modal coordinates
-at any s by closed form, always from the start of the segment, so that nothing
-accumulates, and `state_at` turns them into states.
+A segment starts with `start_segment`; after that `advance` gives the slots at any s by
+closed form, always from the start of the segment, so that nothing accumulates, and
+`state_at` turns them into states. Where only the next look at a guard is wanted,
+`climb` turns the slots by factors computed beforehand.
 """
 
 from __future__ import annotations
@@ -10,10 +11,19 @@ from __future__ import annotations
 import math
 
 from nonsmooth.engine import layout as at
+from nonsmooth.engine.clusters import advance_cluster, start_cluster
 from nonsmooth.engine.jit import inlined, kernel
 from nonsmooth.engine.trigonometry import cos_sin
 
-__all__ = ["advance", "advance_little", "advance_once", "augmented", "start_segment", "state_at"]
+__all__ = [
+    "advance",
+    "advance_little",
+    "advance_once",
+    "augmented",
+    "climb",
+    "start_segment",
+    "state_at",
+]
 
 _TURN = 2.0 * math.pi
 
@@ -38,148 +48,121 @@ def augmented(n, powers, window, harmonics, number, phase, z):
         z[n + 1 + powers + 2 * k], z[n + 2 + powers + 2 * k] = cos_sin(angle)
 
 
-@kernel
-def start_segment(flow, bounds, slots, unit, reach, m, z, modal, sizes, length):
-    """Modal coordinates, their moduli and rounding margins at the start of a segment.
+@inlined
+def start_segment(tables, segment, m, length):
+    """Slots, bounds of their moduli and rounding margins at the start of a segment.
 
-    shapes: sheets as in Tables, z (N,), modal and sizes as in Segment; length bounds the
-    segment, unit scales the margins, moduli hold up to reach ahead
+    shapes: segment.z holds the augmented coordinates; length bounds the segment
     """
-    count = slots[m, at.COUNT]
-    for j in range(count):
+    entry, spectrum, slots = tables.entry, tables.spectrum, tables.slots
+    origin, now, z = segment.origin, segment.now, segment.z
+    unit = tables.spans[m, at.ROUNDING]
+    reach = min(tables.spans[m, at.REACH], length)
+    for j in range(slots[m, at.COUNT]):
         re, im, noise = 0.0, 0.0, 0.0
-        for i in range(z.size):
-            weight = flow[m, at.modal_row(i), j]
-            re += weight.real * z[i]
-            im += weight.imag * z[i]
-            noise += bounds[m, i, j] * abs(z[i])
-        modal[at.START, j] = complex(re, im)
-        modal[at.NOW, j] = complex(re, im)
-        sizes[at.NOISE_START, j] = noise * unit
-        sizes[at.NOISE, j] = noise * unit
+        for i in range(tables.reads[m, j], z.size):
+            re += entry[m, j, i, at.WEIGHT_RE] * z[i]
+            im += entry[m, j, i, at.WEIGHT_IM] * z[i]
+            noise += entry[m, j, i, at.WEIGHT_SIZE] * abs(z[i])
         size = math.sqrt(re * re + im * im)
-        growth = flow[m, 0, j].real
+        growth = spectrum[m, j].real
         if growth > 0.0:
-            size *= math.exp(growth * min(reach, length))
-        sizes[at.SIZE_START, j] = size
-        sizes[at.SIZE_NOW, j] = size
+            size *= math.exp(growth * reach)
+        origin[j, at.RE], origin[j, at.IM] = re, im
+        origin[j, at.SIZE], origin[j, at.NOISE] = size, noise * unit
+        now[j, at.RE], now[j, at.IM] = re, im
+        now[j, at.SIZE], now[j, at.NOISE] = size, noise * unit
     for c in range(slots[m, at.N_CLUSTERS]):
-        _start_cluster(flow, slots, m, c, modal, sizes, length, min(reach, length))
-
-
-@kernel
-def _start_cluster(flow, slots, m, c, modal, sizes, length, reach):
-    """Coefficients of exp(N s) w in powers of s, and bounds over the segment."""
-    first = slots[m, at.CLUSTERS + 3 * c]
-    end = first + slots[m, at.CLUSTERS + 3 * c + 1]
-    degree = slots[m, at.CLUSTERS + 3 * c + 2]
-    rest = flow.shape[1] - flow.shape[2]  # the nilpotent rows come last
-    for a in range(first, end):
-        modal[at.CHAIN, a] = modal[at.START, a]
-        sizes[at.CHAIN_NOISE, a] = sizes[at.NOISE_START, a]
-    for d in range(1, degree + 1):
-        for a in range(first, end):
-            total = complex(0.0, 0.0)
-            noise = 0.0
-            for b in range(a, end):
-                total += flow[m, rest + a, b] * modal[at.CHAIN + d - 1, b]
-                noise += abs(flow[m, rest + a, b]) * sizes[at.CHAIN_NOISE + d - 1, b]
-            modal[at.CHAIN + d, a] = total / d
-            sizes[at.CHAIN_NOISE + d, a] = noise / d
-    growth = math.exp(max(0.0, flow[m, 0, first].real) * reach)
-    for a in range(first, end):
-        bound = 0.0
-        for d in range(degree, -1, -1):
-            bound = bound * length + abs(modal[at.CHAIN + d, a])
-        sizes[at.SIZE_START, a] = bound * growth
-        sizes[at.SIZE_NOW, a] = bound * growth
+        start_cluster(
+            spectrum, tables.nilpotent, slots, m, c, origin, now, segment.chain,
+            segment.chain_noise, length, reach,
+        )  # fmt: skip
 
 
 @inlined
-def advance(flow, slots, m, modal, sizes, s):
-    """Modal coordinates at s, bounds of their moduli ahead of s, rounding margins at s."""
+def advance(tables, segment, m, s):
+    """Slots at s by closed form, bounds of their moduli ahead of s, margins at s."""
+    spectrum, slots, origin, now = tables.spectrum, tables.slots, segment.origin, segment.now
     for j in range(slots[m, at.END_CONSTANT], slots[m, at.END_REAL]):
-        rate = flow[m, 0, j].real
-        decay = math.exp(rate * s)
-        w = modal[at.START, j]
-        modal[at.NOW, j] = complex(w.real * decay, w.imag * decay)
-        sizes[at.SIZE_NOW, j] = sizes[at.SIZE_START, j] * decay
-        sizes[at.NOISE, j] = sizes[at.NOISE_START, j] * decay
+        decay = math.exp(spectrum[m, j].real * s)
+        for k in range(4):
+            now[j, k] = origin[j, k] * decay
     for j in range(slots[m, at.END_REAL], slots[m, at.END_ROTATION]):
-        cos, sin = cos_sin(flow[m, 0, j].imag * s)
-        modal[at.NOW, j] = _turned(modal[at.START, j], cos, sin)
+        cos, sin = cos_sin(spectrum[m, j].imag * s)
+        _turn(origin, now, j, cos, sin)
     for j in range(slots[m, at.END_ROTATION], slots[m, at.END_DAMPED]):
-        rate = flow[m, 0, j].real
-        decay = math.exp(rate * s)
-        cos, sin = cos_sin(flow[m, 0, j].imag * s)
-        modal[at.NOW, j] = _turned(modal[at.START, j], decay * cos, decay * sin)
-        sizes[at.SIZE_NOW, j] = sizes[at.SIZE_START, j] * decay
-        sizes[at.NOISE, j] = sizes[at.NOISE_START, j] * decay
+        decay = math.exp(spectrum[m, j].real * s)
+        cos, sin = cos_sin(spectrum[m, j].imag * s)
+        _turn(origin, now, j, decay * cos, decay * sin)
+        now[j, at.SIZE] = origin[j, at.SIZE] * decay
+        now[j, at.NOISE] = origin[j, at.NOISE] * decay
     for c in range(slots[m, at.N_CLUSTERS]):
-        _advance_cluster(flow, slots, m, c, modal, sizes, s)
+        advance_cluster(spectrum, slots, m, c, origin, now, segment.chain, segment.chain_noise, s)
 
 
 @kernel
-def advance_once(flow, slots, m, modal, sizes, s):
+def advance_once(tables, segment, m, s):
     """`advance` as a call, for the places that are rarely passed: its body is long."""
-    advance(flow, slots, m, modal, sizes, s)
+    advance(tables, segment, m, s)
 
 
-@kernel
-def advance_little(flow, slots, m, modal, sizes, s, step):
-    """Modal coordinates at s + step from those at s, for a step that turns them by little.
+@inlined
+def climb(tables, segment, m, rung, s):
+    """Slots at s, one step of the ladder after the current point.
+
+    The factors of a step were computed in the set-up, so this costs no transcendental
+    function; its rounding adds up, and after some tens of steps `advance` has to be called.
+    """
+    slots, ladder, now = tables.slots, tables.ladder, segment.now
+    for j in range(slots[m, at.END_CONSTANT], slots[m, at.END_DAMPED]):
+        _turn(now, now, j, ladder[m, rung, j, at.RE], ladder[m, rung, j, at.IM])
+        now[j, at.SIZE] *= ladder[m, rung, j, at.SIZE]
+        now[j, at.NOISE] *= ladder[m, rung, j, at.SIZE]
+    for c in range(slots[m, at.N_CLUSTERS]):
+        advance_cluster(
+            tables.spectrum, slots, m, c, segment.origin, now, segment.chain,
+            segment.chain_noise, s,
+        )  # fmt: skip
+
+
+@inlined
+def advance_little(tables, segment, m, s, step):
+    """Slots at s + step from those at s, for a step that turns them by little.
 
     Third-order Taylor factor: for |eigenvalue step| <= 1e-4 its error is below rounding.
     """
+    spectrum, slots, now = tables.spectrum, tables.slots, segment.now
     for j in range(slots[m, at.END_CONSTANT], slots[m, at.END_DAMPED]):
-        x, y = flow[m, 0, j].real * step, flow[m, 0, j].imag * step
+        x, y = spectrum[m, j].real * step, spectrum[m, j].imag * step
         square_re, square_im = x * x - y * y, 2.0 * x * y
         cube_re, cube_im = square_re * x - square_im * y, square_re * y + square_im * x
         cos = 1.0 + (x + (0.5 * square_re + cube_re / 6.0))
         sin = y + (0.5 * square_im + cube_im / 6.0)
-        modal[at.NOW, j] = _turned(modal[at.NOW, j], cos, sin)
+        _turn(now, now, j, cos, sin)
     for c in range(slots[m, at.N_CLUSTERS]):
-        _advance_cluster(flow, slots, m, c, modal, sizes, s + step)
+        advance_cluster(
+            spectrum, slots, m, c, segment.origin, now, segment.chain, segment.chain_noise,
+            s + step,
+        )  # fmt: skip
 
 
-@kernel
-def _turned(w, cos, sin):
-    return complex(w.real * cos - w.imag * sin, w.real * sin + w.imag * cos)
+@inlined
+def _turn(source, target, j, cos, sin):
+    re, im = source[j, at.RE], source[j, at.IM]
+    target[j, at.RE] = re * cos - im * sin
+    target[j, at.IM] = re * sin + im * cos
 
 
-@kernel
-def _advance_cluster(flow, slots, m, c, modal, sizes, s):
-    first = slots[m, at.CLUSTERS + 3 * c]
-    end = first + slots[m, at.CLUSTERS + 3 * c + 1]
-    degree = slots[m, at.CLUSTERS + 3 * c + 2]
-    mean = flow[m, 0, first]
-    cos, sin, decay = 1.0, 0.0, 1.0
-    if mean.real != 0.0 or mean.imag != 0.0:
-        decay = math.exp(mean.real * s)
-        cos, sin = cos_sin(mean.imag * s)
-        cos, sin = decay * cos, decay * sin
-    for a in range(first, end):
-        re, im, noise = 0.0, 0.0, 0.0
-        for d in range(degree, -1, -1):
-            re = re * s + modal[at.CHAIN + d, a].real
-            im = im * s + modal[at.CHAIN + d, a].imag
-            noise = noise * s + sizes[at.CHAIN_NOISE + d, a]
-        modal[at.NOW, a] = _turned(complex(re, im), cos, sin)
-        sizes[at.SIZE_NOW, a] = sizes[at.SIZE_START, a] * decay
-        sizes[at.NOISE, a] = noise * decay
+@inlined
+def state_at(tables, segment, m, out_state):
+    """States from the current slots; slaved ones follow their relation.
 
-
-@kernel
-def state_at(flow, slots, m, modal, out_state):
-    """States from the current modal coordinates; slaved ones follow their relation.
-
-    shapes: out_state (n,) or longer, its first n entries are set
+    shapes: out_state (n,)
     """
-    big_n = flow.shape[2]
+    states, now = tables.states, segment.now
     for i in range(out_state.size):
         total = 0.0
-        for j in range(slots[m, at.COUNT]):
-            weight = flow[m, at.state_row(big_n, i), j]
-            value = modal[at.NOW, j]
-            total += weight.real * value.real - weight.imag * value.imag
+        for j in range(tables.slots[m, at.COUNT]):
+            weight = states[m, i, j]
+            total += weight.real * now[j, at.RE] - weight.imag * now[j, at.IM]
         out_state[i] = total

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 
 from nonsmooth.engine import layout as at
-from nonsmooth.engine.arrays import copy_vector
+from nonsmooth.engine.arrays import copy_matrix, copy_vector
 from nonsmooth.engine.event_log import log_event, log_transition, normal_phase
 from nonsmooth.engine.first_crossing import CERTIFIED, GRAZE, NONE, STUCK, first_crossing
 from nonsmooth.engine.jit import entry, inlined, kernel
@@ -43,7 +43,7 @@ _MOST_STALLED = 100  # between which time does not advance: likewise
 _MOST_SIZE = 1e12  # of a state that does not drift
 # A segment that starts this late in a window runs through the next one: a cut just after
 # an event would forget which guards are zero by construction.
-_LATE = 0.9
+_LATE = 0.0
 
 
 @entry
@@ -99,35 +99,30 @@ def run(tables, anchor, segment, records, end_number, end_phase, tolerance):
     status: COMPLETED, STOPPED, DIVERGED, UNDECIDED, INADMISSIBLE, EVENT_LIMIT,
     STEP_LIMIT, or BUFFER_FULL (call again after emptying the event buffer)
     """
-    flow, slots, window = tables.flow, tables.slots, tables.clock[0]
-    modal, sizes = segment.modal, segment.sizes
+    window = tables.clock[0]
     place, cursor = anchor.place, records.cursor
     _augment(tables, anchor.state, place[0], anchor.phase[0], segment.z)
     while True:
         if cursor[EVENTS] >= records.event_floats.shape[0] - 1:
             return _BUFFER_FULL
         m, phase = place[1], anchor.phase[0]
-        whole = window if phase <= _LATE * window else 2.0 * window
+        whole = window if phase < _LATE * window else 2.0 * window
         length = min(whole - phase, tables.spans[m, at.LONGEST])
         copy_vector(anchor.order, segment.order, anchor.order.size)
-        unit, reach = tables.spans[m, at.ROUNDING], tables.spans[m, at.REACH]
-        start_segment(flow, tables.bounds, slots, unit, reach, m, segment.z, modal, sizes, length)
+        start_segment(tables, segment, m, length)
         s, e, found = _search(tables, segment, anchor, records, m, length)
         end = (end_number - place[0]) * window + (end_phase - phase)
-        _write_samples(
-            flow, slots, m, modal, sizes, records, anchor.state, place[0], phase, window,
-            min(s, end),
-        )  # fmt: skip
+        _write_samples(tables, segment, anchor, records, m, min(s, end))
         if end <= s:
-            advance_once(flow, slots, m, modal, sizes, end)
-            state_at(flow, slots, m, modal, records.end_state)
+            advance_once(tables, segment, m, end)
+            state_at(tables, segment, m, records.end_state)
             if _bounded(tables.drifting, records.end_state):
                 return _COMPLETED
             anchor.phase[0] = phase + end
             return _DIVERGED
         if found == STUCK:
             return _STEP_LIMIT
-        state_at(flow, slots, m, modal, anchor.state)
+        state_at(tables, segment, m, anchor.state)
         copy_vector(anchor.state, records.end_state, anchor.state.size)
         if not _bounded(tables.drifting, anchor.state):
             anchor.phase[0] = phase + s
@@ -160,57 +155,54 @@ def _search(tables, segment, anchor, records, m, length):
         _log_crossing(tables, segment, anchor, records, s, e, _GRAZE, False)
         s = go_on
         if s >= length:
-            advance_once(tables.flow, tables.slots, m, segment.modal, segment.sizes, length)
+            advance_once(tables, segment, m, length)
             return length, -1, NONE
 
 
-@kernel
-def _write_samples(
-    flow, slots, m, modal, sizes, records, start_state, number, phase, window, until
-):
+@inlined
+def _write_samples(tables, segment, anchor, records, m, until):
     """Samples of this segment up to and including ``until``.
 
-    The modal coordinates at the end of the segment are put back bit by bit: the last step
-    to an event is rounded differently from a direct evaluation.
+    The slots at the end of the segment are put back bit by bit: the last step to an event
+    is rounded differently from a direct evaluation.
     """
+    number, phase, window = anchor.place[0], anchor.phase[0], tables.clock[0]
     k = records.cursor[SAMPLES]
-    count = slots[m, at.COUNT]
     kept = False
     while k < records.sample_phase.size:
         s = (records.sample_number[k] - number) * window + (records.sample_phase[k] - phase)
         if s > until:
             break
         if not kept:
-            copy_vector(modal[at.NOW], modal[at.KEPT], count)
+            copy_matrix(segment.now, segment.kept)
             kept = True
         if s == 0.0:  # the state as it was given, not as it comes back from modal coordinates
-            copy_vector(start_state, records.sample_state[k], start_state.size)
+            copy_vector(anchor.state, records.sample_state[k], anchor.state.size)
         else:
-            advance(flow, slots, m, modal, sizes, s)
-            state_at(flow, slots, m, modal, records.sample_state[k])
+            advance(tables, segment, m, s)
+            state_at(tables, segment, m, records.sample_state[k])
         records.sample_mode[k] = m
         k += 1
     records.cursor[SAMPLES] = k
     if kept:
-        copy_vector(modal[at.KEPT], modal[at.NOW], count)
+        copy_matrix(segment.kept, segment.now)
 
 
 @inlined
 def _log_crossing(tables, segment, anchor, records, s, e, kind, certified):
     """Log an event at s of the segment with the state before it; returns its row."""
-    flow, slots, modal = tables.flow, tables.slots, segment.modal
     n, m = tables.sizes[0], anchor.place[1]
     number, phase = normal_phase(anchor.place[0], anchor.phase[0] + s, tables.clock[0])
-    row = log_event(records, number, phase, kind, m, e, certified, segment.scan[e, at.RATE])
+    row = log_event(records, number, phase, kind, m, e, certified, segment.scan[e, 1])
     if row >= 0:
         before = records.event_floats[row, EVENT_FLOATS : EVENT_FLOATS + n]
-        state_at(flow, slots, m, modal, before)
+        state_at(tables, segment, m, before)
         for i in range(n):
             records.event_floats[row, EVENT_FLOATS + n + i] = before[i]
     return row
 
 
-@kernel
+@inlined
 def _pass_event(tables, segment, anchor, records, s, e, found, tolerance):
     """Log an event, pass its exits and set the anchor behind it."""
     n, m = tables.sizes[0], anchor.place[1]

@@ -75,7 +75,7 @@ def _fill_matrices(program, slots, tables):
         copy_matrix(program.wiring[m], tables.wiring[m])
         set_zero(generator[m])
         set_zero(affine[m])
-        set_zero(tables.flow[m])
+        set_zero(tables.nilpotent[m])
     _scatter(program.flow, slots, generator)
     for row in range(program.relations.shape[0]):
         term = program.relations[row]

@@ -6,12 +6,14 @@ state is the real part of a weighted sum of slots.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from nonsmooth.engine import layout as at
-from nonsmooth.engine.arrays import copy_vector
 from nonsmooth.engine.jit import allocating, kernel
 from nonsmooth.engine.status import Status
+from nonsmooth.engine.trigonometry import cos_sin
 
 __all__ = ["fill_slots"]
 
@@ -21,6 +23,8 @@ _ILL_CONDITIONED = int(Status.ILL_CONDITIONED)
 _UNIT = 2.220446049250313e-16
 _SPREAD = 0.5  # largest spread of a cluster times the length of its segments
 _MOST_GROWTH = 32.0  # exponent of a growing motion over one segment
+_LASTING = 16.0  # exponent of a decay over a window that leaves a motion worth its look
+_LONGEST_TURN = 4.0  # radians of the longest step of the ladder
 _LOST_DIGITS = 1e6  # cancellation between motions beyond which a mode is refused
 
 
@@ -38,8 +42,8 @@ def fill_slots(tables, m, t, v, v_inverse, label, norm):
     if _cancellation(v, v_inverse) > _LOST_DIGITS:
         return _ILL_CONDITIONED
     _classify(tables.wiring[m, 0, at.SLAVED], t, v, label, norm, kind, weight)
-    flow, slots, spans = tables.flow[m], tables.slots[m], tables.spans[m]
-    rest = flow[flow.shape[0] - big_n :]  # the nilpotent rows come last
+    eigenvalues, rest = tables.spectrum[m], tables.nilpotent[m]
+    slots, spans = tables.slots[m], tables.spans[m]
     count = _place_simple(slots, kind, place)
     spans[at.LONGEST] = 1e300
     n_clusters = 0
@@ -51,21 +55,22 @@ def fill_slots(tables, m, t, v, v_inverse, label, norm):
                     place[count] = i
                     count += 1
             cluster = slots[at.CLUSTERS + 3 * n_clusters : at.CLUSTERS + 3 * n_clusters + 3]
-            _fill_cluster(flow[0], rest, spans, cluster, tables.clock[0], t, place, first, count)
+            _fill_cluster(eigenvalues, rest, spans, cluster, tables.clock[0], t, place, first, count)
             n_clusters += 1
     slots[at.COUNT] = count
     slots[at.N_CLUSTERS] = n_clusters
     length = min(tables.clock[0], spans[at.LONGEST])
-    worst = _fill_spectrum(flow[0], t, norm, kind, place, count, length)
-    _limit_growth(flow[0], spans, count)
+    worst = _fill_spectrum(eigenvalues, t, norm, kind, place, count, length)
+    _limit_growth(eigenvalues, spans, count)
+    _fill_ladder(tables.ladder[m], eigenvalues, spans, tables.clock[0], count)
     spans[at.FASTEST] = 0.0
     for slot in range(count):
-        spans[at.FASTEST] = max(spans[at.FASTEST], abs(flow[0, slot]))
+        spans[at.FASTEST] = max(spans[at.FASTEST], abs(eigenvalues[slot]))
     # rounding of the sums, and of eigenvalues over the time that they act; wide enough for
     # what a state inherits from some tens of earlier segments
     spans[at.ROUNDING] = _UNIT * (32.0 + 2.0 * worst)
     _fill_weights(tables, m, v, v_inverse, weight, place, count)
-    _fill_guard_weights(tables, m, rest, v, weight, place, count)
+    _fill_series(tables, m, v, weight, place, count)
     return _OK
 
 
@@ -218,40 +223,73 @@ def _phase_error(eigenvalue, norm, j, length):
 
 @kernel
 def _fill_weights(tables, m, v, v_inverse, weight, place, count):
-    """Rows between augmented coordinates and slots, slots and states."""
+    """Weights between augmented coordinates and slots, slots and states."""
     big_n = v.shape[0]
     n, n_exits = tables.sizes[0], tables.sizes[5]
-    flow, bounds, affine = tables.flow[m], tables.bounds[m], tables.affine[m]
+    entry, affine = tables.entry, tables.affine[m]
     slaved = tables.wiring[m, 0, at.SLAVED]
     for slot in range(count):
         j = place[slot]
-        for i in range(big_n):
-            flow[at.modal_row(i), slot] = v_inverse[j, i]
-            bounds[i, slot] = abs(v_inverse[j, i])
+        tables.reads[m, slot] = big_n
+        for i in range(big_n - 1, -1, -1):
+            entry[m, slot, i, at.WEIGHT_RE] = v_inverse[j, i].real
+            entry[m, slot, i, at.WEIGHT_IM] = v_inverse[j, i].imag
+            entry[m, slot, i, at.WEIGHT_SIZE] = abs(v_inverse[j, i])
+            if v_inverse[j, i] != 0.0:
+                tables.reads[m, slot] = i
         for i in range(n):
             value = v[i, j]
             if (slaved >> i) & 1:
                 value = _product(affine[at.relation_row(n_exits, i)], v, j)
-            flow[at.state_row(big_n, i), slot] = value * weight[j]
+            tables.states[m, i, slot] = value * weight[j]
 
 
 @allocating
-def _fill_guard_weights(tables, m, rest, v, weight, place, count):
-    """Guards, their first two rates and the bound of the third one, in slots."""
-    big_n = v.shape[0]
-    n = tables.sizes[0]
-    flow, bounds, affine = tables.flow[m], tables.bounds[m], tables.affine[m]
-    row = np.zeros(big_n, np.complex128)
+def _fill_series(tables, m, v, weight, place, count):
+    """Weights of the slots in the Taylor coefficients of every guard."""
+    series, nilpotent = tables.series, tables.nilpotent[m]
+    row = np.zeros(v.shape[0], np.complex128)
     for e in range(tables.wiring[m, 0, at.N_EXITS]):
         for slot in range(count):
-            j = place[slot]
-            row[slot] = _product(affine[at.guard_row(e, 0)], v, j) * weight[j]
-            bounds[at.guard_size_row(big_n, e), slot] = abs(row[slot])
-        for r in range(3):
-            copy_vector(row, flow[at.guard_flow_row(big_n, n, e, r)], count)
-            _differentiate(flow[0], rest, row, count)
+            row[slot] = _product(tables.affine[m, at.guard_row(e, 0)], v, place[slot])
+            row[slot] *= weight[place[slot]]
+            series[m, e, slot, at.BY_NOISE] = abs(row[slot])
+        factorial = 1.0
+        for k in range(at.TERMS):
+            for slot in range(count):
+                series[m, e, slot, at.BY_RE + k] = row[slot].real / factorial
+                series[m, e, slot, at.BY_IM + k] = -row[slot].imag / factorial
+            _differentiate(tables.spectrum[m], nilpotent, row, count)
+            factorial *= k + 1.0
         for slot in range(count):
-            bounds[at.guard_third_row(big_n, e), slot] = abs(row[slot])
+            series[m, e, slot, at.BY_SIZE] = abs(row[slot]) / factorial
+
+
+@kernel
+def _fill_ladder(ladder, eigenvalues, spans, window, count):
+    """Factors of the slots for steps of some lengths, a power of two apart.
+
+    The longest step turns the fastest lasting motion by a few radians: that far a Taylor
+    polynomial is of use.
+    """
+    fastest = 0.0
+    for slot in range(count):
+        rate = eigenvalues[slot]
+        fastest = max(fastest, abs(rate.imag))
+        if abs(rate.real) * window <= _LASTING:
+            fastest = max(fastest, abs(rate.real))
+    step = window
+    while step * fastest > _LONGEST_TURN:
+        step *= 0.5
+    spans[at.RUNG] = step
+    for rung in range(at.RUNGS):
+        for slot in range(count):
+            decay = math.exp(eigenvalues[slot].real * step)
+            cos, sin = cos_sin(eigenvalues[slot].imag * step)
+            ladder[rung, slot, at.RE] = decay * cos
+            ladder[rung, slot, at.IM] = decay * sin
+            ladder[rung, slot, at.SIZE] = decay
+        step *= 0.5
 
 
 @kernel

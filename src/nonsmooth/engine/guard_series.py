@@ -1,0 +1,85 @@
+"""Taylor polynomial of a guard at the current point, and how far it is surely positive.
+
+With the Taylor coefficients a_0 ... a_5 of a guard and a bound B of the size of the next
+one from here on,
+
+    g(s + u) >= a_0 + a_1 u + ... + a_5 u^5 - B u^6 .
+
+The right-hand side is a polynomial, and on [0, h] it lies in the convex hull of its
+Bernstein coefficients. Where all of them are positive no root lies in [0, h]; otherwise
+none lies before the place where the hull reaches zero.
+"""
+
+from __future__ import annotations
+
+from nonsmooth.engine import layout as at
+from nonsmooth.engine.jit import inlined
+
+__all__ = ["REMAINDER", "falls_alone", "read_guard", "safe_step"]
+
+# The step tried first is so short that the bounded term is at most this part of the rest.
+REMAINDER = 0.25
+_MOST_HALVINGS = 200
+
+
+@inlined
+def read_guard(tables, segment, m, g):
+    """Taylor coefficients of a guard, bound of the next one, rounding margin, into scan."""
+    series, now, scan = tables.series, segment.now, segment.scan
+    a0, a1, a2, a3, a4, a5, bound, margin = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for j in range(tables.slots[m, at.COUNT]):
+        re, im = now[j, at.RE], now[j, at.IM]
+        a0 += series[m, g, j, 0] * re + series[m, g, j, at.BY_IM] * im
+        a1 += series[m, g, j, 1] * re + series[m, g, j, at.BY_IM + 1] * im
+        a2 += series[m, g, j, 2] * re + series[m, g, j, at.BY_IM + 2] * im
+        a3 += series[m, g, j, 3] * re + series[m, g, j, at.BY_IM + 3] * im
+        a4 += series[m, g, j, 4] * re + series[m, g, j, at.BY_IM + 4] * im
+        a5 += series[m, g, j, 5] * re + series[m, g, j, at.BY_IM + 5] * im
+        bound += series[m, g, j, at.BY_SIZE] * now[j, at.SIZE]
+        margin += series[m, g, j, at.BY_NOISE] * now[j, at.NOISE]
+    scan[g, 0], scan[g, 1], scan[g, 2] = a0, a1, a2
+    scan[g, 3], scan[g, 4], scan[g, 5] = a3, a4, a5
+    scan[g, at.BOUND], scan[g, at.MARGIN] = bound, margin
+
+
+@inlined
+def safe_step(a0, a1, a2, a3, a4, a5, bound, h):
+    """Length up to which a_0 + ... + a_5 u^5 - bound u^6 is surely positive, at most h.
+
+    a_0 is positive
+    """
+    h2 = h * h
+    h4 = h2 * h2
+    a1, a2, a3, a4, a5 = a1 * h, a2 * h2, a3 * h2 * h, a4 * h4, a5 * h4 * h
+    last = bound * (h4 * h2)
+    safe = 0.0
+    for _ in range(_MOST_HALVINGS):
+        if last <= REMAINDER * (a0 + abs(a1) + abs(a2)):
+            # rise of the Bernstein coefficients above a_0
+            b1 = a1 * (1 / 6)
+            b2 = a1 * (1 / 3) + a2 * (1 / 15)
+            b3 = a1 * (1 / 2) + a2 * (1 / 5) + a3 * (1 / 20)
+            b4 = a1 * (2 / 3) + a2 * (2 / 5) + a3 * (1 / 5) + a4 * (1 / 15)
+            b5 = a1 * (5 / 6) + a2 * (2 / 3) + a3 * (1 / 2) + a4 * (1 / 3) + a5 * (1 / 6)
+            b6 = a1 + a2 + a3 + a4 + a5 - last
+            if a0 + min(min(min(b1, b2), min(b3, b4)), min(b5, b6)) > 0.0:
+                return h
+            # the hull falls from (0, a_0) along its steepest chord
+            steepest = min(min(min(6.0 * b1, 3.0 * b2), min(2.0 * b3, 1.5 * b4)), min(1.2 * b5, b6))
+            safe = max(safe, -a0 / steepest * h)
+        h *= 0.5
+        if h <= safe:
+            break
+        a1, a2, a3, a4, a5 = 0.5 * a1, 0.25 * a2, 0.125 * a3, 0.0625 * a4, 0.03125 * a5
+        last *= 0.015625
+    return safe
+
+
+@inlined
+def falls_alone(a1, a2, a3, a4, a5, bound, u):
+    """Whether the rate of a guard stays below half of itself on [0, u], given a_1 < 0."""
+    change = 6.0 * bound * u + 5.0 * abs(a5)
+    change = change * u + 4.0 * abs(a4)
+    change = change * u + 3.0 * abs(a3)
+    change = change * u + 2.0 * abs(a2)
+    return change * u <= -0.5 * a1
