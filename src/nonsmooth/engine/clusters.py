@@ -34,7 +34,7 @@ def start_cluster(
         for a in range(first, end):
             total = complex(0.0, 0.0)
             noise = 0.0
-            for b in range(a, end):
+            for b in range(first, end):
                 total += nilpotent[m, a, b] * chain[d - 1, b]
                 noise += abs(nilpotent[m, a, b]) * chain_noise[d - 1, b]
             chain[d, a] = total / d

@@ -40,7 +40,7 @@ _IMPACT = int(EventKind.IMPACT)
 _GRAZE = int(EventKind.GRAZE)
 _MOST_EVENTS = 10_000  # in one window; more means that impacts accumulate
 _MOST_STALLED = 100  # between which time does not advance: likewise
-_MOST_SIZE = 1e12  # of a state that does not drift
+_MOST_SIZE = 1e30  # of a state that does not drift
 # A segment that starts this late in a window runs through the next one: a cut just after
 # an event would forget which guards are zero by construction.
 _LATE = 0.0

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from nonsmooth.engine.doubled import product_error
 from nonsmooth.engine.jit import kernel
 from nonsmooth.engine.status import Status
 
@@ -77,20 +78,7 @@ def _sum_of_products(a, b, c, d):
     far from the natural ones.
     """
     p, q = a * b, c * d
-    return (p + q) + (_product_error(a, b, p) + _product_error(c, d, q))
-
-
-@kernel
-def _product_error(a, b, product):
-    a_high, b_high = _leading_half(a), _leading_half(b)
-    a_low, b_low = a - a_high, b - b_high
-    return ((a_high * b_high - product) + a_high * b_low + a_low * b_high) + a_low * b_low
-
-
-@kernel
-def _leading_half(x):
-    scaled = 134217729.0 * x  # 2^27 + 1
-    return scaled - (scaled - x)
+    return (p + q) + (product_error(a, b, p) + product_error(c, d, q))
 
 
 @kernel

@@ -11,29 +11,29 @@ from functools import partial
 import numpy as np
 
 from nonsmooth.engine import layout as at
-from nonsmooth.engine.arrays import copy_matrix, set_zero
-from nonsmooth.engine.jit import allocating, entry, kernel
-from nonsmooth.engine.modal import decouple, triangular_form
+from nonsmooth.engine.arrays import copy_matrix, copy_vector, set_zero
+from nonsmooth.engine.decoupling import decouple
+from nonsmooth.engine.jit import entry, kernel
+from nonsmooth.engine.refinement import refine, worth_refining
 from nonsmooth.engine.slots import fill_slots
 from nonsmooth.engine.status import Status
 from nonsmooth.engine.tape import run_tape
+from nonsmooth.engine.triangular import triangular_form
+from nonsmooth.engine.window import natural_window
 from nonsmooth.engine.zeros import fill_orders
 
 __all__ = ["set_up"]
 
 _OK = int(Status.COMPLETED)
 _NOT_FINITE = int(Status.NOT_FINITE)
-# Without a true period, time is cut into windows of about this many radians of the
-# fastest oscillation, a compromise between restarts and the accuracy of long arguments.
-_WINDOW_RADIANS = 32.0
 
 
 @partial(entry, allocates=True)
 def set_up(program, parameters, tables):
     """Fill the tables of a program for one set of parameter values.
 
-    status: COMPLETED, NOT_FINITE, NOT_CONVERGED or ILL_CONDITIONED, with the mode where
-    it happened (-1: clock)
+    status: COMPLETED, NOT_FINITE or NOT_CONVERGED, with the mode where it happened
+    (-1: clock)
     """
     slots = np.zeros(parameters.size + program.constants.size + program.tape.shape[0])
     run_tape(parameters, program.constants, program.tape, slots)
@@ -41,26 +41,32 @@ def set_up(program, parameters, tables):
     if mode >= 0:
         return _NOT_FINITE, mode
     _fill_guards(tables.generator, tables.affine, tables.wiring)
-    big_n = tables.generator.shape[1]
-    t = np.zeros((big_n, big_n), np.complex128)
-    v = np.zeros((big_n, big_n), np.complex128)
-    v_inverse = np.zeros((big_n, big_n), np.complex128)
-    norm = np.zeros(big_n)
+    n_modes, big_n = tables.generator.shape[0], tables.generator.shape[1]
+    t = np.zeros((n_modes, big_n, big_n), np.complex128)
+    v = np.zeros((n_modes, big_n, big_n), np.complex128)
+    v_inverse = np.zeros((n_modes, big_n, big_n), np.complex128)
+    block = np.zeros((n_modes, big_n), np.int64)
+    norm = np.zeros((n_modes, big_n))
+    doubt = np.zeros(big_n)
     label = np.zeros(big_n, np.int64)
-    if program.period_slot >= 0:
-        tables.clock[0], tables.clock[1] = slots[program.period_slot], 1.0
-    else:
-        tables.clock[0] = _natural_window(tables.generator, t, v, v_inverse, norm)
-        tables.clock[1] = 0.0
-    if not _count_turns(tables.clock, tables.harmonics):
-        return _NOT_FINITE, -1
-    for m in range(tables.generator.shape[0]):
-        status = triangular_form(tables.generator[m], t, v, v_inverse, norm)
-        if status == _OK:
-            decouple(t, v, v_inverse, label, norm, tables.clock[0])
-            status = fill_slots(tables, m, t, v, v_inverse, label, norm)
+    for m in range(n_modes):
+        status = triangular_form(
+            tables.generator[m], t[m], v[m], v_inverse[m], block[m], norm[m]
+        )
         if status != _OK:
             return status, m
+    tables.clock[1] = 1.0 if program.period_slot >= 0 else 0.0
+    tables.clock[0] = slots[program.period_slot] if program.period_slot >= 0 else natural_window(t)
+    if not _count_turns(tables.clock, tables.harmonics):
+        return _NOT_FINITE, -1
+    for m in range(n_modes):
+        copy_vector(norm[m], doubt, big_n)
+        decouple(tables.sizes[0], t[m], v[m], v_inverse[m], block[m], label, tables.clock[0])
+        if worth_refining(t[m], block[m], norm[m], tables.clock[0]):
+            refine(tables.generator[m], t[m], v[m], v_inverse[m], label)
+            for i in range(big_n):
+                doubt[i] = abs(t[m, i, i])
+        fill_slots(tables, m, t[m], v[m], v_inverse[m], label, block[m], norm[m], doubt)
     fill_orders(tables.sizes[0], tables.affine, tables.wiring)
     return _OK, 0
 
@@ -142,19 +148,3 @@ def _count_turns(clock, harmonics):
         # the period is a rounded quotient, so a whole number comes out off by some ulps
         harmonics[1, k] = whole if abs(turns - whole) <= 1e-14 * max(1.0, whole) else turns
     return True
-
-
-@allocating
-def _natural_window(generator, t, v, v_inverse, norm):
-    """Power of two near _WINDOW_RADIANS of the fastest oscillation or growth of any mode.
-
-    Decay does not count: however fast, its exponential stays accurate.
-    """
-    fastest = 0.0
-    for m in range(generator.shape[0]):
-        triangular_form(generator[m], t, v, v_inverse, norm)
-        for i in range(t.shape[0]):
-            fastest = max(fastest, abs(t[i, i].imag), t[i, i].real)
-    if fastest == 0.0:
-        return 64.0
-    return 2.0 ** np.rint(math.log2(_WINDOW_RADIANS / fastest))

@@ -12,36 +12,30 @@ import numpy as np
 
 from nonsmooth.engine import layout as at
 from nonsmooth.engine.jit import allocating, kernel
-from nonsmooth.engine.status import Status
 from nonsmooth.engine.trigonometry import cos_sin
 
 __all__ = ["fill_slots"]
 
 _CONSTANT, _REAL, _ROTATION, _DAMPED, _CLUSTER, _DROPPED = 0, 1, 2, 3, 4, 9
-_OK = int(Status.COMPLETED)
-_ILL_CONDITIONED = int(Status.ILL_CONDITIONED)
 _UNIT = 2.220446049250313e-16
-_SPREAD = 0.5  # largest spread of a cluster times the length of its segments
+_SPREAD = 1.0  # largest spread of a cluster times the length of its segments
 _MOST_GROWTH = 32.0  # exponent of a growing motion over one segment
 _LASTING = 16.0  # exponent of a decay over a window that leaves a motion worth its look
 _LONGEST_TURN = 4.0  # radians of the longest step of the ladder
-_LOST_DIGITS = 1e6  # cancellation between motions beyond which a mode is refused
 
 
 @allocating
-def fill_slots(tables, m, t, v, v_inverse, label, norm):
+def fill_slots(tables, m, t, v, v_inverse, label, block, norm, doubt):
     """Sort the decoupled motions of mode m into slots and fill its modal sheets.
 
-    shapes: t, v, v_inverse (N, N) complex as from decouple; label, norm (N,)
-    status: COMPLETED or ILL_CONDITIONED
+    shapes: t, v, v_inverse (N, N) complex as from decouple; label, block, norm
+    (N,); doubt (N,) error of each eigenvalue in units of rounding
     """
     big_n = t.shape[0]
     kind = np.zeros(big_n, np.int64)
     weight = np.ones(big_n)
     place = np.zeros(big_n, np.int64)
-    if _cancellation(v, v_inverse) > _LOST_DIGITS:
-        return _ILL_CONDITIONED
-    _classify(tables.wiring[m, 0, at.SLAVED], t, v, label, norm, kind, weight)
+    _classify(tables.wiring[m, 0, at.SLAVED], t, v, label, block, norm, kind, weight)
     eigenvalues, rest = tables.spectrum[m], tables.nilpotent[m]
     slots, spans = tables.slots[m], tables.spans[m]
     count = _place_simple(slots, kind, place)
@@ -60,7 +54,7 @@ def fill_slots(tables, m, t, v, v_inverse, label, norm):
     slots[at.COUNT] = count
     slots[at.N_CLUSTERS] = n_clusters
     length = min(tables.clock[0], spans[at.LONGEST])
-    worst = _fill_spectrum(eigenvalues, t, norm, kind, place, count, length)
+    worst = _fill_spectrum(eigenvalues, t, block, doubt, kind, place, count, length)
     _limit_growth(eigenvalues, spans, count)
     _fill_ladder(tables.ladder[m], eigenvalues, spans, tables.clock[0], count)
     spans[at.FASTEST] = 0.0
@@ -71,7 +65,6 @@ def fill_slots(tables, m, t, v, v_inverse, label, norm):
     spans[at.ROUNDING] = _UNIT * (32.0 + 2.0 * worst)
     _fill_weights(tables, m, v, v_inverse, weight, place, count)
     _fill_series(tables, m, v, weight, place, count)
-    return _OK
 
 
 @kernel
@@ -95,7 +88,7 @@ def _is_first(label, j):
 
 
 @kernel
-def _classify(slaved, t, v, label, norm, kind, weight):
+def _classify(slaved, t, v, label, block, norm, kind, weight):
     """Kind of each motion; conjugate partners are dropped, slaved coordinates are inert."""
     big_n = t.shape[0]
     for j in range(big_n):
@@ -109,10 +102,10 @@ def _classify(slaved, t, v, label, norm, kind, weight):
                 largest = max(largest, norm[i])
         mean /= members
         margin = 1e-12 * largest  # far above rounding, far below an honest frequency
-        if mean.imag < -margin:
+        paired = abs(mean.imag) > margin if members > 1 else _has_partner(t, block, j)
+        if paired and mean.imag < 0.0:
             kind[j] = _DROPPED
             continue
-        paired = mean.imag > margin
         weight[j] = 2.0 if paired else 1.0
         if members > 1:
             kind[j] = _CLUSTER
@@ -125,26 +118,21 @@ def _classify(slaved, t, v, label, norm, kind, weight):
 
 
 @kernel
+def _has_partner(t, block, j):
+    """Whether a simple eigenvalue has a conjugate; a real one may carry a rounded phase."""
+    for i in range(block.size):
+        if i != j and block[i] == block[j]:
+            if abs(t[i, i] - t[j, j].conjugate()) < 0.5 * abs(t[j, j].imag):
+                return True
+    return False
+
+
+@kernel
 def _only_slaved(slaved, v, j):
     for i in range(v.shape[0]):
         if v[i, j] != 0.0 and not (slaved >> i) & 1:
             return False
     return True
-
-
-@kernel
-def _cancellation(v, v_inverse):
-    """Largest size of the parts that make up a coordinate, relative to the coordinate.
-
-    max over i of sum_j |v_ij| |v_inverse_ji|; it does not depend on the units chosen.
-    """
-    worst = 0.0
-    for i in range(v.shape[0]):
-        total = 0.0
-        for j in range(v.shape[0]):
-            total += abs(v[i, j]) * abs(v_inverse[j, i])
-        worst = max(worst, total)
-    return worst
 
 
 @kernel
@@ -160,7 +148,7 @@ def _fill_cluster(eigenvalues, rest, spans, cluster, window, t, place, first, en
         spread = max(spread, abs(t[place[a], place[a]] - mean))
         eigenvalues[a] = mean
         for b in range(first, end):
-            rest[a, b] = t[place[a], place[b]] if b >= a else complex(0.0, 0.0)
+            rest[a, b] = t[place[a], place[b]]
         rest[a, a] -= mean
     length = window
     if spread > 0.0:
@@ -176,7 +164,7 @@ def _fill_cluster(eigenvalues, rest, spans, cluster, window, t, place, first, en
 
 
 @kernel
-def _fill_spectrum(eigenvalues, t, norm, kind, place, count, length):
+def _fill_spectrum(eigenvalues, t, block, doubt, kind, place, count, length):
     """Eigenvalues of the simple slots; returns the largest phase error in units of rounding."""
     fastest = 0.0
     for slot in range(count):
@@ -189,7 +177,7 @@ def _fill_spectrum(eigenvalues, t, norm, kind, place, count, length):
             eigenvalues[slot] = complex(0.0, t[j, j].imag)
         elif kind[j] == _DAMPED:
             eigenvalues[slot] = t[j, j]
-        fastest = max(fastest, _phase_error(eigenvalues[slot], norm, j, length))
+        fastest = max(fastest, _phase_error(eigenvalues[slot], block, doubt, j, length))
     return fastest
 
 
@@ -206,7 +194,7 @@ def _limit_growth(eigenvalues, spans, count):
 
 
 @kernel
-def _phase_error(eigenvalue, norm, j, length):
+def _phase_error(eigenvalue, block, doubt, j, length):
     """Relative error of exp(eigenvalue s) over a segment, in units of rounding.
 
     Decayed motions do not count. Eigenvalues of blocks larger than two come out of an
@@ -216,9 +204,9 @@ def _phase_error(eigenvalue, norm, j, length):
     if eigenvalue.real < 0.0:
         acting = min(length, -1.0 / eigenvalue.real)
     members = 0
-    for i in range(norm.size):
-        members += norm[i] == norm[j]
-    return acting * (norm[j] if members > 2 else abs(eigenvalue))
+    for i in range(block.size):
+        members += block[i] == block[j]
+    return acting * (doubt[j] if members > 2 else abs(eigenvalue))
 
 
 @kernel
@@ -249,6 +237,7 @@ def _fill_series(tables, m, v, weight, place, count):
     """Weights of the slots in the Taylor coefficients of every guard."""
     series, nilpotent = tables.series, tables.nilpotent[m]
     row = np.zeros(v.shape[0], np.complex128)
+    rates = np.zeros(v.shape[0], np.complex128)
     for e in range(tables.wiring[m, 0, at.N_EXITS]):
         for slot in range(count):
             row[slot] = _product(tables.affine[m, at.guard_row(e, 0)], v, place[slot])
@@ -259,7 +248,7 @@ def _fill_series(tables, m, v, weight, place, count):
             for slot in range(count):
                 series[m, e, slot, at.BY_RE + k] = row[slot].real / factorial
                 series[m, e, slot, at.BY_IM + k] = -row[slot].imag / factorial
-            _differentiate(tables.spectrum[m], nilpotent, row, count)
+            _differentiate(tables.spectrum[m], nilpotent, row, rates, count)
             factorial *= k + 1.0
         for slot in range(count):
             series[m, e, slot, at.BY_SIZE] = abs(row[slot]) / factorial
@@ -301,10 +290,11 @@ def _product(row, v, j):
 
 
 @kernel
-def _differentiate(eigenvalues, rest, row, count):
-    """row := row L with L the block-diagonal matrix of the slots."""
-    for b in range(count - 1, -1, -1):
-        total = row[b] * eigenvalues[b]
-        for a in range(b + 1):
-            total += row[a] * rest[a, b]
-        row[b] = total
+def _differentiate(eigenvalues, rest, row, rates, count):
+    """row := row L with L the block-diagonal matrix of the slots; rates is scratch."""
+    for b in range(count):
+        rates[b] = row[b] * eigenvalues[b]
+        for a in range(count):
+            rates[b] += row[a] * rest[a, b]
+    for b in range(count):
+        row[b] = rates[b]

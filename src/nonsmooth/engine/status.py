@@ -22,7 +22,6 @@ class Status(IntEnum):
     # inside the engine only
     BUFFER_FULL = 20
     NOT_FINITE = 21
-    ILL_CONDITIONED = 22
     NOT_CONVERGED = 23
 
     @property
@@ -74,9 +73,5 @@ CURES: dict[Status, str] = {
 
 SETUP_ERRORS: dict[Status, str] = {
     Status.NOT_FINITE: "a coefficient is not a finite number for these parameters",
-    Status.ILL_CONDITIONED: (
-        "the motion of this mode cannot be split into its natural motions with enough digits"
-        " (strongly non-normal matrix), which this version refuses"
-    ),
     Status.NOT_CONVERGED: "the eigenvalues of this mode did not converge",
 }
