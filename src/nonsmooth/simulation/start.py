@@ -77,6 +77,8 @@ def _mode_index(system: System, mode: str | None) -> int:
 
 
 def _instant(tables: Tables, time: float) -> Instant:
+    if time == 0.0:
+        return Instant(0, 0.0)
     time = finite_number("t_start", time)
     number, phase = instants([time], float(tables.clock[0]))
     return Instant(int(number[0]), float(phase[0]))
