@@ -67,9 +67,9 @@ def plan_run(
     if len(given) != 1:
         what = "none is" if not given else " and ".join(given) + " are"
         raise OptionError(f"give exactly one of periods=, t_end= and times=; {what} given")
+    per_window = whole_number("samples_per_period", samples_per_period)
     if times is not None:
         return _plan_times(window, start, time_grid(times))
-    per_window = whole_number("samples_per_period", samples_per_period)
     t_start = start.number * window + start.phase
     if periods is not None:
         if not periodic:

@@ -24,9 +24,8 @@ __all__ = ["run_dataset"]
 def run_dataset(system: System, outcome: Outcome, options: dict[str, Any]) -> xr.Dataset:
     """Dataset of a run: trajectory over ``time``, events over ``event``, attributes."""
     labels = labels_of(system)
-    window = float(outcome.tables.clock[0])
     samples, coords = _samples(system, labels, outcome)
-    events = event_variables(labels, outcome.event_integers, outcome.event_floats, window)
+    events = event_variables(labels, outcome) if outcome.keeps_events else {}
     ends: Columns = {
         "end_state": (("state",), outcome.records.end_state, {"long_name": "states at the end"}),
         "anchor_state": (
@@ -76,7 +75,7 @@ def _attributes(system: System, labels: Labels, outcome: Outcome) -> dict[str, A
         "message": _message(labels, outcome),
         "certified": int(outcome.n_uncertain == 0),
         "n_samples": outcome.n_samples,
-        "n_rows": len(outcome.event_integers),
+        "n_rows": len(outcome.event_integers) if outcome.keeps_events else 0,
         "n_events": outcome.n_events,
         "n_uncertain": outcome.n_uncertain,
         "phase_word": last_period_word(system, outcome),
@@ -97,12 +96,10 @@ def _message(labels: Labels, outcome: Outcome) -> str:
     """What the status means for this run, with what to do about it."""
     status = outcome.status
     if status == Status.COMPLETED:
-        if outcome.n_uncertain:
-            return (
-                f"completed; {outcome.n_uncertain} tangency or tangencies lie within rounding,"
-                " see certified over event"
-            )
-        return "completed"
+        if not outcome.n_uncertain:
+            return "completed"
+        text = f"completed; {outcome.n_uncertain} tangency or tangencies lie within rounding"
+        return text + (", see certified over event" if outcome.keeps_events else "")
     end = outcome.end.number * float(outcome.tables.clock[0]) + outcome.end.phase
     text = f"{status.word} at t = {end:.9g}: {CURES[status]}"
     if status in (Status.UNDECIDED, Status.INADMISSIBLE) and len(outcome.event_integers):

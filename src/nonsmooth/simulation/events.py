@@ -13,21 +13,18 @@ from nonsmooth.engine.status import EventKind
 from nonsmooth.engine.transitions import PATH_LENGTH
 from nonsmooth.simulation.assemble import Columns
 from nonsmooth.simulation.labels import Labels
+from nonsmooth.simulation.runner import Outcome
 
 __all__ = ["event_variables"]
 
 _KINDS = [kind.word for kind in EventKind]
 
 
-def event_variables(
-    labels: Labels,
-    rows: npt.NDArray[np.int64],
-    values: npt.NDArray[np.float64],
-    window: float,
-) -> Columns:
+def event_variables(labels: Labels, outcome: Outcome) -> Columns:
     """Variables over ``event`` for a dataset."""
+    rows, values = outcome.event_integers, outcome.event_floats
     number, phase = rows[:, at.NUMBER].copy(), values[:, at.PHASE]
-    time = number * window
+    time = number * float(outcome.tables.clock[0])
     time += phase
     n = len(labels.states)
     before = values[:, at.EVENT_FLOATS : at.EVENT_FLOATS + n]

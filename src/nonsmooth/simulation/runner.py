@@ -22,7 +22,7 @@ from nonsmooth.engine.setup import set_up
 from nonsmooth.engine.status import SETUP_ERRORS, EventKind, Status
 from nonsmooth.errors import ModelError
 from nonsmooth.simulation.clock import Instant, Plan
-from nonsmooth.simulation.event_log import FIRST_CAPACITY, event_rows, make_room
+from nonsmooth.simulation.event_log import FIRST_CAPACITY, EventLog
 from nonsmooth.simulation.kernels import announce_compilation
 from nonsmooth.simulation.progress import Progress
 from nonsmooth.system.system import System
@@ -51,8 +51,9 @@ class Outcome:
     anchor: Anchor
     records: Records
     n_samples: int
-    event_integers: npt.NDArray[np.int64]
+    event_integers: npt.NDArray[np.int64]  # the whole log, or its end where it was not kept
     event_floats: npt.NDArray[np.float64]
+    keeps_events: bool
     n_events: int
     n_uncertain: int
     end: Instant
@@ -86,6 +87,7 @@ def run_plan(
     state: npt.NDArray[np.float64] | None = None,
     begin: Instant = _ZERO,
     mode: int = -1,
+    keep_events: bool = True,
 ) -> Outcome:
     """Run a plan from an anchor, or from a state at an instant; `NoMode` when none fits."""
     sizes = tables.sizes
@@ -102,12 +104,13 @@ def run_plan(
             raise NoMode(segment.z.copy())
     else:
         _log_going_on(records, begin, anchor, state)
+    log = EventLog(keep_events)
     if status == Status.COMPLETED:
-        status, records = _run(tables, plan, anchor, segment, records, tolerance)
+        status, records = _run(tables, plan, anchor, segment, records, log, tolerance)
     end = plan.end
     if status != Status.COMPLETED:
         end = Instant(int(anchor.place[0]), float(anchor.phase[0]))
-    integers, floats = event_rows(records)
+    integers, floats = log.rows(records)
     return Outcome(
         status=status,
         tables=tables,
@@ -117,7 +120,8 @@ def run_plan(
         n_samples=int(records.cursor[at.SAMPLES]),
         event_integers=integers,
         event_floats=floats,
-        n_events=len(integers) - 1,  # the first row is the start
+        keeps_events=keep_events,
+        n_events=log.n_left_out + len(integers) - 1,  # the first row is the start
         n_uncertain=int(records.cursor[at.UNCERTAIN]),
         end=end,
     )
@@ -129,6 +133,7 @@ def _run(
     anchor: Anchor,
     segment: Any,
     records: Records,
+    log: EventLog,
     tolerance: float,
 ) -> tuple[Status, Records]:
     first = int(anchor.place[0])
@@ -142,7 +147,7 @@ def _run(
             except KeyboardInterrupt:
                 return Status.INTERRUPTED, records
             if status == Status.BUFFER_FULL:
-                records = make_room(records, (int(anchor.place[0]) - first) / windows)
+                records = log.make_room(records, (int(anchor.place[0]) - first) / windows)
             elif status != Status.COMPLETED or stop == plan.end:
                 return status, records
             try:

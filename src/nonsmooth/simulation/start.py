@@ -117,10 +117,8 @@ def _from_run(
             f"initial: the run ended with status {status!r} and cannot go on; take one of its"
             " points instead, as in run.isel(time=-1)"
         )
-    whole = (
-        run.sizes["time"] == run.attrs["n_samples"] and run.sizes["event"] == run.attrs["n_rows"]
-    )
-    if not whole:
+    rows = run.sizes.get("event", 0)
+    if (run.sizes["time"], rows) != (run.attrs["n_samples"], run.attrs["n_rows"]):
         raise OptionError(
             "initial: this is a part of a run, which cannot go on; take one of its points, as in"
             " run.isel(time=-1), or the whole run"

@@ -44,7 +44,7 @@ def phase_word(
     Raises
     ------
     OptionError
-        When ``stop`` is before ``start``.
+        When ``stop`` is before ``start``, or the run was made with ``events=False``.
 
     Examples
     --------
@@ -58,6 +58,11 @@ def phase_word(
     high = np.inf if stop is None else stop
     if high < low:
         raise OptionError(f"stop = {high:g} lies before start = {low:g}")
+    if "event_to" not in run:
+        raise OptionError(
+            "the dataset has no event log; simulate without events=False, or read the word of the"
+            " last period in its attribute 'phase_word'"
+        )
     names = run["event_to"].attrs["flag_meanings"].split()
     keep = run["event_kind"].values != EventKind.GRAZE.word
     times, entered = run["event_time"].values[keep], run["event_to"].values[keep]
