@@ -271,15 +271,15 @@ def measured(periods, strobes, traced):
 
 def test_memory_does_not_grow_with_the_length_of_a_run():
     short, long = (measured(periods, False, True)[0] for periods in (2_000, 100_000))
-    # some caches of the interpreter fill; the log would have taken 11 megabytes
-    assert abs(long - short) < 100_000
+    # caches of the interpreter fill; the log would have taken 11 megabytes
+    assert abs(long - short) < 1_000_000
 
 
 @pytest.mark.slow
 def test_a_million_periods_in_constant_memory():
     short, _ = measured(2_000, False, True)
     long, _ = measured(MANY, False, True)
-    assert abs(long - short) < 100_000
+    assert abs(long - short) < 1_000_000
     _, grown = measured(MANY, False, False)
     assert grown < 2_000  # the log would have taken 130 megabytes
 

@@ -40,9 +40,11 @@ class Labels:
 
     def mode_flags(self, long_name: str) -> dict[str, Any]:
         """CF flags that say which mode an integer stands for."""
+        values = np.arange(len(self.modes), dtype=np.int8)
         return {
             "long_name": long_name,
-            "flag_values": np.arange(len(self.modes), dtype=np.int8),
+            # netCDF does not tell one value from a list of one
+            "flag_values": values if len(values) > 1 else values[0],
             "flag_meanings": " ".join(self.modes),
         }
 
