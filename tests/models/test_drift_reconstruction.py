@@ -88,3 +88,9 @@ def test_other_systems_are_refused():
     system = ns.System(name="other", states=["x"], modes={"m": ns.Mode({"x": "-x"})})
     with pytest.raises(ns.OptionError, match="'other'"):
         drift_reconstruction(ns.simulate(system, {"x": 1.0}, t_end=1.0))
+
+
+def test_a_run_without_its_log_is_refused():
+    run = ns.simulate(moling(), periods=3, events=False)
+    with pytest.raises(ns.OptionError, match="simulate without events=False"):
+        ns.models.drift_reconstruction(run)

@@ -50,3 +50,12 @@ def test_tangencies_say_so(mole, ax):
 def test_unknown_variable(mole, ax):
     with pytest.raises(OptionError, match="unknown variable 'w'"):
         ns.plot.event_markers(mole, "w", ax)
+
+
+def test_a_run_without_its_log_is_drawn_by_its_samples_alone(ax):
+    run = ns.simulate(ns.models.moling(), periods=3, events=False)
+    line = ns.plot.time_history(run, "p", ax=ax).lines[0]
+    assert np.array_equal(line.get_ydata(), run["p"].values)
+    for draw in (ns.plot.event_markers, lambda run, name, ax: ns.plot.phases(run, name, ax=ax)):
+        with pytest.raises(ns.OptionError, match="simulate without events=False"):
+            draw(run, "p", ax)

@@ -1,12 +1,7 @@
-"""What a dataset holds: units, flags, outputs; and that files keep all of it."""
-
-import json
-import subprocess
-import sys
+"""What a dataset holds: units, flags, outputs."""
 
 import numpy as np
 import pytest
-import xarray as xr
 
 import nonsmooth as ns
 from nonsmooth import Exit, Mode, System
@@ -164,80 +159,6 @@ def test_attributes_are_texts_and_numbers(run):
     assert run.attrs["nonsmooth_version"] == ns.__version__
     assert (run.attrs["tolerance"], run.attrs["samples_per_period"]) == (1e-12, 50)
     assert run.attrs["n_events"] == run.sizes["event"] - 1
-
-
-def test_a_file_keeps_everything(run, tmp_path):
-    path = tmp_path / "run.nc"
-    run.to_netcdf(path, engine="h5netcdf")
-    with xr.open_dataset(path, engine="h5netcdf") as opened:
-        back = opened.load()
-    assert set(back.variables) == set(run.variables)
-    for name, variable in run.variables.items():
-        assert back[name].dims == variable.dims
-        kept = back[name].values
-        if variable.dtype.kind == "U":
-            assert kept.tolist() == variable.values.tolist(), name
-        else:
-            assert kept.dtype == variable.dtype, name
-            assert np.array_equal(kept, variable.values, equal_nan=kept.dtype.kind == "f"), name
-        for key, value in variable.attrs.items():
-            assert np.array_equal(back[name].attrs[key], value), (name, key)
-    assert set(back.attrs) == set(run.attrs)
-    for key, value in run.attrs.items():
-        assert np.array_equal(back.attrs[key], value), key
-
-
-def test_a_run_goes_on_from_a_file(run, tmp_path):
-    path = tmp_path / "run.nc"
-    run.to_netcdf(path, engine="h5netcdf")
-    with xr.open_dataset(path, engine="h5netcdf") as opened:
-        back = opened.load()
-    one = ns.simulate(probe(), run, periods=3)
-    two = ns.simulate(probe(), back, periods=3)
-    assert one.identical(two)
-    point = ns.simulate(probe(), back.isel(time=77), periods=1)
-    assert point.identical(ns.simulate(probe(), run.isel(time=77), periods=1))
-
-
-READER = """
-import json, sys
-import xarray as xr
-data = xr.open_dataset(sys.argv[1], engine="h5netcdf").load()
-print(json.dumps({
-    "x": data["x"].values.tolist(),
-    "names": [str(name) for name in data["event_name"].values],
-    "certified": [bool(c) for c in data["certified"].values],
-    "flags": data["mode"].attrs["flag_meanings"],
-    "unit": data["x"].attrs["units"],
-    "status": data.attrs["status"],
-    "ours": sorted(name for name in sys.modules if name.startswith("nonsmooth")),
-}))
-"""
-
-
-def test_a_file_needs_only_xarray(run, tmp_path):
-    path = tmp_path / "run.nc"
-    run.to_netcdf(path, engine="h5netcdf")
-    words = [sys.executable, "-c", READER, str(path)]
-    told = json.loads(subprocess.run(words, check=True, capture_output=True, text=True).stdout)
-    assert told["x"] == run["x"].values.tolist()
-    assert told["names"] == run["event_name"].values.tolist()
-    assert told["certified"] == run["certified"].values.tolist()
-    assert (told["flags"], told["unit"], told["status"]) == ("free soft", "mm", "completed")
-    assert told["ours"] == []
-
-
-def test_a_run_without_events_is_a_file_too(tmp_path):
-    system = System(states=["x"], modes={"m": Mode({"x": "-x"})})
-    first = ns.simulate(system, {"x": 1.0}, t_end=1.0)
-    second = ns.simulate(system, first, t_end=2.0)
-    assert second["event_kind"].values.tolist() == ["start"]
-    second.to_netcdf(tmp_path / "run.nc", engine="h5netcdf")
-    with xr.open_dataset(tmp_path / "run.nc", engine="h5netcdf") as opened:
-        back = opened.load()
-    assert np.array_equal(back["x"], second["x"])
-    third = ns.simulate(system, back, times=[3.0])
-    assert float(third["x"][-1]) == pytest.approx(np.exp(-3.0), rel=1e-14)
 
 
 def test_an_output_that_is_not_finite_is_nan():

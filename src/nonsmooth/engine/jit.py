@@ -1,22 +1,26 @@
 """The one place that says how kernels are compiled and cached.
 
 numba caches machine code per function and looks only at the file of that function, so an
-upgrade that changes a helper in another file would run old code. Here the identity of
-every cached kernel holds a hash of all kernel sources.
+upgrade that changes a helper in another file would run old code. Here the name of every
+cache file holds a hash of all kernel sources, and one of the processor and of numba. A cache
+that cannot be read or written costs time and never a result.
 """
 
 from __future__ import annotations
 
 import contextlib
 import hashlib
+import sys
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numba
-from numba.core.caching import FunctionCache
+from numba.core.caching import CompileResultCacheImpl, FunctionCache
+from numba.core.registry import cpu_target
 
-__all__ = ["allocating", "entry", "inlined", "is_warm", "kernel", "sources_hash"]
+__all__ = ["allocating", "entry", "inlined", "is_kept", "is_warm", "kernel", "sources_hash"]
 
 # contract, nsz and arcp keep the certificate valid; reassoc and nnan would not
 _OPTIONS: dict[str, Any] = {
@@ -36,14 +40,65 @@ def sources_hash(folder: Path | None = None) -> str:
     return digest.hexdigest()
 
 
-_SOURCES = sources_hash()
+_SOURCES = sources_hash()[:16]
+_MAKER = f"numba {numba.__version__} for {cpu_target.target_context.codegen().magic_tuple()}"
+_IDENTITY = f"{_SOURCES}-{hashlib.sha256(_MAKER.encode()).hexdigest()[:16]}"
+
+_named_folder, _own_folder, *_other_folders = CompileResultCacheImpl._locator_classes
+
+
+def _file_name(function: str) -> str:
+    return f"{function}-{_IDENTITY}.{sys.implementation.cache_tag}"
+
+
+class _MadeAhead:
+    """The folder of the installation where the code is there already, writable or not."""
+
+    @staticmethod
+    def from_function(function: Any, path: str) -> Any:
+        folder = _own_folder(function, path)
+        name = _file_name(f"{Path(path).stem}.{function.__qualname__}")
+        return folder if Path(folder.get_cache_path(), f"{name}.nbi").exists() else None
+
+
+class _Files(CompileResultCacheImpl):
+    """Where the files of a kernel are, and their names."""
+
+    _locator_classes = (_named_folder, _MadeAhead, _own_folder, *_other_folders)
+
+    def get_filename_base(self, function: str, abiflags: str) -> str:
+        return _file_name(function)
 
 
 class _KernelCache(FunctionCache):
-    """numba's file cache with the hash of all kernel sources in the key."""
+    """numba's file cache under these names; faults of the disk are no faults of a run."""
 
-    def _index_key(self, sig: Any, codegen: Any) -> tuple[Any, ...]:
-        return (*super()._index_key(sig, codegen), _SOURCES)
+    _impl_class = _Files
+
+    def load_overload(self, signature: Any, target: Any) -> Any:
+        try:
+            return super().load_overload(signature, target)
+        except Exception:  # files cut short, as by a crash of the machine
+            with contextlib.suppress(OSError):
+                self.flush()
+            return None
+
+    def save_overload(self, signature: Any, data: Any) -> None:
+        try:
+            super().save_overload(signature, data)
+        except Exception as fault:
+            warnings.warn(
+                f"compiled kernels could not be kept in {self.cache_path} ({fault}); the next"
+                " process compiles them again",
+                RuntimeWarning,
+                stacklevel=2,
+            )
+            return
+        function = self._impl.filename_base.partition("-")[0]
+        for path in Path(self.cache_path).glob(f"{function}-*.nb[ci]*"):
+            if _SOURCES not in path.name:  # of an older version of this installation
+                with contextlib.suppress(OSError):
+                    path.unlink()
 
 
 def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -78,12 +133,18 @@ def entry(function: Callable[..., Any], *, allocates: bool = False) -> Callable[
     return dispatcher
 
 
+def is_kept(dispatcher: Any) -> bool:
+    """Whether there is a place on disk for the machine code of a kernel."""
+    return isinstance(getattr(dispatcher, "_cache", None), _KernelCache)
+
+
 def is_warm(dispatcher: Any) -> bool:
     """Whether a kernel is compiled already, in this process or in the cache on disk."""
     if getattr(dispatcher, "signatures", True):  # plain functions when jitting is switched off
         return True
-    cache = getattr(dispatcher, "_cache", None)
-    if not isinstance(cache, _KernelCache):
+    if not is_kept(dispatcher):
         return False
-    keys = cache._cache_file._load_index()
-    return any(key[-1] == _SOURCES for key in keys)
+    try:
+        return bool(dispatcher._cache._cache_file._load_index())
+    except Exception:  # a file cut short
+        return False

@@ -58,7 +58,7 @@ def drift_reconstruction(run: xr.Dataset, *, as_printed: bool = False) -> xr.Dat
     Raises
     ------
     OptionError
-        When the run is not one of `moling`.
+        When the run is not one of `moling`, or has no event log.
 
     See Also
     --------
@@ -87,6 +87,8 @@ def drift_reconstruction(run: xr.Dataset, *, as_printed: bool = False) -> xr.Dat
             f"the run is of {run.attrs.get('system_name')!r}; the chapter's Eqs. (28) and (29)"
             " hold for the system that nonsmooth.models.moling returns"
         )
+    if "event_to" not in run:
+        raise OptionError("the run has no event log; simulate without events=False")
     values = parameter_values(tomllib.loads(run.attrs["system"])["parameters"])
     window = float(run.attrs["window"])
     segments = _segments(run)

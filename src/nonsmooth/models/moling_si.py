@@ -170,7 +170,7 @@ class MolingRig:
         Raises
         ------
         OptionError
-            When the run is not one of this rig's system.
+            When the run is not one of this rig's system, or has no event log.
 
         Examples
         --------
@@ -196,6 +196,8 @@ class MolingRig:
                 "the run was not made with the system of this rig; simulate rig.system() without"
                 " changing its parameters, and hand that run over"
             )
+        if "event_time" not in run:
+            raise OptionError("the run has no event log; simulate without events=False")
         scales = self._scales()
         data = run.drop_vars(
             ["guard_rate", "end_state", "anchor_state", "state_before", "state_after"]

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nonsmooth.plot.trace import DENSE, check_range, check_variables
+from nonsmooth.plot.trace import DENSE, check_log, check_range, check_variables
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -45,7 +45,8 @@ def event_markers(
     Raises
     ------
     OptionError
-        For an unknown variable, or a range that does not meet the run.
+        For an unknown variable, a range that does not meet the run, or a run without its
+        event log.
 
     Examples
     --------
@@ -57,6 +58,7 @@ def event_markers(
     ['p', 'contact', 'impact', 'progression', 'release']
     """
     (name,) = check_variables(run, variable)
+    check_log(run)
     low, high = check_range(run, time_range) or (-np.inf, np.inf)
     times = run["event_time"].values
     values = _values_at_events(run, name)

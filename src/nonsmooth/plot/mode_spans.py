@@ -11,7 +11,7 @@ import numpy.typing as npt
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.histories import common_label, draw_lines
 from nonsmooth.plot.style import axis_label, finish_axes, mode_colours, place_legend
-from nonsmooth.plot.trace import DENSE, check_range, check_variables
+from nonsmooth.plot.trace import DENSE, check_log, check_range, check_variables
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -59,7 +59,8 @@ def phases(
     Raises
     ------
     OptionError
-        For an unknown variable, or a range that does not meet the run.
+        For an unknown variable, a range that does not meet the run, or a run without its
+        event log.
 
     See Also
     --------
@@ -75,6 +76,7 @@ def phases(
     ['no contact', 'contact', 'progression']
     """
     names = check_variables(run, variables)
+    check_log(run)
     time_range = check_range(run, time_range)
     ax = new_axes() if ax is None else ax
     labels = labels or {}

@@ -16,7 +16,7 @@ from nonsmooth.errors import OptionError, unknown_name
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["DENSE", "Trace", "check_range", "check_variables", "curve", "thinned"]
+__all__ = ["DENSE", "Trace", "check_log", "check_range", "check_variables", "curve", "thinned"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -55,6 +55,12 @@ def check_variables(run: xr.Dataset, variables: str | Sequence[str]) -> list[str
     return names
 
 
+def check_log(run: xr.Dataset) -> None:
+    """The run has kept its event log."""
+    if "event_time" not in run:
+        raise OptionError("the run has no event log to draw; simulate without events=False")
+
+
 def check_range(
     run: xr.Dataset, time_range: tuple[float, float] | None
 ) -> tuple[float, float] | None:
@@ -89,7 +95,7 @@ def curve(
     samples = np.stack([run[name].values.astype(float) for name in names])
     trace = Trace(run["time"].values.astype(float), samples, mode, np.zeros(mode.size, bool))
     states = [str(name) for name in run["state"].values]
-    if run.sizes["event"] and all(name in states for name in names):
+    if run.sizes.get("event") and all(name in states for name in names):
         trace = _merged(run, trace, [states.index(name) for name in names])
     return trace if time_range is None else _cut(trace, *time_range)
 

@@ -67,9 +67,9 @@ def plan_run(
     if len(given) != 1:
         what = "none is" if not given else " and ".join(given) + " are"
         raise OptionError(f"give exactly one of periods=, t_end= and times=; {what} given")
+    per_window = whole_number("samples_per_period", samples_per_period)
     if times is not None:
         return _plan_times(window, start, time_grid(times))
-    per_window = whole_number("samples_per_period", samples_per_period)
     t_start = start.number * window + start.phase
     if periods is not None:
         if not periodic:
@@ -103,16 +103,17 @@ def _after(start: Instant, windows: int, phase: float, window: float) -> Instant
 
 
 def _plan_grid(window: float, start: Instant, end: Instant, count: int, per_window: int) -> Plan:
-    index = np.arange(count + 1, dtype=np.int64)
-    number = start.number + index // per_window
-    phase = start.phase + (index % per_window) * (window / per_window)
-    over = phase >= window * (1.0 - 4.0 * _UNIT)
-    number = number + over
-    phase = np.maximum(phase - window * over, 0.0)
+    # the phases of one window repeat in all
+    pattern = start.phase + np.arange(min(per_window, count + 1)) * (window / per_window)
+    over = pattern >= window * (1.0 - 4.0 * _UNIT)
+    pattern = np.maximum(pattern - window * over, 0.0)
+    windows = start.number + np.arange(count // per_window + 1, dtype=np.int64)
+    number = np.add.outer(windows, over).ravel()[: count + 1]
+    phase = np.tile(pattern, windows.size)[: count + 1]
     beyond = (int(number[-1]) - end.number) * window + (float(phase[-1]) - end.phase)
     if abs(beyond) <= 1e-9 * window / per_window:
         end = Instant(int(number[-1]), float(phase[-1]))  # equal up to rounding
-    return Plan(end, number, phase.astype(np.float64))
+    return Plan(end, number, phase)
 
 
 def _plan_times(window: float, start: Instant, grid: npt.NDArray[np.float64]) -> Plan:

@@ -4,111 +4,107 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
 import xarray as xr
+from xarray.indexes import PandasIndex
 
-from nonsmooth.engine.status import CURES, EventKind, Status
-from nonsmooth.simulation.events import event_variables, mode_flags
+from nonsmooth.engine import records as at
+from nonsmooth.engine.status import CURES, Status
+from nonsmooth.simulation.assemble import Columns, assemble
+from nonsmooth.simulation.events import event_variables
+from nonsmooth.simulation.labels import Labels, labels_of
 from nonsmooth.simulation.outputs import Clock, output_values
 from nonsmooth.simulation.runner import Outcome
 from nonsmooth.simulation.words import last_period_word
 from nonsmooth.system.system import System
 from nonsmooth.version import __version__
 
-__all__ = ["labelled", "run_dataset", "status_message"]
+__all__ = ["run_dataset"]
 
 
 def run_dataset(system: System, outcome: Outcome, options: dict[str, Any]) -> xr.Dataset:
     """Dataset of a run: trajectory over ``time``, events over ``event``, attributes."""
+    labels = labels_of(system)
+    samples, coords = _samples(system, labels, outcome)
+    events = event_variables(labels, outcome) if outcome.keeps_events else {}
+    ends: Columns = {
+        "end_state": (("state",), outcome.records.end_state, {"long_name": "states at the end"}),
+        "anchor_state": (
+            ("state",),
+            outcome.anchor.state,
+            {"long_name": "states at the start of the last segment, from which the run goes on"},
+        ),
+    }
+    attrs = _attributes(system, labels, outcome) | options
+    indexes = {"time": PandasIndex(coords["time"][1], "time"), "state": labels.state_index}
+    return assemble(samples | events | ends, coords, indexes, attrs)
+
+
+def _samples(system: System, labels: Labels, outcome: Outcome) -> tuple[Columns, Columns]:
+    """Variables and coordinates over ``time``."""
+    over_time = ("time",)
     count = outcome.n_samples
-    window = float(outcome.tables.clock[0])
-    periodic = bool(outcome.tables.clock[1])
     number = outcome.records.sample_number[:count]
     phase = outcome.records.sample_phase[:count]
-    time = number * window + phase
-    states = outcome.records.sample_state[:count]
+    states = outcome.records.sample_state[:count].T.copy()
     modes = outcome.records.sample_mode[:count]
-    coords: dict[str, Any] = {
-        "time": ("time", time, labelled(system, "time", "time")),
-        "state": ("state", list(system.states)),
-    }
-    if periodic:
-        coords["period_number"] = ("time", number, {"long_name": "whole periods before the sample"})
-        coords["phase"] = ("time", phase, {"long_name": "time since the period began"})
-    variables: dict[str, Any] = {
-        name: ("time", states[:, i].copy(), labelled(system, name, name))
-        for i, name in enumerate(system.states)
-    }
     clock = Clock(number, phase, outcome.tables)
-    for name, values in output_values(system, clock, states, modes).items():
-        variables[name] = ("time", values, labelled(system, name, name))
-    variables["mode"] = ("time", modes.astype(np.int8), mode_flags(system, "mode"))
-    variables |= event_variables(system, outcome)
-    variables["end_state"] = (
-        "state",
-        outcome.records.end_state,
-        {"long_name": "states at the end"},
-    )
-    variables["anchor_state"] = (
-        "state",
-        outcome.anchor.state,
-        {"long_name": "states at the start of the last segment, from which the run goes on"},
-    )
-    attrs = _attributes(system, outcome, options)
-    return xr.Dataset(variables, coords, attrs)
+    coords: Columns = {
+        "time": (over_time, clock.time, labels.attributes("time")),
+        "state": (("state",), labels.states, {}),
+    }
+    if system.period_value is not None:
+        before = {"long_name": "whole periods before the sample"}
+        coords["period_number"] = (over_time, number, before)
+        coords["phase"] = (over_time, phase, {"long_name": "time since the period began"})
+    columns = dict(zip(system.states, states, strict=True))
+    columns |= output_values(system, clock, states, modes)
+    variables: Columns = {
+        name: (over_time, values, labels.attributes(name)) for name, values in columns.items()
+    }
+    variables["mode"] = (over_time, modes.astype("int8"), labels.mode_flags("mode"))
+    return variables, coords
 
 
-def labelled(system: System, name: str, default: str) -> dict[str, str]:
-    """``long_name`` and ``units`` of a variable from the system's descriptions."""
-    text = system.describe.get(name, default)
-    if text.endswith("]") and "[" in text:
-        label, units = text[:-1].rsplit("[", 1)
-        return {"long_name": label.strip(), "units": units.strip()}
-    return {"long_name": text}
-
-
-def _attributes(system: System, outcome: Outcome, options: dict[str, Any]) -> dict[str, Any]:
-    crossings = outcome.event_integers[:, 1] != EventKind.START
+def _attributes(system: System, labels: Labels, outcome: Outcome) -> dict[str, Any]:
+    anchor = outcome.anchor
     attrs = {
         "system_name": system.name,
-        "system": system.to_toml(),
+        "system": labels.system,
         "nonsmooth_version": __version__,
         "status": outcome.status.word,
-        "message": status_message(system, outcome),
+        "message": _message(labels, outcome),
         "certified": int(outcome.n_uncertain == 0),
         "n_samples": outcome.n_samples,
-        "n_rows": len(outcome.event_integers),
-        "n_events": int(np.count_nonzero(crossings)),
+        "n_rows": len(outcome.event_integers) if outcome.keeps_events else 0,
+        "n_events": outcome.n_events,
         "n_uncertain": outcome.n_uncertain,
         "phase_word": last_period_word(system, outcome),
         "window": float(outcome.tables.clock[0]),
         "end_number": outcome.end.number,
         "end_phase": outcome.end.phase,
-        "anchor_number": int(outcome.anchor.place[0]),
-        "anchor_phase": float(outcome.anchor.phase[0]),
-        "anchor_mode": int(outcome.anchor.place[1]),
-        "anchor_order": " ".join(str(order) for order in outcome.anchor.order),
+        "anchor_number": int(anchor.place[0]),
+        "anchor_phase": float(anchor.phase[0]),
+        "anchor_mode": int(anchor.place[1]),
+        "anchor_order": " ".join(str(order) for order in anchor.order),
     }
     if system.period_value is not None:
         attrs["period"] = system.period_value
-    return attrs | options
+    return attrs
 
 
-def status_message(system: System, outcome: Outcome) -> str:
+def _message(labels: Labels, outcome: Outcome) -> str:
     """What the status means for this run, with what to do about it."""
     status = outcome.status
-    end = outcome.end.number * float(outcome.tables.clock[0]) + outcome.end.phase
     if status == Status.COMPLETED:
-        if outcome.n_uncertain:
-            return (
-                f"completed; {outcome.n_uncertain} tangency or tangencies lie within rounding,"
-                " see certified over event"
-            )
-        return "completed"
+        if not outcome.n_uncertain:
+            return "completed"
+        text = f"completed; {outcome.n_uncertain} tangency or tangencies lie within rounding"
+        return text + (", see certified over event" if outcome.keeps_events else "")
+    end = outcome.end.number * float(outcome.tables.clock[0]) + outcome.end.phase
     text = f"{status.word} at t = {end:.9g}: {CURES[status]}"
     if status in (Status.UNDECIDED, Status.INADMISSIBLE) and len(outcome.event_integers):
-        last = event_variables(system, outcome)
-        before = system.mode_names[int(last["event_from"][1][-1])]
-        after = system.mode_names[int(last["event_to"][1][-1])]
-        text += f" (exits passed: {last['event_path'][1][-1]}, from {before!r} to {after!r})"
+        last = outcome.event_integers[-1]
+        before, after = labels.modes[last[at.FROM]], labels.modes[last[at.TO]]
+        passed = labels.path(*(int(last[column]) for column in (at.FROM, at.PATH, at.PASSES)))
+        text += f" (exits passed: {passed}, from {before!r} to {after!r})"
     return text

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -9,99 +10,82 @@ import numpy.typing as npt
 
 from nonsmooth.engine import records as at
 from nonsmooth.engine.status import EventKind
-from nonsmooth.engine.transitions import PATH_BITS, PATH_LENGTH
+from nonsmooth.engine.transitions import PATH_LENGTH
+from nonsmooth.simulation.assemble import Columns
+from nonsmooth.simulation.labels import Labels
 from nonsmooth.simulation.runner import Outcome
-from nonsmooth.system.system import System
 
-__all__ = ["event_variables", "mode_flags"]
+__all__ = ["event_variables"]
 
-
-def mode_flags(system: System, long_name: str) -> dict[str, Any]:
-    """CF flags that say which mode an integer stands for."""
-    return {
-        "long_name": long_name,
-        "flag_values": np.arange(len(system.mode_names), dtype=np.int8),
-        "flag_meanings": " ".join(system.mode_names),
-    }
+_KINDS = [kind.word for kind in EventKind]
 
 
-def event_variables(system: System, outcome: Outcome) -> dict[str, Any]:
+def event_variables(labels: Labels, outcome: Outcome) -> Columns:
     """Variables over ``event`` for a dataset."""
     rows, values = outcome.event_integers, outcome.event_floats
-    n = len(system.states)
-    window = float(outcome.tables.clock[0])
-    number, phase = rows[:, at.NUMBER], values[:, at.PHASE]
-    kinds = np.array([kind.word for kind in EventKind])
+    number, phase = rows[:, at.NUMBER].copy(), values[:, at.PHASE]
+    time = number * float(outcome.tables.clock[0])
+    time += phase
+    n = len(labels.states)
     before = values[:, at.EVENT_FLOATS : at.EVENT_FLOATS + n]
     after = values[:, at.EVENT_FLOATS + n :]
-    event_state = ("event", "state")
-    return {
-        "event_time": ("event", number * window + phase, {"long_name": "time of the event"}),
-        "event_period_number": ("event", number, {"long_name": "whole windows before the event"}),
-        "event_phase": ("event", phase, {"long_name": "time of the event within its window"}),
-        "event_name": (
-            "event",
-            _names(system, rows),
-            {"long_name": "name of the first exit passed"},
-        ),
-        "event_kind": ("event", kinds[rows[:, at.KIND]], {"long_name": "kind of the event"}),
-        "event_from": (
-            "event",
-            rows[:, at.FROM].astype(np.int8),
-            mode_flags(system, "mode before the event"),
-        ),
-        "event_to": (
-            "event",
-            rows[:, at.TO].astype(np.int8),
-            mode_flags(system, "mode after the event"),
-        ),
-        "event_path": ("event", _paths(system, rows), {"long_name": "exits passed at the instant"}),
-        "event_count": (
-            "event",
-            np.ones(len(rows), np.int64),
-            {"long_name": "impacts that this row stands for"},
-        ),
+    codes = rows[:, at.FROM] * labels.width
+    codes += rows[:, at.EXIT]
+    codes[rows[:, at.EXIT] < 0] += labels.width  # the start
+    columns: dict[str, tuple[Any, str | dict[str, Any]]] = {
+        "event_time": (time, "time of the event"),
+        "event_period_number": (number, "whole windows before the event"),
+        "event_phase": (phase, "time of the event within its window"),
+        "event_name": (_texts(labels.names, codes), "name of the first exit passed"),
+        "event_kind": (_texts(_KINDS, rows[:, at.KIND]), "kind of the event"),
+        "event_from": (_modes(rows, at.FROM), labels.mode_flags("mode before the event")),
+        "event_to": (_modes(rows, at.TO), labels.mode_flags("mode after the event")),
+        "event_path": (_paths(labels, rows, codes), "exits passed at the instant"),
+        "event_count": (np.ones(len(rows), np.int64), "impacts that this row stands for"),
         "guard_rate": (
-            "event",
             values[:, at.GUARD_RATE],
-            {"long_name": "rate of the guard that fired, just before the event"},
+            "rate of the guard that fired, just before the event",
         ),
         "certified": (
-            "event",
             rows[:, at.IS_CERTIFIED].astype(bool),
-            {"long_name": "whether rounding leaves no doubt about the event"},
+            "whether rounding leaves no doubt about the event",
         ),
-        "state_before": (event_state, before, {"long_name": "states just before the event"}),
-        "state_after": (event_state, after, {"long_name": "states just after the event"}),
+        "state_before": (before, "states just before the event"),
+        "state_after": (after, "states just after the event"),
+    }
+    return {
+        name: (
+            ("event", "state")[: column.ndim],
+            column,
+            {"long_name": words} if isinstance(words, str) else words,
+        )
+        for name, (column, words) in columns.items()
     }
 
 
-def _names(system: System, rows: npt.NDArray[np.int64]) -> npt.NDArray[Any]:
-    """Exit names looked up by mode and exit; the start has a name of its own."""
-    names = system.compiled.exit_names
-    most = max(1, *(len(of_mode) for of_mode in names))
-    table = np.array([[*of_mode, *[""] * (most - len(of_mode)), "start"] for of_mode in names])
-    return table[rows[:, at.FROM], rows[:, at.EXIT]]  # exit -1, the start, is the last column
+def _modes(rows: npt.NDArray[np.int64], column: int) -> npt.NDArray[np.int8]:
+    return rows[:, column].astype(np.int8)
 
 
-def _paths(system: System, rows: npt.NDArray[np.int64]) -> npt.NDArray[Any]:
-    """Names of the exits passed at one instant, joined by '>'."""
-    if len(rows) == 0:
-        return np.array([], dtype=str)
-    keys = rows[:, [at.FROM, at.PATH, at.PASSES]]
-    # distinct paths are few, so only they are decoded
-    code = (keys[:, 1] * len(system.modes) + keys[:, 0]) * 2 + (keys[:, 2] > PATH_LENGTH)
-    _, first, inverse = np.unique(code, return_index=True, return_inverse=True)
-    texts = np.array([_path_text(system, *(int(v) for v in keys[k])) for k in first])
-    return texts[inverse]
+def _texts(table: Sequence[str], codes: npt.NDArray[np.int64]) -> npt.NDArray[Any]:
+    """Texts by number, as wide as the longest that occurs, which is the width files restore."""
+    counts = np.bincount(codes, minlength=len(table))
+    words = np.array([text if n else "" for text, n in zip(table, counts, strict=True)])
+    return words.take(codes)
 
 
-def _path_text(system: System, mode: int, path: int, passes: int) -> str:
-    wiring = system.compiled.program.wiring
-    names = []
-    for _ in range(min(passes, PATH_LENGTH)):
-        way = (path & ((1 << PATH_BITS) - 1)) - 1
-        path >>= PATH_BITS
-        names.append(system.compiled.exit_names[mode][way])
-        mode = int(wiring[mode, 1 + way, 0])
-    return ">".join(names) + (">..." if passes > PATH_LENGTH else "")
+def _paths(
+    labels: Labels, rows: npt.NDArray[np.int64], codes: npt.NDArray[np.int64]
+) -> npt.NDArray[Any]:
+    """Exits passed: mostly the one that has named the event; longer paths are decoded."""
+    several = np.flatnonzero(rows[:, at.PASSES] > (rows[:, at.EXIT] >= 0))
+    if several.size == 0:
+        return _texts(labels.paths, codes)
+    mode, path, passes = rows[several][:, [at.FROM, at.PATH, at.PASSES]].T
+    _, path_code = np.unique(path, return_inverse=True)
+    code = (path_code * len(labels.modes) + mode) * 2 + (passes > PATH_LENGTH)
+    _, first, which = np.unique(code, return_index=True, return_inverse=True)
+    texts = [labels.path(int(mode[k]), int(path[k]), int(passes[k])) for k in first]
+    codes = codes.copy()
+    codes[several] = len(labels.paths) + which
+    return _texts([*labels.paths, *texts], codes)

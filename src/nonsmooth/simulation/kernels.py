@@ -15,12 +15,16 @@ def announce_compilation() -> None:
     if _announced:
         return
     _announced = True
-    from nonsmooth.engine.jit import is_warm
+    from nonsmooth.engine.jit import is_kept, is_warm
     from nonsmooth.engine.loop import run
 
-    if not is_warm(run):
-        print(
-            "nonsmooth: compiling its kernels, once for this installation (under a minute)",
-            file=sys.stderr,
-            flush=True,
+    if is_warm(run):
+        return
+    if is_kept(run):
+        text = "once for this installation (under a minute)"
+    else:
+        text = (
+            "for this process alone (under a minute): none of the folders where numba keeps"
+            " machine code can be written; set NUMBA_CACHE_DIR to one that can"
         )
+    print(f"nonsmooth: compiling its kernels, {text}", file=sys.stderr, flush=True)

@@ -13,7 +13,14 @@ import numpy.typing as npt
 from nonsmooth.errors import OptionError
 from nonsmooth.system.system import System
 
-__all__ = ["check_count", "check_run_options", "finite_number", "time_grid", "whole_number"]
+__all__ = [
+    "check_count",
+    "check_flag",
+    "check_run_options",
+    "finite_number",
+    "time_grid",
+    "whole_number",
+]
 
 _LARGEST_TIME = 1e15  # whole windows must stay exact, and far below 64 bits
 _MOST_SAMPLES = 10**8
@@ -35,6 +42,13 @@ def whole_number(name: str, value: Any) -> int:
     if number != int(number) or number < 1:
         raise OptionError(f"{name} = {number:g} must be a whole number of at least 1")
     return int(number)
+
+
+def check_flag(name: str, value: Any) -> bool:
+    """Value of an option that is true or false."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise OptionError(f"{name} = {value!r:.60}: give True or False")
+    return bool(value)
 
 
 def time_grid(value: Any) -> npt.NDArray[np.float64]:

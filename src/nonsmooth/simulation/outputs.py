@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -10,9 +11,10 @@ import numpy.typing as npt
 
 from nonsmooth.engine.layout import Tables
 from nonsmooth.errors import ModelError
+from nonsmooth.system.equations import Equation
 from nonsmooth.system.evaluate import evaluate
-from nonsmooth.system.linear import Harmonic, LinearForm, Power
-from nonsmooth.system.structure import ModeForms
+from nonsmooth.system.linear import Basis, Harmonic, LinearForm, Power
+from nonsmooth.system.structure import ModeForms, Structure
 from nonsmooth.system.system import System
 
 __all__ = ["output_values"]
@@ -38,13 +40,15 @@ class Clock:
         turns = self.turns.get(frequency)
         if turns is None:
             return frequency * self.time
-        angle: Array = 2.0 * np.pi * np.mod(turns * self.number, 1.0) + frequency * self.phase
+        angle: Array = frequency * self.phase
+        if turns != round(turns):
+            angle = 2.0 * np.pi * np.mod(turns * self.number, 1.0) + angle
         return angle
 
-    def at(self, here: npt.NDArray[np.bool_]) -> Clock:
+    def at(self, here: npt.NDArray[np.int64]) -> Clock:
         """Clock of some of the samples."""
         part = object.__new__(Clock)
-        part.number, part.phase = self.number[here], self.phase[here]
+        part.number, part.phase = self.number.take(here), self.phase.take(here)
         part.window, part.turns = self.window, self.turns
         return part
 
@@ -52,29 +56,58 @@ class Clock:
 def output_values(
     system: System, clock: Clock, states: Array, modes: npt.NDArray[np.int64]
 ) -> dict[str, Array]:
-    """Values of every output over the samples, from states (time, state) and mode numbers."""
+    """Values of every output over the samples, from states (state, time) and mode numbers."""
     values = {name: np.full(modes.shape, np.nan) for name in system.outputs}
     if not values:
         return values
-    for m, forms in enumerate(system.structure.modes.values()):
-        here = modes == m
-        if not np.any(here):
+    for m, linear in enumerate(_linear_forms(system.structure)):
+        here = np.flatnonzero(modes == m)
+        if here.size == 0:
             continue
-        names = _Names(system, forms, clock.at(here), states[here])
+        names = _Names(system, m, linear, clock.at(here), states.take(here, axis=1))
         for name, target in values.items():
-            target[here] = names[name]
+            target.put(here, names[name])
     return values
+
+
+@lru_cache(maxsize=32)
+def _linear_forms(structure: Structure) -> tuple[dict[str, LinearForm], ...]:
+    """Outputs and definitions that are linear forms, mode by mode."""
+    return tuple(
+        {
+            name: form
+            for name, equation in {**forms.definitions, **structure.outputs}.items()
+            if (form := _linear_form(forms, equation)) is not None
+        }
+        for forms in structure.modes.values()
+    )
+
+
+def _linear_form(forms: ModeForms, equation: Equation) -> LinearForm | None:
+    try:
+        return forms.form(equation)
+    except (ModelError, KeyError):  # not linear, or made of other outputs
+        return None
 
 
 class _Names(Mapping[str, Any]):
     """Values of names in one mode; definitions and outputs are worked out when asked for."""
 
-    def __init__(self, system: System, forms: ModeForms, clock: Clock, states: Array) -> None:
-        self.forms = forms
+    def __init__(
+        self,
+        system: System,
+        mode: int,
+        linear: Mapping[str, LinearForm],
+        clock: Clock,
+        states: Array,
+    ) -> None:
+        self.forms = system.structure.modes[system.mode_names[mode]]
+        self.linear = linear
         self.clock = clock
         self.known: dict[str, Any] = {"t": clock.time, "pi": np.pi, **system.parameter_values}
-        self.known |= {name: states[:, i] for i, name in enumerate(system.states)}
+        self.known |= zip(system.states, states, strict=True)
         self.outputs = system.structure.outputs
+        self._waves: dict[Harmonic, Array] = {}
         self._open: list[str] = []
 
     def __getitem__(self, name: str) -> Any:
@@ -89,26 +122,25 @@ class _Names(Mapping[str, Any]):
     def _work_out(self, name: str) -> Any:
         if name.startswith("rate("):
             return self._form_value(self.forms.rates[name[5:-1]])
-        equation = self.outputs.get(name) or self.forms.definitions[name]
-        try:
-            # as a linear form, harmonics are exact however late it is
-            return self._form_value(self.forms.form(equation))
-        except (ModelError, KeyError):
-            return evaluate(equation.tree, self)
+        if name in self.linear:  # harmonics of a linear form are exact however late it is
+            return self._form_value(self.linear[name])
+        return evaluate((self.outputs.get(name) or self.forms.definitions[name]).tree, self)
 
     def _form_value(self, form: LinearForm) -> Any:
         total: Any = 0.0
         for basis, coefficient in form.terms.items():
-            value = evaluate(coefficient, self)
-            if isinstance(basis, Power):
-                factor = self.known["t"] ** basis.order
-            elif isinstance(basis, Harmonic):
-                angle = self.clock.angle(float(evaluate(basis.frequency, self)))
-                factor = np.cos(angle) if basis.kind == "cos" else np.sin(angle)
-            else:
-                factor = self.known[basis.name]
-            total = total + value * factor
+            total = total + evaluate(coefficient, self) * self._basis_value(basis)
         return total
+
+    def _basis_value(self, basis: Basis) -> Any:
+        if isinstance(basis, Power):
+            return self.known["t"] ** basis.order
+        if not isinstance(basis, Harmonic):
+            return self.known[basis.name]
+        if basis not in self._waves:
+            angle = self.clock.angle(float(evaluate(basis.frequency, self)))
+            self._waves[basis] = np.cos(angle) if basis.kind == "cos" else np.sin(angle)
+        return self._waves[basis]
 
     def __iter__(self) -> Iterator[str]:
         return iter(self.known)

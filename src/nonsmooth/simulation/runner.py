@@ -17,17 +17,12 @@ from nonsmooth.engine.layout import (
     augmented_size,
 )
 from nonsmooth.engine.loop import run, start
-from nonsmooth.engine.records import (
-    Anchor,
-    Records,
-    allocate_anchor,
-    allocate_records,
-    with_fresh_events,
-)
+from nonsmooth.engine.records import Anchor, Records, allocate_anchor, allocate_records
 from nonsmooth.engine.setup import set_up
 from nonsmooth.engine.status import SETUP_ERRORS, EventKind, Status
 from nonsmooth.errors import ModelError
 from nonsmooth.simulation.clock import Instant, Plan
+from nonsmooth.simulation.event_log import FIRST_CAPACITY, EventLog
 from nonsmooth.simulation.kernels import announce_compilation
 from nonsmooth.simulation.progress import Progress
 from nonsmooth.system.system import System
@@ -35,8 +30,6 @@ from nonsmooth.system.system import System
 __all__ = ["NoMode", "Outcome", "build_tables", "run_plan"]
 
 _ZERO = Instant(0, 0.0)
-_CAPACITY = 1024  # events in the first buffer
-_LARGEST_CAPACITY = 65536
 _WINDOWS_PER_CALL = 10_000  # a few hundredths of a second: interruption and progress
 
 
@@ -58,8 +51,10 @@ class Outcome:
     anchor: Anchor
     records: Records
     n_samples: int
-    event_integers: npt.NDArray[np.int64]
+    event_integers: npt.NDArray[np.int64]  # the whole log, or its end where it was not kept
     event_floats: npt.NDArray[np.float64]
+    keeps_events: bool
+    n_events: int
     n_uncertain: int
     end: Instant
 
@@ -92,10 +87,11 @@ def run_plan(
     state: npt.NDArray[np.float64] | None = None,
     begin: Instant = _ZERO,
     mode: int = -1,
+    keep_events: bool = True,
 ) -> Outcome:
     """Run a plan from an anchor, or from a state at an instant; `NoMode` when none fits."""
     sizes = tables.sizes
-    records = allocate_records(sizes, plan.sample_number, plan.sample_phase, _CAPACITY)
+    records = allocate_records(sizes, plan.sample_number, plan.sample_phase, FIRST_CAPACITY)
     segment = allocate_segment(sizes)
     status = Status.COMPLETED
     if anchor is None:
@@ -108,13 +104,13 @@ def run_plan(
             raise NoMode(segment.z.copy())
     else:
         _log_going_on(records, begin, anchor, state)
-    log = _EventLog()
+    log = EventLog(keep_events)
     if status == Status.COMPLETED:
         status, records = _run(tables, plan, anchor, segment, records, log, tolerance)
     end = plan.end
     if status != Status.COMPLETED:
         end = Instant(int(anchor.place[0]), float(anchor.phase[0]))
-    integers, floats = log.close(records)
+    integers, floats = log.rows(records)
     return Outcome(
         status=status,
         tables=tables,
@@ -124,6 +120,8 @@ def run_plan(
         n_samples=int(records.cursor[at.SAMPLES]),
         event_integers=integers,
         event_floats=floats,
+        keeps_events=keep_events,
+        n_events=log.n_left_out + len(integers) - 1,  # the first row is the start
         n_uncertain=int(records.cursor[at.UNCERTAIN]),
         end=end,
     )
@@ -135,11 +133,12 @@ def _run(
     anchor: Anchor,
     segment: Any,
     records: Records,
-    log: _EventLog,
+    log: EventLog,
     tolerance: float,
 ) -> tuple[Status, Records]:
     first = int(anchor.place[0])
-    with Progress("simulating", max(1, plan.end.number - first)) as progress:
+    windows = max(1, plan.end.number - first)
+    with Progress("simulating", windows) as progress:
         while True:
             done = int(anchor.place[0]) + _WINDOWS_PER_CALL
             stop = Instant(done, 0.0) if done < plan.end.number else plan.end
@@ -148,7 +147,7 @@ def _run(
             except KeyboardInterrupt:
                 return Status.INTERRUPTED, records
             if status == Status.BUFFER_FULL:
-                records = log.swap(records)
+                records = log.make_room(records, (int(anchor.place[0]) - first) / windows)
             elif status != Status.COMPLETED or stop == plan.end:
                 return status, records
             try:
@@ -168,29 +167,3 @@ def _log_going_on(
     if state is not None:
         records.event_floats[0, at.EVENT_FLOATS :] = np.concatenate([state, state])
     records.cursor[at.EVENTS] = 1
-
-
-class _EventLog:
-    """Collects event buffers: a full one is set aside and a larger one takes its place."""
-
-    def __init__(self) -> None:
-        self.integers: list[npt.NDArray[np.int64]] = []
-        self.floats: list[npt.NDArray[np.float64]] = []
-
-    def swap(self, records: Records) -> Records:
-        """Records to go on with, after the rows of the present buffer were set aside."""
-        self._keep(records)
-        capacity = min(4 * len(records.event_floats), _LARGEST_CAPACITY)
-        return with_fresh_events(records, capacity)
-
-    def close(self, records: Records) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.float64]]:
-        """All rows."""
-        self._keep(records)
-        if len(self.floats) == 1:
-            return self.integers[0], self.floats[0]
-        return np.concatenate(self.integers), np.concatenate(self.floats)
-
-    def _keep(self, records: Records) -> None:
-        count = int(records.cursor[at.EVENTS])
-        self.integers.append(records.event_integers[:count])
-        self.floats.append(records.event_floats[:count])

@@ -13,7 +13,7 @@ from nonsmooth.engine.status import Status
 from nonsmooth.errors import OptionError, RunWarning
 from nonsmooth.simulation.clock import plan_run
 from nonsmooth.simulation.dataset import run_dataset
-from nonsmooth.simulation.options import check_run_options
+from nonsmooth.simulation.options import check_flag, check_run_options
 from nonsmooth.simulation.runner import NoMode, build_tables, run_plan
 from nonsmooth.simulation.start import explain_misfit, resolve_start
 from nonsmooth.system.system import System
@@ -33,6 +33,7 @@ def simulate(
     parameters: Mapping[str, float | str] | None = None,
     mode: str | None = None,
     tolerance: float = 1e-12,
+    events: bool = True,
     tangent: bool = False,
 ) -> xr.Dataset:
     """Trajectory of a system, its event log and the certificate of both.
@@ -71,6 +72,9 @@ def simulate(
     tolerance : float, optional
         What counts as zero for a start, relative to the terms of the guard. Events and
         the accuracy of the flow do not depend on it.
+    events : bool, optional
+        Whether to keep the event log. Without it a run of any length needs no more memory
+        than its samples; events are found and counted as ever, and the run can go on.
     tangent : bool, optional
         Not supported in this version; refused with a message.
 
@@ -80,7 +84,8 @@ def simulate(
         Over ``time``: every state and output by name, and ``mode``. Over ``event``, one
         row per instant: ``event_time``, ``event_name``, ``event_kind`` (start, switch,
         impact, graze), ``event_from``, ``event_to``, ``event_path``, ``guard_rate``,
-        ``certified``, ``state_before`` and ``state_after``. Attributes: ``status`` with
+        ``certified``, ``state_before`` and ``state_after``; nothing over ``event`` with
+        ``events=False``. Attributes: ``status`` with
         its ``message``, ``phase_word`` of the last period, ``n_events``,
         ``n_uncertain``, the system as TOML and the options.
 
@@ -120,6 +125,7 @@ def simulate(
     ('completed', 613.4445)
     """
     system = check_run_options(system, parameters, mode, tolerance, tangent)
+    keep_events = check_flag("events", events)
     tables = build_tables(system)
     start = resolve_start(system, tables, initial, t_start, mode, parameters is not None)
     plan = plan_run(
@@ -140,11 +146,16 @@ def simulate(
             state=start.state,
             begin=start.instant,
             mode=start.mode,
+            keep_events=keep_events,
         )
     except NoMode as misfit:
         raise OptionError(explain_misfit(system, tables, start, misfit.z)) from None
-    options: dict[str, Any] = {"tolerance": tolerance, "samples_per_period": samples_per_period}
-    options["changed_parameters"] = str(dict(parameters)) if parameters else ""
+    options: dict[str, Any] = {
+        "tolerance": float(tolerance),
+        "samples_per_period": int(samples_per_period),
+        "events": int(keep_events),
+        "changed_parameters": str(dict(parameters)) if parameters else "",
+    }
     result = run_dataset(system, outcome, options)
     if outcome.status not in (Status.COMPLETED, Status.STOPPED):
         warnings.warn(f"{system.name}: {result.attrs['message']}", RunWarning, stacklevel=2)

@@ -77,6 +77,8 @@ def _mode_index(system: System, mode: str | None) -> int:
 
 
 def _instant(tables: Tables, time: float) -> Instant:
+    if time == 0.0:
+        return Instant(0, 0.0)
     time = finite_number("t_start", time)
     number, phase = instants([time], float(tables.clock[0]))
     return Instant(int(number[0]), float(phase[0]))
@@ -115,10 +117,8 @@ def _from_run(
             f"initial: the run ended with status {status!r} and cannot go on; take one of its"
             " points instead, as in run.isel(time=-1)"
         )
-    whole = (
-        run.sizes["time"] == run.attrs["n_samples"] and run.sizes["event"] == run.attrs["n_rows"]
-    )
-    if not whole:
+    rows = run.sizes.get("event", 0)
+    if (run.sizes["time"], rows) != (run.attrs["n_samples"], run.attrs["n_rows"]):
         raise OptionError(
             "initial: this is a part of a run, which cannot go on; take one of its points, as in"
             " run.isel(time=-1), or the whole run"

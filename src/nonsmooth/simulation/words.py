@@ -44,7 +44,7 @@ def phase_word(
     Raises
     ------
     OptionError
-        When ``stop`` is before ``start``.
+        When ``stop`` is before ``start``, or the run was made with ``events=False``.
 
     Examples
     --------
@@ -58,6 +58,11 @@ def phase_word(
     high = np.inf if stop is None else stop
     if high < low:
         raise OptionError(f"stop = {high:g} lies before start = {low:g}")
+    if "event_to" not in run:
+        raise OptionError(
+            "the dataset has no event log; simulate without events=False, or read the word of the"
+            " last period in its attribute 'phase_word'"
+        )
     names = run["event_to"].attrs["flag_meanings"].split()
     keep = run["event_kind"].values != EventKind.GRAZE.word
     times, entered = run["event_time"].values[keep], run["event_to"].values[keep]
@@ -66,17 +71,31 @@ def phase_word(
 
 def last_period_word(system: System, outcome: Outcome) -> str:
     """Word of the last period of a run, of the whole run where there is no period."""
-    rows = outcome.event_integers
-    keep = rows[:, at.KIND] != EventKind.GRAZE
-    window = float(outcome.tables.clock[0])
-    times = (rows[:, at.NUMBER] * window + outcome.event_floats[:, at.PHASE])[keep]
-    end = outcome.end.number * window + outcome.end.phase
-    low = end - window if system.period_value is not None else -np.inf
-    modes = _modes_between(times, rows[keep, at.TO], low, end)
+    low = -float(outcome.tables.clock[0]) if system.period_value is not None else -np.inf
+    modes = _modes_between(*_latest(outcome, low), low, 0.0)
     if modes.size == 0:  # no event since the run went on from an earlier one
         modes = outcome.anchor.place[1:2]
     text = " ".join(system.mode_names[m] for m in modes[-_LONGEST:])
     return ("... " if modes.size > _LONGEST else "") + text
+
+
+def _latest(outcome: Outcome, low: float) -> tuple[np.ndarray, np.ndarray]:
+    """Times, relative to the end, and modes entered of the last events.
+
+    All since ``low``, or enough for a word: a run may be long, and its last period is short,
+    so the log is read from its end.
+    """
+    window, end = float(outcome.tables.clock[0]), outcome.end
+    count = 2 * _LONGEST
+    while True:
+        rows, phase = outcome.event_integers[-count:], outcome.event_floats[-count:, at.PHASE]
+        lasting = rows[:, at.KIND] != EventKind.GRAZE
+        times = ((rows[:, at.NUMBER] - end.number) * window + (phase - end.phase))[lasting]
+        before = int(np.searchsorted(times, 0.0))
+        enough = before > _LONGEST + 1 or (before > 0 and times[0] <= low)
+        if enough or count >= len(outcome.event_integers):
+            return times, rows[lasting, at.TO]
+        count *= 4
 
 
 def _modes_between(times: np.ndarray, entered: np.ndarray, low: float, high: float) -> np.ndarray:

@@ -1,0 +1,72 @@
+"""The words of a system that stand in every result: labels, units, names of modes and exits."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from xarray.indexes import PandasIndex
+
+from nonsmooth.engine.transitions import PATH_BITS, PATH_LENGTH
+from nonsmooth.system.system import System
+
+__all__ = ["Labels", "labels_of"]
+
+
+class Labels:
+    """Words of one system, looked up once."""
+
+    def __init__(self, system: System) -> None:
+        self.system = system.to_toml()
+        self.modes = system.mode_names
+        self.states = np.array(system.states)
+        self.state_index = PandasIndex(self.states, "state", coord_dtype=self.states.dtype)
+        self._texts = {
+            name: _label(system.describe.get(name, name))
+            for name in ("time", *system.states, *system.outputs)
+        }
+        exits = system.compiled.exit_names
+        self.width = 1 + max(len(of_mode) for of_mode in exits)
+        # exits of each mode in turn; the last place of a mode stands for the start
+        rows = [[*names, *[""] * (self.width - 1 - len(names))] for names in exits]
+        self.names = [name for row in rows for name in [*row, "start"]]
+        self.paths = [name for row in rows for name in [*row, ""]]
+        self._targets = system.compiled.program.wiring[:, 1:, 0]
+
+    def attributes(self, name: str) -> dict[str, str]:
+        """``long_name`` and ``units`` of a variable from the system's descriptions."""
+        return self._texts[name]
+
+    def mode_flags(self, long_name: str) -> dict[str, Any]:
+        """CF flags that say which mode an integer stands for."""
+        values = np.arange(len(self.modes), dtype=np.int8)
+        return {
+            "long_name": long_name,
+            # netCDF does not tell one value from a list of one
+            "flag_values": values if len(values) > 1 else values[0],
+            "flag_meanings": " ".join(self.modes),
+        }
+
+    def path(self, mode: int, path: int, passes: int) -> str:
+        """Names of the exits passed at one instant, joined by '>'."""
+        names = []
+        for _ in range(min(passes, PATH_LENGTH)):
+            way = (path & ((1 << PATH_BITS) - 1)) - 1
+            path >>= PATH_BITS
+            names.append(self.paths[mode * self.width + way])
+            mode = int(self._targets[mode, way])
+        return ">".join(names) + (">..." if passes > PATH_LENGTH else "")
+
+
+@lru_cache(maxsize=32)
+def labels_of(system: System) -> Labels:
+    """Labels of a system; the last few systems are remembered."""
+    return Labels(system)
+
+
+def _label(text: str) -> dict[str, str]:
+    if text.endswith("]") and "[" in text:
+        label, units = text[:-1].rsplit("[", 1)
+        return {"long_name": label.strip(), "units": units.strip()}
+    return {"long_name": text}
