@@ -88,7 +88,7 @@ def simulate(
 
 def _check_files(plot: Path | None, save: Path | None) -> None:
     """Refuse files that could not be written, before a long run and not after it."""
-    from nonsmooth.plot.files import check_target
+    from nonsmooth.files import check_target
 
     if plot is not None:
         check_target(plot, (".png", ".pdf"))
@@ -152,7 +152,7 @@ def _run(system: System, initial: dict[str, float], **options: Any) -> xr.Datase
 
 
 def _save(run: xr.Dataset, path: Path) -> None:
-    from nonsmooth.plot.files import replacing
+    from nonsmooth.files import replacing
 
     with replacing(path) as draft:
         run.to_netcdf(draft, engine="h5netcdf")
