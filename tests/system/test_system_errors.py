@@ -86,7 +86,7 @@ def test_names_that_are_not_declared(changes, words):
         ({"states": []}, ["at least one state"]),
         ({"modes": {}}, ["at least one mode"]),
         ({"modes": {"free": {"x": "v"}}}, ["write Mode(flow, exits=...)"]),
-        ({"describe": {"x": 3}}, ["describe['x']", "a label is a text"]),
+        ({"describe": {"x": 3}}, ["describe['x']", "3 is not a text"]),
     ],
 )
 def test_names_that_cannot_be(changes, words):

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from nonsmooth.errors import ModelError, unknown_name
 from nonsmooth.system.equations import Equation
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from nonsmooth.system.system import System
 
 __all__ = [
+    "UNSUPPORTED",
     "check_kinds",
     "check_structure",
     "check_values",
@@ -43,7 +44,7 @@ _RESULT_NAMES = {
     "certified", "state_before", "state_after", "end_state", "anchor_state",
 }  # fmt: skip
 _MOST = 60  # modes, and exits of a mode: sets of them are bits of one integer
-_UNSUPPORTED = {
+UNSUPPORTED = {
     "equations": "write one Mode per smooth piece in modes=",
     "surfaces": "write the two sides of the surface as modes with an exit each",
     "symmetry": "leave it out; no analysis of this version uses it",
@@ -52,10 +53,10 @@ _UNSUPPORTED = {
 }
 
 
-def refuse_unsupported(system: System) -> None:
+def refuse_unsupported(words: Mapping[str, Any]) -> None:
     """Refuse what the contract names and this version does not do yet."""
-    for key, cure in _UNSUPPORTED.items():
-        if getattr(system, key) is not None:
+    for key, cure in UNSUPPORTED.items():
+        if words.get(key) is not None:
             raise ModelError(f"{key}= is not supported in this version; {cure}")
 
 
@@ -69,8 +70,7 @@ def check_kinds(system: System) -> None:
 
 def check_words(system: System) -> None:
     """Every name is well-formed, declared once and allowed where it stands."""
-    if not isinstance(system.name, str):
-        raise ModelError(f"name: {system.name!r:.60} is not a text")
+    _check_text("name", system.name)
     if len(system.modes) > _MOST:
         raise ModelError(f"modes: {len(system.modes)} modes; at most {_MOST} are supported")
     if not system.states:
@@ -96,8 +96,21 @@ def check_words(system: System) -> None:
     for name, label in system.describe.items():
         if name not in owner and name != "time":
             raise ModelError(f"describe: {unknown_name('name', name, [*owner, 'time'])}")
-        if not isinstance(label, str):
-            raise ModelError(f"describe[{name!r}]: a label is a text, not {label!r:.60}")
+        _check_text(f"describe[{name!r}]", label)
+    for condition, reason in system.require.items():
+        _check_text(f"require[{condition!r:.60}]", reason)
+
+
+def _check_text(where: str, text: object) -> None:
+    """Names, labels and reasons are texts that a file can hold."""
+    if not isinstance(text, str):
+        raise ModelError(f"{where}: {text!r:.60} is not a text")
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        raise ModelError(
+            f"{where}: {text!r:.60} has half of a surrogate pair in it, which no file can hold"
+        ) from None
 
 
 def _check_name(kind: str, name: object) -> None:

@@ -6,18 +6,22 @@ that the engine runs are made by `compile`; no time stepping happens here.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 from nonsmooth.errors import ModelError, unknown_name
+from nonsmooth.files import check_target, replacing
 from nonsmooth.system import checks
 from nonsmooth.system.compile import Compiled, compile_structure
 from nonsmooth.system.frozen import FrozenDict
 from nonsmooth.system.parts import Mode, Text
 from nonsmooth.system.structure import Structure
-from nonsmooth.system.toml import system_to_toml
+from nonsmooth.system.toml_reading import read_system
+from nonsmooth.system.toml_writing import system_to_toml
 
 __all__ = ["System"]
 
@@ -108,7 +112,7 @@ class System:
     signals: Any = None
 
     def __post_init__(self) -> None:
-        checks.refuse_unsupported(self)
+        checks.refuse_unsupported(vars(self))
         for key in ("states", "drift"):
             value = getattr(self, key)
             if isinstance(value, str):
@@ -194,13 +198,64 @@ class System:
         checks.check_values(other)
         return other
 
-    def to_toml(self) -> str:
-        """Return the system as TOML text.
+    @classmethod
+    def from_toml(cls, source: str | os.PathLike[str]) -> System:
+        """Make a system from TOML: the inverse of `to_toml`.
+
+        The words are those of `System`, `Mode` and `Exit`. Everything in the text is data;
+        nothing is executed.
+
+        Parameters
+        ----------
+        source : str or path
+            TOML text, or the path of a file. Text without a line break names a file.
+
+        Returns
+        -------
+        System
+
+        Raises
+        ------
+        ModelError
+            When the file cannot be read, the text is not TOML, a key or a type is wrong,
+            or the system that it describes cannot be right; the message names the place.
+
+        Examples
+        --------
+        >>> import nonsmooth as ns
+        >>> decay = ns.System.from_toml(
+        ...     '''
+        ... states = ["x"]
+        ... [parameters]
+        ... k = 2.0
+        ... [modes.decay.flow]
+        ... x = "-k*x"
+        ... '''
+        ... )
+        >>> decay.parameter_values
+        {'k': 2.0}
+        >>> ns.System.from_toml(decay.to_toml()) == decay
+        True
+        """
+        return read_system(cls, source)
+
+    def to_toml(self, path: str | os.PathLike[str] | None = None) -> str:
+        """Return the system as TOML text, and write it to a file where one is named.
+
+        Parameters
+        ----------
+        path : str or path, optional
+            File to write, with the suffix ``.toml``; it appears whole or not at all.
 
         Returns
         -------
         str
             The definition with a version key inside.
+
+        Raises
+        ------
+        OptionError
+            When the path has another suffix, or its folder does not exist.
 
         Examples
         --------
@@ -208,7 +263,11 @@ class System:
         >>> print(ns.models.moling().to_toml().splitlines()[1])
         name = "moling"
         """
-        return system_to_toml(self)
+        text = system_to_toml(self)
+        if path is not None:
+            with replacing(check_target(Path(path), (".toml",))) as draft:
+                draft.write_text(text, encoding="utf-8", newline="\n")
+        return text
 
     @cached_property
     def _identity(self) -> str:
