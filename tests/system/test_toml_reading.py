@@ -102,7 +102,7 @@ WRONG_KEYS = [
     ("[modes.free.flow]", "[modes.free.flows]", "modes.free: unknown key 'flows'; did you mean"),
     ("[modes.free.flow]", "[modes.free]", "a flow stands under [modes.free.flow]"),
     ("[[modes.free.exits]]", "[[modes.free.exit]]", "modes.free: unknown key 'exit'; did you"),
-    ("guard = ", "gaurd = ", "modes.free.exits[0]: unknown key 'gaurd'; did you mean 'guard'?"),
+    ("guard = ", "guards = ", "modes.free.exits[0]: unknown key 'guards'; did you mean 'guard'?"),
     ("to = ", "target = ", "modes.free.exits[1]: unknown key 'target' (known: guard, name, reset"),
     ('guard = "9 + v"\n', "", "modes.free.exits[1]: guard is missing"),
     ('states = ["x", "v"]', "", "states is missing; write states ="),
@@ -245,7 +245,7 @@ def test_numbers_may_stand_for_texts():
 
 
 def test_faults_of_the_system_itself_come_through():
-    assert "did you mean 'stop'" in refused(changed('to = "stop"', 'to = "stpo"'))
+    assert "did you mean 'stop'" in refused(changed('to = "stop"', 'to = "sto"'))
     assert "unknown name 'u'" in refused(changed('x = "v"', 'x = "u"'))
     assert "modes.free.exits[0]: name='a b' is not a name" in refused(changed("impact", "a b"))
     assert "w > 0 is required" in refused(changed("2.8", "-1"))

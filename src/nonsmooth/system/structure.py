@@ -25,6 +25,7 @@ from nonsmooth.system.expressions import (
     negate,
     subtract,
     walk,
+    written_out,
 )
 from nonsmooth.system.functions import lookup
 from nonsmooth.system.grammar import point_at
@@ -43,6 +44,8 @@ if TYPE_CHECKING:
 
 # an equals sign that is not part of a comparison
 _EQUALS = re.compile(r"(?<![<>=])=(?!=)")
+
+_MOST_NODES = 250_000  # of slaved states that are solved together
 
 __all__ = ["ExitForms", "ModeForms", "Structure"]
 
@@ -229,6 +232,13 @@ class ModeForms:
             explicit = LinearForm({b: negate(divide(c, pivot)) for b, c in others.items()})
             solved = {k: form.with_replaced({state: explicit}) for k, form in solved.items()}
             solved[state] = explicit
+            parts = (value for form in solved.values() for value in form.terms.values())
+            if written_out(parts) > _MOST_NODES:
+                raise ModelError(
+                    f"modes[{self.name!r}].slaved: solved together, the equations of"
+                    f" {', '.join(list(solved)[:8])} have more than {_MOST_NODES:,} parts; write"
+                    " each slaved state by states that are not slaved"
+                )
         return solved
 
     def _residual(self, state: str, equation: Equation) -> LinearForm:
