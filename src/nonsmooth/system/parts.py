@@ -5,7 +5,7 @@ They hold texts exactly as given; `System` gives them meaning and checks them to
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from nonsmooth.errors import ModelError
@@ -104,6 +104,8 @@ class Mode:
             if not isinstance(value, Mapping):
                 raise ModelError(f"Mode: {label} maps names to expressions, not {value!r:.60}")
             object.__setattr__(self, label, FrozenDict(value))
+        if not isinstance(self.exits, Exit | Iterable):
+            raise ModelError(f"Mode: exits is a list of Exit, not {self.exits!r:.60}")
         exits = (self.exits,) if isinstance(self.exits, Exit) else tuple(self.exits)
         for position, way in enumerate(exits):
             if not isinstance(way, Exit):

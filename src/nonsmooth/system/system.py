@@ -7,7 +7,7 @@ that the engine runs are made by `compile`; no time stepping happens here.
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from pathlib import Path
@@ -18,6 +18,7 @@ from nonsmooth.files import check_target, replacing
 from nonsmooth.system import checks
 from nonsmooth.system.compile import Compiled, compile_structure
 from nonsmooth.system.frozen import FrozenDict
+from nonsmooth.system.matrices import matrix_words
 from nonsmooth.system.parts import Mode, Text
 from nonsmooth.system.structure import Structure
 from nonsmooth.system.toml_reading import read_system
@@ -115,8 +116,8 @@ class System:
         checks.refuse_unsupported(vars(self))
         for key in ("states", "drift"):
             value = getattr(self, key)
-            if isinstance(value, str):
-                raise ModelError(f"{key}: give a list of names, not the text {value!r}")
+            if isinstance(value, str) or not isinstance(value, Iterable):
+                raise ModelError(f"{key}: give a list of names, not {value!r:.60}")
             frozen = FrozenDict(value) if isinstance(value, Mapping) else tuple(value)
             object.__setattr__(self, key, frozen)
         checks.check_kinds(self)
@@ -197,6 +198,70 @@ class System:
         other.__dict__.update(structure=self.structure, compiled=self.compiled)
         checks.check_values(other)
         return other
+
+    @classmethod
+    def from_matrices(
+        cls,
+        matrix: Any,
+        offset: Any = None,
+        *,
+        exits: Any = (),
+        states: Sequence[str] | None = None,
+        **rest: Any,
+    ) -> System:
+        """Make a system x' = A x + b(t) from arrays, one pair (A, b) for each mode.
+
+        The numbers are written into the texts of the flow so that no digit is lost, and
+        zeros are left out.
+
+        Parameters
+        ----------
+        matrix : array_like or mapping of str to array_like
+            A, square, of numbers; dense, or sparse as scipy has it. A mapping gives one
+            for each mode.
+        offset : sequence of float or str, or mapping of str to that, optional
+            b, with an entry for each state: a number, or a text such as
+            ``"F*cos(omega*t)"``. A mapping gives one for each mode; a mode that it leaves
+            out has none.
+        exits : sequence of Exit, or mapping of str to that, optional
+            Ways out of each mode.
+        states : sequence of str, optional
+            Names of the states; by default ``x1``, ``x2``, ...
+        **rest
+            ``parameters``, ``period``, ``outputs``, and all else that `System` takes.
+
+        Returns
+        -------
+        System
+            With the modes of the first mapping in order; without any, one mode ``flow``.
+            What is no mapping holds in every mode.
+
+        Raises
+        ------
+        ModelError
+            When an array has the wrong shape or an entry is not a finite real number; the
+            message names it by row and column.
+
+        Examples
+        --------
+        >>> import nonsmooth as ns
+        >>> wall = ns.System.from_matrices(
+        ...     [[0.0, 1.0], [-4.0, -0.5]],
+        ...     [0, "F*cos(omega*t)"],
+        ...     exits=[ns.Exit("1 - x", reset={"v": "-0.8*v"})],
+        ...     states=["x", "v"],
+        ...     parameters={"F": 3.0, "omega": 2.0},
+        ...     period="2*pi/omega",
+        ... )
+        >>> wall.modes["flow"].flow["v"]
+        '-4.0*x - 0.5*v + F*cos(omega*t)'
+        """
+        if "modes" in rest:
+            raise ModelError(
+                "modes: from_matrices makes the modes; name them by a mapping in matrix, offset or"
+                " exits"
+            )
+        return cls(**matrix_words(matrix, offset, exits, states), **rest)
 
     @classmethod
     def from_toml(cls, source: str | os.PathLike[str]) -> System:
