@@ -93,7 +93,7 @@ SAME = {
     "fortran order": np.asfortranarray(A),
     "view": np.kron(A, np.ones((2, 2)))[::2, ::2],
     "csr": scipy.sparse.csr_array(A),
-    "coo": scipy.sparse.coo_matrix(A),
+    "csc": scipy.sparse.csc_matrix(A),
     "data frame": pd.DataFrame(A),
 }
 
@@ -303,10 +303,10 @@ def test_states_and_modes_that_do_not_fit():
     assert "states: give a list of 2 names, not 2" in refused(A, states=2)
     assert "declared already" in refused(A, states=["x", "x"])
     assert "declared already" in refused(A, parameters={"x1": 1})
-    words = "unknown mode 'conact'; did you mean 'contact'? (known: contact, free); matrix names"
+    words = "unknown mode 'contct'; did you mean 'contact'? (known: contact, free); matrix names"
     modes = {"free": A, "contact": A}
-    assert f"offset: {words}" in refused(modes, {"conact": [0, 0]})
-    assert f"exits: {words}" in refused(modes, exits={"conact": []})
+    assert f"offset: {words}" in refused(modes, {"contct": [0, 0]})
+    assert f"exits: {words}" in refused(modes, exits={"contct": []})
     assert "offset: the mapping is empty" in refused(A, {})
     assert "matrix: 3 is not the name of a mode" in refused({3: A})
     assert "'a b' is not a name" in refused({"a b": A})

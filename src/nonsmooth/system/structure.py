@@ -47,7 +47,7 @@ _EQUALS = re.compile(r"(?<![<>=])=(?!=)")
 
 _MOST_NODES = 250_000  # of slaved states that are solved together
 
-__all__ = ["ExitForms", "ModeForms", "Structure"]
+__all__ = ["ExitForms", "ModeForms", "Structure", "is_relation"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -244,7 +244,7 @@ class ModeForms:
     def _residual(self, state: str, equation: Equation) -> LinearForm:
         """Form that vanishes: left - right of a relation, state - expression otherwise."""
         form = self.form(equation)
-        if _EQUALS.search(equation.text):
+        if is_relation(equation.text):
             return form
         return LinearForm.of(State(state)).plus(form.scaled(Number(-1.0)))
 
@@ -275,11 +275,16 @@ class ModeForms:
         )
 
 
+def is_relation(text: Text) -> bool:
+    """Whether a slaved equation is ``left = right`` instead of an expression."""
+    return isinstance(text, str) and bool(_EQUALS.search(text))
+
+
 def _relation(text: Text, where: str, known: set[str]) -> Equation:
     """Equation of a slaved state; ``left = right`` is read as ``left - right``."""
-    if not isinstance(text, str) or not _EQUALS.search(text):
+    if not is_relation(text):
         return Equation.read(text, where, known)
-    sides = _EQUALS.split(text)
+    sides = _EQUALS.split(str(text))
     if len(sides) != 2 or not all(side.strip() for side in sides):
         raise ModelError(
             f"{where}: a relation has one '=' between two expressions, not {text!r:.80}"
@@ -287,7 +292,7 @@ def _relation(text: Text, where: str, known: set[str]) -> Equation:
     left = Equation.read(sides[0], where, known).tree
     # blanks in place of the left side keep the caret of a message in its column
     right = Equation.read(" " * (len(sides[0]) + 1) + sides[1], where, known).tree
-    return Equation(text, where, subtract(left, right))
+    return Equation(str(text), where, subtract(left, right))
 
 
 def _cure(node: Expression) -> str:

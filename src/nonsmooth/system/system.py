@@ -11,12 +11,13 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 from nonsmooth.errors import ModelError, unknown_name
 from nonsmooth.files import check_target, replacing
 from nonsmooth.system import checks
 from nonsmooth.system.compile import Compiled, compile_structure
+from nonsmooth.system.explain import explanation
 from nonsmooth.system.frozen import FrozenDict
 from nonsmooth.system.matrices import matrix_words
 from nonsmooth.system.parts import Mode, Text
@@ -333,6 +334,34 @@ class System:
             with replacing(check_target(Path(path), (".toml",))) as draft:
                 draft.write_text(text, encoding="utf-8", newline="\n")
         return text
+
+    def explain(self, file: TextIO | None = None) -> None:
+        """Print a short account of the system for its present parameter values.
+
+        For each mode: how its flow is solved, what is slaved, the natural motions, what
+        the forcing does to them, and the exits. Numbers are rounded.
+
+        Parameters
+        ----------
+        file : file, optional
+            Where to print; by default the standard output.
+
+        Examples
+        --------
+        >>> import nonsmooth as ns
+        >>> bell = ns.System.from_matrices([[0, 1], [-4, -0.4]], name="bell")
+        >>> bell.explain()
+        bell
+          states
+            x1
+            x2
+          period  none declared
+        <BLANKLINE>
+        mode flow: exact linear
+          natural motions
+            x1, x2  oscillates, natural angular frequency about 2, damping ratio about 0.1
+        """
+        print(explanation(self), end="", file=file)
 
     @cached_property
     def _identity(self) -> str:
