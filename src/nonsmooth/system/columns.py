@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-__all__ = ["aligned", "printable"]
+__all__ = ["aligned", "harmless", "one_line"]
 
 _WIDEST = 48  # characters; a longer cell pushes its own row aside and no other
 
 
 def aligned(rows: Sequence[Sequence[str]], indent: int = 2) -> list[str]:
     """Lines with the cells of all rows below each other."""
-    cells = [[printable(cell) for cell in row] for row in rows]
+    cells = [[one_line(cell) for cell in row] for row in rows]
     columns = max((len(row) for row in cells), default=0)
     widths = [
         max((len(row[i]) for row in cells if i < len(row) and len(row[i]) <= _WIDEST), default=0)
@@ -26,7 +26,11 @@ def aligned(rows: Sequence[Sequence[str]], indent: int = 2) -> list[str]:
     ]
 
 
-def printable(text: str) -> str:
-    """Text on one line: blanks for line breaks and tabs, escapes for control characters."""
-    line = " ".join(text.split())
-    return "".join(c if c.isprintable() else repr(c)[1:-1] for c in line)
+def one_line(text: str) -> str:
+    """Text with blanks for line breaks and tabs, and nothing that a terminal obeys."""
+    return harmless(" ".join(text.split()))
+
+
+def harmless(text: str) -> str:
+    """Text with escapes for all control characters but the line break."""
+    return "".join(c if c.isprintable() or c == "\n" else repr(c)[1:-1] for c in text)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nonsmooth.system.columns import aligned, printable
+from nonsmooth.system.columns import aligned, one_line
 from nonsmooth.system.evaluate import constant_value
 from nonsmooth.system.expressions import Expression, Number, to_text
 from nonsmooth.system.linear import Harmonic, State
@@ -35,7 +35,7 @@ _NEAR = 0.05  # of the natural frequency: closer than this, or than the damping 
 def explanation(system: System) -> str:
     """Account of a system, lines with aligned columns."""
     time_unit = _units(system.describe.get("time", ""))
-    lines = [printable(system.name) or "system", "  states", *aligned(list(_states(system)), 4)]
+    lines = [one_line(system.name) or "system", "  states", *aligned(list(_states(system)), 4)]
     if system.parameters:
         lines += ["  parameters", *aligned(list(_parameters(system)), 4)]
     lines += aligned([_period(system, time_unit)])

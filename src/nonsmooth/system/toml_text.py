@@ -64,9 +64,9 @@ def read_source(source: str | os.PathLike[str]) -> tuple[str, str]:
         with Path(source).open("rb") as file:
             data = file.read(most + 1)  # no more than that, should the file never end
     except FileNotFoundError:
+        hint = "; TOML text has one key a line, so more than one line"
         raise ModelError(
-            f"there is no file {shown}; give a path that exists, or TOML text, which has one key"
-            " a line"
+            f"there is no file {shown}{hint if isinstance(source, str) else ''}"
         ) from None
     except (OSError, ValueError, TypeError) as fault:
         reason = getattr(fault, "strerror", None) or fault
