@@ -71,8 +71,8 @@ class RunWarning(UserWarning):
 
 def unknown_name(kind: str, name: str, known: Iterable[str]) -> str:
     """Sentence for a name that is not declared: what is known, and the nearest one."""
-    names = sorted(known)
-    near = get_close_matches(name, names, n=1)
+    names = sorted(map(str, known))
+    near = get_close_matches(str(name), names, n=1)
     hint = f"; did you mean {near[0]!r}?" if near else ""
     listed = ", ".join(names[:_MOST_LISTED]) if names else "none"
     if len(names) > _MOST_LISTED:

@@ -88,7 +88,7 @@ def check_words(system: System) -> None:
         _check_name("modes", name)
         _check_mode(system, name, mode)
     for name in system.drift:
-        if name not in system.states:
+        if not isinstance(name, str) or name not in system.states:
             raise ModelError(f"drift: {unknown_name('state', name, system.states)}")
     for name in system.initial:
         if name not in system.states:

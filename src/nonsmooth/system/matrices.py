@@ -7,7 +7,7 @@ doubles; zeros are left out. What comes out is an ordinary system.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,7 @@ import numpy as np
 from nonsmooth.engine.layout import MAX_AUGMENTED
 from nonsmooth.errors import ModelError, unknown_name
 from nonsmooth.system.grammar import parse
-from nonsmooth.system.parts import Mode
+from nonsmooth.system.parts import Mode, items_of
 
 __all__ = ["matrix_words"]
 
@@ -92,9 +92,10 @@ def _place(key: str, given: Any, name: str) -> str:
 def _state_names(states: Any, n: int) -> tuple[str, ...]:
     if states is None:
         return tuple(f"x{i + 1}" for i in range(n))
-    if isinstance(states, str) or not isinstance(states, Iterable):
-        raise ModelError(f"states: give a list of {n} names, not {states!r:.60}")
-    names = tuple(states)
+    names = items_of(states, f"states: give a list of {n} names")
+    for name in names:
+        if not isinstance(name, str):
+            raise ModelError(f"states: {name!r:.60} is not a name")
     if len(names) != n:
         raise ModelError(f"states: {len(names)} names for a matrix of {_size(n)}; give {n}")
     return names
@@ -189,15 +190,11 @@ def _offset(given: Any, where: str, names: tuple[str, ...]) -> list[float | str]
     if given is None:
         return None
     n = len(names)
-    if isinstance(given, str | bytes | set | frozenset) or not isinstance(given, Iterable):
-        raise ModelError(
-            f"{where}: give a list of {n} numbers or texts, one for each state, not {given!r:.60}"
-        )
     shape = tuple(getattr(given, "shape", (n,)))
     if len(shape) != 1:
         cure = ": take .ravel() of it" if math.prod(shape) == n else ""
         raise ModelError(f"{where} has the shape {shape}; it is a list of {n} entries{cure}")
-    entries = list(given)
+    entries = items_of(given, f"{where}: give a list of {n} numbers or texts, one for each state")
     if len(entries) != n:
         raise ModelError(f"{where} has {len(entries)} entries; give {n}, one for each state")
     return [_offset_entry(entry, f"{where}[{i}]", names[i]) for i, entry in enumerate(entries)]

@@ -7,7 +7,7 @@ that the engine runs are made by `compile`; no time stepping happens here.
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from pathlib import Path
@@ -20,7 +20,7 @@ from nonsmooth.system.compile import Compiled, compile_structure
 from nonsmooth.system.explain import explanation
 from nonsmooth.system.frozen import FrozenDict
 from nonsmooth.system.matrices import matrix_words
-from nonsmooth.system.parts import Mode, Text
+from nonsmooth.system.parts import Mode, Text, items_of
 from nonsmooth.system.structure import Structure
 from nonsmooth.system.toml_reading import read_system
 from nonsmooth.system.toml_writing import system_to_toml
@@ -117,10 +117,9 @@ class System:
         checks.refuse_unsupported(vars(self))
         for key in ("states", "drift"):
             value = getattr(self, key)
-            if isinstance(value, str) or not isinstance(value, Iterable):
-                raise ModelError(f"{key}: give a list of names, not {value!r:.60}")
-            frozen = FrozenDict(value) if isinstance(value, Mapping) else tuple(value)
-            object.__setattr__(self, key, frozen)
+            if key == "drift" and isinstance(value, Mapping):
+                continue
+            object.__setattr__(self, key, items_of(value, f"{key}: give a list of names"))
         checks.check_kinds(self)
         for item in fields(self):
             if isinstance(getattr(self, item.name), Mapping):
