@@ -1,5 +1,6 @@
 """Systems of every shape are the same after they were written and read again."""
 
+import io
 import pickle
 
 import pytest
@@ -95,6 +96,15 @@ def test_a_system_is_the_same_after_reading(system):
     for key in ("require", "initial", "describe", "modes"):
         assert getattr(again, key) == getattr(system, key)
         assert list(getattr(again, key)) == list(getattr(system, key))
+
+
+@given(systems())
+def test_every_system_is_explained(system):
+    file = io.StringIO()
+    system.explain(file)
+    lines = file.getvalue().splitlines()
+    assert all(line.isprintable() for line in lines)
+    assert sum(line.startswith("mode ") for line in lines) == 2
 
 
 @given(systems())
