@@ -10,6 +10,7 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
+from nonsmooth.engine.layout import MAX_AUGMENTED
 from nonsmooth.errors import ModelError, unknown_name
 from nonsmooth.system.equations import Equation
 from nonsmooth.system.evaluate import constant_value
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from nonsmooth.system.system import System
 
 __all__ = [
+    "MOST_STATES",
     "UNSUPPORTED",
     "check_kinds",
     "check_structure",
@@ -43,6 +45,7 @@ _RESULT_NAMES = {
     "event_kind", "event_from", "event_to", "event_path", "event_count", "guard_rate",
     "certified", "state_before", "state_after", "end_state", "anchor_state",
 }  # fmt: skip
+MOST_STATES = MAX_AUGMENTED - 1  # beside them stands the constant one
 _MOST = 60  # modes, and exits of a mode: sets of them are bits of one integer
 UNSUPPORTED = {
     "equations": "write one Mode per smooth piece in modes=",
@@ -73,6 +76,11 @@ def check_words(system: System) -> None:
     _check_text("name", system.name)
     if len(system.modes) > _MOST:
         raise ModelError(f"modes: {len(system.modes)} modes; at most {_MOST} are supported")
+    if len(system.states) > MOST_STATES:
+        raise ModelError(
+            f"states: {len(system.states)} states; at most {MOST_STATES} can run: reduce the model,"
+            " for example to its slowest natural modes"
+        )
     if not system.states:
         raise ModelError("states: a system needs at least one state")
     if not system.modes:

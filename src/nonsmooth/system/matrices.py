@@ -12,15 +12,14 @@ from typing import Any
 
 import numpy as np
 
-from nonsmooth.engine.layout import MAX_AUGMENTED
 from nonsmooth.errors import ModelError, unknown_name
+from nonsmooth.system.checks import MOST_STATES
 from nonsmooth.system.grammar import parse
 from nonsmooth.system.parts import Mode, items_of
 
 __all__ = ["matrix_words"]
 
 _ONE_MODE = "flow"
-_MOST_STATES = MAX_AUGMENTED - 1  # beside the constant one
 
 
 def matrix_words(matrix: Any, offset: Any, exits: Any, states: Any) -> dict[str, Any]:
@@ -116,9 +115,9 @@ def _matrix(given: Any, where: str) -> np.ndarray:
             f"{where} {_shape_fault(tuple(shape))}; it is square, with a row and a column for each"
             " state"
         )
-    if shape[0] > _MOST_STATES:
+    if shape[0] > MOST_STATES:
         raise ModelError(
-            f"{where} is {_size(shape[0])}; at most {_MOST_STATES} states can run: reduce the"
+            f"{where} is {_size(shape[0])}; at most {MOST_STATES} states can run: reduce the"
             " model, for example to its slowest natural modes"
         )
     dense = given.toarray() if callable(getattr(given, "toarray", None)) else given  # scipy.sparse

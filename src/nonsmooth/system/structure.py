@@ -74,8 +74,9 @@ class Structure:
             key: Equation.read(text, f"definitions[{key!r}]", known)
             for key, text in system.definitions.items()
         }
+        known_to_outputs = known | set(system.outputs)
         self.outputs = {
-            key: Equation.read(text, f"outputs[{key!r}]", known | set(system.outputs))
+            key: Equation.read(text, f"outputs[{key!r}]", known_to_outputs)
             for key, text in system.outputs.items()
         }
         self.initial = {
