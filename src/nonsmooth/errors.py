@@ -26,6 +26,9 @@ __all__ = [
 ]
 
 
+_MOST_LISTED = 60  # of the known names; all of a large system would hide the message
+
+
 class NonsmoothError(Exception):
     """Base of every exception that nonsmooth raises on purpose."""
 
@@ -68,8 +71,10 @@ class RunWarning(UserWarning):
 
 def unknown_name(kind: str, name: str, known: Iterable[str]) -> str:
     """Sentence for a name that is not declared: what is known, and the nearest one."""
-    names = sorted(known)
-    near = get_close_matches(name, names, n=1)
+    names = sorted(map(str, known))
+    near = get_close_matches(str(name), names, n=1)
     hint = f"; did you mean {near[0]!r}?" if near else ""
-    listed = ", ".join(names) if names else "none"
-    return f"unknown {kind} {name!r}{hint} (known: {listed})"
+    listed = ", ".join(names[:_MOST_LISTED]) if names else "none"
+    if len(names) > _MOST_LISTED:
+        listed += f" and {len(names) - _MOST_LISTED:,} more"
+    return f"unknown {kind} {name!r:.80}{hint} (known: {listed})"

@@ -23,7 +23,9 @@ def test_warmup(call, monkeypatch):
     assert call("warmup").stdout == "kernels ready after 12.3 s\n"
 
 
-@pytest.mark.parametrize("command", [[], ["simulate"], ["models"], ["chapter"], ["warmup"]])
+@pytest.mark.parametrize(
+    "command", [[], ["simulate"], ["models"], ["explain"], ["chapter"], ["warmup"]]
+)
 def test_help(call, command):
     result = call(*command, "--help")
     assert result.exit_code == 0

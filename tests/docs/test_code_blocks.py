@@ -1,27 +1,68 @@
-"""Every Python block of the README and of the documentation runs, in order, page by page."""
+"""Every block of the README and of the documentation runs, in order, page by page.
+
+A TOML block below the name of a file is that file.
+"""
 
 import re
 from pathlib import Path
 
 import matplotlib.pyplot as plt
 import pytest
+from typer.testing import CliRunner
+
+from nonsmooth.cli.app import app
 
 ROOT = Path(__file__).parents[2]
-PAGES = [
-    path
-    for path in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
-    if "```python" in path.read_text()
-]
+EVERY_PAGE = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
-def test_code_blocks_run(page, tmp_path, monkeypatch, recwarn):
+def pages(language: str):
+    """Pages with a block of a language, for parametrisation."""
+    found = [path for path in EVERY_PAGE if f"```{language}\n" in path.read_text()]
+    return pytest.mark.parametrize("page", found, ids=lambda page: page.name)
+
+
+def blocks(page: Path, language: str) -> list[str]:
+    return re.findall(rf"```{language}\n(.*?)```", page.read_text(), re.S)
+
+
+@pytest.fixture
+def folder(page, tmp_path, monkeypatch):
+    """Current folder with the files of a page in it."""
     monkeypatch.chdir(tmp_path)
+    for name, text in re.findall(r"`([\w.-]+)`:\n```toml\n(.*?)```", page.read_text(), re.S):
+        (tmp_path / name).write_text(text)
+    return tmp_path
+
+
+@pages("python")
+def test_python_blocks_run(page, folder, recwarn):
     names = {}
-    for block in re.findall(r"```python\n(.*?)```", page.read_text(), re.S):
+    for block in blocks(page, "python"):
         exec(compile(block, page.name, "exec"), names)
     plt.close("all")
     assert not [str(warning.message) for warning in recwarn]
+
+
+@pages("sh")
+def test_shell_blocks_run(page, folder):
+    """Lines of our own command, with the output in a file where they say so."""
+    for line in "".join(blocks(page, "sh")).splitlines():
+        command, _, target = line.partition(" > ")
+        program, *arguments = command.split()
+        assert program == "nonsmooth", line
+        result = CliRunner().invoke(app, arguments)
+        assert result.exit_code == 0, f"{line}: {result.stderr}"
+        if target:
+            (folder / target).write_text(result.stdout)
+
+
+def test_what_explain_prints_is_shown(tmp_path):
+    page = ROOT / "docs" / "how-to" / "system-files.md"
+    (tmp_path / "wall.toml").write_text(blocks(page, "toml")[0])
+    told = CliRunner().invoke(app, ["explain", str(tmp_path / "wall.toml"), "omega=1.02"]).stdout
+    shown = re.search(r"\n\n((?:    .*\n)+)", page.read_text()).group(1)
+    assert re.sub("^    ", "", shown, flags=re.M) in told
 
 
 @pytest.mark.parametrize("page", sorted(ROOT.glob("*.md")) + sorted((ROOT / "docs").rglob("*.md")))

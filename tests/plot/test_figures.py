@@ -7,7 +7,7 @@ import xarray as xr
 
 import nonsmooth as ns
 from nonsmooth.errors import OptionError
-from nonsmooth.plot.files import replacing
+from nonsmooth.files import replacing
 
 SIGNATURES = {"png": b"\x89PNG", "pdf": b"%PDF", "PNG": b"\x89PNG"}
 

@@ -173,7 +173,7 @@ def test_caret_stands_under_the_fault(text, column, words):
     message, shown, caret = str(caught.value).split("\n")
     assert message.startswith("here: ")
     assert words in message
-    assert shown.rstrip() == ("    " + text).rstrip()
+    assert shown.rstrip() == ("    " + text.replace("\0", " ")).rstrip()
     assert caret.index("^") - 4 == column
 
 

@@ -225,3 +225,66 @@ def test_products_of_many_harmonics_are_refused_at_once():
     with pytest.raises(ModelError, match="more than 256 terms"):
         form_of("*".join(f"cos(2**{n}*w*t)" for n in range(14)))
     assert time.perf_counter() - began < 1.0
+
+
+@pytest.mark.parametrize(
+    "frequency",
+    [
+        "*".join([f"({' + '.join(f'p{i}' for i in range(12))})"] * 12),  # 1.3 million terms
+        "*".join(["(p0 + p1)"] * 400),  # each of up to 400 factors
+        "/".join(["(p0 + p1)"] * 50),
+        "(1/" + "*".join(["(p0 + p1)"] * 50) + ")",
+    ],
+)
+def test_large_frequencies_stay_as_they_are_written(frequency):
+    began = time.perf_counter()
+    system = ns.System(
+        states=["x"],
+        parameters={f"p{i}": 0.1 * (i + 1) for i in range(12)},
+        modes={"m": ns.Mode({"x": f"cos({frequency}*t) + cos(t*{frequency})"})},
+    )
+    assert time.perf_counter() - began < 5.0
+    direct = float(evaluate(parse(frequency), system.parameter_values))
+    for found in system.structure.frequencies:
+        value = float(evaluate(found, system.parameter_values))
+        assert abs(value) == pytest.approx(abs(direct), rel=1e-13)  # 400 roundings of 1.1e-16
+
+
+def entangled(n: int, coefficient: str) -> ns.System:
+    """Slaved states, each given by all the others."""
+    names = [f"x{i}" for i in range(n)]
+    return ns.System(
+        states=["z", *names],
+        parameters={f"p{i}": 1.5 + i for i in range(n)},
+        modes={
+            "m": ns.Mode(
+                {"z": "0"},
+                slaved={
+                    one: "z + " + " + ".join(
+                        f"{coefficient.format(i=i, j=j)}*{other}"
+                        for j, other in enumerate(names)
+                        if j != i
+                    )
+                    for i, one in enumerate(names)
+                },
+            )
+        },
+    )  # fmt: skip
+
+
+def test_entangled_slaved_states_are_refused_at_once():
+    # solved with letters for coefficients, n equations have more than 2^n parts
+    began = time.perf_counter()
+    with pytest.raises(ModelError, match="solved together, the equations of x0, x1"):
+        entangled(30, "p{j}")
+    assert time.perf_counter() - began < 5.0
+
+
+def test_entangled_slaved_states_with_numbers_are_solved():
+    # the same with numbers stays small; truth by numpy: (I - C) x = z
+    system = entangled(30, "(0.01*{i} - 0.02*{j})")
+    matrix = np.array([[(i != j) * (0.01 * i - 0.02 * j) for j in range(30)] for i in range(30)])
+    truth = np.linalg.solve(np.eye(30) - matrix, np.ones(30))
+    for i, value in enumerate(truth):
+        form = system.structure.modes["m"].slaved[f"x{i}"]
+        assert float(evaluate(form.coefficient(State("z")), {})) == pytest.approx(value, rel=1e-11)

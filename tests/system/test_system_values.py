@@ -159,17 +159,6 @@ def test_toml_holds_the_same_words():
             assert shown.get("reset", {}) == way.reset
 
 
-def test_toml_makes_the_same_system_again():
-    # by hand, as long as there is no from_toml: the words are those of the constructors
-    words = tomllib.loads(everything().to_toml())
-    assert words.pop("format") == 1
-    modes = {}
-    for name, told in words.pop("modes").items():
-        exits = [Exit(**way) for way in told.pop("exits", [])]
-        modes[name] = Mode(**told, exits=exits)
-    assert System(**words, modes=modes) == everything()
-
-
 def test_toml_of_an_angle():
     system = System(states=["a"], drift={"a": "2*pi"}, modes={"m": Mode({"a": "1"})})
     assert tomllib.loads(system.to_toml())["drift"] == {"a": "2*pi"}

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from nonsmooth.plot.files import replacing
+from nonsmooth.files import replacing
 
 if TYPE_CHECKING:
     import xarray as xr

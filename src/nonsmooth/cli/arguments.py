@@ -6,8 +6,10 @@ Expressions go through the grammar of the library; nothing is handed to Python.
 from __future__ import annotations
 
 import inspect
+import os
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from nonsmooth.errors import OptionError, unknown_name
@@ -15,7 +17,15 @@ from nonsmooth.errors import OptionError, unknown_name
 if TYPE_CHECKING:
     from nonsmooth.system.system import System
 
-__all__ = ["build_system", "constants", "model_functions", "names", "settings", "time_range"]
+__all__ = [
+    "build_system",
+    "constants",
+    "is_file",
+    "model_functions",
+    "names",
+    "settings",
+    "time_range",
+]
 
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 
@@ -32,22 +42,46 @@ def model_functions() -> dict[str, Callable[..., System]]:
     return found
 
 
+def is_file(model: str) -> bool:
+    """Whether a MODEL means a file: it ends in ``.toml`` or names a folder."""
+    return model.lower().endswith(".toml") or "/" in model or os.sep in model
+
+
 def build_system(model: str, values: dict[str, str]) -> System:
-    """System of a model with some parameters given as text."""
+    """System of a model or a file with some parameters given as text."""
+    given = {name: _number_or_text(text) for name, text in values.items()}
+    if is_file(model):
+        from nonsmooth.system.system import System
+
+        return _with_others(System.from_toml(Path(model)), model, given, ())
     known = model_functions()
     if model not in known:
-        raise OptionError(unknown_name("model", model, known))
+        raise OptionError(_unknown_model(model, known))
     make = known[model]
     arguments = inspect.signature(make).parameters
-    given = {name: _number_or_text(text) for name, text in values.items()}
     system = make(**{name: value for name, value in given.items() if name in arguments})
     others = {name: value for name, value in given.items() if name not in arguments}
-    for name in others:
+    return _with_others(system, model, others, arguments)
+
+
+def _with_others(
+    system: System, model: str, values: dict[str, float | str], arguments: Iterable[str]
+) -> System:
+    """System with values of parameters that are not arguments of its function."""
+    for name in values:
         if name not in system.parameters:
-            raise OptionError(
-                f"{model}: {unknown_name('parameter', name, {*arguments, *system.parameters})}"
-            )
-    return system.with_parameters(**others) if others else system
+            known = {*arguments, *system.parameters}
+            raise OptionError(f"{model}: {unknown_name('parameter', name, known)}")
+    return system.with_parameters(**values) if values else system
+
+
+def _unknown_model(model: str, known: Iterable[str]) -> str:
+    sentence = unknown_name("model", model, known)
+    for file in (f"{model}.toml", model):
+        if Path(file).is_file():
+            shown = file if is_file(file) else f".{os.sep}{file}"
+            return f"{sentence}; for the file of that name write {shown}"
+    return f"{sentence}; a file of your own ends in .toml"
 
 
 def _number_or_text(text: str) -> float | str:

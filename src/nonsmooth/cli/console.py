@@ -11,7 +11,18 @@ from typer.core import TyperGroup
 
 from nonsmooth.errors import NonsmoothError, RunError
 
-__all__ = ["ENDED_EARLY", "INTERRUPTED", "MISUSE", "Commands", "print_table"]
+__all__ = [
+    "ENDED_EARLY",
+    "INTERRUPTED",
+    "MISUSE",
+    "MODEL_HELP",
+    "PARAMETERS_HELP",
+    "Commands",
+    "print_table",
+]
+
+MODEL_HELP = "A name, see: nonsmooth models; or a file, see: nonsmooth models moling --toml."
+PARAMETERS_HELP = "Parameters; a value may be an expression like pi/2."
 
 ENDED_EARLY = 1  # the work was begun and could not be finished
 MISUSE = 2  # the command line or the model cannot be right
@@ -31,7 +42,9 @@ class Commands(TyperGroup):
             typer.echo("nonsmooth: interrupted", err=True)
             raise typer.Exit(INTERRUPTED) from None
         except NonsmoothError as error:
-            typer.echo(f"nonsmooth: {error}", err=True)
+            from nonsmooth.system.columns import harmless  # texts of files stand in messages
+
+            typer.echo(f"nonsmooth: {harmless(str(error))}", err=True)
             raise typer.Exit(ENDED_EARLY if isinstance(error, RunError) else MISUSE) from None
         except BrokenPipeError:  # the reader has seen enough; typer ends this quietly
             raise

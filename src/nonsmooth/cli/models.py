@@ -1,4 +1,4 @@
-"""``nonsmooth models``: what ready-made systems there are, and the equations of one."""
+"""``nonsmooth models``: what ready-made systems there are, and the equations of a system."""
 
 from __future__ import annotations
 
@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from nonsmooth.cli.arguments import build_system, model_functions
+from nonsmooth.cli.arguments import build_system, is_file, model_functions
 from nonsmooth.cli.console import print_table
+from nonsmooth.errors import OptionError
 
 if TYPE_CHECKING:
     from nonsmooth.system.parts import Mode
@@ -20,24 +21,35 @@ __all__ = ["models"]
 
 def models(
     name: Annotated[
-        str | None, typer.Argument(metavar="NAME", help="Print the equations of this one.")
+        str | None,
+        typer.Argument(metavar="MODEL", help="Print the equations of this one, or of a file."),
     ] = None,
+    *,
+    toml: Annotated[
+        bool, typer.Option("--toml", help="Print it as TOML, to be changed and simulated.")
+    ] = False,
 ) -> None:
     """List the ready-made systems, or print the equations of one."""
     if name is None:
+        if toml:
+            raise OptionError("--toml: name a model, see: nonsmooth models")
         print_table(
             ("model", "what it is"), [(k, _summary(f)) for k, f in model_functions().items()]
         )
         return
     system = build_system(name, {})
-    typer.echo(f"{name}: {_summary(model_functions()[name])}")
+    if toml:
+        typer.echo(system.to_toml(), nl=False)
+        return
+    from nonsmooth.system.columns import aligned, one_line
+
+    about = system.name if is_file(name) else _summary(model_functions()[name])
+    typer.echo(one_line(f"{name}: {about}"))
     for title, rows in _tables(system):
         if rows:
-            typer.echo(f"\n{title}")
-            _print_aligned(rows)
+            typer.echo("\n".join(["", title, *aligned(rows)]))
     for mode_name, mode in system.modes.items():
-        typer.echo(f"\nmode {mode_name}")
-        _print_aligned(list(_equations(mode)))
+        typer.echo("\n".join(["", f"mode {mode_name}", *aligned(list(_equations(mode)))]))
 
 
 def _summary(function: object) -> str:
@@ -77,21 +89,15 @@ def _state_meaning(system: System, name: str) -> str:
 
 
 def _equations(mode: Mode) -> Iterator[tuple[str, str, str]]:
+    from nonsmooth.system.structure import is_relation
+
     for name, text in mode.definitions.items():
         yield name, f"= {text}", "in this mode"
     for state, text in mode.flow.items():
         yield f"{state}'", f"= {text}", ""
     for state, text in mode.slaved.items():
-        yield state, f"= {text}", "slaved"
+        yield state, f"from {text}" if is_relation(text) else f"= {text}", "slaved"
     for way in mode.exits:
         target = f"to {way.to}" if way.to else "to the same mode"
         reset = "".join(f", {state} := {text}" for state, text in way.reset.items())
         yield f"exit {way.name or way.to or ''}".rstrip(), f"when {way.guard} < 0", target + reset
-
-
-def _print_aligned(rows: list[tuple[str, str, str]]) -> None:
-    """Print rows with their columns below each other; long ones are left to the terminal."""
-    first = max(len(row[0]) for row in rows)
-    second = max(len(row[1]) for row in rows)
-    for name, value, note in rows:
-        typer.echo(f"  {name:<{first}}  {value:<{second}}  {note}".rstrip())

@@ -1,4 +1,4 @@
-"""``nonsmooth simulate``: run a ready-made system, print a summary, draw and save."""
+"""``nonsmooth simulate``: run a system, print a summary, draw and save."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from nonsmooth.cli.arguments import build_system, constants, names, settings, time_range
-from nonsmooth.cli.console import ENDED_EARLY, INTERRUPTED
+from nonsmooth.cli.console import ENDED_EARLY, INTERRUPTED, MODEL_HELP, PARAMETERS_HELP
 from nonsmooth.errors import OptionError, RunWarning, unknown_name
 
 if TYPE_CHECKING:
@@ -25,12 +25,10 @@ _WIDTH, _HEIGHT = 12.0, 7.5  # centimetres, between one column and two
 
 
 def simulate(
-    model: Annotated[str, typer.Argument(metavar="MODEL", help="Its name, see: nonsmooth models.")],
+    model: Annotated[str, typer.Argument(metavar="MODEL", help=MODEL_HELP)],
     parameters: Annotated[
         list[str] | None,
-        typer.Argument(
-            metavar="NAME=VALUE...", help="Parameters; a value may be an expression like pi/2."
-        ),
+        typer.Argument(metavar="NAME=VALUE...", help=PARAMETERS_HELP),
     ] = None,
     *,
     periods: Annotated[
@@ -57,7 +55,7 @@ def simulate(
         Path | None, typer.Option(metavar="FILE", help="Save the run as netCDF: .nc.")
     ] = None,
 ) -> None:
-    """Simulate a ready-made system and print a summary."""
+    """Simulate a ready-made system, or one of a file, and print a summary."""
     _check_files(plot, save)
     system = build_system(model, settings(parameters or [], "NAME=VALUE"))
     shown = _variables(system, variables)
@@ -73,8 +71,9 @@ def simulate(
         samples_per_period=samples_per_period,
     )
     from nonsmooth.cli.summary import summary
+    from nonsmooth.system.columns import harmless
 
-    typer.echo(summary(run))
+    typer.echo(harmless(summary(run)))
     if save is not None:
         _save(run, save)
     if plot is not None:
@@ -88,7 +87,7 @@ def simulate(
 
 def _check_files(plot: Path | None, save: Path | None) -> None:
     """Refuse files that could not be written, before a long run and not after it."""
-    from nonsmooth.plot.files import check_target
+    from nonsmooth.files import check_target
 
     if plot is not None:
         check_target(plot, (".png", ".pdf"))
@@ -152,7 +151,7 @@ def _run(system: System, initial: dict[str, float], **options: Any) -> xr.Datase
 
 
 def _save(run: xr.Dataset, path: Path) -> None:
-    from nonsmooth.plot.files import replacing
+    from nonsmooth.files import replacing
 
     with replacing(path) as draft:
         run.to_netcdf(draft, engine="h5netcdf")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from nonsmooth.plot.files import check_target, replacing
+from nonsmooth.files import check_target, replacing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

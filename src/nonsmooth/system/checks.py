@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from nonsmooth.engine.layout import MAX_AUGMENTED
 from nonsmooth.errors import ModelError, unknown_name
 from nonsmooth.system.equations import Equation
 from nonsmooth.system.evaluate import constant_value
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
     from nonsmooth.system.system import System
 
 __all__ = [
+    "MOST_STATES",
+    "UNSUPPORTED",
     "check_kinds",
     "check_structure",
     "check_values",
@@ -42,8 +45,9 @@ _RESULT_NAMES = {
     "event_kind", "event_from", "event_to", "event_path", "event_count", "guard_rate",
     "certified", "state_before", "state_after", "end_state", "anchor_state",
 }  # fmt: skip
+MOST_STATES = MAX_AUGMENTED - 1  # beside them stands the constant one
 _MOST = 60  # modes, and exits of a mode: sets of them are bits of one integer
-_UNSUPPORTED = {
+UNSUPPORTED = {
     "equations": "write one Mode per smooth piece in modes=",
     "surfaces": "write the two sides of the surface as modes with an exit each",
     "symmetry": "leave it out; no analysis of this version uses it",
@@ -52,10 +56,10 @@ _UNSUPPORTED = {
 }
 
 
-def refuse_unsupported(system: System) -> None:
+def refuse_unsupported(words: Mapping[str, Any]) -> None:
     """Refuse what the contract names and this version does not do yet."""
-    for key, cure in _UNSUPPORTED.items():
-        if getattr(system, key) is not None:
+    for key, cure in UNSUPPORTED.items():
+        if words.get(key) is not None:
             raise ModelError(f"{key}= is not supported in this version; {cure}")
 
 
@@ -69,10 +73,14 @@ def check_kinds(system: System) -> None:
 
 def check_words(system: System) -> None:
     """Every name is well-formed, declared once and allowed where it stands."""
-    if not isinstance(system.name, str):
-        raise ModelError(f"name: {system.name!r:.60} is not a text")
+    _check_text("name", system.name)
     if len(system.modes) > _MOST:
         raise ModelError(f"modes: {len(system.modes)} modes; at most {_MOST} are supported")
+    if len(system.states) > MOST_STATES:
+        raise ModelError(
+            f"states: {len(system.states)} states; at most {MOST_STATES} can run: reduce the model,"
+            " for example to its slowest natural modes"
+        )
     if not system.states:
         raise ModelError("states: a system needs at least one state")
     if not system.modes:
@@ -88,7 +96,7 @@ def check_words(system: System) -> None:
         _check_name("modes", name)
         _check_mode(system, name, mode)
     for name in system.drift:
-        if name not in system.states:
+        if not isinstance(name, str) or name not in system.states:
             raise ModelError(f"drift: {unknown_name('state', name, system.states)}")
     for name in system.initial:
         if name not in system.states:
@@ -96,8 +104,21 @@ def check_words(system: System) -> None:
     for name, label in system.describe.items():
         if name not in owner and name != "time":
             raise ModelError(f"describe: {unknown_name('name', name, [*owner, 'time'])}")
-        if not isinstance(label, str):
-            raise ModelError(f"describe[{name!r}]: a label is a text, not {label!r:.60}")
+        _check_text(f"describe[{name!r}]", label)
+    for condition, reason in system.require.items():
+        _check_text(f"require[{condition!r:.60}]", reason)
+
+
+def _check_text(where: str, text: object) -> None:
+    """Names, labels and reasons are texts that a file can hold."""
+    if not isinstance(text, str):
+        raise ModelError(f"{where}: {text!r:.60} is not a text")
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        raise ModelError(
+            f"{where}: {text!r:.60} has half of a surrogate pair in it, which no file can hold"
+        ) from None
 
 
 def _check_name(kind: str, name: object) -> None:

@@ -7,7 +7,7 @@ here knows about states, modes or time.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
 __all__ = [
@@ -26,6 +26,7 @@ __all__ = [
     "subtract",
     "to_text",
     "walk",
+    "written_out",
 ]
 
 
@@ -141,6 +142,20 @@ def walk(expression: Expression) -> Iterator[Expression]:
 def names_in(expression: Expression) -> list[Name]:
     """Return the name nodes of the tree in the order of the text."""
     return [node for node in walk(expression) if isinstance(node, Name)]
+
+
+def written_out(expressions: Iterable[Expression]) -> int:
+    """Number of nodes of some trees; parts that they share count each time, at no cost."""
+    sizes: dict[int, int] = {}
+
+    def size(node: Expression) -> int:
+        if not isinstance(node, Call):
+            return 1
+        if id(node) not in sizes:
+            sizes[id(node)] = 1 + sum(map(size, node.arguments))
+        return sizes[id(node)]
+
+    return sum(map(size, expressions))
 
 
 _STRENGTH = {"+": 1, "*": 2, "/": 2, "neg": 3, "**": 4}

@@ -19,6 +19,8 @@ from nonsmooth.system.expressions import (
 __all__ = ["canonical_frequency"]
 
 _Monomials = dict[tuple[Expression, ...], float]
+_MOST_MONOMIALS = 200  # of a product; beyond, the product stays as it is written
+_MOST_FACTORS = 40  # of a monomial
 
 
 def canonical_frequency(frequency: Expression) -> tuple[Expression, float]:
@@ -48,9 +50,11 @@ def _monomials(expression: Expression) -> _Monomials:
         if expression.function == "*":
             product: _Monomials = {(): 1.0}
             for part in parts:
+                if _is_large(product, part):
+                    return {(expression,): 1.0}
                 product = _product(product, part)
             return product
-        if expression.function == "/":
+        if expression.function == "/" and not _is_large(parts[0], parts[1]):
             return _product(parts[0], _reciprocal(parts[1]))
         return {(Call(expression.function, tuple(_rebuilt(part) for part in parts)),): 1.0}
     return {(expression,): 1.0}
@@ -62,6 +66,12 @@ def _sum(parts: list[_Monomials]) -> _Monomials:
         for factors, value in part.items():
             total[factors] = total.get(factors, 0.0) + value
     return {factors: value for factors, value in total.items() if value != 0.0}
+
+
+def _is_large(left: _Monomials, right: _Monomials) -> bool:
+    """Whether a product would have so many terms that collecting them takes seconds."""
+    factors = sum(max(map(len, terms), default=0) for terms in (left, right))
+    return len(left) * len(right) > _MOST_MONOMIALS or factors > _MOST_FACTORS
 
 
 def _product(left: _Monomials, right: _Monomials) -> _Monomials:

@@ -103,7 +103,8 @@ def point_at(text: str, at: int, message: str) -> str:
     if at < 0:
         return message
     start = max(0, at - 40)
-    shown = text[start : at + 40].replace("\n", " ").replace("\t", " ")
+    # one column for each character, and nothing that a terminal would obey
+    shown = "".join(c if c.isprintable() else " " for c in text[start : at + 40])
     lead = "..." if start else ""
     tail = "..." if at + 40 < len(text) else ""
     caret = " " * (len(lead) + at - start) + "^"
@@ -114,9 +115,13 @@ def _number(value: object, where: str) -> Number:
     """A plain number, Python's or numpy's, as an expression."""
     if isinstance(value, bool) or not isinstance(value, Real):
         raise ModelError(f"{where}: an expression is a text or a number, not {value!r:.60}")
-    if not math.isfinite(value):
-        raise ModelError(f"{where}: {float(value)} is not a finite number")
-    return Number(float(value))
+    try:
+        number = float(value)
+    except OverflowError:
+        raise ModelError(f"{where}: the number is too large for a double") from None
+    if not math.isfinite(number):
+        raise ModelError(f"{where}: {number} is not a finite number")
+    return Number(number)
 
 
 class _Parser:

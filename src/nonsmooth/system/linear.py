@@ -9,7 +9,7 @@ approximated.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -104,10 +104,7 @@ class LinearForm:
 
     def plus(self, other: LinearForm) -> LinearForm:
         """Sum of two forms."""
-        terms = dict(self.terms)
-        for basis, value in other.terms.items():
-            terms[basis] = add(terms[basis], value) if basis in terms else value
-        return LinearForm(terms)
+        return _total((self, other))
 
     def scaled(self, factor: Expression) -> LinearForm:
         """Product with an expression of parameters."""
@@ -125,31 +122,42 @@ class LinearForm:
             return self.scaled(other.constant_part)
         if len(self.terms) * len(other.terms) > _MAX_TERMS:
             raise NotLinear(f"this product has more than {_MAX_TERMS} terms", node)
-        product = LinearForm()
-        for left, left_value in self.terms.items():
-            for right, right_value in other.terms.items():
-                pair = _basis_product(left, right, node)
-                product = product.plus(pair.scaled(multiply(left_value, right_value)))
-        return product
+        return _total(
+            _basis_product(left, right, node).scaled(multiply(left_value, right_value))
+            for left, left_value in self.terms.items()
+            for right, right_value in other.terms.items()
+        )
 
     def with_replaced(self, forms: Mapping[str, LinearForm]) -> LinearForm:
         """Form with some states replaced by forms of their own."""
         if not any(isinstance(b, State) and b.name in forms for b in self.terms):
             return self
-        total = LinearForm()
-        for basis, value in self.terms.items():
-            if isinstance(basis, State) and basis.name in forms:
-                total = total.plus(forms[basis.name].scaled(value))
-            else:
-                total = total.plus(LinearForm({basis: value}))
-        return total
+        return _total(
+            forms[basis.name].scaled(value)
+            if isinstance(basis, State) and basis.name in forms
+            else LinearForm({basis: value})
+            for basis, value in self.terms.items()
+        )
 
     def rate(self, rate_of_state: Callable[[str], LinearForm]) -> LinearForm:
         """Time derivative along a flow given by the rates of the states."""
-        total = LinearForm()
-        for basis, value in self.terms.items():
-            total = total.plus(_basis_rate(basis, rate_of_state).scaled(value))
-        return total
+        return _total(
+            _basis_rate(basis, rate_of_state).scaled(value) for basis, value in self.terms.items()
+        )
+
+
+def _total(forms: Iterable[LinearForm]) -> LinearForm:
+    """Sum of forms, collected in one dict: hashing long expressions is what costs."""
+    terms: dict[Basis, Expression] = {}
+    for form in forms:
+        for basis, value in form.terms.items():
+            present = terms.get(basis)
+            total = value if present is None else add(present, value)
+            if total == ZERO:
+                del terms[basis]
+            else:
+                terms[basis] = total
+    return LinearForm(terms)
 
 
 def linear_form(expression: Expression, form_of: Callable[[Name | Call], LinearForm]) -> LinearForm:
@@ -196,10 +204,7 @@ def _plain(function: str) -> Callable[..., Expression]:
 
 
 def _sum(node: Call, arguments: list[LinearForm]) -> LinearForm:
-    total = LinearForm()
-    for argument in arguments:
-        total = total.plus(argument)
-    return total
+    return _total(arguments)
 
 
 def _negative(node: Call, arguments: list[LinearForm]) -> LinearForm:

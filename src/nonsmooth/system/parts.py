@@ -7,15 +7,26 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 from nonsmooth.errors import ModelError
 from nonsmooth.system.frozen import FrozenDict
 from nonsmooth.system.grammar import is_name
 
-__all__ = ["STOP", "Exit", "Mode", "Text"]
+__all__ = ["STOP", "Exit", "Mode", "Text", "items_of"]
 
 Text = str | float | int
 STOP = "stop"
+
+
+def items_of(value: Any, wanted: str) -> tuple[Any, ...]:
+    """What stands in a list, or an error that says what is wanted."""
+    try:
+        if not isinstance(value, str | bytes | set | frozenset | Mapping):
+            return tuple(value)
+    except TypeError:  # nothing to go through, whatever the type promises
+        pass
+    raise ModelError(f"{wanted}, not {value!r:.60}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,7 +115,11 @@ class Mode:
             if not isinstance(value, Mapping):
                 raise ModelError(f"Mode: {label} maps names to expressions, not {value!r:.60}")
             object.__setattr__(self, label, FrozenDict(value))
-        exits = (self.exits,) if isinstance(self.exits, Exit) else tuple(self.exits)
+        exits = (
+            (self.exits,)
+            if isinstance(self.exits, Exit)
+            else items_of(self.exits, "Mode: exits is a list of Exit")
+        )
         for position, way in enumerate(exits):
             if not isinstance(way, Exit):
                 raise ModelError(

@@ -25,6 +25,7 @@ from nonsmooth.system.expressions import (
     negate,
     subtract,
     walk,
+    written_out,
 )
 from nonsmooth.system.functions import lookup
 from nonsmooth.system.grammar import point_at
@@ -44,7 +45,9 @@ if TYPE_CHECKING:
 # an equals sign that is not part of a comparison
 _EQUALS = re.compile(r"(?<![<>=])=(?!=)")
 
-__all__ = ["ExitForms", "ModeForms", "Structure"]
+_MOST_NODES = 250_000  # of slaved states that are solved together
+
+__all__ = ["ExitForms", "ModeForms", "Structure", "is_relation"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,8 +74,9 @@ class Structure:
             key: Equation.read(text, f"definitions[{key!r}]", known)
             for key, text in system.definitions.items()
         }
+        known_to_outputs = known | set(system.outputs)
         self.outputs = {
-            key: Equation.read(text, f"outputs[{key!r}]", known | set(system.outputs))
+            key: Equation.read(text, f"outputs[{key!r}]", known_to_outputs)
             for key, text in system.outputs.items()
         }
         self.initial = {
@@ -229,12 +233,19 @@ class ModeForms:
             explicit = LinearForm({b: negate(divide(c, pivot)) for b, c in others.items()})
             solved = {k: form.with_replaced({state: explicit}) for k, form in solved.items()}
             solved[state] = explicit
+            parts = (value for form in solved.values() for value in form.terms.values())
+            if written_out(parts) > _MOST_NODES:
+                raise ModelError(
+                    f"modes[{self.name!r}].slaved: solved together, the equations of"
+                    f" {', '.join(list(solved)[:8])} have more than {_MOST_NODES:,} parts; write"
+                    " each slaved state by states that are not slaved"
+                )
         return solved
 
     def _residual(self, state: str, equation: Equation) -> LinearForm:
         """Form that vanishes: left - right of a relation, state - expression otherwise."""
         form = self.form(equation)
-        if _EQUALS.search(equation.text):
+        if is_relation(equation.text):
             return form
         return LinearForm.of(State(state)).plus(form.scaled(Number(-1.0)))
 
@@ -265,11 +276,16 @@ class ModeForms:
         )
 
 
+def is_relation(text: Text) -> bool:
+    """Whether a slaved equation is ``left = right`` instead of an expression."""
+    return isinstance(text, str) and bool(_EQUALS.search(text))
+
+
 def _relation(text: Text, where: str, known: set[str]) -> Equation:
     """Equation of a slaved state; ``left = right`` is read as ``left - right``."""
-    if not isinstance(text, str) or not _EQUALS.search(text):
+    if not is_relation(text):
         return Equation.read(text, where, known)
-    sides = _EQUALS.split(text)
+    sides = _EQUALS.split(str(text))
     if len(sides) != 2 or not all(side.strip() for side in sides):
         raise ModelError(
             f"{where}: a relation has one '=' between two expressions, not {text!r:.80}"
@@ -277,7 +293,7 @@ def _relation(text: Text, where: str, known: set[str]) -> Equation:
     left = Equation.read(sides[0], where, known).tree
     # blanks in place of the left side keep the caret of a message in its column
     right = Equation.read(" " * (len(sides[0]) + 1) + sides[1], where, known).tree
-    return Equation(text, where, subtract(left, right))
+    return Equation(str(text), where, subtract(left, right))
 
 
 def _cure(node: Expression) -> str:

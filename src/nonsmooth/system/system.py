@@ -6,18 +6,24 @@ that the engine runs are made by `compile`; no time stepping happens here.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from functools import cached_property
-from typing import Any
+from pathlib import Path
+from typing import Any, TextIO
 
 from nonsmooth.errors import ModelError, unknown_name
+from nonsmooth.files import check_target, replacing
 from nonsmooth.system import checks
 from nonsmooth.system.compile import Compiled, compile_structure
+from nonsmooth.system.explain import explanation
 from nonsmooth.system.frozen import FrozenDict
-from nonsmooth.system.parts import Mode, Text
+from nonsmooth.system.matrices import matrix_words
+from nonsmooth.system.parts import Mode, Text, items_of
 from nonsmooth.system.structure import Structure
-from nonsmooth.system.toml import system_to_toml
+from nonsmooth.system.toml_reading import read_system
+from nonsmooth.system.toml_writing import system_to_toml
 
 __all__ = ["System"]
 
@@ -108,13 +114,12 @@ class System:
     signals: Any = None
 
     def __post_init__(self) -> None:
-        checks.refuse_unsupported(self)
+        checks.refuse_unsupported(vars(self))
         for key in ("states", "drift"):
             value = getattr(self, key)
-            if isinstance(value, str):
-                raise ModelError(f"{key}: give a list of names, not the text {value!r}")
-            frozen = FrozenDict(value) if isinstance(value, Mapping) else tuple(value)
-            object.__setattr__(self, key, frozen)
+            if key == "drift" and isinstance(value, Mapping):
+                continue
+            object.__setattr__(self, key, items_of(value, f"{key}: give a list of names"))
         checks.check_kinds(self)
         for item in fields(self):
             if isinstance(getattr(self, item.name), Mapping):
@@ -194,13 +199,128 @@ class System:
         checks.check_values(other)
         return other
 
-    def to_toml(self) -> str:
-        """Return the system as TOML text.
+    @classmethod
+    def from_matrices(
+        cls,
+        matrix: Any,
+        offset: Any = None,
+        *,
+        exits: Any = (),
+        states: Sequence[str] | None = None,
+        **rest: Any,
+    ) -> System:
+        """Make a system x' = A x + b(t) from arrays, one pair (A, b) for each mode.
+
+        The numbers are written into the texts of the flow so that no digit is lost, and
+        zeros are left out.
+
+        Parameters
+        ----------
+        matrix : array_like or mapping of str to array_like
+            A, square, of numbers; dense, or sparse as scipy has it. A mapping gives one
+            for each mode.
+        offset : sequence of float or str, or mapping of str to that, optional
+            b, with an entry for each state: a number, or a text such as
+            ``"F*cos(omega*t)"``. A mapping gives one for each mode; a mode that it leaves
+            out has none.
+        exits : sequence of Exit, or mapping of str to that, optional
+            Ways out of each mode.
+        states : sequence of str, optional
+            Names of the states; by default ``x1``, ``x2``, ...
+        **rest
+            ``parameters``, ``period``, ``outputs``, and all else that `System` takes.
+
+        Returns
+        -------
+        System
+            With the modes of the first mapping in order; without any, one mode ``flow``.
+            What is no mapping holds in every mode.
+
+        Raises
+        ------
+        ModelError
+            When an array has the wrong shape or an entry is not a finite real number; the
+            message names it by row and column.
+
+        Examples
+        --------
+        >>> import nonsmooth as ns
+        >>> wall = ns.System.from_matrices(
+        ...     [[0.0, 1.0], [-4.0, -0.5]],
+        ...     [0, "F*cos(omega*t)"],
+        ...     exits=[ns.Exit("1 - x", reset={"v": "-0.8*v"})],
+        ...     states=["x", "v"],
+        ...     parameters={"F": 3.0, "omega": 2.0},
+        ...     period="2*pi/omega",
+        ... )
+        >>> wall.modes["flow"].flow["v"]
+        '-4.0*x - 0.5*v + F*cos(omega*t)'
+        """
+        if "modes" in rest:
+            raise ModelError(
+                "modes: from_matrices makes the modes; name them by a mapping in matrix, offset or"
+                " exits"
+            )
+        return cls(**matrix_words(matrix, offset, exits, states), **rest)
+
+    @classmethod
+    def from_toml(cls, source: str | os.PathLike[str]) -> System:
+        """Make a system from TOML: the inverse of `to_toml`.
+
+        The words are those of `System`, `Mode` and `Exit`. Everything in the text is data;
+        nothing is executed.
+
+        Parameters
+        ----------
+        source : str or path
+            TOML text, or the path of a file. Text without a line break names a file.
+
+        Returns
+        -------
+        System
+
+        Raises
+        ------
+        ModelError
+            When the file cannot be read, the text is not TOML, a key or a type is wrong,
+            or the system that it describes cannot be right; the message names the place.
+
+        Examples
+        --------
+        >>> import nonsmooth as ns
+        >>> decay = ns.System.from_toml(
+        ...     '''
+        ... states = ["x"]
+        ... [parameters]
+        ... k = 2.0
+        ... [modes.decay.flow]
+        ... x = "-k*x"
+        ... '''
+        ... )
+        >>> decay.parameter_values
+        {'k': 2.0}
+        >>> ns.System.from_toml(decay.to_toml()) == decay
+        True
+        """
+        return read_system(cls, source)
+
+    def to_toml(self, path: str | os.PathLike[str] | None = None) -> str:
+        """Return the system as TOML text, and write it to a file where one is named.
+
+        Parameters
+        ----------
+        path : str or path, optional
+            File to write, with the suffix ``.toml``; it appears whole or not at all.
 
         Returns
         -------
         str
             The definition with a version key inside.
+
+        Raises
+        ------
+        OptionError
+            When the path has another suffix, or its folder does not exist.
 
         Examples
         --------
@@ -208,7 +328,39 @@ class System:
         >>> print(ns.models.moling().to_toml().splitlines()[1])
         name = "moling"
         """
-        return system_to_toml(self)
+        text = system_to_toml(self)
+        if path is not None:
+            with replacing(check_target(Path(path), (".toml",))) as draft:
+                draft.write_text(text, encoding="utf-8", newline="\n")
+        return text
+
+    def explain(self, file: TextIO | None = None) -> None:
+        """Print a short account of the system for its present parameter values.
+
+        For each mode: how its flow is solved, what is slaved, the natural motions, what
+        the forcing does to them, and the exits. Numbers are rounded.
+
+        Parameters
+        ----------
+        file : file, optional
+            Where to print; by default the standard output.
+
+        Examples
+        --------
+        >>> import nonsmooth as ns
+        >>> bell = ns.System.from_matrices([[0, 1], [-4, -0.4]], name="bell")
+        >>> bell.explain()
+        bell
+          states
+            x1
+            x2
+          period  none declared
+        <BLANKLINE>
+        mode flow: exact linear
+          natural motions
+            x1, x2  oscillates, natural angular frequency about 2, damping ratio about 0.1
+        """
+        print(explanation(self), end="", file=file)
 
     @cached_property
     def _identity(self) -> str:

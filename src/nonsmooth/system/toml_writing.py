@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from nonsmooth.system.system import System
 
-__all__ = ["FORMAT_VERSION", "system_to_toml"]
+__all__ = ["FORMAT_VERSION", "key_text", "system_to_toml"]
 
 FORMAT_VERSION = 1
 
@@ -45,10 +45,11 @@ def system_to_toml(system: System) -> str:
 
 
 def _table(name: str, entries: Mapping[str, Any]) -> list[str]:
-    return [f"[{name}]", *(f"{_key(key)} = {_value(value)}" for key, value in entries.items())]
+    return [f"[{name}]", *(f"{key_text(key)} = {_value(value)}" for key, value in entries.items())]
 
 
-def _key(key: str) -> str:
+def key_text(key: str) -> str:
+    """TOML spelling of a key: bare where it may be."""
     return key if key.isidentifier() and key.isascii() else _value(key)
 
 

@@ -1,0 +1,190 @@
+"""A readable account of a system for its present parameter values.
+
+What is declared is repeated in short; what follows from it, the natural motions of each
+mode and what the forcing meets there, is computed. Numbers are shown to four digits.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from nonsmooth.system.columns import aligned, one_line
+from nonsmooth.system.evaluate import constant_value
+from nonsmooth.system.expressions import Expression, Number, to_text
+from nonsmooth.system.linear import Harmonic, State
+from nonsmooth.system.motions import Motion, natural_motions, reached
+from nonsmooth.system.parts import STOP, Text
+from nonsmooth.system.structure import is_relation
+
+if TYPE_CHECKING:
+    from nonsmooth.system.parts import Exit
+    from nonsmooth.system.structure import ModeForms
+    from nonsmooth.system.system import System
+
+__all__ = ["explanation"]
+
+_Section = tuple[str, Sequence[Sequence[str]]]  # title, rows
+_MOST_NAMED = 6  # states of one motion
+_NEAR = 0.05  # of the natural frequency: closer than this, or than the damping ratio, resounds
+
+
+def explanation(system: System) -> str:
+    """Account of a system, lines with aligned columns."""
+    time_unit = _units(system.describe.get("time", ""))
+    lines = [one_line(system.name) or "system", "  states", *aligned(list(_states(system)), 4)]
+    if system.parameters:
+        lines += ["  parameters", *aligned(list(_parameters(system)), 4)]
+    lines += aligned([_period(system, time_unit)])
+    for name, mode in system.modes.items():
+        forms = system.structure.modes[name]
+        lines += ["", f"mode {name}: exact linear"]
+        sections: list[_Section] = [
+            ("slaved", [_slaved(state, text) for state, text in mode.slaved.items()]),
+            *_behaviour(system, forms, time_unit),
+            ("exits", [_exit(way, forms.exits[i].name) for i, way in enumerate(mode.exits)]),
+        ]
+        for title, rows in sections:
+            if rows:
+                lines += [f"  {title}", *aligned(rows, 4)]
+    return "\n".join(lines) + "\n"
+
+
+def _states(system: System) -> Iterator[tuple[str, str]]:
+    for name in system.states:
+        notes = [system.describe.get(name, "")]
+        if isinstance(system.drift, Mapping) and name in system.drift:
+            notes.append(f"an angle of period {system.drift[name]}")
+        elif name in system.drift:
+            notes.append("drifts")
+        if system.rest_state[name] != 0.0:
+            notes.append(f"{system.rest_state[name]:.4g} at rest")
+        yield name, "; ".join(filter(None, notes))
+
+
+def _parameters(system: System) -> Iterator[tuple[str, str, str]]:
+    for name, value in system.parameter_values.items():
+        yield name, f"= {value:.4g}", system.describe.get(name, "")
+
+
+def _period(system: System, time_unit: str) -> tuple[str, str]:
+    if system.period is None or system.period_value is None:
+        return "period", "none declared"
+    value = f"about {_quantity(system.period_value, time_unit)}"
+    return "period", f"{system.period}, {value}" if isinstance(system.period, str) else value
+
+
+def _slaved(state: str, text: Text) -> tuple[str, str]:
+    return state, f"from {text}" if is_relation(text) else f"= {text}"
+
+
+def _exit(way: Exit, name: str) -> tuple[str, str, str, str]:
+    reset = ", ".join(f"{state} := {text}" for state, text in way.reset.items())
+    target = {None: "to the same mode", STOP: "ends the run"}.get(way.to, f"to {way.to}")
+    return name, f"when {way.guard} < 0", target, reset
+
+
+# ---------------------------------------------------------------- motions and forcing
+
+
+def _behaviour(system: System, forms: ModeForms, time_unit: str) -> Iterator[_Section]:
+    """Titles and rows: the natural motions of a mode, and the frequencies that drive it."""
+    names, matrix = _flow_matrix(system, forms)
+    try:
+        motions = natural_motions(matrix)
+    except np.linalg.LinAlgError:
+        lost = "not found in double precision; choose units in which coefficients are nearer to 1"
+        yield "natural motions", [(lost,)]
+        return
+    rows = [(_few([names[i] for i in m.states]), _manner(m, time_unit)) for m in motions]
+    yield "natural motions", rows
+    driven: dict[Expression, set[int]] = {}
+    for i, name in enumerate(names):
+        for basis in forms.rates[name].terms:
+            if isinstance(basis, Harmonic):
+                driven.setdefault(basis.frequency, set()).add(i)
+    forcing = []
+    for frequency, states in driven.items():
+        value = abs(constant_value(frequency, system.parameter_values))
+        following = reached(matrix, states)
+        notes = [
+            _resonance(value, motion, [names[i] for i in motion.states if i in following])
+            for motion in motions
+        ]
+        cells = [to_text(frequency), f"= {_angular(value, time_unit)}"]
+        if isinstance(frequency, Number):
+            cells = [_angular(value, time_unit), ""]
+        forcing.append((*cells, "; ".join(filter(None, notes))))
+    yield "forced at", forcing
+
+
+def _flow_matrix(system: System, forms: ModeForms) -> tuple[list[str], np.ndarray]:
+    """States that have a flow in a mode, and the matrix of their rates."""
+    names = [state for state in system.states if state not in forms.slaved]
+    values = system.parameter_values
+    rows = [
+        [constant_value(forms.rates[row].coefficient(State(column)), values) for column in names]
+        for row in names
+    ]
+    return names, np.array(rows, dtype=float).reshape(len(names), len(names))
+
+
+def _manner(motion: Motion, time_unit: str) -> str:
+    """What a motion looks like, in words and numbers."""
+    times = f" ({motion.count} nearly alike)" if motion.count > 1 else ""
+    if motion.rate == 0.0:
+        if motion.count == motion.chains:
+            return "constant" if motion.count == 1 else f"constant, {motion.count} of them"
+        how = "rigid-body motion: moves on without a force"
+        return how if motion.chains == 1 else f"{how}, {motion.chains} of them"
+    growth = ""
+    if motion.rate.real > 0.0:
+        growth = f"grows e-fold in about {_quantity(1.0 / motion.rate.real, time_unit)}"
+    if not motion.rate.imag:
+        if growth:
+            return f"unstable: {growth}{times}"
+        return f"decays, time constant about {_quantity(-1.0 / motion.rate.real, time_unit)}{times}"
+    angular = _angular(motion.frequency, time_unit)
+    if growth:
+        return f"unstable: oscillates, angular frequency about {angular}, {growth}{times}"
+    if motion.rate.real == 0.0:
+        return f"oscillates without damping, angular frequency about {angular}{times}"
+    return (
+        f"oscillates, natural angular frequency about {angular},"
+        f" damping ratio about {motion.damping:.4g}{times}"
+    )
+
+
+def _few(names: Sequence[str]) -> str:
+    if len(names) <= _MOST_NAMED:
+        return ", ".join(names)
+    return f"{', '.join(names[: _MOST_NAMED - 2])} ... {names[-1]}"
+
+
+def _resonance(value: float, motion: Motion, states: Sequence[str]) -> str:
+    """Note when a forcing frequency is near that of a motion that it reaches, else empty."""
+    if not states or not motion.frequency:
+        return ""
+    ratio = value / motion.frequency
+    if abs(ratio - 1.0) > max(_NEAR, abs(motion.damping)):
+        return ""
+    where = _few(states)
+    if motion.rate.real == 0.0 and math.isclose(ratio, 1.0, rel_tol=1e-9):
+        return f"resonance with {where}: without damping the amplitude grows without bound"
+    return f"near resonance with {where}: {ratio:.4g} of the natural frequency"
+
+
+def _quantity(value: float, unit: str) -> str:
+    return f"{value:.4g} {unit}".rstrip()
+
+
+def _angular(value: float, time_unit: str) -> str:
+    return f"{value:.4g} rad/{time_unit}" if time_unit else f"{value:.4g}"
+
+
+def _units(label: str) -> str:
+    """Units in brackets at the end of a label."""
+    return label[:-1].rpartition("[")[2].strip() if label.endswith("]") and "[" in label else ""
