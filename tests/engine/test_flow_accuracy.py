@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from engine import conditioning
 from engine.flow_survey import judge, survey
-from engine.spectra import CLASSES, draw
+from engine.spectra import CLASSES, Case, draw
 
 # Classes in which the flow refuses cases or loses digits, by the range of seeds looked at.
 FAULTS = {
@@ -54,6 +54,41 @@ def test_first_cases_of_each_class(name):
 @pytest.mark.parametrize("name", classes(FAULTS))
 def test_three_hundred_cases_of_each_class(name):
     check(name, range(300))
+
+
+SMALL = {
+    # eigenvalues so small that the window is 1e14 long: off by a thousandth, without a word
+    "slow growth, near defect": ([[1e-13, 1], [0, 2e-13]], 1 / 3),
+    "slow growth, near chain": ([[3e-8, 1], [0, 7e-9]], 7.0),
+    # refused: nilpotent, (A A A) = 0 exactly
+    "hidden chain of three": ([[2, 2, -2], [-4, 0, -4], [-2, 0, -2]], 0.6),
+    "hidden chain of two and a constant": ([[6, 6, 3], [-2, -2, -1], [-8, -8, -4]], 1.5),
+    # refused: eigenvalues +-1e-6
+    "near chain of two": (
+        [[0.1947743337220794, -0.03949705856894658], [0.9605029414310533, -0.1947743329851642]],
+        1.5,
+    ),
+    # not refused, yet ten digits are lost in the similarity
+    "couplings of 2000": (
+        [
+            [-0.36, 1605, -892, 349],
+            [0, -0.066, -1814, -427],
+            [0, 0, -0.062, -2111],
+            [0, 0, 0, -0.049],
+        ],
+        0.8,
+    ),
+}
+
+
+@pytest.mark.xfail(strict=True, reason="refused, or digits lost without a word")
+@pytest.mark.parametrize("name", SMALL)
+def test_small_cases_that_were_wrong(name):
+    matrix, time = SMALL[name]
+    n = len(matrix)
+    none = np.zeros((n, 0))
+    verdict = judge(Case(np.array(matrix, float), time, np.ones(n), np.zeros(0), none, none))
+    assert verdict.strict <= 1.0, verdict
 
 
 @pytest.mark.xfail(strict=True, reason="a nilpotent chain is refused as ill-conditioned")
