@@ -18,7 +18,8 @@ import flint
 from mpmath import mp, mpf
 
 from .balls import FlintBalls
-from .crossing import _Scan, leading_derivative
+from .crossing import Crossing, _Scan, leading_derivative
+from .flow import integer_parts
 from .taylor import Piece
 
 # bits, bits at which the matrix is changed (0: not at all), terms of the series
@@ -54,16 +55,16 @@ class Modes:
         n, rng = len(z), random.Random(7)
         self.sizes = [_terms(M, z, row, end) for row in H]
         unit = flint.arb(2) ** -change if change else flint.arb(0)
-        largest = max(max(map(abs, row)) for row in M) or 1.0
+        largest = float(max(max(map(abs, row)) for row in M)) or 1.0
         matrix = flint.acb_mat(
             [
-                [flint.arb(x) + unit * (rng.uniform(-1, 1) * (abs(x) or largest)) for x in row]
+                [_ball(x) + unit * (rng.uniform(-1, 1) * (float(abs(x)) or largest)) for x in row]
                 for row in M
             ]
         )
         self.values = matrix.eig()
-        start = flint.acb_mat([[flint.arb(x)] for x in z])
-        guards = flint.acb_mat([[flint.arb(float(x)) for x in row] for row in H])
+        start = flint.acb_mat([[_ball(x)] for x in z])
+        guards = flint.acb_mat([[_ball(x) for x in row] for row in H])
         parts = [guards * self._part(matrix, start, j) for j in range(n)]
         self.coefficients = [[parts[j][g, 0] for j in range(n)] for g in range(len(H))]
         powers = []
@@ -93,12 +94,12 @@ class Modes:
                 return False
         return True
 
-    def piece(self, start: float, end: float) -> list[Piece]:
+    def piece(self, start: mpf, end: mpf) -> list[Piece]:
         """The pieces of all guards from ``start`` on, as long as the series allows."""
-        grown = [(v * flint.arb(start)).exp() for v in self.values]
+        grown = [(v * _ball(start)).exp() for v in self.values]
         now = [[c * e for c, e in zip(row, grown, strict=True)] for row in self.coefficients]
         sizes = [[_size(c) for c in row] for row in now]
-        length = end - start
+        length = float(end - start)
         while True:
             tails = [self._tail(row, length, start) for row in sizes]
             if all(t <= SMALL * s for (t, _), s in zip(tails, self.sizes, strict=True)):
@@ -134,6 +135,11 @@ class Modes:
         return total, dead
 
 
+def _ball(x: Any) -> Any:
+    """A double or mpf as the number that it is."""
+    return flint.arb(integer_parts(mpf(x)))
+
+
 def _terms(M: Any, z: Any, row: Any, end: float) -> float:
     """Size of the terms of a guard at the start; if all are zero, that of the next derivative."""
     state, factor = [abs(x) for x in z], 1.0
@@ -158,9 +164,15 @@ class _PlacedScan(_Scan):
     flat = mpf(0)
 
     def _undecided(self, low: mpf, high: mpf) -> bool:
-        """Where all motions have died the guard is flat, and its rate has no certain sign."""
+        """Where all motions have died the guard is flat, and its rate has no certain sign.
+
+        A guard that is flat at zero is a miss by nothing.
+        """
         if self.start > 0:
             value = self.g(self.arith.interval(low, high))
+            if self.arith.middle(value.abs_upper()) < self.flat:
+                self._extremum(low)
+                return False
             if self._certain(value) and self.arith.middle(value.rad()) < self.flat:
                 self._extremum(low)
                 self._monotone(low, high)
@@ -174,34 +186,36 @@ class _PlacedScan(_Scan):
             self.place = float(self.start + point)
 
 
-def first_of(M: Any, z: Any, H: Any, t_end: float, cap: float = 1e-2) -> First:
+def first_of(
+    M: Any, z: Any, H: Any, t_end: Any, cap: float = 1e-2, zero_tolerance: Any = 0
+) -> First:
     """The first of all guards that crosses in (0, t_end].
 
-    Arguments are doubles, taken exactly. Misses farther than ``cap`` of the terms of a guard at
-    the start are not looked at: gaps are inf there. A guard that starts at zero or below and
-    must fall has time 0.
+    Numbers are doubles or mpf, taken as they are. Misses farther than ``cap`` of the terms of a
+    guard at the start are not looked at: gaps are inf there. A guard that starts at zero or
+    below and must fall has time 0.
     """
     precision = flint.ctx.prec
     try:
         with mp.workdps(80):
-            return _first_of(M, z, H, t_end, cap)
+            return _first_of(M, z, H, t_end, cap, mpf(zero_tolerance))
     finally:
         flint.ctx.prec = precision
 
 
-def _first_of(M: Any, z: Any, H: Any, t_end: float, cap: float) -> First:
+def _first_of(M: Any, z: Any, H: Any, t_end: Any, cap: float, zero: mpf) -> First:
     modes, arith = Modes(M, z, H, t_end), FlintBalls(65)
     exact = [[mpf(x) for x in row] for row in M], [mpf(x) for x in z]
     orders, scans = [], []
     for row, size in zip(H, modes.sizes, strict=True):
-        order, leading = leading_derivative(*exact, [mpf(x) for x in row], mpf(0))
+        order, leading = leading_derivative(*exact, [mpf(x) for x in row], zero)
         if leading < 0:
             return First(mpf(0), len(scans), [math.inf] * len(H), [0.0] * len(H))
         orders.append(order)
         scan = _PlacedScan(arith)
         scan.gap, scan.done, scan.flat = mpf(cap * size), leading == 0, mpf(1e-28 * size)
         scans.append(scan)
-    start, first, pieces = 0.0, None, []
+    start, first, pieces = mpf(0), None, []
     while start < t_end and not all(s.done for s in scans):
         if first is not None and all(s.done for s in scans if s.time is not None):
             break
@@ -211,7 +225,7 @@ def _first_of(M: Any, z: Any, H: Any, t_end: float, cap: float) -> First:
                 scan.run(piece, 0 if start else orders[number])
         crossed = [(s.time, i) for i, s in enumerate(scans) if s.time is not None]
         first = min(crossed) if crossed else None
-        start = float(pieces[0].start + pieces[0].length)
+        start = pieces[0].start + pieces[0].length
     if first is None:
         _note_ends(scans, pieces, arith, t_end)
     gaps = [float(s.gap) if s.place else math.inf for s in scans]
@@ -226,3 +240,13 @@ def _note_ends(
         size = abs(arith.middle(piece.polynomial(arith)(arith.exact(piece.length))))
         if size < scan.gap and not scan.done:
             scan.gap, scan.place = size, t_end
+
+
+def first_crossing(
+    M: Any, z0: Any, h: Any, t_end: Any, *, digits: int = 30, zero_tolerance: Any = 0
+) -> Crossing:
+    """`crossing.first_crossing` for stiff flows: times to 30 digits, gaps up to 1e-2 of the terms."""
+    if digits > 50:
+        raise ValueError("at most 50 digits")
+    found = first_of(M, z0, [h], t_end, zero_tolerance=zero_tolerance)
+    return Crossing(found.time, mpf(found.gaps[0]))
