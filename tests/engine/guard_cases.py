@@ -36,7 +36,7 @@ def draw_guards(seed: int) -> GuardCase:
     name = list(CLASSES)[seed % len(CLASSES)]
     rng = np.random.default_rng([seed, 77])
     with np.errstate(all="ignore"):
-        flow = _shortened(draw(name, seed))
+        flow = _shortened(draw(name, 4 * seed))
         order = int(rng.choice([0, 0, 0, 0, 1, 2, 3]))
         if order > 1 and len(flow.matrix) + order > 8:
             order = 1

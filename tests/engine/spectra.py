@@ -336,7 +336,8 @@ CLASSES: dict[str, Callable[[np.random.Generator], Case]] = {
 
 
 def draw(name: str, seed: int) -> Case:
-    """The case of a class that belongs to a seed, scaled so that no state leaves 1e9."""
+    """The case of a class that belongs to a seed; every fourth stops after a short time."""
     rng = np.random.default_rng([seed, *name.encode()])
     with np.errstate(all="ignore"):
-        return CLASSES[name](rng)
+        case = CLASSES[name](rng)
+    return case._replace(time=case.time * _log(rng, -5, 0)) if seed % 4 == 3 else case

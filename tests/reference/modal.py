@@ -245,7 +245,7 @@ def _note_ends(
 def first_crossing(
     M: Any, z0: Any, h: Any, t_end: Any, *, digits: int = 30, zero_tolerance: Any = 0
 ) -> Crossing:
-    """`crossing.first_crossing` for stiff flows: times to 30 digits, gaps up to 1e-2 of the terms."""
+    """`crossing.first_crossing` for stiff flows: 30 digits, gaps up to 1e-2 of the terms."""
     if digits > 50:
         raise ValueError("at most 50 digits")
     found = first_of(M, z0, [h], t_end, zero_tolerance=zero_tolerance)
