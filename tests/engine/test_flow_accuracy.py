@@ -21,12 +21,12 @@ FAULTS = {
     "relaxing": "small entries beside large ones lose digits in the unitary similarity",
     "defect": "refused as ill-conditioned",
     "near defect": "refused as ill-conditioned",
-    "non-normal": "digits lost without a word, up to six",
+    "non-normal": "digits lost without a word, sometimes all of them",
     "nilpotent": "refused as ill-conditioned, or digits lost",
     "badly scaled": "refused as ill-conditioned, or digits lost",
     "mixture": "refused as ill-conditioned, or digits lost",
 }
-EARLY_FAULTS = ("nilpotent",)
+EARLY_FAULTS = ("relaxing", "non-normal", "nilpotent")
 
 
 def classes(faulty):
@@ -56,6 +56,11 @@ def test_three_hundred_cases_of_each_class(name):
     check(name, range(300))
 
 
+def chain(n, coupling):
+    """Triangular, eigenvalues -0.1, -0.15, ... and equal couplings."""
+    return np.triu(np.full((n, n), coupling), 1) + np.diag(-0.1 - 0.05 * np.arange(n))
+
+
 SMALL = {
     # eigenvalues so small that the window is 1e14 long: off by a thousandth, without a word
     "slow growth, near defect": ([[1e-13, 1], [0, 2e-13]], 1 / 3),
@@ -68,7 +73,7 @@ SMALL = {
         [[0.1947743337220794, -0.03949705856894658], [0.9605029414310533, -0.1947743329851642]],
         1.5,
     ),
-    # not refused, yet ten digits are lost in the similarity
+    # not refused, yet digits are lost in the similarity: four, four, and all
     "couplings of 2000": (
         [
             [-0.36, 1605, -892, 349],
@@ -78,6 +83,8 @@ SMALL = {
         ],
         0.8,
     ),
+    "three equal couplings": (chain(3, 1e3), 1e-4),
+    "five equal couplings": (chain(5, 1e3), 1e-4),
 }
 
 
