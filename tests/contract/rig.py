@@ -1,7 +1,7 @@
 """The fatigue rig: read from its TOML file for the package, and as an automaton for the truth.
 
 The two share nothing: the automaton is Eq. (43) of the chapter with switch functions, written
-down a second time, with the statics solved as a linear system.
+down a second time, with the balance at rest solved as a linear system.
 """
 
 import tomllib
