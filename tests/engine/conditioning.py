@@ -50,9 +50,7 @@ def _tiny(y: arb) -> bool:
     return bool(abs(y) < _TINY)
 
 
-def answer(
-    matrix: np.ndarray, start: np.ndarray, time: float, rows: np.ndarray, offsets=None
-) -> Answer:
+def answer(matrix: np.ndarray, start: np.ndarray, time: float, rows: np.ndarray) -> Answer:
     """The values rows . exp(matrix time) start and their kappas."""
     values, kappas = [], []
     end = flow(matrix, start, time)

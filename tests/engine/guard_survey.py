@@ -48,7 +48,7 @@ def guarded(n: int, k: int, e: int) -> ns.System:
     return ns.System(states=plain.states, parameters=parameters, modes={"m": mode})
 
 
-def run(case: GuardCase, **sampling) -> "ns.simulation.xr.Dataset":
+def run(case: GuardCase, **sampling):
     """The case by the engine; raises what it raises."""
     n, k, e = len(case.flow.start), case.flow.frequencies.size, len(case.guards)
     values = coefficients(case.flow)
