@@ -22,13 +22,13 @@ negative; zero throughout holds. Zero means below 1e-40 times sum(|h|) max(|z|).
 Coming back without reset to a mode already passed in the instant, or 100 steps, is an error.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from mpmath import mp, mpf
 
-from .crossing import first_crossing, leading_derivative
+from .crossing import Crossing, first_crossing, leading_derivative
 from .flow import Rows, exact_flow
 
 DIGITS = 50
@@ -75,14 +75,18 @@ def hybrid_run(
     t_end: Any,
     *,
     max_events: int = 1000,
+    search: Callable[..., Crossing] = first_crossing,
 ) -> HybridRun:
-    """The run from z0 in mode0 at time 0 up to t_end. A start that must leave does so as event."""
+    """The run from z0 in mode0 at time 0 up to t_end. A start that must leave does so as event.
+
+    ``search`` may be `modal.first_crossing`, which is for stiff modes.
+    """
     with mp.workdps(DIGITS + 10):
         end, time = mpf(t_end), mpf(0)
         run = HybridRun(state=[mpf(x) for x in z0], mode=mode0)
         _instant(run, modes, time, None)
         while time < end:
-            exit_number, step = _next_exit(run, modes[run.mode], end - time)
+            exit_number, step = _next_exit(run, modes[run.mode], end - time, search)
             matrix = modes[run.mode].matrix
             run.state = list(exact_flow(matrix, run.state, step, digits=DIGITS + 5))
             time += step
@@ -94,11 +98,13 @@ def hybrid_run(
         return run
 
 
-def _next_exit(run: HybridRun, mode: LinearMode, duration: mpf) -> tuple[int | None, mpf]:
+def _next_exit(
+    run: HybridRun, mode: LinearMode, duration: mpf, search: Callable[..., Crossing]
+) -> tuple[int | None, mpf]:
     """The exit that fires first, and when; of those that fire together, the first declared."""
     number, nearest = None, duration
     for i, each in enumerate(mode.exits):
-        time, gap = first_crossing(
+        time, gap = search(
             mode.matrix, run.state, each.guard, nearest, digits=DIGITS, zero_tolerance=ZERO
         )
         run.nearest_miss = min(run.nearest_miss, gap)
