@@ -20,6 +20,9 @@ from engine.guard_cases import GuardCase, draw_guards
 from reference.modal import First, first_of
 
 
+ROUNDINGS = 64 * 2.0**-52  # of the largest state; the engine's margin begins at 32
+
+
 class Verdict(NamedTuple):
     """``word`` is right, wrong, flagged or refused; ``depth`` the nearest miss.
 
@@ -102,17 +105,25 @@ def nearest(case: GuardCase, true: First) -> tuple[float, float]:
         if np.isfinite(gap) and place > 0:
             state = [float(y.mid()) for y in conditioning.flow(case.matrix, case.start, place)]
             terms = np.abs(row * np.array(state)).sum()
-            lost = ALLOWED * conditioning.kappa(case.matrix, case.start, place, row)
+            lost = resolution(case, row, place, np.array(state))
             best = min(best, (gap / max(terms, 1e-300), gap / max(lost, 1e-300)))
     return best
 
 
+def resolution(case: GuardCase, row: np.ndarray, time: float, state: np.ndarray) -> float:
+    """What double precision may lose of a guard: 1e-12 kappa, or some tens of roundings of the
+    largest state on the way. Motions that cancel in the guard are rounded all the same."""
+    largest = max(np.abs(state).max(), np.abs(case.start).max())
+    lost = ALLOWED * conditioning.kappa(case.matrix, case.start, time, row)
+    return max(lost, ROUNDINGS * np.abs(row).sum() * largest)
+
+
 def tolerance(case: GuardCase, true: First) -> float:
-    """Error of the time that an error of 1e-12 kappa in the guard makes, at a root or a touch."""
+    """Error of the time that the resolution of the guard makes, at a root or a touch."""
     row, time = case.guards[true.number], float(true.time)
     values = [row, row @ case.matrix, row @ case.matrix @ case.matrix]
-    lost = ALLOWED * conditioning.kappa(case.matrix, case.start, time, row)
     state = np.array([float(y.mid()) for y in conditioning.flow(case.matrix, case.start, time)])
+    lost = resolution(case, row, time, state)
     rate, second = abs(values[1] @ state), abs(values[2] @ state)
     return 2.0 * lost / max(rate + np.sqrt(lost * second), 1e-300) + 4e-16 * time
 

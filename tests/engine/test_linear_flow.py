@@ -76,9 +76,9 @@ def test_random_decaying_systems(size, seed):
     assert error(matrix, 10.0, rng.normal(size=size)) < 1e-14 * max(10.0, condition)
 
 
-def test_strongly_non_normal_modes_are_refused():
-    # eigenvalues -1 and -100, made of parts of size 3e6 that cancel: six digits would be lost
+def test_strongly_non_normal_mode():
+    # eigenvalues -1 and -100, made of parts of size 3e6 that cancel
     a = 3e8
-    matrix = [[a, -(a + 1)], [a + 100, -(a + 101)]]
-    with pytest.raises(ns.ModelError, match="non-normal"):
-        computed(linear_system(matrix), np.ones(2), 1.0)
+    matrix = np.array([[a, -(a + 1)], [a + 100, -(a + 101)]])
+    # a change of the matrix by one rounding changes the answer by a hundred million of them
+    assert error(matrix, 1.0, np.ones(2)) < 1e-16 * 4 * a

@@ -77,7 +77,6 @@ def check(run, long, short, grids):
     return len(expected)
 
 
-@pytest.mark.xfail(strict=True, reason="uncertain touches behind the end are logged, then again")
 def test_a_touch_belongs_to_the_run_that_reaches_it():
     """cos t + 1 touches zero at pi: not in a run that ends at 2, once if that goes on to 8."""
     touching = ns.Mode({"x": "v", "v": "-x"}, exits=[ns.Exit("1 + x", to="stop")])

@@ -110,12 +110,13 @@ def run(tables, anchor, segment, records, end_number, end_phase, tolerance):
         length = min(whole - phase, tables.spans[m, at.LONGEST])
         copy_vector(anchor.order, segment.order, anchor.order.size)
         start_segment(tables, segment, m, length)
-        s, e, found = _search(tables, segment, anchor, records, m, length)
         end = (end_number - place[0]) * window + (end_phase - phase)
+        s, e, found = _search(tables, segment, anchor, records, m, length, end)
         _write_samples(tables, segment, anchor, records, m, min(s, end))
         if end <= s:
             advance_once(tables, segment, m, end)
             state_at(tables, segment, m, records.end_state)
+            records.since[0], records.since[1] = end_number, end_phase
             if _bounded(tables.drifting, records.end_state):
                 return _COMPLETED
             anchor.phase[0] = phase + end
@@ -144,15 +145,25 @@ def run(tables, anchor, segment, records, end_number, end_phase, tolerance):
 
 
 @inlined
-def _search(tables, segment, anchor, records, m, length):
-    """First crossing of the segment; tangencies that rounding leaves open are logged."""
+def _search(tables, segment, anchor, records, m, length, end):
+    """First crossing of the segment; tangencies that rounding leaves open are logged.
+
+    Only those between the last end and this one: the segment may begin before, and is
+    searched again when the run goes on.
+    """
     s = 0.0
     while True:
         s, e, found, go_on = first_crossing(tables, segment, m, s, length)
         if found != GRAZE:
             return s, e, found
-        records.cursor[UNCERTAIN] += 1
-        _log_crossing(tables, segment, anchor, records, s, e, _GRAZE, False)
+        if s >= end:
+            return s, -1, NONE
+        since = (records.since[0] - anchor.place[0]) * tables.clock[0] + (
+            records.since[1] - anchor.phase[0]
+        )
+        if s >= since:
+            records.cursor[UNCERTAIN] += 1
+            _log_crossing(tables, segment, anchor, records, s, e, _GRAZE, False)
         s = go_on
         if s >= length:
             advance_once(tables, segment, m, length)

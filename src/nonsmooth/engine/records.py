@@ -47,6 +47,7 @@ class Records(NamedTuple):
     cursor: Integers  # (5,): samples written, events logged, events in this window, uncertain
     # ones, events in a row between which time did not advance
     end_state: Floats  # (n,)
+    since: Floats  # (2,): window number and phase up to which tangencies are logged
 
 
 def allocate_anchor(sizes: Integers) -> Anchor:
@@ -70,6 +71,7 @@ def allocate_records(
         event_floats=np.empty((capacity, EVENT_FLOATS + 2 * n)),
         cursor=np.zeros(5, np.int64),
         end_state=np.full(n, np.nan),
+        since=np.full(2, -np.inf),
     )
 
 

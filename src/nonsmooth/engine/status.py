@@ -47,7 +47,7 @@ class EventKind(IntEnum):
 CURES: dict[Status, str] = {
     Status.STOPPED: "an exit to 'stop' fired",
     Status.DIVERGED: (
-        "a state that is not declared in drift= exceeded 1e12; check damping and signs, or"
+        "a state that is not declared in drift= exceeded 1e30; check damping and signs, or"
         " declare the states that travel without bound in drift="
     ),
     Status.UNDECIDED: (

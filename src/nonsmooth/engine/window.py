@@ -39,7 +39,7 @@ def natural_window(t):
         for i in range(t.shape[1]):
             for j in range(i + 1, t.shape[1]):
                 gap = abs(t[m, i, i] - t[m, j, j])
-                if gap <= fastest and abs(t[m, i, j]) > _DWARFED * gap:
+                if gap <= _RADIANS * fastest and abs(t[m, i, j]) > _DWARFED * gap:
                     dwarfed = max(dwarfed, min(abs(t[m, i, j]), _RADIANS / CLOSE * gap))
     fastest = max(fastest, dwarfed)
     if fastest == 0.0:

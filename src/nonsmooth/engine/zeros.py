@@ -18,7 +18,9 @@ from nonsmooth.engine.jit import allocating, kernel
 __all__ = ["ALWAYS_ZERO", "fill_orders", "push_exit", "start_directions", "zero_order"]
 
 ALWAYS_ZERO = 99  # order of a guard that stays zero
-_RELATIVE = 1e-10  # a product of rows counts as zero below this part of its terms
+# A sum counts as zero below this part of its terms: a remainder of rounding, taken for an
+# honest small number, would count as large in the next product.
+_ROUNDING = 1e-12
 
 
 @allocating
@@ -66,7 +68,9 @@ def start_directions(n, affine, wiring, m, e, basis):
         if j != pivot:
             factor = _product(affine, m, row, basis, 0, j) / at_pivot
             for i in range(big_n):
-                basis[0, i, j] -= factor * basis[0, i, pivot]
+                term = factor * basis[0, i, pivot]
+                rest = basis[0, i, j] - term
+                basis[0, i, j] = rest if abs(rest) > _ROUNDING * abs(term) else 0.0
     for i in range(big_n):
         basis[0, i, pivot] = 0.0
 
@@ -103,17 +107,17 @@ def zero_order(affine, m, g, basis):
     for r in range(at.DERIVATIVES):
         row = at.guard_row(g, r)
         for j in range(basis.shape[1]):
-            size = 0.0
-            for i in range(basis.shape[1]):
-                size += abs(affine[m, row, i] * basis[0, i, j])
-            if abs(_product(affine, m, row, basis, 0, j)) > _RELATIVE * size:
+            if _product(affine, m, row, basis, 0, j) != 0.0:
                 return r
     return ALWAYS_ZERO
 
 
 @kernel
 def _product(affine, m, row, basis, layer, j):
-    total = 0.0
+    """Product of a row and a direction; what only rounding has left over is zero."""
+    total, size = 0.0, 0.0
     for i in range(affine.shape[2]):
-        total += affine[m, row, i] * basis[layer, i, j]
-    return total
+        term = affine[m, row, i] * basis[layer, i, j]
+        total += term
+        size += abs(term)
+    return total if abs(total) > _ROUNDING * size else 0.0

@@ -104,6 +104,7 @@ def run_plan(
             raise NoMode(segment.z.copy())
     else:
         _log_going_on(records, begin, anchor, state)
+        records.since[:] = begin
     log = EventLog(keep_events)
     if status == Status.COMPLETED:
         status, records = _run(tables, plan, anchor, segment, records, log, tolerance)
