@@ -89,9 +89,10 @@ def _fill_rates(n, t, v, block, horizon, rates):
     """Rate by which the gap between each two eigenvalues is measured.
 
     A coupling is a rate as well: eigenvalues much closer than it belong to a chain, such as
-    a rigid body, which moves at that rate whatever their own size. Within a block the units
-    are balanced, so this always holds; between blocks of states it is taken to hold where
-    it costs little, because units may be far apart; forcing has units of its own.
+    a rigid body, which moves at that rate whatever their own size. Units decide how large a
+    coupling is. Within a block they are balanced, unless a faster motion of the block has
+    set them; between blocks of states a chain is assumed where that costs little; forcing
+    has units of its own.
     """
     for i in range(t.shape[0]):
         rates[i, i] = max(abs(t[i, i]), 1.0 / horizon)
@@ -100,15 +101,31 @@ def _fill_rates(n, t, v, block, horizon, rates):
                 continue
             coupling = abs(t[min(i, j), max(i, j)])
             gap = abs(t[i, i] - t[j, j])
-            slow = max(abs(t[i, i]), abs(t[j, j])) <= coupling / _CHAIN
-            slow = slow and gap * horizon <= _MOST_CUTS and _is_state(n, v, i) and _is_state(n, v, j)
-            if coupling > _CHAIN * gap and (slow or block[i] == block[j]):
+            if coupling <= _CHAIN * gap:
+                continue
+            if block[i] == block[j]:
+                chain = coupling > _fastest(t, block, i) / _CHAIN
+            else:
+                chain = max(abs(t[i, i]), abs(t[j, j])) <= coupling / _CHAIN
+                chain = chain and gap * horizon <= _MOST_CUTS
+                chain = chain and _is_state(n, v, i) and _is_state(n, v, j)
+            if chain:
                 rates[i, i] = max(rates[i, i], coupling)
     for i in range(t.shape[0]):
         for j in range(i + 1, t.shape[0]):
             rates[i, j] = max(rates[i, i], rates[j, j])
-            if block[i] == block[j]:
+            if block[i] == block[j] and abs(t[i, j]) > _fastest(t, block, i) / _CHAIN:
                 rates[i, j] = max(rates[i, j], abs(t[i, j]))
+
+
+@kernel
+def _fastest(t, block, i):
+    """Largest eigenvalue of the block of coordinate i."""
+    fastest = 0.0
+    for k in range(t.shape[0]):
+        if block[k] == block[i]:
+            fastest = max(fastest, abs(t[k, k]))
+    return fastest
 
 
 @kernel

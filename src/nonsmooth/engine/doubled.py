@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from nonsmooth.engine.jit import kernel
 
-__all__ = ["add_product", "product_error"]
+__all__ = ["add_product", "product_error", "sum_error"]
 
 _SPLITTER = 134217729.0  # 2^27 + 1
 
@@ -18,9 +18,14 @@ def add_product(high, low, a, b):
     """High and low part of high + low + a b."""
     p = a * b
     total = high + p
-    virtual = total - high
-    error = (high - (total - virtual)) + (p - virtual)
-    return total, low + (error + product_error(a, b, p))
+    return total, low + (sum_error(high, p, total) + product_error(a, b, p))
+
+
+@kernel
+def sum_error(a, b, total):
+    """What a + b exceeds its rounded value by, exactly."""
+    virtual = total - a
+    return (a - (total - virtual)) + (b - virtual)
 
 
 @kernel

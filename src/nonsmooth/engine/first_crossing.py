@@ -27,6 +27,7 @@ _MOST_CLIMBS = 16  # steps of the ladder in a row; each rounds once
 _WORTH = 0.6  # a rung shorter than this part of the safe step is not worth taking
 _UNIT = 2.220446049250313e-16
 _FAR = 1e300
+_FADED = 1e-3  # part of a rounding margin
 
 
 @inlined
@@ -110,13 +111,13 @@ def _rung_below(top, step):
 def _look_ahead(scan, g, reach, far):
     """Safe step of a guard; NONE unless rounding makes a tangency here undecidable."""
     a0, a1, a2, a3, a4, a5 = scan[g, 0], scan[g, 1], scan[g, 2], scan[g, 3], scan[g, 4], scan[g, 5]
-    bound, margin = scan[g, at.BOUND], scan[g, at.MARGIN]
+    bound, margin, fading = scan[g, at.BOUND], scan[g, at.MARGIN], scan[g, at.FADING]
     if a0 <= 1.5 * margin:  # a little above it, so that the step below is never zero
         return _within_margin(scan, g, 1.5 * margin, reach)
     # the margin is taken off, else rounding could carry a step across a tangency
-    step = safe_step(a0 - margin, a1, a2, a3, a4, a5, bound, reach)
+    step = safe_step(a0 - margin - fading, a1, a2, a3, a4, a5, bound, reach)
     scan[g, at.SAFE] = step
-    if a1 < 0.0 and step < reach:
+    if a1 < 0.0 and step < reach and fading <= _FADED * margin:
         latest = -2.0 * a0 / a1
         if latest <= far and falls_alone(a1, a2, a3, a4, a5, bound, latest):
             scan[g, at.LATEST] = latest

@@ -20,14 +20,45 @@ __all__ = ["REMAINDER", "falls_alone", "read_guard", "safe_step"]
 # The step tried first is so short that the bounded term is at most this part of the rest.
 REMAINDER = 0.25
 _MOST_HALVINGS = 200
+_WELL_ABOVE = 0.5  # fading motions are taken off up to this part of a guard
 
 
 @inlined
 def read_guard(tables, segment, m, g):
-    """Taylor coefficients of a guard, bound of the next one, rounding margin, into scan."""
-    series, now, scan = tables.series, segment.now, segment.scan
+    """Taylor coefficients of a guard, bound of the next one, rounding margin, into scan.
+
+    Motions that fade within a fraction of any step are left out of the polynomial where
+    the guard is well above their sum, and taken off its value instead: a relaxation at a
+    rate of 30,000 would else hold up the search until its last digit is gone.
+    """
+    slots, scan = tables.slots, segment.scan
+    fading, lasting = slots[m, at.END_CONSTANT], slots[m, at.END_FADING]
+    a0, a1, a2, a3, a4, a5, bound, margin = _sum_series(
+        tables, segment, m, g, 0, fading, lasting, slots[m, at.COUNT]
+    )
+    rest = 0.0
+    if lasting > fading:
+        for j in range(fading, lasting):
+            rest += tables.series[m, g, j, at.BY_NOISE] * segment.now[j, at.SIZE]
+        if rest > _WELL_ABOVE * a0:
+            rest = 0.0
+            b0, b1, b2, b3, b4, b5, more, doubt = _sum_series(
+                tables, segment, m, g, fading, lasting, lasting, lasting
+            )
+            a0, a1, a2, a3, a4, a5 = a0 + b0, a1 + b1, a2 + b2, a3 + b3, a4 + b4, a5 + b5
+            bound, margin = bound + more, margin + doubt
+    scan[g, 0], scan[g, 1], scan[g, 2] = a0, a1, a2
+    scan[g, 3], scan[g, 4], scan[g, 5] = a3, a4, a5
+    scan[g, at.BOUND], scan[g, at.MARGIN], scan[g, at.FADING] = bound, margin, rest
+
+
+@inlined
+def _sum_series(tables, segment, m, g, first, pause, resume, end):
+    """Sums over the slots from first to end, without those from pause to resume."""
+    series, now = tables.series, segment.now
     a0, a1, a2, a3, a4, a5, bound, margin = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    for j in range(tables.slots[m, at.COUNT]):
+    for k in range(first, end - (resume - pause)):
+        j = k if k < pause else k + (resume - pause)
         re, im = now[j, at.RE], now[j, at.IM]
         a0 += series[m, g, j, 0] * re + series[m, g, j, at.BY_IM] * im
         a1 += series[m, g, j, 1] * re + series[m, g, j, at.BY_IM + 1] * im
@@ -37,9 +68,7 @@ def read_guard(tables, segment, m, g):
         a5 += series[m, g, j, 5] * re + series[m, g, j, at.BY_IM + 5] * im
         bound += series[m, g, j, at.BY_SIZE] * now[j, at.SIZE]
         margin += series[m, g, j, at.BY_NOISE] * now[j, at.NOISE]
-    scan[g, 0], scan[g, 1], scan[g, 2] = a0, a1, a2
-    scan[g, 3], scan[g, 4], scan[g, 5] = a3, a4, a5
-    scan[g, at.BOUND], scan[g, at.MARGIN] = bound, margin
+    return a0, a1, a2, a3, a4, a5, bound, margin
 
 
 @inlined

@@ -38,9 +38,10 @@ MAX_DEGREE = 32  # of the polynomial in s that multiplies exp(mu s) in a cluster
 MAX_AUGMENTED = 60  # sets of coordinates are bits of one integer
 RUNGS = 8  # of the ladder of steps for which rotations are computed beforehand
 
-# Tables.slots: number of slots, ends of the constant, real, rotation and damped ones,
-# number of clusters, then first slot, size and degree of each cluster
-COUNT, END_CONSTANT, END_REAL, END_ROTATION, END_DAMPED, N_CLUSTERS, CLUSTERS = range(7)
+# Tables.slots: number of slots, ends of the constant, fading, other real, rotation and damped
+# ones, number of clusters, then first slot, size and degree of each cluster
+COUNT, END_CONSTANT, END_FADING, END_REAL, END_ROTATION, END_DAMPED, N_CLUSTERS = range(7)
+CLUSTERS = 7
 # Tables.wiring[m, 0]: number of exits, bits of slaved states;
 # Tables.wiring[m, 1 + e]: target, bits of states reset, order of zero of each guard entered
 N_EXITS, SLAVED = 0, 1
@@ -60,9 +61,9 @@ SERIES = 2 * TERMS + 2
 # from there on, rounding margin; Tables.ladder: factors of the first three
 RE, IM, SIZE, NOISE = range(4)
 # Segment.scan: Taylor coefficients of a guard, bound of the next one, rounding margin of the
-# value, safe step, latest root
-BOUND, MARGIN, SAFE, LATEST = range(TERMS, TERMS + 4)
-SCAN = TERMS + 4
+# value, safe step, latest root, what motions left out of the polynomial may add to the guard
+BOUND, MARGIN, SAFE, LATEST, FADING = range(TERMS, TERMS + 5)
+SCAN = TERMS + 5
 
 
 class Program(NamedTuple):

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from nonsmooth.engine.doubled import product_error
+from nonsmooth.engine.doubled import product_error, sum_error
 from nonsmooth.engine.jit import kernel
 from nonsmooth.engine.status import Status
 
@@ -43,7 +43,9 @@ def _triangular_pair(t, q, k):
     a, b, c, d = t[k, k].real, t[k, k + 1].real, t[k + 1, k].real, t[k + 1, k + 1].real
     half = 0.5 * (a - d)
     mean = 0.5 * (a + d)
-    discriminant = _sum_of_products(half, half, b, c)
+    # close to critical damping even the rounding of the difference counts
+    rest = 0.5 * sum_error(a, -d, a - d)
+    discriminant = _sum_of_products(half, half, b, c) + 2.0 * half * rest
     if discriminant >= 0.0:
         root = np.sqrt(discriminant)
         first = complex(mean + root if mean >= 0.0 else mean - root, 0.0)

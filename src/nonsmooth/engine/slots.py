@@ -16,11 +16,11 @@ from nonsmooth.engine.trigonometry import cos_sin
 
 __all__ = ["fill_slots"]
 
-_CONSTANT, _REAL, _ROTATION, _DAMPED, _CLUSTER, _DROPPED = 0, 1, 2, 3, 4, 9
+_CONSTANT, _FADING, _REAL, _ROTATION, _DAMPED, _CLUSTER, _DROPPED = 0, 1, 2, 3, 4, 5, 9
 _UNIT = 2.220446049250313e-16
 _SPREAD = 1.0  # largest spread of a cluster times the length of its segments
 _MOST_GROWTH = 32.0  # exponent of a growing motion over one segment
-_LASTING = 16.0  # exponent of a decay over a window that leaves a motion worth its look
+_LASTING = 64.0  # exponent of a decay over a window that leaves a motion worth its look
 _LONGEST_TURN = 4.0  # radians of the longest step of the ladder
 
 
@@ -35,7 +35,7 @@ def fill_slots(tables, m, t, v, v_inverse, label, block, norm, doubt):
     kind = np.zeros(big_n, np.int64)
     weight = np.ones(big_n)
     place = np.zeros(big_n, np.int64)
-    _classify(tables.wiring[m, 0, at.SLAVED], t, v, label, block, norm, kind, weight)
+    _classify(tables.wiring[m, 0, at.SLAVED], tables.clock[0], t, v, label, block, norm, kind, weight)
     eigenvalues, rest = tables.spectrum[m], tables.nilpotent[m]
     slots, spans = tables.slots[m], tables.spans[m]
     count = _place_simple(slots, kind, place)
@@ -88,7 +88,7 @@ def _is_first(label, j):
 
 
 @kernel
-def _classify(slaved, t, v, label, block, norm, kind, weight):
+def _classify(slaved, window, t, v, label, block, norm, kind, weight):
     """Kind of each motion; conjugate partners are dropped, slaved coordinates are inert."""
     big_n = t.shape[0]
     for j in range(big_n):
@@ -113,6 +113,8 @@ def _classify(slaved, t, v, label, block, norm, kind, weight):
             kind[j] = _ROTATION if abs(mean.real) <= 4.0 * _UNIT * largest else _DAMPED
         else:
             kind[j] = _CONSTANT if mean.real == 0.0 else _REAL
+            if -mean.real * window > _LASTING:
+                kind[j] = _FADING
         if kind[j] == _CONSTANT and _only_slaved(slaved, v, j):
             kind[j] = _DROPPED
 
@@ -171,7 +173,7 @@ def _fill_spectrum(eigenvalues, t, block, doubt, kind, place, count, length):
         j = place[slot]
         if kind[j] == _CONSTANT:
             eigenvalues[slot] = 0.0
-        elif kind[j] == _REAL:
+        elif kind[j] in (_FADING, _REAL):
             eigenvalues[slot] = t[j, j].real
         elif kind[j] == _ROTATION:
             eigenvalues[slot] = complex(0.0, t[j, j].imag)
