@@ -19,7 +19,6 @@ from engine.flow_survey import ALLOWED, coefficients, template
 from engine.guard_cases import GuardCase, draw_guards
 from reference.modal import First, first_of
 
-
 ROUNDINGS = 64 * 2.0**-52  # of the largest state; the engine's margin begins at 32
 
 

@@ -10,7 +10,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-import nonsmooth as ns
 from engine.linear_systems import computed, linear_system, truth
 
 RNG = np.random.default_rng(5)

@@ -16,9 +16,7 @@ __all__ = ["advance_cluster", "start_cluster"]
 
 
 @kernel
-def start_cluster(
-    spectrum, nilpotent, slots, m, c, origin, now, chain, chain_noise, length, reach
-):
+def start_cluster(spectrum, nilpotent, slots, m, c, origin, now, chain, chain_noise, length, reach):
     """Coefficients of exp(N s) w in powers of s, and bounds over the segment.
 
     shapes: as in Tables and Segment; length bounds the segment, moduli of growing clusters

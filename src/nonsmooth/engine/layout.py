@@ -36,6 +36,7 @@ DERIVATIVES = 6  # rows kept per guard: its value and five time derivatives
 TERMS = 6  # of the Taylor polynomial of a guard; the next one is bounded
 MAX_DEGREE = 32  # of the polynomial in s that multiplies exp(mu s) in a cluster
 MAX_AUGMENTED = 60  # sets of coordinates are bits of one integer
+WINDOWS = 2  # that a segment may last
 RUNGS = 8  # of the ladder of steps for which rotations are computed beforehand
 
 # Tables.slots: number of slots, ends of the constant, fading, other real, rotation and damped

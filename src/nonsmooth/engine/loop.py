@@ -41,9 +41,6 @@ _GRAZE = int(EventKind.GRAZE)
 _MOST_EVENTS = 10_000  # in one window; more means that impacts accumulate
 _MOST_STALLED = 100  # between which time does not advance: likewise
 _MOST_SIZE = 1e30  # of a state that does not drift
-# A segment that starts this late in a window runs through the next one: a cut just after
-# an event would forget which guards are zero by construction.
-_LATE = 0.0
 
 
 @entry
@@ -106,8 +103,8 @@ def run(tables, anchor, segment, records, end_number, end_phase, tolerance):
         if cursor[EVENTS] >= records.event_floats.shape[0] - 1:
             return _BUFFER_FULL
         m, phase = place[1], anchor.phase[0]
-        whole = window if phase < _LATE * window else 2.0 * window
-        length = min(whole - phase, tables.spans[m, at.LONGEST])
+        whole = at.WINDOWS * window - phase
+        length = min(whole, tables.spans[m, at.LONGEST])
         copy_vector(anchor.order, segment.order, anchor.order.size)
         start_segment(tables, segment, m, length)
         end = (end_number - place[0]) * window + (end_phase - phase)
@@ -133,12 +130,12 @@ def run(tables, anchor, segment, records, end_number, end_phase, tolerance):
             if status != _COMPLETED:
                 return status
             continue
-        if length < whole - phase:
-            anchor.phase[0] = phase + length  # cut short for the accuracy of a cluster
+        if length < whole:  # cut short for the accuracy of a cluster
+            place[0], anchor.phase[0] = normal_phase(place[0], phase + length, window)
         else:
-            place[0] += 1 if whole == window else 2
+            place[0] += at.WINDOWS
             anchor.phase[0] = 0.0
-            cursor[WINDOW_EVENTS] = 0
+        cursor[WINDOW_EVENTS] = 0
         for g in range(anchor.order.size):
             anchor.order[g] = 0
         _augment(tables, anchor.state, place[0], anchor.phase[0], segment.z)

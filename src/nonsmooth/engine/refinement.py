@@ -65,7 +65,9 @@ def refine(matrix, t, v, v_inverse, label):
                 if label[k] == label[j]:
                     total -= x[i, k] * t[k, j]
             gap = t[j, j] - t[i, i]
-            if total != 0.0 and abs(total) <= _SMALL * abs(gap):  # a first-order step; not between equals
+            if total != 0.0 and abs(total) <= _SMALL * abs(
+                gap
+            ):  # a first-order step; not between equals
                 x[i, j] = total / gap
     for i in range(n):
         for j in range(n):

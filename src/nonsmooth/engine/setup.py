@@ -50,9 +50,7 @@ def set_up(program, parameters, tables):
     doubt = np.zeros(big_n)
     label = np.zeros(big_n, np.int64)
     for m in range(n_modes):
-        status = triangular_form(
-            tables.generator[m], t[m], v[m], v_inverse[m], block[m], norm[m]
-        )
+        status = triangular_form(tables.generator[m], t[m], v[m], v_inverse[m], block[m], norm[m])
         if status != _OK:
             return status, m
     tables.clock[1] = 1.0 if program.period_slot >= 0 else 0.0

@@ -6,13 +6,11 @@ state is the real part of a weighted sum of slots.
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from nonsmooth.engine import layout as at
 from nonsmooth.engine.jit import allocating, kernel
-from nonsmooth.engine.trigonometry import cos_sin
+from nonsmooth.engine.weights import LASTING, fill_ladder, fill_series, fill_weights
 
 __all__ = ["fill_slots"]
 
@@ -20,8 +18,6 @@ _CONSTANT, _FADING, _REAL, _ROTATION, _DAMPED, _CLUSTER, _DROPPED = 0, 1, 2, 3, 
 _UNIT = 2.220446049250313e-16
 _SPREAD = 1.0  # largest spread of a cluster times the length of its segments
 _MOST_GROWTH = 32.0  # exponent of a growing motion over one segment
-_LASTING = 64.0  # exponent of a decay over a window that leaves a motion worth its look
-_LONGEST_TURN = 4.0  # radians of the longest step of the ladder
 
 
 @allocating
@@ -35,7 +31,9 @@ def fill_slots(tables, m, t, v, v_inverse, label, block, norm, doubt):
     kind = np.zeros(big_n, np.int64)
     weight = np.ones(big_n)
     place = np.zeros(big_n, np.int64)
-    _classify(tables.wiring[m, 0, at.SLAVED], tables.clock[0], t, v, label, block, norm, kind, weight)
+    window = tables.clock[0]
+    slaved = tables.wiring[m, 0, at.SLAVED]
+    _classify(slaved, window, t, v, label, block, norm, kind, weight)
     eigenvalues, rest = tables.spectrum[m], tables.nilpotent[m]
     slots, spans = tables.slots[m], tables.spans[m]
     count = _place_simple(slots, kind, place)
@@ -49,22 +47,23 @@ def fill_slots(tables, m, t, v, v_inverse, label, block, norm, doubt):
                     place[count] = i
                     count += 1
             cluster = slots[at.CLUSTERS + 3 * n_clusters : at.CLUSTERS + 3 * n_clusters + 3]
-            _fill_cluster(eigenvalues, rest, spans, cluster, tables.clock[0], t, place, first, count)
+            longest = at.WINDOWS * window
+            _fill_cluster(eigenvalues, rest, spans, cluster, longest, t, place, first, count)
             n_clusters += 1
     slots[at.COUNT] = count
     slots[at.N_CLUSTERS] = n_clusters
-    length = min(tables.clock[0], spans[at.LONGEST])
+    length = min(at.WINDOWS * window, spans[at.LONGEST])
     worst = _fill_spectrum(eigenvalues, t, block, doubt, kind, place, count, length)
     _limit_growth(eigenvalues, spans, count)
-    _fill_ladder(tables.ladder[m], eigenvalues, spans, tables.clock[0], count)
+    fill_ladder(tables.ladder[m], eigenvalues, spans, window, count)
     spans[at.FASTEST] = 0.0
     for slot in range(count):
         spans[at.FASTEST] = max(spans[at.FASTEST], abs(eigenvalues[slot]))
     # rounding of the sums, and of eigenvalues over the time that they act; wide enough for
     # what a state inherits from some tens of earlier segments
     spans[at.ROUNDING] = _UNIT * (32.0 + 2.0 * worst)
-    _fill_weights(tables, m, v, v_inverse, weight, place, count)
-    _fill_series(tables, m, v, weight, place, count)
+    fill_weights(tables, m, v, v_inverse, weight, place, count)
+    fill_series(tables, m, v, weight, place, count)
 
 
 @kernel
@@ -113,7 +112,7 @@ def _classify(slaved, window, t, v, label, block, norm, kind, weight):
             kind[j] = _ROTATION if abs(mean.real) <= 4.0 * _UNIT * largest else _DAMPED
         else:
             kind[j] = _CONSTANT if mean.real == 0.0 else _REAL
-            if -mean.real * window > _LASTING:
+            if -mean.real * window > LASTING:
                 kind[j] = _FADING
         if kind[j] == _CONSTANT and _only_slaved(slaved, v, j):
             kind[j] = _DROPPED
@@ -123,9 +122,9 @@ def _classify(slaved, window, t, v, label, block, norm, kind, weight):
 def _has_partner(t, block, j):
     """Whether a simple eigenvalue has a conjugate; a real one may carry a rounded phase."""
     for i in range(block.size):
-        if i != j and block[i] == block[j]:
-            if abs(t[i, i] - t[j, j].conjugate()) < 0.5 * abs(t[j, j].imag):
-                return True
+        near = abs(t[i, i] - t[j, j].conjugate()) < 0.5 * abs(t[j, j].imag)
+        if near and i != j and block[i] == block[j]:
+            return True
     return False
 
 
@@ -138,7 +137,7 @@ def _only_slaved(slaved, v, j):
 
 
 @kernel
-def _fill_cluster(eigenvalues, rest, spans, cluster, window, t, place, first, end):
+def _fill_cluster(eigenvalues, rest, spans, cluster, longest, t, place, first, end):
     """Mean eigenvalue, nilpotent rest, degree and admissible length of one cluster."""
     size = end - first
     mean = complex(0.0, 0.0)
@@ -152,7 +151,7 @@ def _fill_cluster(eigenvalues, rest, spans, cluster, window, t, place, first, en
         for b in range(first, end):
             rest[a, b] = t[place[a], place[b]]
         rest[a, a] -= mean
-    length = window
+    length = longest
     if spread > 0.0:
         length = min(length, _SPREAD / spread)
         spans[at.LONGEST] = min(spans[at.LONGEST], length)
@@ -209,94 +208,3 @@ def _phase_error(eigenvalue, block, doubt, j, length):
     for i in range(block.size):
         members += block[i] == block[j]
     return acting * (doubt[j] if members > 2 else abs(eigenvalue))
-
-
-@kernel
-def _fill_weights(tables, m, v, v_inverse, weight, place, count):
-    """Weights between augmented coordinates and slots, slots and states."""
-    big_n = v.shape[0]
-    n, n_exits = tables.sizes[0], tables.sizes[5]
-    entry, affine = tables.entry, tables.affine[m]
-    slaved = tables.wiring[m, 0, at.SLAVED]
-    for slot in range(count):
-        j = place[slot]
-        tables.reads[m, slot] = big_n
-        for i in range(big_n - 1, -1, -1):
-            entry[m, slot, i, at.WEIGHT_RE] = v_inverse[j, i].real
-            entry[m, slot, i, at.WEIGHT_IM] = v_inverse[j, i].imag
-            entry[m, slot, i, at.WEIGHT_SIZE] = abs(v_inverse[j, i])
-            if v_inverse[j, i] != 0.0:
-                tables.reads[m, slot] = i
-        for i in range(n):
-            value = v[i, j]
-            if (slaved >> i) & 1:
-                value = _product(affine[at.relation_row(n_exits, i)], v, j)
-            tables.states[m, i, slot] = value * weight[j]
-
-
-@allocating
-def _fill_series(tables, m, v, weight, place, count):
-    """Weights of the slots in the Taylor coefficients of every guard."""
-    series, nilpotent = tables.series, tables.nilpotent[m]
-    row = np.zeros(v.shape[0], np.complex128)
-    rates = np.zeros(v.shape[0], np.complex128)
-    for e in range(tables.wiring[m, 0, at.N_EXITS]):
-        for slot in range(count):
-            row[slot] = _product(tables.affine[m, at.guard_row(e, 0)], v, place[slot])
-            row[slot] *= weight[place[slot]]
-            series[m, e, slot, at.BY_NOISE] = abs(row[slot])
-        factorial = 1.0
-        for k in range(at.TERMS):
-            for slot in range(count):
-                series[m, e, slot, at.BY_RE + k] = row[slot].real / factorial
-                series[m, e, slot, at.BY_IM + k] = -row[slot].imag / factorial
-            _differentiate(tables.spectrum[m], nilpotent, row, rates, count)
-            factorial *= k + 1.0
-        for slot in range(count):
-            series[m, e, slot, at.BY_SIZE] = abs(row[slot]) / factorial
-
-
-@kernel
-def _fill_ladder(ladder, eigenvalues, spans, window, count):
-    """Factors of the slots for steps of some lengths, a power of two apart.
-
-    The longest step turns the fastest lasting motion by a few radians: that far a Taylor
-    polynomial is of use.
-    """
-    fastest = 0.0
-    for slot in range(count):
-        rate = eigenvalues[slot]
-        fastest = max(fastest, abs(rate.imag))
-        if abs(rate.real) * window <= _LASTING:
-            fastest = max(fastest, abs(rate.real))
-    step = window
-    while step * fastest > _LONGEST_TURN:
-        step *= 0.5
-    spans[at.RUNG] = step
-    for rung in range(at.RUNGS):
-        for slot in range(count):
-            decay = math.exp(eigenvalues[slot].real * step)
-            cos, sin = cos_sin(eigenvalues[slot].imag * step)
-            ladder[rung, slot, at.RE] = decay * cos
-            ladder[rung, slot, at.IM] = decay * sin
-            ladder[rung, slot, at.SIZE] = decay
-        step *= 0.5
-
-
-@kernel
-def _product(row, v, j):
-    total = complex(0.0, 0.0)
-    for i in range(row.size):
-        total += row[i] * v[i, j]
-    return total
-
-
-@kernel
-def _differentiate(eigenvalues, rest, row, rates, count):
-    """row := row L with L the block-diagonal matrix of the slots; rates is scratch."""
-    for b in range(count):
-        rates[b] = row[b] * eigenvalues[b]
-        for a in range(count):
-            rates[b] += row[a] * rest[a, b]
-    for b in range(count):
-        row[b] = rates[b]
