@@ -1,7 +1,9 @@
-"""`python benchmarks` runs the benchmark of long trajectories."""
+"""`python benchmarks` runs all benchmarks: long trajectories, set-up, the stiff rig."""
 
 import sys
 
-from bench_simulate import main
+import bench_rig
+import bench_setup
+import bench_simulate
 
-sys.exit(main())
+sys.exit(max([bench_simulate.main(), bench_setup.main(), bench_rig.main([])]))

@@ -75,10 +75,10 @@ def measure(periods):
     return rows
 
 
-def main():
+def main(arguments=None):
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--periods", type=int, default=5000)
-    rows = measure(parser.parse_args().periods)
+    rows = measure(parser.parse_args(arguments).periods)
     print(f"{'rig':<6} {'us/event':>9} {'us/period':>10} {'events':>8} {'error':>9}")
     for name, row in rows.items():
         line = f"{name:<6} {row['per_event']:>9.3f} {row['per_period']:>10.3f}"

@@ -20,7 +20,9 @@ __all__ = ["REMAINDER", "falls_alone", "read_guard", "safe_step"]
 # The step tried first is so short that the bounded term is at most this part of the rest.
 REMAINDER = 0.25
 _MOST_HALVINGS = 200
-_WELL_ABOVE = 0.5  # fading motions are taken off up to this part of a guard
+# Fading motions are taken off up to this part of a guard; with the margin, which is at most two
+# thirds of it, something must be left.
+_WELL_ABOVE = 0.25
 
 
 @inlined
