@@ -1,9 +1,11 @@
-"""Time per event of the stiff fatigue rig beside the same rig with soft parameters.
+"""Time per event of the stiff fatigue rig beside the same rig without stiffness.
 
 python benchmarks/bench_rig.py [--periods N]
 
-Both have five states and four modes. The rig of the chapter relaxes at a rate of 3.4e4, the soft
-one at about 7, at the same forcing: stiffness should cost nothing. The first period of both is
+All have five states and four modes. The rig of the chapter relaxes at a rate of 3.4e4; the
+second one, with a thousand times the damping of the specimen, at 2.4, with the same contact springs
+and forcing; the third one has soft springs as well, hence slower motions and fewer looks per event.
+Stiffness should cost nothing: the ratio is that of the first two. The first period of each is
 compared with a run at 50 digits, and the command fails when that is off by more than 1e-12.
 """
 
@@ -32,8 +34,12 @@ from reference.modal import first_crossing
 
 ROUNDS = 15
 BOUND = 1e-12
-RATIO = 1.0  # time per event, stiff over soft: the aim
-SYSTEMS = {"stiff": {}, "soft": {"epsilon": 0.2, "theta": 2.0, "xi_s": 0.5}}
+RATIO = 1.0  # time per event, stiff over slow relaxation: the aim
+SYSTEMS = {
+    "stiff": {},
+    "slow relaxation": {"xi_s": 2.0},
+    "soft springs": {"epsilon": 0.2, "theta": 2.0, "xi_s": 0.5},
+}
 
 
 def error_of_first_period(system):
@@ -79,11 +85,11 @@ def main(arguments=None):
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--periods", type=int, default=5000)
     rows = measure(parser.parse_args(arguments).periods)
-    print(f"{'rig':<6} {'us/event':>9} {'us/period':>10} {'events':>8} {'error':>9}")
+    print(f"{'rig':<16} {'us/event':>9} {'us/period':>10} {'events':>8} {'error':>9}")
     for name, row in rows.items():
-        line = f"{name:<6} {row['per_event']:>9.3f} {row['per_period']:>10.3f}"
+        line = f"{name:<16} {row['per_event']:>9.3f} {row['per_period']:>10.3f}"
         print(line + f" {row['events']:>8} {row['error']:>9.1e}")
-    ratio = rows["stiff"]["per_event"] / rows["soft"]["per_event"]
+    ratio = rows["stiff"]["per_event"] / rows["slow relaxation"]["per_event"]
     print(f"ratio of the times per event: {ratio:.2f} (aim: at most {RATIO:g})")
     wrong = [name for name, row in rows.items() if not row["error"] <= BOUND]
     for name in wrong:

@@ -17,9 +17,10 @@ from nonsmooth.engine import layout
 from nonsmooth.engine.setup import set_up
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
-from contract.rig import rig
 from ours import SYSTEMS
 from problems import PROBLEMS
+
+from contract.rig import rig
 
 ROUNDS, CALLS = 25, 200
 AIM = 20.0  # microseconds, for the models of the package

@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 
 from nonsmooth.engine import layout as at
-from nonsmooth.engine.guard_series import REMAINDER, falls_alone, read_guard, safe_step
+from nonsmooth.engine.guard_series import NEARLY_ZERO, REMAINDER, falls_alone, read_guard, safe_step
 from nonsmooth.engine.jit import inlined, kernel
 from nonsmooth.engine.linear_flow import advance, advance_little, advance_once, climb
 from nonsmooth.engine.zeros import ALWAYS_ZERO
@@ -53,7 +53,8 @@ def first_crossing(tables, segment, m, start, length):
         reach = rest if rest < 1.5 * top else top
         which = -1
         for g in range(n_exits):
-            read_guard(tables, segment, m, g)
+            known = order[g] if s == 0.0 and order[g] < at.TERMS else 0
+            read_guard(tables, segment, m, g, known)
             scan[g, at.LATEST] = _FAR
             if s == 0.0 and order[g] > 0:
                 scan[g, at.SAFE] = _leave(scan, g, order[g], reach)
@@ -111,13 +112,13 @@ def _rung_below(top, step):
 def _look_ahead(scan, g, reach, far):
     """Safe step of a guard; NONE unless rounding makes a tangency here undecidable."""
     a0, a1, a2, a3, a4, a5 = scan[g, 0], scan[g, 1], scan[g, 2], scan[g, 3], scan[g, 4], scan[g, 5]
-    bound, margin, fading = scan[g, at.BOUND], scan[g, at.MARGIN], scan[g, at.FADING]
-    if a0 <= 1.5 * margin:  # a little above it, so that the step below is never zero
-        return _within_margin(scan, g, 1.5 * margin, reach)
+    bound, margin, taken = scan[g, at.BOUND], scan[g, at.MARGIN], scan[g, at.TAKEN_OFF]
+    if a0 <= NEARLY_ZERO * margin:  # above it, so that the step below is never zero
+        return _within_margin(scan, g, NEARLY_ZERO * margin, reach)
     # the margin is taken off, else rounding could carry a step across a tangency
-    step = safe_step(a0 - margin - fading, a1, a2, a3, a4, a5, bound, reach)
+    step = safe_step(a0 - margin - taken, a1, a2, a3, a4, a5, bound, reach)
     scan[g, at.SAFE] = step
-    if a1 < 0.0 and step < reach and fading <= _FADED * margin:
+    if a1 < 0.0 and step < reach and scan[g, at.FADING] <= _FADED * margin:
         latest = -2.0 * a0 / a1
         if latest <= far and falls_alone(a1, a2, a3, a4, a5, bound, latest):
             scan[g, at.LATEST] = latest
@@ -134,6 +135,7 @@ def _leave(scan, g, order, reach):
     tail = scan[g, at.BOUND]
     for _ in range(order):
         a0, a1, a2, a3, a4, a5, last = a1, a2, a3, a4, a5, last, 0.0
+    a0 -= scan[g, at.TAKEN_OFF]
     for _ in range(at.TERMS - order):
         tail *= reach
     while tail > REMAINDER * (a0 + (abs(a1) + abs(a2) * reach) * reach) and reach > 0.0:
@@ -212,7 +214,7 @@ def _finish(tables, segment, m, g, s):
     settled = False
     for _ in range(20):
         advance(tables, segment, m, root)
-        read_guard(tables, segment, m, g)
+        read_guard(tables, segment, m, g, 0)
         value, rate = scan[g, 0], scan[g, 1]
         quotient = value / rate
         step = -quotient * (1.0 + quotient * scan[g, 2] / rate)

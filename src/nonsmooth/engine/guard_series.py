@@ -15,43 +15,66 @@ from __future__ import annotations
 from nonsmooth.engine import layout as at
 from nonsmooth.engine.jit import inlined
 
-__all__ = ["REMAINDER", "falls_alone", "read_guard", "safe_step"]
+__all__ = ["NEARLY_ZERO", "REMAINDER", "falls_alone", "read_guard", "safe_step"]
 
 # The step tried first is so short that the bounded term is at most this part of the rest.
-REMAINDER = 0.25
+REMAINDER = 0.5
 _MOST_HALVINGS = 200
-# Fading motions are taken off up to this part of a guard; with the margin, which is at most two
+NEARLY_ZERO = 1.5  # margins below which a guard counts as zero
+# Fading motions take off up to this part of a guard; with the margin, which is at most two
 # thirds of it, something must be left.
-_WELL_ABOVE = 0.25
+_MOST_TAKEN = 0.25
 
 
 @inlined
-def read_guard(tables, segment, m, g):
+def read_guard(tables, segment, m, g, order):
     """Taylor coefficients of a guard, bound of the next one, rounding margin, into scan.
 
-    Motions that fade within a fraction of any step are left out of the polynomial where
-    the guard is well above their sum, and taken off its value instead: a relaxation at a
-    rate of 30,000 would else hold up the search until its last digit is gone.
+    order is that of its known zero at the current point, 0 where there is none
     """
     slots, scan = tables.slots, segment.scan
     fading, lasting = slots[m, at.END_CONSTANT], slots[m, at.END_FADING]
     a0, a1, a2, a3, a4, a5, bound, margin = _sum_series(
         tables, segment, m, g, 0, fading, lasting, slots[m, at.COUNT]
     )
-    rest = 0.0
-    if lasting > fading:
-        for j in range(fading, lasting):
-            rest += tables.series[m, g, j, at.BY_NOISE] * segment.now[j, at.SIZE]
-        if rest > _WELL_ABOVE * a0:
-            rest = 0.0
-            b0, b1, b2, b3, b4, b5, more, doubt = _sum_series(
-                tables, segment, m, g, fading, lasting, lasting, lasting
-            )
-            a0, a1, a2, a3, a4, a5 = a0 + b0, a1 + b1, a2 + b2, a3 + b3, a4 + b4, a5 + b5
-            bound, margin = bound + more, margin + doubt
     scan[g, 0], scan[g, 1], scan[g, 2] = a0, a1, a2
     scan[g, 3], scan[g, 4], scan[g, 5] = a3, a4, a5
-    scan[g, at.BOUND], scan[g, at.MARGIN], scan[g, at.FADING] = bound, margin, rest
+    scan[g, at.BOUND], scan[g, at.MARGIN] = bound, margin
+    scan[g, at.TAKEN_OFF], scan[g, at.FADING] = 0.0, 0.0
+    if lasting > fading:
+        _add_fading(tables, segment, m, g, order, fading, lasting)
+
+
+@inlined
+def _add_fading(tables, segment, m, g, order, fading, lasting):
+    """Add motions that fade within a fraction of any step, or take off what they may take.
+
+    Where the guard has a zero of order r, the part of c exp(-u) beyond it is at least
+    min(0, c_r u^r) with its coefficient c_r, because Taylor's polynomials of a decay lie on
+    either side of it in turn. So only this coefficient counts, and a relaxation at a rate
+    of 30,000 does not hold up the search. Where that would take too much, all is added.
+    """
+    scan = segment.scan
+    b0, b1, b2, b3, b4, b5, more, doubt = _sum_series(
+        tables, segment, m, g, fading, lasting, lasting, lasting
+    )
+    value, taken, size = 0.0, 0.0, 0.0
+    for j in range(fading, lasting):
+        term = tables.series[m, g, j, order] * segment.now[j, at.RE]
+        term += tables.series[m, g, j, at.BY_IM + order] * segment.now[j, at.IM]
+        value += term
+        size += abs(term)
+        if term > 0.0:
+            taken += term
+    scan[g, at.MARGIN] += doubt
+    total = scan[g, order] + value
+    if taken <= _MOST_TAKEN * total and (order > 0 or total > NEARLY_ZERO * scan[g, at.MARGIN]):
+        scan[g, order] = total
+        scan[g, at.TAKEN_OFF], scan[g, at.FADING] = taken, size
+    else:
+        scan[g, 0], scan[g, 1], scan[g, 2] = scan[g, 0] + b0, scan[g, 1] + b1, scan[g, 2] + b2
+        scan[g, 3], scan[g, 4], scan[g, 5] = scan[g, 3] + b3, scan[g, 4] + b4, scan[g, 5] + b5
+        scan[g, at.BOUND] += more
 
 
 @inlined

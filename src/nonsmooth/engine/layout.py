@@ -62,9 +62,10 @@ SERIES = 2 * TERMS + 2
 # from there on, rounding margin; Tables.ladder: factors of the first three
 RE, IM, SIZE, NOISE = range(4)
 # Segment.scan: Taylor coefficients of a guard, bound of the next one, rounding margin of the
-# value, safe step, latest root, what motions left out of the polynomial may add to the guard
-BOUND, MARGIN, SAFE, LATEST, FADING = range(TERMS, TERMS + 5)
-SCAN = TERMS + 5
+# value, safe step, latest root, what fading motions may take off and their whole size, where
+# they are left out of the polynomial
+BOUND, MARGIN, SAFE, LATEST, TAKEN_OFF, FADING = range(TERMS, TERMS + 6)
+SCAN = TERMS + 6
 
 
 class Program(NamedTuple):
