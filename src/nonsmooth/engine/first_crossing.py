@@ -119,7 +119,7 @@ def _look_ahead(scan, g, reach, far):
     step = safe_step(a0 - margin - taken, a1, a2, a3, a4, a5, bound, reach)
     scan[g, at.SAFE] = step
     if a1 < 0.0 and step < reach and scan[g, at.FADING] <= _FADED * margin:
-        latest = -2.0 * a0 / a1
+        latest = -2.0 * (a0 + margin) / a1
         if latest <= far and falls_alone(a1, a2, a3, a4, a5, bound, latest):
             scan[g, at.LATEST] = latest
     return NONE
@@ -188,20 +188,22 @@ def _alone(scan, n_exits, which):
 
 @kernel
 def _nearest(tables, segment, m, n_exits, s, length):
-    """Guards that reach zero together: the earlier root, in declared order when equal."""
+    """Guards that reach zero together: the earlier root, in declared order when equal.
+
+    Rounding leaves open which of them is first, so the event is uncertain.
+    """
     best = -1
     best_root = _FAR
-    best_found = CERTIFIED
     for g in range(n_exits):
         if segment.scan[g, at.LATEST] < _FAR:
-            root, found = _finish(tables, segment, m, g, s)
+            root, _ = _finish(tables, segment, m, g, s)
             if root < best_root - 4.0 * _UNIT * abs(root):
-                best, best_root, best_found = g, root, found
+                best, best_root = g, root
     if best < 0:
         return s, -1, STUCK, s
     best_root = min(max(best_root, s), length)
     advance_once(tables, segment, m, best_root)
-    return best_root, best, best_found, best_root
+    return best_root, best, UNCERTAIN, best_root
 
 
 @inlined

@@ -24,6 +24,7 @@ NEARLY_ZERO = 1.5  # margins below which a guard counts as zero
 # Fading motions take off up to this part of a guard; with the margin, which is at most two
 # thirds of it, something must be left.
 _MOST_TAKEN = 0.25
+_MOST_LEFT_OUT = 4.0  # parts of a guard: what fades from below only helps, but is not seen
 
 
 @inlined
@@ -68,7 +69,8 @@ def _add_fading(tables, segment, m, g, order, fading, lasting):
             taken += term
     scan[g, at.MARGIN] += doubt
     total = scan[g, order] + value
-    if taken <= _MOST_TAKEN * total and (order > 0 or total > NEARLY_ZERO * scan[g, at.MARGIN]):
+    apart = taken <= _MOST_TAKEN * total and size <= _MOST_LEFT_OUT * total
+    if apart and (order > 0 or total > NEARLY_ZERO * scan[g, at.MARGIN]):
         scan[g, order] = total
         scan[g, at.TAKEN_OFF], scan[g, at.FADING] = taken, size
     else:

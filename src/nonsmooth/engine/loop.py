@@ -40,6 +40,7 @@ _IMPACT = int(EventKind.IMPACT)
 _GRAZE = int(EventKind.GRAZE)
 _MOST_EVENTS = 10_000  # in one window; more means that impacts accumulate
 _MOST_STALLED = 100  # between which time does not advance: likewise
+_NO_TIME, _FEW = 1e-10, 5  # part of a window; events before that in the same window
 _MOST_SIZE = 1e30  # of a state that does not drift
 
 
@@ -119,7 +120,9 @@ def run(tables, anchor, segment, records, end_number, end_phase, tolerance):
             anchor.phase[0] = phase + end
             return _DIVERGED
         if found == STUCK:
-            return _STEP_LIMIT
+            # a flight too short to be told from none is the end of accumulating impacts
+            accumulate = s <= _NO_TIME * window and cursor[WINDOW_EVENTS] > _FEW
+            return _EVENT_LIMIT if accumulate else _STEP_LIMIT
         state_at(tables, segment, m, anchor.state)
         copy_vector(anchor.state, records.end_state, anchor.state.size)
         if not _bounded(tables.drifting, anchor.state):

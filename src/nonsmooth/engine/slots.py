@@ -17,6 +17,7 @@ __all__ = ["fill_slots"]
 _CONSTANT, _FADING, _REAL, _ROTATION, _DAMPED, _CLUSTER, _DROPPED = 0, 1, 2, 3, 4, 5, 9
 _UNIT = 2.220446049250313e-16
 _SPREAD = 1.0  # largest spread of a cluster times the length of its segments
+_MOST_RADIANS = 1024.0  # of the fastest oscillation in one segment
 _MOST_GROWTH = 32.0  # exponent of a growing motion over one segment
 
 
@@ -37,7 +38,7 @@ def fill_slots(tables, m, t, v, v_inverse, label, block, norm, doubt):
     eigenvalues, rest = tables.spectrum[m], tables.nilpotent[m]
     slots, spans = tables.slots[m], tables.spans[m]
     count = _place_simple(slots, kind, place)
-    spans[at.LONGEST] = 1e300
+    spans[at.LONGEST] = _longest(t)
     n_clusters = 0
     for j in range(big_n):
         if kind[j] == _CLUSTER and _is_first(label, j):
@@ -64,6 +65,15 @@ def fill_slots(tables, m, t, v, v_inverse, label, block, norm, doubt):
     spans[at.ROUNDING] = _UNIT * (32.0 + 2.0 * worst)
     fill_weights(tables, m, v, v_inverse, weight, place, count)
     fill_series(tables, m, v, weight, place, count)
+
+
+@kernel
+def _longest(t):
+    """Longest segment: long arguments lose digits, and a search has so many looks at most."""
+    fastest = 0.0
+    for i in range(t.shape[0]):
+        fastest = max(fastest, abs(t[i, i].imag))
+    return _MOST_RADIANS / fastest if fastest > 0.0 else 1e300
 
 
 @kernel

@@ -42,10 +42,11 @@ def pass_exits(n, affine, wiring, m, e, z, spare, order, basis, tolerance):
     visited = 1 << m
     path, passes, jumped = 0, 0, False
     followed = False  # whether basis holds the directions left free by the path so far
+    fired = 0.0  # size of the terms that cancelled in the guard that fired
     if e < 0:
         _settle_slaved(n, affine, wiring, m, z)
     else:
-        _set_fired_zero(n, affine, m, e, z)
+        fired = _set_fired_zero(n, affine, m, e, z)
     while True:
         if e >= 0:
             target = wiring[m, 1 + e, at.TARGET]
@@ -55,7 +56,7 @@ def pass_exits(n, affine, wiring, m, e, z, spare, order, basis, tolerance):
             jumped = _reset(n, affine, wiring, m, e, z, spare) or jumped
             if target < 0:
                 return _STOPPED, m, path, passes, jumped
-            if not _slave(n, affine, wiring, m, e, target, z, tolerance):
+            if not _slave(n, affine, wiring, m, e, target, z, fired, tolerance):
                 return _INADMISSIBLE, target, path, passes, jumped
             m = target
             if (visited >> m) & 1 and not jumped:
@@ -138,9 +139,12 @@ def _must_fire(affine, m, g, z, order, tolerance):
 
 @kernel
 def _set_fired_zero(n, affine, m, e, z):
-    """Put the state exactly on the fired guard, by its most influential coordinate."""
+    """Put the state exactly on the fired guard, by its most influential coordinate.
+
+    returns: the sum of the sizes of the terms before
+    """
     row = at.guard_row(e, 0)
-    value, _ = _sum_of_terms(affine, m, row, z)
+    value, size = _sum_of_terms(affine, m, row, z)
     pivot = -1
     largest = 0.0
     for i in range(n):
@@ -150,6 +154,7 @@ def _set_fired_zero(n, affine, m, e, z):
             pivot, largest = i, influence
     if pivot >= 0:
         z[pivot] -= value / affine[m, row, pivot]
+    return size
 
 
 @kernel
@@ -168,7 +173,7 @@ def _reset(n, affine, wiring, m, e, z, spare):
 
 
 @kernel
-def _slave(n, affine, wiring, m, e, target, z, tolerance):
+def _slave(n, affine, wiring, m, e, target, z, fired, tolerance):
     """Put slaved states of the target on their relations; False where they disagree."""
     agree = True
     n_exits = wiring.shape[1] - 1
@@ -177,7 +182,7 @@ def _slave(n, affine, wiring, m, e, target, z, tolerance):
             value, size = _sum_of_terms(affine, target, at.relation_row(n_exits, i), z)
             jumps = (wiring[m, 1 + e, at.RESETTING] >> i) & 1
             # the root of the fired guard leaves a little more than the tolerance
-            allowed = max(tolerance, _CLEARLY) * (size + abs(z[i]))
+            allowed = max(tolerance, _CLEARLY) * (size + abs(z[i]) + fired)
             if not jumps and abs(value - z[i]) > allowed:
                 agree = False
     _settle_slaved(n, affine, wiring, target, z)
