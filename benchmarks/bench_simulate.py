@@ -19,9 +19,8 @@ import sys
 from time import process_time
 
 import numpy as np
+import taylor_reference
 from problems import PROBLEMS
-
-import reference
 
 COMPARED = 20  # periods compared with the reference
 ROUNDS = 9
@@ -66,7 +65,7 @@ def load(no_scipy):
 
 def measure(problem, modules, periods):
     """One row per implementation: the best time of interleaved rounds, error, events."""
-    truth, true_events = reference.strobes(problem, COMPARED)
+    truth, true_events = taylor_reference.strobes(problem, COMPARED)
     rows, runs = [], {}
     for name, module in modules.items():
         row = {"problem": problem.name, "implementation": name}

@@ -71,7 +71,12 @@ def judge(seed: int) -> Verdict:
     depth, resolved = nearest(case, true)
     try:
         result = run(case)
-    except (ns.ModelError, ns.RunWarning, ns.OptionError) as reason:
+    except ns.OptionError as reason:
+        outside = np.any(
+            case.guards @ case.start < -ALLOWED * np.abs(case.guards * case.start).sum()
+        )
+        return Verdict("right" if outside else "refused", depth, resolved, str(reason)[:90])
+    except (ns.ModelError, ns.RunWarning) as reason:
         return Verdict("refused", depth, resolved, str(reason)[:90])
     stopped = result.attrs["status"] == "stopped"
     found = float(result["event_time"][-1]) if stopped else np.inf
