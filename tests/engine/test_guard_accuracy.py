@@ -39,7 +39,11 @@ def test_no_crossing_is_wrong_without_a_flag(count):
 
 @pytest.mark.parametrize("count", COUNTS)
 def test_only_what_rounding_hides_is_flagged(count):
-    assert not seeds_with(count, lambda v: v.word == "flagged" and v.resolved > 10.0)
+    """But for guards that leave zero with zero rate: they stay within the margin for a while."""
+    needless = {s for s, v in verdicts(count).items() if v.word == "flagged" and v.resolved > 10.0}
+    tangential = {"zero of order 2", "zero of order 3"}
+    assert not {seed for seed in needless if not tangential & set(draw_guards(seed).kinds)}
+    assert len(needless) <= count / 200
 
 
 @pytest.mark.parametrize("count", COUNTS)

@@ -182,7 +182,10 @@ def _quantity(value: float, unit: str) -> str:
 
 
 def _angular(value: float, time_unit: str) -> str:
-    return f"{value:.4g} rad/{time_unit}" if time_unit else f"{value:.4g}"
+    if not time_unit:
+        return f"{value:.4g}"
+    per = time_unit if time_unit.isalpha() else f"({time_unit})"
+    return f"{value:.4g} rad/{per}"
 
 
 def _units(label: str) -> str:
