@@ -97,7 +97,7 @@ def test_random_systems_without_a_period(seed, share, samples):
         grid = np.sort(np.random.default_rng(seed).uniform(0, end, samples))
         grids = [{"times": np.append(grid, end)}, {"times": [end]}]
         check(run, {"t_end": end}, {"t_end": share * end}, grids)
-    except ns.RunWarning:  # states beyond 1e12, or accumulating events: the run ends early
+    except ns.RunWarning:  # states beyond 1e30, or accumulating events: the run ends early
         return
 
 

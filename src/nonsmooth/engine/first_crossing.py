@@ -23,7 +23,8 @@ __all__ = ["CERTIFIED", "GRAZE", "NONE", "STUCK", "UNCERTAIN", "first_crossing"]
 # what was found
 NONE, CERTIFIED, UNCERTAIN, GRAZE, STUCK = 0, 1, 2, 3, 4
 _MOST_STEPS = 1_000_000
-_MOST_CLIMBS = 16  # steps of the ladder in a row; each rounds once
+# Steps of the ladder in a row: each adds up to three roundings, and the margin has 32 units.
+_MOST_CLIMBS = 8
 _WORTH = 0.6  # a rung shorter than this part of the safe step is not worth taking
 _UNIT = 2.220446049250313e-16
 _FAR = 1e300

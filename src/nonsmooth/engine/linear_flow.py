@@ -96,8 +96,7 @@ def advance(tables, segment, m, s):
         _turn(origin, now, j, decay * cos, decay * sin)
         now[j, at.SIZE] = origin[j, at.SIZE] * decay
         now[j, at.NOISE] = origin[j, at.NOISE] * decay
-    for c in range(slots[m, at.N_CLUSTERS]):
-        advance_cluster(spectrum, slots, m, c, origin, now, segment.chain, segment.chain_noise, s)
+    _advance_clusters(tables, segment, m, s)
 
 
 @kernel
@@ -118,11 +117,7 @@ def climb(tables, segment, m, rung, s):
         _turn(now, now, j, ladder[m, rung, j, at.RE], ladder[m, rung, j, at.IM])
         now[j, at.SIZE] *= ladder[m, rung, j, at.SIZE]
         now[j, at.NOISE] *= ladder[m, rung, j, at.SIZE]
-    for c in range(slots[m, at.N_CLUSTERS]):
-        advance_cluster(
-            tables.spectrum, slots, m, c, segment.origin, now, segment.chain,
-            segment.chain_noise, s,
-        )  # fmt: skip
+    _advance_clusters(tables, segment, m, s)
 
 
 @inlined
@@ -139,10 +134,15 @@ def advance_little(tables, segment, m, s, step):
         cos = 1.0 + (x + (0.5 * square_re + cube_re / 6.0))
         sin = y + (0.5 * square_im + cube_im / 6.0)
         _turn(now, now, j, cos, sin)
-    for c in range(slots[m, at.N_CLUSTERS]):
+    _advance_clusters(tables, segment, m, s + step)
+
+
+@inlined
+def _advance_clusters(tables, segment, m, s):
+    for c in range(tables.slots[m, at.N_CLUSTERS]):
         advance_cluster(
-            spectrum, slots, m, c, segment.origin, now, segment.chain, segment.chain_noise,
-            s + step,
+            tables.spectrum, tables.slots, m, c, segment.origin, segment.now, segment.chain,
+            segment.chain_noise, s,
         )  # fmt: skip
 
 

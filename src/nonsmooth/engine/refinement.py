@@ -15,7 +15,7 @@ from nonsmooth.engine.jit import allocating, kernel
 
 __all__ = ["refine", "worth_refining"]
 
-_SMALL = 1e-3
+_SMALL = 1e-3  # a first-order step must be small, which it is not between equal eigenvalues
 _WORTH = 100.0  # radians of error, in units of rounding, that a motion may carry unrefined
 
 
@@ -65,9 +65,7 @@ def refine(matrix, t, v, v_inverse, label):
                 if label[k] == label[j]:
                     total -= x[i, k] * t[k, j]
             gap = t[j, j] - t[i, i]
-            if total != 0.0 and abs(total) <= _SMALL * abs(
-                gap
-            ):  # a first-order step; not between equals
+            if total != 0.0 and abs(total) <= _SMALL * abs(gap):
                 x[i, j] = total / gap
     for i in range(n):
         for j in range(n):

@@ -23,7 +23,7 @@ _MOST_GROWTH = 32.0  # exponent of a growing motion over one segment
 
 @allocating
 def fill_slots(tables, m, t, v, v_inverse, label, block, norm, doubt):
-    """Sort the decoupled motions of mode m into slots and fill its modal sheets.
+    """Sort the decoupled motions of mode m into slots and fill its tables.
 
     shapes: t, v, v_inverse (N, N) complex as from decouple; label, block, norm
     (N,); doubt (N,) error of each eigenvalue in units of rounding
@@ -38,7 +38,7 @@ def fill_slots(tables, m, t, v, v_inverse, label, block, norm, doubt):
     eigenvalues, rest = tables.spectrum[m], tables.nilpotent[m]
     slots, spans = tables.slots[m], tables.spans[m]
     count = _place_simple(slots, kind, place)
-    spans[at.LONGEST] = _longest(t)
+    spans[at.LONGEST] = _longest(t, window)
     n_clusters = 0
     for j in range(big_n):
         if kind[j] == _CLUSTER and _is_first(label, j):
@@ -68,11 +68,12 @@ def fill_slots(tables, m, t, v, v_inverse, label, block, norm, doubt):
 
 
 @kernel
-def _longest(t):
+def _longest(t, window):
     """Longest segment: long arguments lose digits, and a search has so many looks at most."""
     fastest = 0.0
     for i in range(t.shape[0]):
-        fastest = max(fastest, abs(t[i, i].imag))
+        if abs(t[i, i].real) * window <= LASTING:
+            fastest = max(fastest, abs(t[i, i].imag))
     return _MOST_RADIANS / fastest if fastest > 0.0 else 1e300
 
 

@@ -70,10 +70,8 @@ def fill_ladder(ladder, eigenvalues, spans, window, count):
     """
     fastest = 0.0
     for slot in range(count):
-        rate = eigenvalues[slot]
-        fastest = max(fastest, abs(rate.imag))
-        if abs(rate.real) * window <= LASTING:
-            fastest = max(fastest, abs(rate.real))
+        if abs(eigenvalues[slot].real) * window <= LASTING:
+            fastest = max(fastest, abs(eigenvalues[slot]))
     step = window
     while step * fastest > _LONGEST_TURN:
         step *= 0.5

@@ -39,7 +39,7 @@ def simulate(
     """Trajectory of a system, its event log and the certificate of both.
 
     Within a mode the motion is the closed form of the linear equations; events are first
-    roots of the guards found with a bound on their third derivative, so that none is
+    roots of the guards found with bounds on their Taylor polynomials, so that none is
     skipped between two looks. Samples only read the closed form: neither their number nor
     the end of the run changes the trajectory.
 
