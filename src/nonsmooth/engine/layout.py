@@ -39,6 +39,8 @@ MAX_AUGMENTED = 60  # sets of coordinates are bits of one integer
 WINDOWS = 2  # that a segment may last
 RUNGS = 8  # of the ladder of steps for which rotations are computed beforehand
 
+# Program.kinds: how the flow of a mode is solved
+EXACT, TAYLOR = 0, 1
 # Tables.slots: number of slots, ends of the constant, fading, other real, rotation and damped
 # ones, number of clusters, then first slot, size and degree of each cluster
 COUNT, END_CONSTANT, END_FADING, END_REAL, END_ROTATION, END_DAMPED, N_CLUSTERS = range(7)
@@ -71,7 +73,8 @@ SCAN = TERMS + 6
 class Program(NamedTuple):
     """A system without parameter values: tape of coefficients and where they belong."""
 
-    sizes: Integers  # n states, powers of time, frequencies, parameters, modes, exits at most
+    # n states, powers of time, frequencies, parameters, modes, exits at most, registers
+    sizes: Integers
     constants: Floats  # literals of the tape
     tape: Integers  # rows: opcode, left slot, right slot, third slot
     period_slot: int  # -1 without a period
@@ -82,6 +85,11 @@ class Program(NamedTuple):
     resets: Integers  # rows: mode, exit, state, column, slot
     wiring: Integers  # (m, 1 + e, 2 + e) as in Tables, orders left open
     drifting: int  # bits of the states that may grow without bound
+    kinds: Integers  # (m,): EXACT or TAYLOR flow
+    code: Integers  # (r, 5) instructions on series, of all Taylor modes (taylor_opcodes)
+    code_rows: Integers  # (m, 3): first row, end of flow, relations and guards, end of resets
+    outlets: Integers  # (m, n + e + e * n) registers of rates or relations, guards, resets
+    rest_slots: Integers  # (n,) slots of the rest state, -1 for zero
 
 
 class Tables(NamedTuple):
@@ -145,7 +153,7 @@ def augmented_size(sizes: Integers) -> int:
 
 def allocate_tables(program: Program) -> Tables:
     """Empty tables for a program."""
-    n, _, n_frequencies, _, m, e = (int(size) for size in program.sizes)
+    n, _, n_frequencies, _, m, e, _ = (int(size) for size in program.sizes)
     big_n = augmented_size(program.sizes)
     return Tables(
         sizes=program.sizes,

@@ -139,7 +139,7 @@ def compile_structure(structure: Structure) -> Compiled:
     period_slot = -1 if period is None else tape.slot(period)
     sizes = [len(states), structure.time_order, len(frequency_slots), len(structure.parameters)]
     program = Program(
-        sizes=np.array([*sizes, len(modes), most], np.int64),
+        sizes=np.array([*sizes, len(modes), most, 0], np.int64),
         constants=np.array(list(tape.literals), dtype=float),
         tape=np.array(tape.rows, np.int64).reshape(-1, 4),
         period_slot=period_slot,
@@ -150,6 +150,11 @@ def compile_structure(structure: Structure) -> Compiled:
         resets=arrays[3],
         wiring=wiring,
         drifting=sum(1 << i for i, state in enumerate(states) if state in structure.drift),
+        kinds=np.zeros(len(modes), np.int64),
+        code=np.zeros((0, 5), np.int64),
+        code_rows=np.zeros((len(modes), 3), np.int64),
+        outlets=np.full((len(modes), len(states) * (1 + most) + most), -1, np.int64),
+        rest_slots=np.full(len(states), -1, np.int64),
     )
     return Compiled(program, tuple(tuple(way.name for way in mode.exits) for mode in modes))
 
