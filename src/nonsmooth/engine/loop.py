@@ -13,8 +13,10 @@ from nonsmooth.engine import layout as at
 from nonsmooth.engine.arrays import copy_matrix, copy_vector
 from nonsmooth.engine.event_log import log_event, log_transition, normal_phase
 from nonsmooth.engine.first_crossing import CERTIFIED, GRAZE, NONE, STUCK, first_crossing
+from nonsmooth.engine.flow import advance, advance_once, start_segment, state_at
 from nonsmooth.engine.jit import entry, inlined, kernel
-from nonsmooth.engine.linear_flow import advance, advance_once, augmented, start_segment, state_at
+from nonsmooth.engine.linear_flow import augmented
+from nonsmooth.engine.linearisation import linearise
 from nonsmooth.engine.records import (
     EVENT_FLOATS,
     EVENTS,
@@ -33,14 +35,17 @@ _DIVERGED = int(Status.DIVERGED)
 _EVENT_LIMIT = int(Status.EVENT_LIMIT)
 _STEP_LIMIT = int(Status.STEP_LIMIT)
 _INADMISSIBLE = int(Status.INADMISSIBLE)
+_SINGULAR = int(Status.SINGULAR)
 _BUFFER_FULL = int(Status.BUFFER_FULL)
 _START = int(EventKind.START)
 _SWITCH = int(EventKind.SWITCH)
 _IMPACT = int(EventKind.IMPACT)
 _GRAZE = int(EventKind.GRAZE)
+_CORNER = int(EventKind.CORNER)
 _MOST_EVENTS = 10_000  # in one window; more means that impacts accumulate
 _MOST_STALLED = 100  # between which time does not advance: likewise
 _NO_TIME, _FEW = 1e-10, 5  # part of a window; events before that in the same window
+_SHORTEST = 1e-14  # part of a window; a shorter step of a series means that it does not converge
 _MOST_SIZE = 1e30  # of a state that does not drift
 
 
@@ -57,14 +62,14 @@ def start(tables, anchor, segment, records, mode, tolerance):
     low, high = (0, affine.shape[0]) if mode < 0 else (mode, mode + 1)
     first = -1
     for m in range(low, high):
+        if tables.kinds[m] == at.TAYLOR:
+            linearise(tables, segment.series, segment.dual, m, z)
         if _fits(n, affine, wiring, m, z, tolerance):
             first = m
             break
     if first < 0:
         return _INADMISSIBLE
-    status, m, path, passes, _ = pass_exits(
-        n, affine, wiring, first, -1, z, segment.spare, segment.order, segment.basis, tolerance
-    )
+    status, m, path, passes, _, _ = pass_exits(tables, segment, first, -1, tolerance)
     row = log_event(records, anchor.place[0], anchor.phase[0], _START, first, -1, True, 0.0)
     for i in range(n):
         records.event_floats[row, EVENT_FLOATS + i] = anchor.state[i]
@@ -105,9 +110,10 @@ def run(tables, anchor, segment, records, end_number, end_phase, tolerance):
             return _BUFFER_FULL
         m, phase = place[1], anchor.phase[0]
         whole = at.WINDOWS * window - phase
-        length = min(whole, tables.spans[m, at.LONGEST])
         copy_vector(anchor.order, segment.order, anchor.order.size)
-        start_segment(tables, segment, m, length)
+        length = start_segment(tables, segment, m, whole)
+        if not length > _SHORTEST * (window + phase):
+            return _SINGULAR
         end = (end_number - place[0]) * window + (end_phase - phase)
         s, e, found = _search(tables, segment, anchor, records, m, length, end)
         _write_samples(tables, segment, anchor, records, m, min(s, end))
@@ -133,12 +139,13 @@ def run(tables, anchor, segment, records, end_number, end_phase, tolerance):
             if status != _COMPLETED:
                 return status
             continue
-        if length < whole:  # cut short for the accuracy of a cluster
-            place[0], anchor.phase[0] = normal_phase(place[0], phase + length, window)
+        if length < whole:
+            number, anchor.phase[0] = normal_phase(place[0], phase + length, window)
         else:
-            place[0] += at.WINDOWS
-            anchor.phase[0] = 0.0
-        cursor[WINDOW_EVENTS] = 0
+            number, anchor.phase[0] = place[0] + at.WINDOWS, 0.0
+        if number > place[0]:
+            cursor[WINDOW_EVENTS] = 0
+        place[0] = number
         for g in range(anchor.order.size):
             anchor.order[g] = 0
         _augment(tables, anchor.state, place[0], anchor.phase[0], segment.z)
@@ -179,13 +186,14 @@ def _write_samples(tables, segment, anchor, records, m, until):
     """
     number, phase, window = anchor.place[0], anchor.phase[0], tables.clock[0]
     k = records.cursor[SAMPLES]
-    kept = False
+    kept, point = False, 0.0
     while k < records.sample_phase.size:
         s = (records.sample_number[k] - number) * window + (records.sample_phase[k] - phase)
         if s > until:
             break
         if not kept:
             copy_matrix(segment.now, segment.kept)
+            point = segment.point[0]
             kept = True
         if s == 0.0:  # the state as it was given, not as it comes back from modal coordinates
             copy_vector(anchor.state, records.sample_state[k], anchor.state.size)
@@ -197,6 +205,7 @@ def _write_samples(tables, segment, anchor, records, m, until):
     records.cursor[SAMPLES] = k
     if kept:
         copy_matrix(segment.kept, segment.now)
+        segment.point[0] = point
 
 
 @inlined
@@ -226,11 +235,9 @@ def _pass_event(tables, segment, anchor, records, s, e, found, tolerance):
     cursor[STALLED] = cursor[STALLED] + 1 if stalled else 0
     cursor[WINDOW_EVENTS] = 1 if number > anchor.place[0] else cursor[WINDOW_EVENTS] + 1
     _augment(tables, anchor.state, number, phase, segment.z)
-    status, m, path, passes, jumped = pass_exits(
-        n, tables.affine, tables.wiring, m, e, segment.z, segment.spare, segment.order,
-        segment.basis, tolerance,
-    )  # fmt: skip
-    log_transition(records, row, _IMPACT if jumped else _SWITCH, m, path, passes, segment.z)
+    status, m, path, passes, jumped, corner = pass_exits(tables, segment, m, e, tolerance)
+    kind = _CORNER if corner else (_IMPACT if jumped else _SWITCH)
+    log_transition(records, row, kind, m, path, passes, segment.z)
     anchor.place[0], anchor.place[1] = number, m
     anchor.phase[0] = phase
     _set_anchor(anchor, segment, records, n)
