@@ -11,11 +11,9 @@ import math
 
 from nonsmooth.engine import taylor_opcodes as op
 from nonsmooth.engine.jit import inlined, kernel, summing
+from nonsmooth.engine.layout import LANES
 
-__all__ = ["LANES", "fill_duals"]
-
-LANES = 4  # directions handled together
-
+__all__ = ["fill_duals"]
 
 @kernel
 def fill_duals(
@@ -152,7 +150,7 @@ def _algebraic(instruction, y, a, b, slots, slot_rates, offset, series, dual, k)
     """Quotient, root, power, logarithm: the recurrence of the value, differentiated."""
     target = dual[y, k]
     if instruction == op.POWER:
-        _power(y, a, slots[b], slot_rates[b], offset, series, dual, k)
+        _power(y, a, b, slots, slot_rates, offset, series, dual, k)
         return
     if instruction == op.LOG:
         _clear(target)
@@ -178,26 +176,26 @@ def _algebraic(instruction, y, a, b, slots, slot_rates, offset, series, dual, k)
 
 
 @kernel
-def _power(y, a, exponent, exponent_rates, offset, series, dual, k):
+def _power(y, a, b, slots, slot_rates, offset, series, dual, k):
     """y = a^c, from k a_0 y_k = sum of (c (k - j) - j) a_(k-j) y_j over j < k."""
-    target = dual[y, k]
+    target, exponent = dual[y, k], slots[b]
     base = series[a, 0]
     if k == 0:
         for d in range(target.size):
             target[d] = series[y, 0] * exponent * dual[a, 0, d] / base
-        for p in range(exponent_rates.size):
-            target[offset + p] += exponent_rates[p] * math.log(base) * series[y, 0]
+        for p in range(slot_rates.shape[1]):
+            target[offset + p] += slot_rates[b, p] * math.log(base) * series[y, 0]
         return
     for d in range(target.size):
         target[d] = -k * dual[a, 0, d] * series[y, k]
     _add_weighted(series[a], dual[y], exponent, -1.0, 0, k - 1, k, 1.0, target)
     # the same sum by the other factor: j counts the coefficient of a
     _add_weighted(series[y], dual[a], -1.0, exponent, 1, k, k, 1.0, target)
-    for p in range(exponent_rates.size):
+    for p in range(slot_rates.shape[1]):
         total = 0.0
         for j in range(k):
             total += (k - j) * series[a, k - j] * series[y, j]
-        target[offset + p] += exponent_rates[p] * total
+        target[offset + p] += slot_rates[b, p] * total
     _divide(target, k * base)
 
 

@@ -26,6 +26,8 @@ __all__ = [
     "allocate_segment",
     "allocate_tables",
     "augmented_size",
+    "slots_of",
+    "whole_lanes",
 ]
 
 Floats = npt.NDArray[np.float64]
@@ -37,6 +39,7 @@ TERMS = 6  # of the Taylor polynomial of a guard; the next one is bounded
 MAX_DEGREE = 32  # of the polynomial in s that multiplies exp(mu s) in a cluster
 MAX_AUGMENTED = 60  # sets of coordinates are bits of one integer
 WINDOWS = 2  # that a segment may last
+LANES = 4  # directions of derivatives of series handled together
 ORDER = 20  # of Taylor series of the motion; near the best for double precision
 RUNGS = 8  # of the ladder of steps for which rotations are computed beforehand
 
@@ -120,7 +123,6 @@ class Tables(NamedTuple):
     code: Integers  # as in Program, likewise the next two
     code_rows: Integers
     outlets: Integers
-    no_rates: Floats  # (0, 0): derivatives with respect to no parameter
 
 
 class Segment(NamedTuple):
@@ -192,7 +194,6 @@ def allocate_tables(program: Program) -> Tables:
         code=program.code,
         code_rows=program.code_rows,
         outlets=program.outlets,
-        no_rates=np.zeros((0, 0)),
     )
 
 
@@ -201,8 +202,13 @@ def slots_of(program: Program) -> int:
     return int(program.sizes[3]) + program.constants.size + program.tape.shape[0]
 
 
-def allocate_segment(sizes: Integers) -> Segment:
-    """Scratch for the sizes of a program."""
+def whole_lanes(count: int) -> int:
+    """Directions, rounded up to what is handled together."""
+    return -(-count // LANES) * LANES
+
+
+def allocate_segment(sizes: Integers, n_rates: int = 0) -> Segment:
+    """Scratch for the sizes of a program, and derivatives by some parameters."""
     e = int(sizes[5])
     big_n = augmented_size(sizes)
     return Segment(
@@ -219,5 +225,5 @@ def allocate_segment(sizes: Integers) -> Segment:
         point=np.zeros(1),
         series=np.zeros((int(sizes[6]), ORDER + 1)),
         doubt=np.zeros((int(sizes[6]), 2)),
-        dual=np.zeros((int(sizes[6]), TERMS, -(-big_n // 4) * 4)),
+        dual=np.zeros((int(sizes[6]), TERMS, whole_lanes(big_n + n_rates))),
     )

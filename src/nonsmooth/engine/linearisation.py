@@ -17,11 +17,12 @@ __all__ = ["linearise"]
 
 
 @kernel
-def linearise(tables, series, dual, m, z):
+def linearise(tables, slot_rates, harmonic_rates, affine_rates, series, dual, m, z):
     """Rows of rates, relations, guards with their derivatives and resets of a mode at z.
 
-    shapes: z (N,), series and dual as in Segment; the rows of the mode in tables.generator and
-    tables.affine are the output
+    shapes: z (N,), series and dual as in Segment, the next three as in Rates; the rows of the
+    mode in tables.generator and tables.affine are the output, and in affine_rates the rates of
+    their values by parameters, in the column of 1
     """
     n, big_n = tables.sizes[0], z.size
     first, middle, end = tables.code_rows[m]
@@ -37,8 +38,8 @@ def linearise(tables, series, dual, m, z):
             tables.harmonics, series, part, high,
         )  # fmt: skip
         fill_duals(
-            tables.code, first, last, tables.values, tables.no_rates, big_n, outlets, slaved,
-            tables.sizes, tables.harmonics, tables.no_rates, series, dual, part, high,
+            tables.code, first, last, tables.values, slot_rates, big_n, outlets, slaved,
+            tables.sizes, tables.harmonics, harmonic_rates, series, dual, part, high,
         )  # fmt: skip
     n_exits = tables.wiring.shape[1] - 1
     affine, generator = tables.affine, tables.generator
@@ -46,6 +47,7 @@ def linearise(tables, series, dual, m, z):
         row = generator[m, i]
         if (slaved >> i) & 1:
             row = affine[m, at.relation_row(n_exits, i)]
+            _write_rates(affine_rates, m, at.relation_row(n_exits, i), dual[outlets[i], 0], n, z)
         _write_row(row, series[outlets[i], 0], dual[outlets[i], 0], 1.0, n, z)
     for e in range(tables.wiring[m, 0, at.N_EXITS]):
         guard = outlets[n + e]
@@ -54,11 +56,13 @@ def linearise(tables, series, dual, m, z):
             row = affine[m, at.guard_row(e, r)]
             _write_row(row, series[guard, r], dual[guard, r], factor, n, z)
             factor *= r + 1.0
+        _write_rates(affine_rates, m, at.guard_row(e, 0), dual[guard, 0], n, z)
         for i in range(n):
             if (tables.wiring[m, 1 + e, at.RESETTING] >> i) & 1:
                 new = outlets[n + n_exits + e * n + i]
-                row = affine[m, at.reset_row(n_exits, n, e, i)]
-                _write_row(row, series[new, 0], dual[new, 0], 1.0, n, z)
+                place = at.reset_row(n_exits, n, e, i)
+                _write_row(affine[m, place], series[new, 0], dual[new, 0], 1.0, n, z)
+                _write_rates(affine_rates, m, place, dual[new, 0], n, z)
 
 
 @kernel
@@ -70,3 +74,10 @@ def _write_row(row, value, gradient, factor, n, z):
             row[j] = factor * gradient[j]
             rest -= gradient[j] * z[j]
     row[n] = factor * rest
+
+
+@kernel
+def _write_rates(affine_rates, m, place, gradient, n, z):
+    """Derivatives by parameters, which the gradient has after those by coordinates."""
+    for p in range(affine_rates.shape[0]):
+        affine_rates[p, m, place, n] = gradient[z.size + p]

@@ -112,7 +112,7 @@ def run(tables, anchor, segment, records, end_number, end_phase, tolerance):
         whole = at.WINDOWS * window - phase
         copy_vector(anchor.order, segment.order, anchor.order.size)
         length = start_segment(tables, segment, m, whole)
-        if not length > _SHORTEST * (window + phase):
+        if tables.kinds[m] == at.TAYLOR and not length > _SHORTEST * (window + phase):
             return _SINGULAR
         end = (end_number - place[0]) * window + (end_phase - phase)
         s, e, found = _search(tables, segment, anchor, records, m, length, end)

@@ -13,7 +13,6 @@ import numpy as np
 from nonsmooth.engine import layout as at
 from nonsmooth.engine.arrays import copy_matrix, copy_vector, set_zero
 from nonsmooth.engine.decoupling import decouple
-from nonsmooth.engine.dual_series import LANES
 from nonsmooth.engine.jit import allocating, entry, kernel
 from nonsmooth.engine.linear_flow import augmented
 from nonsmooth.engine.linearisation import linearise
@@ -121,8 +120,9 @@ def _linearise_at_rest(program, tables):
     """
     big_n = tables.generator.shape[1]
     z = np.zeros(big_n)
+    no_rates, no_rows = np.zeros((0, 0)), np.zeros((0, 0, 0, 0))
     series = np.zeros((program.sizes[6], at.ORDER + 1))
-    dual = np.zeros((program.sizes[6], at.TERMS, -(-big_n // LANES) * LANES))
+    dual = np.zeros((program.sizes[6], at.TERMS, -(-big_n // at.LANES) * at.LANES))
     n = program.sizes[0]
     for i in range(n):
         if program.rest_slots[i] >= 0:
@@ -130,7 +130,7 @@ def _linearise_at_rest(program, tables):
     augmented(n, program.sizes[1], 0.0, tables.harmonics, 0, 0.0, z)
     for m in range(tables.kinds.size):
         if tables.kinds[m] == at.TAYLOR:
-            linearise(tables, series, dual, m, z)
+            linearise(tables, no_rates, no_rates, no_rows, series, dual, m, z)
             if not _finite(tables.generator[m]):
                 for i in range(n):
                     for j in range(big_n):
