@@ -15,6 +15,7 @@ from nonsmooth.engine.layout import LANES
 
 __all__ = ["fill_duals"]
 
+
 @kernel
 def fill_duals(
     code, first, last, slots, slot_rates, offset, outlets, slaved, sizes, harmonics,

@@ -20,7 +20,16 @@ import numba
 from numba.core.caching import CompileResultCacheImpl, FunctionCache
 from numba.core.registry import cpu_target
 
-__all__ = ["allocating", "entry", "inlined", "is_kept", "is_warm", "kernel", "sources_hash", "summing"]
+__all__ = [
+    "allocating",
+    "entry",
+    "inlined",
+    "is_kept",
+    "is_warm",
+    "kernel",
+    "sources_hash",
+    "summing",
+]
 
 # contract, nsz and arcp keep the certificate valid; reassoc and nnan would not
 _OPTIONS: dict[str, Any] = {

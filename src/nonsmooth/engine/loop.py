@@ -26,6 +26,7 @@ from nonsmooth.engine.records import (
     WINDOW_EVENTS,
 )
 from nonsmooth.engine.status import EventKind, Status
+from nonsmooth.engine.tangent import carry, complete_columns, start_columns
 from nonsmooth.engine.transitions import guard_holds, pass_exits, slaved_agree
 
 __all__ = ["run", "start"]
@@ -50,10 +51,11 @@ _MOST_SIZE = 1e30  # of a state that does not drift
 
 
 @entry
-def start(tables, anchor, segment, records, mode, tolerance):
+def start(tables, rates, anchor, segment, tangent, records, mode, tolerance):
     """Find the mode of a start and pass the exits that fire at once.
 
-    shapes: anchor holds window, phase and states; mode = -1 takes the first that fits
+    shapes: anchor holds window, phase and states; mode = -1 takes the first that fits; the
+    columns of derivatives begin here
     status: COMPLETED, STOPPED, UNDECIDED, or INADMISSIBLE when no mode fits
     """
     n = tables.sizes[0]
@@ -63,13 +65,20 @@ def start(tables, anchor, segment, records, mode, tolerance):
     first = -1
     for m in range(low, high):
         if tables.kinds[m] == at.TAYLOR:
-            linearise(tables, segment.series, segment.dual, m, z)
+            linearise(
+                tables, rates.slot_rates, rates.harmonics, rates.affine, segment.series,
+                segment.dual, m, z,
+            )  # fmt: skip
         if _fits(n, affine, wiring, m, z, tolerance):
             first = m
             break
     if first < 0:
         return _INADMISSIBLE
-    status, m, path, passes, _, _ = pass_exits(tables, segment, first, -1, tolerance)
+    start_columns(n, tangent)
+    complete_columns(tables, rates, tangent, anchor.place[0], anchor.phase[0], z)
+    status, m, path, passes, _, _ = pass_exits(
+        tables, rates, segment, tangent, first, -1, tolerance
+    )
     row = log_event(records, anchor.place[0], anchor.phase[0], _START, first, -1, True, 0.0)
     for i in range(n):
         records.event_floats[row, EVENT_FLOATS + i] = anchor.state[i]
@@ -95,16 +104,21 @@ def _augment(tables, state, number, phase, z):
 
 
 @entry
-def run(tables, anchor, segment, records, end_number, end_phase, tolerance):
+def run(
+    tables, rates, scratch, anchor, segment, tangent, records, end_number, end_phase, tolerance
+):  # fmt: skip
     """Run from an anchor to a time given as window number and phase.
 
-    shapes: see `Anchor`, `Segment`, `Records`; all of them are changed in place
+    shapes: see `Anchor`, `Segment`, `Tangent`, `Records`; all of them are changed in place
     status: COMPLETED, STOPPED, DIVERGED, UNDECIDED, INADMISSIBLE, EVENT_LIMIT,
     STEP_LIMIT, or BUFFER_FULL (call again after emptying the event buffer)
     """
     window = tables.clock[0]
     place, cursor = anchor.place, records.cursor
+    carrying = tangent.columns.shape[0] > 0
     _augment(tables, anchor.state, place[0], anchor.phase[0], segment.z)
+    if carrying:
+        complete_columns(tables, rates, tangent, place[0], anchor.phase[0], segment.z)
     while True:
         if cursor[EVENTS] >= records.event_floats.shape[0] - 1:
             return _BUFFER_FULL
@@ -116,7 +130,7 @@ def run(tables, anchor, segment, records, end_number, end_phase, tolerance):
             return _SINGULAR
         end = (end_number - place[0]) * window + (end_phase - phase)
         s, e, found = _search(tables, segment, anchor, records, m, length, end)
-        _write_samples(tables, segment, anchor, records, m, min(s, end))
+        _write_samples(tables, rates, scratch, segment, anchor, tangent, records, m, min(s, end))
         if end <= s:
             advance_once(tables, segment, m, end)
             state_at(tables, segment, m, records.end_state)
@@ -129,13 +143,18 @@ def run(tables, anchor, segment, records, end_number, end_phase, tolerance):
             # a flight too short to be told from none is the end of accumulating impacts
             accumulate = s <= _NO_TIME * window and cursor[WINDOW_EVENTS] > _FEW
             return _EVENT_LIMIT if accumulate else _STEP_LIMIT
+        if carrying:
+            carry(tables, rates, scratch, segment, tangent, m, s)
+            copy_matrix(tangent.now, tangent.columns)
         state_at(tables, segment, m, anchor.state)
         copy_vector(anchor.state, records.end_state, anchor.state.size)
         if not _bounded(tables.drifting, anchor.state):
             anchor.phase[0] = phase + s
             return _DIVERGED
         if e >= 0:
-            status = _pass_event(tables, segment, anchor, records, s, e, found, tolerance)
+            status = _pass_event(
+                tables, rates, segment, tangent, anchor, records, s, e, found, tolerance
+            )
             if status != _COMPLETED:
                 return status
             continue
@@ -149,6 +168,8 @@ def run(tables, anchor, segment, records, end_number, end_phase, tolerance):
         for g in range(anchor.order.size):
             anchor.order[g] = 0
         _augment(tables, anchor.state, place[0], anchor.phase[0], segment.z)
+        if carrying:
+            complete_columns(tables, rates, tangent, place[0], anchor.phase[0], segment.z)
 
 
 @inlined
@@ -178,7 +199,7 @@ def _search(tables, segment, anchor, records, m, length, end):
 
 
 @inlined
-def _write_samples(tables, segment, anchor, records, m, until):
+def _write_samples(tables, rates, scratch, segment, anchor, tangent, records, m, until):
     """Samples of this segment up to and including ``until``.
 
     The slots at the end of the segment are put back bit by bit: the last step to an event
@@ -200,12 +221,26 @@ def _write_samples(tables, segment, anchor, records, m, until):
         else:
             advance(tables, segment, m, s)
             state_at(tables, segment, m, records.sample_state[k])
+        if tangent.columns.shape[0] > 0:
+            _write_columns(tables, rates, scratch, segment, tangent, m, s, k)
         records.sample_mode[k] = m
         k += 1
     records.cursor[SAMPLES] = k
     if kept:
         copy_matrix(segment.kept, segment.now)
         segment.point[0] = point
+
+
+@kernel
+def _write_columns(tables, rates, scratch, segment, tangent, m, s, k):
+    """Columns of derivatives at a sample."""
+    columns = tangent.columns
+    if s > 0.0:
+        carry(tables, rates, scratch, segment, tangent, m, s)
+        columns = tangent.now
+    for c in range(columns.shape[0]):
+        for i in range(tables.sizes[0]):
+            tangent.samples[k, c, i] = columns[c, i]
 
 
 @inlined
@@ -223,7 +258,7 @@ def _log_crossing(tables, segment, anchor, records, s, e, kind, certified):
 
 
 @inlined
-def _pass_event(tables, segment, anchor, records, s, e, found, tolerance):
+def _pass_event(tables, rates, segment, tangent, anchor, records, s, e, found, tolerance):
     """Log an event, pass its exits and set the anchor behind it."""
     n, m = tables.sizes[0], anchor.place[1]
     cursor = records.cursor
@@ -235,7 +270,11 @@ def _pass_event(tables, segment, anchor, records, s, e, found, tolerance):
     cursor[STALLED] = cursor[STALLED] + 1 if stalled else 0
     cursor[WINDOW_EVENTS] = 1 if number > anchor.place[0] else cursor[WINDOW_EVENTS] + 1
     _augment(tables, anchor.state, number, phase, segment.z)
-    status, m, path, passes, jumped, corner = pass_exits(tables, segment, m, e, tolerance)
+    if tangent.columns.shape[0] > 0:
+        complete_columns(tables, rates, tangent, number, phase, segment.z)
+    status, m, path, passes, jumped, corner = pass_exits(
+        tables, rates, segment, tangent, m, e, tolerance
+    )
     kind = _CORNER if corner else (_IMPACT if jumped else _SWITCH)
     log_transition(records, row, kind, m, path, passes, segment.z)
     anchor.place[0], anchor.place[1] = number, m

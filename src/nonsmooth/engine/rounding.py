@@ -61,9 +61,7 @@ def _of_sum(instruction, doubt, a, b, slots):
 
 @kernel
 def _of_product(doubt, a, b):
-    return (
-        doubt[a, at.UNITS] * doubt[b, at.EXTENT] + doubt[b, at.UNITS] * doubt[a, at.EXTENT]
-    )
+    return doubt[a, at.UNITS] * doubt[b, at.EXTENT] + doubt[b, at.UNITS] * doubt[a, at.EXTENT]
 
 
 @kernel

@@ -73,9 +73,7 @@ def start_columns(n, tangent):
 def complete_columns(tables, rates, tangent, number, phase, z):
     """Entries of time and harmonics in the columns at the anchor."""
     time = number * tables.clock[0] + phase
-    augmented_columns(
-        tables.sizes[0], tables.sizes[1], time, rates.harmonics, z, tangent.columns
-    )
+    augmented_columns(tables.sizes[0], tables.sizes[1], time, rates.harmonics, z, tangent.columns)
     tangent.ready[0] = 0
 
 
@@ -187,7 +185,7 @@ def end_saltation(tables, segment, tangent, m):
     n, velocity, columns = tables.sizes[0], tangent.velocity, tangent.columns
     _fill_velocity(n, tables.generator, tables.affine, tables.wiring, m, segment.z, velocity)
     for c in range(columns.shape[0]):
-        for i in range(n):
+        for i in range(velocity.size):
             columns[c, i] += velocity[i] * tangent.shifts[c]
 
 

@@ -12,6 +12,12 @@ from nonsmooth.engine.arrays import copy_vector
 from nonsmooth.engine.jit import inlined, kernel
 from nonsmooth.engine.linearisation import linearise
 from nonsmooth.engine.status import Status
+from nonsmooth.engine.tangent import (
+    end_saltation,
+    push_columns,
+    relate_columns,
+    start_saltation,
+)
 from nonsmooth.engine.zeros import (
     ALWAYS_ZERO,
     OPEN,
@@ -36,10 +42,11 @@ PATH_LENGTH = 10
 
 
 @inlined
-def pass_exits(tables, segment, m, e, tolerance):
+def pass_exits(tables, rates, segment, tangent, m, e, tolerance):
     """Pass exit e of mode m and whatever must fire after it at the same instant.
 
-    segment.z holds the augmented coordinates and is changed in place, segment.order is an output
+    segment.z holds the augmented coordinates and is changed in place, as are the columns of
+    derivatives; segment.order is an output
     returns: status, mode that holds, path (exits passed, six bits each, lowest first),
     number of exits passed, whether a reset was applied, whether several guards met in a corner.
     EVENT_LIMIT when resets go on and on, as at the end of accumulating impacts; UNDECIDED when
@@ -55,28 +62,37 @@ def pass_exits(tables, segment, m, e, tolerance):
     path, passes, jumped, corner = 0, 0, False, False
     followed = curved  # whether basis holds the directions left free by the path so far
     fired = 0.0  # size of the terms that cancelled in the guard that fired
+    carrying = tangent.columns.shape[0] > 0
     if curved:
-        _linearise(tables, segment, m)
+        _linearise(tables, rates, segment, m)
         start_directions(n, affine, wiring, m, e, basis)
     if e < 0:
         _settle_slaved(n, affine, wiring, m, z)
+        if carrying:
+            relate_columns(tables, rates, segment, tangent, m)
     else:
         fired = _set_fired_zero(n, affine, m, e, z)
+        if carrying:
+            start_saltation(tables, rates, segment, tangent, m, e)
     while True:
         if e >= 0:
             target = wiring[m, 1 + e, at.TARGET]
             if passes < PATH_LENGTH:
                 path |= (e + 1) << (PATH_BITS * passes)
             passes += 1
+            if carrying:
+                push_columns(tables, rates, segment, tangent, m, e)
             jumped = _reset(n, affine, wiring, m, e, z, segment.spare) or jumped
             if target < 0:
                 return _STOPPED, m, path, passes, jumped, corner
             if curved:
                 push_reset(n, affine, wiring, m, e, basis)
-                _linearise(tables, segment, target)
+                _linearise(tables, rates, segment, target)
                 push_relations(n, affine, wiring, target, basis)
             if not _slave(n, affine, wiring, m, e, target, z, fired, tolerance):
                 return _INADMISSIBLE, target, path, passes, jumped, corner
+            if carrying:
+                relate_columns(tables, rates, segment, tangent, target)
             m = target
             if (visited >> m) & 1 and not jumped:
                 return _UNDECIDED, m, path, passes, jumped, corner
@@ -102,13 +118,18 @@ def pass_exits(tables, segment, m, e, tolerance):
                 corner = corner or (passes > 0 and order[g] > known)
                 break
         if e < 0:
+            if carrying and first_exit >= 0:
+                end_saltation(tables, segment, tangent, m)
             return _COMPLETED, m, path, passes, jumped, corner
 
 
 @inlined
-def _linearise(tables, segment, m):
+def _linearise(tables, rates, segment, m):
     if tables.kinds[m] == at.TAYLOR:
-        linearise(tables, segment.series, segment.dual, m, segment.z)
+        linearise(
+            tables, rates.slot_rates, rates.harmonics, rates.affine, segment.series,
+            segment.dual, m, segment.z,
+        )  # fmt: skip
 
 
 @kernel

@@ -17,7 +17,14 @@ import numpy.typing as npt
 
 from nonsmooth.engine.layout import DERIVATIVES, Program, augmented_size
 
-__all__ = ["Columns", "Rates", "allocate_columns", "allocate_rates"]
+__all__ = [
+    "Columns",
+    "Rates",
+    "allocate_columns",
+    "allocate_rates",
+    "no_columns",
+    "no_rates",
+]
 
 Floats = npt.NDArray[np.float64]
 Complexes = npt.NDArray[np.complex128]
@@ -87,9 +94,35 @@ def allocate_rates(program: Program, chosen: Integers) -> Rates:
     )
 
 
+def no_rates() -> Rates:
+    """Derivatives by no parameter, for a run that carries no columns."""
+    return Rates(
+        chosen=np.zeros(0, np.int64),
+        slot_rates=np.zeros((0, 0)),
+        harmonics=np.zeros((0, 0)),
+        generator=np.zeros((0, 0, 0, 0)),
+        affine=np.zeros((0, 0, 0, 0)),
+        frame=np.zeros((0, 0, 0, 0)),
+        lift=np.zeros((0, 0, 0, 0), np.complex128),
+        couplings=np.zeros((0, 0, 0, 0), np.complex128),
+        rest=np.zeros((0, 0, 0), np.complex128),
+        means=np.zeros((0, 0), np.complex128),
+        spreads=np.zeros((0, 0)),
+        bundles=np.zeros((0, 0), np.int64),
+    )
+
+
 def allocate_columns(program: Program, chosen: Integers) -> Columns:
     """Scratch for the columns of the states and of the chosen parameters."""
-    p, big_n = len(chosen), augmented_size(program.sizes)
+    return _columns(len(chosen), augmented_size(program.sizes))
+
+
+def no_columns() -> Columns:
+    """Scratch of a run that carries no columns."""
+    return _columns(0, 0)
+
+
+def _columns(p: int, big_n: int) -> Columns:
     return Columns(
         factors=np.zeros(big_n, np.complex128),
         turns=np.zeros((big_n, big_n), np.complex128),
