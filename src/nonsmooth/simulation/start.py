@@ -163,13 +163,13 @@ def explain_misfit(system: System, tables: Tables, start: Start, z: npt.NDArray[
         for e in range(int(tables.wiring[m, 0, N_EXITS])):
             value = float(tables.affine[m, DERIVATIVES * e] @ z)
             if value < 0.0:
-                guard = system.modes[name].exits[e].guard
+                guard = forms.equations.exits[e].guard.text
                 faults.append(f"guard {guard!r} is {value:.6g}, it must not be negative")
         for i, state in enumerate(system.states):
             if (int(tables.wiring[m, 0, SLAVED]) >> i) & 1:
                 wanted = float(tables.affine[m, DERIVATIVES * n_exits + i] @ z)
                 if wanted != z[i]:
-                    text = forms.slaved_equations[state].text
+                    text = forms.equations.slaved[state].text
                     fault = f"{state} is slaved here: give {state} = {wanted:.6g} by {text!r}"
                     faults.append(f"{fault}, not {z[i]:.6g}")
         lines.append(f"  {name}: {'; '.join(faults)}")
