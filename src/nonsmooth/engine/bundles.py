@@ -26,7 +26,7 @@ def fill_bundles(tables, rates, m, full, twin, partner, v, v_inverse, generator,
 
     shapes: as from `fill_full_slots`; label (N,) output, equal within a bundle
     """
-    horizon = min(at.WINDOWS * tables.clock[0], tables.spans[m, at.LONGEST])
+    horizon = min(tables.clock[at.LASTS], tables.spans[m, at.LONGEST])
     condition = v[0].real.copy()
     for f in range(full):
         label[f], condition[f] = f, 0.0

@@ -11,7 +11,7 @@ import math
 
 from nonsmooth.engine import taylor_opcodes as op
 from nonsmooth.engine.jit import inlined, kernel, summing
-from nonsmooth.engine.layout import LANES
+from nonsmooth.engine.layout import CHAIN, LANES, first_of_signals
 
 __all__ = ["fill_duals"]
 
@@ -49,11 +49,12 @@ def fill_duals(
                 elif k + 1 < dual.shape[1]:
                     dual[i, k + 1, d] = dual[outlets[i], k, d] / (k + 1)
         if k + 1 < dual.shape[1]:
-            _advance_time(n, sizes[1], offset, harmonics, harmonic_rates, series, dual, k)
+            _advance_time(sizes, offset, harmonics, harmonic_rates, series, dual, k)
 
 
 @kernel
-def _advance_time(n, powers, offset, harmonics, harmonic_rates, series, dual, k):
+def _advance_time(sizes, offset, harmonics, harmonic_rates, series, dual, k):
+    n, powers = sizes[0], sizes[1]
     for d in range(dual.shape[2]):
         dual[n, k + 1, d] = 0.0
         for j in range(1, powers + 1):
@@ -68,6 +69,11 @@ def _advance_time(n, powers, offset, harmonics, harmonic_rates, series, dual, k)
             cosine = w * dual[cos, k, d] + w_rate * series[cos, k]
             dual[cos, k + 1, d] = -sine / (k + 1)
             dual[cos + 1, k + 1, d] = cosine / (k + 1)
+        for j in range(sizes[7]):
+            last = first_of_signals(sizes) + CHAIN * (j + 1) - 1
+            dual[last, k + 1, d] = 0.0
+            for i in range(last - CHAIN + 1, last):
+                dual[i, k + 1, d] = dual[i + 1, k, d] / (k + 1)
 
 
 @kernel

@@ -13,6 +13,7 @@ import numpy as np
 
 from nonsmooth.engine import taylor_opcodes as op
 from nonsmooth.engine.jit import kernel, summing
+from nonsmooth.engine.layout import CHAIN, first_of_signals
 
 __all__ = ["fill_series"]
 
@@ -47,12 +48,13 @@ def fill_series(code, first, last, slots, outlets, slaved, sizes, harmonics, ser
             elif k + 1 < series.shape[1]:
                 series[i, k + 1] = series[outlets[i], k] / (k + 1)
         if k + 1 < series.shape[1]:
-            _advance_time(n, sizes[1], harmonics, series, k)
+            _advance_time(sizes, harmonics, series, k)
 
 
 @kernel
-def _advance_time(n, powers, harmonics, series, k):
-    """Coefficient k + 1 of 1, powers of time and harmonics."""
+def _advance_time(sizes, harmonics, series, k):
+    """Coefficient k + 1 of 1, powers of time, harmonics and signals."""
+    n, powers = sizes[0], sizes[1]
     series[n, k + 1] = 0.0
     for j in range(1, powers + 1):
         series[n + j, k + 1] = j * series[n + j - 1, k] / (k + 1)
@@ -60,6 +62,11 @@ def _advance_time(n, powers, harmonics, series, k):
         cos = n + 1 + powers + 2 * q
         series[cos, k + 1] = -harmonics[0, q] * series[cos + 1, k] / (k + 1)
         series[cos + 1, k + 1] = harmonics[0, q] * series[cos, k] / (k + 1)
+    for j in range(sizes[7]):
+        last = first_of_signals(sizes) + CHAIN * (j + 1) - 1
+        series[last, k + 1] = 0.0
+        for i in range(last - CHAIN + 1, last):
+            series[i, k + 1] = series[i + 1, k] / (k + 1)
 
 
 @kernel

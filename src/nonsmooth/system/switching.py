@@ -37,12 +37,13 @@ class Undecided(Exception):
 def switching_function(graph: Graph, node: Expression) -> tuple[Surface | None, float]:
     """Surface of a switching function and the sign by which the function differs from it.
 
-    Without a state or time in it there is no surface; then the number is the sign of the
+    Without a state, a signal or time in it there is no surface; then the number is the sign of the
     function where it is a number, and zero where parameters decide.
     """
     terms = monomials(node)
     ranks = {factors: _rank(graph, factors) for factors in terms}
-    moving = [factors for factors in terms if ranks[factors][0] <= len(graph.states)]
+    fixed = len(graph.states) + 1 + len(graph.signals)
+    moving = [factors for factors in terms if ranks[factors][0] < fixed]
     if not moving:
         if set(terms) <= {()}:
             return None, 1.0 if terms.get((), 0.0) >= 0.0 else -1.0
@@ -54,8 +55,9 @@ def switching_function(graph: Graph, node: Expression) -> tuple[Surface | None, 
 
 
 def _rank(graph: Graph, factors: tuple[Expression, ...]) -> tuple[int, int, list[str]]:
-    """What makes a product lead: the first state in it, then few factors."""
+    """What makes a product lead: the first state, time or signal in it, then few factors."""
     names = {name.name for factor in factors for name in names_in(factor)}
-    places = [i for i, state in enumerate((*graph.states, "t")) if state in names]
-    first = min(places, default=len(graph.states) + 1)
+    moving = (*graph.states, "t", *graph.signals)
+    places = [i for i, name in enumerate(moving) if name in names]
+    first = min(places, default=len(moving))
     return first, len(factors), [to_text(factor) for factor in factors]
