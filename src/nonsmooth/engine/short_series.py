@@ -9,7 +9,7 @@ from __future__ import annotations
 from nonsmooth.engine import layout as at
 from nonsmooth.engine.jit import kernel
 
-__all__ = ["SHORT", "force_shortly", "fill_growth"]
+__all__ = ["SHORT", "fill_growth", "force_shortly", "slave_shortly"]
 
 SHORT = 1.0  # longest time in units of the bound of growth
 _NEGLIGIBLE = 1e-18  # next term beside the first
@@ -43,46 +43,48 @@ def fill_growth(matrix, rate, x, y, growth):
 
 
 @kernel
-def force_shortly(tables, rates, scratch, m, z, s):
-    """Fill scratch.added for all parameters, zero at the start, after a short time s.
+def force_shortly(matrix, rates, m, growth, z, s, added, terms, spare):
+    """Fill what all parameters add, from zero at the start, after a short time s.
 
-    shapes: z (N,) augmented coordinates at the start; scratch.added (1 + P, N) has the
-    motion in its first row, slaved states on their relation in the others
+    shapes: matrix (N, N) generator of the mode, rates (P, m, N, N) as Rates.generator,
+    growth (2,) as from `fill_growth`, z (N,) augmented coordinates at the start; added
+    (1 + P, N) output with the motion in its first row; terms (1 + P, N), spare (N,) scratch
     """
-    added, terms, spare = scratch.added, scratch.series, scratch.column
-    matrix, big_n = tables.generator[m], z.size
+    big_n = z.size
     for i in range(big_n):
         for k in range(added.shape[0]):
             added[k, i] = terms[k, i] = 0.0
         added[0, i] = terms[0, i] = z[i]
     # both the motion and the coupling may be small in these units and large in others
-    degree, bound = 0, rates.growth[m, 1] * rates.growth[m, 1]
+    degree, bound = 0, growth[1] * growth[1]
     while degree < 2 * big_n or bound > _NEGLIGIBLE:
         degree += 1
-        bound *= rates.growth[m, 0] * s / degree
+        bound *= growth[0] * s / degree
         for k in range(added.shape[0] - 1, -1, -1):  # the motion last: all need its old term
             for i in range(big_n):
                 total = 0.0
                 for j in range(big_n):
                     total += matrix[i, j] * terms[k, j]
                     if k > 0:
-                        total += rates.generator[k - 1, m, i, j] * terms[0, j]
+                        total += rates[k - 1, m, i, j] * terms[0, j]
                 spare[i] = total * (s / degree)
             for i in range(big_n):
                 terms[k, i] = spare[i]
                 added[k, i] += spare[i]
-    _slave(tables, rates, m, added)
 
 
 @kernel
-def _slave(tables, rates, m, added):
-    n, n_exits = tables.sizes[0], tables.sizes[5]
+def slave_shortly(n, n_exits, slaved, affine, rates, m, added):
+    """Put the slaved states on the derivatives of their relations.
+
+    shapes: affine (rows, N) of the mode, rates (P, m, rows, N) as Rates.affine, added as
+    from `force_shortly`, changed in place
+    """
     for i in range(n):
-        if (tables.wiring[m, 0, at.SLAVED] >> i) & 1:
+        if (slaved >> i) & 1:
             row = at.relation_row(n_exits, i)
             for k in range(1, added.shape[0]):
                 total = 0.0
                 for j in range(added.shape[1]):
-                    total += tables.affine[m, row, j] * added[k, j]
-                    total += rates.affine[k - 1, m, row, j] * added[0, j]
+                    total += affine[row, j] * added[k, j] + rates[k - 1, m, row, j] * added[0, j]
                 added[k, i] = total

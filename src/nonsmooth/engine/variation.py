@@ -14,7 +14,7 @@ import math
 from nonsmooth.engine import layout as at
 from nonsmooth.engine.bundle_series import force_bundles
 from nonsmooth.engine.jit import kernel
-from nonsmooth.engine.short_series import SHORT, force_shortly
+from nonsmooth.engine.short_series import SHORT, force_shortly, slave_shortly
 from nonsmooth.engine.trigonometry import cos_sin
 
 __all__ = ["advance_columns", "augmented_columns"]
@@ -61,14 +61,22 @@ def advance_columns(tables, rates, scratch, m, z, s, columns, out):
         return
     short = s * rates.growth[m, 0] <= SHORT
     if short:
-        force_shortly(tables, rates, scratch, m, z, s)
+        added, slaved = scratch.added, tables.wiring[m, 0, at.SLAVED]
+        force_shortly(
+            tables.generator[m], rates.generator, m, rates.growth[m], z, s, added,
+            scratch.series, scratch.column,
+        )  # fmt: skip
+        slave_shortly(n, tables.sizes[5], slaved, tables.affine[m], rates.affine, m, added)
     else:
         _read_slots(entry, reads, m, count, big_n, z, scratch.start)
         _move(slots, m, factors, turns, scratch.start, scratch.end)
         for p in range(n_rates):
             for j in range(count):
                 scratch.forced[p, j] = s * rates.couplings[p, m, j, j] * scratch.end[j]
-        force_bundles(rates, scratch, m, s)
+        force_bundles(
+            rates.bundles[m], rates.means[m], rates.spreads[m], rates.rest[m], rates.couplings,
+            m, s, scratch.start, scratch.sums, scratch.terms, scratch.spare, scratch.forced,
+        )  # fmt: skip
     for p in range(n_rates):
         column = scratch.column
         for i in range(big_n):

@@ -91,18 +91,15 @@ def _fill_matrices(program, p, rates):
 def _fill_modal(tables, rates, m):
     """Bundles, frame and couplings of mode m."""
     n, big_n = tables.sizes[0], tables.generator.shape[1]
-    twin, partner = np.zeros(big_n, np.int64), np.zeros(big_n, np.int64)
-    label = np.zeros(big_n, np.int64)
-    v = np.zeros((big_n, big_n), np.complex128)
-    v_inverse = np.zeros((big_n, big_n), np.complex128)
-    generator = np.zeros((big_n, big_n), np.complex128)
-    y = np.zeros((big_n, big_n), np.complex128)
-    work = np.zeros((big_n, big_n), np.complex128)
+    whole = np.zeros((3, big_n), np.int64)
+    square = np.zeros((5, big_n, big_n), np.complex128)
+    line = np.zeros((2, big_n))
+    twin, partner, label = whole[0], whole[1], whole[2]
+    v, v_inverse, generator, y, work = square[0], square[1], square[2], square[3], square[4]
     full = fill_full_slots(tables, m, twin, partner, v, v_inverse, generator)
     rate = max(tables.spans[m, at.FASTEST], 1.0 / tables.clock[0])
-    x, spare = np.zeros(big_n), np.zeros(big_n)
-    fill_growth(tables.generator[m], rate, x, spare, rates.growth[m])
-    fill_bundles(tables, rates, m, full, twin, partner, v, v_inverse, generator, label)
+    fill_growth(tables.generator[m], rate, line[0], line[1], rates.growth[m])
+    fill_bundles(tables, rates, m, full, twin, partner, v, v_inverse, generator, label, line[0])
     for p in range(rates.chosen.size):
         couplings, frame = rates.couplings[p, m], rates.frame[p, m]
         _multiply_real(rates.generator[p, m], v, full, work)
