@@ -113,6 +113,7 @@ def no_rates() -> Rates:
         means=np.zeros((0, 0), np.complex128),
         spreads=np.zeros((0, 0)),
         bundles=np.zeros((0, 0), np.int64),
+        growth=np.zeros((0, 0)),
     )
 
 
