@@ -2,7 +2,8 @@
 
 Wider than clusters, for two reasons. Motions that have nothing to do with each other may be
 coupled by the derivative alone, as two equal oscillators are. And eliminating across a gap
-loses digits once more than the motion itself has lost.
+loses digits once more than the motion itself has lost, where the time is shorter than the gap
+takes to be felt: over a short part of its period, slow forcing is a constant.
 """
 
 from __future__ import annotations
@@ -10,32 +11,17 @@ from __future__ import annotations
 from nonsmooth.engine.jit import kernel
 from nonsmooth.engine.variation_tables import BUNDLES, N_BUNDLES
 
-__all__ = ["fill_bundles", "group_slots", "measure_slots"]
+__all__ = ["fill_bundles", "group_slots"]
 
-_LITTLE = 0.25  # radians or exponent of a gap over a segment: nothing to be told apart by
-_NEAR = 0.01  # the same for decays, over their own time
-_MOST_LOSS = 1e4  # of digits, as a factor, by eliminating across a gap ...
-_WIDEST = 0.3  # ... smaller than this part of the eigenvalues
+_LITTLE = 0.25  # radians or exponent of a gap over a time: nothing to be told apart by
 
 
 @kernel
-def measure_slots(full, v, v_inverse, condition):
-    """Condition of each full slot: how much larger its parts are than what they add up to.
-
-    shapes: v, v_inverse (N, N) as from `fill_full_slots`, condition (N,) output
-    """
-    for f in range(full):
-        condition[f] = 0.0
-        for i in range(v.shape[0]):
-            condition[f] += abs(v_inverse[f, i]) * abs(v[i, f])
-
-
-@kernel
-def group_slots(full, partner, generator, condition, horizon, label):
+def group_slots(full, partner, generator, horizon, label):
     """Group full slots that are close over a time; groups of longer times stay together.
 
-    shapes: partner and generator as from `fill_full_slots`, condition (N,); label (N,),
-    equal within a bundle, changed in place
+    shapes: partner and generator as from `fill_full_slots`; label (N,), equal
+    within a bundle, changed in place
     returns: whether any have been joined
     """
     joined = False
@@ -43,9 +29,8 @@ def group_slots(full, partner, generator, condition, horizon, label):
         for g in range(f):
             if label[f] == label[g]:
                 continue
-            loss = condition[f] * condition[g]
             coupled = generator[f, g] != 0.0 or generator[g, f] != 0.0
-            if coupled or _near(generator[f, f], generator[g, g], horizon, loss):
+            if coupled or abs(generator[f, f] - generator[g, g]) * horizon <= _LITTLE:
                 _merge(label, full, f, g)
                 _merge(label, full, partner[f], partner[g])
                 joined = True
@@ -64,17 +49,6 @@ def fill_bundles(full, count, twin, generator, label, bundles, rest, means, spre
         bundles[BUNDLES + 2 * big_n + f] = twin[f]
     _list_bundles(bundles, label, full, count, big_n)
     _fill_rests(bundles, rest, means, spreads, full, generator, label)
-
-
-@kernel
-def _near(one, other, horizon, loss):
-    """Whether two eigenvalues belong together."""
-    gap = abs(one - other)
-    decay = max(0.0, min(-one.real, -other.real))
-    if gap * horizon <= _LITTLE or gap <= _NEAR * decay:
-        return True
-    size = max(abs(one), abs(other))
-    return gap <= _WIDEST * size and loss * size > _MOST_LOSS * gap
 
 
 @kernel

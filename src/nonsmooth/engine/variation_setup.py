@@ -15,7 +15,7 @@ import numpy as np
 
 from nonsmooth.engine import layout as at
 from nonsmooth.engine.arrays import set_zero
-from nonsmooth.engine.bundles import fill_bundles, group_slots, measure_slots
+from nonsmooth.engine.bundles import fill_bundles, group_slots
 from nonsmooth.engine.full_slots import fill_full_slots
 from nonsmooth.engine.jit import allocating, entry, kernel
 from nonsmooth.engine.short_series import SHORT, fill_growth
@@ -101,7 +101,6 @@ def _fill_modal(tables, rates, m):
     full = fill_full_slots(tables, m, twin, partner, v, v_inverse, generator)
     rate = max(tables.spans[m, at.FASTEST], 1.0 / tables.clock[0])
     fill_growth(tables.generator[m], rate, line[0], line[1], rates.growth[m])
-    measure_slots(full, v, v_inverse, line[0])
     for f in range(full):
         label[f] = f
     for k in range(FRAMES):
@@ -109,7 +108,7 @@ def _fill_modal(tables, rates, m):
     horizon = min(at.WINDOWS * tables.clock[0], tables.spans[m, at.LONGEST])
     k = 0
     while k == 0 or horizon * rates.growth[m, 0] > SHORT:
-        joined = group_slots(full, partner, generator, line[0], horizon, label)
+        joined = group_slots(full, partner, generator, horizon, label)
         if k == 0 or joined:
             k = min(k, FRAMES - 1)
             rates.longest[k, m] = horizon
