@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy.typing as npt
@@ -14,9 +14,16 @@ from nonsmooth.engine.status import Status
 from nonsmooth.errors import OptionError, RunWarning
 from nonsmooth.simulation.clock import Plan, plan_run
 from nonsmooth.simulation.dataset import run_dataset
-from nonsmooth.simulation.options import check_flag, check_run_options
-from nonsmooth.simulation.runner import NoMode, Outcome, build_tables, run_plan
-from nonsmooth.simulation.start import Start, explain_misfit, resolve_start
+from nonsmooth.simulation.options import check_flag, check_run_options, parameters_of_tangent
+from nonsmooth.simulation.runner import (
+    Derivatives,
+    NoMode,
+    Outcome,
+    build_derivatives,
+    build_tables,
+    run_plan,
+)
+from nonsmooth.simulation.start import Start, explain_misfit, resolve_start, start_at_end
 from nonsmooth.system.system import System
 
 __all__ = ["simulate"]
@@ -35,7 +42,7 @@ def simulate(
     mode: str | None = None,
     tolerance: float = 1e-12,
     events: bool = True,
-    tangent: bool = False,
+    tangent: bool | Sequence[str] = False,
 ) -> xr.Dataset:
     """Trajectory of a system, its event log and the certificate of both.
 
@@ -125,10 +132,13 @@ def simulate(
     >>> run.attrs["status"], float(run["v"][-1].round(4))
     ('completed', 613.4445)
     """
-    system = check_run_options(system, parameters, mode, tolerance, tangent)
+    system = check_run_options(system, parameters, mode, tolerance)
+    chosen = parameters_of_tangent(system, tangent)
     keep_events = check_flag("events", events)
     tables = build_tables(system)
     start = resolve_start(system, tables, initial, t_start, mode, parameters is not None)
+    if chosen is not None and start.anchor is not None:
+        start = start_at_end(start)
     plan = plan_run(
         float(tables.clock[0]),
         system.period_value is not None,
@@ -138,7 +148,8 @@ def simulate(
         times=times,
         samples_per_period=samples_per_period,
     )
-    outcome = _run_from(system, tables, plan, start, tolerance, keep_events)
+    derivatives = build_derivatives(system, tables, chosen)
+    outcome = _run_from(system, tables, plan, start, tolerance, keep_events, derivatives)
     options: dict[str, Any] = {
         "tolerance": float(tolerance),
         "samples_per_period": int(samples_per_period),
@@ -152,7 +163,13 @@ def simulate(
 
 
 def _run_from(
-    system: System, tables: Tables, plan: Plan, start: Start, tolerance: float, keep_events: bool
+    system: System,
+    tables: Tables,
+    plan: Plan,
+    start: Start,
+    tolerance: float,
+    keep_events: bool,
+    derivatives: Derivatives,
 ) -> Outcome:
     """Run from the first of the modes that admits the start."""
     for mode in start.modes:
@@ -166,6 +183,7 @@ def _run_from(
                 begin=start.instant,
                 mode=mode,
                 keep_events=keep_events,
+                derivatives=derivatives,
             )
         except NoMode as fault:
             misfit = fault

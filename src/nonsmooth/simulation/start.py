@@ -17,7 +17,7 @@ from nonsmooth.simulation.clock import Instant, instants
 from nonsmooth.simulation.options import finite_number
 from nonsmooth.system.system import System
 
-__all__ = ["Start", "explain_misfit", "resolve_start"]
+__all__ = ["Start", "explain_misfit", "resolve_start", "start_at_end"]
 
 
 @dataclass(frozen=True)
@@ -151,6 +151,12 @@ def _from_run(
         np.array(run.attrs["anchor_order"].split(), np.int64),
     )
     return Start(run["end_state"].values.copy(), end, anchor=anchor)
+
+
+def start_at_end(start: Start) -> Start:
+    """A start at the end of a run instead of its anchor: derivatives begin at a state."""
+    assert start.anchor is not None
+    return Start(start.state, start.instant, (int(start.anchor.place[1]),))
 
 
 def explain_misfit(system: System, tables: Tables, start: Start, z: npt.NDArray[np.float64]) -> str:

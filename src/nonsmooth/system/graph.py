@@ -8,6 +8,7 @@ time stands in it, so that what depends on parameters alone is seen at once.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 from nonsmooth.system.expressions import Call, Expression, Name, Number
 from nonsmooth.system.linear import CONSTANT, Harmonic, LinearForm, NotLinear, Power, linear_form
@@ -26,6 +27,7 @@ class Graph:
         self._nodes: dict[tuple[object, ...], Expression] = {}
         self._depends: dict[int, int] = {}
         self._angles: dict[int, tuple[Expression, Expression] | None] = {}
+        self.surfaces: dict[int, Any] = {}  # switching functions worked out before
         self.zero = self.number(0.0)
         self.one = self.number(1.0)
 

@@ -187,7 +187,7 @@ class Resolver:
     def _selected(self, condition: Expression, yes: _Lazy, no: _Lazy) -> Expression:
         """Selection by a condition on parameters: the two sides weighted by one and zero."""
         graph, above, below = self.graph, yes(), no()
-        if not (graph.moves(above) or graph.moves(below)):
+        if not self.strict or not (graph.moves(above) or graph.moves(below)):
             return graph.call("where", condition, above, below)
         return graph.add(
             graph.multiply(graph.call("where", condition, graph.one, graph.zero), above),

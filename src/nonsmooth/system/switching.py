@@ -40,6 +40,13 @@ def switching_function(graph: Graph, node: Expression) -> tuple[Surface | None, 
     Without a state or time in it there is no surface; then the number is the sign of the
     function where it is a number, and zero where parameters decide.
     """
+    if id(node) not in graph.surfaces:
+        graph.surfaces[id(node)] = _canonical(graph, node)
+    found: tuple[Surface | None, float] = graph.surfaces[id(node)]
+    return found
+
+
+def _canonical(graph: Graph, node: Expression) -> tuple[Surface | None, float]:
     terms = monomials(node)
     ranks = {factors: _rank(graph, factors) for factors in terms}
     moving = [factors for factors in terms if ranks[factors][0] <= len(graph.states)]
