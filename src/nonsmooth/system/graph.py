@@ -101,10 +101,6 @@ class Graph:
         """Whether a state or time stands in a node."""
         return self._depends[id(node)] != 0
 
-    def has_time(self, node: Expression) -> bool:
-        """Whether time stands in a node."""
-        return bool(self._depends[id(node)] & _TIME)
-
     def states_in(self, node: Expression) -> set[str]:
         """States that stand in a node."""
         depends = self._depends[id(node)]
