@@ -83,8 +83,9 @@ def simulate(
     events : bool, optional
         Whether to keep the event log. Without it a run of any length needs no more memory
         than its samples; events are found and counted as ever, and the run can go on.
-    tangent : bool, optional
-        Not supported in this version; refused with a message.
+    tangent : bool or sequence of str, optional
+        Whether to carry the derivatives of the states by the initial states, and by the
+        parameters: by all of them, or by those named in a list, which may be empty.
 
     Returns
     -------
