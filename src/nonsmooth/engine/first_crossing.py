@@ -13,9 +13,9 @@ from __future__ import annotations
 import math
 
 from nonsmooth.engine import layout as at
-from nonsmooth.engine.guard_series import NEARLY_ZERO, REMAINDER, falls_alone, read_guard, safe_step
+from nonsmooth.engine.flow import advance, advance_little, advance_once, climb, read_guard
+from nonsmooth.engine.guard_series import NEARLY_ZERO, REMAINDER, falls_alone, safe_step
 from nonsmooth.engine.jit import inlined, kernel
-from nonsmooth.engine.linear_flow import advance, advance_little, advance_once, climb
 from nonsmooth.engine.zeros import ALWAYS_ZERO
 
 __all__ = ["CERTIFIED", "GRAZE", "NONE", "STUCK", "UNCERTAIN", "first_crossing"]

@@ -26,6 +26,8 @@ __all__ = [
     "allocate_segment",
     "allocate_tables",
     "augmented_size",
+    "slots_of",
+    "whole_lanes",
 ]
 
 Floats = npt.NDArray[np.float64]
@@ -37,6 +39,8 @@ TERMS = 6  # of the Taylor polynomial of a guard; the next one is bounded
 MAX_DEGREE = 32  # of the polynomial in s that multiplies exp(mu s) in a cluster
 MAX_AUGMENTED = 60  # sets of coordinates are bits of one integer
 WINDOWS = 2  # that a segment may last
+LANES = 4  # directions of derivatives of series handled together
+ORDER = 20  # of Taylor series of the motion; near the best for double precision
 RUNGS = 8  # of the ladder of steps for which rotations are computed beforehand
 
 # Program.kinds: how the flow of a mode is solved
@@ -63,6 +67,8 @@ SERIES = 2 * TERMS + 2
 # Segment.origin and Segment.now: real and imaginary part of a slot, bound of its modulus
 # from there on, rounding margin; Tables.ladder: factors of the first three
 RE, IM, SIZE, NOISE = range(4)
+# Segment.doubt: size of a register over a step, and what rounding leaves of it in units
+EXTENT, UNITS = 0, 1
 # Segment.scan: Taylor coefficients of a guard, bound of the next one, rounding margin of the
 # value, safe step, latest root, what fading motions may take off and their whole size, where
 # they are left out of the polynomial
@@ -111,6 +117,12 @@ class Tables(NamedTuple):
     spans: Floats  # (m, SPANS)
     wiring: Integers  # (m, 1 + e, 2 + e)
     drifting: int
+    kinds: Integers  # (m,)
+    # of Taylor modes, whose generator, affine rows and spans are those of the last point or step
+    values: Floats  # (slots of the parameter tape,)
+    code: Integers  # as in Program, likewise the next two
+    code_rows: Integers
+    outlets: Integers
 
 
 class Segment(NamedTuple):
@@ -126,6 +138,11 @@ class Segment(NamedTuple):
     order: Integers  # (e,): known order of zero of each guard at the start
     scan: Floats  # (e, SCAN)
     basis: Floats  # (2, N, N): directions left free by what is known to be zero, and a spare
+    # of Taylor modes
+    point: Floats  # (1,) current point of the step
+    series: Floats  # (R, ORDER + 1) coefficients of all registers at the start of the step
+    doubt: Floats  # (R, 2)
+    dual: Floats  # (R, TERMS, N and more) derivatives by the coordinates at an instant
 
 
 @kernel
@@ -172,11 +189,26 @@ def allocate_tables(program: Program) -> Tables:
         spans=np.zeros((m, SPANS)),
         wiring=program.wiring.copy(),
         drifting=program.drifting,
+        kinds=program.kinds,
+        values=np.zeros(slots_of(program)),
+        code=program.code,
+        code_rows=program.code_rows,
+        outlets=program.outlets,
     )
 
 
-def allocate_segment(sizes: Integers) -> Segment:
-    """Scratch for the sizes of a program."""
+def slots_of(program: Program) -> int:
+    """Number of slots of the parameter tape."""
+    return int(program.sizes[3]) + program.constants.size + program.tape.shape[0]
+
+
+def whole_lanes(count: int) -> int:
+    """Directions, rounded up to what is handled together."""
+    return -(-count // LANES) * LANES
+
+
+def allocate_segment(sizes: Integers, n_rates: int = 0) -> Segment:
+    """Scratch for the sizes of a program, and derivatives by some parameters."""
     e = int(sizes[5])
     big_n = augmented_size(sizes)
     return Segment(
@@ -190,4 +222,8 @@ def allocate_segment(sizes: Integers) -> Segment:
         order=np.zeros(e, np.int64),
         scan=np.zeros((e, SCAN)),
         basis=np.zeros((2, big_n, big_n)),
+        point=np.zeros(1),
+        series=np.zeros((int(sizes[6]), ORDER + 1)),
+        doubt=np.zeros((int(sizes[6]), 2)),
+        dual=np.zeros((int(sizes[6]), TERMS, whole_lanes(big_n + n_rates))),
     )

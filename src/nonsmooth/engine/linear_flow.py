@@ -18,7 +18,6 @@ from nonsmooth.engine.trigonometry import cos_sin
 __all__ = [
     "advance",
     "advance_little",
-    "advance_once",
     "augmented",
     "climb",
     "start_segment",
@@ -97,12 +96,6 @@ def advance(tables, segment, m, s):
         now[j, at.SIZE] = origin[j, at.SIZE] * decay
         now[j, at.NOISE] = origin[j, at.NOISE] * decay
     _advance_clusters(tables, segment, m, s)
-
-
-@kernel
-def advance_once(tables, segment, m, s):
-    """`advance` as a call, for the places that are rarely passed: its body is long."""
-    advance(tables, segment, m, s)
 
 
 @inlined

@@ -13,8 +13,10 @@ from nonsmooth.engine import layout as at
 from nonsmooth.engine.arrays import copy_matrix, copy_vector
 from nonsmooth.engine.event_log import log_event, log_transition, normal_phase
 from nonsmooth.engine.first_crossing import CERTIFIED, GRAZE, NONE, STUCK, first_crossing
+from nonsmooth.engine.flow import advance, advance_once, start_segment, state_at
 from nonsmooth.engine.jit import entry, inlined, kernel
-from nonsmooth.engine.linear_flow import advance, advance_once, augmented, start_segment, state_at
+from nonsmooth.engine.linear_flow import augmented
+from nonsmooth.engine.linearisation import linearise
 from nonsmooth.engine.records import (
     EVENT_FLOATS,
     EVENTS,
@@ -24,6 +26,7 @@ from nonsmooth.engine.records import (
     WINDOW_EVENTS,
 )
 from nonsmooth.engine.status import EventKind, Status
+from nonsmooth.engine.tangent import carry, complete_columns, start_columns
 from nonsmooth.engine.transitions import guard_holds, pass_exits, slaved_agree
 
 __all__ = ["run", "start"]
@@ -33,22 +36,26 @@ _DIVERGED = int(Status.DIVERGED)
 _EVENT_LIMIT = int(Status.EVENT_LIMIT)
 _STEP_LIMIT = int(Status.STEP_LIMIT)
 _INADMISSIBLE = int(Status.INADMISSIBLE)
+_SINGULAR = int(Status.SINGULAR)
 _BUFFER_FULL = int(Status.BUFFER_FULL)
 _START = int(EventKind.START)
 _SWITCH = int(EventKind.SWITCH)
 _IMPACT = int(EventKind.IMPACT)
 _GRAZE = int(EventKind.GRAZE)
+_CORNER = int(EventKind.CORNER)
 _MOST_EVENTS = 10_000  # in one window; more means that impacts accumulate
 _MOST_STALLED = 100  # between which time does not advance: likewise
 _NO_TIME, _FEW = 1e-10, 5  # part of a window; events before that in the same window
+_SHORTEST = 1e-14  # part of a window; a shorter step of a series means that it does not converge
 _MOST_SIZE = 1e30  # of a state that does not drift
 
 
 @entry
-def start(tables, anchor, segment, records, mode, tolerance):
+def start(tables, rates, anchor, segment, tangent, records, mode, tolerance):
     """Find the mode of a start and pass the exits that fire at once.
 
-    shapes: anchor holds window, phase and states; mode = -1 takes the first that fits
+    shapes: anchor holds window, phase and states; mode = -1 takes the first that fits; the
+    columns of derivatives begin here
     status: COMPLETED, STOPPED, UNDECIDED, or INADMISSIBLE when no mode fits
     """
     n = tables.sizes[0]
@@ -57,13 +64,20 @@ def start(tables, anchor, segment, records, mode, tolerance):
     low, high = (0, affine.shape[0]) if mode < 0 else (mode, mode + 1)
     first = -1
     for m in range(low, high):
+        if tables.kinds[m] == at.TAYLOR:
+            linearise(
+                tables, rates.slot_rates, rates.harmonics, rates.affine, segment.series,
+                segment.dual, m, z,
+            )  # fmt: skip
         if _fits(n, affine, wiring, m, z, tolerance):
             first = m
             break
     if first < 0:
         return _INADMISSIBLE
-    status, m, path, passes, _ = pass_exits(
-        n, affine, wiring, first, -1, z, segment.spare, segment.order, segment.basis, tolerance
+    start_columns(n, tangent)
+    complete_columns(tables, rates, tangent, anchor.place[0], anchor.phase[0], z)
+    status, m, path, passes, _, _ = pass_exits(
+        tables, rates, segment, tangent, first, -1, tolerance
     )
     row = log_event(records, anchor.place[0], anchor.phase[0], _START, first, -1, True, 0.0)
     for i in range(n):
@@ -90,27 +104,33 @@ def _augment(tables, state, number, phase, z):
 
 
 @entry
-def run(tables, anchor, segment, records, end_number, end_phase, tolerance):
+def run(
+    tables, rates, scratch, anchor, segment, tangent, records, end_number, end_phase, tolerance
+):  # fmt: skip
     """Run from an anchor to a time given as window number and phase.
 
-    shapes: see `Anchor`, `Segment`, `Records`; all of them are changed in place
+    shapes: see `Anchor`, `Segment`, `Tangent`, `Records`; all of them are changed in place
     status: COMPLETED, STOPPED, DIVERGED, UNDECIDED, INADMISSIBLE, EVENT_LIMIT,
     STEP_LIMIT, or BUFFER_FULL (call again after emptying the event buffer)
     """
     window = tables.clock[0]
     place, cursor = anchor.place, records.cursor
+    carrying = tangent.columns.shape[0] > 0
     _augment(tables, anchor.state, place[0], anchor.phase[0], segment.z)
+    if carrying:
+        complete_columns(tables, rates, tangent, place[0], anchor.phase[0], segment.z)
     while True:
         if cursor[EVENTS] >= records.event_floats.shape[0] - 1:
             return _BUFFER_FULL
         m, phase = place[1], anchor.phase[0]
         whole = at.WINDOWS * window - phase
-        length = min(whole, tables.spans[m, at.LONGEST])
         copy_vector(anchor.order, segment.order, anchor.order.size)
-        start_segment(tables, segment, m, length)
+        length = start_segment(tables, segment, m, whole)
+        if tables.kinds[m] == at.TAYLOR and not length > _SHORTEST * (window + phase):
+            return _SINGULAR
         end = (end_number - place[0]) * window + (end_phase - phase)
         s, e, found = _search(tables, segment, anchor, records, m, length, end)
-        _write_samples(tables, segment, anchor, records, m, min(s, end))
+        _write_samples(tables, rates, scratch, segment, anchor, tangent, records, m, min(s, end))
         if end <= s:
             advance_once(tables, segment, m, end)
             state_at(tables, segment, m, records.end_state)
@@ -123,25 +143,33 @@ def run(tables, anchor, segment, records, end_number, end_phase, tolerance):
             # a flight too short to be told from none is the end of accumulating impacts
             accumulate = s <= _NO_TIME * window and cursor[WINDOW_EVENTS] > _FEW
             return _EVENT_LIMIT if accumulate else _STEP_LIMIT
+        if carrying:
+            carry(tables, rates, scratch, segment, tangent, m, s)
+            copy_matrix(tangent.now, tangent.columns)
         state_at(tables, segment, m, anchor.state)
         copy_vector(anchor.state, records.end_state, anchor.state.size)
         if not _bounded(tables.drifting, anchor.state):
             anchor.phase[0] = phase + s
             return _DIVERGED
         if e >= 0:
-            status = _pass_event(tables, segment, anchor, records, s, e, found, tolerance)
+            status = _pass_event(
+                tables, rates, segment, tangent, anchor, records, s, e, found, tolerance
+            )
             if status != _COMPLETED:
                 return status
             continue
-        if length < whole:  # cut short for the accuracy of a cluster
-            place[0], anchor.phase[0] = normal_phase(place[0], phase + length, window)
+        if length < whole:
+            number, anchor.phase[0] = normal_phase(place[0], phase + length, window)
         else:
-            place[0] += at.WINDOWS
-            anchor.phase[0] = 0.0
-        cursor[WINDOW_EVENTS] = 0
+            number, anchor.phase[0] = place[0] + at.WINDOWS, 0.0
+        if number > place[0]:
+            cursor[WINDOW_EVENTS] = 0
+        place[0] = number
         for g in range(anchor.order.size):
             anchor.order[g] = 0
         _augment(tables, anchor.state, place[0], anchor.phase[0], segment.z)
+        if carrying:
+            complete_columns(tables, rates, tangent, place[0], anchor.phase[0], segment.z)
 
 
 @inlined
@@ -171,7 +199,7 @@ def _search(tables, segment, anchor, records, m, length, end):
 
 
 @inlined
-def _write_samples(tables, segment, anchor, records, m, until):
+def _write_samples(tables, rates, scratch, segment, anchor, tangent, records, m, until):
     """Samples of this segment up to and including ``until``.
 
     The slots at the end of the segment are put back bit by bit: the last step to an event
@@ -179,24 +207,40 @@ def _write_samples(tables, segment, anchor, records, m, until):
     """
     number, phase, window = anchor.place[0], anchor.phase[0], tables.clock[0]
     k = records.cursor[SAMPLES]
-    kept = False
+    kept, point = False, 0.0
     while k < records.sample_phase.size:
         s = (records.sample_number[k] - number) * window + (records.sample_phase[k] - phase)
         if s > until:
             break
         if not kept:
             copy_matrix(segment.now, segment.kept)
+            point = segment.point[0]
             kept = True
         if s == 0.0:  # the state as it was given, not as it comes back from modal coordinates
             copy_vector(anchor.state, records.sample_state[k], anchor.state.size)
         else:
             advance(tables, segment, m, s)
             state_at(tables, segment, m, records.sample_state[k])
+        if tangent.columns.shape[0] > 0:
+            _write_columns(tables, rates, scratch, segment, tangent, m, s, k)
         records.sample_mode[k] = m
         k += 1
     records.cursor[SAMPLES] = k
     if kept:
         copy_matrix(segment.kept, segment.now)
+        segment.point[0] = point
+
+
+@kernel
+def _write_columns(tables, rates, scratch, segment, tangent, m, s, k):
+    """Columns of derivatives at a sample."""
+    columns = tangent.columns
+    if s > 0.0:
+        carry(tables, rates, scratch, segment, tangent, m, s)
+        columns = tangent.now
+    for c in range(columns.shape[0]):
+        for i in range(tables.sizes[0]):
+            tangent.samples[k, c, i] = columns[c, i]
 
 
 @inlined
@@ -214,7 +258,7 @@ def _log_crossing(tables, segment, anchor, records, s, e, kind, certified):
 
 
 @inlined
-def _pass_event(tables, segment, anchor, records, s, e, found, tolerance):
+def _pass_event(tables, rates, segment, tangent, anchor, records, s, e, found, tolerance):
     """Log an event, pass its exits and set the anchor behind it."""
     n, m = tables.sizes[0], anchor.place[1]
     cursor = records.cursor
@@ -226,11 +270,13 @@ def _pass_event(tables, segment, anchor, records, s, e, found, tolerance):
     cursor[STALLED] = cursor[STALLED] + 1 if stalled else 0
     cursor[WINDOW_EVENTS] = 1 if number > anchor.place[0] else cursor[WINDOW_EVENTS] + 1
     _augment(tables, anchor.state, number, phase, segment.z)
-    status, m, path, passes, jumped = pass_exits(
-        n, tables.affine, tables.wiring, m, e, segment.z, segment.spare, segment.order,
-        segment.basis, tolerance,
-    )  # fmt: skip
-    log_transition(records, row, _IMPACT if jumped else _SWITCH, m, path, passes, segment.z)
+    if tangent.columns.shape[0] > 0:
+        complete_columns(tables, rates, tangent, number, phase, segment.z)
+    status, m, path, passes, jumped, corner = pass_exits(
+        tables, rates, segment, tangent, m, e, tolerance
+    )
+    kind = _CORNER if corner else (_IMPACT if jumped else _SWITCH)
+    log_transition(records, row, kind, m, path, passes, segment.z)
     anchor.place[0], anchor.place[1] = number, m
     anchor.phase[0] = phase
     _set_anchor(anchor, segment, records, n)

@@ -13,7 +13,9 @@ import numpy as np
 from nonsmooth.engine import layout as at
 from nonsmooth.engine.arrays import copy_matrix, copy_vector, set_zero
 from nonsmooth.engine.decoupling import decouple
-from nonsmooth.engine.jit import entry, kernel
+from nonsmooth.engine.jit import allocating, entry, kernel
+from nonsmooth.engine.linear_flow import augmented
+from nonsmooth.engine.linearisation import linearise
 from nonsmooth.engine.refinement import refine, worth_refining
 from nonsmooth.engine.slots import fill_slots
 from nonsmooth.engine.status import Status
@@ -35,12 +37,14 @@ def set_up(program, parameters, tables):
     status: COMPLETED, NOT_FINITE or NOT_CONVERGED, with the mode where it happened
     (-1: clock)
     """
-    slots = np.zeros(parameters.size + program.constants.size + program.tape.shape[0])
+    slots = tables.values
     run_tape(parameters, program.constants, program.tape, slots)
     mode = _fill_matrices(program, slots, tables)
     if mode >= 0:
         return _NOT_FINITE, mode
     _fill_guards(tables.generator, tables.affine, tables.wiring)
+    if program.period_slot < 0:
+        _linearise_at_rest(program, tables)
     n_modes, big_n = tables.generator.shape[0], tables.generator.shape[1]
     t = np.zeros((n_modes, big_n, big_n), np.complex128)
     v = np.zeros((n_modes, big_n, big_n), np.complex128)
@@ -58,6 +62,8 @@ def set_up(program, parameters, tables):
     if not _count_turns(tables.clock, tables.harmonics):
         return _NOT_FINITE, -1
     for m in range(n_modes):
+        if tables.kinds[m] != at.EXACT:
+            continue
         copy_vector(norm[m], doubt, big_n)
         decouple(tables.sizes[0], t[m], v[m], v_inverse[m], block[m], label, tables.clock[0])
         if worth_refining(t[m], block[m], norm[m], tables.clock[0]):
@@ -65,7 +71,7 @@ def set_up(program, parameters, tables):
             for i in range(big_n):
                 doubt[i] = abs(t[m, i, i])
         fill_slots(tables, m, t[m], v[m], v_inverse[m], label, block[m], norm[m], doubt)
-    fill_orders(tables.sizes[0], tables.affine, tables.wiring)
+    fill_orders(tables.sizes[0], tables.kinds, tables.affine, tables.wiring)
     return _OK, 0
 
 
@@ -104,6 +110,31 @@ def _fill_matrices(program, slots, tables):
         if not (_finite(generator[m]) and _finite(affine[m])):
             return m
     return -1
+
+
+@allocating
+def _linearise_at_rest(program, tables):
+    """How fast Taylor modes are near the rest state, for the window of a system without period.
+
+    Where they have no finite rates there, they have no say in it.
+    """
+    big_n = tables.generator.shape[1]
+    z = np.zeros(big_n)
+    no_rates, no_rows = np.zeros((0, 0)), np.zeros((0, 0, 0, 0))
+    series = np.zeros((program.sizes[6], at.ORDER + 1))
+    dual = np.zeros((program.sizes[6], at.TERMS, -(-big_n // at.LANES) * at.LANES))
+    n = program.sizes[0]
+    for i in range(n):
+        if program.rest_slots[i] >= 0:
+            z[i] = tables.values[program.rest_slots[i]]
+    augmented(n, program.sizes[1], 0.0, tables.harmonics, 0, 0.0, z)
+    for m in range(tables.kinds.size):
+        if tables.kinds[m] == at.TAYLOR:
+            linearise(tables, no_rates, no_rates, no_rows, series, dual, m, z)
+            if not _finite(tables.generator[m]):
+                for i in range(n):
+                    for j in range(big_n):
+                        tables.generator[m, i, j] = 0.0
 
 
 @kernel

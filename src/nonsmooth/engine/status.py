@@ -19,6 +19,7 @@ class Status(IntEnum):
     EVENT_LIMIT = 6
     STEP_LIMIT = 7
     INTERRUPTED = 8
+    SINGULAR = 9
     # inside the engine only
     BUFFER_FULL = 20
     NOT_FINITE = 21
@@ -37,6 +38,7 @@ class EventKind(IntEnum):
     SWITCH = 1
     IMPACT = 2
     GRAZE = 3
+    CORNER = 4
 
     @property
     def word(self) -> str:
@@ -67,6 +69,11 @@ CURES: dict[Status, str] = {
     Status.STEP_LIMIT: (
         "the search for a crossing did not advance, or took more than a million steps; choose"
         " units in which states and guards are nearer to one"
+    ),
+    Status.SINGULAR: (
+        "the equations cannot be continued: a root or logarithm of zero, a division by zero, or"
+        " states that run off to infinity in finite time; if the singular point is not meant to be"
+        " reached, add an exit before it, such as Exit('x - 1e-9', to='stop')"
     ),
     Status.INTERRUPTED: "by the user; what was computed is kept",
 }

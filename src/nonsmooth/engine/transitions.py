@@ -9,9 +9,24 @@ from __future__ import annotations
 
 from nonsmooth.engine import layout as at
 from nonsmooth.engine.arrays import copy_vector
-from nonsmooth.engine.jit import kernel
+from nonsmooth.engine.jit import inlined, kernel
+from nonsmooth.engine.linearisation import linearise
 from nonsmooth.engine.status import Status
-from nonsmooth.engine.zeros import ALWAYS_ZERO, push_exit, start_directions, zero_order
+from nonsmooth.engine.tangent import (
+    end_saltation,
+    push_columns,
+    relate_columns,
+    start_saltation,
+)
+from nonsmooth.engine.zeros import (
+    ALWAYS_ZERO,
+    OPEN,
+    push_exit,
+    push_relations,
+    push_reset,
+    start_directions,
+    zero_order,
+)
 
 __all__ = ["PATH_BITS", "PATH_LENGTH", "guard_holds", "pass_exits", "slaved_agree"]
 
@@ -21,58 +36,78 @@ _UNDECIDED = int(Status.UNDECIDED)
 _EVENT_LIMIT = int(Status.EVENT_LIMIT)
 _INADMISSIBLE = int(Status.INADMISSIBLE)
 _MOST_PASSES = 100
-_OPEN = -1  # order of zero that has to be worked out along the path
 _CLEARLY = 1e-9  # a guard above this part of its terms is not zero by construction
 PATH_BITS = 6  # bits per exit in the recorded path
 PATH_LENGTH = 10
 
 
-@kernel
-def pass_exits(n, affine, wiring, m, e, z, spare, order, basis, tolerance):
+@inlined
+def pass_exits(tables, rates, segment, tangent, m, e, tolerance):
     """Pass exit e of mode m and whatever must fire after it at the same instant.
 
-    shapes: sheets as in Tables, z (N,) augmented coordinates, changed in place; order (e,)
-    an output; spare, basis scratch as in Segment
+    segment.z holds the augmented coordinates and is changed in place, as are the columns of
+    derivatives; segment.order is an output
     returns: status, mode that holds, path (exits passed, six bits each, lowest first),
-    number of exits passed, whether a reset was applied. EVENT_LIMIT when resets go on and
-    on, as at the end of accumulating impacts; UNDECIDED when modes hand over in a circle
+    number of exits passed, whether a reset was applied, whether several guards met in a corner.
+    EVENT_LIMIT when resets go on and on, as at the end of accumulating impacts; UNDECIDED when
+    modes hand over in a circle
     e = -1 stands for a start: nothing fires before mode m is looked at
     """
+    n, affine, wiring = tables.sizes[0], tables.affine, tables.wiring
+    z, order, basis = segment.z, segment.order, segment.basis
+    # rows of Taylor modes hold at one point only, so there the free directions go along
+    curved = tables.sizes[6] > 0
     first_mode, first_exit = m, e
     visited = 1 << m
-    path, passes, jumped = 0, 0, False
-    followed = False  # whether basis holds the directions left free by the path so far
+    path, passes, jumped, corner = 0, 0, False, False
+    followed = curved  # whether basis holds the directions left free by the path so far
     fired = 0.0  # size of the terms that cancelled in the guard that fired
+    carrying = tangent.columns.shape[0] > 0
+    if curved:
+        _linearise(tables, rates, segment, m)
+        start_directions(n, affine, wiring, m, e, basis)
     if e < 0:
         _settle_slaved(n, affine, wiring, m, z)
+        if carrying:
+            relate_columns(tables, rates, segment, tangent, m)
     else:
         fired = _set_fired_zero(n, affine, m, e, z)
+        if carrying:
+            start_saltation(tables, rates, segment, tangent, m, e)
     while True:
         if e >= 0:
             target = wiring[m, 1 + e, at.TARGET]
             if passes < PATH_LENGTH:
                 path |= (e + 1) << (PATH_BITS * passes)
             passes += 1
-            jumped = _reset(n, affine, wiring, m, e, z, spare) or jumped
+            if carrying:
+                push_columns(tables, rates, segment, tangent, m, e)
+            jumped = _reset(n, affine, wiring, m, e, z, segment.spare) or jumped
             if target < 0:
-                return _STOPPED, m, path, passes, jumped
+                return _STOPPED, m, path, passes, jumped, corner
+            if curved:
+                push_reset(n, affine, wiring, m, e, basis)
+                _linearise(tables, rates, segment, target)
+                push_relations(n, affine, wiring, target, basis)
             if not _slave(n, affine, wiring, m, e, target, z, fired, tolerance):
-                return _INADMISSIBLE, target, path, passes, jumped
+                return _INADMISSIBLE, target, path, passes, jumped, corner
+            if carrying:
+                relate_columns(tables, rates, segment, tangent, target)
             m = target
             if (visited >> m) & 1 and not jumped:
-                return _UNDECIDED, m, path, passes, jumped
+                return _UNDECIDED, m, path, passes, jumped, corner
             if passes > _MOST_PASSES:
-                return _EVENT_LIMIT, m, path, passes, jumped
+                return _EVENT_LIMIT, m, path, passes, jumped, corner
             visited |= 1 << m
-            followed = False
+            followed = curved
         e = -1
         for g in range(wiring[m, 0, at.N_EXITS]):
-            known = _OPEN
+            known = OPEN
             if passes == 1 and first_exit >= 0:
                 known = wiring[first_mode, 1 + first_exit, at.ORDERS + g]
             elif not _nearly_zero(affine, m, g, z):
                 known = 0
-            if known == _OPEN:
+            if known == OPEN:
                 if not followed:
                     _follow(n, affine, wiring, first_mode, first_exit, path, passes, basis)
                     followed = True
@@ -80,14 +115,26 @@ def pass_exits(n, affine, wiring, m, e, z, spare, order, basis, tolerance):
             order[g] = known
             if _must_fire(affine, m, g, z, order, tolerance):
                 e = g
+                corner = corner or (passes > 0 and order[g] > known)
                 break
         if e < 0:
-            return _COMPLETED, m, path, passes, jumped
+            if carrying and first_exit >= 0:
+                end_saltation(tables, segment, tangent, m)
+            return _COMPLETED, m, path, passes, jumped, corner
+
+
+@inlined
+def _linearise(tables, rates, segment, m):
+    if tables.kinds[m] == at.TAYLOR:
+        linearise(
+            tables, rates.slot_rates, rates.harmonics, rates.affine, segment.series,
+            segment.dual, m, segment.z,
+        )  # fmt: skip
 
 
 @kernel
 def _follow(n, affine, wiring, m, e, path, passes, basis):
-    """Directions left free along the whole path so far."""
+    """Directions left free along the whole path so far, where all modes are linear."""
     start_directions(n, affine, wiring, m, e, basis)
     for k in range(min(passes, PATH_LENGTH)):
         way = ((path >> (PATH_BITS * k)) & ((1 << PATH_BITS) - 1)) - 1

@@ -15,19 +15,30 @@ from nonsmooth.engine import layout as at
 from nonsmooth.engine.arrays import copy_matrix, set_identity
 from nonsmooth.engine.jit import allocating, kernel
 
-__all__ = ["ALWAYS_ZERO", "fill_orders", "push_exit", "start_directions", "zero_order"]
+__all__ = [
+    "ALWAYS_ZERO",
+    "OPEN",
+    "fill_orders",
+    "push_exit",
+    "push_relations",
+    "push_reset",
+    "start_directions",
+    "zero_order",
+]
 
 ALWAYS_ZERO = 99  # order of a guard that stays zero
+OPEN = -1  # order that has to be worked out along the path
 # A sum counts as zero below this part of its terms: a remainder of rounding, taken for an
 # honest small number, would count as large in the next product.
 _ROUNDING = 1e-12
 
 
 @allocating
-def fill_orders(n, affine, wiring):
+def fill_orders(n, kinds, affine, wiring):
     """Orders of zero for every exit taken alone, the usual case.
 
-    shapes: affine, wiring as in Tables; the orders in wiring are the output
+    shapes: kinds, affine, wiring as in Tables; the orders in wiring are the output. Those that
+    concern a Taylor mode depend on the state and stay open
     """
     big_n = affine.shape[2]
     basis = np.zeros((2, big_n, big_n))
@@ -35,6 +46,10 @@ def fill_orders(n, affine, wiring):
         for e in range(wiring[m, 0, at.N_EXITS]):
             target = wiring[m, 1 + e, at.TARGET]
             if target < 0:
+                continue
+            if kinds[m] != at.EXACT or kinds[target] != at.EXACT:
+                for g in range(wiring[target, 0, at.N_EXITS]):
+                    wiring[m, 1 + e, at.ORDERS + g] = OPEN
                 continue
             start_directions(n, affine, wiring, m, e, basis)
             push_exit(n, affine, wiring, m, e, basis)
@@ -51,7 +66,7 @@ def start_directions(n, affine, wiring, m, e, basis):
     """
     big_n = affine.shape[2]
     set_identity(basis[0])
-    _slave(n, affine, wiring, m, basis)
+    push_relations(n, affine, wiring, m, basis)
     if e < 0:
         return
     row = at.guard_row(e, 0)
@@ -78,6 +93,13 @@ def start_directions(n, affine, wiring, m, e, basis):
 @kernel
 def push_exit(n, affine, wiring, m, e, basis):
     """Carry the free directions through the reset of an exit and the target's relations."""
+    push_reset(n, affine, wiring, m, e, basis)
+    push_relations(n, affine, wiring, wiring[m, 1 + e, at.TARGET], basis)
+
+
+@kernel
+def push_reset(n, affine, wiring, m, e, basis):
+    """Carry the free directions through the reset of an exit."""
     n_exits = wiring.shape[1] - 1
     copy_matrix(basis[0], basis[1])
     for i in range(n):
@@ -85,11 +107,11 @@ def push_exit(n, affine, wiring, m, e, basis):
             row = at.reset_row(n_exits, n, e, i)
             for j in range(basis.shape[1]):
                 basis[0, i, j] = _product(affine, m, row, basis, 1, j)
-    _slave(n, affine, wiring, wiring[m, 1 + e, at.TARGET], basis)
 
 
 @kernel
-def _slave(n, affine, wiring, m, basis):
+def push_relations(n, affine, wiring, m, basis):
+    """Carry the free directions onto the relations of the slaved states of a mode."""
     n_exits = wiring.shape[1] - 1
     for i in range(n):
         if (wiring[m, 0, at.SLAVED] >> i) & 1:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import xarray as xr
 from xarray.indexes import PandasIndex
 
@@ -36,6 +37,11 @@ def run_dataset(system: System, outcome: Outcome, options: dict[str, Any]) -> xr
     }
     attrs = _attributes(system, labels, outcome) | options
     indexes = {"time": PandasIndex(coords["time"][1], "time"), "state": labels.state_index}
+    if outcome.columns is not None:
+        samples |= _derivatives(system, outcome, coords)
+        indexes["state_0"] = PandasIndex(coords["state_0"][1], "state_0")
+        if outcome.chosen:
+            indexes["parameter_0"] = PandasIndex(coords["parameter_0"][1], "parameter_0")
     return assemble(samples | events | ends, coords, indexes, attrs)
 
 
@@ -63,6 +69,31 @@ def _samples(system: System, labels: Labels, outcome: Outcome) -> tuple[Columns,
     }
     variables["mode"] = (over_time, modes.astype("int8"), labels.mode_flags("mode"))
     return variables, coords
+
+
+def _derivatives(system: System, outcome: Outcome, coords: Columns) -> Columns:
+    """Derivatives of the states at the samples; their coordinates are added."""
+    assert outcome.columns is not None
+    columns = outcome.columns[: outcome.n_samples].transpose(0, 2, 1)
+    n = len(system.states)
+    coords["state_0"] = (("state_0",), np.array(system.states), {"long_name": "initial state"})
+    variables: Columns = {
+        "tangent": (
+            ("time", "state", "state_0"),
+            columns[:, :, :n].copy(),
+            {"long_name": "derivatives of the states by the initial states"},
+        )
+    }
+    if outcome.chosen:
+        coords["parameter_0"] = (
+            ("parameter_0",), np.array(outcome.chosen), {"long_name": "parameter"},
+        )  # fmt: skip
+        variables["sensitivity"] = (
+            ("time", "state", "parameter_0"),
+            columns[:, :, n:].copy(),
+            {"long_name": "derivatives of the states by the parameters, at a fixed time"},
+        )
+    return variables
 
 
 def _attributes(system: System, labels: Labels, outcome: Outcome) -> dict[str, Any]:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from numbers import Real
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.system.system import System
 
 __all__ = [
@@ -18,6 +18,7 @@ __all__ = [
     "check_flag",
     "check_run_options",
     "finite_number",
+    "parameters_of_tangent",
     "time_grid",
     "whole_number",
 ]
@@ -77,9 +78,7 @@ def check_count(count: float) -> int:
     return int(count)
 
 
-def check_run_options(
-    system: Any, parameters: Any, mode: Any, tolerance: Any, tangent: Any
-) -> System:
+def check_run_options(system: Any, parameters: Any, mode: Any, tolerance: Any) -> System:
     """System with its parameters changed; everything else checked for its kind."""
     if not isinstance(system, System):
         raise OptionError(
@@ -91,9 +90,21 @@ def check_run_options(
         raise OptionError(f"mode = {mode!r:.60} is not the name of a mode")
     if not 0.0 < finite_number("tolerance", tolerance) < 1e-3:
         raise OptionError(f"tolerance = {tolerance} must lie between 0 and 1e-3")
-    if tangent:
-        raise OptionError(
-            "tangent=True is not supported in this version; leave it out, or take differences"
-            " of neighbouring runs"
-        )
     return system.with_parameters(**parameters) if parameters else system
+
+
+def parameters_of_tangent(system: System, tangent: Any) -> tuple[str, ...] | None:
+    """Parameters by which derivatives are wanted; None where none are wanted at all."""
+    if isinstance(tangent, (bool, np.bool_)):
+        return tuple(system.parameters) if tangent else None
+    if isinstance(tangent, str) or not isinstance(tangent, Sequence):
+        raise OptionError(
+            f"tangent = {tangent!r:.60}: give True, False, or a list of parameters, such as"
+            " ['omega'], for derivatives by the initial state and by these"
+        )
+    for name in tangent:
+        if name not in system.parameters:
+            raise OptionError(f"tangent: {unknown_name('parameter', str(name), system.parameters)}")
+    if len(set(tangent)) < len(tangent):
+        raise OptionError("tangent: a parameter is named twice")
+    return tuple(tangent)

@@ -10,16 +10,18 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.engine.layout import Tables
-from nonsmooth.errors import ModelError
-from nonsmooth.system.equations import Equation
-from nonsmooth.system.evaluate import evaluate
+from nonsmooth.system.evaluate import evaluate, evaluate_shared
+from nonsmooth.system.expressions import Call, Expression
+from nonsmooth.system.frequencies import canonical_frequency
 from nonsmooth.system.linear import Basis, Harmonic, LinearForm, Power
-from nonsmooth.system.structure import ModeForms, Structure
+from nonsmooth.system.mode_forms import ModeForms
 from nonsmooth.system.system import System
 
 __all__ = ["output_values"]
 
 Array = npt.NDArray[np.float64]
+
+_TOGETHER = 65_536  # samples; bounds the memory of what is worked out on the way
 
 
 class Clock:
@@ -60,71 +62,55 @@ def output_values(
     values = {name: np.full(modes.shape, np.nan) for name in system.outputs}
     if not values:
         return values
-    for m, linear in enumerate(_linear_forms(system.structure)):
+    for m in range(len(system.mode_names)):
         here = np.flatnonzero(modes == m)
-        if here.size == 0:
-            continue
-        names = _Names(system, m, linear, clock.at(here), states.take(here, axis=1))
-        for name, target in values.items():
-            target.put(here, names[name])
+        for part in np.split(here, range(_TOGETHER, here.size, _TOGETHER)):
+            if part.size == 0:
+                continue
+            names = _Names(system, m, clock.at(part), states.take(part, axis=1))
+            for name, target in values.items():
+                target.put(part, names[name])
     return values
 
 
-@lru_cache(maxsize=32)
-def _linear_forms(structure: Structure) -> tuple[dict[str, LinearForm], ...]:
-    """Outputs and definitions that are linear forms, mode by mode."""
-    return tuple(
-        {
-            name: form
-            for name, equation in {**forms.definitions, **structure.outputs}.items()
-            if (form := _linear_form(forms, equation)) is not None
-        }
-        for forms in structure.modes.values()
-    )
-
-
-def _linear_form(forms: ModeForms, equation: Equation) -> LinearForm | None:
-    try:
-        return forms.form(equation)
-    except (ModelError, KeyError):  # not linear, or made of other outputs
-        return None
+@lru_cache(maxsize=256)
+def _meaning(forms: ModeForms, name: str) -> LinearForm | Expression:
+    """What an output is in a mode."""
+    return forms.value_of(name)
 
 
 class _Names(Mapping[str, Any]):
-    """Values of names in one mode; definitions and outputs are worked out when asked for."""
+    """Values of names in one mode; outputs are worked out when asked for."""
 
-    def __init__(
-        self,
-        system: System,
-        mode: int,
-        linear: Mapping[str, LinearForm],
-        clock: Clock,
-        states: Array,
-    ) -> None:
+    def __init__(self, system: System, mode: int, clock: Clock, states: Array) -> None:
         self.forms = system.structure.modes[system.mode_names[mode]]
-        self.linear = linear
         self.clock = clock
         self.known: dict[str, Any] = {"t": clock.time, "pi": np.pi, **system.parameter_values}
         self.known |= zip(system.states, states, strict=True)
-        self.outputs = system.structure.outputs
         self._waves: dict[Harmonic, Array] = {}
-        self._open: list[str] = []
+        self._shared: dict[int, Any] = {}
 
     def __getitem__(self, name: str) -> Any:
         if name not in self.known:
-            if name in self._open:
-                raise ModelError(f"outputs: {name!r} is defined by itself; break the circle")
-            self._open.append(name)
-            self.known[name] = self._work_out(name)
-            self._open.pop()
+            self.known[name] = self._value(_meaning(self.forms, name))
         return self.known[name]
 
-    def _work_out(self, name: str) -> Any:
-        if name.startswith("rate("):
-            return self._form_value(self.forms.rates[name[5:-1]])
-        if name in self.linear:  # harmonics of a linear form are exact however late it is
-            return self._form_value(self.linear[name])
-        return evaluate((self.outputs.get(name) or self.forms.definitions[name]).tree, self)
+    def _value(self, meaning: LinearForm | Expression) -> Any:
+        if isinstance(meaning, LinearForm):  # its harmonics are exact however late it is
+            return self._form_value(meaning)
+        return evaluate_shared(meaning, self, self._shared, self._wave)
+
+    def _wave(self, node: Expression) -> Any:
+        """Value of cos or sin of ``w*t + p``, exact however late it is; None for all else."""
+        if not isinstance(node, Call) or node.function not in ("cos", "sin"):
+            return None
+        parts = self.forms.graph.angle(node.arguments[0])
+        if parts is None:
+            return None
+        frequency, sign = canonical_frequency(parts[0])
+        angle = sign * self.clock.angle(float(evaluate(frequency, self)))
+        angle = angle + evaluate(parts[1], self)
+        return np.cos(angle) if node.function == "cos" else np.sin(angle)
 
     def _form_value(self, form: LinearForm) -> Any:
         total: Any = 0.0

@@ -20,6 +20,16 @@ from nonsmooth.engine.loop import run, start
 from nonsmooth.engine.records import Anchor, Records, allocate_anchor, allocate_records
 from nonsmooth.engine.setup import set_up
 from nonsmooth.engine.status import SETUP_ERRORS, EventKind, Status
+from nonsmooth.engine.tangent import allocate_tangent
+from nonsmooth.engine.variation_setup import set_up_rates
+from nonsmooth.engine.variation_tables import (
+    Columns,
+    Rates,
+    allocate_columns,
+    allocate_rates,
+    no_columns,
+    no_rates,
+)
 from nonsmooth.errors import ModelError
 from nonsmooth.simulation.clock import Instant, Plan
 from nonsmooth.simulation.event_log import FIRST_CAPACITY, EventLog
@@ -27,7 +37,7 @@ from nonsmooth.simulation.kernels import announce_compilation
 from nonsmooth.simulation.progress import Progress
 from nonsmooth.system.system import System
 
-__all__ = ["NoMode", "Outcome", "build_tables", "run_plan"]
+__all__ = ["Derivatives", "NoMode", "Outcome", "build_derivatives", "build_tables", "run_plan"]
 
 _ZERO = Instant(0, 0.0)
 _WINDOWS_PER_CALL = 10_000  # a few hundredths of a second: interruption and progress
@@ -47,6 +57,8 @@ class Outcome:
 
     status: Status
     tables: Tables
+    columns: npt.NDArray[np.float64] | None  # (sample, column, state) of derivatives
+    chosen: tuple[str, ...]  # parameters of the last columns
     plan: Plan
     anchor: Anchor
     records: Records
@@ -57,6 +69,43 @@ class Outcome:
     n_events: int
     n_uncertain: int
     end: Instant
+
+
+@dataclass(frozen=True)
+class Derivatives:
+    """What a run needs to carry columns of derivatives along, or nothing of the kind."""
+
+    rates: Rates
+    scratch: Columns
+    chosen: tuple[str, ...] | None  # parameters; None where no columns are carried
+
+    @property
+    def count(self) -> int:
+        """Number of parameters, -1 where no columns are carried."""
+        return -1 if self.chosen is None else len(self.chosen)
+
+
+_NO_DERIVATIVES = Derivatives(no_rates(), no_columns(), None)
+
+
+def build_derivatives(
+    system: System, tables: Tables, chosen: tuple[str, ...] | None
+) -> Derivatives:
+    """Rates of the tables by some parameters, given by name; None for no columns at all."""
+    if chosen is None:
+        return _NO_DERIVATIVES
+    program = system.compiled.program
+    values = system.parameter_values
+    numbers = np.array([list(values).index(name) for name in chosen], np.int64)
+    rates = allocate_rates(program, numbers)
+    code, place = set_up_rates(program, np.array(list(values.values()), float), tables, rates)
+    if code != Status.COMPLETED:
+        name = chosen[place]
+        raise ModelError(
+            f"{system.name}: a coefficient has no finite derivative with respect to {name!r} at"
+            f" {name} = {values[name]:g}; leave it out of tangent="
+        )
+    return Derivatives(rates, allocate_columns(program, numbers), chosen)
 
 
 def build_tables(system: System) -> Tables:
@@ -88,18 +137,21 @@ def run_plan(
     begin: Instant = _ZERO,
     mode: int = -1,
     keep_events: bool = True,
+    derivatives: Derivatives = _NO_DERIVATIVES,
 ) -> Outcome:
     """Run a plan from an anchor, or from a state at an instant; `NoMode` when none fits."""
     sizes = tables.sizes
     records = allocate_records(sizes, plan.sample_number, plan.sample_phase, FIRST_CAPACITY)
-    segment = allocate_segment(sizes)
+    segment = allocate_segment(sizes, max(0, derivatives.count))
+    tangent = allocate_tangent(sizes, derivatives.count, plan.sample_phase.size)
+    rates = derivatives.rates
     status = Status.COMPLETED
     if anchor is None:
         assert state is not None
         anchor = allocate_anchor(sizes)
         anchor.place[0], anchor.phase[0] = begin
         anchor.state[:] = state
-        status = Status(start(tables, anchor, segment, records, mode, tolerance))
+        status = Status(start(tables, rates, anchor, segment, tangent, records, mode, tolerance))
         if status == Status.INADMISSIBLE:
             raise NoMode(segment.z.copy())
     else:
@@ -107,7 +159,8 @@ def run_plan(
         records.since[:] = begin
     log = EventLog(keep_events)
     if status == Status.COMPLETED:
-        status, records = _run(tables, plan, anchor, segment, records, log, tolerance)
+        arrays = (tables, rates, derivatives.scratch, anchor, segment, tangent)
+        status, records = _run(arrays, plan, records, log, tolerance)
     end = plan.end
     if status != Status.COMPLETED:
         end = Instant(int(anchor.place[0]), float(anchor.phase[0]))
@@ -115,6 +168,8 @@ def run_plan(
     return Outcome(
         status=status,
         tables=tables,
+        columns=None if derivatives.chosen is None else tangent.samples,
+        chosen=derivatives.chosen or (),
         plan=plan,
         anchor=anchor,
         records=records,
@@ -129,14 +184,9 @@ def run_plan(
 
 
 def _run(
-    tables: Tables,
-    plan: Plan,
-    anchor: Anchor,
-    segment: Any,
-    records: Records,
-    log: EventLog,
-    tolerance: float,
+    arrays: tuple[Any, ...], plan: Plan, records: Records, log: EventLog, tolerance: float
 ) -> tuple[Status, Records]:
+    anchor: Anchor = arrays[3]
     first = int(anchor.place[0])
     windows = max(1, plan.end.number - first)
     with Progress("simulating", windows) as progress:
@@ -144,7 +194,7 @@ def _run(
             done = int(anchor.place[0]) + _WINDOWS_PER_CALL
             stop = Instant(done, 0.0) if done < plan.end.number else plan.end
             try:
-                status = Status(run(tables, anchor, segment, records, *stop, tolerance))
+                status = Status(run(*arrays, records, *stop, tolerance))
             except KeyboardInterrupt:
                 return Status.INTERRUPTED, records
             if status == Status.BUFFER_FULL:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy.typing as npt
@@ -13,9 +13,9 @@ from nonsmooth.engine.status import Status
 from nonsmooth.errors import OptionError, RunWarning
 from nonsmooth.simulation.clock import plan_run
 from nonsmooth.simulation.dataset import run_dataset
-from nonsmooth.simulation.options import check_flag, check_run_options
-from nonsmooth.simulation.runner import NoMode, build_tables, run_plan
-from nonsmooth.simulation.start import explain_misfit, resolve_start
+from nonsmooth.simulation.options import check_flag, check_run_options, parameters_of_tangent
+from nonsmooth.simulation.runner import NoMode, build_derivatives, build_tables, run_plan
+from nonsmooth.simulation.start import explain_misfit, resolve_start, start_at_end
 from nonsmooth.system.system import System
 
 __all__ = ["simulate"]
@@ -34,7 +34,7 @@ def simulate(
     mode: str | None = None,
     tolerance: float = 1e-12,
     events: bool = True,
-    tangent: bool = False,
+    tangent: bool | Sequence[str] = False,
 ) -> xr.Dataset:
     """Trajectory of a system, its event log and the certificate of both.
 
@@ -124,10 +124,13 @@ def simulate(
     >>> run.attrs["status"], float(run["v"][-1].round(4))
     ('completed', 613.4445)
     """
-    system = check_run_options(system, parameters, mode, tolerance, tangent)
+    system = check_run_options(system, parameters, mode, tolerance)
+    chosen = parameters_of_tangent(system, tangent)
     keep_events = check_flag("events", events)
     tables = build_tables(system)
     start = resolve_start(system, tables, initial, t_start, mode, parameters is not None)
+    if chosen is not None and start.anchor is not None:
+        start = start_at_end(start)
     plan = plan_run(
         float(tables.clock[0]),
         system.period_value is not None,
@@ -147,6 +150,7 @@ def simulate(
             begin=start.instant,
             mode=start.mode,
             keep_events=keep_events,
+            derivatives=build_derivatives(system, tables, chosen),
         )
     except NoMode as misfit:
         raise OptionError(explain_misfit(system, tables, start, misfit.z)) from None

@@ -17,7 +17,7 @@ from nonsmooth.simulation.clock import Instant, instants
 from nonsmooth.simulation.options import finite_number
 from nonsmooth.system.system import System
 
-__all__ = ["Start", "explain_misfit", "resolve_start"]
+__all__ = ["Start", "explain_misfit", "resolve_start", "start_at_end"]
 
 
 @dataclass(frozen=True)
@@ -146,6 +146,12 @@ def _from_run(
     return Start(run["end_state"].values.copy(), end, anchor=anchor)
 
 
+def start_at_end(start: Start) -> Start:
+    """A start at the end of a run instead of its anchor: derivatives begin at a state."""
+    assert start.anchor is not None
+    return Start(start.state, start.instant, int(start.anchor.place[1]))
+
+
 def explain_misfit(system: System, tables: Tables, start: Start, z: npt.NDArray[np.float64]) -> str:
     """What fails in each mode for a start that no mode admits."""
     lines = []
@@ -157,13 +163,13 @@ def explain_misfit(system: System, tables: Tables, start: Start, z: npt.NDArray[
         for e in range(int(tables.wiring[m, 0, N_EXITS])):
             value = float(tables.affine[m, DERIVATIVES * e] @ z)
             if value < 0.0:
-                guard = system.modes[name].exits[e].guard
+                guard = forms.equations.exits[e].guard.text
                 faults.append(f"guard {guard!r} is {value:.6g}, it must not be negative")
         for i, state in enumerate(system.states):
             if (int(tables.wiring[m, 0, SLAVED]) >> i) & 1:
                 wanted = float(tables.affine[m, DERIVATIVES * n_exits + i] @ z)
                 if wanted != z[i]:
-                    text = forms.slaved_equations[state].text
+                    text = forms.equations.slaved[state].text
                     fault = f"{state} is slaved here: give {state} = {wanted:.6g} by {text!r}"
                     faults.append(f"{fault}, not {z[i]:.6g}")
         lines.append(f"  {name}: {'; '.join(faults)}")

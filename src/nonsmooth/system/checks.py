@@ -169,31 +169,31 @@ def check_structure(system: System) -> None:
             f"{system.name}: definitions build on each other too deeply; write some of them out"
         ) from None
     for drifting in system.drift_states:
-        for where, form, own in _forms_with_place(structure):
-            if own == drifting:
-                moved = {b: c for b, c in form.terms.items() if b != State(drifting)}
-                allowed = form.coefficient(State(drifting)) == ONE
-                allowed = allowed and not any(isinstance(b, State) for b in moved)
-            else:
-                allowed = State(drifting) not in form.terms
-            if not allowed:
+        for where, depends in _dependences(structure, drifting):
+            if depends:
                 raise ModelError(
                     f"drift: {where} depends on {drifting!r}, so it cannot be a drift state;"
                     " leave it out of drift= or rewrite the equation"
                 )
 
 
-def _forms_with_place(structure: Structure) -> Iterator[tuple[str, LinearForm, str]]:
-    """Forms that a drift must not enter; the last entry may depend on itself."""
-    for name, mode in structure.modes.items():
-        for state, form in mode.rates.items():
-            yield f"the rate of {state!r} in mode {name!r}", form, ""
-        for state, form in mode.slaved.items():
-            yield f"the slaved equation of {state!r} in mode {name!r}", form, ""
-        for way in mode.exits:
-            yield f"the guard of {way.name!r} in mode {name!r}", way.guard, ""
-            for state, form in way.reset.items():
-                yield f"the reset of {state!r} by {way.name!r} in mode {name!r}", form, state
+def _dependences(structure: Structure, drifting: str) -> Iterator[tuple[str, bool]]:
+    """Everything that a drift must not enter, and whether it does."""
+    for forms in structure.modes.values():
+        if forms.linear is not None:
+            for where, form, own in forms.linear.with_place(forms.name):
+                yield where, _form_depends(form, drifting, own)
+        elif forms.taylor is not None:
+            for where, node, own in forms.taylor.with_place(forms.name):
+                yield where, forms.depends(node, drifting, own)
+
+
+def _form_depends(form: LinearForm, drifting: str, own: str) -> bool:
+    if own != drifting:
+        return State(drifting) in form.terms
+    moved = {b: c for b, c in form.terms.items() if b != State(drifting)}
+    stays = form.coefficient(State(drifting)) == ONE
+    return not stays or any(isinstance(b, State) for b in moved)
 
 
 def check_values(system: System) -> None:
@@ -208,9 +208,10 @@ def check_values(system: System) -> None:
             names = [n.name for n in _condition_names(condition) if n.name != "pi"]
             given = ", ".join(f"{name} = {values[name]:g}" for name in names)
             raise ModelError(f"{condition} is required, {given} was given: {reason}")
-    for name, mode in system.structure.modes.items():
-        for way in mode.exits:
-            _check_guard(f"modes[{name!r}], exit {way.name!r}", way.guard, values)
+    for name, forms in system.structure.modes.items():
+        for way, guard in zip(forms.exit_names, forms.constant_guards, strict=True):
+            if guard is not None:
+                _check_guard(f"modes[{name!r}], exit {way!r}", guard, values)
     _check_finite(system)
     _check_angles(system)
     _ = system.rest_state
@@ -221,14 +222,23 @@ def check_values(system: System) -> None:
 
 def _check_finite(system: System) -> None:
     """Every coefficient is a finite number for the present parameters."""
-    for where, form, _ in _forms_with_place(system.structure):
-        for coefficient in form.terms.values():
-            value = constant_value(coefficient, system.parameter_values)
-            if not math.isfinite(value):
-                raise ModelError(
-                    f"{where}: {to_text(coefficient)} is {value} for the parameters given;"
-                    " change them, or forbid such values in require="
-                )
+    for where, coefficient in _coefficients(system.structure):
+        value = constant_value(coefficient, system.parameter_values)
+        if not math.isfinite(value):
+            raise ModelError(
+                f"{where}: {to_text(coefficient)} is {value} for the parameters given;"
+                " change them, or forbid such values in require="
+            )
+
+
+def _coefficients(structure: Structure) -> Iterator[tuple[str, Expression]]:
+    for name, forms in structure.modes.items():
+        if forms.linear is not None:
+            for where, form, _ in forms.linear.with_place(name):
+                for coefficient in form.terms.values():
+                    yield where, coefficient
+        else:
+            yield from structure.codes[name].constants
 
 
 def _check_angles(system: System) -> None:
@@ -306,10 +316,8 @@ def _condition_names(text: str) -> list[Name]:
     return list({node.name: node for node in names_in(_condition(text))}.values())
 
 
-def _check_guard(where: str, guard: LinearForm, values: Mapping[str, float]) -> None:
-    if not guard.is_constant:
-        return
-    value = constant_value(guard.constant_part, values)
+def _check_guard(where: str, guard: Expression, values: Mapping[str, float]) -> None:
+    value = constant_value(guard, values)
     if not value > 0.0:
         raise ModelError(
             f"{where}: the guard is the constant {value:g}; a guard is positive inside its mode,"
@@ -328,9 +336,13 @@ def _check_period(system: System, period: float) -> None:
                 f" turns {turns:.15g} times in it; give a common period as an expression such as"
                 " '2*pi/omega', or none"
             )
-    for where, form, _ in _forms_with_place(structure):
-        for basis in form.terms:
-            if isinstance(basis, Power) and basis.order > 0:
-                raise ModelError(
-                    f"period: {where} grows with t, so the system has no period; leave it out"
-                )
+    for name, forms in structure.modes.items():
+        grows = structure.codes[name].grows if name in structure.codes else ""
+        if forms.linear is not None:
+            for where, form, _ in forms.linear.with_place(name):
+                if any(isinstance(basis, Power) and basis.order > 0 for basis in form.terms):
+                    grows = where
+        if grows:
+            raise ModelError(
+                f"period: {grows} grows with t, so the system has no period; leave it out"
+            )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,7 @@ import numpy as np
 from nonsmooth.system.expressions import Expression, Name, Number, to_text
 from nonsmooth.system.functions import lookup
 
-__all__ = ["constant_value", "evaluate"]
+__all__ = ["constant_value", "evaluate", "evaluate_shared"]
 
 
 def evaluate(expression: Expression, values: Mapping[str, Any]) -> Any:
@@ -28,12 +28,39 @@ def evaluate(expression: Expression, values: Mapping[str, Any]) -> Any:
         return math.pi if expression.name == "pi" else values[expression.name]
     if expression.function == "rate":
         return values[to_text(expression)]
-    arguments = [evaluate(argument, values) for argument in expression.arguments]
-    if expression.function == "**":
+    return _applied(expression.function, [evaluate(a, values) for a in expression.arguments])
+
+
+def _applied(function: str, arguments: list[Any]) -> Any:
+    if function == "**":
         # numpy refuses integer arrays with negative powers and returns ints otherwise
         arguments = [np.asarray(a, dtype=float) for a in arguments]
     with np.errstate(all="ignore"):
-        return lookup(expression.function).evaluate(*arguments)
+        return lookup(function).evaluate(*arguments)
+
+
+def evaluate_shared(
+    expression: Expression,
+    values: Mapping[str, Any],
+    known: dict[int, Any],
+    special: Callable[[Expression], Any],
+) -> Any:
+    """Value of an expression whose parts are shared; each is worked out once, into ``known``.
+
+    ``special`` may give the value of a node, or None.
+    """
+    if isinstance(expression, Name | Number):
+        return evaluate(expression, values)
+    if id(expression) not in known:
+        value = special(expression)
+        if value is None:
+            arguments = [
+                evaluate_shared(argument, values, known, special)
+                for argument in expression.arguments
+            ]
+            value = _applied(expression.function, arguments)
+        known[id(expression)] = value
+    return known[id(expression)]
 
 
 def constant_value(expression: Expression, values: Mapping[str, float]) -> float:

@@ -16,13 +16,13 @@ from nonsmooth.system.columns import aligned, one_line
 from nonsmooth.system.evaluate import constant_value
 from nonsmooth.system.expressions import Expression, Number, to_text
 from nonsmooth.system.linear import Harmonic, State
+from nonsmooth.system.mode_equations import is_relation
 from nonsmooth.system.motions import Motion, natural_motions, reached
 from nonsmooth.system.parts import STOP, Text
-from nonsmooth.system.structure import is_relation
 
 if TYPE_CHECKING:
+    from nonsmooth.system.mode_forms import ModeForms
     from nonsmooth.system.parts import Exit
-    from nonsmooth.system.structure import ModeForms
     from nonsmooth.system.system import System
 
 __all__ = ["explanation"]
@@ -41,11 +41,12 @@ def explanation(system: System) -> str:
     lines += aligned([_period(system, time_unit)])
     for name, mode in system.modes.items():
         forms = system.structure.modes[name]
-        lines += ["", f"mode {name}: exact linear"]
+        lines += ["", f"mode {name}: {'exact linear' if forms.linear else 'Taylor series'}"]
         sections: list[_Section] = [
             ("slaved", [_slaved(state, text) for state, text in mode.slaved.items()]),
-            *_behaviour(system, forms, time_unit),
-            ("exits", [_exit(way, forms.exits[i].name) for i, way in enumerate(mode.exits)]),
+            ("nonlinear", [(forms.reason,)] if forms.reason else []),
+            *(_behaviour(system, forms, time_unit) if forms.linear else ()),
+            ("exits", [_exit(way, forms.exit_names[i]) for i, way in enumerate(mode.exits)]),
         ]
         for title, rows in sections:
             if rows:

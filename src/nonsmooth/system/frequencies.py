@@ -16,9 +16,9 @@ from nonsmooth.system.expressions import (
     to_text,
 )
 
-__all__ = ["canonical_frequency"]
+__all__ = ["canonical_frequency", "monomials"]
 
-_Monomials = dict[tuple[Expression, ...], float]
+Monomials = dict[tuple[Expression, ...], float]
 _MOST_MONOMIALS = 200  # of a product; beyond, the product stays as it is written
 _MOST_FACTORS = 40  # of a monomial
 
@@ -28,7 +28,7 @@ def canonical_frequency(frequency: Expression) -> tuple[Expression, float]:
 
     Zero comes back as the number zero.
     """
-    terms = _monomials(frequency)
+    terms = monomials(frequency)
     ordered = sorted(terms.items(), key=lambda item: [to_text(factor) for factor in item[0]])
     if not ordered:
         return Number(0.0), 1.0
@@ -37,18 +37,18 @@ def canonical_frequency(frequency: Expression) -> tuple[Expression, float]:
     return add(*parts), sign
 
 
-def _monomials(expression: Expression) -> _Monomials:
+def monomials(expression: Expression) -> Monomials:
     """Coefficient of each product of factors; zeros are left out."""
     if isinstance(expression, Number):
         return {(): expression.value} if expression.value != 0.0 else {}
     if isinstance(expression, Call):
-        parts = [_monomials(argument) for argument in expression.arguments]
+        parts = [monomials(argument) for argument in expression.arguments]
         if expression.function == "+":
             return _sum(parts)
         if expression.function == "neg":
             return {factors: -value for factors, value in parts[0].items()}
         if expression.function == "*":
-            product: _Monomials = {(): 1.0}
+            product: Monomials = {(): 1.0}
             for part in parts:
                 if _is_large(product, part):
                     return {(expression,): 1.0}
@@ -60,21 +60,21 @@ def _monomials(expression: Expression) -> _Monomials:
     return {(expression,): 1.0}
 
 
-def _sum(parts: list[_Monomials]) -> _Monomials:
-    total: _Monomials = {}
+def _sum(parts: list[Monomials]) -> Monomials:
+    total: Monomials = {}
     for part in parts:
         for factors, value in part.items():
             total[factors] = total.get(factors, 0.0) + value
     return {factors: value for factors, value in total.items() if value != 0.0}
 
 
-def _is_large(left: _Monomials, right: _Monomials) -> bool:
+def _is_large(left: Monomials, right: Monomials) -> bool:
     """Whether a product would have so many terms that collecting them takes seconds."""
     factors = sum(max(map(len, terms), default=0) for terms in (left, right))
     return len(left) * len(right) > _MOST_MONOMIALS or factors > _MOST_FACTORS
 
 
-def _product(left: _Monomials, right: _Monomials) -> _Monomials:
+def _product(left: Monomials, right: Monomials) -> Monomials:
     parts = [
         {tuple(sorted((*a, *b), key=to_text)): x * y}
         for a, x in left.items()
@@ -83,7 +83,7 @@ def _product(left: _Monomials, right: _Monomials) -> _Monomials:
     return _sum(parts)
 
 
-def _reciprocal(terms: _Monomials) -> _Monomials:
+def _reciprocal(terms: Monomials) -> Monomials:
     """One over a sum; over a single product each factor is inverted on its own."""
     if len(terms) == 1:
         (factors, value), *_ = terms.items()
@@ -93,6 +93,6 @@ def _reciprocal(terms: _Monomials) -> _Monomials:
     return {(divide(Number(1.0), _rebuilt(terms)),): 1.0}
 
 
-def _rebuilt(terms: _Monomials) -> Expression:
+def _rebuilt(terms: Monomials) -> Expression:
     ordered = sorted(terms.items(), key=lambda item: [to_text(factor) for factor in item[0]])
     return add(*(multiply(Number(value), *factors) for factors, value in ordered))

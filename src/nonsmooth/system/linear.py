@@ -29,7 +29,16 @@ from nonsmooth.system.expressions import (
 )
 from nonsmooth.system.frequencies import canonical_frequency
 
-__all__ = ["Basis", "Harmonic", "LinearForm", "NotLinear", "Power", "State", "linear_form"]
+__all__ = [
+    "CONSTANT",
+    "Basis",
+    "Harmonic",
+    "LinearForm",
+    "NotLinear",
+    "Power",
+    "State",
+    "linear_form",
+]
 
 _MAX_POWER = 6  # of time; higher ones are more likely a mistake than a model
 _MAX_TERMS = 256  # of a product, which doubles with each harmonic factor
@@ -251,6 +260,20 @@ def _harmonic(node: Call, arguments: list[LinearForm]) -> LinearForm:
     return sin.scaled(cos_phase).plus(cos.scaled(sin_phase))
 
 
+def _selection(node: Call, arguments: list[LinearForm]) -> LinearForm:
+    """``where`` by a condition on parameters: a selection of each coefficient."""
+    condition, yes, no = arguments
+    if not condition.is_constant:
+        raise NotLinear("where by a state or by time is not linear", node)
+    chosen = condition.constant_part
+    return LinearForm(
+        {
+            basis: call("where", chosen, yes.coefficient(basis), no.coefficient(basis))
+            for basis in (*yes.terms, *(b for b in no.terms if b not in yes.terms))
+        }
+    )
+
+
 _RULES: dict[str, Callable[[Call, list[LinearForm]], LinearForm]] = {
     "+": _sum,
     "neg": _negative,
@@ -259,6 +282,7 @@ _RULES: dict[str, Callable[[Call, list[LinearForm]], LinearForm]] = {
     "**": _power,
     "cos": _harmonic,
     "sin": _harmonic,
+    "where": _selection,
 }
 
 

@@ -156,7 +156,7 @@ class System:
     @property
     def mode_names(self) -> tuple[str, ...]:
         """Names of the modes in the order declared."""
-        return tuple(self.modes)
+        return tuple(self.structure.modes)
 
     @property
     def drift_states(self) -> tuple[str, ...]:

@@ -1,0 +1,197 @@
+"""Columns of derivatives along a run: by the initial state, and by parameters.
+
+Within a segment the columns follow the linearised flow. At an event they are taken to the
+surface of the guard that fires, through the resets and relations passed there, and back to
+the time of the event with the rates of the mode that holds then: the saltation matrix
+(P. Mueller, Calculation of Lyapunov exponents for dynamic systems with discontinuities, 1995).
+Where nothing is carried, there are no columns, and all of this costs one comparison.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from nonsmooth.engine import layout as at
+from nonsmooth.engine.dual_series import fill_duals
+from nonsmooth.engine.jit import kernel
+from nonsmooth.engine.layout import Floats, Integers, augmented_size, whole_lanes
+from nonsmooth.engine.variation import advance_columns, augmented_columns
+
+__all__ = [
+    "Tangent",
+    "allocate_tangent",
+    "carry",
+    "complete_columns",
+    "end_saltation",
+    "push_columns",
+    "relate_columns",
+    "start_columns",
+    "start_saltation",
+]
+
+
+class Tangent(NamedTuple):
+    """Columns of derivatives and their scratch; C columns, none where nothing is carried."""
+
+    columns: Floats  # (C, N) at the anchor: by each initial state, then by each parameter
+    now: Floats  # (C, N) at the current point
+    shifts: Floats  # (C,) of the time of the present event
+    velocity: Floats  # (N,) rates of all coordinates
+    dual: Floats  # (R, ORDER + 1, C and more) series of the columns of a Taylor step
+    ready: Integers  # (1,): whether dual belongs to the present step
+    samples: Floats  # (s, C, n)
+
+
+def allocate_tangent(sizes: Integers, n_parameters: int, n_samples: int) -> Tangent:
+    """Room for the columns of all states and some parameters; with -1, for no column at all."""
+    n, big_n = int(sizes[0]), augmented_size(sizes)
+    count = 0 if n_parameters < 0 else n + n_parameters
+    registers = int(sizes[6]) if count else 0
+    return Tangent(
+        columns=np.zeros((count, big_n)),
+        now=np.zeros((count, big_n)),
+        shifts=np.zeros(count),
+        velocity=np.zeros(big_n if count else 0),
+        dual=np.zeros((registers, at.ORDER + 1, whole_lanes(count))),
+        ready=np.zeros(1, np.int64),
+        samples=np.full((n_samples if count else 0, count, n), np.nan),
+    )
+
+
+@kernel
+def start_columns(n, tangent):
+    """Columns at the initial state: the identity, and zero for parameters."""
+    columns = tangent.columns
+    for c in range(columns.shape[0]):
+        for i in range(columns.shape[1]):
+            columns[c, i] = 1.0 if i == c and c < n else 0.0
+
+
+@kernel
+def complete_columns(tables, rates, tangent, number, phase, z):
+    """Entries of time and harmonics in the columns at the anchor."""
+    time = number * tables.clock[0] + phase
+    augmented_columns(tables.sizes[0], tables.sizes[1], time, rates.harmonics, z, tangent.columns)
+    tangent.ready[0] = 0
+
+
+@kernel
+def carry(tables, rates, scratch, segment, tangent, m, s):
+    """Columns after s of the present segment, into tangent.now."""
+    columns, now = tangent.columns, tangent.now
+    if tables.kinds[m] == at.EXACT:
+        advance_columns(tables, rates, scratch, m, segment.z, s, columns, now)
+        return
+    n, dual = tables.sizes[0], tangent.dual
+    if tangent.ready[0] == 0:
+        _fill_columns(tables, rates, segment, tangent, m)
+        tangent.ready[0] = 1
+    for c in range(columns.shape[0]):
+        for i in range(n):
+            total = dual[i, at.ORDER, c]
+            for k in range(at.ORDER - 1, -1, -1):
+                total = total * s + dual[i, k, c]
+            now[c, i] = total
+
+
+@kernel
+def _fill_columns(tables, rates, segment, tangent, m):
+    columns, dual = tangent.columns, tangent.dual
+    for i in range(columns.shape[1]):
+        for c in range(dual.shape[2]):
+            dual[i, 0, c] = columns[c, i] if c < columns.shape[0] else 0.0
+    fill_duals(
+        tables.code, tables.code_rows[m, 0], tables.code_rows[m, 1], tables.values,
+        rates.slot_rates, tables.sizes[0], tables.outlets[m], tables.wiring[m, 0, at.SLAVED],
+        tables.sizes, tables.harmonics, rates.harmonics, segment.series, dual, 0, at.ORDER,
+    )  # fmt: skip
+
+
+@kernel
+def _fill_velocity(n, generator, affine, wiring, m, z, velocity):
+    """Rates of all augmented coordinates in a mode; slaved states follow their relation."""
+    n_exits = wiring.shape[1] - 1
+    slaved = wiring[m, 0, at.SLAVED]
+    for i in range(z.size):
+        total = 0.0
+        for j in range(z.size):
+            total += generator[m, i, j] * z[j]
+        velocity[i] = total
+    for i in range(n):
+        if (slaved >> i) & 1:
+            row = at.relation_row(n_exits, i)
+            total = 0.0
+            for j in range(z.size):
+                if j >= n or not (slaved >> j) & 1:
+                    total += affine[m, row, j] * velocity[j]
+            velocity[i] = total
+
+
+@kernel
+def start_saltation(tables, rates, segment, tangent, m, e):
+    """Columns, in tangent.columns, taken to the surface where exit e of mode m fires."""
+    n, z, velocity, columns = tables.sizes[0], segment.z, tangent.velocity, tangent.columns
+    _fill_velocity(n, tables.generator, tables.affine, tables.wiring, m, z, velocity)
+    row = at.guard_row(e, 0)
+    rate = _product(tables.affine, m, row, velocity)
+    for c in range(columns.shape[0]):
+        change = _product(tables.affine, m, row, columns[c])
+        if c >= n:
+            change += _product(rates.affine[c - n], m, row, z)
+        tangent.shifts[c] = change / rate
+        for i in range(z.size):
+            columns[c, i] -= velocity[i] * tangent.shifts[c]
+
+
+@kernel
+def push_columns(tables, rates, segment, tangent, m, e):
+    """Carry the columns through the reset of an exit; segment.z is still that before it."""
+    n, z, spare = tables.sizes[0], segment.z, tangent.velocity
+    bits = tables.wiring[m, 1 + e, at.RESETTING]
+    n_exits = tables.wiring.shape[1] - 1
+    for c in range(tangent.columns.shape[0]):
+        column = tangent.columns[c]
+        for i in range(n):
+            spare[i] = column[i]
+            if (bits >> i) & 1:
+                row = at.reset_row(n_exits, n, e, i)
+                spare[i] = _product(tables.affine, m, row, column)
+                if c >= n:
+                    spare[i] += _product(rates.affine[c - n], m, row, z)
+        for i in range(n):
+            column[i] = spare[i]
+
+
+@kernel
+def relate_columns(tables, rates, segment, tangent, m):
+    """Put the slaved entries of the columns on the relations of a mode, at segment.z."""
+    n, slaved = tables.sizes[0], tables.wiring[m, 0, at.SLAVED]
+    n_exits = tables.wiring.shape[1] - 1
+    for c in range(tangent.columns.shape[0]):
+        column = tangent.columns[c]
+        for i in range(n):
+            if (slaved >> i) & 1:
+                row = at.relation_row(n_exits, i)
+                column[i] = _product(tables.affine, m, row, column)
+                if c >= n:
+                    column[i] += _product(rates.affine[c - n], m, row, segment.z)
+
+
+@kernel
+def end_saltation(tables, segment, tangent, m):
+    """Columns brought back to the time of the event with the rates of the mode that holds."""
+    n, velocity, columns = tables.sizes[0], tangent.velocity, tangent.columns
+    _fill_velocity(n, tables.generator, tables.affine, tables.wiring, m, segment.z, velocity)
+    for c in range(columns.shape[0]):
+        for i in range(velocity.size):
+            columns[c, i] += velocity[i] * tangent.shifts[c]
+
+
+@kernel
+def _product(rows, m, row, vector):
+    total = 0.0
+    for i in range(vector.size):
+        total += rows[m, row, i] * vector[i]
+    return total

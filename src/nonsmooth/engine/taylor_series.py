@@ -1,0 +1,179 @@
+"""Taylor coefficients of everything a mode computes, by its instructions on series.
+
+A register holds the coefficients of a function of the time since the start of the step. The
+instructions are passed once per order; each adds one coefficient from those there already
+(A. Griewank and A. Walther, Evaluating Derivatives, 2008, table 13.2).
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from nonsmooth.engine import taylor_opcodes as op
+from nonsmooth.engine.jit import kernel, summing
+
+__all__ = ["fill_series"]
+
+
+@kernel
+def fill_series(code, first, last, slots, outlets, slaved, sizes, harmonics, series, low, high):
+    """Coefficients of order low ... high of all registers; those of the coordinates lead by one.
+
+    shapes: code (r, 5), slots (s,), outlets (n + ..,), series (R, high + 1 or more), with the
+    augmented coordinates in series[:N, 0]; those below order low must be there
+    """
+    n = sizes[0]
+    for k in range(low, high + 1):
+        for row in range(first, last):
+            instruction = code[row, 0]
+            y, a, b = code[row, 1], code[row, 2], code[row, 3]
+            if instruction < op.MULTIPLY:
+                series[y, k] = _linear(instruction, a, b, slots, series, k)
+            elif instruction == op.MULTIPLY:
+                series[y, k] = _product(series[a], series[b], k)
+            elif instruction == op.SQUARE:
+                series[y, k] = _square(series[a], k)
+            elif k == 0:
+                series[y, 0] = _value(instruction, a, b, code[row, 4], slots, series)
+            elif instruction < op.EXP:
+                series[y, k] = _algebraic(instruction, y, a, b, slots, series, k)
+            else:
+                series[y, k] = _transcendental(instruction, y, a, b, code[row, 4], series, k)
+        for i in range(n):
+            if (slaved >> i) & 1:
+                series[i, k] = series[outlets[i], k]
+            elif k + 1 < series.shape[1]:
+                series[i, k + 1] = series[outlets[i], k] / (k + 1)
+        if k + 1 < series.shape[1]:
+            _advance_time(n, sizes[1], harmonics, series, k)
+
+
+@kernel
+def _advance_time(n, powers, harmonics, series, k):
+    """Coefficient k + 1 of 1, powers of time and harmonics."""
+    series[n, k + 1] = 0.0
+    for j in range(1, powers + 1):
+        series[n + j, k + 1] = j * series[n + j - 1, k] / (k + 1)
+    for q in range(harmonics.shape[1]):
+        cos = n + 1 + powers + 2 * q
+        series[cos, k + 1] = -harmonics[0, q] * series[cos + 1, k] / (k + 1)
+        series[cos + 1, k + 1] = harmonics[0, q] * series[cos, k] / (k + 1)
+
+
+@kernel
+def _linear(instruction, a, b, slots, series, k):
+    if instruction == op.ADD:
+        return series[a, k] + series[b, k]
+    if instruction == op.SUBTRACT:
+        return series[a, k] - series[b, k]
+    if instruction == op.SCALE:
+        return series[a, k] * slots[b]
+    return series[a, k] + (slots[b] if k == 0 else 0.0)
+
+
+@summing
+def _product(a, b, k):
+    total = 0.0
+    for j in range(k + 1):
+        total += a[j] * b[k - j]
+    return total
+
+
+@summing
+def _square(a, k):
+    total = 0.0
+    for j in range((k + 1) // 2):
+        total += a[j] * a[k - j]
+    total *= 2.0
+    if k % 2 == 0:
+        total += a[k // 2] * a[k // 2]
+    return total
+
+
+@summing
+def _inner(a, b, k):
+    """Sum of a_j b_(k-j) over 0 < j < k."""
+    total = 0.0
+    for j in range(1, k):
+        total += a[j] * b[k - j]
+    return total
+
+
+@summing
+def _weighted(a, f, low, high, k):
+    """Sum of j a_j f_(k-j) over low <= j <= high."""
+    total = 0.0
+    for j in range(low, high + 1):
+        total += j * a[j] * f[k - j]
+    return total
+
+
+@kernel
+def _algebraic(instruction, y, a, b, slots, series, k):
+    """Coefficient k > 0 of a quotient, a root, a power or a logarithm."""
+    if instruction == op.DIVIDE:
+        return (
+            series[a, k] - series[y, 0] * series[b, k] - _inner(series[y], series[b], k)
+        ) / series[b, 0]
+    if instruction == op.SQRT:
+        return (series[a, k] - _inner(series[y], series[y], k)) / (2.0 * series[y, 0])
+    if instruction == op.LOG:
+        rest = _weighted(series[y], series[a], 1, k - 1, k) / k
+        return (series[a, k] - rest) / series[a, 0]
+    exponent = slots[b]
+    total = 0.0
+    for j in range(k):
+        total += (exponent * (k - j) - j) * series[a, k - j] * series[y, j]
+    return total / (k * series[a, 0])
+
+
+@kernel
+def _transcendental(instruction, y, a, b, c, series, k):
+    """Coefficient k > 0 of a function with y' = a' f."""
+    if instruction == op.ATAN2:
+        total = _weighted(series[a], series[b], 1, k, k) - _weighted(series[b], series[a], 1, k, k)
+        total -= _weighted(series[y], series[c], 1, k - 1, k)
+        return total / (k * series[c, 0])
+    f = y if instruction == op.EXP else b
+    total = _weighted(series[a], series[f], 1, k, k) / k
+    return -total if instruction == op.COS or instruction == op.ACOS else total
+
+
+@kernel
+def _value(instruction, a, b, c, slots, series):
+    """Coefficient 0 of everything that is neither linear nor a product; nan out of its range."""
+    x = series[a, 0]
+    if instruction == op.DIVIDE:
+        return x / series[b, 0]
+    if instruction == op.SQRT:
+        return math.sqrt(x) if x >= 0.0 else np.nan
+    if instruction == op.POWER:
+        return x ** slots[b] if x > 0.0 else np.nan
+    if instruction == op.LOG:
+        return math.log(x) if x > 0.0 else np.nan
+    if instruction == op.ATAN2:
+        return math.atan2(x, series[b, 0])
+    if instruction < op.TAN:
+        return _entire(instruction, x)
+    if instruction == op.TAN:
+        return math.tan(x)
+    if instruction == op.TANH:
+        return math.tanh(x)
+    if instruction == op.ATAN:
+        return math.atan(x)
+    if abs(x) > 1.0:
+        return np.nan
+    return math.asin(x) if instruction == op.ASIN else math.acos(x)
+
+
+@kernel
+def _entire(instruction, x):
+    if instruction == op.EXP:
+        return math.exp(x)
+    if instruction == op.SIN:
+        return math.sin(x)
+    if instruction == op.COS:
+        return math.cos(x)
+    return math.sinh(x) if instruction == op.SINH else math.cosh(x)

@@ -1,0 +1,154 @@
+"""Expressions that share their nodes: equal parts are one object.
+
+Definitions written into each other make trees of exponential size; as a graph they stay as
+small as their texts. A graph knows of each node which states it depends on and whether
+time stands in it, so that what depends on parameters alone is seen at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from nonsmooth.system.expressions import Call, Expression, Name, Number
+from nonsmooth.system.linear import CONSTANT, Harmonic, LinearForm, NotLinear, Power, linear_form
+
+__all__ = ["Graph"]
+
+_TIME = 1  # bit of time; the bits of the states follow
+
+
+class Graph:
+    """Makes nodes and keeps one of each; nodes of one graph are equal when they are one."""
+
+    def __init__(self, states: Sequence[str]) -> None:
+        self.states = tuple(states)
+        self._bits = {"t": _TIME} | {state: 2 << i for i, state in enumerate(states)}
+        self._nodes: dict[tuple[object, ...], Expression] = {}
+        self._depends: dict[int, int] = {}
+        self._angles: dict[int, tuple[Expression, Expression] | None] = {}
+        self.zero = self.number(0.0)
+        self.one = self.number(1.0)
+
+    def number(self, value: float) -> Expression:
+        """Node of a literal number."""
+        return self._kept(("number", value), Number(value), 0)
+
+    def name(self, name: str) -> Expression:
+        """Node of a state, a parameter, ``t`` or ``pi``."""
+        return self._kept(("name", name), Name(name), self._bits.get(name, 0))
+
+    def call(self, function: str, *arguments: Expression) -> Expression:
+        """Node of a function or operator; what is trivial is left out."""
+        simple = self._simplified(function, arguments)
+        if simple is not None:
+            return simple
+        depends = 0
+        for argument in arguments:
+            depends |= self._depends[id(argument)]
+        key = (function, *(id(argument) for argument in arguments))
+        return self._kept(key, Call(function, arguments), depends)
+
+    def add(self, *terms: Expression) -> Expression:
+        """Sum without zeros."""
+        rest = [term for term in terms if term is not self.zero]
+        if len(rest) < 2:
+            return rest[0] if rest else self.zero
+        return self.call("+", *rest)
+
+    def multiply(self, *factors: Expression) -> Expression:
+        """Product without ones; a zero makes zero."""
+        if any(factor is self.zero for factor in factors):
+            return self.zero
+        rest = [factor for factor in factors if factor is not self.one]
+        if len(rest) < 2:
+            return rest[0] if rest else self.one
+        return self.call("*", *rest)
+
+    def negate(self, x: Expression) -> Expression:
+        """``-x``, sums term by term."""
+        if isinstance(x, Call) and x.function == "+":
+            return self.add(*(self.negate(term) for term in x.arguments))
+        return self.call("neg", x)
+
+    def imported(self, tree: Expression) -> Expression:
+        """Node of an expression that was made elsewhere, its names taken as they are."""
+        if isinstance(tree, Number):
+            return self.number(tree.value)
+        if isinstance(tree, Name):
+            return self.name(tree.name)
+        if id(tree) in self._depends:  # nodes stay alive, so the number is of one of them
+            return tree
+        return self.call(tree.function, *(self.imported(part) for part in tree.arguments))
+
+    def from_form(self, form: LinearForm) -> Expression:
+        """Node of a linear form."""
+        terms = []
+        for basis, value in form.terms.items():
+            coefficient = self.imported(value)
+            if isinstance(basis, Power):
+                power = self.call("**", self.name("t"), self.number(float(basis.order)))
+                terms.append(self.multiply(coefficient, power))
+            elif isinstance(basis, Harmonic):
+                angle = self.multiply(self.imported(basis.frequency), self.name("t"))
+                terms.append(self.multiply(coefficient, self.call(basis.kind, angle)))
+            else:
+                terms.append(self.multiply(coefficient, self.name(basis.name)))
+        return self.add(*terms)
+
+    def moves(self, node: Expression) -> bool:
+        """Whether a state or time stands in a node."""
+        return self._depends[id(node)] != 0
+
+    def has_time(self, node: Expression) -> bool:
+        """Whether time stands in a node."""
+        return bool(self._depends[id(node)] & _TIME)
+
+    def states_in(self, node: Expression) -> set[str]:
+        """States that stand in a node."""
+        depends = self._depends[id(node)]
+        return {state for state in self.states if depends & self._bits[state]}
+
+    def angle(self, node: Expression) -> tuple[Expression, Expression] | None:
+        """Frequency and phase of ``w*t + p``; None where a node is anything else."""
+        if self._depends[id(node)] != _TIME:
+            return None
+        if id(node) not in self._angles:
+            self._angles[id(node)] = self._angle(node)
+        return self._angles[id(node)]
+
+    def _angle(self, node: Expression) -> tuple[Expression, Expression] | None:
+        try:
+            form = linear_form(node, _form_of_time)
+        except NotLinear:
+            return None
+        if set(form.terms) - {CONSTANT, Power(1)}:
+            return None
+        return form.coefficient(Power(1)), form.constant_part
+
+    def _simplified(self, function: str, arguments: Sequence[Expression]) -> Expression | None:
+        if function == "neg":
+            (inner,) = arguments
+            if isinstance(inner, Number):
+                return self.number(-inner.value)
+            if isinstance(inner, Call) and inner.function == "neg":
+                return inner.arguments[0]
+        if function == "*" and any(argument is self.zero for argument in arguments):
+            return self.zero
+        if function == "/" and arguments[1] is self.one:
+            return arguments[0]
+        if function == "**" and isinstance(arguments[1], Number):
+            if arguments[1] is self.zero:
+                return self.one
+            if arguments[1] is self.one:
+                return arguments[0]
+        return None
+
+    def _kept(self, key: tuple[object, ...], node: Expression, depends: int) -> Expression:
+        known = self._nodes.setdefault(key, node)
+        self._depends.setdefault(id(known), depends)
+        return known
+
+
+def _form_of_time(node: Name | Call) -> LinearForm:
+    assert isinstance(node, Name)
+    return LinearForm.of(Power(1)) if node.name == "t" else LinearForm.constant(node)

@@ -1,0 +1,207 @@
+"""What the equations of one mode come to: linear forms, or expressions for Taylor series."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Generic, TypeVar
+
+from nonsmooth.errors import ModelError
+from nonsmooth.system.differentiate import derivative
+from nonsmooth.system.equations import Equation
+from nonsmooth.system.expressions import Expression, to_text
+from nonsmooth.system.grammar import point_at
+from nonsmooth.system.graph import Graph
+from nonsmooth.system.linear import LinearForm
+from nonsmooth.system.linear_mode import LinearReader, NonlinearText
+from nonsmooth.system.mode_equations import ModeEquations
+from nonsmooth.system.resolve import Resolver
+
+__all__ = ["ExitForms", "Forms", "ModeForms"]
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True)
+class ExitForms(Generic[T]):
+    """Guard and reset of one exit and the index of the mode entered (-1 ends the run)."""
+
+    name: str
+    target: int
+    guard: T
+    reset: Mapping[str, T]
+
+
+@dataclass(frozen=True, slots=True)
+class Forms(Generic[T]):
+    """Rates, relations of slaved states and exits of a mode."""
+
+    rates: Mapping[str, T]
+    slaved: Mapping[str, T]
+    exits: Sequence[ExitForms[T]]
+
+    def with_place(self, mode: str) -> Iterator[tuple[str, T, str]]:
+        """Every form, where it stands, and the state that a reset sets."""
+        for state, form in self.rates.items():
+            yield f"the rate of {state!r} in mode {mode!r}", form, ""
+        for state, form in self.slaved.items():
+            yield f"the slaved equation of {state!r} in mode {mode!r}", form, ""
+        for way in self.exits:
+            yield f"the guard of {way.name!r} in mode {mode!r}", way.guard, ""
+            for state, form in way.reset.items():
+                yield f"the reset of {state!r} by {way.name!r} in mode {mode!r}", form, state
+
+
+class ModeForms:
+    """One mode that runs: ``linear`` holds its forms, or ``taylor`` its expressions.
+
+    ``nonlinear`` says what keeps a mode from being linear. A declared mode with piecewise
+    texts runs as several, its cells; ``parent`` is the declared name of all of them.
+    """
+
+    def __init__(
+        self,
+        graph: Graph,
+        equations: ModeEquations,
+        resolver: Resolver,
+        targets: Sequence[int],
+        *,
+        name: str = "",
+    ) -> None:
+        self.graph = graph
+        self.name = name or equations.name
+        self.parent = equations.name
+        self.equations = equations
+        self.resolver = resolver
+        self.targets = tuple(targets)
+        self.resolved = resolver.resolved()
+        # as written where nothing is piecewise, so that definitions stay whole
+        read = self.resolved if resolver.met_piecewise else equations
+        self.reader = LinearReader(graph.states, read)
+        self.linear: Forms[LinearForm] | None = None
+        self.taylor: Forms[Expression] | None = None
+        self.nonlinear: NonlinearText | None = None
+        try:
+            self.linear = self._linear(read)
+        except NonlinearText as fault:
+            self.nonlinear = fault
+            self.reader = LinearReader(graph.states, read)
+            self.taylor = self._taylor()
+
+    @property
+    def rates(self) -> Mapping[str, LinearForm]:
+        """Linear forms of the rates of all states; empty where the mode is not linear."""
+        return self.linear.rates if self.linear else {}
+
+    @property
+    def slaved(self) -> Mapping[str, LinearForm]:
+        """Linear forms of the slaved states; empty where the mode is not linear."""
+        return self.linear.slaved if self.linear else {}
+
+    @property
+    def exit_names(self) -> tuple[str, ...]:
+        """Names of the exits in the order in which they are tried."""
+        return tuple(way.name for way in self.equations.exits)
+
+    @property
+    def all_forms(self) -> list[LinearForm]:
+        """Every linear form of the mode."""
+        if self.linear is None:
+            return []
+        forms = [*self.linear.slaved.values(), *self.linear.rates.values()]
+        for way in self.linear.exits:
+            forms += [way.guard, *way.reset.values()]
+        return forms
+
+    @property
+    def constant_guards(self) -> list[Expression | None]:
+        """Guards that depend on parameters only; None for the others."""
+        if self.linear is not None:
+            guards = [way.guard for way in self.linear.exits]
+            return [guard.constant_part if guard.is_constant else None for guard in guards]
+        assert self.taylor is not None
+        nodes = [way.guard for way in self.taylor.exits]
+        return [None if self.graph.moves(node) else node for node in nodes]
+
+    def depends(self, node: Expression, drifting: str, own: str) -> bool:
+        """Whether an expression of a Taylor mode depends on a state that drifts.
+
+        The reset of the drifting state itself may move it, by what does not depend on it.
+        """
+        assert self.taylor is not None
+        relations = self.taylor.slaved
+
+        def partial(state: str) -> Expression:
+            if state in relations:
+                return derivative(self.graph, relations[state], partial)
+            return self.graph.one if state == drifting else self.graph.zero
+
+        if own == drifting:
+            return derivative(self.graph, node, partial) is not self.graph.one
+        found = self.graph.states_in(node)
+        while (
+            more := {
+                state
+                for slaved in found & set(relations)
+                for state in self.graph.states_in(relations[slaved])
+            }
+            - found
+        ):
+            found |= more
+        return drifting in found
+
+    def form(self, equation: Equation) -> LinearForm:
+        """Linear form of what should depend on parameters only; the error points at the rest."""
+        try:
+            return self.reader.form(equation)
+        except NonlinearText as fault:
+            message = f"{equation.where}: states and time cannot appear here, only parameters"
+            raise ModelError(point_at(equation.text, fault.at, message)) from None
+
+    def value_of(self, name: str) -> LinearForm | Expression:
+        """What an output or a definition is in this mode: a linear form where there is one.
+
+        Piecewise calls that do not decide on the cell stay in the expression.
+        """
+        equation = self.equations.definitions[name]
+        if not self.resolver.met_piecewise:
+            try:
+                return self.reader.form(equation)
+            except NonlinearText:
+                pass
+        return self._readable.tree(equation)
+
+    def rate_of(self, state: str) -> LinearForm | Expression:
+        """Rate of change of a state."""
+        if self.linear is not None:
+            return self.linear.rates[state]
+        return self.resolver.rate(state)
+
+    @property
+    def reason(self) -> str:
+        """What makes the mode nonlinear, in words; empty for a linear one."""
+        if self.nonlinear is None:
+            return ""
+        return f"{self.nonlinear.reason}: {to_text(self.nonlinear.node)}"
+
+    @property
+    def _readable(self) -> Resolver:
+        return Resolver(self.graph, self.equations, self.resolver.signs, strict=False)
+
+    def _linear(self, read: ModeEquations) -> Forms[LinearForm]:
+        reader = self.reader
+        reader.solve()
+        rates = {state: reader.rate(state) for state in self.graph.states}
+        return Forms(rates, reader.slaved, self._exits(read, reader.form))
+
+    def _taylor(self) -> Forms[Expression]:
+        read = self.resolved
+        rates = {state: equation.tree for state, equation in read.flow.items()}
+        exits = self._exits(read, lambda equation: equation.tree)
+        return Forms(rates, self.resolver.relations, exits)
+
+    def _exits(self, read: ModeEquations, form: Callable[[Equation], T]) -> list[ExitForms[T]]:
+        return [
+            ExitForms(way.name, target, form(way.guard), {s: form(e) for s, e in way.reset.items()})
+            for way, target in zip(read.exits, self.targets, strict=True)
+        ]

@@ -1,0 +1,199 @@
+"""Names of one mode to what they stand for: equations become nodes of a graph.
+
+Definitions, outputs and rates are put in; piecewise calls of states or time are replaced by
+the side on which their switching function lies, as far as its sign is given.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from nonsmooth.errors import ModelError
+from nonsmooth.system.differentiate import rate_of_change
+from nonsmooth.system.equations import Equation
+from nonsmooth.system.expressions import Call, Expression, Name, Number
+from nonsmooth.system.functions import lookup
+from nonsmooth.system.graph import Graph
+from nonsmooth.system.mode_equations import ModeEquations
+from nonsmooth.system.relations import explicit_relations
+from nonsmooth.system.switching import SurfaceKey, Undecided, switching_function
+
+__all__ = ["Resolver"]
+
+_Lazy = Callable[[], Expression]
+
+
+class Resolver:
+    """Nodes of the equations of one mode.
+
+    ``signs`` says on which side of its surfaces the mode lies. A surface without a sign
+    raises `Undecided`, or its call is kept where the resolver is not ``strict``.
+    """
+
+    def __init__(
+        self,
+        graph: Graph,
+        equations: ModeEquations,
+        signs: Mapping[SurfaceKey, int],
+        *,
+        strict: bool = True,
+    ) -> None:
+        self.graph = graph
+        self.equations = equations
+        self.signs = signs
+        self.strict = strict
+        self.met_piecewise = False
+        self._known: dict[int, Expression] = {}
+        self._named: dict[str, Expression] = {}
+        self._open: list[str] = []
+        self._relations: dict[str, Expression] | None = None
+
+    def tree(self, equation: Equation) -> Expression:
+        """Node of an equation."""
+        return self._tree(equation.tree)
+
+    def resolved(self) -> ModeEquations:
+        """Equations of the mode with nodes for trees."""
+        for state in self.equations.flow:
+            self.rate(state)
+        return self.equations.with_trees(self.tree)
+
+    def rate(self, state: str) -> Expression:
+        """Node of the rate of change of a state; derived for a slaved one."""
+        return self._by_name(f"rate({state})", lambda: self._rate(state))
+
+    @property
+    def relations(self) -> dict[str, Expression]:
+        """Slaved states, each by an expression."""
+        if self._relations is None:
+            trees = {
+                state: self._by_name(f"relation of {state}", lambda e=equation: self.tree(e))  # type: ignore[misc]
+                for state, equation in self.equations.slaved.items()
+            }
+            self._relations = explicit_relations(self.graph, self.equations, trees)
+        return self._relations
+
+    def _rate(self, state: str) -> Expression:
+        if state in self.equations.flow:
+            return self.tree(self.equations.flow[state])
+        if any(name.startswith("relation of ") for name in self._open):
+            raise ModelError(
+                f"modes[{self.equations.name!r}].slaved: rate({state}) of a slaved state cannot"
+                " stand in a slaved equation"
+            )
+        return rate_of_change(self.graph, self.relations[state], self.rate)
+
+    def _by_name(self, name: str, make: _Lazy) -> Expression:
+        if name not in self._named:
+            if name in self._open:
+                circle = " -> ".join([*self._open[self._open.index(name) :], name])
+                raise ModelError(
+                    f"modes[{self.equations.name!r}]: {circle} goes in a circle; break it"
+                )
+            self._open.append(name)
+            self._named[name] = make()
+            self._open.pop()
+        return self._named[name]
+
+    def _tree(self, node: Expression) -> Expression:
+        if isinstance(node, Number):
+            return self.graph.number(node.value)
+        if id(node) not in self._known:
+            self._known[id(node)] = self._resolved(node)
+        return self._known[id(node)]
+
+    def _resolved(self, node: Name | Call) -> Expression:
+        if isinstance(node, Name):
+            equation = self.equations.definitions.get(node.name)
+            if equation is None:
+                return self.graph.name(node.name)
+            return self._by_name(node.name, lambda: self.tree(equation))
+        if node.function == "rate":
+            (state,) = node.arguments
+            assert isinstance(state, Name)  # the grammar admits nothing else
+            return self.rate(state.name)
+        if node.function == "where":
+            return self._where(node)
+        arguments = [self._tree(argument) for argument in node.arguments]
+        if lookup(node.function).smooth or not any(map(self.graph.moves, arguments)):
+            return self.graph.call(node.function, *arguments)
+        return self._piecewise(node.function, arguments)
+
+    # ------------------------------------------------------------ piecewise calls
+
+    def _where(self, node: Call) -> Expression:
+        graph = self.graph
+        condition, yes, no = node.arguments
+        assert isinstance(condition, Call)  # the grammar admits nothing else
+        left, right = (self._tree(side) for side in condition.arguments)
+        comparison = condition.function
+        if not graph.moves(left) and not graph.moves(right):
+            decided = graph.call(comparison, left, right)
+            return self._selected(decided, lambda: self._tree(yes), lambda: self._tree(no))
+        above, below = (left, right) if comparison in (">", ">=") else (right, left)
+        return self._switched(
+            _difference(graph, above, below),
+            lambda: self._tree(yes),
+            lambda: self._tree(no),
+            lambda: graph.call(
+                "where", graph.call(comparison, left, right), self._tree(yes), self._tree(no)
+            ),
+        )
+
+    def _piecewise(self, function: str, arguments: list[Expression]) -> Expression:
+        graph, u = self.graph, arguments[0]
+        if function == "clip":
+            raised = self._greater("max", u, arguments[1])
+            return self._greater("min", raised, arguments[2])
+        if function in ("min", "max"):
+            for other in arguments[1:]:
+                u = self._greater(function, u, other)
+            return u
+        above, below = {
+            "abs": (u, graph.negate(u)),
+            "sign": (graph.one, graph.number(-1.0)),
+            "heaviside": (graph.one, graph.zero),
+        }[function]
+        return self._switched(u, lambda: above, lambda: below, lambda: graph.call(function, u))
+
+    def _greater(self, function: str, u: Expression, other: Expression) -> Expression:
+        """``max`` or ``min`` of two."""
+        graph = self.graph
+        if not graph.moves(u) and not graph.moves(other):
+            return graph.call(function, u, other)
+        above, below = (u, other) if function == "max" else (other, u)
+        return self._switched(
+            _difference(graph, u, other),
+            lambda: above,
+            lambda: below,
+            lambda: graph.call(function, u, other),
+        )
+
+    def _switched(self, u: Expression, above: _Lazy, below: _Lazy, kept: _Lazy) -> Expression:
+        """One side of a switching function, by its sign."""
+        self.met_piecewise = True
+        surface, sign = switching_function(self.graph, u)
+        if surface is None:
+            if sign == 0.0:
+                return self._selected(self.graph.call(">=", u, self.graph.zero), above, below)
+            return above() if sign > 0.0 else below()
+        side = self.signs.get(surface.key)
+        if side is None:
+            if self.strict:
+                raise Undecided(surface)
+            return kept()
+        return above() if side * sign > 0.0 else below()
+
+    def _selected(self, condition: Expression, yes: _Lazy, no: _Lazy) -> Expression:
+        """Selection by a condition on parameters: the two sides weighted by one and zero."""
+        graph, above, below = self.graph, yes(), no()
+        if not (graph.moves(above) or graph.moves(below)):
+            return graph.call("where", condition, above, below)
+        return graph.add(
+            graph.multiply(graph.call("where", condition, graph.one, graph.zero), above),
+            graph.multiply(graph.call("where", condition, graph.zero, graph.one), below),
+        )
+
+
+def _difference(graph: Graph, left: Expression, right: Expression) -> Expression:
+    return graph.add(left, graph.negate(right))

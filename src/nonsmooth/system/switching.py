@@ -1,0 +1,61 @@
+"""Switching functions of piecewise calls, in one spelling up to a factor.
+
+``x - 1``, ``1 - x`` and ``2*x - 2`` change sign at the same place, so they are one surface.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from nonsmooth.system.expressions import Expression, names_in, to_text
+from nonsmooth.system.frequencies import monomials
+from nonsmooth.system.graph import Graph
+
+__all__ = ["Surface", "SurfaceKey", "Undecided", "switching_function"]
+
+_DIGITS = 12  # in which the numbers of two spellings agree
+
+SurfaceKey = frozenset[tuple[tuple[Expression, ...], str]]
+
+
+@dataclass(frozen=True, slots=True)
+class Surface:
+    """Place where a switching function vanishes; ``node`` is the function as first met."""
+
+    key: SurfaceKey
+    node: Expression
+
+
+class Undecided(Exception):
+    """A piecewise call whose switching function has no sign yet."""
+
+    def __init__(self, surface: Surface) -> None:
+        super().__init__("a sign is needed")
+        self.surface = surface
+
+
+def switching_function(graph: Graph, node: Expression) -> tuple[Surface | None, float]:
+    """Surface of a switching function and the sign by which the function differs from it.
+
+    Without a state or time in it there is no surface; then the number is the sign of the
+    function where it is a number, and zero where parameters decide.
+    """
+    terms = monomials(node)
+    ranks = {factors: _rank(graph, factors) for factors in terms}
+    moving = [factors for factors in terms if ranks[factors][0] <= len(graph.states)]
+    if not moving:
+        if set(terms) <= {()}:
+            return None, 1.0 if terms.get((), 0.0) >= 0.0 else -1.0
+        return None, 0.0
+    leading = terms[min(moving, key=lambda factors: ranks[factors])]
+    sign = 1.0 if leading > 0.0 else -1.0
+    key = frozenset((f, f"{value / leading:.{_DIGITS}g}") for f, value in terms.items())
+    return Surface(key, node if sign > 0.0 else graph.negate(node)), sign
+
+
+def _rank(graph: Graph, factors: tuple[Expression, ...]) -> tuple[int, int, list[str]]:
+    """What makes a product lead: the first state in it, then few factors."""
+    names = {name.name for factor in factors for name in names_in(factor)}
+    places = [i for i, state in enumerate((*graph.states, "t")) if state in names]
+    first = min(places, default=len(graph.states) + 1)
+    return first, len(factors), [to_text(factor) for factor in factors]

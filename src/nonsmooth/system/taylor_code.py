@@ -1,0 +1,312 @@
+"""Instructions on Taylor series for the modes that are not linear.
+
+Equal parts are computed once. What depends on parameters only stays an expression here and
+gets a slot of the parameter tape later; harmonics are read from their coordinates.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from nonsmooth.engine import taylor_opcodes as op
+from nonsmooth.system.evaluate import constant_value
+from nonsmooth.system.expressions import ZERO, Call, Expression, Name, names_in
+from nonsmooth.system.frequencies import canonical_frequency
+from nonsmooth.system.graph import Graph
+from nonsmooth.system.linear import Basis, Harmonic, Power, State
+from nonsmooth.system.mode_forms import Forms
+
+__all__ = ["Instruction", "Operand", "TaylorCode", "write_code"]
+
+# an instruction's own result by number, or a coordinate
+Operand = int | Basis
+_ONE: Operand = Power(0)
+_TIME: Operand = Power(1)
+
+
+@dataclass(slots=True)
+class Instruction:
+    """One row: ``a``, ``b`` and ``c`` are operands, ``slot`` an expression of parameters."""
+
+    opcode: int
+    a: Operand
+    b: Operand | None = None
+    c: Operand | None = None
+    slot: Expression | None = None
+
+
+@dataclass(slots=True)
+class TaylorCode:
+    """Instructions of one mode and where its results are found."""
+
+    instructions: list[Instruction] = field(default_factory=list)
+    middle: int = 0  # resets follow
+    results: dict[tuple[object, ...], Operand] = field(default_factory=dict)
+    frequencies: dict[Expression, None] = field(default_factory=dict)
+    constants: list[tuple[str, Expression]] = field(default_factory=list)  # with their places
+    grows: str = ""  # place where plain time stands
+
+    @property
+    def uses_time(self) -> bool:
+        """Whether time itself is a coordinate."""
+        return bool(self.grows)
+
+
+def write_code(graph: Graph, forms: Forms[Expression], mode: str) -> TaylorCode:
+    """Instructions for the rates, relations, guards and resets of a mode.
+
+    ``results`` has their operands under ("rate", state), ("guard", exit) and
+    ("reset", exit, state); a slaved state has that of its relation as its rate.
+    """
+    writer = _Writer(graph, forms)
+    results = writer.code.results
+    for state in graph.states:
+        kind = "slaved equation" if state in forms.slaved else "rate"
+        writer.place = f"the {kind} of {state!r} in mode {mode!r}"
+        if state in forms.slaved:
+            results["rate", state] = writer.operand(graph.name(state))
+        else:
+            results["rate", state] = writer.operand(forms.rates[state])
+    for e, way in enumerate(forms.exits):
+        writer.place = f"the guard of {way.name!r} in mode {mode!r}"
+        results["guard", e] = writer.operand(way.guard)
+    writer.code.middle = len(writer.code.instructions)
+    for e, way in enumerate(forms.exits):
+        for state, node in way.reset.items():
+            writer.place = f"the reset of {state!r} by {way.name!r} in mode {mode!r}"
+            results["reset", e, state] = writer.operand(node)
+    return writer.code
+
+
+class _Writer:
+    """Writes instructions; an equal one is written once."""
+
+    def __init__(self, graph: Graph, forms: Forms[Expression]) -> None:
+        self.graph = graph
+        self.forms = forms
+        self.code = TaylorCode()
+        self.place = ""
+        self._known: dict[int, Operand] = {}
+        self._written: dict[tuple[object, ...], Operand] = {}
+        self._minus_one = graph.number(-1.0)
+
+    def operand(self, node: Expression) -> Operand:
+        """Operand that holds the value of a node."""
+        if id(node) not in self._known:
+            self._known[id(node)] = self._of(node)
+        return self._known[id(node)]
+
+    def _of(self, node: Expression) -> Operand:
+        if not self.graph.moves(node):
+            return _ONE if node is self.graph.one else self._write(op.SCALE, _ONE, slot=node)
+        if isinstance(node, Name):
+            if node.name == "t":
+                self.code.grows = self.code.grows or self.place
+                return _TIME
+            relation = self.forms.slaved.get(node.name)
+            return State(node.name) if relation is None else self.operand(relation)
+        assert isinstance(node, Call)
+        return _RULES[node.function](self, node)
+
+    def _write(
+        self,
+        opcode: int,
+        a: Operand,
+        b: Operand | None = None,
+        c: Operand | None = None,
+        slot: Expression | None = None,
+    ) -> Operand:
+        """Operand of an instruction, a new one or an equal one from before."""
+        key = (opcode, a, b, c, id(slot))
+        if key not in self._written:
+            if slot is not None:
+                self.code.constants.append((self.place, slot))
+            self._written[key] = self._append(Instruction(opcode, a, b, c, slot))
+        return self._written[key]
+
+    def _append(self, instruction: Instruction) -> int:
+        self.code.instructions.append(instruction)
+        return len(self.code.instructions) - 1
+
+    # ------------------------------------------------------------ operators
+
+    def sum_(self, node: Call) -> Operand:
+        graph = self.graph
+        constants = [term for term in node.arguments if not graph.moves(term)]
+        total: Operand | None = None
+        taken: list[Expression] = []
+        for term in node.arguments:
+            if not graph.moves(term):
+                continue
+            if isinstance(term, Call) and term.function == "neg":
+                taken.append(term.arguments[0])
+            else:
+                part = self.operand(term)
+                total = part if total is None else self._write(op.ADD, total, part)
+        constant = graph.add(*constants)
+        if total is None and constant is not graph.zero:
+            total, constant = self.operand(constant), graph.zero
+        for term in taken:
+            part = self.operand(term)
+            if total is None:
+                total = self._write(op.SCALE, part, slot=self._minus_one)
+            else:
+                total = self._write(op.SUBTRACT, total, part)
+        assert total is not None  # the node moves
+        return total if constant is graph.zero else self._write(op.SHIFT, total, slot=constant)
+
+    def negative(self, node: Call) -> Operand:
+        return self._write(op.SCALE, self.operand(node.arguments[0]), slot=self._minus_one)
+
+    def product(self, node: Call) -> Operand:
+        graph = self.graph
+        constants = [factor for factor in node.arguments if not graph.moves(factor)]
+        total: Operand | None = None
+        for factor in node.arguments:
+            if graph.moves(factor):
+                part = self.operand(factor)
+                total = part if total is None else self.times(total, part)
+        assert total is not None  # the node moves
+        constant = graph.multiply(*constants)
+        return total if constant is graph.one else self._write(op.SCALE, total, slot=constant)
+
+    def times(self, left: Operand, right: Operand) -> Operand:
+        if left == right:
+            return self._write(op.SQUARE, left)
+        return self._write(op.MULTIPLY, left, right)
+
+    def quotient(self, node: Call) -> Operand:
+        above, below = node.arguments
+        if not self.graph.moves(below):
+            inverse = self.graph.call("/", self.graph.one, below)
+            return self._write(op.SCALE, self.operand(above), slot=inverse)
+        return self._write(op.DIVIDE, self.operand(above), self.operand(below))
+
+    def power(self, node: Call) -> Operand:
+        base, exponent = node.arguments
+        graph = self.graph
+        if graph.moves(exponent):
+            logarithm = graph.multiply(exponent, graph.call("log", base))
+            return self._write(op.EXP, self.operand(logarithm))
+        value = None if names_in(exponent) else constant_value(exponent, {})
+        if value is not None and value.is_integer():
+            return self.whole_power(self.operand(base), int(value))
+        if value == 0.5:
+            return self._write(op.SQRT, self.operand(base))
+        return self._write(op.POWER, self.operand(base), slot=exponent)
+
+    def whole_power(self, base: Operand, exponent: int) -> Operand:
+        """Power by repeated squaring."""
+        total: Operand | None = None
+        square, rest = base, abs(exponent)
+        while rest:
+            if rest & 1:
+                total = square if total is None else self.times(total, square)
+            rest >>= 1
+            if rest:
+                square = self._write(op.SQUARE, square)
+        assert total is not None  # a power of zero is the number one
+        return total if exponent > 0 else self._write(op.DIVIDE, _ONE, total)
+
+    # ------------------------------------------------------------ functions
+
+    def circular(self, node: Call) -> Operand:
+        """sin, cos and tan: of ``w*t + p`` from the coordinates, else by their recurrence."""
+        (angle,) = node.arguments
+        parts = self.graph.angle(angle)
+        if parts is None and node.function == "tan":
+            return self.with_slope(op.TAN, op.ADD, self.operand(angle))
+        if parts is None:
+            sin, cos = self.pair(op.SIN, op.COS, self.operand(angle))
+        else:
+            cos, sin = self.harmonics(*parts)
+        if node.function == "tan":
+            return self._write(op.DIVIDE, sin, cos)
+        return sin if node.function == "sin" else cos
+
+    def harmonics(self, frequency: Expression, phase: Expression) -> tuple[Operand, Operand]:
+        """cos and sin of ``w*t + p`` by the addition theorem."""
+        graph, phase = self.graph, self.graph.imported(phase)
+        cos_phase, sin_phase = graph.call("cos", phase), graph.call("sin", phase)
+        positive, sign = canonical_frequency(frequency)
+        if positive == ZERO:
+            return self.operand(cos_phase), self.operand(sin_phase)
+        self.code.frequencies.setdefault(positive)
+        cos: Operand = Harmonic("cos", positive)
+        sin: Operand = Harmonic("sin", positive)
+        if sign < 0.0:
+            sin = self._write(op.SCALE, sin, slot=self._minus_one)
+        if phase is graph.zero:
+            return cos, sin
+        cos_cos = self._write(op.SCALE, cos, slot=cos_phase)
+        sin_sin = self._write(op.SCALE, sin, slot=sin_phase)
+        sin_cos = self._write(op.SCALE, sin, slot=cos_phase)
+        cos_sin = self._write(op.SCALE, cos, slot=sin_phase)
+        return self._write(op.SUBTRACT, cos_cos, sin_sin), self._write(op.ADD, sin_cos, cos_sin)
+
+    def pair(self, first: int, second: int, a: Operand) -> tuple[Operand, Operand]:
+        """Two functions whose recurrences name each other."""
+        if (first, a) not in self._written:
+            here = len(self.code.instructions)
+            self._written[first, a] = self._append(Instruction(first, a, here + 1))
+            self._written[second, a] = self._append(Instruction(second, a, here))
+        return self._written[first, a], self._written[second, a]
+
+    def hyperbolic(self, node: Call) -> Operand:
+        sinh, cosh = self.pair(op.SINH, op.COSH, self.operand(node.arguments[0]))
+        return sinh if node.function == "sinh" else cosh
+
+    def tanh(self, node: Call) -> Operand:
+        return self.with_slope(op.TANH, op.SUBTRACT, self.operand(node.arguments[0]))
+
+    def with_slope(self, opcode: int, sign: int, a: Operand) -> Operand:
+        """tan and tanh: their slope 1 + y^2 or 1 - y^2 follows them."""
+        if (opcode, a) not in self._written:
+            here = self._append(Instruction(opcode, a))
+            self._written[opcode, a] = here
+            slope = self._append(Instruction(sign, _ONE, self._write(op.SQUARE, here)))
+            self.code.instructions[here].b = slope
+        return self._written[opcode, a]
+
+    def plain(self, node: Call) -> Operand:
+        opcode = {"exp": op.EXP, "log": op.LOG, "sqrt": op.SQRT}[node.function]
+        return self._write(opcode, self.operand(node.arguments[0]))
+
+    def arc(self, node: Call) -> Operand:
+        """atan, asin and acos with the slope that they need before them."""
+        a = self.operand(node.arguments[0])
+        square = self._write(op.SQUARE, a)
+        if node.function == "atan":
+            below = self._write(op.ADD, _ONE, square)
+            return self._write(op.ATAN, a, self._write(op.DIVIDE, _ONE, below))
+        below = self._write(op.SQRT, self._write(op.SUBTRACT, _ONE, square))
+        opcode = op.ASIN if node.function == "asin" else op.ACOS
+        return self._write(opcode, a, self._write(op.DIVIDE, _ONE, below))
+
+    def arc_of_two(self, node: Call) -> Operand:
+        y, x = (self.operand(part) for part in node.arguments)
+        squares = self._write(op.ADD, self._write(op.SQUARE, x), self._write(op.SQUARE, y))
+        return self._write(op.ATAN2, y, x, squares)
+
+
+_RULES: dict[str, Callable[[_Writer, Call], Operand]] = {
+    "+": _Writer.sum_,
+    "neg": _Writer.negative,
+    "*": _Writer.product,
+    "/": _Writer.quotient,
+    "**": _Writer.power,
+    "sin": _Writer.circular,
+    "cos": _Writer.circular,
+    "tan": _Writer.circular,
+    "sinh": _Writer.hyperbolic,
+    "cosh": _Writer.hyperbolic,
+    "tanh": _Writer.tanh,
+    "exp": _Writer.plain,
+    "log": _Writer.plain,
+    "sqrt": _Writer.plain,
+    "asin": _Writer.arc,
+    "acos": _Writer.arc,
+    "atan": _Writer.arc,
+    "atan2": _Writer.arc_of_two,
+}

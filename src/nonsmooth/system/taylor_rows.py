@@ -1,0 +1,71 @@
+"""Rows of code for the engine: operands become registers, constants slots of the tape."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from nonsmooth.engine import taylor_opcodes as op
+from nonsmooth.system.expressions import Expression
+from nonsmooth.system.linear import Basis
+from nonsmooth.system.parameter_tape import ParameterTape
+from nonsmooth.system.taylor_code import Operand, TaylorCode
+
+__all__ = ["TaylorRows"]
+
+_BY_SLOT = (op.SCALE, op.SHIFT, op.POWER)
+
+
+class TaylorRows:
+    """Code of all Taylor modes, one after the other."""
+
+    def __init__(self, columns: Mapping[Basis, int], n: int, n_modes: int, most: int) -> None:
+        self.columns = columns
+        self.n = n
+        self.most = most
+        self.n_registers = 0
+        self.rows: list[tuple[int, int, int, int | Expression, int]] = []
+        self.code_rows = np.zeros((n_modes, 3), np.int64)
+        self.outlets = np.full((n_modes, n + most + most * n), -1, np.int64)
+
+    @property
+    def constants(self) -> list[Expression]:
+        """Expressions that need a slot."""
+        return [row[3] for row in self.rows if not isinstance(row[3], int)]
+
+    def put(self, i_mode: int, code: TaylorCode, states: tuple[str, ...]) -> None:
+        """Enter the code of a mode."""
+        first, width = len(self.rows), len(self.columns)
+        for i, each in enumerate(code.instructions):
+            b = self._register(each.b) if each.slot is None else each.slot
+            a, c = self._register(each.a), self._register(each.c)
+            self.rows.append((each.opcode, width + i, a, b, c))
+        self.code_rows[i_mode] = first, first + code.middle, len(self.rows)
+        self.n_registers = max(self.n_registers, width + len(code.instructions))
+        for (kind, *place), operand in code.results.items():
+            self.outlets[i_mode, self._outlet(kind, place, states)] = self._register(operand)
+
+    def array(self, tape: ParameterTape) -> np.ndarray:
+        """Rows (opcode, target, a, b, c)."""
+        rows = [
+            (code, target, a, b if isinstance(b, int) else tape.slot(b), c)
+            for code, target, a, b, c in self.rows
+        ]
+        return np.array(rows, np.int64).reshape(-1, 5)
+
+    def _outlet(self, kind: object, place: list[object], states: tuple[str, ...]) -> int:
+        if kind == "rate":
+            return states.index(str(place[0]))
+        exit_number = place[0]
+        assert isinstance(exit_number, int)
+        if kind == "guard":
+            return self.n + exit_number
+        return self.n + self.most + exit_number * self.n + states.index(str(place[1]))
+
+    def _register(self, operand: Operand | None) -> int:
+        if operand is None:
+            return 0
+        if isinstance(operand, int):
+            return len(self.columns) + operand
+        return self.columns[operand]
