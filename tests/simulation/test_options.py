@@ -37,7 +37,7 @@ def options(words):
         options({"t_end": 1.0, "tolerance": 0.1}),
         options({"t_end": 1.0, "tolerance": np.nan}),
         options({"t_end": 1.0, "samples_per_period": 0}),
-        options({"t_end": 1.0, "tangent": True}),
+        options({"t_end": 1.0, "tangent": 1.5}),
         options({"t_end": 1.0, "mode": "n"}),
         options({"t_end": 1e300}),
         options({"t_end": "5"}),

@@ -173,15 +173,6 @@ def test_what_should_be_constant_points_at_the_place():
     assert shown[caret.index("^") :].startswith("x*v")
 
 
-@pytest.mark.parametrize(
-    "text", ["sign(v)", "abs(x)", "min(x, v)", "max(x, 0)", "heaviside(x)", "clip(x, 0, 1)",
-             "where(x > 0, x, 0)", "where(t > 1, 1, 0)", "-x - k*sign(v - 1)"],
-)  # fmt: skip
-def test_piecewise_texts_are_refused_with_the_hint(text):
-    with pytest.raises(ModelError, match="write one mode per smooth piece"):
-        form_of(text)
-
-
 def test_piecewise_texts_of_parameters_are_numbers():
     form, system = form_of("max(a, b)*x + where(a > b, 1, 2) + clip(k, 0, 1)*v + abs(b)")
     values = {**system.parameter_values, "t": 0.0, "x": 1.0, "v": 10.0}

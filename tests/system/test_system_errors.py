@@ -128,7 +128,11 @@ def test_names_of_result_variables_are_refused(kind, name):
         (lambda: Mode({"x": "v"}, slaved=["x"]), ["slaved maps names"]),
         (lambda: Mode({"x": "v"}, definitions="d"), ["definitions maps names"]),
         (lambda: Mode({"x": "v"}, exits=["x"]), ["exits[0]", "write Exit(guard"]),
-        (lambda: Mode({"x": "v"}, cells={"+": "a"}), ["cells", "one mode per smooth piece"]),
+        (lambda: Mode({"x": "v"}, cells="+"), ["cells maps signs to names"]),
+        (
+            lambda: Mode({"x": "v"}, cells={"+": "a b"}),
+            ["cells['+'] = 'a b'", "give names by signs"],
+        ),
     ],
 )
 def test_parts_that_are_malformed(make, words):
@@ -138,7 +142,7 @@ def test_parts_that_are_malformed(make, words):
         assert word in str(caught.value)
 
 
-@pytest.mark.parametrize("key", ["equations", "surfaces", "symmetry", "slow", "signals"])
+@pytest.mark.parametrize("key", ["surfaces", "symmetry", "slow", "signals"])
 def test_words_of_the_contract_that_wait(key):
     refused([f"{key}= is not supported in this version"], **{key: {"x": "v"}})
 

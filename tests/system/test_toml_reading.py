@@ -130,7 +130,6 @@ def test_keys_below_a_table_belong_to_the_table():
 
 
 UNSUPPORTED = {
-    "equations": '{x = "v"}',
     "surfaces": "{}",
     "symmetry": "{}",
     "slow": "1",
@@ -146,11 +145,13 @@ def test_words_of_the_contract_are_refused_as_in_python(key):
     assert refused(changed("format = 1", f"{key} = {UNSUPPORTED[key]}")) == str(caught.value)
 
 
-def test_sticks_and_cells_are_refused_as_in_python():
+def test_sticks_and_cells_that_cannot_be_are_refused_as_in_python():
     message = refused(changed('name = "impact"', 'sticks = "stuck"'))
     assert message.startswith("modes.free.exits[0]: sticks='stuck' is not supported")
     message = refused(WALL + '\n[modes.free.cells]\n"++" = "i"\n')
-    assert message.startswith("modes.free: cells= belong to piecewise texts")
+    assert message.startswith("modes['free'].cells: nothing in this mode is piecewise")
+    message = refused(WALL + '\n[modes.free.cells]\n"++" = 2\n')
+    assert message.startswith("modes.free.cells.")
 
 
 # ---------------------------------------------------------------- types

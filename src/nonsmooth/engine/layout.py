@@ -92,6 +92,7 @@ class Program(NamedTuple):
     wiring: Integers  # (m, 1 + e, 2 + e) as in Tables, orders left open
     drifting: int  # bits of the states that may grow without bound
     kinds: Integers  # (m,): EXACT or TAYLOR flow
+    families: Integers  # (m,): cells of one declared mode have the same number
     code: Integers  # (r, 5) instructions on series, of all Taylor modes (taylor_opcodes)
     code_rows: Integers  # (m, 3): first row, end of flow, relations and guards, end of resets
     outlets: Integers  # (m, n + e + e * n) registers of rates or relations, guards, resets
@@ -118,6 +119,7 @@ class Tables(NamedTuple):
     wiring: Integers  # (m, 1 + e, 2 + e)
     drifting: int
     kinds: Integers  # (m,)
+    families: Integers  # (m,)
     # of Taylor modes, whose generator, affine rows and spans are those of the last point or step
     values: Floats  # (slots of the parameter tape,)
     code: Integers  # as in Program, likewise the next two
@@ -190,6 +192,7 @@ def allocate_tables(program: Program) -> Tables:
         wiring=program.wiring.copy(),
         drifting=program.drifting,
         kinds=program.kinds,
+        families=program.families,
         values=np.zeros(slots_of(program)),
         code=program.code,
         code_rows=program.code_rows,

@@ -16,26 +16,34 @@ from nonsmooth.engine.first_crossing import CERTIFIED, GRAZE, NONE, STUCK, first
 from nonsmooth.engine.flow import advance, advance_once, start_segment, state_at
 from nonsmooth.engine.jit import entry, inlined, kernel
 from nonsmooth.engine.linear_flow import augmented
-from nonsmooth.engine.linearisation import linearise
 from nonsmooth.engine.records import (
     EVENT_FLOATS,
     EVENTS,
     SAMPLES,
+    SEGMENTS,
     STALLED,
     UNCERTAIN,
     WINDOW_EVENTS,
 )
 from nonsmooth.engine.status import EventKind, Status
 from nonsmooth.engine.tangent import carry, complete_columns, start_columns
-from nonsmooth.engine.transitions import guard_holds, pass_exits, slaved_agree
+from nonsmooth.engine.transitions import (
+    guard_holds,
+    leaves_both_ways,
+    linearise_mode,
+    pass_exits,
+    slaved_agree,
+)
 
 __all__ = ["run", "start"]
 
 _COMPLETED = int(Status.COMPLETED)
 _DIVERGED = int(Status.DIVERGED)
+_NONUNIQUE = int(Status.NONUNIQUE)
 _EVENT_LIMIT = int(Status.EVENT_LIMIT)
 _STEP_LIMIT = int(Status.STEP_LIMIT)
 _INADMISSIBLE = int(Status.INADMISSIBLE)
+_PAUSED = int(Status.PAUSED)
 _SINGULAR = int(Status.SINGULAR)
 _BUFFER_FULL = int(Status.BUFFER_FULL)
 _START = int(EventKind.START)
@@ -45,6 +53,7 @@ _GRAZE = int(EventKind.GRAZE)
 _CORNER = int(EventKind.CORNER)
 _MOST_EVENTS = 10_000  # in one window; more means that impacts accumulate
 _MOST_STALLED = 100  # between which time does not advance: likewise
+_MOST_SEGMENTS = 100_000  # in one call, so that a run of short steps can be interrupted
 _NO_TIME, _FEW = 1e-10, 5  # part of a window; events before that in the same window
 _SHORTEST = 1e-14  # part of a window; a shorter step of a series means that it does not converge
 _MOST_SIZE = 1e30  # of a state that does not drift
@@ -56,7 +65,8 @@ def start(tables, rates, anchor, segment, tangent, records, mode, tolerance):
 
     shapes: anchor holds window, phase and states; mode = -1 takes the first that fits; the
     columns of derivatives begin here
-    status: COMPLETED, STOPPED, UNDECIDED, or INADMISSIBLE when no mode fits
+    status: COMPLETED, STOPPED, UNDECIDED, SLIDING, INADMISSIBLE when no mode fits, or NONUNIQUE
+    when cells on both sides of a surface do
     """
     n = tables.sizes[0]
     affine, wiring, z = tables.affine, tables.wiring, segment.z
@@ -64,11 +74,7 @@ def start(tables, rates, anchor, segment, tangent, records, mode, tolerance):
     low, high = (0, affine.shape[0]) if mode < 0 else (mode, mode + 1)
     first = -1
     for m in range(low, high):
-        if tables.kinds[m] == at.TAYLOR:
-            linearise(
-                tables, rates.slot_rates, rates.harmonics, rates.affine, segment.series,
-                segment.dual, m, z,
-            )  # fmt: skip
+        linearise_mode(tables, rates, segment, m)
         if _fits(n, affine, wiring, m, z, tolerance):
             first = m
             break
@@ -85,6 +91,8 @@ def start(tables, rates, anchor, segment, tangent, records, mode, tolerance):
     log_transition(records, row, _START, m, path, passes, z)
     anchor.place[1] = m
     _set_anchor(anchor, segment, records, n)
+    if status == _COMPLETED and mode < 0 and leaves_both_ways(tables, rates, segment, m, tolerance):
+        return _NONUNIQUE
     return status
 
 
@@ -111,7 +119,8 @@ def run(
 
     shapes: see `Anchor`, `Segment`, `Tangent`, `Records`; all of them are changed in place
     status: COMPLETED, STOPPED, DIVERGED, UNDECIDED, INADMISSIBLE, EVENT_LIMIT,
-    STEP_LIMIT, or BUFFER_FULL (call again after emptying the event buffer)
+    STEP_LIMIT, SINGULAR, SLIDING, BUFFER_FULL (call again after emptying the event buffer) or
+    PAUSED (call again)
     """
     window = tables.clock[0]
     place, cursor = anchor.place, records.cursor
@@ -122,6 +131,10 @@ def run(
     while True:
         if cursor[EVENTS] >= records.event_floats.shape[0] - 1:
             return _BUFFER_FULL
+        if cursor[SEGMENTS] > _MOST_SEGMENTS:
+            cursor[SEGMENTS] = 0
+            return _PAUSED
+        cursor[SEGMENTS] += 1
         m, phase = place[1], anchor.phase[0]
         whole = at.WINDOWS * window - phase
         copy_vector(anchor.order, segment.order, anchor.order.size)

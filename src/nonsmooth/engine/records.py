@@ -23,7 +23,7 @@ EVENT_INTEGERS = 8
 PHASE, GUARD_RATE = 0, 1
 EVENT_FLOATS = 2
 # entries of Records.cursor
-SAMPLES, EVENTS, WINDOW_EVENTS, UNCERTAIN, STALLED = range(5)
+SAMPLES, EVENTS, WINDOW_EVENTS, UNCERTAIN, STALLED, SEGMENTS = range(6)
 
 
 class Anchor(NamedTuple):
@@ -44,8 +44,8 @@ class Records(NamedTuple):
     sample_mode: Integers  # (s,)
     event_integers: Integers  # (c, EVENT_INTEGERS)
     event_floats: Floats  # (c, EVENT_FLOATS + 2 n)
-    cursor: Integers  # (5,): samples written, events logged, events in this window, uncertain
-    # ones, events in a row between which time did not advance
+    cursor: Integers  # (6,): samples written, events logged, events in this window, uncertain
+    # ones, events in a row between which time did not advance, segments of this call
     end_state: Floats  # (n,)
     since: Floats  # (2,): window number and phase up to which tangencies are logged
 
@@ -69,7 +69,7 @@ def allocate_records(
         sample_mode=np.full(count, -1, np.int64),
         event_integers=np.empty((capacity, EVENT_INTEGERS), np.int64),
         event_floats=np.empty((capacity, EVENT_FLOATS + 2 * n)),
-        cursor=np.zeros(5, np.int64),
+        cursor=np.zeros(6, np.int64),
         end_state=np.full(n, np.nan),
         since=np.full(2, -np.inf),
     )

@@ -20,8 +20,10 @@ class Status(IntEnum):
     STEP_LIMIT = 7
     INTERRUPTED = 8
     SINGULAR = 9
+    SLIDING = 10
     # inside the engine only
     BUFFER_FULL = 20
+    PAUSED = 24
     NOT_FINITE = 21
     NOT_CONVERGED = 23
 
@@ -69,6 +71,15 @@ CURES: dict[Status, str] = {
     Status.STEP_LIMIT: (
         "the search for a crossing did not advance, or took more than a million steps; choose"
         " units in which states and guards are nearer to one"
+    ),
+    Status.SLIDING: (
+        "both sides of a switching surface point at it, so the motion slides or sticks there,"
+        " which this version does not follow yet; write the sliding motion as a mode of its own,"
+        " or smooth the switch, for instance tanh(v/0.01) in place of sign(v)"
+    ),
+    Status.NONUNIQUE: (
+        "the start lies on a switching surface from which both sides point away, so two motions"
+        " begin there; choose a side by a start a little off it, or by mode="
     ),
     Status.SINGULAR: (
         "the equations cannot be continued: a root or logarithm of zero, a division by zero, or"

@@ -28,11 +28,20 @@ from nonsmooth.engine.zeros import (
     zero_order,
 )
 
-__all__ = ["PATH_BITS", "PATH_LENGTH", "guard_holds", "pass_exits", "slaved_agree"]
+__all__ = [
+    "PATH_BITS",
+    "PATH_LENGTH",
+    "guard_holds",
+    "leaves_both_ways",
+    "linearise_mode",
+    "pass_exits",
+    "slaved_agree",
+]
 
 _COMPLETED = int(Status.COMPLETED)
 _STOPPED = int(Status.STOPPED)
 _UNDECIDED = int(Status.UNDECIDED)
+_SLIDING = int(Status.SLIDING)
 _EVENT_LIMIT = int(Status.EVENT_LIMIT)
 _INADMISSIBLE = int(Status.INADMISSIBLE)
 _MOST_PASSES = 100
@@ -50,7 +59,7 @@ def pass_exits(tables, rates, segment, tangent, m, e, tolerance):
     returns: status, mode that holds, path (exits passed, six bits each, lowest first),
     number of exits passed, whether a reset was applied, whether several guards met in a corner.
     EVENT_LIMIT when resets go on and on, as at the end of accumulating impacts; UNDECIDED when
-    modes hand over in a circle
+    modes hand over in a circle, SLIDING when they are cells of one mode
     e = -1 stands for a start: nothing fires before mode m is looked at
     """
     n, affine, wiring = tables.sizes[0], tables.affine, tables.wiring
@@ -64,7 +73,7 @@ def pass_exits(tables, rates, segment, tangent, m, e, tolerance):
     fired = 0.0  # size of the terms that cancelled in the guard that fired
     carrying = tangent.columns.shape[0] > 0
     if curved:
-        _linearise(tables, rates, segment, m)
+        linearise_mode(tables, rates, segment, m)
         start_directions(n, affine, wiring, m, e, basis)
     if e < 0:
         _settle_slaved(n, affine, wiring, m, z)
@@ -82,20 +91,24 @@ def pass_exits(tables, rates, segment, tangent, m, e, tolerance):
             passes += 1
             if carrying:
                 push_columns(tables, rates, segment, tangent, m, e)
-            jumped = _reset(n, affine, wiring, m, e, z, segment.spare) or jumped
+            if _reset(n, affine, wiring, m, e, z, segment.spare):
+                jumped = True
+                visited = 0  # without a jump no mode may return
             if target < 0:
                 return _STOPPED, m, path, passes, jumped, corner
             if curved:
                 push_reset(n, affine, wiring, m, e, basis)
-                _linearise(tables, rates, segment, target)
+                linearise_mode(tables, rates, segment, target)
                 push_relations(n, affine, wiring, target, basis)
             if not _slave(n, affine, wiring, m, e, target, z, fired, tolerance):
                 return _INADMISSIBLE, target, path, passes, jumped, corner
             if carrying:
                 relate_columns(tables, rates, segment, tangent, target)
-            m = target
-            if (visited >> m) & 1 and not jumped:
-                return _UNDECIDED, m, path, passes, jumped, corner
+            before, m = m, target
+            if (visited >> m) & 1:
+                # cells of one mode hand over in a circle where both sides point at a surface
+                slides = tables.families[before] == tables.families[m]
+                return _SLIDING if slides else _UNDECIDED, m, path, passes, jumped, corner
             if passes > _MOST_PASSES:
                 return _EVENT_LIMIT, m, path, passes, jumped, corner
             visited |= 1 << m
@@ -124,12 +137,34 @@ def pass_exits(tables, rates, segment, tangent, m, e, tolerance):
 
 
 @inlined
-def _linearise(tables, rates, segment, m):
+def linearise_mode(tables, rates, segment, m):
+    """Bring the rows of a Taylor mode up to date at segment.z; linear ones always are."""
     if tables.kinds[m] == at.TAYLOR:
         linearise(
             tables, rates.slot_rates, rates.harmonics, rates.affine, segment.series,
             segment.dual, m, segment.z,
         )  # fmt: skip
+
+
+@kernel
+def leaves_both_ways(tables, rates, segment, m, tolerance):
+    """Whether a start in mode m lies on a surface from which another cell also leaves.
+
+    segment.order holds the orders of zero that pass_exits has found
+    """
+    affine, wiring, order = tables.affine, tables.wiring, segment.order
+    for g in range(wiring[m, 0, at.N_EXITS]):
+        cell = wiring[m, 1 + g, at.TARGET]
+        if not 0 < order[g] < at.DERIVATIVES or cell < 0 or cell == m:
+            continue
+        if tables.families[cell] == tables.families[m]:
+            linearise_mode(tables, rates, segment, cell)
+            holds = True
+            for h in range(wiring[cell, 0, at.N_EXITS]):
+                order[h] = 0
+                holds = holds and not _must_fire(affine, cell, h, segment.z, order, tolerance)
+            return holds
+    return False
 
 
 @kernel

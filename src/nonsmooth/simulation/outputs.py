@@ -62,7 +62,7 @@ def output_values(
     values = {name: np.full(modes.shape, np.nan) for name in system.outputs}
     if not values:
         return values
-    for m in range(len(system.mode_names)):
+    for m in range(len(system.structure.running)):
         here = np.flatnonzero(modes == m)
         for part in np.split(here, range(_TOGETHER, here.size, _TOGETHER)):
             if part.size == 0:
@@ -83,7 +83,7 @@ class _Names(Mapping[str, Any]):
     """Values of names in one mode; outputs are worked out when asked for."""
 
     def __init__(self, system: System, mode: int, clock: Clock, states: Array) -> None:
-        self.forms = system.structure.modes[system.mode_names[mode]]
+        self.forms = system.structure.running[mode]
         self.clock = clock
         self.known: dict[str, Any] = {"t": clock.time, "pi": np.pi, **system.parameter_values}
         self.known |= zip(system.states, states, strict=True)

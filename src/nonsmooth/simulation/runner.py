@@ -199,7 +199,7 @@ def _run(
                 return Status.INTERRUPTED, records
             if status == Status.BUFFER_FULL:
                 records = log.make_room(records, (int(anchor.place[0]) - first) / windows)
-            elif status != Status.COMPLETED or stop == plan.end:
+            elif status != Status.PAUSED and (status != Status.COMPLETED or stop == plan.end):
                 return status, records
             try:
                 progress.update(int(anchor.place[0]) - first)

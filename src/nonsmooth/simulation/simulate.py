@@ -9,13 +9,21 @@ from typing import Any
 import numpy.typing as npt
 import xarray as xr
 
+from nonsmooth.engine.layout import Tables
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import OptionError, RunWarning
-from nonsmooth.simulation.clock import plan_run
+from nonsmooth.simulation.clock import Plan, plan_run
 from nonsmooth.simulation.dataset import run_dataset
 from nonsmooth.simulation.options import check_flag, check_run_options, parameters_of_tangent
-from nonsmooth.simulation.runner import NoMode, build_derivatives, build_tables, run_plan
-from nonsmooth.simulation.start import explain_misfit, resolve_start, start_at_end
+from nonsmooth.simulation.runner import (
+    Derivatives,
+    NoMode,
+    Outcome,
+    build_derivatives,
+    build_tables,
+    run_plan,
+)
+from nonsmooth.simulation.start import Start, explain_misfit, resolve_start, start_at_end
 from nonsmooth.system.system import System
 
 __all__ = ["simulate"]
@@ -68,15 +76,16 @@ def simulate(
     parameters : mapping of str to float, optional
         Parameter values that differ from the system's.
     mode : str, optional
-        Mode to start in, where several would fit.
+        Mode to start in, where several would fit; a cell, or a mode for any of its cells.
     tolerance : float, optional
         What counts as zero for a start, relative to the terms of the guard. Events and
         the accuracy of the flow do not depend on it.
     events : bool, optional
         Whether to keep the event log. Without it a run of any length needs no more memory
         than its samples; events are found and counted as ever, and the run can go on.
-    tangent : bool, optional
-        Not supported in this version; refused with a message.
+    tangent : bool or sequence of str, optional
+        Whether to carry the derivatives of the states by the initial states, and by the
+        parameters: by all of them, or by those named in a list, which may be empty.
 
     Returns
     -------
@@ -140,20 +149,8 @@ def simulate(
         times=times,
         samples_per_period=samples_per_period,
     )
-    try:
-        outcome = run_plan(
-            tables,
-            plan,
-            tolerance,
-            anchor=start.anchor,
-            state=start.state,
-            begin=start.instant,
-            mode=start.mode,
-            keep_events=keep_events,
-            derivatives=build_derivatives(system, tables, chosen),
-        )
-    except NoMode as misfit:
-        raise OptionError(explain_misfit(system, tables, start, misfit.z)) from None
+    derivatives = build_derivatives(system, tables, chosen)
+    outcome = _run_from(system, tables, plan, start, tolerance, keep_events, derivatives)
     options: dict[str, Any] = {
         "tolerance": float(tolerance),
         "samples_per_period": int(samples_per_period),
@@ -164,3 +161,31 @@ def simulate(
     if outcome.status not in (Status.COMPLETED, Status.STOPPED):
         warnings.warn(f"{system.name}: {result.attrs['message']}", RunWarning, stacklevel=2)
     return result
+
+
+def _run_from(
+    system: System,
+    tables: Tables,
+    plan: Plan,
+    start: Start,
+    tolerance: float,
+    keep_events: bool,
+    derivatives: Derivatives,
+) -> Outcome:
+    """Run from the first of the modes that admits the start."""
+    for mode in start.modes:
+        try:
+            return run_plan(
+                tables,
+                plan,
+                tolerance,
+                anchor=start.anchor,
+                state=start.state,
+                begin=start.instant,
+                mode=mode,
+                keep_events=keep_events,
+                derivatives=derivatives,
+            )
+        except NoMode as fault:
+            misfit = fault
+    raise OptionError(explain_misfit(system, tables, start, misfit.z))

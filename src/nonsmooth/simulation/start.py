@@ -22,11 +22,14 @@ __all__ = ["Start", "explain_misfit", "resolve_start", "start_at_end"]
 
 @dataclass(frozen=True)
 class Start:
-    """State, instant and mode of a start, or the anchor of a run to go on from."""
+    """State, instant and modes of a start, or the anchor of a run to go on from.
+
+    One of the ``modes`` is to admit the start; -1 stands for any.
+    """
 
     state: npt.NDArray[np.float64]
     instant: Instant
-    mode: int = -1
+    modes: tuple[int, ...] = (-1,)
     anchor: Anchor | None = None
 
 
@@ -50,7 +53,7 @@ def resolve_start(
             f" {{{system.states[0]!r}: 0.1}}, a point of a dataset, or a run to go on from"
         )
     state = _from_mapping(system, initial or {})
-    return Start(state, _instant(tables, t_start or 0.0), _mode_index(system, mode))
+    return Start(state, _instant(tables, t_start or 0.0), _mode_numbers(system, mode))
 
 
 def _from_mapping(system: System, initial: Mapping[str, Any]) -> npt.NDArray[np.float64]:
@@ -68,12 +71,16 @@ def _from_mapping(system: System, initial: Mapping[str, Any]) -> npt.NDArray[np.
     return np.array([values[name] for name in system.states])
 
 
-def _mode_index(system: System, mode: str | None) -> int:
+def _mode_numbers(system: System, mode: str | None) -> tuple[int, ...]:
+    """Modes that a name stands for: a cell, cells of one name, or all cells of a mode."""
     if mode is None:
-        return -1
-    if mode not in system.mode_names:
-        raise OptionError(f"mode: {unknown_name('mode', mode, system.mode_names)}")
-    return system.mode_names.index(mode)
+        return (-1,)
+    running = system.structure.running
+    found = tuple(i for i, m in enumerate(running) if mode in (m.name, m.label, m.parent))
+    if not found:
+        known = [*system.modes, *system.mode_names]
+        raise OptionError(f"mode: {unknown_name('mode', mode, dict.fromkeys(known))}")
+    return found
 
 
 def _instant(tables: Tables, time: float) -> Instant:
@@ -99,8 +106,8 @@ def _from_point(
     time = t_start if t_start is not None else float(data.coords.get("time", 0.0))
     names = data["mode"].attrs.get("flag_meanings", "").split() if "mode" in data else []
     if mode is None and names == list(system.mode_names):
-        return Start(state, _instant(tables, time), int(data["mode"]))
-    return Start(state, _instant(tables, time), _mode_index(system, mode))
+        return Start(state, _instant(tables, time), (int(data["mode"]),))
+    return Start(state, _instant(tables, time), _mode_numbers(system, mode))
 
 
 def _from_run(
@@ -149,7 +156,7 @@ def _from_run(
 def start_at_end(start: Start) -> Start:
     """A start at the end of a run instead of its anchor: derivatives begin at a state."""
     assert start.anchor is not None
-    return Start(start.state, start.instant, int(start.anchor.place[1]))
+    return Start(start.state, start.instant, (int(start.anchor.place[1]),))
 
 
 def explain_misfit(system: System, tables: Tables, start: Start, z: npt.NDArray[np.float64]) -> str:
@@ -157,7 +164,7 @@ def explain_misfit(system: System, tables: Tables, start: Start, z: npt.NDArray[
     lines = []
     n_exits = int(tables.sizes[5])
     for m, (name, forms) in enumerate(system.structure.modes.items()):
-        if start.mode not in (-1, m):
+        if start.modes != (-1,) and m not in start.modes:
             continue
         faults = []
         for e in range(int(tables.wiring[m, 0, N_EXITS])):

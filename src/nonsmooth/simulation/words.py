@@ -5,6 +5,7 @@ Modes of zero duration, passed within one instant, are no part of a word.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -66,7 +67,7 @@ def phase_word(
     names = run["event_to"].attrs["flag_meanings"].split()
     keep = run["event_kind"].values != EventKind.GRAZE.word
     times, entered = run["event_time"].values[keep], run["event_to"].values[keep]
-    return tuple(names[m] for m in _modes_between(times, entered, low, high))
+    return tuple(_merged(names, _modes_between(times, entered, low, high)))
 
 
 def last_period_word(system: System, outcome: Outcome) -> str:
@@ -75,8 +76,17 @@ def last_period_word(system: System, outcome: Outcome) -> str:
     modes = _modes_between(*_latest(outcome, low), low, 0.0)
     if modes.size == 0:  # no event since the run went on from an earlier one
         modes = outcome.anchor.place[1:2]
-    text = " ".join(system.mode_names[m] for m in modes[-_LONGEST:])
+    text = " ".join(_merged(system.mode_names, modes[-_LONGEST:]))
     return ("... " if modes.size > _LONGEST else "") + text
+
+
+def _merged(names: Sequence[str], modes: np.ndarray) -> Iterator[str]:
+    """Names in order; a cell that follows another one of its name is no new word."""
+    before = -1
+    for mode in modes:
+        if before in (-1, mode) or names[mode] != names[before]:
+            yield names[mode]
+        before = int(mode)
 
 
 def _latest(outcome: Outcome, low: float) -> tuple[np.ndarray, np.ndarray]:

@@ -26,11 +26,13 @@ if TYPE_CHECKING:
 
 __all__ = [
     "MOST_STATES",
+    "ONE_MODE",
     "UNSUPPORTED",
     "check_kinds",
     "check_structure",
     "check_values",
     "check_words",
+    "modes_of",
     "parameter_values",
     "period_value",
     "refuse_unsupported",
@@ -45,13 +47,13 @@ _RESULT_NAMES = {
     "event_kind", "event_from", "event_to", "event_path", "event_count", "guard_rate",
     "certified", "state_before", "state_after", "end_state", "anchor_state",
 }  # fmt: skip
+ONE_MODE = "flow"  # of a system that is written without modes
 MOST_STATES = MAX_AUGMENTED - 1  # beside them stands the constant one
 _MOST = 60  # modes, and exits of a mode: sets of them are bits of one integer
 UNSUPPORTED = {
-    "equations": "write one Mode per smooth piece in modes=",
-    "surfaces": "write the two sides of the surface as modes with an exit each",
+    "surfaces": "write sign() of the switching function; its surface is found in the texts",
     "symmetry": "leave it out; no analysis of this version uses it",
-    "slow": "write the change as a definition in t, as far as the modes stay linear",
+    "slow": "write the change as a definition in t",
     "signals": "write the input as harmonics of t",
 }
 
@@ -71,6 +73,23 @@ def check_kinds(system: System) -> None:
             raise ModelError(f"{key}: give a mapping such as {{name: ...}}, not {value!r:.60}")
 
 
+def modes_of(equations: Any, modes: Mapping[str, Mode]) -> Mapping[str, Mode]:
+    """Modes of a system from either of the two ways to write them."""
+    if equations is None:
+        return modes
+    if not isinstance(equations, Mapping):
+        raise ModelError(
+            f"equations: give a mapping of states to their rates, not {equations!r:.60}"
+        )
+    one = {ONE_MODE: Mode(equations)}
+    if modes and modes != one:
+        raise ModelError(
+            "equations: they are one mode, and modes= are given as well; write them as one of the"
+            " modes, or leave modes= out"
+        )
+    return one
+
+
 def check_words(system: System) -> None:
     """Every name is well-formed, declared once and allowed where it stands."""
     _check_text("name", system.name)
@@ -84,7 +103,7 @@ def check_words(system: System) -> None:
     if not system.states:
         raise ModelError("states: a system needs at least one state")
     if not system.modes:
-        raise ModelError("modes: a system needs at least one mode")
+        raise ModelError("modes: a system needs at least one mode, or equations=")
     owner: dict[str, str] = {}
     for kind in ("states", "parameters", "definitions", "outputs"):
         for name in getattr(system, kind):
@@ -209,6 +228,8 @@ def check_values(system: System) -> None:
             given = ", ".join(f"{name} = {values[name]:g}" for name in names)
             raise ModelError(f"{condition} is required, {given} was given: {reason}")
     for name, forms in system.structure.modes.items():
+        if forms.sides:  # of a piecewise guard one side may be a constant
+            continue
         for way, guard in zip(forms.exit_names, forms.constant_guards, strict=True):
             if guard is not None:
                 _check_guard(f"modes[{name!r}], exit {way!r}", guard, values)

@@ -7,7 +7,7 @@ mode and what the forcing meets there, is computed. Numbers are shown to four di
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -40,18 +40,56 @@ def explanation(system: System) -> str:
         lines += ["  parameters", *aligned(list(_parameters(system)), 4)]
     lines += aligned([_period(system, time_unit)])
     for name, mode in system.modes.items():
-        forms = system.structure.modes[name]
-        lines += ["", f"mode {name}: {'exact linear' if forms.linear else 'Taylor series'}"]
-        sections: list[_Section] = [
-            ("slaved", [_slaved(state, text) for state, text in mode.slaved.items()]),
-            ("nonlinear", [(forms.reason,)] if forms.reason else []),
-            *(_behaviour(system, forms, time_unit) if forms.linear else ()),
-            ("exits", [_exit(way, forms.exit_names[i]) for i, way in enumerate(mode.exits)]),
+        cells = [forms for forms in system.structure.running if forms.parent == name]
+        exits = [
+            _exit(way, equation.name)
+            for way, equation in zip(
+                mode.exits, system.structure.splits[name].equations.exits, strict=True
+            )
         ]
-        for title, rows in sections:
-            if rows:
-                lines += [f"  {title}", *aligned(rows, 4)]
+        slaved = [_slaved(state, text) for state, text in mode.slaved.items()]
+        if not cells[0].sides:
+            lines += ["", f"mode {name}: {_kind(cells[0])}"]
+            sections = [("slaved", slaved), *_motion(system, cells[0], time_unit)]
+            lines += _written([*sections, ("exits", exits)])
+            continue
+        lines += ["", f"mode {name}: {len(cells)} cells"]
+        lines += _written([("slaved", slaved), *_cells(system, name, cells), ("exits", exits)])
+        for forms in cells:
+            lines += ["", f"cell {forms.name}: {_kind(forms)}"]
+            lines += _written(_motion(system, forms, time_unit))
     return "\n".join(lines) + "\n"
+
+
+def _written(sections: Iterable[_Section]) -> Iterator[str]:
+    for title, rows in sections:
+        if rows:
+            yield f"  {title}"
+            yield from aligned(rows, 4)
+
+
+def _kind(forms: ModeForms) -> str:
+    """How the flow of a mode is solved."""
+    return "exact linear" if forms.linear is not None else "Taylor series"
+
+
+def _motion(system: System, forms: ModeForms, time_unit: str) -> Iterator[_Section]:
+    """What is known of the motion in a mode or in one of its cells."""
+    if forms.linear is None:
+        yield "nonlinear", [(forms.reason,)]
+    else:
+        yield from _behaviour(system, forms, time_unit)
+
+
+def _cells(system: System, mode: str, cells: Sequence[ModeForms]) -> Iterator[_Section]:
+    """Switching functions of a mode, and the signs of its cells."""
+    found = system.structure.splits[mode]
+    yield "surfaces", [(name, f"{found.text_of(name)} = 0") for name in found.nodes]
+    rows = []
+    for forms in cells:
+        sides = ", ".join(f"{name} {'> 0' if sign == '+' else '< 0'}" for name, sign in forms.sides)
+        rows.append((forms.name, sides, forms.label if forms.label != forms.name else ""))
+    yield "cells", rows
 
 
 def _states(system: System) -> Iterator[tuple[str, str]]:

@@ -13,13 +13,11 @@ from typing import Any
 import numpy as np
 
 from nonsmooth.errors import ModelError, unknown_name
-from nonsmooth.system.checks import MOST_STATES
+from nonsmooth.system.checks import MOST_STATES, ONE_MODE
 from nonsmooth.system.grammar import parse
 from nonsmooth.system.parts import Mode, items_of
 
 __all__ = ["matrix_words"]
-
-_ONE_MODE = "flow"
 
 
 def matrix_words(matrix: Any, offset: Any, exits: Any, states: Any) -> dict[str, Any]:
@@ -61,7 +59,7 @@ def _mode_names(**given: Any) -> list[str]:
     """Modes in order: those of the first mapping; the other mappings may not have more."""
     mappings = {key: value for key, value in given.items() if isinstance(value, Mapping)}
     if not mappings:
-        return [_ONE_MODE]
+        return [ONE_MODE]
     (first, named), *others = mappings.items()
     modes = list(named)
     if not modes:

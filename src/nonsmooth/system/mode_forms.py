@@ -56,7 +56,8 @@ class ModeForms:
     """One mode that runs: ``linear`` holds its forms, or ``taylor`` its expressions.
 
     ``nonlinear`` says what keeps a mode from being linear. A declared mode with piecewise
-    texts runs as several, its cells; ``parent`` is the declared name of all of them.
+    texts runs as several, its cells: ``parent`` is the declared name of all of them, ``name``
+    that of one, ``label`` what results call it, ``sides`` its surfaces with their signs.
     """
 
     def __init__(
@@ -67,10 +68,14 @@ class ModeForms:
         targets: Sequence[int],
         *,
         name: str = "",
+        label: str = "",
+        sides: Sequence[tuple[str, str]] = (),
     ) -> None:
         self.graph = graph
         self.name = name or equations.name
+        self.label = label or self.name
         self.parent = equations.name
+        self.sides = tuple(sides)
         self.equations = equations
         self.resolver = resolver
         self.targets = tuple(targets)

@@ -80,7 +80,14 @@ class Exit:
 
 @dataclass(frozen=True, slots=True)
 class Mode:
-    """One smooth piece of a system: flow, exits and relations that hold in it.
+    """One piece of a system: flow, exits and relations that hold in it.
+
+    Where a text is piecewise in the states or in time, the mode runs as several cells. Each
+    distinct switching function, up to a numeric factor, is a surface, numbered ``s1 s2 ...``
+    in order of appearance, and its leading state counts as positive: ``1 - x`` and
+    ``2*x - 2`` are the surface ``x - 1``. A cell is named by the signs of the surfaces, as
+    in ``contact[+-]``, with ``.`` for a surface that does not exist there. Exits belong to
+    the mode and hold in all of its cells.
 
     Parameters
     ----------
@@ -92,8 +99,8 @@ class Mode:
         States given by an equation instead of a flow.
     definitions : mapping of str to str, optional
         Intermediate expressions that differ from the system's in this mode.
-    cells : mapping, optional
-        Not supported in this version; refused with a message.
+    cells : mapping of str to str, optional
+        Names of cells by their signs, ``{"++": "both"}``; several may share one.
 
     Examples
     --------
@@ -127,7 +134,12 @@ class Mode:
                 )
         object.__setattr__(self, "exits", exits)
         if self.cells is not None:
-            raise ModelError(
-                "Mode: cells= belong to piecewise texts, which this version does not split;"
-                " write one mode per smooth piece"
-            )
+            if not isinstance(self.cells, Mapping):
+                raise ModelError(f"Mode: cells maps signs to names, not {self.cells!r:.60}")
+            for signs, name in self.cells.items():
+                if not isinstance(signs, str) or not isinstance(name, str) or not is_name(name):
+                    raise ModelError(
+                        f"Mode: cells[{signs!r:.60}] = {name!r:.60}: give names by signs, such as"
+                        " {'+-': 'left'}; a name has letters, digits and _"
+                    )
+            object.__setattr__(self, "cells", FrozenDict(self.cells) or None)

@@ -6,25 +6,28 @@ depend on parameter values, so all systems made by ``with_parameters`` share one
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 from nonsmooth.errors import ModelError
+from nonsmooth.system.cell_names import cell_labels
+from nonsmooth.system.cells import split
 from nonsmooth.system.equations import Equation, check_references
 from nonsmooth.system.expressions import Expression
 from nonsmooth.system.graph import Graph
 from nonsmooth.system.linear import Harmonic, LinearForm, Power
 from nonsmooth.system.mode_equations import ModeEquations, read_mode
 from nonsmooth.system.mode_forms import ModeForms
-from nonsmooth.system.parts import STOP
 from nonsmooth.system.resolve import Resolver
-from nonsmooth.system.switching import Undecided
 from nonsmooth.system.taylor_code import TaylorCode, write_code
 
 if TYPE_CHECKING:
     from nonsmooth.system.system import System
 
-__all__ = ["Structure"]
+__all__ = ["MOST_MODES", "Structure"]
+
+MOST_MODES = 60  # cells counted one by one: sets of modes are bits of one integer
 
 
 class Structure:
@@ -50,11 +53,11 @@ class Structure:
             key: self._static(text, f"initial[{key!r}]") for key, text in system.initial.items()
         }
         self.period = None if system.period is None else self._static(system.period, "period")
-        self.modes = {
-            forms.name: forms
+        self.splits = {
+            equations.name: split(self.graph, equations)
             for equations in self._equations(system, every)
-            for forms in self._forms(equations)
         }
+        self.modes = self._running(cell_labels(system.modes, self.splits))
 
     def _static(self, text: object, where: str) -> Equation:
         return Equation.read(text, where, self._known)  # type: ignore[arg-type]
@@ -66,7 +69,7 @@ class Structure:
             equations = read_mode(
                 name,
                 mode,
-                f"modes[{name!r}]",
+                "equations" if system.equations is not None else f"modes[{name!r}]",
                 states=self.states,
                 modes=self.declared,
                 known=known,
@@ -78,18 +81,43 @@ class Structure:
             found.append(equations)
         return found
 
-    def _forms(self, equations: ModeEquations) -> list[ModeForms]:
-        resolver = Resolver(self.graph, equations, {})
-        targets = [
-            -1 if way.target == STOP else self.declared.index(way.target) for way in equations.exits
-        ]
-        try:
-            return [ModeForms(self.graph, equations, resolver, targets)]
-        except Undecided:
+    def _running(self, labels: Mapping[str, str]) -> dict[str, ModeForms]:
+        """Forms of every cell, by its name; a smooth mode is its own cell."""
+        cells = [(mode, cell) for mode in self.splits.values() for cell in mode.cells]
+        if len(cells) > MOST_MODES:
             raise ModelError(
-                f"modes[{equations.name!r}]: piecewise texts are not split into cells in this"
-                " version: write one mode per smooth piece"
-            ) from None
+                f"modes: with the cells of piecewise texts there are {len(cells)} modes; at most"
+                f" {MOST_MODES} are supported: write the system with fewer surfaces"
+            )
+        numbers = {id(cell): i for i, (_, cell) in enumerate(cells)}
+        running = {}
+        for mode, cell in cells:
+            name = mode.name_of(cell)
+            if len(cell.surfaces) + len(mode.equations.exits) > MOST_MODES:
+                raise ModelError(
+                    f"modes: {name} has {len(cell.surfaces)} surfaces and"
+                    f" {len(mode.equations.exits)} exits; at most {MOST_MODES} together are"
+                    " supported"
+                )
+            equations = mode.equations_of(self.graph, cell)
+            running[name] = ModeForms(
+                self.graph,
+                equations,
+                Resolver(self.graph, equations, cell.signs),
+                [
+                    -1 if target is None else numbers[id(target)]
+                    for target in mode.targets_of(cell, self.splits)
+                ],
+                name=name,
+                label=labels[name],
+                sides=list(mode.surfaces_of(cell)),
+            )
+        return running
+
+    @cached_property
+    def running(self) -> tuple[ModeForms, ...]:
+        """Modes and cells by the number that the engine gives them."""
+        return tuple(self.modes.values())
 
     @cached_property
     def codes(self) -> dict[str, TaylorCode]:

@@ -32,11 +32,16 @@ __all__ = ["System"]
 class System:
     """A piecewise-smooth dynamical system written as text equations.
 
-    A system is a set of modes, each with a smooth flow and exits whose guards are
-    positive inside the mode. All texts use one grammar: numbers, names, ``pi``, ``t`` for
-    time, ``+ - * / **``, parentheses, the usual functions, and ``rate(s)`` for the rate
-    of change of state ``s`` in the current mode. Systems are values: they compare, hash
-    and pickle, and a change makes a new one.
+    A system is a set of modes, each with a flow and exits whose guards are positive inside
+    the mode. All texts use one grammar: numbers, names, ``pi``, ``t`` for time,
+    ``+ - * / **``, parentheses, the usual functions, and ``rate(s)`` for the rate of change
+    of state ``s`` in the current mode. Systems are values: they compare, hash and pickle,
+    and a change makes a new one.
+
+    A mode that is linear in the states, with harmonics and powers of time, is solved in
+    closed form; any other by Taylor series. Texts may be piecewise (``sign``, ``abs``,
+    ``min``, ``max``, ``heaviside``, ``clip``, ``where``): the mode then runs as cells, one
+    for each combination of the signs of its switching functions, see `Mode`.
 
     Parameters
     ----------
@@ -49,7 +54,7 @@ class System:
     definitions : mapping of str to str, optional
         Intermediate expressions, usable in every equation; a mode may override them.
     outputs : mapping of str to str, optional
-        Quantities recorded beside the states.
+        Quantities recorded beside the states, usable in every equation too.
     period : str or float, optional
         Period of the forcing; checked against the equations.
     drift : sequence of str or mapping of str to str, optional
@@ -64,14 +69,17 @@ class System:
         brackets: ``{"x": "displacement [mm]"}``.
     name : str, optional
         Name of the system.
-    equations, surfaces, symmetry, slow, signals : optional
+    equations : mapping of str to str, optional
+        Rates of the states of a system of one mode, which is then called ``flow``; instead
+        of ``modes``.
+    surfaces, symmetry, slow, signals : optional
         Not supported in this version; refused with a message.
 
     Raises
     ------
     ModelError
-        When a name is not declared, a flow is missing, a mode is not linear in the
-        states, a requirement fails, and so on; the message points at the place.
+        When a name is not declared, a flow is missing, a requirement fails, and so on; the
+        message points at the place.
 
     See Also
     --------
@@ -94,6 +102,12 @@ class System:
     ... )
     >>> wall.with_parameters(r=0.5).parameter_values
     {'omega': 2.8, 'r': 0.5}
+
+    A piecewise spring, stiffer beyond ``x = 1``:
+
+    >>> beam = ns.System(states=["x", "v"], equations={"x": "v", "v": "-x - 8*max(x - 1, 0)"})
+    >>> beam.mode_names
+    ('flow[+]', 'flow[-]')
     """
 
     states: Sequence[str]
@@ -107,7 +121,7 @@ class System:
     initial: Mapping[str, Text] = field(default_factory=dict)
     describe: Mapping[str, str] = field(default_factory=dict)
     name: str = "system"
-    equations: Any = None
+    equations: Mapping[str, Text] | None = None
     surfaces: Any = None
     symmetry: Any = None
     slow: Any = None
@@ -121,6 +135,7 @@ class System:
                 continue
             object.__setattr__(self, key, items_of(value, f"{key}: give a list of names"))
         checks.check_kinds(self)
+        object.__setattr__(self, "modes", checks.modes_of(self.equations, self.modes))
         for item in fields(self):
             if isinstance(getattr(self, item.name), Mapping):
                 object.__setattr__(self, item.name, FrozenDict(getattr(self, item.name)))
@@ -155,8 +170,8 @@ class System:
 
     @property
     def mode_names(self) -> tuple[str, ...]:
-        """Names of the modes in the order declared."""
-        return tuple(self.structure.modes)
+        """Names of the modes that run, in order: piecewise ones by their cells."""
+        return tuple(forms.label for forms in self.structure.running)
 
     @property
     def drift_states(self) -> tuple[str, ...]:
@@ -256,7 +271,7 @@ class System:
         >>> wall.modes["flow"].flow["v"]
         '-4.0*x - 0.5*v + F*cos(omega*t)'
         """
-        if "modes" in rest:
+        if "modes" in rest or "equations" in rest:
             raise ModelError(
                 "modes: from_matrices makes the modes; name them by a mapping in matrix, offset or"
                 " exits"

@@ -44,12 +44,13 @@ def _system_words(document: dict[str, Any]) -> dict[str, Any]:
         if key != "format" and key not in readers:
             sentence = unknown_name("key", key, ["format", *readers, *checks.UNSUPPORTED])
             raise ModelError(f"top level: {sentence}")
-    for key, cure in (
-        ("states", 'write states = ["x", "v"] above the first [table]'),
-        ("modes", "write the flow of each mode under [modes.NAME.flow]"),
-    ):
-        if key not in document:
-            raise ModelError(f"{key} is missing; {cure}")
+    if "states" not in document:
+        raise ModelError('states is missing; write states = ["x", "v"] above the first [table]')
+    if "modes" not in document and "equations" not in document:
+        raise ModelError(
+            "modes is missing; write the flow of each mode under [modes.NAME.flow], or that of a"
+            " system of one mode under [equations]"
+        )
     return {key: readers[key](document[key], key) for key in readers if key in document}
 
 
@@ -83,7 +84,9 @@ def _mode(value: Any, where: str) -> Mode:
     given |= {key: read(words[key], _at(where, key)) for key, read in known.items() if key in words}
     if "exits" in words:
         given["exits"] = _exits(words["exits"], f"{where}.exits")
-    return _made(Mode, given | {"cells": words.get("cells")}, where)
+    if "cells" in words:
+        given["cells"] = _texts(words["cells"], f"{where}.cells")
+    return _made(Mode, given, where)
 
 
 def _exits(value: Any, where: str) -> list[Exit]:
@@ -167,6 +170,7 @@ _SYSTEM: dict[str, Callable[[Any, str], Any]] = {
     "require": _texts,
     "initial": _expressions,
     "describe": _texts,
+    "equations": _expressions,
     "modes": _modes,
 }
 

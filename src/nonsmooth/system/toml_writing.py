@@ -28,11 +28,16 @@ def system_to_toml(system: System) -> str:
         entries = getattr(system, key)
         if entries:
             lines += ["", *_table(key, entries)]
+    if system.equations is not None:
+        lines += ["", *_table("equations", system.equations)]
+        return "\n".join(lines) + "\n"
     for name, mode in system.modes.items():
         lines += ["", *_table(f"modes.{name}.flow", mode.flow)]
         for key in ("slaved", "definitions"):
             if getattr(mode, key):
                 lines += ["", *_table(f"modes.{name}.{key}", getattr(mode, key))]
+        if mode.cells:
+            lines += ["", *_table(f"modes.{name}.cells", mode.cells)]
         for way in mode.exits:
             lines += ["", f"[[modes.{name}.exits]]", f"guard = {_value(way.guard)}"]
             for key in ("to", "name"):
