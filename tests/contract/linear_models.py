@@ -49,13 +49,16 @@ def mole_rig() -> Model:
 
 SOFT = {"a": 0.7, "omega": 0.8, "zeta": 0.01, "e": 1.26, "beta": 29.0}
 HARD = {"F": 1.0, "omega": 2.8, "zeta": 0.02, "sigma": 0.1, "r": 0.8}
+PRESSED = {**HARD, "sigma": -0.2}
+TABLE = {"g": 1.0, "A": 0.3, "omega": 3.0, "r": 0.7}
+MOVED = {"X1": 0.01, "X2": 0.1, "X3": 0.02, "X4": 0.01}
 
 MODELS = {
     "mole, one contact per period": mole(),
     "mole, irregular": mole(b=0.05),
     "mole, many contacts": mole(b=0.27),
     "mole, direct passages": mole(a=0.9, b=0.3),
-    "mole, fast forcing": mole(b=0.1, xi=0.1, omega=1.6, periods=60),
+    "mole, fast forcing": mole(b=0.1, xi=0.1, omega=1.6, periods=40),
     "mole, critical": mole(xi=1.0),
     "mole, overdamped": mole(xi=1.5),
     "mole, heavy damping": mole(a=0.5, b=0.456, xi=0.35, omega=0.11),
@@ -63,13 +66,10 @@ MODELS = {
     "bilinear": Model(bilinear({**SOFT, "beta": 3.0}), {"x": 0.2}, 160.0, 40),
     "soft impact": Model(bilinear(SOFT), {"x": 0.2, "v": -0.1}, 160.0, 40),
     "soft impact, hard stop": Model(bilinear({**SOFT, "beta": 1e4}), {"x": 0.2}, 80.0, 40),
-    "rigid impact": Model(rigid_impact(HARD), {"x": -0.3, "v": 0.4}, 80.0, 40),
-    "rigid impact, preloaded": Model(rigid_impact({**HARD, "sigma": -0.2}), {"x": -0.6}, 80.0, 40),
-    "vibrating table": Model(
-        vibrating_table({"g": 1.0, "A": 0.3, "omega": 3.0, "r": 0.5}), {"x": 0.8, "v": 0.1}, 15.0, 30
-    ),
-    "progression by dry friction": Model(
-        dry_friction_progression(0.4, 0.9, 0.7), {}, 180.0, 40
-    ),
+    "rigid impact": Model(rigid_impact(HARD), {"x": -0.3, "v": 0.4}, 45.0, 30),
+    "rigid impact, preloaded": Model(rigid_impact(PRESSED), {"x": -0.6}, 45.0, 30),
+    "vibrating table": Model(vibrating_table(TABLE), {"x": 0.8, "v": 0.1}, 16.0, 20),
+    "progression by dry friction": Model(dry_friction_progression(0.4, 0.9, 0.7), {}, 180.0, 40),
     "fatigue rig": Model(rig(), {}, 2.1, 10),
-}  # fmt: skip
+    "fatigue rig, in motion": Model(rig(f1=5.44, f2=3.52, eta=2.5), MOVED, 5.0, 20),
+}

@@ -1,7 +1,7 @@
 """Tangents and sensitivities against central differences of runs with 40 digits.
 
-1e-8 of the largest entry of the matrix, and of each column where the columns differ in size:
-far above what rounding leaves (1e-15 times the growth, carried through a handful of events),
+1e-10 of the largest entry of the matrix, and of each column where the columns differ in size:
+above what rounding leaves (1e-15 times the growth, carried through a handful of events),
 far below what a wrong or missing saltation term does. States: 1e-11 times the growth.
 """
 
@@ -13,7 +13,7 @@ from contract.tangent_systems import LINEAR, RUNS, start_of, system_of
 from contract.taylor_twin import taylor_twin
 
 CASES = [*RUNS, *(f"{name}, Taylor" for name in LINEAR)]
-TOLERANCE = 1e-8
+TOLERANCE = 1e-10
 
 
 def run_of(case, **options):
