@@ -5,13 +5,13 @@ to that over the rate of the guard, as long as the growth stays below 1e4.
 """
 
 from functools import cache
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 import pytest
 
 import nonsmooth as ns
+from contract.growth import growth
 from contract.linear_models import MODELS
 from contract.taylor_twin import flow_kinds, taylor_twin
 
@@ -43,18 +43,7 @@ def pair(name):
     times = np.linspace(0.0, model.t_end, model.pieces + 1)
     exact = ns.simulate(model.system, model.initial, times=times)
     taylor = ns.simulate(taylor_twin(model.system), model.initial, times=times)
-    return Pair(exact, taylor, growth(model, times))
-
-
-def growth(model, times):
-    """Largest norm of the tangent of any part of the run up to each time."""
-    run, parts, worst = model.initial, [], [1.0]
-    for start, end in pairwise(times):
-        run = ns.simulate(model.system, run, times=[start, end], tangent=[])
-        piece = run["tangent"].values[-1]
-        parts = [piece @ part for part in parts] + [piece]
-        worst.append(max(worst[-1], *(np.abs(part).max() for part in parts)))
-    return np.array(worst)
+    return Pair(exact, taylor, growth(model.system, model.initial, times))
 
 
 def crossings(run):
