@@ -1,5 +1,4 @@
-"""Bundles: full slots whose eigenvalues are too close for a parameter's coupling to be
-eliminated between them.
+"""Bundles: full slots with eigenvalues too close to eliminate what a parameter couples.
 
 Wider than clusters, for two reasons. Motions that have nothing to do with each other may be
 coupled by the derivative alone, as two equal oscillators are. And eliminating across a gap
@@ -9,7 +8,7 @@ loses digits once more than the motion itself has lost.
 from __future__ import annotations
 
 from nonsmooth.engine import layout as at
-from nonsmooth.engine.jit import allocating, kernel
+from nonsmooth.engine.jit import kernel
 from nonsmooth.engine.variation_tables import BUNDLES, N_BUNDLES
 
 __all__ = ["fill_bundles"]
@@ -20,14 +19,14 @@ _MOST_LOSS = 1e4  # of digits, as a factor, by eliminating across a gap ...
 _WIDEST = 0.3  # ... smaller than this part of the eigenvalues
 
 
-@allocating
-def fill_bundles(tables, rates, m, full, twin, partner, v, v_inverse, generator, label):
+@kernel
+def fill_bundles(tables, rates, m, full, twin, partner, v, v_inverse, generator, label, condition):
     """Group the full slots of mode m and fill their means, spreads and rests.
 
-    shapes: as from `fill_full_slots`; label (N,) output, equal within a bundle
+    shapes: as from `fill_full_slots`; label (N,) output, equal within a bundle;
+    condition (N,) scratch
     """
     horizon = min(at.WINDOWS * tables.clock[0], tables.spans[m, at.LONGEST])
-    condition = v[0].real.copy()
     for f in range(full):
         label[f], condition[f] = f, 0.0
         for i in range(v.shape[0]):

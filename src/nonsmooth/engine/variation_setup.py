@@ -18,6 +18,7 @@ from nonsmooth.engine.arrays import set_zero
 from nonsmooth.engine.bundles import fill_bundles
 from nonsmooth.engine.full_slots import fill_full_slots
 from nonsmooth.engine.jit import allocating, entry, kernel
+from nonsmooth.engine.short_series import fill_growth
 from nonsmooth.engine.status import Status
 from nonsmooth.engine.tape import run_tape
 from nonsmooth.engine.tape_rates import run_tape_rates
@@ -90,25 +91,19 @@ def _fill_matrices(program, p, rates):
 def _fill_modal(tables, rates, m):
     """Bundles, frame and couplings of mode m."""
     n, big_n = tables.sizes[0], tables.generator.shape[1]
-    twin, partner = np.zeros(big_n, np.int64), np.zeros(big_n, np.int64)
-    label = np.zeros(big_n, np.int64)
-    v, v_inverse = (
-        np.zeros((big_n, big_n), np.complex128),
-        np.zeros((big_n, big_n), np.complex128),
-    )
-    generator = np.zeros((big_n, big_n), np.complex128)
-    y, work = np.zeros((big_n, big_n), np.complex128), np.zeros((big_n, big_n), np.complex128)
+    whole = np.zeros((3, big_n), np.int64)
+    square = np.zeros((5, big_n, big_n), np.complex128)
+    line = np.zeros((2, big_n))
+    twin, partner, label = whole[0], whole[1], whole[2]
+    v, v_inverse, generator, y, work = square[0], square[1], square[2], square[3], square[4]
     full = fill_full_slots(tables, m, twin, partner, v, v_inverse, generator)
-    fill_bundles(tables, rates, m, full, twin, partner, v, v_inverse, generator, label)
+    rate = max(tables.spans[m, at.FASTEST], 1.0 / tables.clock[0])
+    fill_growth(tables.generator[m], rate, line[0], line[1], rates.growth[m])
+    fill_bundles(tables, rates, m, full, twin, partner, v, v_inverse, generator, label, line[0])
     for p in range(rates.chosen.size):
         couplings, frame = rates.couplings[p, m], rates.frame[p, m]
         _multiply_real(rates.generator[p, m], v, full, work)
-        for f in range(full):
-            for g in range(full):
-                total = complex(0.0, 0.0)
-                for i in range(big_n):
-                    total += v_inverse[f, i] * work[i, g]
-                couplings[f, g] = total
+        _multiply(v_inverse, work, full, couplings)
         set_zero(y)
         for _ in range(2):  # refined generators have a little below the diagonal
             _eliminate(generator, couplings, label, full, y)
@@ -116,18 +111,33 @@ def _fill_modal(tables, rates, m):
             for g in range(full):
                 if label[f] != label[g]:
                     couplings[f, g] = 0.0
-        set_zero(frame)
-        for i in range(n):  # forcing does not depend on the rest: no frame to move
-            for g in range(full):
-                total = complex(0.0, 0.0)
-                for f in range(full):
-                    total += v[i, f] * y[f, g]
-                work[i, g] = total
-            for j in range(big_n):
-                for g in range(full):
-                    frame[i, j] += (work[i, g] * v_inverse[g, j]).real
+        _fill_frame(n, full, v, y, v_inverse, frame)
         _multiply_real(frame, v, full, work)
         _fill_lift(tables, rates, p, m, partner, v, work)
+
+
+@kernel
+def _multiply(a, b, full, product):
+    for f in range(full):
+        for g in range(full):
+            total = complex(0.0, 0.0)
+            for i in range(b.shape[0]):
+                total += a[f, i] * b[i, g]
+            product[f, g] = total
+
+
+@kernel
+def _fill_frame(n, full, v, y, v_inverse, frame):
+    """frame := v y v_inverse in the rows of states; what forcing does depends on itself."""
+    set_zero(frame)
+    for i in range(n):
+        for g in range(full):
+            total = complex(0.0, 0.0)
+            for f in range(full):
+                total += v[i, f] * y[f, g]
+            for j in range(frame.shape[1]):
+                inverse = v_inverse[g, j]
+                frame[i, j] += total.real * inverse.real - total.imag * inverse.imag
 
 
 @kernel

@@ -54,6 +54,7 @@ class Rates(NamedTuple):
     means: Complexes  # (m, N): mean eigenvalue of each bundle
     spreads: Floats  # (m, N): largest distance from it
     bundles: Integers  # (m, 1 + 3 N)
+    growth: Floats  # (m, 2): bound of growth, whose inverse is a short time; spread of units
 
 
 class Columns(NamedTuple):
@@ -70,6 +71,8 @@ class Columns(NamedTuple):
     sums: Complexes  # (1 + P, N) members of a bundle: motion, then derivatives
     terms: Complexes  # (1 + P, N) the present term of their Taylor series
     spare: Complexes  # (N,)
+    added: Floats  # (1 + P, N) over a short time: motion, then what parameters add
+    series: Floats  # (1 + P, N) the present term of their Taylor series
 
 
 def allocate_rates(program: Program, chosen: Integers) -> Rates:
@@ -91,6 +94,7 @@ def allocate_rates(program: Program, chosen: Integers) -> Rates:
         means=np.zeros((m, big_n), np.complex128),
         spreads=np.zeros((m, big_n)),
         bundles=np.zeros((m, 1 + 3 * big_n), np.int64),
+        growth=np.zeros((m, 2)),
     )
 
 
@@ -135,4 +139,6 @@ def _columns(p: int, big_n: int) -> Columns:
         sums=np.zeros((1 + p, big_n), np.complex128),
         terms=np.zeros((1 + p, big_n), np.complex128),
         spare=np.zeros(big_n, np.complex128),
+        added=np.zeros((1 + p, big_n)),
+        series=np.zeros((1 + p, big_n)),
     )
