@@ -82,6 +82,32 @@ _whirl = {
 }
 
 
+def curved_mole(parameters):
+    return ns.System(
+        states=["p", "y", "q"],
+        period="2*pi/omega",
+        parameters=parameters,
+        definitions={
+            "f": "b + a*cos(omega*t)",
+            "spring": "q + k*q**3",
+            "F": "2*xi*y + spring",
+            "lever": "1 + 2*h*q",
+            "head": "q + g + h*q**2",
+        },
+        modes={
+            "flight": ns.Mode(
+                {"p": "y", "y": "f", "q": "-spring/(2*xi*lever)"},
+                exits=[ns.Exit("head - p", to="contact")],
+            ),
+            "contact": ns.Mode(
+                {"y": "f - F", "q": "y/lever"},
+                slaved={"p": "head"},
+                exits=[ns.Exit("F", to="flight")],
+            ),
+        },
+    )
+
+
 def pendulum(parameters):
     """e0 enters twice, the second time through a definition of parameters only."""
     return ns.System(
@@ -123,6 +149,7 @@ SYSTEMS = {
     "mole": mole,
     "rotor": rotor,
     "pendulum": pendulum,
+    "curved mole": curved_mole,
     "ramp": ramp,
 }
 LINEAR = ["bilinear", "rigid impact", "vibrating table", "mole"]

@@ -165,6 +165,47 @@ def rotor() -> SmoothModel:
     )
 
 
+def curved_mole() -> SmoothModel:
+    """A mole without friction: a cubic spring, and a slider whose head is curved.
+
+    In contact p = q + g + h q^2, so F = 2 xi y + q + k q^3 with (1 + 2 h q) q' = y. It lets go
+    where F falls to zero: the gap and its rate are both zero there.
+    """
+
+    def load(t: Any, p: Any) -> Any:
+        return p.b + p.a * cos(p.omega * t)
+
+    def spring(z: Any, p: Any) -> Any:
+        q = z[2]
+        return q + p.k * q * q * q
+
+    def lever(z: Any, p: Any) -> Any:
+        return 1 + 2 * p.h * z[2]
+
+    def force(t: Any, z: Any, p: Any) -> Any:
+        return 2 * p.xi * z[1] + spring(z, p)
+
+    def head(t: Any, z: Any, p: Any) -> Any:
+        return z[2] + p.g + p.h * z[2] * z[2]
+
+    def flight(t: Any, z: Any, p: Any) -> list[Any]:
+        return [z[1], load(t, p), -spring(z, p) / (2 * p.xi * lever(z, p))]
+
+    def contact(t: Any, z: Any, p: Any) -> list[Any]:
+        return [0, load(t, p) - force(t, z, p), z[1] / lever(z, p)]
+
+    def gap(t: Any, z: Any, p: Any) -> Any:
+        return head(t, z, p) - z[0]
+
+    return SmoothModel(
+        ["p", "y", "q"],
+        {
+            "flight": SmoothMode(flight, [SmoothExit(gap, "contact")]),
+            "contact": SmoothMode(contact, [SmoothExit(force, "flight")], {0: head}),
+        },
+    )
+
+
 def pendulum() -> SmoothModel:
     """theta'' = -sin(theta) - c theta' + M cos(nu t) beside a wall at d + D sin(nu t).
 
@@ -253,6 +294,13 @@ CASES = {
         [-0.4, 0.1],
         "swing",
         every(2.6, 8),
+    ),
+    "curved mole": Case(
+        curved_mole(),
+        {"a": 0.5, "b": 0.2, "xi": 0.2, "omega": 1.3, "g": 0.02, "h": 0.3, "k": 0.5},
+        [-0.1, 0.0, 0.05],
+        "flight",
+        every(3.3, 8),
     ),
     "ramp": Case(
         ramp(),
