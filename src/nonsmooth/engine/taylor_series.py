@@ -26,6 +26,7 @@ def fill_series(code, first, last, slots, outlets, slaved, sizes, harmonics, ser
     """
     n = sizes[0]
     for k in range(low, high + 1):
+        inverse = 1.0 / (k + 1.0)
         for row in range(first, last):
             instruction = code[row, 0]
             y, a, b = code[row, 1], code[row, 2], code[row, 3]
@@ -45,7 +46,7 @@ def fill_series(code, first, last, slots, outlets, slaved, sizes, harmonics, ser
             if (slaved >> i) & 1:
                 series[i, k] = series[outlets[i], k]
             elif k + 1 < series.shape[1]:
-                series[i, k + 1] = series[outlets[i], k] / (k + 1)
+                series[i, k + 1] = series[outlets[i], k] * inverse
         if k + 1 < series.shape[1]:
             _advance_time(n, sizes[1], harmonics, series, k)
 
@@ -53,13 +54,15 @@ def fill_series(code, first, last, slots, outlets, slaved, sizes, harmonics, ser
 @kernel
 def _advance_time(n, powers, harmonics, series, k):
     """Coefficient k + 1 of 1, powers of time and harmonics."""
+    inverse = 1.0 / (k + 1.0)
     series[n, k + 1] = 0.0
     for j in range(1, powers + 1):
-        series[n + j, k + 1] = j * series[n + j - 1, k] / (k + 1)
+        series[n + j, k + 1] = j * series[n + j - 1, k] * inverse
     for q in range(harmonics.shape[1]):
         cos = n + 1 + powers + 2 * q
-        series[cos, k + 1] = -harmonics[0, q] * series[cos + 1, k] / (k + 1)
-        series[cos + 1, k + 1] = harmonics[0, q] * series[cos, k] / (k + 1)
+        turn = harmonics[0, q] * inverse
+        series[cos, k + 1] = -turn * series[cos + 1, k]
+        series[cos + 1, k + 1] = turn * series[cos, k]
 
 
 @kernel

@@ -60,6 +60,9 @@ def advance_columns(tables, rates, scratch, m, z, s, columns, out):
     if n_rates == 0:
         return
     short = s * rates.growth[m, 0] <= SHORT
+    k = 0
+    while k + 1 < rates.longest.shape[0] and rates.longest[k + 1, m] >= s:
+        k += 1
     if short:
         added, slaved = scratch.added, tables.wiring[m, 0, at.SLAVED]
         force_shortly(
@@ -72,17 +75,18 @@ def advance_columns(tables, rates, scratch, m, z, s, columns, out):
         _move(slots, m, factors, turns, scratch.start, scratch.end)
         for p in range(n_rates):
             for j in range(count):
-                scratch.forced[p, j] = s * rates.couplings[p, m, j, j] * scratch.end[j]
+                scratch.forced[p, j] = s * rates.couplings[k, p, m, j, j] * scratch.end[j]
         force_bundles(
-            rates.bundles[m], rates.means[m], rates.spreads[m], rates.rest[m], rates.couplings,
-            m, s, scratch.start, scratch.sums, scratch.terms, scratch.spare, scratch.forced,
+            rates.bundles[k, m], rates.means[k, m], rates.spreads[k, m], rates.rest[k, m],
+            rates.couplings[k], m, s, scratch.start, scratch.sums, scratch.terms,
+            scratch.spare, scratch.forced,
         )  # fmt: skip
     for p in range(n_rates):
         column = scratch.column
         for i in range(big_n):
             column[i] = columns[first + p, i]
         if not short:
-            _leave_frame(n, rates.frame[p, m], z, column)
+            _leave_frame(n, rates.frame[k, p, m], z, column)
         _read_slots(entry, reads, m, count, big_n, column, scratch.slots)
         _move(slots, m, factors, turns, scratch.slots, moved)
         if not short:
@@ -93,7 +97,7 @@ def advance_columns(tables, rates, scratch, m, z, s, columns, out):
             if short:
                 value += scratch.added[1 + p, i]
             else:
-                value += _real_product(rates.lift[p, m, i], scratch.end, count)
+                value += _real_product(rates.lift[k, p, m, i], scratch.end, count)
             out[first + p, i] = value
 
 

@@ -105,7 +105,7 @@ def compile_structure(structure: Structure) -> Compiled:
         resets=arrays[3],
         wiring=_wiring(structure, most),
         drifting=sum(1 << i for i, state in enumerate(states) if state in structure.drift),
-        families=np.array([structure.declared.index(mode.parent) for mode in modes], np.int64),
+        families=np.array(structure.families, np.int64),
         kinds=np.array([EXACT if mode.linear else TAYLOR for mode in modes], np.int64),
         code=code,
         code_rows=taylor.code_rows,

@@ -6,15 +6,12 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from nonsmooth.engine import taylor_opcodes as op
 from nonsmooth.system.expressions import Expression
 from nonsmooth.system.linear import Basis
 from nonsmooth.system.parameter_tape import ParameterTape
 from nonsmooth.system.taylor_code import Operand, TaylorCode
 
 __all__ = ["TaylorRows"]
-
-_BY_SLOT = (op.SCALE, op.SHIFT, op.POWER)
 
 
 class TaylorRows:
