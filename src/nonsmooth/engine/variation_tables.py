@@ -81,15 +81,25 @@ class Columns(NamedTuple):
 def allocate_rates(program: Program, chosen: Integers) -> Rates:
     """Empty derivatives for a program and the numbers of some of its parameters."""
     n, _, n_frequencies, n_parameters, m, e, _ = (int(size) for size in program.sizes)
-    p, big_n = len(chosen), augmented_size(program.sizes)
-    rows = DERIVATIVES * e + n + e * n
     n_slots = n_parameters + program.constants.size + program.tape.shape[0]
+    return _rates(chosen, n, n_frequencies, m, e, augmented_size(program.sizes), n_slots)
+
+
+def no_rates() -> Rates:
+    """Derivatives by no parameter, for a run that carries no columns."""
+    return _rates(np.zeros(0, np.int64), 0, 0, 0, 0, 0, 0)
+
+
+def _rates(
+    chosen: Integers, n: int, n_frequencies: int, m: int, e: int, big_n: int, n_slots: int
+) -> Rates:
+    p = len(chosen)
     return Rates(
         chosen=np.asarray(chosen, np.int64),
         slot_rates=np.zeros((n_slots, p)),
         harmonics=np.zeros((p, n_frequencies)),
         generator=np.zeros((p, m, big_n, big_n)),
-        affine=np.zeros((p, m, rows, big_n)),
+        affine=np.zeros((p, m, DERIVATIVES * e + n + e * n, big_n)),
         longest=np.zeros((FRAMES, m)),
         frame=np.zeros((FRAMES, p, m, big_n, big_n)),
         lift=np.zeros((FRAMES, p, m, n, big_n), np.complex128),
@@ -99,25 +109,6 @@ def allocate_rates(program: Program, chosen: Integers) -> Rates:
         spreads=np.zeros((FRAMES, m, big_n)),
         bundles=np.zeros((FRAMES, m, 1 + 3 * big_n), np.int64),
         growth=np.zeros((m, 2)),
-    )
-
-
-def no_rates() -> Rates:
-    """Derivatives by no parameter, for a run that carries no columns."""
-    return Rates(
-        chosen=np.zeros(0, np.int64),
-        slot_rates=np.zeros((0, 0)),
-        harmonics=np.zeros((0, 0)),
-        generator=np.zeros((0, 0, 0, 0)),
-        affine=np.zeros((0, 0, 0, 0)),
-        frame=np.zeros((0, 0, 0, 0)),
-        lift=np.zeros((0, 0, 0, 0), np.complex128),
-        couplings=np.zeros((0, 0, 0, 0), np.complex128),
-        rest=np.zeros((0, 0, 0), np.complex128),
-        means=np.zeros((0, 0), np.complex128),
-        spreads=np.zeros((0, 0)),
-        bundles=np.zeros((0, 0), np.int64),
-        growth=np.zeros((0, 0)),
     )
 
 
