@@ -18,10 +18,10 @@ __all__ = ["fill_series"]
 
 
 @kernel
-def fill_series(code, first, last, slots, outlets, slaved, sizes, harmonics, series, low, high):
+def fill_series(code, terms, weights, first, last, slots, outlets, slaved, sizes, harmonics, series, low, high):
     """Coefficients of order low ... high of all registers; those of the coordinates lead by one.
 
-    shapes: code (r, 5), slots (s,), outlets (n + ..,), series (R, high + 1 or more), with the
+    shapes: code (r, 5), terms (t, 2), weights (t,), slots (s,), outlets (n + ..,), series (R, high + 1 or more), with the
     augmented coordinates in series[:N, 0]; those below order low must be there
     """
     n = sizes[0]
@@ -30,8 +30,11 @@ def fill_series(code, first, last, slots, outlets, slaved, sizes, harmonics, ser
         for row in range(first, last):
             instruction = code[row, 0]
             y, a, b = code[row, 1], code[row, 2], code[row, 3]
-            if instruction < op.MULTIPLY:
-                series[y, k] = _linear(instruction, a, b, slots, series, k)
+            if instruction == op.COMBINE:
+                total = 0.0
+                for term in range(a, b):
+                    total += weights[term] * series[terms[term, 0], k]
+                series[y, k] = total
             elif instruction == op.MULTIPLY:
                 series[y, k] = _product(series[a], series[b], k)
             elif instruction == op.SQUARE:
@@ -63,17 +66,6 @@ def _advance_time(n, powers, harmonics, series, k):
         turn = harmonics[0, q] * inverse
         series[cos, k + 1] = -turn * series[cos + 1, k]
         series[cos + 1, k + 1] = turn * series[cos, k]
-
-
-@kernel
-def _linear(instruction, a, b, slots, series, k):
-    if instruction == op.ADD:
-        return series[a, k] + series[b, k]
-    if instruction == op.SUBTRACT:
-        return series[a, k] - series[b, k]
-    if instruction == op.SCALE:
-        return series[a, k] * slots[b]
-    return series[a, k] + (slots[b] if k == 0 else 0.0)
 
 
 @summing
