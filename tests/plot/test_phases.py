@@ -80,3 +80,19 @@ def test_many_modes_have_different_colours(mole):
     run = mole.copy()
     run["mode"].attrs["flag_meanings"] = names
     assert len(set(ns.plot.mode_colours(run).values())) == 14
+
+
+def test_cells_of_one_name_have_one_colour(ax):
+    flow = {"x": "v", "v": "-x - clip(x, -1, 1)"}
+    modes = {"m": ns.Mode(flow, cells={"++": "far", "-.": "far", "+-": "near"})}
+    system = ns.System(states=["x", "v"], modes=modes)
+    run = ns.simulate(system, {"x": 0.0, "v": 4.0}, t_end=6.0)
+    assert list(ns.plot.mode_colours(run)) == ["far", "near"]
+    ns.plot.phases(run, "x", ax=ax)
+    found = rectangles(ax)
+    assert sorted(found) == ["far", "near"]
+    # both far cells are drawn: x beyond 1 and below -1
+    sides = {
+        float(np.sign(run["x"].sel(time=span.mean(), method="nearest"))) for span in found["far"]
+    }
+    assert sides == {-1.0, 1.0}

@@ -24,6 +24,8 @@ TEXTS = [
     ("abs(x)*v**2 + max(sin(x), 0)", 4), ("max(a, b)*x + abs(b)*v", 1),
     ("where(a > b, x, v)", 1), ("where(a < b, abs(x), v)", 2), ("max(x, x)", 1),
     ("max(x, x + a)", 1), ("x*where(t > 0.3, 1, 2)", 2), ("sign(sin(t))*x", 2),
+    ("where(t < t, 1, x)", 1), ("sign(x - x)*v + x", 1), ("where(1 > 2, abs(x), v)", 1),
+    ("max(min(x, v + a), x)", 2),
     ("-x - k*sign(v - a)", 2), ("max(0, x) + max(0, -x)", 2), ("min(max(x, -1), 1)", 3),
 ]  # fmt: skip
 

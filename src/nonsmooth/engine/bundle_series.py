@@ -21,36 +21,38 @@ _GONE = -745.0  # exponent of a decay below the range of numbers
 
 
 @kernel
-def force_bundles(rates, scratch, m, s):
-    """Fill scratch.forced for the slots of all bundles of mode m, from scratch.start.
+def force_bundles(
+    bundles, means, spreads, rest, couplings, m, s, start, sums, terms, spare, forced
+):
+    """Fill the part that parameters add to the slots of all bundles of mode m after time s.
 
-    shapes: as in Rates and Columns; s is the time from the start
+    shapes: the first four are those of the mode in Rates, couplings of all modes; start,
+    sums, terms, spare and the output forced (P, N) are those of Columns
     """
-    bundles, sums, forced = rates.bundles[m], scratch.sums, scratch.forced
-    big_n = scratch.start.size
+    big_n = start.size
     for b in range(bundles[N_BUNDLES]):
         first = BUNDLES + big_n + bundles[BUNDLES + 2 * b]
         size = bundles[BUNDLES + 2 * b + 1]
         for a in range(size):
             f = bundles[first + a]
             twin = bundles[BUNDLES + 2 * big_n + f]
-            value = scratch.start[twin]
+            value = start[twin]
             sums[0, a] = value if twin == f else value.conjugate()
             for p in range(forced.shape[0]):
                 sums[1 + p, a] = 0.0
-        mean, spread = rates.means[m, b], rates.spreads[m, b]
+        mean, spread = means[b], spreads[b]
         if (mean.real + spread) * s < _GONE:
             for a in range(size):
                 for p in range(forced.shape[0]):
                     sums[1 + p, a] = 0.0
         else:
-            steps = int(math.ceil(max(1.0, spread * s)))
+            steps = math.ceil(max(1.0, spread * s))
             h = s / steps
             decay = math.exp(mean.real * h)
             cos, sin = cos_sin(mean.imag * h)
             factor = complex(decay * cos, decay * sin)
             for _ in range(steps):
-                _step(rates, scratch, m, first, size, h, spread * h)
+                _step(bundles, rest, couplings, m, first, size, h, spread * h, sums, terms, spare)
                 for k in range(sums.shape[0]):
                     for a in range(size):
                         sums[k, a] *= factor
@@ -62,10 +64,8 @@ def force_bundles(rates, scratch, m, s):
 
 
 @kernel
-def _step(rates, scratch, m, first, size, h, angle):
+def _step(bundles, rest, couplings, m, first, size, h, angle, sums, terms, spare):
     """One step of the series, without the common factor; the angle is spread times h."""
-    rest, couplings, bundles = rates.rest[m], rates.couplings, rates.bundles[m]
-    sums, terms, spare = scratch.sums, scratch.terms, scratch.spare
     for k in range(sums.shape[0]):
         for a in range(size):
             terms[k, a] = sums[k, a]

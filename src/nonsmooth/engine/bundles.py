@@ -1,61 +1,54 @@
-"""Bundles: full slots whose eigenvalues are too close for a parameter's coupling to be
-eliminated between them.
+"""Bundles: full slots with eigenvalues too close to eliminate what a parameter couples.
 
 Wider than clusters, for two reasons. Motions that have nothing to do with each other may be
 coupled by the derivative alone, as two equal oscillators are. And eliminating across a gap
-loses digits once more than the motion itself has lost.
+loses digits once more than the motion itself has lost, where the time is shorter than the gap
+takes to be felt: over a short part of its period, slow forcing is a constant.
 """
 
 from __future__ import annotations
 
-from nonsmooth.engine import layout as at
-from nonsmooth.engine.jit import allocating, kernel
+from nonsmooth.engine.jit import kernel
 from nonsmooth.engine.variation_tables import BUNDLES, N_BUNDLES
 
-__all__ = ["fill_bundles"]
+__all__ = ["fill_bundles", "group_slots"]
 
-_LITTLE = 0.1  # radians or exponent of a gap over a segment: nothing to be told apart by
-_NEAR = 0.01  # the same for decays, over their own time
-_MOST_LOSS = 1e4  # of digits, as a factor, by eliminating across a gap ...
-_WIDEST = 0.3  # ... smaller than this part of the eigenvalues
-
-
-@allocating
-def fill_bundles(tables, rates, m, full, twin, partner, v, v_inverse, generator, label):
-    """Group the full slots of mode m and fill their means, spreads and rests.
-
-    shapes: as from `fill_full_slots`; label (N,) output, equal within a bundle
-    """
-    horizon = min(tables.clock[at.LASTS], tables.spans[m, at.LONGEST])
-    condition = v[0].real.copy()
-    for f in range(full):
-        label[f], condition[f] = f, 0.0
-        for i in range(v.shape[0]):
-            condition[f] += abs(v_inverse[f, i]) * abs(v[i, f])
-    for f in range(full):
-        for g in range(f):
-            loss = condition[f] * condition[g]
-            coupled = generator[f, g] != 0.0 or generator[g, f] != 0.0
-            if coupled or _near(generator[f, f], generator[g, g], horizon, loss):
-                _merge(label, full, f, g)
-                _merge(label, full, partner[f], partner[g])
-    bundles = rates.bundles[m]
-    big_n = label.size
-    for f in range(full):
-        bundles[BUNDLES + 2 * big_n + f] = twin[f]
-    _list_bundles(bundles, label, full, tables.slots[m, at.COUNT], big_n)
-    _fill_rests(rates, m, full, generator, label)
+_LITTLE = 0.25  # radians or exponent of a gap over a time: nothing to be told apart by
 
 
 @kernel
-def _near(one, other, horizon, loss):
-    """Whether two eigenvalues belong together."""
-    gap = abs(one - other)
-    decay = max(0.0, min(-one.real, -other.real))
-    if gap * horizon <= _LITTLE or gap <= _NEAR * decay:
-        return True
-    size = max(abs(one), abs(other))
-    return gap <= _WIDEST * size and loss * size > _MOST_LOSS * gap
+def group_slots(full, partner, generator, horizon, label):
+    """Group full slots that are close over a time; groups of longer times stay together.
+
+    shapes: partner and generator as from `fill_full_slots`; label (N,), equal
+    within a bundle, changed in place
+    returns: whether any have been joined
+    """
+    joined = False
+    for f in range(full):
+        for g in range(f):
+            if label[f] == label[g]:
+                continue
+            coupled = generator[f, g] != 0.0 or generator[g, f] != 0.0
+            if coupled or abs(generator[f, f] - generator[g, g]) * horizon <= _LITTLE:
+                _merge(label, full, f, g)
+                _merge(label, full, partner[f], partner[g])
+                joined = True
+    return joined
+
+
+@kernel
+def fill_bundles(full, count, twin, generator, label, bundles, rest, means, spreads):
+    """List the bundles of a frame with their means, spreads and rests.
+
+    shapes: twin, generator, label as above, count the slots without conjugates; the outputs
+    are those of one frame and mode in `Rates`
+    """
+    big_n = label.size
+    for f in range(full):
+        bundles[BUNDLES + 2 * big_n + f] = twin[f]
+    _list_bundles(bundles, label, full, count, big_n)
+    _fill_rests(bundles, rest, means, spreads, full, generator, label)
 
 
 @kernel
@@ -89,14 +82,13 @@ def _list_bundles(bundles, label, full, count, big_n):
 
 
 @kernel
-def _fill_rests(rates, m, full, generator, label):
+def _fill_rests(bundles, rest, means, spreads, full, generator, label):
     """Mean eigenvalue of each bundle, and what its members have beyond it."""
     big_n = label.size
-    bundles = rates.bundles[m]
     for f in range(full):
         for g in range(full):
             same = label[f] == label[g]
-            rates.rest[m, f, g] = generator[f, g] if same else complex(0.0, 0.0)
+            rest[f, g] = generator[f, g] if same else complex(0.0, 0.0)
     for b in range(bundles[N_BUNDLES]):
         first = BUNDLES + big_n + bundles[BUNDLES + 2 * b]
         size = bundles[BUNDLES + 2 * b + 1]
@@ -104,8 +96,8 @@ def _fill_rests(rates, m, full, generator, label):
         for a in range(size):
             mean += generator[bundles[first + a], bundles[first + a]]
         mean /= size
-        rates.means[m, b], rates.spreads[m, b] = mean, 0.0
+        means[b], spreads[b] = mean, 0.0
         for a in range(size):
             f = bundles[first + a]
-            rates.rest[m, f, f] -= mean
-            rates.spreads[m, b] = max(rates.spreads[m, b], abs(rates.rest[m, f, f]))
+            rest[f, f] -= mean
+            spreads[b] = max(spreads[b], abs(rest[f, f]))

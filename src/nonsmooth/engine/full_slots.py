@@ -3,19 +3,19 @@
 `Tables` keeps what the loop reads: rows of the inverse of the vectors, and of the vectors
 the rows of the states, doubled where a conjugate stands behind them. Here the rest is put
 back: weights by the scalar product of a row and its vector, which is one; vectors on the
-forcing coordinates, which depend on themselves alone, by inverting that part.
+forcing coordinates, which depend on nothing else, by inverting that part.
 """
 
 from __future__ import annotations
 
 from nonsmooth.engine import layout as at
-from nonsmooth.engine.arrays import set_identity, set_zero
-from nonsmooth.engine.jit import allocating, kernel
+from nonsmooth.engine.arrays import set_zero
+from nonsmooth.engine.jit import kernel
 
 __all__ = ["fill_full_slots"]
 
 
-@allocating
+@kernel
 def fill_full_slots(tables, m, twin, partner, v, v_inverse, generator):
     """Vectors of the full slots of mode m, their inverse, and the generator between them.
 
@@ -24,8 +24,7 @@ def fill_full_slots(tables, m, twin, partner, v, v_inverse, generator):
     returns: the number of full slots
     """
     n, big_n = tables.sizes[0], tables.entry.shape[1]
-    slots = tables.slots[m]
-    count = slots[at.COUNT]
+    count = tables.slots[m, at.COUNT]
     _find_partners(tables, m, twin, partner)
     full = count
     for f in range(count):
@@ -38,8 +37,8 @@ def fill_full_slots(tables, m, twin, partner, v, v_inverse, generator):
         sign = 1.0 if f < count else -1.0
         weight = 1.0 if partner[f] == f else 0.5
         for i in range(big_n):
-            entry = tables.entry[m, a, i]
-            v_inverse[f, i] = complex(entry[at.WEIGHT_RE], sign * entry[at.WEIGHT_IM])
+            im = tables.entry[m, a, i, at.WEIGHT_IM]
+            v_inverse[f, i] = complex(tables.entry[m, a, i, at.WEIGHT_RE], sign * im)
             if i < n and not (slaved >> i) & 1:
                 value = tables.states[m, i, a] * weight
                 v[i, f] = complex(value.real, sign * value.imag)
@@ -49,7 +48,7 @@ def fill_full_slots(tables, m, twin, partner, v, v_inverse, generator):
                 generator[f, g] = complex(value.real, sign * value.imag)
         mean = tables.spectrum[m, a]
         generator[f, f] += complex(mean.real, sign * mean.imag)
-    _invert_forcing(n, full, v_inverse, v)
+    _invert_forcing(tables, m, full, twin, v_inverse, v)
     return full
 
 
@@ -84,56 +83,29 @@ def _weight(tables, m, first, end):
         total = 0.0
         for i in range(n):
             if not (slaved >> i) & 1:
-                entry, value = tables.entry[m, a, i], tables.states[m, i, a]
-                total += entry[at.WEIGHT_RE] * value.real - entry[at.WEIGHT_IM] * value.imag
+                value = tables.states[m, i, a]
+                total += tables.entry[m, a, i, at.WEIGHT_RE] * value.real
+                total -= tables.entry[m, a, i, at.WEIGHT_IM] * value.imag
         return total
     return 1.0
 
 
-@allocating
-def _invert_forcing(n, full, v_inverse, v):
-    """Rows of v for the forcing coordinates, from the slots that read nothing else."""
-    size = v.shape[0] - n
-    rows = 0
-    work = v[n:, :size].copy()
-    inverse = work.copy()
-    slot = v_inverse[:size, 0].real.astype("int64")
-    for f in range(full):
-        reads_states = False
-        for i in range(n):
-            reads_states = reads_states or v_inverse[f, i] != 0.0
-        if not reads_states and rows < size:
-            slot[rows] = f
-            for i in range(size):
-                work[rows, i] = v_inverse[f, n + i]
-            rows += 1
-    set_identity(inverse)
-    _solve(work, inverse)
-    for f in range(size):
-        for i in range(size):
-            v[n + i, slot[f]] = inverse[i, f]
-
-
 @kernel
-def _solve(matrix, right):
-    """right := matrix^-1 right by elimination with the largest pivots; matrix is spent."""
-    size = matrix.shape[0]
-    for k in range(size):
-        pivot = k
-        for i in range(k + 1, size):
-            if abs(matrix[i, k]) > abs(matrix[pivot, k]):
-                pivot = i
-        for j in range(size):
-            matrix[k, j], matrix[pivot, j] = matrix[pivot, j], matrix[k, j]
-            right[k, j], right[pivot, j] = right[pivot, j], right[k, j]
-        factor = 1.0 / matrix[k, k]
-        for j in range(size):
-            matrix[k, j] *= factor
-            right[k, j] *= factor
-        for i in range(size):
-            factor = matrix[i, k]
-            if i == k or factor == 0.0:
-                continue
-            for j in range(size):
-                matrix[i, j] -= factor * matrix[k, j]
-                right[i, j] -= factor * right[k, j]
+def _invert_forcing(tables, m, full, twin, v_inverse, v):
+    """Rows of v for the forcing coordinates: powers of time by themselves, harmonics in pairs."""
+    n, powers = tables.sizes[0], tables.sizes[1]
+    reads, c = tables.reads, n + 1 + powers
+    for f in range(full):
+        for i in range(n, c):
+            if reads[m, twin[f]] >= n and v_inverse[f, i] != 0.0:
+                v[i, f] = 1.0 / v_inverse[f, i]
+    while c < v.shape[0]:
+        f, g = -1, -1
+        for h in range(full):
+            here = v_inverse[h, c] != 0.0 or v_inverse[h, c + 1] != 0.0
+            if reads[m, twin[h]] >= n and here:
+                f, g = g, h
+        determinant = v_inverse[f, c] * v_inverse[g, c + 1] - v_inverse[f, c + 1] * v_inverse[g, c]
+        v[c, f], v[c + 1, f] = v_inverse[g, c + 1] / determinant, -v_inverse[g, c] / determinant
+        v[c, g], v[c + 1, g] = -v_inverse[f, c + 1] / determinant, v_inverse[f, c] / determinant
+        c += 2

@@ -10,16 +10,17 @@ import math
 
 from nonsmooth.engine import layout as at
 from nonsmooth.engine.jit import kernel
+from nonsmooth.engine.logarithm import log2
 from nonsmooth.engine.rounding import fill_doubt
 from nonsmooth.engine.taylor_series import fill_series
 
 __all__ = ["read_guard_of_step", "start_step", "state_of_step"]
 
-# The last coefficient, times the step to its order, is at most exp(-2 order) of the largest of
-# the leading ones, and the step is this factor of what that gives (A. Jorba and M. Zou, A software
-# package for the numerical integration of ODEs by means of high-order Taylor methods, 2005).
-_RADIUS = math.exp(-2.0 - 0.7 / (at.ORDER - 1))  # step over radius of convergence
-_LAST_BUT_ONE = _RADIUS ** (at.ORDER - 1)
+# The step over the radius of convergence, base 2 (A. Jorba and M. Zou, A software package for the
+# numerical integration of ODEs by means of high-order Taylor methods, 2005): exp(-2) and some care
+_LOG_RADIUS = (-2.0 - 0.7 / (at.ORDER - 1)) / math.log(2.0)
+_NOTHING = -960.0  # logarithm of a size that is nothing; far below it digits are lost
+_LONG = 1000.0  # logarithm of a step that no series limits
 _LEADING = 4  # coefficients that tell how large a function is
 _UNIT = 2.220446049250313e-16
 _MARGIN = 8.0  # roundings: those of the coefficients and of the polynomial read at a point
@@ -36,18 +37,20 @@ def start_step(tables, segment, m, limit):
     for i in range(segment.z.size):
         series[i, 0] = segment.z[i]
     fill_series(
-        tables.code, first, middle, tables.values, outlets, slaved, tables.sizes,
-        tables.harmonics, series, 0, at.ORDER,
+        tables.code, tables.terms, tables.weights, first, middle, tables.values, outlets,
+        slaved, tables.sizes, tables.harmonics, series, 0, at.ORDER,
     )  # fmt: skip
     length = limit
-    power = length ** (at.ORDER - 1)
+    logarithm = _LONG
     for i in range(n):
-        length, power = _shorter(series[i], length, power)
+        logarithm = min(logarithm, _log_step(series[i]))
     for g in range(n_exits):
-        length, power = _shorter(series[outlets[n + g]], length, power)
+        logarithm = min(logarithm, _log_step(series[outlets[n + g]]))
+    length = min(limit, 2.0**logarithm)
     fill_doubt(
-        tables.code, first, middle, tables.values, series, segment.z.size, length, segment.doubt
-    )
+        tables.code, tables.terms, tables.weights, first, middle, tables.values, series,
+        segment.z.size, length, segment.doubt,
+    )  # fmt: skip
     spans = tables.spans[m]
     spans[at.RUNG], spans[at.REACH], spans[at.FASTEST] = _FAR, length, 1.0 / length
     segment.point[0] = 0.0
@@ -57,27 +60,26 @@ def start_step(tables, segment, m, limit):
 
 
 @kernel
-def _shorter(a, step, power):
-    """The step, shortened so that the series of a register converges well within it.
+def _log_step(a):
+    """Logarithm of the step within which the series of a register converges well.
 
-    power is the step to the power ORDER - 1
-    returns: the step and its power
+    The last coefficient times the step to its order may be _RADIUS to the same power of any of
+    the leading terms, and likewise the last but one. Leading are the first ones, or later ones
+    where these vanish, as for a state that leaves zero with t^5.
     """
-    last_but_one, last = abs(a[at.ORDER - 1]), abs(a[at.ORDER])
-    if not math.isfinite(last_but_one + last):
-        return math.nan, math.nan
-    size = max(abs(a[0]), step * max(abs(a[1]), step * max(abs(a[2]), step * abs(a[3]))))
-    if max(last_but_one, last * step / _RADIUS) * power <= _LAST_BUT_ONE * size:
-        return step, power
-    for p, value in ((at.ORDER - 1, last_but_one), (at.ORDER, last)):
-        if value > 0.0:
-            longest = 0.0
-            for j in range(_LEADING):
-                if a[j] != 0.0:
-                    part = _RADIUS**p * abs(a[j]) / value
-                    longest = max(longest, part ** (1.0 / (p - j)))
-            step = min(step, longest)
-    return step, step ** (at.ORDER - 1)
+    shortest = _LONG
+    for p in range(at.ORDER - 1, at.ORDER + 1):
+        last = log2(abs(a[p])) - p * _LOG_RADIUS
+        longest = (_NOTHING - last) * (1.0 / p)
+        leading = 0
+        for j in range(at.ORDER - 2):
+            if a[j] != 0.0:
+                longest = max(longest, (log2(abs(a[j])) - last) * (1.0 / (p - j)))
+                leading += 1
+            if j >= _LEADING - 1 and leading > 0:
+                break
+        shortest = min(shortest, longest)
+    return shortest
 
 
 @kernel

@@ -19,19 +19,25 @@ __all__ = ["fill_series"]
 
 
 @kernel
-def fill_series(code, first, last, slots, outlets, slaved, sizes, harmonics, series, low, high):
+def fill_series(
+    code, terms, weights, first, last, slots, outlets, slaved, sizes, harmonics, series, low, high
+):
     """Coefficients of order low ... high of all registers; those of the coordinates lead by one.
 
-    shapes: code (r, 5), slots (s,), outlets (n + ..,), series (R, high + 1 or more), with the
+    shapes: code (r, 5), terms (t, 2), weights (t,), slots (s,), outlets (n + ..,), series (R, high + 1 or more), with the
     augmented coordinates in series[:N, 0]; those below order low must be there
     """
     n = sizes[0]
     for k in range(low, high + 1):
+        inverse = 1.0 / (k + 1.0)
         for row in range(first, last):
             instruction = code[row, 0]
             y, a, b = code[row, 1], code[row, 2], code[row, 3]
-            if instruction < op.MULTIPLY:
-                series[y, k] = _linear(instruction, a, b, slots, series, k)
+            if instruction == op.COMBINE:
+                total = 0.0
+                for term in range(a, b):
+                    total += weights[term] * series[terms[term, 0], k]
+                series[y, k] = total
             elif instruction == op.MULTIPLY:
                 series[y, k] = _product(series[a], series[b], k)
             elif instruction == op.SQUARE:
@@ -46,7 +52,7 @@ def fill_series(code, first, last, slots, outlets, slaved, sizes, harmonics, ser
             if (slaved >> i) & 1:
                 series[i, k] = series[outlets[i], k]
             elif k + 1 < series.shape[1]:
-                series[i, k + 1] = series[outlets[i], k] / (k + 1)
+                series[i, k + 1] = series[outlets[i], k] * inverse
         if k + 1 < series.shape[1]:
             _advance_time(sizes, harmonics, series, k)
 
@@ -55,48 +61,40 @@ def fill_series(code, first, last, slots, outlets, slaved, sizes, harmonics, ser
 def _advance_time(sizes, harmonics, series, k):
     """Coefficient k + 1 of 1, powers of time, harmonics and signals."""
     n, powers = sizes[0], sizes[1]
+    inverse = 1.0 / (k + 1.0)
     series[n, k + 1] = 0.0
     for j in range(1, powers + 1):
-        series[n + j, k + 1] = j * series[n + j - 1, k] / (k + 1)
+        series[n + j, k + 1] = j * series[n + j - 1, k] * inverse
     for q in range(harmonics.shape[1]):
         cos = n + 1 + powers + 2 * q
-        series[cos, k + 1] = -harmonics[0, q] * series[cos + 1, k] / (k + 1)
-        series[cos + 1, k + 1] = harmonics[0, q] * series[cos, k] / (k + 1)
+        turn = harmonics[0, q] * inverse
+        series[cos, k + 1] = -turn * series[cos + 1, k]
+        series[cos + 1, k + 1] = turn * series[cos, k]
     for j in range(sizes[7]):
         last = first_of_signals(sizes) + CHAIN * (j + 1) - 1
         series[last, k + 1] = 0.0
         for i in range(last - CHAIN + 1, last):
-            series[i, k + 1] = series[i + 1, k] / (k + 1)
-
-
-@kernel
-def _linear(instruction, a, b, slots, series, k):
-    if instruction == op.ADD:
-        return series[a, k] + series[b, k]
-    if instruction == op.SUBTRACT:
-        return series[a, k] - series[b, k]
-    if instruction == op.SCALE:
-        return series[a, k] * slots[b]
-    return series[a, k] + (slots[b] if k == 0 else 0.0)
+            series[i, k + 1] = series[i + 1, k] * inverse
 
 
 @summing
 def _product(a, b, k):
-    total = 0.0
-    for j in range(k + 1):
-        total += a[j] * b[k - j]
-    return total
+    """Coefficient k of a product; the newest coefficients come last, for they are waited for."""
+    if k == 0:
+        return a[0] * b[0]
+    return (_inner(a, b, k) + a[0] * b[k]) + a[k] * b[0]
 
 
 @summing
 def _square(a, k):
+    if k == 0:
+        return a[0] * a[0]
     total = 0.0
-    for j in range((k + 1) // 2):
+    for j in range(1, (k + 1) // 2):
         total += a[j] * a[k - j]
-    total *= 2.0
     if k % 2 == 0:
-        total += a[k // 2] * a[k // 2]
-    return total
+        total += 0.5 * a[k // 2] * a[k // 2]
+    return 2.0 * (total + a[0] * a[k])
 
 
 @summing

@@ -172,9 +172,9 @@ def _fill_values(tables, series, m, z):
     for i in range(z.size):
         series[i, 0] = z[i]
     fill_series(
-        tables.code, tables.code_rows[m, 0], tables.code_rows[m, 1], tables.values,
-        tables.outlets[m], tables.wiring[m, 0, at.SLAVED], tables.sizes, tables.harmonics, series,
-        0, 0,
+        tables.code, tables.terms, tables.weights, tables.code_rows[m, 0], tables.code_rows[m, 1],
+        tables.values, tables.outlets[m], tables.wiring[m, 0, at.SLAVED], tables.sizes,
+        tables.harmonics, series, 0, 0,
     )  # fmt: skip
 
 

@@ -14,6 +14,7 @@ import math
 from nonsmooth.engine import layout as at
 from nonsmooth.engine.bundle_series import force_bundles
 from nonsmooth.engine.jit import kernel
+from nonsmooth.engine.short_series import SHORT, force_shortly, slave_shortly
 from nonsmooth.engine.trigonometry import cos_sin
 
 __all__ = ["advance_columns", "augmented_columns"]
@@ -58,26 +59,53 @@ def advance_columns(tables, rates, scratch, m, z, s, columns, out):
             out[c, i] = _real_product(states[m, i], moved, count)
     if n_rates == 0:
         return
-    _read_slots(entry, reads, m, count, big_n, z, scratch.start)
-    _move(slots, m, factors, turns, scratch.start, scratch.end)
+    short = s * rates.growth[m, 0] <= SHORT
+    k = 0
+    while k + 1 < rates.longest.shape[0] and rates.longest[k + 1, m] >= s:
+        k += 1
+    if short:
+        added, slaved = scratch.added, tables.wiring[m, 0, at.SLAVED]
+        force_shortly(
+            tables.generator[m], rates.generator, m, rates.growth[m], z, s, added,
+            scratch.series, scratch.column,
+        )  # fmt: skip
+        slave_shortly(n, tables.sizes[5], slaved, tables.affine[m], rates.affine, m, added)
+    else:
+        _read_slots(entry, reads, m, count, big_n, z, scratch.start)
+        _move(slots, m, factors, turns, scratch.start, scratch.end)
+        for p in range(n_rates):
+            for j in range(count):
+                scratch.forced[p, j] = s * rates.couplings[k, p, m, j, j] * scratch.end[j]
+        force_bundles(
+            rates.bundles[k, m], rates.means[k, m], rates.spreads[k, m], rates.rest[k, m],
+            rates.couplings[k], m, s, scratch.start, scratch.sums, scratch.terms,
+            scratch.spare, scratch.forced,
+        )  # fmt: skip
     for p in range(n_rates):
-        for j in range(count):
-            scratch.forced[p, j] = s * rates.couplings[p, m, j, j] * scratch.end[j]
-    force_bundles(rates, scratch, m, s)
-    for p in range(n_rates):
-        column, frame = scratch.column, rates.frame[p, m]
+        column = scratch.column
         for i in range(big_n):
             column[i] = columns[first + p, i]
-        for i in range(n):
-            for j in range(big_n):
-                column[i] -= frame[i, j] * z[j]
+        if not short:
+            _leave_frame(n, rates.frame[k, p, m], z, column)
         _read_slots(entry, reads, m, count, big_n, column, scratch.slots)
         _move(slots, m, factors, turns, scratch.slots, moved)
-        for j in range(count):
-            moved[j] += scratch.forced[p, j]
+        if not short:
+            for j in range(count):
+                moved[j] += scratch.forced[p, j]
         for i in range(n):
-            by_frame = _real_product(rates.lift[p, m, i], scratch.end, count)
-            out[first + p, i] = _real_product(states[m, i], moved, count) + by_frame
+            value = _real_product(states[m, i], moved, count)
+            if short:
+                value += scratch.added[1 + p, i]
+            else:
+                value += _real_product(rates.lift[k, p, m, i], scratch.end, count)
+            out[first + p, i] = value
+
+
+@kernel
+def _leave_frame(n, frame, z, column):
+    for i in range(n):
+        for j in range(z.size):
+            column[i] -= frame[i, j] * z[j]
 
 
 @kernel

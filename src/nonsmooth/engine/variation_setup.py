@@ -15,17 +15,20 @@ import numpy as np
 
 from nonsmooth.engine import layout as at
 from nonsmooth.engine.arrays import set_zero
-from nonsmooth.engine.bundles import fill_bundles
+from nonsmooth.engine.bundles import fill_bundles, group_slots
 from nonsmooth.engine.full_slots import fill_full_slots
 from nonsmooth.engine.jit import allocating, entry, kernel
+from nonsmooth.engine.short_series import SHORT, fill_growth
 from nonsmooth.engine.status import Status
 from nonsmooth.engine.tape import run_tape
 from nonsmooth.engine.tape_rates import run_tape_rates
+from nonsmooth.engine.variation_tables import FRAMES
 
 __all__ = ["set_up_rates"]
 
 _OK = int(Status.COMPLETED)
 _NOT_FINITE = int(Status.NOT_FINITE)
+_SHORTER = 8.0  # from one frame to the next
 
 
 @partial(entry, allocates=True)
@@ -89,45 +92,77 @@ def _fill_matrices(program, p, rates):
 @allocating
 def _fill_modal(tables, rates, m):
     """Bundles, frame and couplings of mode m."""
-    n, big_n = tables.sizes[0], tables.generator.shape[1]
-    twin, partner = np.zeros(big_n, np.int64), np.zeros(big_n, np.int64)
-    label = np.zeros(big_n, np.int64)
-    v, v_inverse = (
-        np.zeros((big_n, big_n), np.complex128),
-        np.zeros((big_n, big_n), np.complex128),
-    )
-    generator = np.zeros((big_n, big_n), np.complex128)
-    y, work = np.zeros((big_n, big_n), np.complex128), np.zeros((big_n, big_n), np.complex128)
+    big_n = tables.generator.shape[1]
+    whole = np.zeros((3, big_n), np.int64)
+    square = np.zeros((5, big_n, big_n), np.complex128)
+    line = np.zeros((2, big_n))
+    twin, partner, label = whole[0], whole[1], whole[2]
+    v, v_inverse, generator = square[0], square[1], square[2]
     full = fill_full_slots(tables, m, twin, partner, v, v_inverse, generator)
-    fill_bundles(tables, rates, m, full, twin, partner, v, v_inverse, generator, label)
-    for p in range(rates.chosen.size):
-        couplings, frame = rates.couplings[p, m], rates.frame[p, m]
-        _multiply_real(rates.generator[p, m], v, full, work)
-        for f in range(full):
-            for g in range(full):
-                total = complex(0.0, 0.0)
-                for i in range(big_n):
-                    total += v_inverse[f, i] * work[i, g]
-                couplings[f, g] = total
-        set_zero(y)
-        for _ in range(2):  # refined generators have a little below the diagonal
-            _eliminate(generator, couplings, label, full, y)
-        for f in range(full):
-            for g in range(full):
-                if label[f] != label[g]:
-                    couplings[f, g] = 0.0
-        set_zero(frame)
-        for i in range(n):  # forcing does not depend on the rest: no frame to move
-            for g in range(full):
-                total = complex(0.0, 0.0)
-                for f in range(full):
-                    total += v[i, f] * y[f, g]
-                work[i, g] = total
-            for j in range(big_n):
-                for g in range(full):
-                    frame[i, j] += (work[i, g] * v_inverse[g, j]).real
-        _multiply_real(frame, v, full, work)
-        _fill_lift(tables, rates, p, m, partner, v, work)
+    rate = max(tables.spans[m, at.FASTEST], 1.0 / tables.clock[at.HORIZON])
+    fill_growth(tables.generator[m], rate, line[0], line[1], rates.growth[m])
+    for f in range(full):
+        label[f] = f
+    for k in range(FRAMES):
+        rates.longest[k, m] = 0.0
+    horizon = min(tables.clock[at.LASTS], tables.spans[m, at.LONGEST])
+    k = 0
+    while k == 0 or horizon * rates.growth[m, 0] > SHORT:
+        joined = group_slots(full, partner, generator, horizon, label)
+        if k == 0 or joined:
+            k = min(k, FRAMES - 1)
+            rates.longest[k, m] = horizon
+            fill_bundles(
+                full, tables.slots[m, at.COUNT], twin, generator, label, rates.bundles[k, m],
+                rates.rest[k, m], rates.means[k, m], rates.spreads[k, m],
+            )  # fmt: skip
+            for p in range(rates.chosen.size):
+                _fill_frame(tables, rates, k, p, m, full, partner, label, square)
+            k += 1
+        horizon /= _SHORTER
+
+
+@kernel
+def _fill_frame(tables, rates, k, p, m, full, partner, label, square):
+    """Frame k of mode m by parameter p, and the couplings that it leaves."""
+    v, v_inverse, generator, y, work = square[0], square[1], square[2], square[3], square[4]
+    couplings, frame = rates.couplings[k, p, m], rates.frame[k, p, m]
+    _multiply_real(rates.generator[p, m], v, full, work)
+    _multiply(v_inverse, work, full, couplings)
+    set_zero(y)
+    for _ in range(2):  # refined generators have a little below the diagonal
+        _eliminate(generator, couplings, label, full, y)
+    for f in range(full):
+        for g in range(full):
+            if label[f] != label[g]:
+                couplings[f, g] = 0.0
+    _turn_back(tables.sizes[0], full, v, y, v_inverse, frame)
+    _multiply_real(frame, v, full, work)
+    _fill_lift(tables, rates, p, m, partner, v, work, rates.lift[k, p, m])
+
+
+@kernel
+def _multiply(a, b, full, product):
+    for f in range(full):
+        for g in range(full):
+            total = complex(0.0, 0.0)
+            for i in range(b.shape[0]):
+                total += a[f, i] * b[i, g]
+            product[f, g] = total
+
+
+@kernel
+def _turn_back(n, full, v, y, v_inverse, frame):
+    """frame := v y v_inverse in the rows of states; what forcing does depends on itself."""
+    set_zero(frame)
+    for i in range(n):
+        for g in range(full):
+            total = complex(0.0, 0.0)
+            for f in range(full):
+                total += v[i, f] * y[f, g]
+            for j in range(frame.shape[1]):
+                inverse = v_inverse[g, j]
+                frame[i, j] += total.real * inverse.real - total.imag * inverse.imag
 
 
 @kernel
@@ -159,7 +194,7 @@ def _eliminate(generator, couplings, label, full, y):
 
 
 @kernel
-def _fill_lift(tables, rates, p, m, partner, v, moved):
+def _fill_lift(tables, rates, p, m, partner, v, moved, lift):
     """Slots to states by way of the frame; slaved states follow their relation."""
     n, n_exits, big_n = tables.sizes[0], tables.sizes[5], v.shape[0]
     slaved = tables.wiring[m, 0, at.SLAVED]
@@ -173,4 +208,4 @@ def _fill_lift(tables, rates, p, m, partner, v, moved):
                 for j in range(big_n):
                     value += tables.affine[m, row, j] * moved[j, a]
                     value += rates.affine[p, m, row, j] * v[j, a]
-            rates.lift[p, m, i, a] = value * weight
+            lift[i, a] = value * weight

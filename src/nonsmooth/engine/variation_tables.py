@@ -30,16 +30,18 @@ Floats = npt.NDArray[np.float64]
 Complexes = npt.NDArray[np.complex128]
 Integers = npt.NDArray[np.int64]
 
-# Rates.bundles[m]: number of bundles, then first member and size of each, then from 1 + N the
+# Rates.bundles[f, m]: number of bundles, then first member and size of each, then from 1 + N the
 # members, full slots, and from 1 + 2 N the slot of which a full slot is the conjugate
 N_BUNDLES, BUNDLES = 0, 1
+FRAMES = 6  # at most; further ones would tell apart no more than a few motions better
 
 
 class Rates(NamedTuple):
     """Derivatives by the chosen parameters, and the modal form in which they are carried.
 
     A bundle is a group of full slots with close eigenvalues: across bundles all couplings
-    that a parameter makes are turned into a motion of the frame, within them they stay.
+    that a parameter makes are turned into a motion of the frame, within them they stay. What
+    is close depends on the time; so there are some frames (F at most), for ever shorter ones.
     """
 
     chosen: Integers  # (P,) numbers of the parameters
@@ -47,13 +49,15 @@ class Rates(NamedTuple):
     harmonics: Floats  # (P, K): of the frequencies
     generator: Floats  # (P, m, N, N): of Tables.generator
     affine: Floats  # (P, m, rows, N): of guards (not of their derivatives), relations, resets
-    frame: Floats  # (P, m, N, N): what u - frame z leaves coupled only within bundles
-    lift: Complexes  # (P, m, n, N): slots to the part of u that is frame z
-    couplings: Complexes  # (P, m, N, N): of full slots of one bundle
-    rest: Complexes  # (m, N, N): full slots, what bundles have beyond their mean eigenvalue
-    means: Complexes  # (m, N): mean eigenvalue of each bundle
-    spreads: Floats  # (m, N): largest distance from it
-    bundles: Integers  # (m, 1 + 3 N)
+    longest: Floats  # (F, m): time up to which a frame serves, zero where there is none
+    frame: Floats  # (F, P, m, N, N): what u - frame z leaves coupled only within bundles
+    lift: Complexes  # (F, P, m, n, N): slots to the part of u that is frame z
+    couplings: Complexes  # (F, P, m, N, N): of full slots of one bundle
+    rest: Complexes  # (F, m, N, N): full slots, what bundles have beyond their mean eigenvalue
+    means: Complexes  # (F, m, N): mean eigenvalue of each bundle
+    spreads: Floats  # (F, m, N): largest distance from it
+    bundles: Integers  # (F, m, 1 + 3 N)
+    growth: Floats  # (m, 2): bound of growth, whose inverse is a short time; spread of units
 
 
 class Columns(NamedTuple):
@@ -70,45 +74,41 @@ class Columns(NamedTuple):
     sums: Complexes  # (1 + P, N) members of a bundle: motion, then derivatives
     terms: Complexes  # (1 + P, N) the present term of their Taylor series
     spare: Complexes  # (N,)
+    added: Floats  # (1 + P, N) over a short time: motion, then what parameters add
+    series: Floats  # (1 + P, N) the present term of their Taylor series
 
 
 def allocate_rates(program: Program, chosen: Integers) -> Rates:
     """Empty derivatives for a program and the numbers of some of its parameters."""
     n, _, n_frequencies, n_parameters, m, e, *_ = (int(size) for size in program.sizes)
-    p, big_n = len(chosen), augmented_size(program.sizes)
-    rows = DERIVATIVES * e + n + e * n
     n_slots = n_parameters + program.constants.size + program.tape.shape[0]
+    return _rates(chosen, n, n_frequencies, m, e, augmented_size(program.sizes), n_slots)
+
+
+def no_rates() -> Rates:
+    """Derivatives by no parameter, for a run that carries no columns."""
+    return _rates(np.zeros(0, np.int64), 0, 0, 0, 0, 0, 0)
+
+
+def _rates(
+    chosen: Integers, n: int, n_frequencies: int, m: int, e: int, big_n: int, n_slots: int
+) -> Rates:
+    p = len(chosen)
     return Rates(
         chosen=np.asarray(chosen, np.int64),
         slot_rates=np.zeros((n_slots, p)),
         harmonics=np.zeros((p, n_frequencies)),
         generator=np.zeros((p, m, big_n, big_n)),
-        affine=np.zeros((p, m, rows, big_n)),
-        frame=np.zeros((p, m, big_n, big_n)),
-        lift=np.zeros((p, m, n, big_n), np.complex128),
-        couplings=np.zeros((p, m, big_n, big_n), np.complex128),
-        rest=np.zeros((m, big_n, big_n), np.complex128),
-        means=np.zeros((m, big_n), np.complex128),
-        spreads=np.zeros((m, big_n)),
-        bundles=np.zeros((m, 1 + 3 * big_n), np.int64),
-    )
-
-
-def no_rates() -> Rates:
-    """Derivatives by no parameter, for a run that carries no columns."""
-    return Rates(
-        chosen=np.zeros(0, np.int64),
-        slot_rates=np.zeros((0, 0)),
-        harmonics=np.zeros((0, 0)),
-        generator=np.zeros((0, 0, 0, 0)),
-        affine=np.zeros((0, 0, 0, 0)),
-        frame=np.zeros((0, 0, 0, 0)),
-        lift=np.zeros((0, 0, 0, 0), np.complex128),
-        couplings=np.zeros((0, 0, 0, 0), np.complex128),
-        rest=np.zeros((0, 0, 0), np.complex128),
-        means=np.zeros((0, 0), np.complex128),
-        spreads=np.zeros((0, 0)),
-        bundles=np.zeros((0, 0), np.int64),
+        affine=np.zeros((p, m, DERIVATIVES * e + n + e * n, big_n)),
+        longest=np.zeros((FRAMES, m)),
+        frame=np.zeros((FRAMES, p, m, big_n, big_n)),
+        lift=np.zeros((FRAMES, p, m, n, big_n), np.complex128),
+        couplings=np.zeros((FRAMES, p, m, big_n, big_n), np.complex128),
+        rest=np.zeros((FRAMES, m, big_n, big_n), np.complex128),
+        means=np.zeros((FRAMES, m, big_n), np.complex128),
+        spreads=np.zeros((FRAMES, m, big_n)),
+        bundles=np.zeros((FRAMES, m, 1 + 3 * big_n), np.int64),
+        growth=np.zeros((m, 2)),
     )
 
 
@@ -135,4 +135,6 @@ def _columns(p: int, big_n: int) -> Columns:
         sums=np.zeros((1 + p, big_n), np.complex128),
         terms=np.zeros((1 + p, big_n), np.complex128),
         spare=np.zeros(big_n, np.complex128),
+        added=np.zeros((1 + p, big_n)),
+        series=np.zeros((1 + p, big_n)),
     )

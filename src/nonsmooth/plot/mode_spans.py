@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.histories import common_label, draw_lines
-from nonsmooth.plot.style import axis_label, finish_axes, mode_colours, place_legend
+from nonsmooth.plot.style import axis_label, finish_axes, mode_colours, mode_numbers, place_legend
 from nonsmooth.plot.trace import DENSE, check_log, check_range, check_variables
 
 if TYPE_CHECKING:
@@ -116,8 +116,8 @@ def _draw_modes(
     from matplotlib.collections import PolyCollection
 
     spans = _spans(run, *time_range)
-    for i, (name, colour) in enumerate(mode_colours(run).items()):
-        here = spans.mode == i
+    for name, colour in mode_colours(run).items():
+        here = np.isin(spans.mode, mode_numbers(run, name))
         if not np.any(here):
             continue
         begin, end = spans.begin[here], spans.end[here]

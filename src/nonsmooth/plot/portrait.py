@@ -9,7 +9,14 @@ import numpy.typing as npt
 
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.mode_spans import mode_label
-from nonsmooth.plot.style import LINES, axis_label, finish_axes, mode_colours, place_legend
+from nonsmooth.plot.style import (
+    LINES,
+    axis_label,
+    finish_axes,
+    mode_colours,
+    mode_numbers,
+    place_legend,
+)
 from nonsmooth.plot.trace import DENSE, Trace, check_range, check_variables, curve
 
 if TYPE_CHECKING:
@@ -92,8 +99,9 @@ def phase_portrait(
 
 def _draw_by_mode(run: xr.Dataset, trace: Trace, ax: Axes, dense: bool) -> None:
     """A line per mode, broken where the run is in another mode, and one for the jumps."""
-    for i, (name, colour) in enumerate(mode_colours(run).items()):
-        points = _broken(trace.values, (trace.mode == i) & ~trace.jumps)
+    for name, colour in mode_colours(run).items():
+        here = np.isin(trace.mode, mode_numbers(run, name))
+        points = _broken(trace.values, here & ~trace.jumps)
         if points.size:
             label = mode_label(name)
             ax.plot(*points, color=colour, linewidth=1.2, label=label, rasterized=dense)

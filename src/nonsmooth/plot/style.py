@@ -103,7 +103,14 @@ def mode_colours(run: xr.Dataset) -> dict[str, str]:
     colours = list(PALETTE.values())
     colours += [_darker(colour) for colour in colours]
     names = run["mode"].attrs["flag_meanings"].split()
-    return {name: colours[i % len(colours)] for i, name in enumerate(names)}
+    distinct = dict.fromkeys(names)  # cells may share a name
+    return {name: colours[i % len(colours)] for i, name in enumerate(distinct)}
+
+
+def mode_numbers(run: xr.Dataset, name: str) -> list[int]:
+    """Numbers of the modes that have a name."""
+    names = run["mode"].attrs["flag_meanings"].split()
+    return [i for i, other in enumerate(names) if other == name]
 
 
 def _darker(colour: str) -> str:

@@ -16,7 +16,7 @@ from nonsmooth.system.expressions import (
     to_text,
 )
 
-__all__ = ["canonical_frequency", "monomials"]
+__all__ = ["canonical_frequency", "monomials", "rebuilt"]
 
 Monomials = dict[tuple[Expression, ...], float]
 _MOST_MONOMIALS = 200  # of a product; beyond, the product stays as it is written
@@ -56,7 +56,7 @@ def monomials(expression: Expression) -> Monomials:
             return product
         if expression.function == "/" and not _is_large(parts[0], parts[1]):
             return _product(parts[0], _reciprocal(parts[1]))
-        return {(Call(expression.function, tuple(_rebuilt(part) for part in parts)),): 1.0}
+        return {(Call(expression.function, tuple(rebuilt(part) for part in parts)),): 1.0}
     return {(expression,): 1.0}
 
 
@@ -90,9 +90,10 @@ def _reciprocal(terms: Monomials) -> Monomials:
         if value != 0.0:
             inverse = tuple(divide(Number(1.0), factor) for factor in factors)
             return {tuple(sorted(inverse, key=to_text)): 1.0 / value}
-    return {(divide(Number(1.0), _rebuilt(terms)),): 1.0}
+    return {(divide(Number(1.0), rebuilt(terms)),): 1.0}
 
 
-def _rebuilt(terms: Monomials) -> Expression:
+def rebuilt(terms: Monomials) -> Expression:
+    """Sum of products in one order."""
     ordered = sorted(terms.items(), key=lambda item: [to_text(factor) for factor in item[0]])
     return add(*(multiply(Number(value), *factors) for factors, value in ordered))

@@ -8,6 +8,7 @@ time stands in it, so that what depends on parameters alone is seen at once.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 from nonsmooth.system.expressions import Call, Expression, Name, Number
 from nonsmooth.system.linear import (
@@ -36,6 +37,7 @@ class Graph:
         self._nodes: dict[tuple[object, ...], Expression] = {}
         self._depends: dict[int, int] = {}
         self._angles: dict[int, tuple[Expression, Expression] | None] = {}
+        self.surfaces: dict[int, Any] = {}  # switching functions worked out before
         self.zero = self.number(0.0)
         self.one = self.number(1.0)
 
@@ -128,10 +130,6 @@ class Graph:
     def moves(self, node: Expression) -> bool:
         """Whether a state, a signal or time stands in a node."""
         return self._depends[id(node)] != 0
-
-    def has_time(self, node: Expression) -> bool:
-        """Whether time stands in a node."""
-        return bool(self._depends[id(node)] & _TIME)
 
     def states_in(self, node: Expression) -> set[str]:
         """States that stand in a node."""

@@ -169,18 +169,12 @@ class ModeForms:
         Piecewise calls that do not decide on the cell stay in the expression.
         """
         equation = self.equations.definitions[name]
-        if not self.resolver.met_piecewise:
+        if self.linear is not None and not self.resolver.met_piecewise:
             try:
                 return self.reader.form(equation)
             except NonlinearText:
                 pass
         return self._readable.tree(equation)
-
-    def rate_of(self, state: str) -> LinearForm | Expression:
-        """Rate of change of a state."""
-        if self.linear is not None:
-            return self.linear.rates[state]
-        return self.resolver.rate(state)
 
     @property
     def reason(self) -> str:

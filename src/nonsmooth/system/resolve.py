@@ -11,7 +11,8 @@ from collections.abc import Callable, Mapping
 from nonsmooth.errors import ModelError
 from nonsmooth.system.differentiate import rate_of_change
 from nonsmooth.system.equations import Equation
-from nonsmooth.system.expressions import Call, Expression, Name, Number
+from nonsmooth.system.evaluate import constant_value
+from nonsmooth.system.expressions import Call, Expression, Name, Number, names_in
 from nonsmooth.system.functions import lookup
 from nonsmooth.system.graph import Graph
 from nonsmooth.system.mode_equations import ModeEquations
@@ -130,15 +131,20 @@ class Resolver:
         assert isinstance(condition, Call)  # the grammar admits nothing else
         left, right = (self._tree(side) for side in condition.arguments)
         comparison = condition.function
+
+        def decided(left: Expression, right: Expression) -> Expression:
+            condition = graph.call(comparison, left, right)
+            return self._selected(condition, lambda: self._tree(yes), lambda: self._tree(no))
+
         if not graph.moves(left) and not graph.moves(right):
-            decided = graph.call(comparison, left, right)
-            return self._selected(decided, lambda: self._tree(yes), lambda: self._tree(no))
-        above, below = (left, right) if comparison in (">", ">=") else (right, left)
+            return decided(left, right)
+        sides = (yes, no) if comparison in (">", ">=") else (no, yes)
         return self._switched(
-            _difference(graph, above, below),
-            lambda: self._tree(yes),
-            lambda: self._tree(no),
-            lambda: graph.call(
+            _difference(graph, left, right),
+            lambda: self._tree(sides[0]),
+            lambda: self._tree(sides[1]),
+            constant=lambda difference: decided(difference, graph.zero),
+            kept=lambda: graph.call(
                 "where", graph.call(comparison, left, right), self._tree(yes), self._tree(no)
             ),
         )
@@ -157,7 +163,13 @@ class Resolver:
             "sign": (graph.one, graph.number(-1.0)),
             "heaviside": (graph.one, graph.zero),
         }[function]
-        return self._switched(u, lambda: above, lambda: below, lambda: graph.call(function, u))
+        return self._switched(
+            u,
+            lambda: above,
+            lambda: below,
+            constant=lambda value: graph.call(function, value),
+            kept=lambda: graph.call(function, u),
+        )
 
     def _greater(self, function: str, u: Expression, other: Expression) -> Expression:
         """``max`` or ``min`` of two."""
@@ -169,28 +181,40 @@ class Resolver:
             _difference(graph, u, other),
             lambda: above,
             lambda: below,
-            lambda: graph.call(function, u, other),
+            constant=lambda value: self._selected(
+                graph.call(">=", value, graph.zero), lambda: above, lambda: below
+            ),
+            kept=lambda: graph.call(function, u, other),
         )
 
-    def _switched(self, u: Expression, above: _Lazy, below: _Lazy, kept: _Lazy) -> Expression:
-        """One side of a switching function, by its sign."""
+    def _switched(
+        self,
+        u: Expression,
+        above: _Lazy,
+        below: _Lazy,
+        *,
+        constant: Callable[[Expression], Expression],
+        kept: _Lazy,
+    ) -> Expression:
+        """One side of a switching function, by its sign; ``constant`` where it has but one."""
         self.met_piecewise = True
-        surface, sign = switching_function(self.graph, u)
-        if surface is None:
-            if sign == 0.0:
-                return self._selected(self.graph.call(">=", u, self.graph.zero), above, below)
-            return above() if sign > 0.0 else below()
-        side = self.signs.get(surface.key)
+        switch = switching_function(self.graph, u)
+        if switch.surface is None:
+            return constant(switch.constant)
+        side = self.signs.get(switch.surface.key)
         if side is None:
             if self.strict:
-                raise Undecided(surface)
+                raise Undecided(switch.surface)
             return kept()
-        return above() if side * sign > 0.0 else below()
+        return above() if side * switch.sign > 0.0 else below()
 
     def _selected(self, condition: Expression, yes: _Lazy, no: _Lazy) -> Expression:
         """Selection by a condition on parameters: the two sides weighted by one and zero."""
-        graph, above, below = self.graph, yes(), no()
-        if not (graph.moves(above) or graph.moves(below)):
+        graph = self.graph
+        if not names_in(condition):
+            return yes() if constant_value(condition, {}) else no()
+        above, below = yes(), no()
+        if not self.strict or not (graph.moves(above) or graph.moves(below)):
             return graph.call("where", condition, above, below)
         return graph.add(
             graph.multiply(graph.call("where", condition, graph.one, graph.zero), above),

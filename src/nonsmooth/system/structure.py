@@ -121,6 +121,11 @@ class Structure:
         """Modes and cells by the number that the engine gives them."""
         return tuple(self.modes.values())
 
+    @property
+    def families(self) -> tuple[int, ...]:
+        """Number of the declared mode of each that runs: the same for all its cells."""
+        return tuple(self.declared.index(forms.parent) for forms in self.running)
+
     @cached_property
     def codes(self) -> dict[str, TaylorCode]:
         """Instructions of the modes that are not linear."""

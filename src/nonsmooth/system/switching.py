@@ -8,10 +8,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from nonsmooth.system.expressions import Expression, names_in, to_text
-from nonsmooth.system.frequencies import monomials
+from nonsmooth.system.frequencies import monomials, rebuilt
 from nonsmooth.system.graph import Graph
 
-__all__ = ["Surface", "SurfaceKey", "Undecided", "switching_function"]
+__all__ = ["Surface", "SurfaceKey", "Switch", "Undecided", "switching_function"]
 
 _DIGITS = 12  # in which the numbers of two spellings agree
 
@@ -34,24 +34,38 @@ class Undecided(Exception):
         self.surface = surface
 
 
-def switching_function(graph: Graph, node: Expression) -> tuple[Surface | None, float]:
-    """Surface of a switching function and the sign by which the function differs from it.
+@dataclass(frozen=True, slots=True)
+class Switch:
+    """A switching function: ``sign`` times that of its surface, or a constant.
 
-    Without a state, a signal or time in it there is no surface; then the number is the sign of the
-    function where it is a number, and zero where parameters decide.
+    The constant, where no state, no signal and no time is left in the function, is an expression
+    of parameters.
     """
+
+    surface: Surface | None
+    sign: float
+    constant: Expression
+
+
+def switching_function(graph: Graph, node: Expression) -> Switch:
+    """Surface of a switching function, up to a numeric factor."""
+    if id(node) not in graph.surfaces:
+        graph.surfaces[id(node)] = _canonical(graph, node)
+    found: Switch = graph.surfaces[id(node)]
+    return found
+
+
+def _canonical(graph: Graph, node: Expression) -> Switch:
     terms = monomials(node)
     ranks = {factors: _rank(graph, factors) for factors in terms}
     fixed = len(graph.states) + 1 + len(graph.signals)
     moving = [factors for factors in terms if ranks[factors][0] < fixed]
     if not moving:
-        if set(terms) <= {()}:
-            return None, 1.0 if terms.get((), 0.0) >= 0.0 else -1.0
-        return None, 0.0
+        return Switch(None, 1.0, graph.imported(rebuilt(terms)))
     leading = terms[min(moving, key=lambda factors: ranks[factors])]
     sign = 1.0 if leading > 0.0 else -1.0
     key = frozenset((f, f"{value / leading:.{_DIGITS}g}") for f, value in terms.items())
-    return Surface(key, node if sign > 0.0 else graph.negate(node)), sign
+    return Switch(Surface(key, node if sign > 0.0 else graph.negate(node)), sign, graph.zero)
 
 
 def _rank(graph: Graph, factors: tuple[Expression, ...]) -> tuple[int, int, list[str]]:
