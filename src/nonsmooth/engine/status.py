@@ -21,6 +21,7 @@ class Status(IntEnum):
     INTERRUPTED = 8
     SINGULAR = 9
     SLIDING = 10
+    REFUSED = 11
     # inside the engine only
     BUFFER_FULL = 20
     PAUSED = 24
@@ -85,6 +86,10 @@ CURES: dict[Status, str] = {
         "the equations cannot be continued: a root or logarithm of zero, a division by zero, or"
         " states that run off to infinity in finite time; if the singular point is not meant to be"
         " reached, add an exit before it, such as Exit('x - 1e-9', to='stop')"
+    ),
+    Status.REFUSED: (
+        "a parameter of slow= takes a value that the system refuses; end the run before, or change"
+        " its text"
     ),
     Status.INTERRUPTED: "by the user; what was computed is kept",
 }
