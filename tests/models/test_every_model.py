@@ -30,7 +30,7 @@ def test_defaults_in_the_table_are_the_defaults(name):
     make = model_functions()[name]
     rows = [line.split() for line in inspect.getdoc(make).splitlines()]
     arguments = inspect.signature(make).parameters
-    table = {row[1]: row[2] for row in rows if len(row) > 3 and row[1] in arguments}
+    table = {row[1]: row[2] for row in rows if row[1:] and row[1] in arguments and row[2] != ":"}
     for argument, shown in table.items():
         default = arguments[argument].default
         assert shown == (default if isinstance(default, str) else f"{default:g}")
