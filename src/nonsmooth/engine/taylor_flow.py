@@ -19,6 +19,7 @@ __all__ = ["read_guard_of_step", "start_step", "state_of_step"]
 # The step over the radius of convergence, base 2 (A. Jorba and M. Zou, A software package for the
 # numerical integration of ODEs by means of high-order Taylor methods, 2005): exp(-2) and some care
 _LOG_RADIUS = (-2.0 - 0.7 / (at.ORDER - 1)) / math.log(2.0)
+_NOTHING = -960.0  # logarithm of a size that is nothing; far below it digits are lost
 _LONG = 1000.0  # logarithm of a step that no series limits
 _LEADING = 4  # coefficients that tell how large a function is
 _UNIT = 2.220446049250313e-16
@@ -63,14 +64,20 @@ def _log_step(a):
     """Logarithm of the step within which the series of a register converges well.
 
     The last coefficient times the step to its order may be _RADIUS to the same power of any of
-    the leading terms, and likewise the last but one.
+    the leading terms, and likewise the last but one. Leading are the first ones, or later ones
+    where these vanish, as for a state that leaves zero with t^5.
     """
     shortest = _LONG
     for p in range(at.ORDER - 1, at.ORDER + 1):
         last = log2(abs(a[p])) - p * _LOG_RADIUS
-        longest = -_LONG
-        for j in range(_LEADING):
-            longest = max(longest, (log2(abs(a[j])) - last) * (1.0 / (p - j)))
+        longest = (_NOTHING - last) * (1.0 / p)
+        leading = 0
+        for j in range(at.ORDER - 2):
+            if a[j] != 0.0:
+                longest = max(longest, (log2(abs(a[j])) - last) * (1.0 / (p - j)))
+                leading += 1
+            if j >= _LEADING - 1 and leading > 0:
+                break
         shortest = min(shortest, longest)
     return shortest
 

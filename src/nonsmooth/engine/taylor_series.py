@@ -18,7 +18,9 @@ __all__ = ["fill_series"]
 
 
 @kernel
-def fill_series(code, terms, weights, first, last, slots, outlets, slaved, sizes, harmonics, series, low, high):
+def fill_series(
+    code, terms, weights, first, last, slots, outlets, slaved, sizes, harmonics, series, low, high
+):
     """Coefficients of order low ... high of all registers; those of the coordinates lead by one.
 
     shapes: code (r, 5), terms (t, 2), weights (t,), slots (s,), outlets (n + ..,), series (R, high + 1 or more), with the
@@ -70,21 +72,22 @@ def _advance_time(n, powers, harmonics, series, k):
 
 @summing
 def _product(a, b, k):
-    total = 0.0
-    for j in range(k + 1):
-        total += a[j] * b[k - j]
-    return total
+    """Coefficient k of a product; the newest coefficients come last, for they are waited for."""
+    if k == 0:
+        return a[0] * b[0]
+    return (_inner(a, b, k) + a[0] * b[k]) + a[k] * b[0]
 
 
 @summing
 def _square(a, k):
+    if k == 0:
+        return a[0] * a[0]
     total = 0.0
-    for j in range((k + 1) // 2):
+    for j in range(1, (k + 1) // 2):
         total += a[j] * a[k - j]
-    total *= 2.0
     if k % 2 == 0:
-        total += a[k // 2] * a[k // 2]
-    return total
+        total += 0.5 * a[k // 2] * a[k // 2]
+    return 2.0 * (total + a[0] * a[k])
 
 
 @summing
