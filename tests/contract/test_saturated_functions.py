@@ -14,10 +14,10 @@ from scipy.special import erf
 
 import nonsmooth as ns
 
-FLAT = pytest.mark.xfail(
+OVERFLOWS = pytest.mark.xfail(
     strict=True,
     raises=(AssertionError, ns.RunWarning),
-    reason="steps look at states and guards only, and jump over what is flat; exp overflows",
+    reason="exp or cosh overflows on the way",
 )
 TIMES = np.array([0.0, 5.0, 9.0, 10.0, 10.5, 12.0, 20.0])
 WIDTHS = [3.0, 1.0, 0.3, 0.1, 0.01]
@@ -31,7 +31,7 @@ def one_mode(flow, exits=(), **parameters):
 def cases(texts, values, failing):
     """All pairs; ``failing`` has for a text the largest value that is not right yet."""
     return [
-        pytest.param(text, value, marks=[FLAT] if value <= failing.get(text, 0.0) else [])
+        pytest.param(text, value, marks=[OVERFLOWS] if value <= failing.get(text, 0.0) else [])
         for text in texts
         for value in values
     ]
@@ -61,8 +61,8 @@ def assert_integral(text, start, w):
     assert np.abs(run["x"].values - expected).max() < 1e-12
 
 
-FROM_ZERO = dict.fromkeys(list(INTEGRALS)[:4], 0.01)
-FROM_ONE = dict(zip(INTEGRALS, [1.0, 0.3, 0.1, 0.1], strict=False))
+FROM_ZERO = dict.fromkeys(list(INTEGRALS)[2:4], 0.01)
+FROM_ONE = FROM_ZERO
 
 
 @pytest.mark.parametrize(("text", "w"), cases(INTEGRALS, WIDTHS, FROM_ZERO))
@@ -78,7 +78,7 @@ def test_integral_beside_something_larger(text, w):
 PULSE = "1 - 3/2*exp(-((t - 10)/w)**2)"
 
 
-@pytest.mark.parametrize(("text", "w"), cases([PULSE], WIDTHS, {PULSE: 0.01}))
+@pytest.mark.parametrize(("text", "w"), cases([PULSE], WIDTHS, {}))
 def test_a_guard_with_a_pulse_in_it(text, w):
     """It falls below zero for a moment."""
     stop = ns.Exit(text, to="stop")
@@ -95,7 +95,7 @@ FRICTION = {
 }
 
 
-SMOOTHED = dict(zip(FRICTION, [0.1, 0.01], strict=False))
+SMOOTHED = {list(FRICTION)[1]: 1e-3}
 
 
 @pytest.mark.parametrize(("text", "p"), cases(FRICTION, [0.1, 0.01, 1e-3], SMOOTHED))

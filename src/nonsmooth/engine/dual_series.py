@@ -10,6 +10,7 @@ import math
 
 from nonsmooth.engine import taylor_opcodes as op
 from nonsmooth.engine.jit import kernel
+from nonsmooth.engine.layout import CHAIN, first_of_signals
 from nonsmooth.engine.taylor_series import product, weighted
 
 __all__ = ["fill_duals"]
@@ -57,11 +58,12 @@ def fill_duals(
                 elif k + 1 < dual.shape[2]:
                     dual[i, d, k + 1] = dual[outlets[i], d, k] / (k + 1)
         if k + 1 < dual.shape[2]:
-            _advance_time(n, sizes[1], offset, harmonics, harmonic_rates, series, dual, k)
+            _advance_time(sizes, offset, harmonics, harmonic_rates, series, dual, k)
 
 
 @kernel
-def _advance_time(n, powers, offset, harmonics, harmonic_rates, series, dual, k):
+def _advance_time(sizes, offset, harmonics, harmonic_rates, series, dual, k):
+    n, powers = sizes[0], sizes[1]
     for d in range(dual.shape[1]):
         dual[n, d, k + 1] = 0.0
         for j in range(1, powers + 1):
@@ -76,6 +78,11 @@ def _advance_time(n, powers, offset, harmonics, harmonic_rates, series, dual, k)
             cosine = w * dual[cos, d, k] + w_rate * series[cos, k]
             dual[cos, d, k + 1] = -sine / (k + 1)
             dual[cos + 1, d, k + 1] = cosine / (k + 1)
+        for j in range(sizes[7]):
+            last = first_of_signals(sizes) + CHAIN * (j + 1) - 1
+            dual[last, d, k + 1] = 0.0
+            for i in range(last - CHAIN + 1, last):
+                dual[i, d, k + 1] = dual[i + 1, d, k] / (k + 1)
 
 
 @kernel

@@ -13,6 +13,7 @@ import numpy as np
 
 from nonsmooth.engine import taylor_opcodes as op
 from nonsmooth.engine.jit import kernel, summing
+from nonsmooth.engine.layout import CHAIN, first_of_signals
 
 __all__ = ["fill_series", "product", "weighted"]
 
@@ -53,12 +54,13 @@ def fill_series(
             elif k + 1 < series.shape[1]:
                 series[i, k + 1] = series[outlets[i], k] * inverse
         if k + 1 < series.shape[1]:
-            _advance_time(n, sizes[1], harmonics, series, k)
+            _advance_time(sizes, harmonics, series, k)
 
 
 @kernel
-def _advance_time(n, powers, harmonics, series, k):
-    """Coefficient k + 1 of 1, powers of time and harmonics."""
+def _advance_time(sizes, harmonics, series, k):
+    """Coefficient k + 1 of 1, powers of time, harmonics and signals."""
+    n, powers = sizes[0], sizes[1]
     inverse = 1.0 / (k + 1.0)
     series[n, k + 1] = 0.0
     for j in range(1, powers + 1):
@@ -68,6 +70,11 @@ def _advance_time(n, powers, harmonics, series, k):
         turn = harmonics[0, q] * inverse
         series[cos, k + 1] = -turn * series[cos + 1, k]
         series[cos + 1, k + 1] = turn * series[cos, k]
+    for j in range(sizes[7]):
+        last = first_of_signals(sizes) + CHAIN * (j + 1) - 1
+        series[last, k + 1] = 0.0
+        for i in range(last - CHAIN + 1, last):
+            series[i, k + 1] = series[i + 1, k] * inverse
 
 
 @summing
