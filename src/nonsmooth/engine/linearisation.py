@@ -39,7 +39,8 @@ def linearise(tables, slot_rates, harmonic_rates, affine_rates, series, dual, m,
         )  # fmt: skip
         fill_duals(
             tables.code, tables.terms, tables.weights, first, last, tables.values, slot_rates,
-            big_n, outlets, slaved, tables.sizes, tables.harmonics, harmonic_rates, series, dual, part, high,
+            big_n, outlets, slaved, tables.sizes, tables.harmonics, harmonic_rates, series, dual,
+            part, high,
         )  # fmt: skip
     n_exits = tables.wiring.shape[1] - 1
     affine, generator = tables.affine, tables.generator

@@ -24,8 +24,9 @@ def fill_series(
 ):
     """Coefficients of order low ... high of all registers; those of the coordinates lead by one.
 
-    shapes: code (r, 5), terms (t, 2), weights (t,), slots (s,), outlets (n + ..,), series (R, high + 1 or more), with the
-    augmented coordinates in series[:N, 0]; those below order low must be there
+    shapes: code (r, 5), terms (t, 2), weights (t,), slots (s,), outlets (n + ..,), series
+    (R, high + 1 or more) with the augmented coordinates in series[:N, 0]; coefficients below
+    order low must be there
     """
     n = sizes[0]
     for k in range(low, high + 1):
