@@ -57,7 +57,11 @@ def first_crossing(tables, segment, m, start, length):
             known = order[g] if s == 0.0 and order[g] < at.TERMS else 0
             read_guard(tables, segment, m, g, known)
             scan[g, at.LATEST] = _FAR
-            if s == 0.0 and order[g] > 0:
+            if order[g] == ALWAYS_ZERO and (
+                s == 0.0 or abs(scan[g, 0]) <= NEARLY_ZERO * scan[g, at.MARGIN]
+            ):
+                scan[g, at.SAFE] = reach  # stays zero, as long as it does
+            elif s == 0.0 and order[g] > 0:
                 scan[g, at.SAFE] = _leave(scan, g, order[g], reach)
             else:
                 found = _look_ahead(scan, g, reach, far)
@@ -129,8 +133,6 @@ def _look_ahead(scan, g, reach, far):
 @kernel
 def _leave(scan, g, order, reach):
     """Safe step from a zero of known order; the zero itself is divided out."""
-    if order == ALWAYS_ZERO:
-        return reach
     a0, a1, a2, a3, a4, a5 = scan[g, 0], scan[g, 1], scan[g, 2], scan[g, 3], scan[g, 4], scan[g, 5]
     last = -scan[g, at.BOUND]
     tail = scan[g, at.BOUND]

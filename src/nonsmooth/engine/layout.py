@@ -30,7 +30,6 @@ __all__ = [
     "augmented_size",
     "first_of_signals",
     "slots_of",
-    "whole_lanes",
 ]
 
 Floats = npt.NDArray[np.float64]
@@ -42,7 +41,6 @@ TERMS = 6  # of the Taylor polynomial of a guard; the next one is bounded
 MAX_DEGREE = 32  # of the polynomial in s that multiplies exp(mu s) in a cluster
 MAX_AUGMENTED = 60  # sets of coordinates are bits of one integer
 WINDOWS = 2  # that a segment may last
-LANES = 4  # directions of derivatives of series handled together
 ORDER = 20  # of Taylor series of the motion; near the best for double precision
 RUNGS = 8  # of the ladder of steps for which rotations are computed beforehand
 
@@ -165,7 +163,7 @@ class Segment(NamedTuple):
     point: Floats  # (1,) current point of the step
     series: Floats  # (R, ORDER + 1) coefficients of all registers at the start of the step
     doubt: Floats  # (R, 2)
-    dual: Floats  # (R, TERMS, N and more) derivatives by the coordinates at an instant
+    dual: Floats  # (R, N and more, TERMS) derivatives by the coordinates at an instant
 
 
 @kernel
@@ -236,11 +234,6 @@ def slots_of(program: Program) -> int:
     return int(program.sizes[3]) + program.constants.size + program.tape.shape[0]
 
 
-def whole_lanes(count: int) -> int:
-    """Directions, rounded up to what is handled together."""
-    return -(-count // LANES) * LANES
-
-
 def allocate_segment(sizes: Integers, n_rates: int = 0) -> Segment:
     """Scratch for the sizes of a program, and derivatives by some parameters."""
     e = int(sizes[5])
@@ -259,5 +252,5 @@ def allocate_segment(sizes: Integers, n_rates: int = 0) -> Segment:
         point=np.zeros(1),
         series=np.zeros((int(sizes[6]), ORDER + 1)),
         doubt=np.zeros((int(sizes[6]), 2)),
-        dual=np.zeros((int(sizes[6]), TERMS, whole_lanes(big_n + n_rates))),
+        dual=np.zeros((int(sizes[6]), big_n + n_rates, TERMS)),
     )

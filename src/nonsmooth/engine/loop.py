@@ -14,7 +14,8 @@ from nonsmooth.engine import layout as at
 from nonsmooth.engine.arrays import copy_matrix, copy_vector
 from nonsmooth.engine.event_log import log_event, log_transition, normal_phase
 from nonsmooth.engine.first_crossing import CERTIFIED, GRAZE, NONE, STUCK, first_crossing
-from nonsmooth.engine.flow import advance, advance_once, start_segment, state_at
+from nonsmooth.engine.flow import advance, advance_once, read_guard, start_segment, state_at
+from nonsmooth.engine.guard_series import NEARLY_ZERO
 from nonsmooth.engine.jit import entry, inlined, kernel
 from nonsmooth.engine.linear_flow import augmented
 from nonsmooth.engine.records import (
@@ -39,6 +40,7 @@ from nonsmooth.engine.transitions import (
     pass_exits,
     slaved_agree,
 )
+from nonsmooth.engine.zeros import ALWAYS_ZERO
 
 __all__ = ["run", "start"]
 
@@ -178,7 +180,9 @@ def run(
         if found == STUCK:
             # a flight too short to be told from none is the end of accumulating impacts
             accumulate = s <= _NO_TIME * window and cursor[WINDOW_EVENTS] > _FEW
-            return _EVENT_LIMIT if accumulate else _STEP_LIMIT
+            if accumulate:
+                return _EVENT_LIMIT
+            return _SINGULAR if tables.kinds[m] == at.TAYLOR else _STEP_LIMIT
         if carrying:
             carry(tables, rates, scratch, segment, tangent, m, s)
             copy_matrix(tangent.now, tangent.columns)
@@ -188,6 +192,7 @@ def run(
             anchor.phase[0] = phase + s
             return _DIVERGED
         if e < 0:
+            _keep_zeros(tables, segment, anchor, m)
             _move_anchor(anchor, cursor, length, whole, window)
             _augment(tables, anchor.state, place[0], anchor.phase[0], segment.z)
             if carrying:
@@ -214,7 +219,19 @@ def _move_anchor(anchor, cursor, length, whole, window):
     if number > place[0]:
         cursor[WINDOW_EVENTS] = 0
     place[0] = number
+
+
+@kernel
+def _keep_zeros(tables, segment, anchor, m):
+    """At the end of a segment without event: a guard that was to stay zero and did goes on so.
+
+    As for a system at rest on a surface. Behind a knot of a signal nothing is known any more.
+    """
     for g in range(anchor.order.size):
+        if anchor.order[g] == ALWAYS_ZERO and tables.signals.shape[0] == 0:
+            read_guard(tables, segment, m, g, 0)
+            if abs(segment.scan[g, 0]) <= NEARLY_ZERO * segment.scan[g, at.MARGIN]:
+                continue
         anchor.order[g] = 0
 
 

@@ -128,7 +128,7 @@ def _linearise_at_rest(program, tables):
     z = np.zeros(big_n)
     no_rates, no_rows = np.zeros((0, 0)), np.zeros((0, 0, 0, 0))
     series = np.zeros((program.sizes[6], at.ORDER + 1))
-    dual = np.zeros((program.sizes[6], at.TERMS, -(-big_n // at.LANES) * at.LANES))
+    dual = np.zeros((program.sizes[6], big_n, at.TERMS))
     n = program.sizes[0]
     for i in range(n):
         if program.rest_slots[i] >= 0:

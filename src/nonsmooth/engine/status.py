@@ -83,9 +83,10 @@ CURES: dict[Status, str] = {
         " begin there; choose a side by a start a little off it, or by mode="
     ),
     Status.SINGULAR: (
-        "the equations cannot be continued: a root or logarithm of zero, a division by zero, or"
-        " states that run off to infinity in finite time; if the singular point is not meant to be"
-        " reached, add an exit before it, such as Exit('x - 1e-9', to='stop')"
+        "the series of the motion does not converge here: a root or logarithm of zero, a division"
+        " by zero, a number that overflows, states that run off to infinity in finite time, or a"
+        " motion far faster than the period; if the point is not meant to be reached, add an exit"
+        " before it, such as Exit('x - 1e-9', to='stop')"
     ),
     Status.REFUSED: (
         "a parameter of slow= takes a value that the system refuses; end the run before, or change"

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 
 from nonsmooth.engine import layout as at
+from nonsmooth.engine import taylor_opcodes as op
 from nonsmooth.engine.jit import kernel
 from nonsmooth.engine.logarithm import log2
 from nonsmooth.engine.rounding import fill_doubt
@@ -21,6 +22,8 @@ __all__ = ["read_guard_of_step", "start_step", "state_of_step"]
 _LOG_RADIUS = (-2.0 - 0.7 / (at.ORDER - 1)) / math.log(2.0)
 _NOTHING = -960.0  # logarithm of a size that is nothing; far below it digits are lost
 _LONG = 1000.0  # logarithm of a step that no series limits
+_SMALLEST = -744.0  # exp of less is zero
+_HALF_PI = 0.5 * math.pi
 _LEADING = 4  # coefficients that tell how large a function is
 _UNIT = 2.220446049250313e-16
 _MARGIN = 8.0  # roundings: those of the coefficients and of the polynomial read at a point
@@ -46,6 +49,20 @@ def start_step(tables, segment, m, limit):
         logarithm = min(logarithm, _log_step(series[i]))
     for g in range(n_exits):
         logarithm = min(logarithm, _log_step(series[outlets[n + g]]))
+    for row in range(first, middle):
+        # a function may be flat where the step starts and steep where it ends, and only its own
+        # series, however small its coefficients, knows
+        function, y, a = tables.code[row, 0], tables.code[row, 1], tables.code[row, 2]
+        if function == op.TANH:
+            # its poles are i pi/2 from the real line
+            room = _HALF_PI + abs(series[a, 0])
+            logarithm = min(logarithm, _log_step_of_argument(series[a], room))
+        elif function == op.EXP and series[y, 0] == 0.0:
+            # zero as long as the argument is so far below that of the smallest number
+            room = _SMALLEST - series[a, 0]
+            logarithm = min(logarithm, _log_step_of_argument(series[a], room))
+        elif function >= op.DIVIDE:
+            logarithm = min(logarithm, _log_step(series[y]))
     length = min(limit, 2.0**logarithm)
     fill_doubt(
         tables.code, tables.terms, tables.weights, first, middle, tables.values, series,
@@ -79,6 +96,21 @@ def _log_step(a):
             if j >= _LEADING - 1 and leading > 0:
                 break
         shortest = min(shortest, longest)
+    return shortest
+
+
+@kernel
+def _log_step_of_argument(a, room):
+    """Logarithm of the step within which an argument changes by a small part of some room.
+
+    For functions that tell nothing of the steep parts to come: where tanh is 1 and exp is 0
+    to the last digit, their coefficients are lost.
+    """
+    room = log2(max(room, 1.0)) + _LOG_RADIUS
+    shortest = _LONG
+    for k in range(1, at.ORDER + 1):
+        # each term has its share 2^-k of the change
+        shortest = min(shortest, (room - log2(abs(a[k]))) * (1.0 / k) - 1.0)
     return shortest
 
 

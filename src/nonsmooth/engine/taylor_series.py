@@ -15,7 +15,7 @@ from nonsmooth.engine import taylor_opcodes as op
 from nonsmooth.engine.jit import kernel, summing
 from nonsmooth.engine.layout import CHAIN, first_of_signals
 
-__all__ = ["fill_series"]
+__all__ = ["fill_series", "product", "weighted"]
 
 
 @kernel
@@ -24,8 +24,9 @@ def fill_series(
 ):
     """Coefficients of order low ... high of all registers; those of the coordinates lead by one.
 
-    shapes: code (r, 5), terms (t, 2), weights (t,), slots (s,), outlets (n + ..,), series (R, high + 1 or more), with the
-    augmented coordinates in series[:N, 0]; those below order low must be there
+    shapes: code (r, 5), terms (t, 2), weights (t,), slots (s,), outlets (n + ..,), series
+    (R, high + 1 or more) with the augmented coordinates in series[:N, 0]; coefficients below
+    order low must be there
     """
     n = sizes[0]
     for k in range(low, high + 1):
@@ -39,7 +40,7 @@ def fill_series(
                     total += weights[term] * series[terms[term, 0], k]
                 series[y, k] = total
             elif instruction == op.MULTIPLY:
-                series[y, k] = _product(series[a], series[b], k)
+                series[y, k] = product(series[a], series[b], k)
             elif instruction == op.SQUARE:
                 series[y, k] = _square(series[a], k)
             elif k == 0:
@@ -78,8 +79,11 @@ def _advance_time(sizes, harmonics, series, k):
 
 
 @summing
-def _product(a, b, k):
-    """Coefficient k of a product; the newest coefficients come last, for they are waited for."""
+def product(a, b, k):
+    """Coefficient k of a product; the newest coefficients come last, for they are waited for.
+
+    shapes: a, b (k + 1,) or longer
+    """
     if k == 0:
         return a[0] * b[0]
     return (_inner(a, b, k) + a[0] * b[k]) + a[k] * b[0]
@@ -107,8 +111,11 @@ def _inner(a, b, k):
 
 
 @summing
-def _weighted(a, f, low, high, k):
-    """Sum of j a_j f_(k-j) over low <= j <= high."""
+def weighted(a, f, low, high, k):
+    """Sum of j a_j f_(k-j) over low <= j <= high.
+
+    shapes: a, f (k + 1,) or longer
+    """
     total = 0.0
     for j in range(low, high + 1):
         total += j * a[j] * f[k - j]
@@ -125,7 +132,7 @@ def _algebraic(instruction, y, a, b, slots, series, k):
     if instruction == op.SQRT:
         return (series[a, k] - _inner(series[y], series[y], k)) / (2.0 * series[y, 0])
     if instruction == op.LOG:
-        rest = _weighted(series[y], series[a], 1, k - 1, k) / k
+        rest = weighted(series[y], series[a], 1, k - 1, k) / k
         return (series[a, k] - rest) / series[a, 0]
     exponent = slots[b]
     total = 0.0
@@ -138,11 +145,11 @@ def _algebraic(instruction, y, a, b, slots, series, k):
 def _transcendental(instruction, y, a, b, c, series, k):
     """Coefficient k > 0 of a function with y' = a' f."""
     if instruction == op.ATAN2:
-        total = _weighted(series[a], series[b], 1, k, k) - _weighted(series[b], series[a], 1, k, k)
-        total -= _weighted(series[y], series[c], 1, k - 1, k)
+        total = weighted(series[a], series[b], 1, k, k) - weighted(series[b], series[a], 1, k, k)
+        total -= weighted(series[y], series[c], 1, k - 1, k)
         return total / (k * series[c, 0])
     f = y if instruction == op.EXP else b
-    total = _weighted(series[a], series[f], 1, k, k) / k
+    total = weighted(series[a], series[f], 1, k, k) / k
     return -total if instruction == op.COS or instruction == op.ACOS else total
 
 
