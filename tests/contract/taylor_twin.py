@@ -1,0 +1,36 @@
+"""The same system, none of whose modes is recognised as linear: so the Taylor flow runs it.
+
+One rate of every mode gets the term ``tiny*s*s`` with a parameter ``tiny`` that is zero. The
+motion is the same to the last digit of the mathematics, the way to it is not.
+"""
+
+import contextlib
+import io
+import tomllib
+
+import nonsmooth as ns
+
+
+def taylor_twin(system: ns.System) -> ns.System:
+    """``system`` with a term in every mode that is zero and not linear."""
+    words = tomllib.loads(system.to_toml())
+    assert words.pop("format") == 1
+    words.setdefault("parameters", {})["tiny"] = 0.0
+    fixed = next(name for name in words["states"] if name not in words.get("drift", ()))
+    modes = {name: _mode(fixed, **mode) for name, mode in words.pop("modes").items()}
+    return ns.System(modes=modes, **words)
+
+
+def _mode(state, flow, exits=(), **more):
+    bent = next(iter(flow))
+    flow = {**flow, bent: f"{flow[bent]} + tiny*{state}*{state}"}
+    return ns.Mode(flow, exits=[ns.Exit(**each) for each in exits], **more)
+
+
+def flow_kinds(system: ns.System) -> set[str]:
+    """The words that `explain` has for the flows of the modes."""
+    printed = io.StringIO()
+    with contextlib.redirect_stdout(printed):
+        system.explain()
+    lines = printed.getvalue().splitlines()
+    return {line.split(":")[1].strip() for line in lines if line.startswith("mode ")}

@@ -1,0 +1,51 @@
+"""Derivatives of a run by central differences: no tangent, no saltation matrix, only runs.
+
+With steps of 1e-12 at 60 digits the error is about 1e-24 times the third derivative.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+from mpmath import mp, mpf
+
+from .nonlinear import DIGITS, SmoothRun, smooth_run
+from .nonlinear_models import Case
+
+STEP = mpf(10) ** -12
+
+
+class Derivatives(NamedTuple):
+    """[time][state][state_0] and [time][state][parameter], at fixed times."""
+
+    tangent: list[list[list[mpf]]]
+    sensitivity: list[list[list[mpf]]]
+
+
+def derivatives(case: Case, of_states: Sequence[int], of_parameters: Sequence[str]) -> Derivatives:
+    """The columns asked for."""
+    with mp.workdps(DIGITS):
+        tangent = [_column(case, lambda h, i=i: _run(case, {i: h}, {})) for i in of_states]
+        columns = [_column(case, lambda h, n=n: _run(case, {}, {n: h})) for n in of_parameters]
+    return Derivatives(_rows(case, tangent), _rows(case, columns))
+
+
+def _run(case: Case, moved: dict[int, mpf], changed: dict[str, mpf]) -> SmoothRun:
+    start = [mpf(x) + moved.get(i, 0) for i, x in enumerate(case.start)]
+    parameters = {name: mpf(x) + changed.get(name, 0) for name, x in case.parameters.items()}
+    return smooth_run(case.model, parameters, start, case.mode, case.times)
+
+
+def _column(case: Case, run: Callable[[mpf], SmoothRun]) -> list[list[mpf]]:
+    above, below = run(STEP), run(-STEP)
+    if [e.path for e in above.events] != [e.path for e in below.events]:
+        raise RuntimeError("the two runs pass different exits: nearer to a graze than the step")
+    return [
+        [(a - b) / (2 * STEP) for a, b in zip(one, other, strict=True)]
+        for one, other in zip(above.samples, below.samples, strict=True)
+    ]
+
+
+def _rows(case: Case, columns: list[list[list[mpf]]]) -> list[list[list[mpf]]]:
+    """From [column][time][state] to [time][state][column]."""
+    n_states = range(len(case.model.states))
+    return [[[c[k][i] for c in columns] for i in n_states] for k in range(len(case.times))]
