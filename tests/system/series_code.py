@@ -73,18 +73,11 @@ class Series:
 
     def coefficient(self, code, k, target, a, b, c):
         r, y = self.registers, self.registers[target]
+        if code == op.COMBINE:
+            terms = self.program.terms[a:b]
+            return sum(self.slots[slot] * r[i][k] for i, slot in terms)
         x = r[a]
-        one = 1.0 if k == 0 else 0.0
-        if code in (op.SCALE, op.SHIFT, op.POWER):
-            slot = self.slots[b]
-        if code == op.SCALE:
-            return x[k] * slot
-        if code == op.SHIFT:
-            return x[k] + one * slot
-        if code == op.ADD:
-            return x[k] + r[b][k]
-        if code == op.SUBTRACT:
-            return x[k] - r[b][k]
+        slot = self.slots[b] if code == op.POWER else 0.0
         if code in (op.MULTIPLY, op.SQUARE):
             other = x if code == op.SQUARE else r[b]
             return sum(x[j] * other[k - j] for j in range(k + 1))

@@ -171,7 +171,9 @@ def test_slaved_states_are_replaced_and_their_rates_derived():
     assert series.outlet(2)[0] == pytest.approx(-np.sin(p), rel=1e-15)
     assert series.outlet(3)[0] == pytest.approx(2 * x * v**2 - x**2 * np.sin(p) + p, rel=1e-14)
     rows = system.compiled.program.code
-    registers = [r[2] for r in rows] + [r[3] for r in rows if r[0] in (op.ADD, op.MULTIPLY)]
+    others = [row for row in rows if row[0] != op.COMBINE]
+    registers = [r[2] for r in others] + [r[3] for r in others if r[0] == op.MULTIPLY]
+    registers += list(system.compiled.program.terms[:, 0])
     assert 0 not in registers  # p itself is no operand
 
 

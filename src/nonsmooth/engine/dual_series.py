@@ -18,7 +18,7 @@ __all__ = ["fill_duals"]
 
 @kernel
 def fill_duals(
-    code, first, last, slots, slot_rates, offset, outlets, slaved, sizes, harmonics,
+    code, terms, weights, first, last, slots, slot_rates, offset, outlets, slaved, sizes, harmonics,
     harmonic_rates, series, dual, low, high,
 ):  # fmt: skip
     """Derivatives of the coefficients low ... high that fill_series has left.
@@ -32,8 +32,8 @@ def fill_duals(
         for row in range(first, last):
             y, a, b = code[row, 1], code[row, 2], code[row, 3]
             instruction = code[row, 0]
-            if instruction < op.MULTIPLY:
-                _linear(instruction, y, a, b, slots, slot_rates, offset, series, dual, k)
+            if instruction == op.COMBINE:
+                _combine(y, a, b, terms, weights, slot_rates, offset, series, dual, k)
             elif instruction == op.MULTIPLY:
                 _product(series[a], series[b], dual[a], dual[b], dual[y], k)
             elif instruction == op.SQUARE:
@@ -71,19 +71,16 @@ def _advance_time(n, powers, offset, harmonics, harmonic_rates, series, dual, k)
 
 
 @kernel
-def _linear(instruction, y, a, b, slots, slot_rates, offset, series, dual, k):
-    if instruction <= op.SUBTRACT:
-        sign = 1.0 if instruction == op.ADD else -1.0
-        for d in range(dual.shape[2]):
-            dual[y, k, d] = dual[a, k, d] + sign * dual[b, k, d]
-        return
-    factor = slots[b] if instruction == op.SCALE else 1.0
-    for d in range(dual.shape[2]):
-        dual[y, k, d] = factor * dual[a, k, d]
-    if instruction == op.SCALE or k == 0:
-        times = series[a, k] if instruction == op.SCALE else 1.0
+def _combine(y, low, high, terms, weights, slot_rates, offset, series, dual, k):
+    """Sum of registers times constants, which may depend on parameters."""
+    target = dual[y, k]
+    _clear(target)
+    for term in range(low, high):
+        register, slot = terms[term, 0], terms[term, 1]
+        for d in range(target.size):
+            target[d] += weights[term] * dual[register, k, d]
         for p in range(slot_rates.shape[1]):
-            dual[y, k, offset + p] += times * slot_rates[b, p]
+            target[offset + p] += slot_rates[slot, p] * series[register, k]
 
 
 @summing

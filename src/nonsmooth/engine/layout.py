@@ -94,6 +94,7 @@ class Program(NamedTuple):
     kinds: Integers  # (m,): EXACT or TAYLOR flow
     families: Integers  # (m,): cells of one declared mode have the same number
     code: Integers  # (r, 5) instructions on series, of all Taylor modes (taylor_opcodes)
+    terms: Integers  # (t, 2) of their sums: register, slot
     code_rows: Integers  # (m, 3): first row, end of flow, relations and guards, end of resets
     outlets: Integers  # (m, n + e + e * n) registers of rates or relations, guards, resets
     rest_slots: Integers  # (n,) slots of the rest state, -1 for zero
@@ -122,7 +123,9 @@ class Tables(NamedTuple):
     families: Integers  # (m,)
     # of Taylor modes, whose generator, affine rows and spans are those of the last point or step
     values: Floats  # (slots of the parameter tape,)
-    code: Integers  # as in Program, likewise the next two
+    weights: Floats  # (t,): values of the slots of the terms
+    code: Integers  # as in Program, likewise the next three
+    terms: Integers
     code_rows: Integers
     outlets: Integers
 
@@ -194,7 +197,9 @@ def allocate_tables(program: Program) -> Tables:
         kinds=program.kinds,
         families=program.families,
         values=np.zeros(slots_of(program)),
+        weights=np.zeros(len(program.terms)),
         code=program.code,
+        terms=program.terms,
         code_rows=program.code_rows,
         outlets=program.outlets,
     )

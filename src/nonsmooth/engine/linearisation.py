@@ -34,12 +34,12 @@ def linearise(tables, slot_rates, harmonic_rates, affine_rates, series, dual, m,
     for part in range(2):  # resets are values at the instant, the others have derivatives
         last, high = (end, 0) if part == 0 else (middle, at.TERMS - 1)
         fill_series(
-            tables.code, first, last, tables.values, outlets, slaved, tables.sizes,
-            tables.harmonics, series, part, high,
+            tables.code, tables.terms, tables.weights, first, last, tables.values, outlets,
+            slaved, tables.sizes, tables.harmonics, series, part, high,
         )  # fmt: skip
         fill_duals(
-            tables.code, first, last, tables.values, slot_rates, big_n, outlets, slaved,
-            tables.sizes, tables.harmonics, harmonic_rates, series, dual, part, high,
+            tables.code, tables.terms, tables.weights, first, last, tables.values, slot_rates,
+            big_n, outlets, slaved, tables.sizes, tables.harmonics, harmonic_rates, series, dual, part, high,
         )  # fmt: skip
     n_exits = tables.wiring.shape[1] - 1
     affine, generator = tables.affine, tables.generator

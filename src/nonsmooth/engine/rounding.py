@@ -18,10 +18,10 @@ _LEADING = 6  # coefficients that make up the size of a function over a step
 
 
 @kernel
-def fill_doubt(code, first, last, slots, series, n_coordinates, length, doubt):
+def fill_doubt(code, terms, weights, first, last, slots, series, n_coordinates, length, doubt):
     """Sizes of registers over a step, and their rounding errors in units of 2^-52.
 
-    shapes: code (r, 5), series (R, K), doubt (R, 2) an output
+    shapes: code (r, 5), terms (t, 2), weights (t,), series (R, K), doubt (R, 2) an output
     """
     for i in range(n_coordinates):
         size = _extent(series[i], length)
@@ -31,8 +31,10 @@ def fill_doubt(code, first, last, slots, series, n_coordinates, length, doubt):
         size = _extent(series[y], length)
         doubt[y, at.EXTENT] = size
         instruction = code[row, 0]
-        if instruction < op.MULTIPLY:
-            units = _of_sum(instruction, doubt, a, b, slots)
+        if instruction == op.COMBINE:
+            units = 0.0
+            for term in range(a, b):
+                units += abs(weights[term]) * doubt[terms[term, 0], at.UNITS]
         elif instruction == op.MULTIPLY:
             units = _of_product(doubt, a, b)
         elif instruction == op.SQUARE:
@@ -48,15 +50,6 @@ def _extent(a, length):
     for k in range(_LEADING - 2, -1, -1):
         total = total * length + abs(a[k])
     return total
-
-
-@kernel
-def _of_sum(instruction, doubt, a, b, slots):
-    if instruction <= op.SUBTRACT:
-        return doubt[a, at.UNITS] + doubt[b, at.UNITS]
-    if instruction == op.SCALE:
-        return abs(slots[b]) * doubt[a, at.UNITS]
-    return doubt[a, at.UNITS] + abs(slots[b])
 
 
 @kernel

@@ -39,6 +39,8 @@ def set_up(program, parameters, tables):
     """
     slots = tables.values
     run_tape(parameters, program.constants, program.tape, slots)
+    for term in range(tables.weights.size):
+        tables.weights[term] = slots[program.terms[term, 1]]
     mode = _fill_matrices(program, slots, tables)
     if mode >= 0:
         return _NOT_FINITE, mode

@@ -103,7 +103,8 @@ def _fill_columns(tables, rates, segment, tangent, m):
         for c in range(dual.shape[2]):
             dual[i, 0, c] = columns[c, i] if c < columns.shape[0] else 0.0
     fill_duals(
-        tables.code, tables.code_rows[m, 0], tables.code_rows[m, 1], tables.values,
+        tables.code, tables.terms, tables.weights, tables.code_rows[m, 0],
+        tables.code_rows[m, 1], tables.values,
         rates.slot_rates, tables.sizes[0], tables.outlets[m], tables.wiring[m, 0, at.SLAVED],
         tables.sizes, tables.harmonics, rates.harmonics, segment.series, dual, 0, at.ORDER,
     )  # fmt: skip

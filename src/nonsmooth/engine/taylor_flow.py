@@ -36,8 +36,8 @@ def start_step(tables, segment, m, limit):
     for i in range(segment.z.size):
         series[i, 0] = segment.z[i]
     fill_series(
-        tables.code, first, middle, tables.values, outlets, slaved, tables.sizes,
-        tables.harmonics, series, 0, at.ORDER,
+        tables.code, tables.terms, tables.weights, first, middle, tables.values, outlets,
+        slaved, tables.sizes, tables.harmonics, series, 0, at.ORDER,
     )  # fmt: skip
     length = limit
     logarithm = _LONG
@@ -47,8 +47,9 @@ def start_step(tables, segment, m, limit):
         logarithm = min(logarithm, _log_step(series[outlets[n + g]]))
     length = min(limit, 2.0**logarithm)
     fill_doubt(
-        tables.code, first, middle, tables.values, series, segment.z.size, length, segment.doubt
-    )
+        tables.code, tables.terms, tables.weights, first, middle, tables.values, series,
+        segment.z.size, length, segment.doubt,
+    )  # fmt: skip
     spans = tables.spans[m]
     spans[at.RUNG], spans[at.REACH], spans[at.FASTEST] = _FAR, length, 1.0 / length
     segment.point[0] = 0.0

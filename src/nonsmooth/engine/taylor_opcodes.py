@@ -1,8 +1,10 @@
 """Instructions on Taylor series, of which the code of a Taylor mode consists.
 
 An instruction is a row (opcode, target, a, b, c): registers, but for the instructions whose
-operand b is a slot of the parameter tape. Register i < N holds augmented coordinate i; so
-register n (the coordinate 1) times a slot is a constant. Each register is written once, after
+operand b is a slot of the parameter tape, and for COMBINE, whose operands a and b are the first
+term of a sum and the one after its last. A term is a row (register, slot) and stands for their
+product. Register i < N holds augmented coordinate i; so register n (the coordinate 1) times a
+slot is a constant. Each register is written once, after
 what it needs, with three exceptions that the recurrences allow: SIN and COS (SINH and COSH)
 name each other as b and stand next to each other, and the f of TAN and TANH follows them.
 """
@@ -10,12 +12,12 @@ name each other as b and stand next to each other, and the f of TAN and TANH fol
 from __future__ import annotations
 
 __all__ = [
-    "ACOS", "ADD", "ASIN", "ATAN", "ATAN2", "COS", "COSH", "DIVIDE", "EXP", "LOG", "MULTIPLY",
-    "POWER", "SCALE", "SHIFT", "SIN", "SINH", "SQRT", "SQUARE", "SUBTRACT", "TAN", "TANH",
+    "ACOS", "ASIN", "ATAN", "ATAN2", "COMBINE", "COS", "COSH", "DIVIDE", "EXP", "LOG", "MULTIPLY",
+    "POWER", "SIN", "SINH", "SQRT", "SQUARE", "TAN", "TANH",
 ]  # fmt: skip
 
-# linear: a + b, a - b, a * slot b, a + slot b
-ADD, SUBTRACT, SCALE, SHIFT = 0, 1, 2, 3
+# sum of the terms a, a + 1, ..., b - 1
+COMBINE = 0
 # a * b, a^2, a / b, sqrt(a), a ** slot b for a > 0, log(a)
 MULTIPLY, SQUARE, DIVIDE, SQRT, POWER, LOG = 10, 11, 12, 13, 14, 15
 # y' = a' f: the target y with register b holding f (for SIN cos, for COS sin, and so on)

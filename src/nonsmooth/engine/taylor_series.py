@@ -18,10 +18,12 @@ __all__ = ["fill_series"]
 
 
 @kernel
-def fill_series(code, first, last, slots, outlets, slaved, sizes, harmonics, series, low, high):
+def fill_series(
+    code, terms, weights, first, last, slots, outlets, slaved, sizes, harmonics, series, low, high
+):
     """Coefficients of order low ... high of all registers; those of the coordinates lead by one.
 
-    shapes: code (r, 5), slots (s,), outlets (n + ..,), series (R, high + 1 or more), with the
+    shapes: code (r, 5), terms (t, 2), weights (t,), slots (s,), outlets (n + ..,), series (R, high + 1 or more), with the
     augmented coordinates in series[:N, 0]; those below order low must be there
     """
     n = sizes[0]
@@ -30,8 +32,11 @@ def fill_series(code, first, last, slots, outlets, slaved, sizes, harmonics, ser
         for row in range(first, last):
             instruction = code[row, 0]
             y, a, b = code[row, 1], code[row, 2], code[row, 3]
-            if instruction < op.MULTIPLY:
-                series[y, k] = _linear(instruction, a, b, slots, series, k)
+            if instruction == op.COMBINE:
+                total = 0.0
+                for term in range(a, b):
+                    total += weights[term] * series[terms[term, 0], k]
+                series[y, k] = total
             elif instruction == op.MULTIPLY:
                 series[y, k] = _product(series[a], series[b], k)
             elif instruction == op.SQUARE:
@@ -65,34 +70,24 @@ def _advance_time(n, powers, harmonics, series, k):
         series[cos + 1, k + 1] = turn * series[cos, k]
 
 
-@kernel
-def _linear(instruction, a, b, slots, series, k):
-    if instruction == op.ADD:
-        return series[a, k] + series[b, k]
-    if instruction == op.SUBTRACT:
-        return series[a, k] - series[b, k]
-    if instruction == op.SCALE:
-        return series[a, k] * slots[b]
-    return series[a, k] + (slots[b] if k == 0 else 0.0)
-
-
 @summing
 def _product(a, b, k):
-    total = 0.0
-    for j in range(k + 1):
-        total += a[j] * b[k - j]
-    return total
+    """Coefficient k of a product; the newest coefficients come last, for they are waited for."""
+    if k == 0:
+        return a[0] * b[0]
+    return (_inner(a, b, k) + a[0] * b[k]) + a[k] * b[0]
 
 
 @summing
 def _square(a, k):
+    if k == 0:
+        return a[0] * a[0]
     total = 0.0
-    for j in range((k + 1) // 2):
+    for j in range(1, (k + 1) // 2):
         total += a[j] * a[k - j]
-    total *= 2.0
     if k % 2 == 0:
-        total += a[k // 2] * a[k // 2]
-    return total
+        total += 0.5 * a[k // 2] * a[k // 2]
+    return 2.0 * (total + a[0] * a[k])
 
 
 @summing

@@ -2,9 +2,26 @@
 
 from __future__ import annotations
 
+from nonsmooth.models.chua import chua
+from nonsmooth.models.clearance_rotor import clearance_rotor
 from nonsmooth.models.drift_reconstruction import drift_reconstruction
+from nonsmooth.models.duffing import duffing
+from nonsmooth.models.gear_pair import gear_pair
 from nonsmooth.models.moling import moling
 from nonsmooth.models.moling_si import MolingRig
 from nonsmooth.models.progression import progression
+from nonsmooth.models.soft_impact import soft_impact
+from nonsmooth.models.trilinear import trilinear
 
-__all__ = ["MolingRig", "drift_reconstruction", "moling", "progression"]
+__all__ = [
+    "MolingRig",
+    "chua",
+    "clearance_rotor",
+    "drift_reconstruction",
+    "duffing",
+    "gear_pair",
+    "moling",
+    "progression",
+    "soft_impact",
+    "trilinear",
+]

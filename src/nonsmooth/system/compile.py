@@ -90,7 +90,7 @@ def compile_structure(structure: Structure) -> Compiled:
     arrays = [group.array(tape) for group in linear.groups]
     frequency_slots = np.array([tape.slot(f) for f in structure.frequencies], np.int64)
     period_slot = -1 if period is None else tape.slot(period)
-    code = taylor.array(tape)
+    code, terms = taylor.array(tape), taylor.array_of_terms(tape)
     rest_slots = np.array([-1 if r is None else tape.slot(r) for r in rest], np.int64)
     sizes = [len(states), structure.time_order, len(frequency_slots), len(structure.parameters)]
     program = Program(
@@ -108,6 +108,7 @@ def compile_structure(structure: Structure) -> Compiled:
         families=np.array(structure.families, np.int64),
         kinds=np.array([EXACT if mode.linear else TAYLOR for mode in modes], np.int64),
         code=code,
+        terms=terms,
         code_rows=taylor.code_rows,
         outlets=taylor.outlets,
         rest_slots=rest_slots,

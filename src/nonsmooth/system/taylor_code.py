@@ -6,7 +6,7 @@ gets a slot of the parameter tape later; harmonics are read from their coordinat
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 from nonsmooth.engine import taylor_opcodes as op
@@ -27,13 +27,17 @@ _TIME: Operand = Power(1)
 
 @dataclass(slots=True)
 class Instruction:
-    """One row: ``a``, ``b`` and ``c`` are operands, ``slot`` an expression of parameters."""
+    """One row: ``a``, ``b`` and ``c`` are operands, ``slot`` an expression of parameters.
+
+    A sum has terms instead: operands with their constant factors.
+    """
 
     opcode: int
-    a: Operand
+    a: Operand | None = None
     b: Operand | None = None
     c: Operand | None = None
     slot: Expression | None = None
+    terms: tuple[tuple[Operand, Expression], ...] = ()
 
 
 @dataclass(slots=True)
@@ -99,7 +103,7 @@ class _Writer:
 
     def _of(self, node: Expression) -> Operand:
         if not self.graph.moves(node):
-            return _ONE if node is self.graph.one else self._write(op.SCALE, _ONE, slot=node)
+            return self.combine({_ONE: node})
         if isinstance(node, Name):
             if node.name == "t":
                 self.code.grows = self.code.grows or self.place
@@ -125,6 +129,17 @@ class _Writer:
             self._written[key] = self._append(Instruction(opcode, a, b, c, slot))
         return self._written[key]
 
+    def combine(self, terms: Mapping[Operand, Expression]) -> Operand:
+        """Operand of a sum of operands times constants."""
+        kept = tuple((x, c) for x, c in terms.items() if c is not self.graph.zero)
+        if len(kept) == 1 and kept[0][1] is self.graph.one:
+            return kept[0][0]
+        key = (op.COMBINE, *((x, id(c)) for x, c in kept))
+        if key not in self._written:
+            self.code.constants += [(self.place, c) for _, c in kept]
+            self._written[key] = self._append(Instruction(op.COMBINE, terms=kept))
+        return self._written[key]
+
     def _append(self, instruction: Instruction) -> int:
         self.code.instructions.append(instruction)
         return len(self.code.instructions) - 1
@@ -132,44 +147,44 @@ class _Writer:
     # ------------------------------------------------------------ operators
 
     def sum_(self, node: Call) -> Operand:
-        graph = self.graph
-        constants = [term for term in node.arguments if not graph.moves(term)]
-        total: Operand | None = None
-        taken: list[Expression] = []
-        for term in node.arguments:
-            if not graph.moves(term):
-                continue
-            if isinstance(term, Call) and term.function == "neg":
-                taken.append(term.arguments[0])
-            else:
-                part = self.operand(term)
-                total = part if total is None else self._write(op.ADD, total, part)
-        constant = graph.add(*constants)
-        if total is None and constant is not graph.zero:
-            total, constant = self.operand(constant), graph.zero
-        for term in taken:
-            part = self.operand(term)
-            if total is None:
-                total = self._write(op.SCALE, part, slot=self._minus_one)
-            else:
-                total = self._write(op.SUBTRACT, total, part)
-        assert total is not None  # the node moves
-        return total if constant is graph.zero else self._write(op.SHIFT, total, slot=constant)
+        terms: dict[Operand, Expression] = {}
+        for part in node.arguments:
+            operand, factor = self.term(part)
+            known = terms.get(operand, self.graph.zero)
+            terms[operand] = self.graph.add(known, factor)
+        return self.combine(terms)
 
-    def negative(self, node: Call) -> Operand:
-        return self._write(op.SCALE, self.operand(node.arguments[0]), slot=self._minus_one)
-
-    def product(self, node: Call) -> Operand:
+    def term(self, node: Expression) -> tuple[Operand, Expression]:
+        """A part of a sum as an operand and its constant factor; sums within stay whole."""
         graph = self.graph
-        constants = [factor for factor in node.arguments if not graph.moves(factor)]
+        if not graph.moves(node):
+            return _ONE, node
+        if isinstance(node, Call) and node.function == "neg":
+            operand, factor = self.term(node.arguments[0])
+            return operand, graph.multiply(self._minus_one, factor)
+        if isinstance(node, Call) and node.function == "/" and not graph.moves(node.arguments[1]):
+            operand, factor = self.term(node.arguments[0])
+            return operand, graph.call("/", factor, node.arguments[1])
+        if isinstance(node, Call) and node.function == "*":
+            return self.moving_part(node)
+        return self.operand(node), graph.one
+
+    def moving_part(self, node: Call) -> tuple[Operand, Expression]:
+        """A product as an operand and its constant factor."""
+        constant: Expression = self.graph.one
         total: Operand | None = None
-        for factor in node.arguments:
-            if graph.moves(factor):
-                part = self.operand(factor)
-                total = part if total is None else self.times(total, part)
+        for part in node.arguments:
+            operand, factor = self.term(part)
+            constant = self.graph.multiply(constant, factor)
+            if self.graph.moves(part):
+                total = operand if total is None else self.times(total, operand)
         assert total is not None  # the node moves
-        constant = graph.multiply(*constants)
-        return total if constant is graph.one else self._write(op.SCALE, total, slot=constant)
+        return total, constant
+
+    def alone(self, node: Call) -> Operand:
+        """A product with constants, a negative or a quotient by a constant."""
+        operand, factor = self.term(node)
+        return self.combine({operand: factor})
 
     def times(self, left: Operand, right: Operand) -> Operand:
         if left == right:
@@ -179,8 +194,7 @@ class _Writer:
     def quotient(self, node: Call) -> Operand:
         above, below = node.arguments
         if not self.graph.moves(below):
-            inverse = self.graph.call("/", self.graph.one, below)
-            return self._write(op.SCALE, self.operand(above), slot=inverse)
+            return self.alone(node)
         return self._write(op.DIVIDE, self.operand(above), self.operand(below))
 
     def power(self, node: Call) -> Operand:
@@ -216,7 +230,7 @@ class _Writer:
         (angle,) = node.arguments
         parts = self.graph.angle(angle)
         if parts is None and node.function == "tan":
-            return self.with_slope(op.TAN, op.ADD, self.operand(angle))
+            return self.with_slope(op.TAN, self.graph.one, self.operand(angle))
         if parts is None:
             sin, cos = self.pair(op.SIN, op.COS, self.operand(angle))
         else:
@@ -236,14 +250,13 @@ class _Writer:
         cos: Operand = Harmonic("cos", positive)
         sin: Operand = Harmonic("sin", positive)
         if sign < 0.0:
-            sin = self._write(op.SCALE, sin, slot=self._minus_one)
+            sin = self.combine({sin: self._minus_one})
         if phase is graph.zero:
             return cos, sin
-        cos_cos = self._write(op.SCALE, cos, slot=cos_phase)
-        sin_sin = self._write(op.SCALE, sin, slot=sin_phase)
-        sin_cos = self._write(op.SCALE, sin, slot=cos_phase)
-        cos_sin = self._write(op.SCALE, cos, slot=sin_phase)
-        return self._write(op.SUBTRACT, cos_cos, sin_sin), self._write(op.ADD, sin_cos, cos_sin)
+        minus = graph.multiply(self._minus_one, sin_phase)
+        return self.combine({cos: cos_phase, sin: minus}), self.combine(
+            {sin: cos_phase, cos: sin_phase}
+        )
 
     def pair(self, first: int, second: int, a: Operand) -> tuple[Operand, Operand]:
         """Two functions whose recurrences name each other."""
@@ -258,15 +271,15 @@ class _Writer:
         return sinh if node.function == "sinh" else cosh
 
     def tanh(self, node: Call) -> Operand:
-        return self.with_slope(op.TANH, op.SUBTRACT, self.operand(node.arguments[0]))
+        return self.with_slope(op.TANH, self._minus_one, self.operand(node.arguments[0]))
 
-    def with_slope(self, opcode: int, sign: int, a: Operand) -> Operand:
+    def with_slope(self, opcode: int, sign: Expression, a: Operand) -> Operand:
         """tan and tanh: their slope 1 + y^2 or 1 - y^2 follows them."""
         if (opcode, a) not in self._written:
             here = self._append(Instruction(opcode, a))
             self._written[opcode, a] = here
-            slope = self._append(Instruction(sign, _ONE, self._write(op.SQUARE, here)))
-            self.code.instructions[here].b = slope
+            square = self._write(op.SQUARE, here)
+            self.code.instructions[here].b = self.combine({_ONE: self.graph.one, square: sign})
         return self._written[opcode, a]
 
     def plain(self, node: Call) -> Operand:
@@ -275,25 +288,26 @@ class _Writer:
 
     def arc(self, node: Call) -> Operand:
         """atan, asin and acos with the slope that they need before them."""
-        a = self.operand(node.arguments[0])
+        a, one = self.operand(node.arguments[0]), self.graph.one
         square = self._write(op.SQUARE, a)
         if node.function == "atan":
-            below = self._write(op.ADD, _ONE, square)
+            below = self.combine({_ONE: one, square: one})
             return self._write(op.ATAN, a, self._write(op.DIVIDE, _ONE, below))
-        below = self._write(op.SQRT, self._write(op.SUBTRACT, _ONE, square))
+        below = self._write(op.SQRT, self.combine({_ONE: one, square: self._minus_one}))
         opcode = op.ASIN if node.function == "asin" else op.ACOS
         return self._write(opcode, a, self._write(op.DIVIDE, _ONE, below))
 
     def arc_of_two(self, node: Call) -> Operand:
         y, x = (self.operand(part) for part in node.arguments)
-        squares = self._write(op.ADD, self._write(op.SQUARE, x), self._write(op.SQUARE, y))
+        one = self.graph.one
+        squares = self.combine({self._write(op.SQUARE, x): one, self._write(op.SQUARE, y): one})
         return self._write(op.ATAN2, y, x, squares)
 
 
 _RULES: dict[str, Callable[[_Writer, Call], Operand]] = {
     "+": _Writer.sum_,
-    "neg": _Writer.negative,
-    "*": _Writer.product,
+    "neg": _Writer.alone,
+    "*": _Writer.alone,
     "/": _Writer.quotient,
     "**": _Writer.power,
     "sin": _Writer.circular,

@@ -23,25 +23,36 @@ class TaylorRows:
         self.most = most
         self.n_registers = 0
         self.rows: list[tuple[int, int, int, int | Expression, int]] = []
+        self.terms: list[tuple[int, Expression]] = []
         self.code_rows = np.zeros((n_modes, 3), np.int64)
         self.outlets = np.full((n_modes, n + most + most * n), -1, np.int64)
 
     @property
     def constants(self) -> list[Expression]:
         """Expressions that need a slot."""
-        return [row[3] for row in self.rows if not isinstance(row[3], int)]
+        of_rows = [row[3] for row in self.rows if not isinstance(row[3], int)]
+        return [*of_rows, *(factor for _, factor in self.terms)]
 
     def put(self, i_mode: int, code: TaylorCode, states: tuple[str, ...]) -> None:
         """Enter the code of a mode."""
         first, width = len(self.rows), len(self.columns)
         for i, each in enumerate(code.instructions):
-            b = self._register(each.b) if each.slot is None else each.slot
             a, c = self._register(each.a), self._register(each.c)
+            b = self._register(each.b) if each.slot is None else each.slot
+            if each.terms:
+                a = len(self.terms)
+                self.terms += [(self._register(x), factor) for x, factor in each.terms]
+                b = len(self.terms)
             self.rows.append((each.opcode, width + i, a, b, c))
         self.code_rows[i_mode] = first, first + code.middle, len(self.rows)
         self.n_registers = max(self.n_registers, width + len(code.instructions))
         for (kind, *place), operand in code.results.items():
             self.outlets[i_mode, self._outlet(kind, place, states)] = self._register(operand)
+
+    def array_of_terms(self, tape: ParameterTape) -> np.ndarray:
+        """Rows (register, slot)."""
+        rows = [(register, tape.slot(factor)) for register, factor in self.terms]
+        return np.array(rows, np.int64).reshape(-1, 2)
 
     def array(self, tape: ParameterTape) -> np.ndarray:
         """Rows (opcode, target, a, b, c)."""
