@@ -34,6 +34,7 @@ from nonsmooth.engine.transitions import (
     pass_exits,
     slaved_agree,
 )
+from nonsmooth.engine.zeros import STILL_ZERO
 
 __all__ = ["run", "start"]
 
@@ -179,7 +180,7 @@ def run(
             cursor[WINDOW_EVENTS] = 0
         place[0] = number
         for g in range(anchor.order.size):
-            anchor.order[g] = 0
+            anchor.order[g] = STILL_ZERO if segment.order[g] >= STILL_ZERO else 0
         _augment(tables, anchor.state, place[0], anchor.phase[0], segment.z)
         if carrying:
             complete_columns(tables, rates, tangent, place[0], anchor.phase[0], segment.z)
