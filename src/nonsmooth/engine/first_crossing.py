@@ -79,7 +79,7 @@ def first_crossing(tables, segment, m, start, length):
                 which = g
                 reach = min(reach, soonest if scan[g, at.LATEST] == _FAR else scan[g, at.LATEST])
         if which >= 0:
-            if scan[which, at.LATEST] < _FAR and _alone(scan, n_exits, which):
+            if scan[which, at.LATEST] < _FAR and _alone(scan, n_exits, which, length - s):
                 root, found = _finish(tables, segment, m, which, s)
                 if root <= length:
                     return root, which, found, root
@@ -200,10 +200,11 @@ def _within_margin(scan, g, margin, reach):
 
 
 @inlined
-def _alone(scan, n_exits, which):
-    """Whether every other guard is safe up to the latest place of this guard's root."""
+def _alone(scan, n_exits, which, rest):
+    """Whether every other guard is safe up to the latest place of this guard's root, or the end."""
+    latest = min(scan[which, at.LATEST], rest)
     for g in range(n_exits):
-        if g != which and scan[g, at.SAFE] < scan[which, at.LATEST]:
+        if g != which and scan[g, at.SAFE] < latest:
             return False
     return True
 
