@@ -295,6 +295,8 @@ def _pass_event(tables, rates, segment, tangent, anchor, records, s, e, found, t
     anchor.phase[0] = phase
     _set_anchor(anchor, segment, records, n)
     accumulated = cursor[WINDOW_EVENTS] > _MOST_EVENTS or cursor[STALLED] > _MOST_STALLED
+    if status == _COMPLETED and not _finite(anchor.state):
+        return _SINGULAR  # the reset divides by zero
     if status == _COMPLETED and accumulated:
         return _EVENT_LIMIT
     return status
@@ -308,10 +310,18 @@ def _set_anchor(anchor, segment, records, n):
 
 
 @kernel
-def _bounded(drifting, state):
+def _finite(state):
     for i in range(state.size):
         if not math.isfinite(state[i]):
             return False
+    return True
+
+
+@kernel
+def _bounded(drifting, state):
+    if not _finite(state):
+        return False
+    for i in range(state.size):
         if abs(state[i]) > _MOST_SIZE and not (drifting >> i) & 1:
             return False
     return True
