@@ -75,7 +75,7 @@ def start(tables, rates, anchor, segment, tangent, records, mode, tolerance):
     low, high = (0, affine.shape[0]) if mode < 0 else (mode, mode + 1)
     first = -1
     for m in range(low, high):
-        linearise_mode(tables, rates, segment, m)
+        linearise_mode(tables, rates, segment, m, at.DERIVATIVES)
         if _fits(n, affine, wiring, m, z, tolerance):
             first = m
             break

@@ -132,7 +132,7 @@ def _linearise_at_rest(program, tables):
     augmented(n, program.sizes[1], 0.0, tables.harmonics, 0, 0.0, z)
     for m in range(tables.kinds.size):
         if tables.kinds[m] == at.TAYLOR:
-            linearise(tables, no_rates, no_rates, no_rows, series, dual, m, z)
+            linearise(tables, no_rates, no_rates, no_rows, series, dual, m, z, at.DERIVATIVES)
             if not _finite(tables.generator[m]):
                 for i in range(n):
                     for j in range(big_n):
