@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from nonsmooth.simulation.simulate import simulate
     from nonsmooth.simulation.words import phase_word
     from nonsmooth.system.parts import Exit, Mode
+    from nonsmooth.system.signals import Signal
     from nonsmooth.system.system import System
 
 __all__ = [
@@ -32,6 +33,7 @@ __all__ = [
     "OptionError",
     "RunError",
     "RunWarning",
+    "Signal",
     "System",
     "__version__",
     "models",
@@ -48,6 +50,7 @@ _HOME = {
     "OptionError": "nonsmooth.errors",
     "RunError": "nonsmooth.errors",
     "RunWarning": "nonsmooth.errors",
+    "Signal": "nonsmooth.system.signals",
     "System": "nonsmooth.system.system",
     "phase_word": "nonsmooth.simulation.words",
     "simulate": "nonsmooth.simulation.simulate",

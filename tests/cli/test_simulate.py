@@ -88,6 +88,50 @@ def test_a_picture_is_drawn(call, tmp_path):
     assert (tmp_path / "a.pdf").read_bytes().startswith(b"%PDF")
 
 
+EVERY_MODEL = [
+    "chua",
+    "clearance_rotor",
+    "duffing",
+    "gear_pair",
+    "moling",
+    "soft_impact",
+    "trilinear",
+]
+
+
+@pytest.mark.parametrize("model", EVERY_MODEL)
+def test_every_model_runs_and_is_drawn_by_default(call, tmp_path, model):
+    system = getattr(ns.models, model)()
+    pair = ",".join(system.states[:2])
+    for options in ([], ["--modes"], ["--portrait", pair]):
+        result = call("simulate", model, "--plot", tmp_path / "a.png", *options)
+        assert result.exit_code == 0, result.stderr
+        assert values(result.stdout)["status"] == "completed"
+    assert (tmp_path / "a.png").stat().st_size > 5000
+
+
+def test_without_a_period_the_length_follows_the_fastest_oscillation(call, tmp_path):
+    """Chua's circuit turns at about 3 rad per unit time: 50 turns take about 100."""
+    file = tmp_path / "a.nc"
+    assert call("simulate", "chua", "--save", file).exit_code == 0
+    with xr.open_dataset(file, engine="h5netcdf") as run:
+        assert 50 < float(run["time"][-1]) < 200
+        assert run.sizes["time"] == 5001
+
+
+def test_a_portrait_has_colours_and_the_surfaces(call, monkeypatch, tmp_path):
+    calls = []
+    monkeypatch.setattr(
+        ns.plot, "phase_portrait", lambda run, x, y, **options: calls.append((x, y, options))
+    )
+    for model in ("soft_impact", "duffing"):
+        file = tmp_path / "a.png"
+        assert call("simulate", model, "--portrait", "v, x", "--plot", file).exit_code == 0
+    (x, y, options), (_, _, smooth) = calls
+    assert (x, y, options["phases"], options["surfaces"]) == ("v", "x", True, True)
+    assert smooth["phases"] is False
+
+
 def test_a_run_that_ends_early(call, accumulating, tmp_path):
     """Code 1, the reason, and files all the same; the whole run where the window is missed."""
     files = ["--plot", tmp_path / "a.png", "--save", tmp_path / "a.nc"]
@@ -156,7 +200,10 @@ MISUSES = {
     "simulate moling --from 20": "must run forward and begin before the run ends",
     "simulate moling --from 1 --time-range 2,3": "give one of --from and --time-range",
     "simulate ball --from 1 --t-end 5": "--from counts periods, and 'ball' has none",
-    "simulate ball": "exactly one of periods=, t_end= and times=",
+    "simulate ball --periods 5 --t-end 3": "exactly one of periods=, t_end= and times=",
+    "simulate moling --portrait x": "--portrait: 'x' is not two variables",
+    "simulate moling --portrait x,w": "--portrait: unknown variable 'w'",
+    "simulate moling --portrait x,v --modes": "leave out --variables and --modes",
     "simulate": "Missing argument",
     "simulate moling --periods many": "Invalid value for '--periods'",
 }

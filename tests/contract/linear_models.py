@@ -55,7 +55,7 @@ MOVED = {"X1": 0.01, "X2": 0.1, "X3": 0.02, "X4": 0.01}
 
 MODELS = {
     "mole, one contact per period": mole(),
-    "mole, irregular": mole(b=0.05),
+    "mole, irregular": mole(b=0.05, periods=9),
     "mole, many contacts": mole(b=0.27),
     "mole, direct passages": mole(a=0.9, b=0.3),
     "mole, fast forcing": mole(b=0.1, xi=0.1, omega=1.6, periods=40),

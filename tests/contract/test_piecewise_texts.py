@@ -14,13 +14,6 @@ from nonsmooth.models import chua, gear_pair, soft_impact, trilinear
 SAME = 1e-11
 
 
-def as_text(automaton, flow, **more):
-    """System with the words of an automaton but one right-hand side."""
-    words = {"states": automaton.states, "parameters": dict(automaton.parameters)}
-    words |= {"period": automaton.period, "initial": dict(automaton.initial)}
-    return ns.System(**words, equations=flow, **more)
-
-
 SOFT = soft_impact(omega=0.8, zeta=0.05)
 PULL = "a*omega**2*sin(omega*t) - 2*zeta*v - x"
 STOPS = [

@@ -15,16 +15,6 @@ from contract.growth import growth
 from contract.linear_models import MODELS
 from contract.taylor_twin import flow_kinds, taylor_twin
 
-FAILING = {
-    "mole, irregular": "a decay into the denormal numbers ends with status singular",
-    "fatigue rig": "a state that leaves zero with t^4 ends with status singular",
-}
-NAMES = [
-    pytest.param(name, marks=pytest.mark.xfail(strict=True, reason=FAILING[name]))
-    if name in FAILING
-    else name
-    for name in MODELS
-]
 TOLERANCE = 1e-11
 LARGEST_GROWTH = 1e4
 
@@ -58,7 +48,7 @@ def test_the_twin_takes_the_other_flow(name):
     assert "Taylor" in taylor
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", MODELS)
 def test_states(name):
     exact, taylor, sizes = pair(name)
     assert taylor.attrs["status"] == exact.attrs["status"] == "completed"
@@ -71,7 +61,7 @@ def test_states(name):
         assert (error < TOLERANCE * sizes[fair]).all(), (state, (error / sizes[fair]).max())
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", MODELS)
 def test_events(name):
     exact, taylor, sizes = pair(name)
     until = exact["time"].values[sizes < LARGEST_GROWTH][-1]
@@ -87,7 +77,7 @@ def test_events(name):
     assert (late < TOLERANCE * reached / rate).all(), (late * rate / reached).max()
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", MODELS)
 def test_neither_flow_leaves_an_event_in_doubt(name):
     exact, taylor, sizes = pair(name)
     until = exact["time"].values[sizes < LARGEST_GROWTH][-1]

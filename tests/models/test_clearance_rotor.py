@@ -1,5 +1,7 @@
 """The rotor with clearance: synchronous circles, conserved quantities, areas, and scipy."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -106,7 +108,7 @@ def test_rubbing_against_scipy():
     run = ns.simulate(clearance_rotor(), t_end=15, tangent=True)
     assert run.attrs["n_events"] == 8
     state, cuts = np.zeros(4), [*run["event_time"].values, 15.0]
-    for i, (begin, end) in enumerate(zip(cuts[:-1], cuts[1:], strict=True)):
+    for i, (begin, end) in enumerate(pairwise(cuts)):
         # it starts free, and contact and release alternate
         state = solve_ivp(
             field, (begin, end), state, method="DOP853", rtol=1e-13, atol=1e-15, args=(i % 2 == 1,)

@@ -58,7 +58,10 @@ def test_period_between_two_flanks(b, speed):
 def test_energy_is_kept_under_a_mean_force():
     mean, b = 0.1, 1.0
     run = ns.simulate(
-        gear_pair(zeta=0.0, F_m=mean, F_a=0.0), {"x": 0.0, "v": 2.0}, t_end=300, samples_per_period=9
+        gear_pair(zeta=0.0, F_m=mean, F_a=0.0),
+        {"x": 0.0, "v": 2.0},
+        t_end=300,
+        samples_per_period=9,
     )
     x, v = run["x"].values, run["v"].values
     energy = v**2 / 2 + dead_zone(x, b) ** 2 / 2 - mean * x
@@ -141,10 +144,7 @@ def dop853(p, start, end):
         which = 0 if len(found.t_events[0]) else 1
         t, z = found.t_events[which][0], found.y_events[which][0].copy()
         times.append(t)
-        if side:
-            side = 0
-        else:
-            side = 1 - 2 * which
+        side = 0 if side else 1 - 2 * which
         z[0] = b if which == 0 else -b
 
 

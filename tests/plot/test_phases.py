@@ -76,10 +76,25 @@ def test_colours_need_a_run(mole):
 
 
 def test_many_modes_have_different_colours(mole):
-    names = " ".join(f"m{i}" for i in range(14))
+    names = " ".join(f"m{i}" for i in range(28))
     run = mole.copy()
     run["mode"].attrs["flag_meanings"] = names
-    assert len(set(ns.plot.mode_colours(run).values())) == 14
+    assert len(set(ns.plot.mode_colours(run).values())) == 28
+
+
+def test_a_legend_of_many_cells_leaves_room_for_the_curves(ax):
+    stairs = "0"
+    for i in range(-20, 20):
+        stairs = f"where(x > {i}/10, {0.1 * i}*x, {stairs})" if i % 2 else stairs
+    stairs = ns.System(states=["x", "v"], equations={"x": "v", "v": f"-9*x - {stairs}"})
+    run = ns.simulate(stairs, {"v": 7.0}, t_end=30)
+    assert len(set(run["mode"].values)) > 15
+    ns.plot.phases(run, "x", ax=ax)
+    ax.figure.canvas.draw()
+    texts = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert texts[-1].startswith("and ") and texts[-1].endswith(" more")
+    assert len(texts) <= 8
+    assert ax.get_position().height > 0.5
 
 
 def test_cells_of_one_name_have_one_colour(ax):

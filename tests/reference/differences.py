@@ -4,7 +4,7 @@ With steps of 1e-12 at 60 digits the error is about 1e-24 times the third deriva
 """
 
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from mpmath import mp, mpf
 
@@ -21,18 +21,26 @@ class Derivatives(NamedTuple):
     sensitivity: list[list[list[mpf]]]
 
 
-def derivatives(case: Case, of_states: Sequence[int], of_parameters: Sequence[str]) -> Derivatives:
-    """The columns asked for."""
+def derivatives(
+    case: Case, of_states: Sequence[int], of_parameters: Sequence[str], **words: Any
+) -> Derivatives:
+    """The columns asked for; ``words`` are options of ``smooth_run``."""
+
+    def run(moved: dict[int, mpf], changed: dict[str, mpf]) -> SmoothRun:
+        return _run(case, moved, changed, words)
+
     with mp.workdps(DIGITS):
-        tangent = [_column(case, lambda h, i=i: _run(case, {i: h}, {})) for i in of_states]
-        columns = [_column(case, lambda h, n=n: _run(case, {}, {n: h})) for n in of_parameters]
+        tangent = [_column(case, lambda h, i=i: run({i: h}, {})) for i in of_states]
+        columns = [_column(case, lambda h, n=n: run({}, {n: h})) for n in of_parameters]
     return Derivatives(_rows(case, tangent), _rows(case, columns))
 
 
-def _run(case: Case, moved: dict[int, mpf], changed: dict[str, mpf]) -> SmoothRun:
+def _run(
+    case: Case, moved: dict[int, mpf], changed: dict[str, mpf], words: dict[str, Any]
+) -> SmoothRun:
     start = [mpf(x) + moved.get(i, 0) for i, x in enumerate(case.start)]
     parameters = {name: mpf(x) + changed.get(name, 0) for name, x in case.parameters.items()}
-    return smooth_run(case.model, parameters, start, case.mode, case.times)
+    return smooth_run(case.model, parameters, start, case.mode, case.times, **words)
 
 
 def _column(case: Case, run: Callable[[mpf], SmoothRun]) -> list[list[mpf]]:

@@ -58,7 +58,9 @@ def bounces_in_air(k, r, height, count):
 @pytest.mark.parametrize(("k", "r"), [(0.1, 0.5), (1.0, 0.7), (1e-6, 0.5)])
 def test_a_ball_in_air(k, r):
     """Drag against the square of the speed, written with abs: a cell for each direction."""
-    mode = Mode({"x": "v", "v": "-1 - k*v*abs(v)"}, exits=[Exit("x", reset={"v": "-r*v"}, name="b")])
+    mode = Mode(
+        {"x": "v", "v": "-1 - k*v*abs(v)"}, exits=[Exit("x", reset={"v": "-r*v"}, name="b")]
+    )
     system = System(states=["x", "v"], parameters={"k": k, "r": r}, modes={"m": mode})
     run = accumulated(system, {"x": 1.0})
     times = bounces_in_air(k, r, 1.0, 200)

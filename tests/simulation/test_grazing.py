@@ -162,7 +162,9 @@ def test_a_moving_wall_touches(flow, start, eps):
 def test_a_straight_flight_touches_a_circle(off):
     """x = t - 2, y = 1 + off: the distance from the circle is y^2 - 1 + (t - 2)^2."""
     mode = Mode({"x": "1", "y": "0"}, exits=[Exit("x**2 + y**2 - 1", to="stop")])
-    run = ns.simulate(System(states=["x", "y"], modes={"m": mode}), {"x": -2, "y": 1 + off}, t_end=4)
+    run = ns.simulate(
+        System(states=["x", "y"], modes={"m": mode}), {"x": -2, "y": 1 + off}, t_end=4
+    )
     if off > 0.0:
         assert run.attrs["n_events"] == run.attrs["n_uncertain"] == 0
     elif off < 0.0:

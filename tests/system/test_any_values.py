@@ -56,7 +56,7 @@ def answered(make) -> None:
 
 
 @given(some("states", "modes", "parameters", "definitions", "outputs", "period", "drift", "require",
-            "initial", "describe", "name", "equations", "slow"))  # fmt: skip
+            "initial", "describe", "name", "equations", "slow", "signals"))  # fmt: skip
 def test_any_word_of_a_system(words):
     answered(lambda: System(**(RIGHT | words)))
 

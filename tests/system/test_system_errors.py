@@ -58,7 +58,7 @@ def refused(words, **changes):
         ({"outputs": {"power": "F*v"}}, ["outputs['power']", "unknown name 'F'"]),
         ({"definitions": {"d": "k*x"}}, ["definitions['d']", "unknown name 'k'"]),
         ({"period": "2*pi/omega"}, ["period", "unknown name 'omega'"]),
-        ({"modes": one_mode({"x": "v", "v": "rate(w)"})}, ["state in rate()", "'w'"]),
+        ({"modes": one_mode({"x": "v", "v": "rate(w)"})}, ["state or signal in rate()", "'w'"]),
     ],
 )
 def test_names_that_are_not_declared(changes, words):
@@ -142,7 +142,7 @@ def test_parts_that_are_malformed(make, words):
         assert word in str(caught.value)
 
 
-@pytest.mark.parametrize("key", ["surfaces", "symmetry", "slow", "signals"])
+@pytest.mark.parametrize("key", ["surfaces", "symmetry", "slow"])
 def test_words_of_the_contract_that_wait(key):
     refused([f"{key}= is not supported in this version"], **{key: {"x": "v"}})
 

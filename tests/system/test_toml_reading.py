@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import nonsmooth as ns
-from nonsmooth import Mode, ModelError, System
+from nonsmooth import Mode, ModelError, Signal, System
 
 WALL = """format = 1
 name = "wall"
@@ -133,7 +133,6 @@ UNSUPPORTED = {
     "surfaces": "{}",
     "symmetry": "{}",
     "slow": "1",
-    "signals": "[]",
 }
 
 
@@ -316,3 +315,31 @@ def test_any_change_of_lines_is_answered(data):
         rows[place : place + data.draw(st.integers(0, 2))] = data.draw(st.lists(lines, max_size=2))
         rows = rows or [""]
     answered("\n".join(rows) + "\n")
+
+
+# ---------------------------------------------------------------- signals
+
+BASE = "\n[signals.base]\ntimes = [0, 1.5]\nvalues = [0.25, 1]\nmethod = 'linear'\n"
+
+
+def test_a_signal_stands_in_a_table_of_its_own():
+    system = System.from_toml(changed('period = "2*pi/w"\n', "") + BASE)
+    assert system.signals["base"] == Signal([0.0, 1.5], [0.25, 1.0], "linear")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("times = [0, 1.5]\n", "", ["signals.base", "times is missing"]),
+        ("times", "time", ["signals.base", "unknown key 'time'", "did you mean 'times'"]),
+        ("[0, 1.5]", "[0, true]", ["signals.base.times[1]", "the boolean true"]),
+        ("[0, 1.5]", "1.5", ["signals.base.times", "an array of numbers belongs"]),
+        ("[0, 1.5]", "[2, 1.5]", ["signals.base: times[1] = 1.5 lies before"]),
+        ("'linear'", "3", ["signals.base.method", "the number 3"]),
+        ("[signals.base]", "[[signals]]", ["signals", "a table belongs"]),
+    ],
+)
+def test_signals_that_cannot_be_read(old, new, words):
+    message = refused(changed('period = "2*pi/w"\n', "") + BASE.replace(old, new))
+    for word in words:
+        assert word in message, message

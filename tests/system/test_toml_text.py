@@ -176,9 +176,9 @@ def test_absurdly_large_sources_are_refused(tmp_path):
     path = tmp_path / "large.toml"
     path.write_bytes(b"#" * (MAX_CHARACTERS + 1))
     for source in (path, "#\n" * MAX_CHARACTERS):
-        assert "more than 4,000,000 characters" in refused(source)
+        assert "more than 10,000,000 characters" in refused(source)
     path.write_bytes("\u4e2d".encode() * (2 * MAX_CHARACTERS))
-    assert "more than 4,000,000 characters" in refused(path)
+    assert "more than 10,000,000 characters" in refused(path)
 
 
 # ---------------------------------------------------------------- anything

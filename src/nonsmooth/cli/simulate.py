@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 __all__ = ["simulate"]
 
 _PERIODS = 20.0  # as long as the chapter's time histories
+_LENGTH = 50.0  # oscillations, without a period
+_OSCILLATIONS = 5.0  # in a window of the clock, which is 32 radians of the fastest one
 _WIDTH, _HEIGHT = 12.0, 7.5  # centimetres, between one column and two
 
 
@@ -34,7 +36,10 @@ def simulate(
     periods: Annotated[
         float | None, typer.Option(help="Length of the run in periods; 20 by default.")
     ] = None,
-    t_end: Annotated[float | None, typer.Option(help="Time at which the run ends.")] = None,
+    t_end: Annotated[
+        float | None,
+        typer.Option(help="Time at which the run ends; without a period some 50 oscillations."),
+    ] = None,
     start: Annotated[
         str | None, typer.Option(metavar="p=0.1,y=0", help="States at the start.")
     ] = None,
@@ -42,6 +47,13 @@ def simulate(
     plot: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Draw a time history: .png or .pdf.")
     ] = None,
+    portrait: Annotated[
+        str | None,
+        typer.Option(metavar="x,v", help="Draw the second over the first instead, in colours."),
+    ] = None,
+    modes: Annotated[
+        bool, typer.Option("--modes", help="Colour the modes behind the time history.")
+    ] = False,
     variables: Annotated[
         str | None, typer.Option(metavar="x,v", help="States and outputs to draw.")
     ] = None,
@@ -59,16 +71,17 @@ def simulate(
     _check_files(plot, save)
     system = build_system(model, settings(parameters or [], "NAME=VALUE"))
     shown = _variables(system, variables)
-    if periods is None and t_end is None and system.period is not None:
-        periods = _PERIODS
+    pair = _pair(system, portrait, variables, modes)
+    length: dict[str, Any] = {"periods": periods, "t_end": t_end}
+    if periods is None and t_end is None:
+        length = _default_length(system, samples_per_period)
     window = _window(system, first_period, times)
-    _check_window(system, window, periods, t_end)
+    _check_window(system, window, length)
     run = _run(
         system,
         constants(settings(names(start), "--start"), "--start"),
-        periods=periods,
-        t_end=t_end,
         samples_per_period=samples_per_period,
+        **length,
     )
     from nonsmooth.cli.summary import summary
     from nonsmooth.system.columns import harmless
@@ -77,7 +90,7 @@ def simulate(
     if save is not None:
         _save(run, save)
     if plot is not None:
-        _plot(run, shown, window, plot)
+        _plot(run, shown, window, plot, pair=pair, modes=modes)
     status = run.attrs["status"]
     if status == "interrupted":
         raise typer.Exit(INTERRUPTED)
@@ -109,6 +122,35 @@ def _variables(system: System, text: str | None) -> list[str]:
     return [*list(system.outputs)[:1], *drifting] if drifting else list(system.states[:1])
 
 
+def _pair(
+    system: System, portrait: str | None, variables: str | None, modes: bool
+) -> tuple[str, str] | None:
+    """Two variables of a portrait."""
+    if portrait is None:
+        return None
+    if variables is not None or modes:
+        raise OptionError("--portrait draws no time history: leave out --variables and --modes")
+    pair = names(portrait)
+    if len(pair) != 2:
+        raise OptionError(f"--portrait: {portrait!r} is not two variables, such as x,v")
+    known = [*system.states, *system.outputs]
+    for name in pair:
+        if name not in known:
+            raise OptionError(f"--portrait: {unknown_name('variable', name, known)}")
+    return pair[0], pair[1]
+
+
+def _default_length(system: System, samples_per_period: int) -> dict[str, Any]:
+    """Length of a run where none is given; without a period, by the fastest oscillation."""
+    if system.period is not None:
+        return {"periods": _PERIODS}
+    from nonsmooth.simulation.runner import build_tables
+
+    oscillation = float(build_tables(system).clock[0]) / _OSCILLATIONS
+    samples = math.ceil(_LENGTH * samples_per_period)
+    return {"times": [k * oscillation * _LENGTH / samples for k in range(samples + 1)]}
+
+
 def _window(
     system: System, first_period: float | None, times: str | None
 ) -> tuple[float, float] | None:
@@ -125,14 +167,13 @@ def _window(
 
 
 def _check_window(
-    system: System,
-    window: tuple[float, float] | None,
-    periods: float | None,
-    t_end: float | None,
+    system: System, window: tuple[float, float] | None, length: dict[str, Any]
 ) -> None:
     """Refuse times to draw that a run of this length does not reach."""
-    end = t_end
-    if end is None and periods is not None and system.period_value is not None:
+    end, periods = length.get("t_end"), length.get("periods")
+    if "times" in length:
+        end = length["times"][-1]
+    elif end is None and periods is not None and system.period_value is not None:
         end = periods * system.period_value
     if window is not None and end is not None and not window[0] < min(window[1], end):
         last = f"{window[1]:g}" if window[1] < math.inf else "the end"
@@ -159,9 +200,15 @@ def _save(run: xr.Dataset, path: Path) -> None:
 
 
 def _plot(
-    run: xr.Dataset, variables: list[str], window: tuple[float, float] | None, path: Path
+    run: xr.Dataset,
+    variables: list[str],
+    window: tuple[float, float] | None,
+    path: Path,
+    *,
+    pair: tuple[str, str] | None,
+    modes: bool,
 ) -> None:
-    from nonsmooth.plot import print_figure, save_figure, time_history
+    from nonsmooth.plot import phase_portrait, phases, print_figure, save_figure, time_history
 
     first, last = float(run["time"][0]), float(run["time"][-1])
     if window is not None:
@@ -170,6 +217,12 @@ def _plot(
             typer.echo("the run ended before the times to draw; all of it is drawn", err=True)
             window = None
     figure, (ax,) = print_figure(width=_WIDTH, height=_HEIGHT)
-    time_history(run, variables, ax=ax, time_range=window)
+    if pair is not None:
+        several = len(run["mode"].attrs["flag_meanings"].split()) > 1
+        phase_portrait(run, *pair, ax=ax, phases=several, surfaces=True, time_range=window)
+    elif modes:
+        phases(run, variables, ax=ax, time_range=window)
+    else:
+        time_history(run, variables, ax=ax, time_range=window)
     save_figure(figure, path)
     typer.echo(f"drawn {path}")

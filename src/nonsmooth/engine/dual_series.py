@@ -1,8 +1,7 @@
 """Derivatives of Taylor series in several directions, by the same instructions.
 
-A direction is an initial state, or another coordinate, or a parameter. Directions are handled
-four at a time, so that the processor does the same to all four; their number is a multiple of
-four, with zeros in those that are left over.
+A direction is an initial state, or another coordinate, or a parameter. Every recurrence of
+`taylor_series` is differentiated; the directions do not depend on each other.
 """
 
 from __future__ import annotations
@@ -10,22 +9,23 @@ from __future__ import annotations
 import math
 
 from nonsmooth.engine import taylor_opcodes as op
-from nonsmooth.engine.jit import inlined, kernel, summing
-from nonsmooth.engine.layout import LANES
+from nonsmooth.engine.jit import kernel
+from nonsmooth.engine.layout import CHAIN, first_of_signals
+from nonsmooth.engine.taylor_series import product, weighted
 
 __all__ = ["fill_duals"]
 
 
 @kernel
 def fill_duals(
-    code, terms, weights, first, last, slots, slot_rates, offset, outlets, slaved, sizes, harmonics,
-    harmonic_rates, series, dual, low, high,
+    code, terms, weights, first, last, slots, slot_rates, offset, outlets, slaved, sizes,
+    harmonics, harmonic_rates, series, dual, low, high,
 ):  # fmt: skip
     """Derivatives of the coefficients low ... high that fill_series has left.
 
-    shapes: dual (R, high + 1 or more, D), the seeds in dual[:N, 0]; slot_rates (s, P) and
+    shapes: dual (R, D, high + 1 or more), the seeds in dual[:N, :, 0]; slot_rates (s, P) and
     harmonic_rates (P, K): derivatives with respect to parameters, which are the directions from
-    ``offset`` on
+    ``offset`` on; the others as in fill_series
     """
     n = sizes[0]
     for k in range(low, high + 1):
@@ -35,190 +35,127 @@ def fill_duals(
             if instruction == op.COMBINE:
                 _combine(y, a, b, terms, weights, slot_rates, offset, series, dual, k)
             elif instruction == op.MULTIPLY:
-                _product(series[a], series[b], dual[a], dual[b], dual[y], k)
+                for d in range(dual.shape[1]):
+                    change = product(series[a], dual[b, d], k) + product(series[b], dual[a, d], k)
+                    dual[y, d, k] = change
             elif instruction == op.SQUARE:
-                _product(series[a], series[a], dual[a], dual[a], dual[y], k)
+                for d in range(dual.shape[1]):
+                    dual[y, d, k] = 2.0 * product(series[a], dual[a, d], k)
+            elif instruction == op.POWER:
+                _power(y, a, b, slots, slot_rates, offset, series, dual, k)
             elif instruction < op.EXP:
-                _algebraic(instruction, y, a, b, slots, slot_rates, offset, series, dual, k)
+                for d in range(dual.shape[1]):
+                    dual[y, d, k] = _algebraic(instruction, y, a, b, series, dual, d, k)
             else:
-                _transcendental(instruction, y, a, b, code[row, 4], series, dual, k)
+                for d in range(dual.shape[1]):
+                    dual[y, d, k] = _transcendental(
+                        instruction, y, a, b, code[row, 4], series, dual, d, k
+                    )
         for i in range(n):
-            for d in range(dual.shape[2]):
+            for d in range(dual.shape[1]):
                 if (slaved >> i) & 1:
-                    dual[i, k, d] = dual[outlets[i], k, d]
-                elif k + 1 < dual.shape[1]:
-                    dual[i, k + 1, d] = dual[outlets[i], k, d] / (k + 1)
-        if k + 1 < dual.shape[1]:
-            _advance_time(n, sizes[1], offset, harmonics, harmonic_rates, series, dual, k)
+                    dual[i, d, k] = dual[outlets[i], d, k]
+                elif k + 1 < dual.shape[2]:
+                    dual[i, d, k + 1] = dual[outlets[i], d, k] / (k + 1)
+        if k + 1 < dual.shape[2]:
+            _advance_time(sizes, offset, harmonics, harmonic_rates, series, dual, k)
 
 
 @kernel
-def _advance_time(n, powers, offset, harmonics, harmonic_rates, series, dual, k):
-    for d in range(dual.shape[2]):
-        dual[n, k + 1, d] = 0.0
+def _advance_time(sizes, offset, harmonics, harmonic_rates, series, dual, k):
+    n, powers = sizes[0], sizes[1]
+    for d in range(dual.shape[1]):
+        dual[n, d, k + 1] = 0.0
         for j in range(1, powers + 1):
-            dual[n + j, k + 1, d] = j * dual[n + j - 1, k, d] / (k + 1)
+            dual[n + j, d, k + 1] = j * dual[n + j - 1, d, k] / (k + 1)
         for q in range(harmonics.shape[1]):
             cos = n + 1 + powers + 2 * q
             w = harmonics[0, q]
             w_rate = 0.0
             if 0 <= d - offset < harmonic_rates.shape[0]:
                 w_rate = harmonic_rates[d - offset, q]
-            sine = w * dual[cos + 1, k, d] + w_rate * series[cos + 1, k]
-            cosine = w * dual[cos, k, d] + w_rate * series[cos, k]
-            dual[cos, k + 1, d] = -sine / (k + 1)
-            dual[cos + 1, k + 1, d] = cosine / (k + 1)
+            sine = w * dual[cos + 1, d, k] + w_rate * series[cos + 1, k]
+            cosine = w * dual[cos, d, k] + w_rate * series[cos, k]
+            dual[cos, d, k + 1] = -sine / (k + 1)
+            dual[cos + 1, d, k + 1] = cosine / (k + 1)
+        for j in range(sizes[7]):
+            last = first_of_signals(sizes) + CHAIN * (j + 1) - 1
+            dual[last, d, k + 1] = 0.0
+            for i in range(last - CHAIN + 1, last):
+                dual[i, d, k + 1] = dual[i + 1, d, k] / (k + 1)
 
 
 @kernel
 def _combine(y, low, high, terms, weights, slot_rates, offset, series, dual, k):
     """Sum of registers times constants, which may depend on parameters."""
-    target = dual[y, k]
-    _clear(target)
-    for term in range(low, high):
-        register, slot = terms[term, 0], terms[term, 1]
-        for d in range(target.size):
-            target[d] += weights[term] * dual[register, k, d]
-        for p in range(slot_rates.shape[1]):
-            target[offset + p] += slot_rates[slot, p] * series[register, k]
-
-
-@summing
-def _add_products(a, dual, low, high, k, factor, target):
-    """target += factor times the sum of a_(k-j) dual_j over low <= j <= high.
-
-    shapes: a (K,), dual (K, D), target (D,)
-    """
-    for d in range(0, target.size, LANES):
-        x0, x1, x2, x3 = 0.0, 0.0, 0.0, 0.0
-        for j in range(low, high + 1):
-            weight = a[k - j]
-            x0 += weight * dual[j, d]
-            x1 += weight * dual[j, d + 1]
-            x2 += weight * dual[j, d + 2]
-            x3 += weight * dual[j, d + 3]
-        target[d] += factor * x0
-        target[d + 1] += factor * x1
-        target[d + 2] += factor * x2
-        target[d + 3] += factor * x3
-
-
-@summing
-def _add_weighted(a, dual, u, v, low, high, k, factor, target):
-    """target += factor times the sum of (u (k - j) + v j) a_(k-j) dual_j.
-
-    shapes: as in _add_products
-    """
-    for d in range(0, target.size, LANES):
-        x0, x1, x2, x3 = 0.0, 0.0, 0.0, 0.0
-        for j in range(low, high + 1):
-            weight = (u * (k - j) + v * j) * a[k - j]
-            x0 += weight * dual[j, d]
-            x1 += weight * dual[j, d + 1]
-            x2 += weight * dual[j, d + 2]
-            x3 += weight * dual[j, d + 3]
-        target[d] += factor * x0
-        target[d + 1] += factor * x1
-        target[d + 2] += factor * x2
-        target[d + 3] += factor * x3
-
-
-@inlined
-def _clear(target):
-    for d in range(target.size):
-        target[d] = 0.0
-
-
-@inlined
-def _divide(target, divisor):
-    for d in range(target.size):
-        target[d] /= divisor
+    for d in range(dual.shape[1]):
+        total = 0.0
+        for term in range(low, high):
+            total += weights[term] * dual[terms[term, 0], d, k]
+        dual[y, d, k] = total
+    for p in range(slot_rates.shape[1]):
+        for term in range(low, high):
+            rate = slot_rates[terms[term, 1], p]
+            dual[y, offset + p, k] += rate * series[terms[term, 0], k]
 
 
 @kernel
-def _product(a, b, dual_a, dual_b, dual_y, k):
-    target = dual_y[k]
-    _clear(target)
-    _add_products(b, dual_a, 0, k, k, 1.0, target)
-    _add_products(a, dual_b, 0, k, k, 1.0, target)
-
-
-@kernel
-def _algebraic(instruction, y, a, b, slots, slot_rates, offset, series, dual, k):
-    """Quotient, root, power, logarithm: the recurrence of the value, differentiated."""
-    target = dual[y, k]
-    if instruction == op.POWER:
-        _power(y, a, b, slots, slot_rates, offset, series, dual, k)
-        return
-    if instruction == op.LOG:
-        _clear(target)
-        if k == 0:
-            for d in range(target.size):
-                target[d] = dual[a, 0, d] / series[a, 0]
-            return
-        _add_products(series[y], dual[a], 0, 0, k, -float(k), target)
-        _add_weighted(series[a], dual[y], 0.0, 1.0, 1, k - 1, k, -1.0, target)
-        _add_weighted(series[y], dual[a], 1.0, 0.0, 1, k - 1, k, -1.0, target)
-        for d in range(target.size):
-            target[d] = (target[d] / k + dual[a, k, d]) / series[a, 0]
-        return
-    for d in range(target.size):
-        target[d] = dual[a, k, d]
+def _algebraic(instruction, y, a, b, series, dual, d, k):
+    """Quotient, root, logarithm; coefficient k of the target must not count in its own sum."""
+    u, v = series[a], series[y]
+    u_d, v_d = dual[a, d], dual[y, d]
+    v_d[k] = 0.0
     if instruction == op.DIVIDE:
-        _add_products(series[b], dual[y], 0, k - 1, k, -1.0, target)
-        _add_products(series[y], dual[b], 0, k, k, -1.0, target)
-        _divide(target, series[b, 0])
-    else:
-        _add_products(series[y], dual[y], 0, k - 1, k, -2.0, target)
-        _divide(target, 2.0 * series[y, 0])
+        change = product(series[b], v_d, k) + product(v, dual[b, d], k)
+        return (u_d[k] - change) / series[b, 0]
+    if instruction == op.SQRT:
+        return (u_d[k] - 2.0 * product(v, v_d, k)) / (2.0 * v[0])
+    if k == 0:
+        return u_d[0] / u[0]
+    # k a_0 y_k = k a_k - sum of j y_j a_(k-j)
+    change = weighted(v_d, u, 1, k - 1, k) + weighted(v, u_d, 1, k, k)
+    return (u_d[k] - change / k) / u[0]
 
 
 @kernel
 def _power(y, a, b, slots, slot_rates, offset, series, dual, k):
     """y = a^c, from k a_0 y_k = sum of (c (k - j) - j) a_(k-j) y_j over j < k."""
-    target, exponent = dual[y, k], slots[b]
-    base = series[a, 0]
-    if k == 0:
-        for d in range(target.size):
-            target[d] = series[y, 0] * exponent * dual[a, 0, d] / base
-        for p in range(slot_rates.shape[1]):
-            target[offset + p] += slot_rates[b, p] * math.log(base) * series[y, 0]
-        return
-    for d in range(target.size):
-        target[d] = -k * dual[a, 0, d] * series[y, k]
-    _add_weighted(series[a], dual[y], exponent, -1.0, 0, k - 1, k, 1.0, target)
-    # the same sum by the other factor: j counts the coefficient of a
-    _add_weighted(series[y], dual[a], -1.0, exponent, 1, k, k, 1.0, target)
+    exponent, base, u, v = slots[b], series[a, 0], series[a], series[y]
+    for d in range(dual.shape[1]):
+        u_d, v_d = dual[a, d], dual[y, d]
+        if k == 0:
+            v_d[0] = v[0] * exponent * u_d[0] / base
+            continue
+        v_d[k] = 0.0
+        # c j a_j y_(k-j) over all j, less j y_j a_(k-j), which holds k a_0 y_k as well
+        total = exponent * (weighted(u_d, v, 1, k, k) + weighted(u, v_d, 1, k, k))
+        total -= weighted(v_d, u, 1, k, k) + weighted(v, u_d, 1, k, k)
+        v_d[k] = total / (k * base)
     for p in range(slot_rates.shape[1]):
-        total = 0.0
-        for j in range(k):
-            total += (k - j) * series[a, k - j] * series[y, j]
-        target[offset + p] += slot_rates[b, p] * total
-    _divide(target, k * base)
+        rate = slot_rates[b, p]
+        if k == 0:
+            dual[y, offset + p, 0] += rate * math.log(base) * v[0]
+        else:
+            dual[y, offset + p, k] += rate * weighted(u, v, 1, k, k) / (k * base)
 
 
 @kernel
-def _transcendental(instruction, y, a, b, c, series, dual, k):
+def _transcendental(instruction, y, a, b, c, series, dual, d, k):
     """Functions with y' = a' f, differentiated."""
-    target = dual[y, k]
-    _clear(target)
     if instruction == op.ATAN2:
-        _angle(y, a, b, c, series, dual, k)
-        return
+        return _angle(y, a, b, c, series, dual, d, k)
     f = y if instruction == op.EXP else b
     sign = -1.0 if instruction == op.COS or instruction == op.ACOS else 1.0
     if k == 0:
         # the register with f may come later, but its value does not: it belongs to y
-        rate = _rate(instruction, series[a, 0], series[y, 0], series[f, 0])
-        for d in range(target.size):
-            target[d] = sign * rate * dual[a, 0, d]
-        return
-    _add_weighted(series[f], dual[a], 0.0, 1.0, 1, k, k, sign / k, target)
-    _add_weighted(series[a], dual[f], 1.0, 0.0, 0, k - 1, k, sign / k, target)
+        return sign * _rate(instruction, series[y, 0], series[f, 0]) * dual[a, d, 0]
+    # f may be the target or come later: only its coefficients below k are needed
+    change = weighted(dual[a, d], series[f], 1, k, k) + weighted(series[a], dual[f, d], 1, k, k)
+    return sign * change / k
 
 
 @kernel
-def _rate(instruction, x, y, f):
+def _rate(instruction, y, f):
     if instruction == op.TAN:
         return 1.0 + y * y
     if instruction == op.TANH:
@@ -227,20 +164,13 @@ def _rate(instruction, x, y, f):
 
 
 @kernel
-def _angle(y, a, b, c, series, dual, k):
+def _angle(y, a, b, c, series, dual, d, k):
     """Angle of (b, a) with squared radius c: y' c = b a' - a b'."""
-    target = dual[y, k]
+    u, v, w = series[a], series[b], series[c]
+    u_d, v_d, w_d, y_d = dual[a, d], dual[b, d], dual[c, d], dual[y, d]
     if k == 0:
-        for d in range(target.size):
-            crossed = series[b, 0] * dual[a, 0, d] - series[a, 0] * dual[b, 0, d]
-            target[d] = crossed / series[c, 0]
-        return
-    for d in range(target.size):
-        target[d] = -k * dual[c, 0, d] * series[y, k]
-    _add_weighted(series[b], dual[a], 0.0, 1.0, 1, k, k, 1.0, target)
-    _add_weighted(series[a], dual[b], 1.0, 0.0, 0, k - 1, k, 1.0, target)
-    _add_weighted(series[a], dual[b], 0.0, 1.0, 1, k, k, -1.0, target)
-    _add_weighted(series[b], dual[a], 1.0, 0.0, 0, k - 1, k, -1.0, target)
-    _add_weighted(series[c], dual[y], 0.0, 1.0, 1, k - 1, k, -1.0, target)
-    _add_weighted(series[y], dual[c], 1.0, 0.0, 1, k - 1, k, -1.0, target)
-    _divide(target, k * series[c, 0])
+        return (v[0] * u_d[0] - u[0] * v_d[0]) / w[0]
+    change = weighted(u_d, v, 1, k, k) + weighted(u, v_d, 1, k, k)
+    change -= weighted(v_d, u, 1, k, k) + weighted(v, u_d, 1, k, k)
+    change -= weighted(y_d, w, 1, k - 1, k) + weighted(series[y], w_d, 1, k, k)
+    return change / (k * w[0])

@@ -4,7 +4,8 @@
 set of values, `Segment` is the scratch of one smooth piece.
 
 Sizes: m modes, e exits at most, n states, N augmented coordinates (states, 1, powers of
-time, cos and sin of each frequency). See README.md beside this file for the contract.
+time, cos and sin of each frequency, four of each signal).
+See README.md beside this file for the contract.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ import numpy.typing as npt
 from nonsmooth.engine.jit import kernel
 
 __all__ = [
+    "CHAIN",
     "DERIVATIVES",
     "MAX_AUGMENTED",
     "MAX_DEGREE",
@@ -26,8 +28,8 @@ __all__ = [
     "allocate_segment",
     "allocate_tables",
     "augmented_size",
+    "first_of_signals",
     "slots_of",
-    "whole_lanes",
 ]
 
 Floats = npt.NDArray[np.float64]
@@ -39,12 +41,20 @@ TERMS = 6  # of the Taylor polynomial of a guard; the next one is bounded
 MAX_DEGREE = 32  # of the polynomial in s that multiplies exp(mu s) in a cluster
 MAX_AUGMENTED = 60  # sets of coordinates are bits of one integer
 WINDOWS = 2  # that a segment may last
-LANES = 4  # directions of derivatives of series handled together
 ORDER = 20  # of Taylor series of the motion; near the best for double precision
 RUNGS = 8  # of the ladder of steps for which rotations are computed beforehand
 
+CHAIN = 4  # coordinates of a signal: value, rate, second and third derivative
+
 # Program.kinds: how the flow of a mode is solved
 EXACT, TAYLOR = 0, 1
+# Tables.clock: length of a window, 1.0 if it is a true period else 0.0, longest time that a
+# segment may last, time over which eigenvalues have to be told apart
+WINDOW, IS_PERIOD, LASTS, HORIZON = range(4)
+# Tables.knots: time at which a piece begins and its coefficients in powers of the time since
+# then; Tables.signals: row of the first knot of a signal and number of its knots
+TIME = 0
+FIRST, KNOTS = 0, 1
 # Tables.slots: number of slots, ends of the constant, fading, other real, rotation and damped
 # ones, number of clusters, then first slot, size and degree of each cluster
 COUNT, END_CONSTANT, END_FADING, END_REAL, END_ROTATION, END_DAMPED, N_CLUSTERS = range(7)
@@ -79,7 +89,7 @@ SCAN = TERMS + 6
 class Program(NamedTuple):
     """A system without parameter values: tape of coefficients and where they belong."""
 
-    # n states, powers of time, frequencies, parameters, modes, exits at most, registers
+    # n states, powers of time, frequencies, parameters, modes, exits at most, registers, signals
     sizes: Integers
     constants: Floats  # literals of the tape
     tape: Integers  # rows: opcode, left slot, right slot, third slot
@@ -98,13 +108,16 @@ class Program(NamedTuple):
     code_rows: Integers  # (m, 3): first row, end of flow, relations and guards, end of resets
     outlets: Integers  # (m, n + e + e * n) registers of rates or relations, guards, resets
     rest_slots: Integers  # (n,) slots of the rest state, -1 for zero
+    signals: Integers  # as in Tables, likewise the next one
+    knots: Floats
+    spacing: Floats  # (2,): shortest and longest time between knots, inf without signals
 
 
 class Tables(NamedTuple):
     """A system for one set of parameter values."""
 
     sizes: Integers  # as in Program
-    clock: Floats  # window length, 1.0 if it is a true period else 0.0
+    clock: Floats  # (4,)
     harmonics: Floats  # (2, K): frequencies, turns in one window
     generator: Floats  # (m, N, N): z' = generator z
     affine: Floats  # (m, rows, N): guards with derivatives, relations, resets
@@ -128,6 +141,9 @@ class Tables(NamedTuple):
     terms: Integers
     code_rows: Integers
     outlets: Integers
+    # of measured input
+    signals: Integers  # (S, 2)
+    knots: Floats  # (knots of all signals, 5)
 
 
 class Segment(NamedTuple):
@@ -147,7 +163,7 @@ class Segment(NamedTuple):
     point: Floats  # (1,) current point of the step
     series: Floats  # (R, ORDER + 1) coefficients of all registers at the start of the step
     doubt: Floats  # (R, 2)
-    dual: Floats  # (R, TERMS, N and more) derivatives by the coordinates at an instant
+    dual: Floats  # (R, N and more, TERMS) derivatives by the coordinates at an instant
 
 
 @kernel
@@ -168,18 +184,24 @@ def reset_row(n_exits, n, e, i):
     return DERIVATIVES * n_exits + n + e * n + i
 
 
+@kernel
+def first_of_signals(sizes):
+    """First augmented coordinate of the signals."""
+    return sizes[0] + 1 + sizes[1] + 2 * sizes[2]
+
+
 def augmented_size(sizes: Integers) -> int:
     """Number of augmented coordinates N."""
-    return int(sizes[0] + 1 + sizes[1] + 2 * sizes[2])
+    return int(sizes[0] + 1 + sizes[1] + 2 * sizes[2] + CHAIN * sizes[7])
 
 
 def allocate_tables(program: Program) -> Tables:
     """Empty tables for a program."""
-    n, _, n_frequencies, _, m, e, _ = (int(size) for size in program.sizes)
+    n, n_frequencies, m, e = (int(program.sizes[i]) for i in (0, 2, 4, 5))
     big_n = augmented_size(program.sizes)
     return Tables(
         sizes=program.sizes,
-        clock=np.zeros(2),
+        clock=np.zeros(4),
         harmonics=np.zeros((2, n_frequencies)),
         generator=np.zeros((m, big_n, big_n)),
         affine=np.zeros((m, DERIVATIVES * e + n + e * n, big_n)),
@@ -202,17 +224,14 @@ def allocate_tables(program: Program) -> Tables:
         terms=program.terms,
         code_rows=program.code_rows,
         outlets=program.outlets,
+        signals=program.signals,
+        knots=program.knots,
     )
 
 
 def slots_of(program: Program) -> int:
     """Number of slots of the parameter tape."""
     return int(program.sizes[3]) + program.constants.size + program.tape.shape[0]
-
-
-def whole_lanes(count: int) -> int:
-    """Directions, rounded up to what is handled together."""
-    return -(-count // LANES) * LANES
 
 
 def allocate_segment(sizes: Integers, n_rates: int = 0) -> Segment:
@@ -233,5 +252,5 @@ def allocate_segment(sizes: Integers, n_rates: int = 0) -> Segment:
         point=np.zeros(1),
         series=np.zeros((int(sizes[6]), ORDER + 1)),
         doubt=np.zeros((int(sizes[6]), 2)),
-        dual=np.zeros((int(sizes[6]), TERMS, whole_lanes(big_n + n_rates))),
+        dual=np.zeros((int(sizes[6]), big_n + n_rates, TERMS)),
     )

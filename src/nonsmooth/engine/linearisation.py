@@ -30,9 +30,9 @@ def linearise(tables, slot_rates, harmonic_rates, affine_rates, series, dual, m,
     outlets, slaved = tables.outlets[m], tables.wiring[m, 0, at.SLAVED]
     for i in range(big_n):
         series[i, 0] = z[i]
-        for d in range(dual.shape[2]):
-            dual[i, 0, d] = 1.0 if d == i else 0.0
-    for part in range(min(orders, 2)):  # resets are values at the instant, the others have derivatives
+        for d in range(dual.shape[1]):
+            dual[i, d, 0] = 1.0 if d == i else 0.0
+    for part in range(min(orders, 2)):  # resets are values at the instant, the others derivatives
         last, high = (end, 0) if part == 0 else (middle, at.TERMS - 1)
         fill_series(
             tables.code, tables.terms, tables.weights, first, last, tables.values, outlets,
@@ -40,7 +40,8 @@ def linearise(tables, slot_rates, harmonic_rates, affine_rates, series, dual, m,
         )  # fmt: skip
         fill_duals(
             tables.code, tables.terms, tables.weights, first, last, tables.values, slot_rates,
-            big_n, outlets, slaved, tables.sizes, tables.harmonics, harmonic_rates, series, dual, part, high,
+            big_n, outlets, slaved, tables.sizes, tables.harmonics, harmonic_rates, series, dual,
+            part, high,
         )  # fmt: skip
     n_exits = tables.wiring.shape[1] - 1
     affine, generator = tables.affine, tables.generator
@@ -48,32 +49,32 @@ def linearise(tables, slot_rates, harmonic_rates, affine_rates, series, dual, m,
         row = generator[m, i]
         if (slaved >> i) & 1:
             row = affine[m, at.relation_row(n_exits, i)]
-            _write_rates(affine_rates, m, at.relation_row(n_exits, i), dual[outlets[i], 0], n, z)
-        _write_row(row, series[outlets[i], 0], dual[outlets[i], 0], 1.0, n, z)
+            _write_rates(affine_rates, m, at.relation_row(n_exits, i), dual[outlets[i]], n, z)
+        _write_row(row, series[outlets[i], 0], dual[outlets[i]], 0, 1.0, n, z)
     for e in range(tables.wiring[m, 0, at.N_EXITS]):
         guard = outlets[n + e]
         factor = 1.0
         for r in range(orders):
             row = affine[m, at.guard_row(e, r)]
-            _write_row(row, series[guard, r], dual[guard, r], factor, n, z)
+            _write_row(row, series[guard, r], dual[guard], r, factor, n, z)
             factor *= r + 1.0
-        _write_rates(affine_rates, m, at.guard_row(e, 0), dual[guard, 0], n, z)
+        _write_rates(affine_rates, m, at.guard_row(e, 0), dual[guard], n, z)
         for i in range(n):
             if (tables.wiring[m, 1 + e, at.RESETTING] >> i) & 1:
                 new = outlets[n + n_exits + e * n + i]
                 place = at.reset_row(n_exits, n, e, i)
-                _write_row(affine[m, place], series[new, 0], dual[new, 0], 1.0, n, z)
-                _write_rates(affine_rates, m, place, dual[new, 0], n, z)
+                _write_row(affine[m, place], series[new, 0], dual[new], 0, 1.0, n, z)
+                _write_rates(affine_rates, m, place, dual[new], n, z)
 
 
 @kernel
-def _write_row(row, value, gradient, factor, n, z):
-    """Gradient times a factor, and what is missing to the value in the column of 1."""
+def _write_row(row, value, gradient, r, factor, n, z):
+    """Gradient of coefficient r times a factor; what is missing to the value goes with the 1."""
     rest = value
     for j in range(z.size):
         if j != n:
-            row[j] = factor * gradient[j]
-            rest -= gradient[j] * z[j]
+            row[j] = factor * gradient[j, r]
+            rest -= gradient[j, r] * z[j]
     row[n] = factor * rest
 
 
@@ -81,4 +82,4 @@ def _write_row(row, value, gradient, factor, n, z):
 def _write_rates(affine_rates, m, place, gradient, n, z):
     """Derivatives by parameters, which the gradient has after those by coordinates."""
     for p in range(affine_rates.shape[0]):
-        affine_rates[p, m, place, n] = gradient[z.size + p]
+        affine_rates[p, m, place, n] = gradient[z.size + p, 0]

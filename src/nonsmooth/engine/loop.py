@@ -1,7 +1,8 @@
 """The engine loop: flow, first crossing, transition, again and again.
 
-Segments run from an event to the next one or to the end of the forcing period, never to
-a sample or to the end asked for: both only read the closed form. So neither the sampling
+Segments run from an event to the next one, to the end of the forcing period or to the next
+knot of a signal, never to a sample or to the end asked for: both only read the closed form.
+So neither the sampling
 nor the end of a run can change the trajectory.
 """
 
@@ -19,16 +20,20 @@ from nonsmooth.engine.linear_flow import augmented
 from nonsmooth.engine.records import (
     EVENT_FLOATS,
     EVENTS,
+    EXIT,
     SAMPLES,
     SEGMENTS,
     STALLED,
     UNCERTAIN,
     WINDOW_EVENTS,
 )
+from nonsmooth.engine.signals import fill_signals, time_to_knot
 from nonsmooth.engine.status import EventKind, Status
 from nonsmooth.engine.tangent import carry, complete_columns, start_columns
 from nonsmooth.engine.transitions import (
+    PATH_BITS,
     guard_holds,
+    has_fallen,
     leaves_both_ways,
     linearise_mode,
     pass_exits,
@@ -64,35 +69,45 @@ _MOST_SIZE = 1e30  # of a state that does not drift
 def start(tables, rates, anchor, segment, tangent, records, mode, tolerance):
     """Find the mode of a start and pass the exits that fire at once.
 
-    shapes: anchor holds window, phase and states; mode = -1 takes the first that fits; the
-    columns of derivatives begin here
+    shapes: anchor holds window, phase and states; mode = -1 takes the first that fits, and
+    mode = -2 - m goes on in mode m after parameters have changed, whether it fits or not; the
+    columns of derivatives begin here unless the run goes on
     status: COMPLETED, STOPPED, UNDECIDED, SLIDING, INADMISSIBLE when no mode fits, or NONUNIQUE
     when cells on both sides of a surface do
     """
     n = tables.sizes[0]
     affine, wiring, z = tables.affine, tables.wiring, segment.z
     _augment(tables, anchor.state, anchor.place[0], anchor.phase[0], z)
-    low, high = (0, affine.shape[0]) if mode < 0 else (mode, mode + 1)
-    first = -1
-    for m in range(low, high):
+    low, high = (0, affine.shape[0]) if mode == -1 else (mode, mode + 1)
+    goes_on = mode < -1
+    first = -2 - mode if goes_on else -1
+    for m in range(low, low if goes_on else high):
         linearise_mode(tables, rates, segment, m, at.DERIVATIVES)
         if _fits(n, affine, wiring, m, z, tolerance):
             first = m
             break
     if first < 0:
         return _INADMISSIBLE
-    start_columns(n, tangent)
+    if not goes_on:
+        start_columns(n, tangent)
     complete_columns(tables, rates, tangent, anchor.place[0], anchor.phase[0], z)
     status, m, path, passes, _, _ = pass_exits(
         tables, rates, segment, tangent, first, -1, tolerance
     )
-    row = log_event(records, anchor.place[0], anchor.phase[0], _START, first, -1, True, 0.0)
-    for i in range(n):
-        records.event_floats[row, EVENT_FLOATS + i] = anchor.state[i]
-    log_transition(records, row, _START, m, path, passes, z)
+    if passes > 0 or not goes_on:
+        kind, e = (_SWITCH, path % (1 << PATH_BITS) - 1) if goes_on else (_START, -1)
+        row = log_event(records, anchor.place[0], anchor.phase[0], kind, first, e, True, 0.0)
+        if row >= 0:
+            for i in range(n):
+                records.event_floats[row, EVENT_FLOATS + i] = anchor.state[i]
+        log_transition(records, row, kind, m, path, passes, z)
     anchor.place[1] = m
     _set_anchor(anchor, segment, records, n)
-    if status == _COMPLETED and mode < 0 and leaves_both_ways(tables, rates, segment, m, tolerance):
+    if (
+        status == _COMPLETED
+        and mode == -1
+        and leaves_both_ways(tables, rates, segment, m, tolerance)
+    ):
         return _NONUNIQUE
     return status
 
@@ -110,6 +125,9 @@ def _augment(tables, state, number, phase, z):
     n, powers = tables.sizes[0], tables.sizes[1]
     copy_vector(state, z, n)
     augmented(n, powers, tables.clock[0], tables.harmonics, number, phase, z)
+    if tables.signals.shape[0] > 0:
+        first = at.first_of_signals(tables.sizes)
+        fill_signals(tables.signals, tables.knots, first, tables.clock[0], number, phase, z)
 
 
 @entry
@@ -139,8 +157,13 @@ def run(
         m, phase = place[1], anchor.phase[0]
         whole = at.WINDOWS * window - phase
         copy_vector(anchor.order, segment.order, anchor.order.size)
-        length = start_segment(tables, segment, m, whole)
-        if tables.kinds[m] == at.TAYLOR and not length > _SHORTEST * (window + phase):
+        longest = whole
+        if tables.signals.shape[0] > 0:
+            to_knot = time_to_knot(tables.signals, tables.knots, window, place[0], phase)
+            longest = min(whole, to_knot)
+        length = start_segment(tables, segment, m, longest)
+        long_enough = length == longest or length > _SHORTEST * (window + phase)
+        if tables.kinds[m] == at.TAYLOR and not long_enough:
             return _SINGULAR
         end = (end_number - place[0]) * window + (end_phase - phase)
         s, e, found = _search(tables, segment, anchor, records, m, length, end)
@@ -165,25 +188,36 @@ def run(
         if not _bounded(tables.drifting, anchor.state):
             anchor.phase[0] = phase + s
             return _DIVERGED
-        if e >= 0:
-            status = _pass_event(
-                tables, rates, segment, tangent, anchor, records, s, e, found, tolerance
-            )
-            if status != _COMPLETED:
-                return status
-            continue
-        if length < whole:
-            number, anchor.phase[0] = normal_phase(place[0], phase + length, window)
-        else:
-            number, anchor.phase[0] = place[0] + at.WINDOWS, 0.0
-        if number > place[0]:
-            cursor[WINDOW_EVENTS] = 0
-        place[0] = number
-        for g in range(anchor.order.size):
-            anchor.order[g] = STILL_ZERO if segment.order[g] >= STILL_ZERO else 0
-        _augment(tables, anchor.state, place[0], anchor.phase[0], segment.z)
-        if carrying:
-            complete_columns(tables, rates, tangent, place[0], anchor.phase[0], segment.z)
+        if e < 0:
+            _move_anchor(tables, anchor, segment.order, cursor, length, whole)
+            _augment(tables, anchor.state, place[0], anchor.phase[0], segment.z)
+            if carrying:
+                complete_columns(tables, rates, tangent, place[0], anchor.phase[0], segment.z)
+            # behind a knot even a guard may jump, by the rate of a signal
+            if tables.signals.shape[0] == 0 or not has_fallen(tables, rates, segment, m):
+                continue
+            s, found = 0.0, CERTIFIED
+        status = _pass_event(
+            tables, rates, segment, tangent, anchor, records, s, e, found, tolerance
+        )
+        if status != _COMPLETED:
+            return status
+
+
+@kernel
+def _move_anchor(tables, anchor, order, cursor, length, whole):
+    """Move the anchor to the end of a segment without an event."""
+    place, window = anchor.place, tables.clock[0]
+    smooth = tables.signals.shape[0] == 0  # behind a knot a guard that has been zero may leave it
+    if length < whole:
+        number, anchor.phase[0] = normal_phase(place[0], anchor.phase[0] + length, window)
+    else:
+        number, anchor.phase[0] = place[0] + at.WINDOWS, 0.0
+    if number > place[0]:
+        cursor[WINDOW_EVENTS] = 0
+    place[0] = number
+    for g in range(anchor.order.size):
+        anchor.order[g] = STILL_ZERO if smooth and order[g] >= STILL_ZERO else 0
 
 
 @inlined
@@ -262,10 +296,14 @@ def _log_crossing(tables, segment, anchor, records, s, e, kind, certified):
     """Log an event at s of the segment with the state before it; returns its row."""
     n, m = tables.sizes[0], anchor.place[1]
     number, phase = normal_phase(anchor.place[0], anchor.phase[0] + s, tables.clock[0])
-    row = log_event(records, number, phase, kind, m, e, certified, segment.scan[e, 1])
+    rate = segment.scan[e, 1] if e >= 0 else 0.0
+    row = log_event(records, number, phase, kind, m, e, certified, rate)
     if row >= 0:
         before = records.event_floats[row, EVENT_FLOATS : EVENT_FLOATS + n]
-        state_at(tables, segment, m, before)
+        if e >= 0:
+            state_at(tables, segment, m, before)
+        else:
+            copy_vector(anchor.state, before, n)
         for i in range(n):
             records.event_floats[row, EVENT_FLOATS + n + i] = before[i]
     return row
@@ -273,7 +311,10 @@ def _log_crossing(tables, segment, anchor, records, s, e, kind, certified):
 
 @inlined
 def _pass_event(tables, rates, segment, tangent, anchor, records, s, e, found, tolerance):
-    """Log an event, pass its exits and set the anchor behind it."""
+    """Log an event, pass its exits and set the anchor behind it.
+
+    e = -1 at a knot where guards have jumped: what is negative fires
+    """
     n, m = tables.sizes[0], anchor.place[1]
     cursor = records.cursor
     row = _log_crossing(tables, segment, anchor, records, s, e, _SWITCH, found == CERTIFIED)
@@ -291,6 +332,8 @@ def _pass_event(tables, rates, segment, tangent, anchor, records, s, e, found, t
     )
     kind = _CORNER if corner else (_IMPACT if jumped else _SWITCH)
     log_transition(records, row, kind, m, path, passes, segment.z)
+    if e < 0 and row >= 0:
+        records.event_integers[row, EXIT] = path % (1 << PATH_BITS) - 1
     anchor.place[0], anchor.place[1] = number, m
     anchor.phase[0] = phase
     _set_anchor(anchor, segment, records, n)

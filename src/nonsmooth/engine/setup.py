@@ -17,6 +17,7 @@ from nonsmooth.engine.jit import allocating, entry, kernel
 from nonsmooth.engine.linear_flow import augmented
 from nonsmooth.engine.linearisation import linearise
 from nonsmooth.engine.refinement import refine, worth_refining
+from nonsmooth.engine.signals import fill_chains, fill_first_pieces
 from nonsmooth.engine.slots import fill_slots
 from nonsmooth.engine.status import Status
 from nonsmooth.engine.tape import run_tape
@@ -28,6 +29,7 @@ __all__ = ["set_up"]
 
 _OK = int(Status.COMPLETED)
 _NOT_FINITE = int(Status.NOT_FINITE)
+_LEAST_HORIZON = 1e-4  # of the longest time between knots: a jump written as a steep piece
 
 
 @partial(entry, allocates=True)
@@ -59,16 +61,17 @@ def set_up(program, parameters, tables):
         status = triangular_form(tables.generator[m], t[m], v[m], v_inverse[m], block[m], norm[m])
         if status != _OK:
             return status, m
-    tables.clock[1] = 1.0 if program.period_slot >= 0 else 0.0
-    tables.clock[0] = slots[program.period_slot] if program.period_slot >= 0 else natural_window(t)
+    window = slots[program.period_slot] if program.period_slot >= 0 else natural_window(t)
+    _set_clock(tables.clock, window, program.period_slot >= 0, program.spacing)
     if not _count_turns(tables.clock, tables.harmonics):
         return _NOT_FINITE, -1
+    horizon = tables.clock[at.HORIZON]
     for m in range(n_modes):
         if tables.kinds[m] != at.EXACT:
             continue
         copy_vector(norm[m], doubt, big_n)
-        decouple(tables.sizes[0], t[m], v[m], v_inverse[m], block[m], label, tables.clock[0])
-        if worth_refining(t[m], block[m], norm[m], tables.clock[0]):
+        decouple(tables.sizes[0], t[m], v[m], v_inverse[m], block[m], label, horizon)
+        if worth_refining(t[m], block[m], norm[m], window):
             refine(tables.generator[m], t[m], v[m], v_inverse[m], label)
             for i in range(big_n):
                 doubt[i] = abs(t[m, i, i])
@@ -109,6 +112,7 @@ def _fill_matrices(program, slots, tables):
             c = n + 1 + powers + 2 * k
             generator[m, c, c + 1] = -harmonics[0, k]
             generator[m, c + 1, c] = harmonics[0, k]
+        fill_chains(generator[m], at.first_of_signals(program.sizes), program.sizes[7])
         if not (_finite(generator[m]) and _finite(affine[m])):
             return m
     return -1
@@ -124,12 +128,13 @@ def _linearise_at_rest(program, tables):
     z = np.zeros(big_n)
     no_rates, no_rows = np.zeros((0, 0)), np.zeros((0, 0, 0, 0))
     series = np.zeros((program.sizes[6], at.ORDER + 1))
-    dual = np.zeros((program.sizes[6], at.TERMS, -(-big_n // at.LANES) * at.LANES))
+    dual = np.zeros((program.sizes[6], big_n, at.TERMS))
     n = program.sizes[0]
     for i in range(n):
         if program.rest_slots[i] >= 0:
             z[i] = tables.values[program.rest_slots[i]]
     augmented(n, program.sizes[1], 0.0, tables.harmonics, 0, 0.0, z)
+    fill_first_pieces(tables.signals, tables.knots, at.first_of_signals(tables.sizes), z)
     for m in range(tables.kinds.size):
         if tables.kinds[m] == at.TAYLOR:
             linearise(tables, no_rates, no_rates, no_rows, series, dual, m, z, at.DERIVATIVES)
@@ -166,6 +171,18 @@ def _fill_guards(generator, affine, wiring):
                     for i in range(big_n):
                         total += affine[m, at.guard_row(e, r - 1), i] * generator[m, i, j]
                     affine[m, at.guard_row(e, r), j] = total
+
+
+@kernel
+def _set_clock(clock, window, is_period, spacing):
+    """Window, longest segment, and the time over which eigenvalues are told apart.
+
+    A piece of a signal that is short beside an oscillation has large third derivatives: told
+    apart from the oscillation, its motion would be a difference of large numbers.
+    """
+    clock[at.WINDOW], clock[at.IS_PERIOD] = window, 1.0 if is_period else 0.0
+    clock[at.LASTS] = min(at.WINDOWS * window, spacing[1])
+    clock[at.HORIZON] = min(window, max(spacing[0], _LEAST_HORIZON * spacing[1]))
 
 
 @kernel

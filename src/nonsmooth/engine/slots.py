@@ -48,12 +48,12 @@ def fill_slots(tables, m, t, v, v_inverse, label, block, norm, doubt):
                     place[count] = i
                     count += 1
             cluster = slots[at.CLUSTERS + 3 * n_clusters : at.CLUSTERS + 3 * n_clusters + 3]
-            longest = at.WINDOWS * window
+            longest = tables.clock[at.LASTS]
             _fill_cluster(eigenvalues, rest, spans, cluster, longest, t, place, first, count)
             n_clusters += 1
     slots[at.COUNT] = count
     slots[at.N_CLUSTERS] = n_clusters
-    length = min(at.WINDOWS * window, spans[at.LONGEST])
+    length = min(tables.clock[at.LASTS], spans[at.LONGEST])
     worst = _fill_spectrum(eigenvalues, t, block, doubt, kind, place, count, length)
     _limit_growth(eigenvalues, spans, count)
     fill_ladder(tables.ladder[m], eigenvalues, spans, window, count)

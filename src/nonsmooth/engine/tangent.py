@@ -16,7 +16,7 @@ import numpy as np
 from nonsmooth.engine import layout as at
 from nonsmooth.engine.dual_series import fill_duals
 from nonsmooth.engine.jit import kernel
-from nonsmooth.engine.layout import Floats, Integers, augmented_size, whole_lanes
+from nonsmooth.engine.layout import Floats, Integers, augmented_size
 from nonsmooth.engine.variation import advance_columns, augmented_columns
 
 __all__ = [
@@ -39,7 +39,7 @@ class Tangent(NamedTuple):
     now: Floats  # (C, N) at the current point
     shifts: Floats  # (C,) of the time of the present event
     velocity: Floats  # (N,) rates of all coordinates
-    dual: Floats  # (R, ORDER + 1, C and more) series of the columns of a Taylor step
+    dual: Floats  # (R, C, ORDER + 1) series of the columns of a Taylor step
     ready: Integers  # (1,): whether dual belongs to the present step
     samples: Floats  # (s, C, n)
 
@@ -54,7 +54,7 @@ def allocate_tangent(sizes: Integers, n_parameters: int, n_samples: int) -> Tang
         now=np.zeros((count, big_n)),
         shifts=np.zeros(count),
         velocity=np.zeros(big_n if count else 0),
-        dual=np.zeros((registers, at.ORDER + 1, whole_lanes(count))),
+        dual=np.zeros((registers, count, at.ORDER + 1)),
         ready=np.zeros(1, np.int64),
         samples=np.full((n_samples if count else 0, count, n), np.nan),
     )
@@ -90,9 +90,9 @@ def carry(tables, rates, scratch, segment, tangent, m, s):
         tangent.ready[0] = 1
     for c in range(columns.shape[0]):
         for i in range(n):
-            total = dual[i, at.ORDER, c]
+            total = dual[i, c, at.ORDER]
             for k in range(at.ORDER - 1, -1, -1):
-                total = total * s + dual[i, k, c]
+                total = total * s + dual[i, c, k]
             now[c, i] = total
 
 
@@ -100,8 +100,8 @@ def carry(tables, rates, scratch, segment, tangent, m, s):
 def _fill_columns(tables, rates, segment, tangent, m):
     columns, dual = tangent.columns, tangent.dual
     for i in range(columns.shape[1]):
-        for c in range(dual.shape[2]):
-            dual[i, 0, c] = columns[c, i] if c < columns.shape[0] else 0.0
+        for c in range(columns.shape[0]):
+            dual[i, c, 0] = columns[c, i]
     fill_duals(
         tables.code, tables.terms, tables.weights, tables.code_rows[m, 0],
         tables.code_rows[m, 1], tables.values,

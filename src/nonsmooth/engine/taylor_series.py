@@ -13,8 +13,9 @@ import numpy as np
 
 from nonsmooth.engine import taylor_opcodes as op
 from nonsmooth.engine.jit import kernel, summing
+from nonsmooth.engine.layout import CHAIN, first_of_signals
 
-__all__ = ["fill_series"]
+__all__ = ["fill_series", "product", "weighted"]
 
 
 @kernel
@@ -38,7 +39,7 @@ def fill_series(
                     total += weights[term] * series[terms[term, 0], k]
                 series[y, k] = total
             elif instruction == op.MULTIPLY:
-                series[y, k] = _product(series[a], series[b], k)
+                series[y, k] = product(series[a], series[b], k)
             elif instruction == op.SQUARE:
                 series[y, k] = _square(series[a], k)
             elif k == 0:
@@ -53,12 +54,13 @@ def fill_series(
             elif k + 1 < series.shape[1]:
                 series[i, k + 1] = series[outlets[i], k] * inverse
         if k + 1 < series.shape[1]:
-            _advance_time(n, sizes[1], harmonics, series, k)
+            _advance_time(sizes, harmonics, series, k)
 
 
 @kernel
-def _advance_time(n, powers, harmonics, series, k):
-    """Coefficient k + 1 of 1, powers of time and harmonics."""
+def _advance_time(sizes, harmonics, series, k):
+    """Coefficient k + 1 of 1, powers of time, harmonics and signals."""
+    n, powers = sizes[0], sizes[1]
     inverse = 1.0 / (k + 1.0)
     series[n, k + 1] = 0.0
     for j in range(1, powers + 1):
@@ -68,11 +70,19 @@ def _advance_time(n, powers, harmonics, series, k):
         turn = harmonics[0, q] * inverse
         series[cos, k + 1] = -turn * series[cos + 1, k]
         series[cos + 1, k + 1] = turn * series[cos, k]
+    for j in range(sizes[7]):
+        last = first_of_signals(sizes) + CHAIN * (j + 1) - 1
+        series[last, k + 1] = 0.0
+        for i in range(last - CHAIN + 1, last):
+            series[i, k + 1] = series[i + 1, k] * inverse
 
 
 @summing
-def _product(a, b, k):
-    """Coefficient k of a product; the newest coefficients come last, for they are waited for."""
+def product(a, b, k):
+    """Coefficient k of a product; the newest coefficients come last, for they are waited for.
+
+    shapes: a, b (k + 1,) or longer
+    """
     if k == 0:
         return a[0] * b[0]
     return (_inner(a, b, k) + a[0] * b[k]) + a[k] * b[0]
@@ -100,8 +110,11 @@ def _inner(a, b, k):
 
 
 @summing
-def _weighted(a, f, low, high, k):
-    """Sum of j a_j f_(k-j) over low <= j <= high."""
+def weighted(a, f, low, high, k):
+    """Sum of j a_j f_(k-j) over low <= j <= high.
+
+    shapes: a, f (k + 1,) or longer
+    """
     total = 0.0
     for j in range(low, high + 1):
         total += j * a[j] * f[k - j]
@@ -118,7 +131,7 @@ def _algebraic(instruction, y, a, b, slots, series, k):
     if instruction == op.SQRT:
         return (series[a, k] - _inner(series[y], series[y], k)) / (2.0 * series[y, 0])
     if instruction == op.LOG:
-        rest = _weighted(series[y], series[a], 1, k - 1, k) / k
+        rest = weighted(series[y], series[a], 1, k - 1, k) / k
         return (series[a, k] - rest) / series[a, 0]
     exponent = slots[b]
     total = 0.0
@@ -131,11 +144,11 @@ def _algebraic(instruction, y, a, b, slots, series, k):
 def _transcendental(instruction, y, a, b, c, series, k):
     """Coefficient k > 0 of a function with y' = a' f."""
     if instruction == op.ATAN2:
-        total = _weighted(series[a], series[b], 1, k, k) - _weighted(series[b], series[a], 1, k, k)
-        total -= _weighted(series[y], series[c], 1, k - 1, k)
+        total = weighted(series[a], series[b], 1, k, k) - weighted(series[b], series[a], 1, k, k)
+        total -= weighted(series[y], series[c], 1, k - 1, k)
         return total / (k * series[c, 0])
     f = y if instruction == op.EXP else b
-    total = _weighted(series[a], series[f], 1, k, k) / k
+    total = weighted(series[a], series[f], 1, k, k) / k
     return -total if instruction == op.COS or instruction == op.ACOS else total
 
 

@@ -18,6 +18,7 @@ from nonsmooth.engine.tangent import (
     relate_columns,
     start_saltation,
 )
+from nonsmooth.engine.taylor_series import fill_series
 from nonsmooth.engine.zeros import (
     ALWAYS_ZERO,
     OPEN,
@@ -32,6 +33,7 @@ __all__ = [
     "PATH_BITS",
     "PATH_LENGTH",
     "guard_holds",
+    "has_fallen",
     "leaves_both_ways",
     "linearise_mode",
     "pass_exits",
@@ -146,6 +148,36 @@ def linearise_mode(tables, rates, segment, m, orders):
             tables, rates.slot_rates, rates.harmonics, rates.affine, segment.series,
             segment.dual, m, segment.z, orders,
         )  # fmt: skip
+
+
+@kernel
+def has_fallen(tables, rates, segment, m):
+    """Whether a guard of mode m is clearly negative at segment.z, where none has crossed zero."""
+    z = segment.z
+    if tables.kinds[m] == at.TAYLOR:
+        _fill_values(tables, segment.series, m, z)
+        negative = False
+        for g in range(tables.wiring[m, 0, at.N_EXITS]):
+            negative = negative or segment.series[tables.outlets[m, tables.sizes[0] + g], 0] < 0.0
+        if not negative:
+            return False
+        linearise_mode(tables, rates, segment, m, at.DERIVATIVES)
+    for g in range(tables.wiring[m, 0, at.N_EXITS]):
+        if not guard_holds(tables.affine, m, g, z, _CLEARLY):
+            return True
+    return False
+
+
+@kernel
+def _fill_values(tables, series, m, z):
+    """Values of everything that a Taylor mode computes."""
+    for i in range(z.size):
+        series[i, 0] = z[i]
+    fill_series(
+        tables.code, tables.terms, tables.weights, tables.code_rows[m, 0], tables.code_rows[m, 1],
+        tables.values, tables.outlets[m], tables.wiring[m, 0, at.SLAVED], tables.sizes,
+        tables.harmonics, series, 0, 0,
+    )  # fmt: skip
 
 
 @kernel

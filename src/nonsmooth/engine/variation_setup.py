@@ -99,13 +99,13 @@ def _fill_modal(tables, rates, m):
     twin, partner, label = whole[0], whole[1], whole[2]
     v, v_inverse, generator = square[0], square[1], square[2]
     full = fill_full_slots(tables, m, twin, partner, v, v_inverse, generator)
-    rate = max(tables.spans[m, at.FASTEST], 1.0 / tables.clock[0])
+    rate = max(tables.spans[m, at.FASTEST], 1.0 / tables.clock[at.HORIZON])
     fill_growth(tables.generator[m], rate, line[0], line[1], rates.growth[m])
     for f in range(full):
         label[f] = f
     for k in range(FRAMES):
         rates.longest[k, m] = 0.0
-    horizon = min(at.WINDOWS * tables.clock[0], tables.spans[m, at.LONGEST])
+    horizon = min(tables.clock[at.LASTS], tables.spans[m, at.LONGEST])
     k = 0
     while k == 0 or horizon * rates.growth[m, 0] > SHORT:
         joined = group_slots(full, partner, generator, horizon, label)

@@ -80,7 +80,7 @@ class Columns(NamedTuple):
 
 def allocate_rates(program: Program, chosen: Integers) -> Rates:
     """Empty derivatives for a program and the numbers of some of its parameters."""
-    n, _, n_frequencies, n_parameters, m, e, _ = (int(size) for size in program.sizes)
+    n, _, n_frequencies, n_parameters, m, e, *_ = (int(size) for size in program.sizes)
     n_slots = n_parameters + program.constants.size + program.tape.shape[0]
     return _rates(chosen, n, n_frequencies, m, e, augmented_size(program.sizes), n_slots)
 

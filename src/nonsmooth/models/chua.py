@@ -2,7 +2,7 @@ r"""Chua's circuit: a linear circuit with one piecewise-linear or cubic resistor
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Any, Literal
 
 from nonsmooth.errors import ModelError
 from nonsmooth.system.parts import Exit, Mode, Text
@@ -40,10 +40,10 @@ def chua(
     ====== ======== ======= =========================================
     symbol argument default source
     ====== ======== ======= =========================================
-    α      alpha    9       Matsumoto et al., the double scroll
-    β      beta     100/7   Matsumoto et al., the double scroll
-    m₀     m0       -8/7    Matsumoto et al.: slope of f for |x| < 1
-    m₁     m1       -5/7    Matsumoto et al.: slope of f for |x| > 1
+    alpha  alpha    9       Matsumoto et al., the double scroll
+    beta   beta     100/7   Matsumoto et al., the double scroll
+    m0     m0       -8/7    Matsumoto et al.: slope of f for |x| < 1
+    m1     m1       -5/7    Matsumoto et al.: slope of f for |x| > 1
     ====== ======== ======= =========================================
 
     Parameters
@@ -90,7 +90,7 @@ def chua(
     """
     if resistor not in _KINDS:
         raise ModelError(f"resistor = {resistor!r:.60} must be one of {', '.join(_KINDS)}")
-    words = {
+    words: dict[str, Any] = {
         "name": "chua",
         "states": ["x", "y", "z"],
         "parameters": {"alpha": alpha, "beta": beta, "m0": m0, "m1": m1},

@@ -33,10 +33,10 @@ def clearance_rotor(
     ====== ======== ======= ==========================================
     symbol argument default source
     ====== ======== ======= ==========================================
-    ω      omega    0.9     default chosen here: speed of the rotor
-    ζ      zeta     0.06    default chosen here: damping ratio
-    κ      kappa    20      default chosen here: stiffness of the ring
-    ρ      rho      0.7     default chosen here: eccentricity
+    omega  omega    0.9     default chosen here: speed of the rotor
+    zeta   zeta     0.06    default chosen here: damping ratio
+    kappa  kappa    20      default chosen here: stiffness of the ring
+    rho    rho      0.7     default chosen here: eccentricity
     ====== ======== ======= ==========================================
 
     Parameters

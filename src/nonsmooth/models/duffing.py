@@ -28,11 +28,11 @@ def duffing(
     ====== ======== ======= ==========================================
     symbol argument default source
     ====== ======== ======= ==========================================
-    ω      omega    1.2     default chosen here: frequency of the force
-    δ      delta    0.3     default chosen here: damping
-    α      alpha    -1      Guckenheimer and Holmes, section 2.2
-    β      beta     1       Guckenheimer and Holmes, section 2.2
-    γ      gamma    0.5     default chosen here: amplitude of the force
+    omega  omega    1.2     default chosen here: frequency of the force
+    delta  delta    0.3     default chosen here: damping
+    alpha  alpha    -1      Guckenheimer and Holmes, section 2.2
+    beta   beta     1       Guckenheimer and Holmes, section 2.2
+    gamma  gamma    0.5     default chosen here: amplitude of the force
     ====== ======== ======= ==========================================
 
     Parameters

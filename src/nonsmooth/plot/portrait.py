@@ -17,6 +17,7 @@ from nonsmooth.plot.style import (
     mode_numbers,
     place_legend,
 )
+from nonsmooth.plot.surfaces import draw_surfaces
 from nonsmooth.plot.trace import DENSE, Trace, check_range, check_variables, curve
 
 if TYPE_CHECKING:
@@ -35,6 +36,7 @@ def phase_portrait(
     *,
     ax: Axes | None = None,
     phases: bool = False,
+    surfaces: bool = False,
     time_range: tuple[float, float] | None = None,
     legend: bool = True,
 ) -> Axes:
@@ -53,6 +55,9 @@ def phase_portrait(
         Where to draw; new axes of a column's width by default.
     phases : bool, optional
         Whether each part has the colour of its mode; jumps are then thin grey lines.
+    surfaces : bool, optional
+        Whether to draw, dashed, where guards vanish: stops and switching surfaces. Only
+        those that depend on the two states drawn and on parameters have a place here.
     time_range : tuple of float, optional
         First and last time to draw, to leave out a transient; the whole run by default.
     legend : bool, optional
@@ -91,6 +96,8 @@ def phase_portrait(
         _draw_by_mode(run, trace, ax, dense)
     else:
         ax.plot(*trace.values, color=LINES[0]["color"], linewidth=0.6, rasterized=dense)
+    if surfaces:
+        draw_surfaces(run, x, y, ax)
     finish_axes(ax, axis_label(run[x]), axis_label(run[y]))
     if phases and legend:
         place_legend(ax)

@@ -17,6 +17,7 @@ __all__ = [
     "axis_label",
     "finish_axes",
     "mode_colours",
+    "mode_numbers",
     "place_legend",
     "wrapped",
 ]
@@ -42,8 +43,10 @@ LINES: tuple[dict[str, Any], ...] = (
     {"color": "#00664B", "linestyle": "-.", "linewidth": 1.0},
 )
 
+_SHADES = ((0, 0), (0, 9), (255, 10), (0, 14))  # black or white, and twentieths of it
 _HANDLE, _GAP = 2.2, 1.2  # of a legend: length of its lines, space between columns; in letters
 _LABEL_WIDTH = 34  # characters; at 8 points this is the height of a column-wide picture
+_MOST_ROWS = 4  # of a legend; more would take the height of the axes
 
 
 def axis_label(variable: xr.DataArray) -> str:
@@ -100,8 +103,9 @@ def mode_colours(run: xr.Dataset) -> dict[str, str]:
     """
     if "mode" not in run or "flag_meanings" not in run["mode"].attrs:
         raise OptionError("the dataset has no variable 'mode' with its names; give it a run")
-    colours = list(PALETTE.values())
-    colours += [_darker(colour) for colour in colours]
+    palette = list(PALETTE.values())
+    # systems with many cells: the same hues darker, then paler, then darker still
+    colours = [_mixed(colour, *shade) for shade in _SHADES for colour in palette]
     names = run["mode"].attrs["flag_meanings"].split()
     distinct = dict.fromkeys(names)  # cells may share a name
     return {name: colours[i % len(colours)] for i, name in enumerate(distinct)}
@@ -113,8 +117,12 @@ def mode_numbers(run: xr.Dataset, name: str) -> list[int]:
     return [i for i, other in enumerate(names) if other == name]
 
 
-def _darker(colour: str) -> str:
-    return "#" + "".join(f"{int(colour[i : i + 2], 16) * 11 // 20:02X}" for i in (1, 3, 5))
+def _mixed(colour: str, target: int, twentieths: int) -> str:
+    """Colour with so many twentieths of black (0) or white (255)."""
+    parts = (int(colour[i : i + 2], 16) for i in (1, 3, 5))
+    return "#" + "".join(
+        f"{(part * (20 - twentieths) + target * twentieths) // 20:02X}" for part in parts
+    )
 
 
 def finish_axes(ax: Axes, x_label: str, y_label: str) -> None:
@@ -126,18 +134,28 @@ def finish_axes(ax: Axes, x_label: str, y_label: str) -> None:
 
 
 def place_legend(ax: Axes) -> None:
-    """Put the legend above the axes, where it hides no curve; nothing without labels."""
+    """Put the legend above the axes, where it hides no curve; nothing without labels.
+
+    Of more entries than a few rows hold, the last ones are counted only.
+    """
+    from matplotlib.patches import Patch
+
     handles, labels = ax.get_legend_handles_labels()
     if not handles:
         return
     size = float(
         ax.xaxis.label.get_fontsize()
     )  # axes of the caller may have larger texts than ours
+    columns = _legend_columns(ax, labels, size)
+    if len(labels) > columns * _MOST_ROWS:
+        kept = columns * _MOST_ROWS - 1
+        labels = [*labels[:kept], f"and {len(labels) - kept} more"]
+        handles = [*handles[:kept], Patch(alpha=0.0)]
     ax.legend(
         handles,
         labels,
         fontsize=size,
-        ncols=_legend_columns(ax, labels, size),
+        ncols=columns,
         loc="lower left",
         bbox_to_anchor=(0.0, 1.0),
         borderaxespad=0.2,

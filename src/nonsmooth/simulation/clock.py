@@ -27,6 +27,10 @@ class Instant(NamedTuple):
     number: int
     phase: float
 
+    def time(self, window: float) -> float:
+        """Time as a single number."""
+        return self.number * window + self.phase
+
 
 class Plan(NamedTuple):
     """Where a run ends and when it is sampled."""

@@ -17,6 +17,7 @@ __all__ = [
     "check_count",
     "check_flag",
     "check_run_options",
+    "check_signals",
     "finite_number",
     "parameters_of_tangent",
     "time_grid",
@@ -76,6 +77,19 @@ def check_count(count: float) -> int:
             " per period, or go on from run to run"
         )
     return int(count)
+
+
+def check_signals(system: System, start: float, end: float) -> None:
+    """Every signal is known from the start of a run to its end."""
+    for name, signal in system.signals.items():
+        low, high = signal.span
+        slack = 4.0 * np.finfo(float).eps * max(abs(low), abs(high))
+        if start < low - slack or end > high + slack:
+            raise OptionError(
+                f"the signal {name!r} is known from t = {low:.9g} to {high:.9g}, and the run goes"
+                f" from t = {start:.9g} to {end:.9g}; give it a later t_start= or an earlier end"
+                " that lies within"
+            )
 
 
 def check_run_options(system: Any, parameters: Any, mode: Any, tolerance: Any) -> System:

@@ -13,8 +13,9 @@ from nonsmooth.engine.layout import Tables
 from nonsmooth.system.evaluate import evaluate, evaluate_shared
 from nonsmooth.system.expressions import Call, Expression
 from nonsmooth.system.frequencies import canonical_frequency
-from nonsmooth.system.linear import Basis, Harmonic, LinearForm, Power
+from nonsmooth.system.linear import Basis, Harmonic, Input, LinearForm, Power
 from nonsmooth.system.mode_forms import ModeForms
+from nonsmooth.system.signals import Signal, values_of
 from nonsmooth.system.system import System
 
 __all__ = ["output_values"]
@@ -46,6 +47,11 @@ class Clock:
         if turns != round(turns):
             angle = 2.0 * np.pi * np.mod(turns * self.number, 1.0) + angle
         return angle
+
+    def signal(self, signal: Signal, order: int) -> Array:
+        """Values of a signal or of a derivative of it."""
+        before = self.number * self.window
+        return values_of(signal, self.time, order, lambda start: (before - start) + self.phase)
 
     def at(self, here: npt.NDArray[np.int64]) -> Clock:
         """Clock of some of the samples."""
@@ -84,6 +90,7 @@ class _Names(Mapping[str, Any]):
 
     def __init__(self, system: System, mode: int, clock: Clock, states: Array) -> None:
         self.forms = system.structure.running[mode]
+        self.signals = system.signals
         self.clock = clock
         self.known: dict[str, Any] = {"t": clock.time, "pi": np.pi, **system.parameter_values}
         self.known |= zip(system.states, states, strict=True)
@@ -92,16 +99,25 @@ class _Names(Mapping[str, Any]):
 
     def __getitem__(self, name: str) -> Any:
         if name not in self.known:
-            self.known[name] = self._value(_meaning(self.forms, name))
+            if name in self.signals:
+                self.known[name] = self.clock.signal(self.signals[name], 0)
+            else:
+                self.known[name] = self._value(_meaning(self.forms, name))
         return self.known[name]
 
     def _value(self, meaning: LinearForm | Expression) -> Any:
         if isinstance(meaning, LinearForm):  # its harmonics are exact however late it is
             return self._form_value(meaning)
-        return evaluate_shared(meaning, self, self._shared, self._wave)
+        return evaluate_shared(meaning, self, self._shared, self._of_time)
 
-    def _wave(self, node: Expression) -> Any:
-        """Value of cos or sin of ``w*t + p``, exact however late it is; None for all else."""
+    def _of_time(self, node: Expression) -> Any:
+        """Value of cos or sin of ``w*t + p``, exact however late it is, or of a signal's rate.
+
+        None for all else.
+        """
+        signal = self.forms.graph.signal_of(node)
+        if signal is not None:
+            return self.clock.signal(self.signals[signal[0]], signal[1])
         if not isinstance(node, Call) or node.function not in ("cos", "sin"):
             return None
         parts = self.forms.graph.angle(node.arguments[0])
@@ -121,6 +137,8 @@ class _Names(Mapping[str, Any]):
     def _basis_value(self, basis: Basis) -> Any:
         if isinstance(basis, Power):
             return self.known["t"] ** basis.order
+        if isinstance(basis, Input):
+            return self.clock.signal(self.signals[basis.name], basis.order)
         if not isinstance(basis, Harmonic):
             return self.known[basis.name]
         if basis not in self._waves:

@@ -113,7 +113,7 @@ def build_tables(system: System) -> Tables:
     program = system.compiled.program
     if augmented_size(program.sizes) > MAX_AUGMENTED:
         raise ModelError(
-            f"{system.name}: states, powers of time and two per frequency make"
+            f"{system.name}: states, powers of time, two per frequency and four per signal make"
             f" {augmented_size(program.sizes)} coordinates; at most {MAX_AUGMENTED} are supported"
         )
     announce_compilation()

@@ -14,7 +14,12 @@ from nonsmooth.engine.status import Status
 from nonsmooth.errors import OptionError, RunWarning
 from nonsmooth.simulation.clock import Plan, plan_run
 from nonsmooth.simulation.dataset import run_dataset
-from nonsmooth.simulation.options import check_flag, check_run_options, parameters_of_tangent
+from nonsmooth.simulation.options import (
+    check_flag,
+    check_run_options,
+    check_signals,
+    parameters_of_tangent,
+)
 from nonsmooth.simulation.runner import (
     Derivatives,
     NoMode,
@@ -149,6 +154,8 @@ def simulate(
         times=times,
         samples_per_period=samples_per_period,
     )
+    window = float(tables.clock[0])
+    check_signals(system, start.instant.time(window), plan.end.time(window))
     derivatives = build_derivatives(system, tables, chosen)
     outcome = _run_from(system, tables, plan, start, tolerance, keep_events, derivatives)
     options: dict[str, Any] = {

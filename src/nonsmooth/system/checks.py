@@ -19,6 +19,7 @@ from nonsmooth.system.functions import FUNCTIONS
 from nonsmooth.system.grammar import is_name, parse, parse_condition
 from nonsmooth.system.linear import LinearForm, Power, State
 from nonsmooth.system.parts import STOP, Mode, Text
+from nonsmooth.system.signals import Signal
 
 if TYPE_CHECKING:
     from nonsmooth.system.structure import Structure
@@ -54,7 +55,6 @@ UNSUPPORTED = {
     "surfaces": "write sign() of the switching function; its surface is found in the texts",
     "symmetry": "leave it out; no analysis of this version uses it",
     "slow": "write the change as a definition in t",
-    "signals": "write the input as harmonics of t",
 }
 
 
@@ -67,7 +67,10 @@ def refuse_unsupported(words: Mapping[str, Any]) -> None:
 
 def check_kinds(system: System) -> None:
     """Mappings where mappings belong."""
-    for key in ("modes", "parameters", "definitions", "outputs", "require", "initial", "describe"):
+    for key in (
+        "modes", "parameters", "definitions", "outputs", "require", "initial", "describe",
+        "signals",
+    ):  # fmt: skip
         value = getattr(system, key)
         if not isinstance(value, Mapping):
             raise ModelError(f"{key}: give a mapping such as {{name: ...}}, not {value!r:.60}")
@@ -105,12 +108,13 @@ def check_words(system: System) -> None:
     if not system.modes:
         raise ModelError("modes: a system needs at least one mode, or equations=")
     owner: dict[str, str] = {}
-    for kind in ("states", "parameters", "definitions", "outputs"):
+    for kind in ("states", "parameters", "definitions", "outputs", "signals"):
         for name in getattr(system, kind):
             _check_name(kind, name)
             if name in owner:
                 raise ModelError(f"{kind}: {name!r} is declared already in {owner[name]}")
             owner[name] = kind
+    _check_signals(system)
     for name, mode in system.modes.items():
         _check_name("modes", name)
         _check_mode(system, name, mode)
@@ -126,6 +130,20 @@ def check_words(system: System) -> None:
         _check_text(f"describe[{name!r}]", label)
     for condition, reason in system.require.items():
         _check_text(f"require[{condition!r:.60}]", reason)
+
+
+def _check_signals(system: System) -> None:
+    for name, signal in system.signals.items():
+        if not isinstance(signal, Signal):
+            raise ModelError(
+                f"signals[{name!r}] is {signal!r:.60}; write Signal(times, values), a list of times"
+                " and one of values"
+            )
+        if system.period is not None:
+            raise ModelError(
+                f"period: the signal {name!r} is not periodic, so the system has no period; leave"
+                " period= out"
+            )
 
 
 def _check_text(where: str, text: object) -> None:

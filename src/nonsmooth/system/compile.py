@@ -14,9 +14,10 @@ import numpy as np
 from nonsmooth.engine import layout
 from nonsmooth.engine.layout import EXACT, TAYLOR, Program
 from nonsmooth.system.expressions import Expression, Number
-from nonsmooth.system.linear import Basis, Harmonic, LinearForm, Power, State
+from nonsmooth.system.linear import Basis, Harmonic, Input, LinearForm, Power, State
 from nonsmooth.system.mode_forms import Forms
 from nonsmooth.system.parameter_tape import ParameterTape
+from nonsmooth.system.signals import LAST_DERIVATIVE, signal_arrays
 from nonsmooth.system.structure import Structure
 from nonsmooth.system.taylor_rows import TaylorRows
 
@@ -92,9 +93,12 @@ def compile_structure(structure: Structure) -> Compiled:
     period_slot = -1 if period is None else tape.slot(period)
     code, terms = taylor.array(tape), taylor.array_of_terms(tape)
     rest_slots = np.array([-1 if r is None else tape.slot(r) for r in rest], np.int64)
+    signals, knots, spacing = signal_arrays(structure.signals.values())
     sizes = [len(states), structure.time_order, len(frequency_slots), len(structure.parameters)]
     program = Program(
-        sizes=np.array([*sizes, len(modes), most, taylor.n_registers], np.int64),
+        sizes=np.array(
+            [*sizes, len(modes), most, taylor.n_registers, len(structure.signals)], np.int64
+        ),
         constants=np.array(list(tape.literals), dtype=float),
         tape=np.array(tape.rows, np.int64).reshape(-1, 4),
         period_slot=period_slot,
@@ -112,6 +116,9 @@ def compile_structure(structure: Structure) -> Compiled:
         code_rows=taylor.code_rows,
         outlets=taylor.outlets,
         rest_slots=rest_slots,
+        signals=signals,
+        knots=knots,
+        spacing=spacing,
     )
     return Compiled(program, tuple(mode.exit_names for mode in modes))
 
@@ -171,4 +178,7 @@ def _columns(structure: Structure) -> dict[Basis, int]:
     for frequency in structure.frequencies:
         columns[Harmonic("cos", frequency)] = len(columns)
         columns[Harmonic("sin", frequency)] = len(columns)
+    for name in structure.signals:
+        for order in range(LAST_DERIVATIVE + 1):
+            columns[Input(name, order)] = len(columns)
     return columns

@@ -23,16 +23,24 @@ def rate_of_change(
     def seed(name: str) -> Expression:
         return graph.one if name == "t" else rate_of_state(name)
 
-    return derivative(graph, node, seed)
+    return derivative(graph, node, seed, in_time=True)
 
 
-def derivative(graph: Graph, root: Expression, seed: Callable[[str], Expression]) -> Expression:
-    """Derivative of an expression; ``seed`` gives that of each state and of ``t``."""
+def derivative(
+    graph: Graph, root: Expression, seed: Callable[[str], Expression], *, in_time: bool = False
+) -> Expression:
+    """Derivative of an expression; ``seed`` gives that of each state and of ``t``.
+
+    Signals move ``in_time`` only.
+    """
     known: dict[int, Expression] = {}
 
     def of(node: Expression) -> Expression:
         if not graph.moves(node):
             return graph.zero
+        signal = graph.signal_of(node)
+        if signal is not None:
+            return graph.signal(signal[0], signal[1] + 1) if in_time else graph.zero
         if isinstance(node, Name):
             return seed(node.name)
         if id(node) not in known:

@@ -84,7 +84,7 @@ def _references(
         if isinstance(node, Call) and node.function == "rate":
             argument = node.arguments[0]
             if isinstance(argument, Name) and argument.name not in states:
-                message = unknown_name("state in rate()", argument.name, states)
+                message = unknown_name("state or signal in rate()", argument.name, states)
                 raise ModelError(
                     point_at(equation.text, argument.at, f"{equation.where}: {message}")
                 )

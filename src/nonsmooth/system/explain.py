@@ -38,6 +38,8 @@ def explanation(system: System) -> str:
     lines = [one_line(system.name) or "system", "  states", *aligned(list(_states(system)), 4)]
     if system.parameters:
         lines += ["  parameters", *aligned(list(_parameters(system)), 4)]
+    if system.signals:
+        lines += ["  signals", *aligned(list(_signals(system)), 4)]
     lines += aligned([_period(system, time_unit)])
     for name, mode in system.modes.items():
         cells = [forms for forms in system.structure.running if forms.parent == name]
@@ -114,6 +116,13 @@ def _period(system: System, time_unit: str) -> tuple[str, str]:
         return "period", "none declared"
     value = f"about {_quantity(system.period_value, time_unit)}"
     return "period", f"{system.period}, {value}" if isinstance(system.period, str) else value
+
+
+def _signals(system: System) -> Iterator[tuple[str, str, str]]:
+    for name, signal in system.signals.items():
+        low, high = signal.span
+        knots = f"{signal.times.size} knots from t = {low:.4g} to {high:.4g}"
+        yield name, f"{signal.method}, {knots}", system.describe.get(name, "")
 
 
 def _slaved(state: str, text: Text) -> tuple[str, str]:

@@ -278,7 +278,7 @@ class _Parser:
                 token.at, f"{token.text} takes {wanted} argument(s), {len(arguments)} are given"
             )
         if token.text == "rate" and not isinstance(arguments[0], Name):
-            self.fail(token.at, "rate takes the name of a state, as in rate(y)")
+            self.fail(token.at, "rate takes the name of a state or of a signal, as in rate(y)")
         return Call(token.text, tuple(arguments), token.at)
 
     def condition(self, hint: str) -> Expression:

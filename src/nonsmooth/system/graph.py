@@ -11,19 +11,29 @@ from collections.abc import Sequence
 from typing import Any
 
 from nonsmooth.system.expressions import Call, Expression, Name, Number
-from nonsmooth.system.linear import CONSTANT, Harmonic, LinearForm, NotLinear, Power, linear_form
+from nonsmooth.system.linear import (
+    CONSTANT,
+    Harmonic,
+    Input,
+    LinearForm,
+    NotLinear,
+    Power,
+    linear_form,
+)
+from nonsmooth.system.signals import LAST_DERIVATIVE
 
 __all__ = ["Graph"]
 
-_TIME = 1  # bit of time; the bits of the states follow
+_TIME = 1  # bit of time; the bits of the states and signals follow
 
 
 class Graph:
     """Makes nodes and keeps one of each; nodes of one graph are equal when they are one."""
 
-    def __init__(self, states: Sequence[str]) -> None:
+    def __init__(self, states: Sequence[str], signals: Sequence[str] = ()) -> None:
         self.states = tuple(states)
-        self._bits = {"t": _TIME} | {state: 2 << i for i, state in enumerate(states)}
+        self.signals = tuple(signals)
+        self._bits = {"t": _TIME} | {name: 2 << i for i, name in enumerate((*states, *signals))}
         self._nodes: dict[tuple[object, ...], Expression] = {}
         self._depends: dict[int, int] = {}
         self._angles: dict[int, tuple[Expression, Expression] | None] = {}
@@ -36,8 +46,26 @@ class Graph:
         return self._kept(("number", value), Number(value), 0)
 
     def name(self, name: str) -> Expression:
-        """Node of a state, a parameter, ``t`` or ``pi``."""
+        """Node of a state, a parameter, a signal, ``t`` or ``pi``."""
         return self._kept(("name", name), Name(name), self._bits.get(name, 0))
+
+    def signal(self, name: str, order: int) -> Expression:
+        """Node of a derivative of a signal, written as rates of rates."""
+        if order > LAST_DERIVATIVE:
+            return self.zero
+        node = self.name(name)
+        for _ in range(order):
+            node = self.call("rate", node)
+        return node
+
+    def signal_of(self, node: Expression) -> tuple[str, int] | None:
+        """Signal and order of the derivative that a node is; None where it is anything else."""
+        order = 0
+        while isinstance(node, Call) and node.function == "rate":
+            node, order = node.arguments[0], order + 1
+        if isinstance(node, Name) and node.name in self.signals:
+            return node.name, order
+        return None
 
     def call(self, function: str, *arguments: Expression) -> Expression:
         """Node of a function or operator; what is trivial is left out."""
@@ -93,12 +121,14 @@ class Graph:
             elif isinstance(basis, Harmonic):
                 angle = self.multiply(self.imported(basis.frequency), self.name("t"))
                 terms.append(self.multiply(coefficient, self.call(basis.kind, angle)))
+            elif isinstance(basis, Input):
+                terms.append(self.multiply(coefficient, self.signal(basis.name, basis.order)))
             else:
                 terms.append(self.multiply(coefficient, self.name(basis.name)))
         return self.add(*terms)
 
     def moves(self, node: Expression) -> bool:
-        """Whether a state or time stands in a node."""
+        """Whether a state, a signal or time stands in a node."""
         return self._depends[id(node)] != 0
 
     def states_in(self, node: Expression) -> set[str]:

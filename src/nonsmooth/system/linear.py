@@ -1,7 +1,7 @@
 """Recognition of expressions that are linear in the states.
 
 A `LinearForm` is a sum of coefficients times basis functions: the states, powers of
-time, and the harmonics cos(w t), sin(w t) of any number of frequencies. Coefficients and
+time, the harmonics cos(w t), sin(w t) of any number of frequencies, and signals. Coefficients and
 frequencies are expressions of parameters only, so a form is exact and stays valid for
 every parameter value. Products of harmonics are rewritten as sums, nothing is
 approximated.
@@ -28,11 +28,13 @@ from nonsmooth.system.expressions import (
     subtract,
 )
 from nonsmooth.system.frequencies import canonical_frequency
+from nonsmooth.system.signals import LAST_DERIVATIVE
 
 __all__ = [
     "CONSTANT",
     "Basis",
     "Harmonic",
+    "Input",
     "LinearForm",
     "NotLinear",
     "Power",
@@ -66,7 +68,15 @@ class Harmonic:
     frequency: Expression
 
 
-Basis = State | Power | Harmonic
+@dataclass(frozen=True, slots=True)
+class Input:
+    """A signal, or a derivative of it, as basis function."""
+
+    name: str
+    order: int
+
+
+Basis = State | Power | Harmonic | Input
 CONSTANT = Power(0)
 
 
@@ -304,6 +314,8 @@ def _basis_product(left: Basis, right: Basis, node: Expression) -> LinearForm:
         both = isinstance(left, State) and isinstance(right, State)
         reason = "a product of states" if both else "a state multiplied by a function of time"
         raise NotLinear(f"{reason} is not linear", node)
+    if isinstance(left, Input) or isinstance(right, Input):
+        raise NotLinear("a signal multiplied by another function of time is not linear", node)
     if isinstance(left, Power) and isinstance(right, Power):
         if left.order + right.order > _MAX_POWER:
             raise NotLinear(f"powers of time above {_MAX_POWER} are not supported", node)
@@ -334,6 +346,9 @@ def _basis_rate(basis: Basis, rate_of_state: Callable[[str], LinearForm]) -> Lin
         if basis.order == 0:
             return LinearForm()
         return LinearForm({Power(basis.order - 1): Number(float(basis.order))})
+    if isinstance(basis, Input):
+        last = basis.order == LAST_DERIVATIVE
+        return LinearForm() if last else LinearForm.of(Input(basis.name, basis.order + 1))
     if basis.kind == "cos":
         return LinearForm({Harmonic("sin", basis.frequency): negate(basis.frequency)})
     return LinearForm({Harmonic("cos", basis.frequency): basis.frequency})

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 from nonsmooth.errors import ModelError
 from nonsmooth.system.equations import Equation
@@ -17,7 +17,8 @@ from nonsmooth.system.expressions import (
     walk,
     written_out,
 )
-from nonsmooth.system.linear import LinearForm, NotLinear, Power, State, linear_form
+from nonsmooth.system.graph import Graph
+from nonsmooth.system.linear import Input, LinearForm, NotLinear, Power, State, linear_form
 from nonsmooth.system.mode_equations import ModeEquations, is_relation
 
 __all__ = ["LinearReader", "NonlinearText", "residual", "solve_slaved"]
@@ -44,8 +45,9 @@ class NonlinearText(Exception):
 class LinearReader:
     """Linear forms of the equations of one mode; `NonlinearText` where there is none."""
 
-    def __init__(self, states: Sequence[str], equations: ModeEquations) -> None:
-        self.states = set(states)
+    def __init__(self, graph: Graph, equations: ModeEquations) -> None:
+        self.graph = graph
+        self.states = set(graph.states)
         self.equations = equations
         self._open: list[str] = []  # names being resolved, to see definitions that go in circles
         self._forms: dict[str, LinearForm] = {}
@@ -90,6 +92,9 @@ class LinearReader:
         return self._forms[key]
 
     def _form_of(self, node: Name | Call) -> LinearForm:
+        signal = self.graph.signal_of(node)
+        if signal is not None:
+            return LinearForm.of(Input(*signal))
         if isinstance(node, Call):
             argument = node.arguments[0]
             assert isinstance(argument, Name)  # the grammar admits nothing else

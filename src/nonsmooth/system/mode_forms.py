@@ -82,7 +82,7 @@ class ModeForms:
         self.resolved = resolver.resolved()
         # as written where nothing is piecewise, so that definitions stay whole
         read = self.resolved if resolver.met_piecewise else equations
-        self.reader = LinearReader(graph.states, read)
+        self.reader = LinearReader(graph, read)
         self.linear: Forms[LinearForm] | None = None
         self.taylor: Forms[Expression] | None = None
         self.nonlinear: NonlinearText | None = None
@@ -90,7 +90,7 @@ class ModeForms:
             self.linear = self._linear(read)
         except NonlinearText as fault:
             self.nonlinear = fault
-            self.reader = LinearReader(graph.states, read)
+            self.reader = LinearReader(graph, read)
             self.taylor = self._taylor()
 
     @property

@@ -8,7 +8,7 @@ from nonsmooth.errors import ModelError
 from nonsmooth.system.expressions import Expression, Name
 from nonsmooth.system.grammar import point_at
 from nonsmooth.system.graph import Graph
-from nonsmooth.system.linear import LinearForm, NotLinear, Power, State, linear_form
+from nonsmooth.system.linear import Input, LinearForm, NotLinear, Power, State, linear_form
 from nonsmooth.system.linear_mode import LinearReader, NonlinearText, residual, solve_slaved
 from nonsmooth.system.mode_equations import ModeEquations, is_relation
 
@@ -41,6 +41,9 @@ def explicit_relations(
 
 
 def _form_of(graph: Graph, node: Expression) -> LinearForm:
+    signal = graph.signal_of(node)
+    if signal is not None:
+        return LinearForm.of(Input(*signal))
     assert isinstance(node, Name)  # rates were put in
     if node.name == "t":
         return LinearForm.of(Power(1))
@@ -53,7 +56,7 @@ def _implicit(graph: Graph, equations: ModeEquations, state: str) -> str:
     equation = equations.slaved[state]
     reason, at = "it is piecewise", -1
     try:
-        LinearReader(graph.states, equations).form(equation)
+        LinearReader(graph, equations).form(equation)
     except NonlinearText as fault:
         reason, at = fault.reason, fault.at if fault.equation is equation else -1
     message = (

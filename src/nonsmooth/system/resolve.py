@@ -110,6 +110,9 @@ class Resolver:
                 return self.graph.name(node.name)
             return self._by_name(node.name, lambda: self.tree(equation))
         if node.function == "rate":
+            signal = self.graph.signal_of(node)
+            if signal is not None:
+                return self.graph.signal(*signal)
             (state,) = node.arguments
             assert isinstance(state, Name)  # the grammar admits nothing else
             return self.rate(state.name)

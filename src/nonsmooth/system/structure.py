@@ -38,8 +38,10 @@ class Structure:
         self.parameters = tuple(system.parameters)
         self.declared = tuple(system.modes)
         self.drift = tuple(system.drift)
-        self.graph = Graph(self.states)
-        self._known = {*self.states, *self.parameters, "t", "pi"} | set(system.definitions)
+        self.signals = system.signals
+        self.graph = Graph(self.states, tuple(self.signals))
+        self._known = {*self.states, *self.parameters, *self.signals, "t", "pi"}
+        self._known |= set(system.definitions)
         every = self._known | set(system.outputs)
         self.definitions = {
             key: Equation.read(text, f"definitions[{key!r}]", every)
@@ -75,9 +77,9 @@ class Structure:
                 known=known,
                 definitions=shared,
             )
-            check_references(equations.definitions, self.states)
+            check_references(equations.definitions, (*self.states, *self.signals))
             for equation in equations.all():
-                check_references({equation.where: equation}, self.states)
+                check_references({equation.where: equation}, (*self.states, *self.signals))
             found.append(equations)
         return found
 

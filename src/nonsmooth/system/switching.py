@@ -38,7 +38,7 @@ class Undecided(Exception):
 class Switch:
     """A switching function: ``sign`` times that of its surface, or a constant.
 
-    The constant, where neither a state nor time is left in the function, is an expression
+    The constant, where no state, no signal and no time is left in the function, is an expression
     of parameters.
     """
 
@@ -58,7 +58,8 @@ def switching_function(graph: Graph, node: Expression) -> Switch:
 def _canonical(graph: Graph, node: Expression) -> Switch:
     terms = monomials(node)
     ranks = {factors: _rank(graph, factors) for factors in terms}
-    moving = [factors for factors in terms if ranks[factors][0] <= len(graph.states)]
+    fixed = len(graph.states) + 1 + len(graph.signals)
+    moving = [factors for factors in terms if ranks[factors][0] < fixed]
     if not moving:
         return Switch(None, 1.0, graph.imported(rebuilt(terms)))
     leading = terms[min(moving, key=lambda factors: ranks[factors])]
@@ -68,8 +69,9 @@ def _canonical(graph: Graph, node: Expression) -> Switch:
 
 
 def _rank(graph: Graph, factors: tuple[Expression, ...]) -> tuple[int, int, list[str]]:
-    """What makes a product lead: the first state in it, then few factors."""
+    """What makes a product lead: the first state, time or signal in it, then few factors."""
     names = {name.name for factor in factors for name in names_in(factor)}
-    places = [i for i, state in enumerate((*graph.states, "t")) if state in names]
-    first = min(places, default=len(graph.states) + 1)
+    moving = (*graph.states, "t", *graph.signals)
+    places = [i for i, name in enumerate(moving) if name in names]
+    first = min(places, default=len(moving))
     return first, len(factors), [to_text(factor) for factor in factors]

@@ -21,6 +21,7 @@ from nonsmooth.system.explain import explanation
 from nonsmooth.system.frozen import FrozenDict
 from nonsmooth.system.matrices import matrix_words
 from nonsmooth.system.parts import Mode, Text, items_of
+from nonsmooth.system.signals import Signal
 from nonsmooth.system.structure import Structure
 from nonsmooth.system.toml_reading import read_system
 from nonsmooth.system.toml_writing import system_to_toml
@@ -35,8 +36,8 @@ class System:
     A system is a set of modes, each with a flow and exits whose guards are positive inside
     the mode. All texts use one grammar: numbers, names, ``pi``, ``t`` for time,
     ``+ - * / **``, parentheses, the usual functions, and ``rate(s)`` for the rate of change
-    of state ``s`` in the current mode. Systems are values: they compare, hash and pickle,
-    and a change makes a new one.
+    of state ``s`` in the current mode, or of signal ``s``. Systems are values: they compare,
+    hash and pickle, and a change makes a new one.
 
     A mode that is linear in the states, with harmonics and powers of time, is solved in
     closed form; any other by Taylor series. Texts may be piecewise (``sign``, ``abs``,
@@ -72,7 +73,9 @@ class System:
     equations : mapping of str to str, optional
         Rates of the states of a system of one mode, which is then called ``flow``; instead
         of ``modes``.
-    surfaces, symmetry, slow, signals : optional
+    signals : mapping of str to Signal, optional
+        Measured input. A name stands for the present value, ``rate(name)`` for its rate.
+    surfaces, symmetry, slow : optional
         Not supported in this version; refused with a message.
 
     Raises
@@ -83,7 +86,7 @@ class System:
 
     See Also
     --------
-    Mode, Exit : the parts of a system.
+    Mode, Exit, Signal : the parts of a system.
     simulate : runs it.
 
     Examples
@@ -125,10 +128,12 @@ class System:
     surfaces: Any = None
     symmetry: Any = None
     slow: Any = None
-    signals: Any = None
+    signals: Mapping[str, Signal] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         checks.refuse_unsupported(vars(self))
+        if self.signals is None:
+            object.__setattr__(self, "signals", {})
         for key in ("states", "drift"):
             value = getattr(self, key)
             if key == "drift" and isinstance(value, Mapping):

@@ -14,7 +14,7 @@ from nonsmooth.system.evaluate import constant_value
 from nonsmooth.system.expressions import ZERO, Call, Expression, Name, names_in
 from nonsmooth.system.frequencies import canonical_frequency
 from nonsmooth.system.graph import Graph
-from nonsmooth.system.linear import Basis, Harmonic, Power, State
+from nonsmooth.system.linear import Basis, Harmonic, Input, Power, State
 from nonsmooth.system.mode_forms import Forms
 
 __all__ = ["Instruction", "Operand", "TaylorCode", "write_code"]
@@ -104,6 +104,9 @@ class _Writer:
     def _of(self, node: Expression) -> Operand:
         if not self.graph.moves(node):
             return self.combine({_ONE: node})
+        signal = self.graph.signal_of(node)
+        if signal is not None:
+            return Input(*signal)
         if isinstance(node, Name):
             if node.name == "t":
                 self.code.grows = self.code.grows or self.place

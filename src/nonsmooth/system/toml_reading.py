@@ -14,6 +14,7 @@ from typing import Any, TypeVar
 from nonsmooth.errors import ModelError, unknown_name
 from nonsmooth.system import checks
 from nonsmooth.system.parts import Exit, Mode, Text
+from nonsmooth.system.signals import Signal
 from nonsmooth.system.toml_text import parse_toml, read_source
 from nonsmooth.system.toml_writing import FORMAT_VERSION, key_text
 
@@ -110,6 +111,23 @@ def _exit(value: Any, where: str) -> Exit:
     return _made(Exit, given | {"sticks": words.get("sticks")}, where)
 
 
+def _signals(value: Any, where: str) -> dict[str, Signal]:
+    return {name: _signal(words, _at(where, name)) for name, words in _table(value, where).items()}
+
+
+def _signal(value: Any, where: str) -> Signal:
+    known = {"times": _numbers, "values": _numbers, "method": _text}
+    words = _table(value, where)
+    for key in words:
+        if key not in known:
+            raise ModelError(f"{where}: {unknown_name('key', key, known)}")
+    for key in ("times", "values"):
+        if key not in words:
+            raise ModelError(f"{where}: {key} is missing; write {key} = [0.0, 0.1, 0.2]")
+    given = {key: known[key](item, _at(where, key)) for key, item in words.items()}
+    return _made(Signal, given, where)
+
+
 def _made(make: Callable[..., T], words: dict[str, Any], where: str) -> T:
     try:
         return make(**words)
@@ -127,6 +145,15 @@ def _names(value: Any, where: str) -> list[str]:
     if not isinstance(value, list):
         raise ModelError(f'{where}: {_kind(value)}, where an array belongs, such as ["x", "v"]')
     return [_text(item, f"{where}[{position}]") for position, item in enumerate(value)]
+
+
+def _numbers(value: Any, where: str) -> list[float]:
+    if not isinstance(value, list):
+        raise ModelError(f"{where}: {_kind(value)}, where an array of numbers belongs")
+    for position, item in enumerate(value):
+        if isinstance(item, bool) or not isinstance(item, int | float):
+            raise ModelError(f"{where}[{position}]: {_kind(item)}, where a number belongs")
+    return value
 
 
 def _expressions(value: Any, where: str) -> dict[str, Text]:
@@ -172,6 +199,7 @@ _SYSTEM: dict[str, Callable[[Any, str], Any]] = {
     "describe": _texts,
     "equations": _expressions,
     "modes": _modes,
+    "signals": _signals,
 }
 
 

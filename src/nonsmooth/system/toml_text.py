@@ -18,7 +18,7 @@ from nonsmooth.system.grammar import point_at
 
 __all__ = ["MAX_CHARACTERS", "parse_toml", "read_source"]
 
-MAX_CHARACTERS = 4_000_000  # forty modes of fifty-nine states, all of them coupled
+MAX_CHARACTERS = 10_000_000  # a signal with as many knots as it may have
 _TOO_LONG = f"the TOML text has more than {MAX_CHARACTERS:,} characters, which is not read"
 _MOST_BRACKETS = 8
 _MOST_DOTS = 8

@@ -28,6 +28,9 @@ def system_to_toml(system: System) -> str:
         entries = getattr(system, key)
         if entries:
             lines += ["", *_table(key, entries)]
+    for name, signal in system.signals.items():
+        words = {"times": signal.times.tolist(), "values": signal.values.tolist()}
+        lines += ["", *_table(f"signals.{name}", words | {"method": signal.method})]
     if system.equations is not None:
         lines += ["", *_table("equations", system.equations)]
         return "\n".join(lines) + "\n"

@@ -1,0 +1,56 @@
+"""What every ready-made model keeps: defaults, words for everything, and a place in the guide."""
+
+import inspect
+from pathlib import Path
+
+import pytest
+
+import nonsmooth as ns
+from nonsmooth.cli.arguments import model_functions
+
+GUIDE = Path(__file__).parents[2] / "docs" / "how-to" / "models.md"
+
+
+@pytest.fixture(params=sorted(model_functions()))
+def name(request):
+    return request.param
+
+
+def test_every_argument_has_a_default_and_is_documented(name):
+    make = model_functions()[name]
+    text = inspect.getdoc(make)
+    for argument in inspect.signature(make).parameters.values():
+        assert argument.default is not inspect.Parameter.empty
+        assert f"{argument.name} " in text or f"{argument.name}," in text
+    for section in ("Parameters", "Returns", "Raises", "References", "Examples"):
+        assert f"\n{section}\n---" in text
+
+
+def test_defaults_in_the_table_are_the_defaults(name):
+    make = model_functions()[name]
+    rows = [line.split() for line in inspect.getdoc(make).splitlines()]
+    arguments = inspect.signature(make).parameters
+    table = {row[1]: row[2] for row in rows if row[1:] and row[1] in arguments and row[2] != ":"}
+    for argument, shown in table.items():
+        default = arguments[argument].default
+        assert shown == (default if isinstance(default, str) else f"{default:g}")
+    assert len(table) >= len(arguments) - 1  # a choice between words has no row
+
+
+def test_states_outputs_and_parameters_have_labels(name):
+    system = model_functions()[name]()
+    assert set(system.states) | set(system.outputs) <= set(system.describe)
+    if name != "moling":  # its parameters stand in the docstring only
+        assert set(system.parameters) <= set(system.describe)
+
+
+def test_the_system_goes_through_a_file(name):
+    system = model_functions()[name]()
+    assert system.name == name
+    assert ns.System.from_toml(system.to_toml()) == system
+
+
+def test_the_guide_has_a_section_and_an_example(name):
+    text = GUIDE.read_text(encoding="utf-8")
+    assert f": `{name}`\n" in text
+    assert f"models.{name}(" in text
