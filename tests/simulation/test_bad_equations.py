@@ -95,7 +95,7 @@ def test_a_start_where_rates_are_not_finite(text):
 @pytest.mark.parametrize(("text", "start"), [("1/x", 0.0), ("sqrt(x)", -1.0), ("log(x)", 0.0)])
 def test_a_start_where_a_guard_is_not_finite(text, start):
     system = one({"x": "1"}, [Exit(text, to="stop")])
-    with pytest.raises(OptionError, match=r"guard .*is not a finite number there"):
+    with pytest.raises(OptionError, match=r"guard '.*' is not a finite number there"):
         ns.simulate(system, {"x": start}, t_end=1.0)
 
 

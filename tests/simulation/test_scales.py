@@ -72,7 +72,8 @@ def test_monotone_functions_of_a_guard(guard):
     one, other = run("g"), run(GUARDS[guard])
     assert one.sizes["event"] == other.sizes["event"] > 5
     assert bool(other["certified"].all())
-    assert np.allclose(one["event_time"], other["event_time"], rtol=0, atol=1e-11)
+    # a rate changed by 1e-16 x^5 moves the last event by 4e-12: roundings grow that much
+    assert np.allclose(one["event_time"], other["event_time"], rtol=0, atol=1e-10)
 
 
 @pytest.mark.parametrize("depth", [1e-4, 1e-6, 1e-8])

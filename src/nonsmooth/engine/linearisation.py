@@ -32,7 +32,7 @@ def linearise(tables, slot_rates, harmonic_rates, affine_rates, series, dual, m,
         series[i, 0] = z[i]
         for d in range(dual.shape[1]):
             dual[i, d, 0] = 1.0 if d == i else 0.0
-    for part in range(min(orders, 2)):  # resets are values, the others have derivatives
+    for part in range(min(orders, 2)):  # resets are values at the instant, the others derivatives
         last, high = (end, 0) if part == 0 else (middle, at.TERMS - 1)
         fill_series(
             tables.code, tables.terms, tables.weights, first, last, tables.values, outlets,

@@ -191,7 +191,7 @@ def run(
             anchor.phase[0] = phase + s
             return _DIVERGED
         if e < 0:
-            _move_anchor(tables, segment, anchor, cursor, length, whole)
+            _move_anchor(tables, anchor, segment.order, cursor, length, whole)
             _augment(tables, anchor.state, place[0], anchor.phase[0], segment.z)
             if carrying:
                 complete_columns(tables, rates, tangent, place[0], anchor.phase[0], segment.z)
@@ -207,9 +207,10 @@ def run(
 
 
 @kernel
-def _move_anchor(tables, segment, anchor, cursor, length, whole):
+def _move_anchor(tables, anchor, order, cursor, length, whole):
     """Move the anchor to the end of a segment without an event."""
     place, window = anchor.place, tables.clock[0]
+    smooth = tables.signals.shape[0] == 0  # behind a knot a guard that has been zero may leave it
     if length < whole:
         number, anchor.phase[0] = normal_phase(place[0], anchor.phase[0] + length, window)
     else:
@@ -218,9 +219,7 @@ def _move_anchor(tables, segment, anchor, cursor, length, whole):
         cursor[WINDOW_EVENTS] = 0
     place[0] = number
     for g in range(anchor.order.size):
-        # behind a knot of a signal nothing is known any more
-        still = segment.order[g] >= STILL_ZERO and tables.signals.shape[0] == 0
-        anchor.order[g] = STILL_ZERO if still else 0
+        anchor.order[g] = STILL_ZERO if smooth and order[g] >= STILL_ZERO else 0
 
 
 @inlined

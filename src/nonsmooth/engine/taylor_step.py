@@ -14,8 +14,10 @@ __all__ = ["converging_step", "step_inside", "step_of_roots"]
 # The step over the radius of convergence, base 2 (A. Jorba and M. Zou, A software package for the
 # numerical integration of ODEs by means of high-order Taylor methods, 2005): exp(-2) and some care
 _LOG_RADIUS = (-2.0 - 0.7 / (at.ORDER - 1)) / math.log(2.0)
+_NOTHING = -960.0  # logarithm of a size that is nothing; far below it digits are lost
 _LONG = 1000.0  # logarithm of a step that no series limits
 _SMALLEST = -744.0  # exp of less is zero
+_HALF_PI = 0.5 * math.pi
 _LEADING = 4  # coefficients that tell how large a function is
 # A series of which nothing is left from here on is a polynomial. Others may be sparse: of
 # atan(t^2) every fourth coefficient is there.
@@ -44,6 +46,7 @@ def converging_step(a, noise, longest):
         last = log2(size)
         limit = (log2(noise) - last) * (1.0 / p) if noise > 0.0 else -_LONG
         last -= p * _LOG_RADIUS
+        limit = max(limit, (_NOTHING - last) * (1.0 / p))
         for j in range(first, min(first + _LEADING, p)):
             limit = max(limit, (log2(abs(a[j])) - last) * (1.0 / (p - j)))
         logarithm = min(logarithm, limit)
@@ -55,32 +58,30 @@ def converging_step(a, noise, longest):
 
 @kernel
 def step_inside(code, first, last, series, longest):
-    """Step within which every function converges well and comes to no edge of where it is defined.
+    """Step within which all functions converge, and none comes to the edge of its range.
 
     A function may be flat where the step starts and steep where it ends, and only its own
-    series, however small its coefficients, knows. And where an argument only touches zero, as
-    in sqrt(v^2), the series knows nothing of the edge and goes on with the wrong sign behind it.
+    series, however small its coefficients, knows. Where an argument only touches zero, as in
+    sqrt(v^2), the series knows nothing of the edge and goes on with the wrong sign behind it.
 
     shapes: code (r, 5), series (R, ORDER + 1)
     """
     length = longest
     for row in range(first, last):
-        instruction, y, a = code[row, 0], code[row, 1], code[row, 2]
-        if instruction < op.DIVIDE:
-            continue
-        if instruction == op.TANH:
+        function, y, a = code[row, 0], code[row, 1], code[row, 2]
+        if function == op.TANH:
             # its poles are i pi/2 from the real line
-            length = _step_of_argument(series[a], 0.5 * math.pi + abs(series[a, 0]), length)
-            continue
-        if instruction == op.EXP and series[y, 0] == 0.0:
+            length = _step_of_argument(series[a], _HALF_PI + abs(series[a, 0]), length)
+        elif function == op.EXP and series[y, 0] == 0.0:
+            # zero as long as the argument is so far below that of the smallest number
             length = _step_of_argument(series[a], _SMALLEST - series[a, 0], length)
-            continue
-        length = converging_step(series[y], 0.0, length)
-        if instruction == op.SQRT:
+        elif function >= op.DIVIDE:
+            length = converging_step(series[y], 0.0, length)
+        if function == op.SQRT:
             length = _positive_step(series[y], length)
-        elif instruction == op.POWER or instruction == op.LOG:
+        elif function == op.POWER or function == op.LOG:
             length = _positive_step(series[a], length)
-        elif instruction == op.ATAN2:
+        elif function == op.ATAN2:
             length = _positive_step(series[code[row, 4]], length)
     return length
 
@@ -89,15 +90,15 @@ def step_inside(code, first, last, series, longest):
 def _step_of_argument(a, room, longest):
     """Step within which an argument changes by a small part of some room.
 
-    For functions that say nothing of the steep parts to come: where tanh is 1 and exp is 0 to
-    the last digit, their coefficients are lost.
+    For functions that tell nothing of the steep parts to come: where tanh is 1 and exp is 0
+    to the last digit, their coefficients are lost.
     """
     room = log2(max(room, 1.0)) + _LOG_RADIUS
-    logarithm = _LONG
+    shortest = _LONG
     for k in range(1, at.ORDER + 1):
         # each term has its share 2^-k of the change
-        logarithm = min(logarithm, (room - log2(abs(a[k]))) * (1.0 / k) - 1.0)
-    return min(longest, 2.0**logarithm)
+        shortest = min(shortest, (room - log2(abs(a[k]))) * (1.0 / k) - 1.0)
+    return min(longest, 2.0**shortest)
 
 
 @kernel
