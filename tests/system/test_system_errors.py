@@ -142,7 +142,7 @@ def test_parts_that_are_malformed(make, words):
         assert word in str(caught.value)
 
 
-@pytest.mark.parametrize("key", ["surfaces", "symmetry", "slow"])
+@pytest.mark.parametrize("key", ["surfaces", "symmetry"])
 def test_words_of_the_contract_that_wait(key):
     refused([f"{key}= is not supported in this version"], **{key: {"x": "v"}})
 

@@ -132,7 +132,6 @@ def test_keys_below_a_table_belong_to_the_table():
 UNSUPPORTED = {
     "surfaces": "{}",
     "symmetry": "{}",
-    "slow": "1",
 }
 
 

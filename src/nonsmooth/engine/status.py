@@ -21,6 +21,7 @@ class Status(IntEnum):
     INTERRUPTED = 8
     SINGULAR = 9
     SLIDING = 10
+    REFUSED = 11
     # inside the engine only
     BUFFER_FULL = 20
     PAUSED = 24
@@ -86,6 +87,10 @@ CURES: dict[Status, str] = {
         " by zero, a number that overflows, states that run off to infinity in finite time, or a"
         " motion far faster than the period; if the point is not meant to be reached, add an exit"
         " before it, such as Exit('x - 1e-9', to='stop')"
+    ),
+    Status.REFUSED: (
+        "a parameter of slow= takes a value that the system refuses; end the run before, or change"
+        " its text"
     ),
     Status.INTERRUPTED: "by the user; what was computed is kept",
 }

@@ -15,7 +15,7 @@ import numpy.typing as npt
 from nonsmooth.errors import OptionError
 from nonsmooth.simulation.options import check_count, finite_number, time_grid, whole_number
 
-__all__ = ["Instant", "Plan", "instants", "plan_run"]
+__all__ = ["Instant", "Plan", "check_one_end", "instants", "plan_run"]
 
 _UNIT = float(np.finfo(float).eps)
 DEFAULT_SAMPLES = 1000  # intervals of a run given by t_end of a system without a period
@@ -52,6 +52,14 @@ def instants(
     return number.astype(np.int64), phase
 
 
+def check_one_end(**ends: object) -> None:
+    """Exactly one of the options that end a run is given."""
+    given = [name for name, value in ends.items() if value is not None]
+    if len(given) != 1:
+        what = "none is" if not given else " and ".join(given) + " are"
+        raise OptionError(f"give exactly one of periods=, t_end= and times=; {what} given")
+
+
 def plan_run(
     window: float,
     periodic: bool,
@@ -63,14 +71,7 @@ def plan_run(
     samples_per_period: int,
 ) -> Plan:
     """End and sample times of a run from exactly one of ``periods``, ``t_end``, ``times``."""
-    given = [
-        name
-        for name, value in (("periods", periods), ("t_end", t_end), ("times", times))
-        if value is not None
-    ]
-    if len(given) != 1:
-        what = "none is" if not given else " and ".join(given) + " are"
-        raise OptionError(f"give exactly one of periods=, t_end= and times=; {what} given")
+    check_one_end(periods=periods, t_end=t_end, times=times)
     per_window = whole_number("samples_per_period", samples_per_period)
     if times is not None:
         return _plan_times(window, start, time_grid(times))

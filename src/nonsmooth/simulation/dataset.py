@@ -13,7 +13,7 @@ from nonsmooth.engine.status import CURES, Status
 from nonsmooth.simulation.assemble import Columns, assemble
 from nonsmooth.simulation.events import event_variables
 from nonsmooth.simulation.labels import Labels, labels_of
-from nonsmooth.simulation.outputs import Clock, output_values
+from nonsmooth.simulation.outputs import output_values, sample_clock
 from nonsmooth.simulation.runner import Outcome
 from nonsmooth.simulation.words import last_period_word
 from nonsmooth.system.system import System
@@ -53,7 +53,7 @@ def _samples(system: System, labels: Labels, outcome: Outcome) -> tuple[Columns,
     phase = outcome.records.sample_phase[:count]
     states = outcome.records.sample_state[:count].T.copy()
     modes = outcome.records.sample_mode[:count]
-    clock = Clock(number, phase, outcome.tables)
+    clock = sample_clock(outcome, number, phase)
     coords: Columns = {
         "time": (over_time, clock.time, labels.attributes("time")),
         "state": (("state",), labels.states, {}),
@@ -65,7 +65,8 @@ def _samples(system: System, labels: Labels, outcome: Outcome) -> tuple[Columns,
     columns = dict(zip(system.states, states, strict=True))
     columns |= output_values(system, clock, states, modes)
     variables: Columns = {
-        name: (over_time, values, labels.attributes(name)) for name, values in columns.items()
+        name: (over_time, values, labels.attributes(name))
+        for name, values in (columns | clock.parameters).items()
     }
     variables["mode"] = (over_time, modes.astype("int8"), labels.mode_flags("mode"))
     return variables, coords
@@ -120,6 +121,9 @@ def _attributes(system: System, labels: Labels, outcome: Outcome) -> dict[str, A
     }
     if system.period_value is not None:
         attrs["period"] = system.period_value
+    if outcome.history is not None:
+        attrs["period"] = outcome.window
+        attrs |= outcome.history.attributes() | {"end_time": outcome.end_time}
     return attrs
 
 
@@ -131,8 +135,9 @@ def _message(labels: Labels, outcome: Outcome) -> str:
             return "completed"
         text = f"completed; {outcome.n_uncertain} tangency or tangencies lie within rounding"
         return text + (", see certified over event" if outcome.keeps_events else "")
-    end = outcome.end.number * float(outcome.tables.clock[0]) + outcome.end.phase
-    text = f"{status.word} at t = {end:.9g}: {CURES[status]}"
+    text = f"{status.word} at t = {outcome.end_time:.9g}: {CURES[status]}"
+    if status == Status.REFUSED and outcome.history is not None:
+        text += f" ({outcome.history.fault})"
     if status in (Status.UNDECIDED, Status.INADMISSIBLE) and len(outcome.event_integers):
         last = outcome.event_integers[-1]
         before, after = labels.modes[last[at.FROM]], labels.modes[last[at.TO]]

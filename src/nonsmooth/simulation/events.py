@@ -24,8 +24,7 @@ def event_variables(labels: Labels, outcome: Outcome) -> Columns:
     """Variables over ``event`` for a dataset."""
     rows, values = outcome.event_integers, outcome.event_floats
     number, phase = rows[:, at.NUMBER].copy(), values[:, at.PHASE]
-    time = number * float(outcome.tables.clock[0])
-    time += phase
+    time = outcome.times(number, phase)
     n = len(labels.states)
     before = values[:, at.EVENT_FLOATS : at.EVENT_FLOATS + n]
     after = values[:, at.EVENT_FLOATS + n :]

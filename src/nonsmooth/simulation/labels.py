@@ -24,7 +24,7 @@ class Labels:
         self.state_index = PandasIndex(self.states, "state", coord_dtype=self.states.dtype)
         self._texts = {
             name: _label(system.describe.get(name, name))
-            for name in ("time", *system.states, *system.outputs)
+            for name in ("time", *system.states, *system.outputs, *system.slow)
         }
         exits = system.compiled.exit_names
         self.width = 1 + max(len(of_mode) for of_mode in exits)

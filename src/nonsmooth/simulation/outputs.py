@@ -10,6 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.engine.layout import Tables
+from nonsmooth.simulation.history import History
+from nonsmooth.simulation.runner import Outcome
 from nonsmooth.system.evaluate import evaluate, evaluate_shared
 from nonsmooth.system.expressions import Call, Expression
 from nonsmooth.system.frequencies import canonical_frequency
@@ -18,7 +20,7 @@ from nonsmooth.system.mode_forms import ModeForms
 from nonsmooth.system.signals import Signal, values_of
 from nonsmooth.system.system import System
 
-__all__ = ["output_values"]
+__all__ = ["output_values", "sample_clock"]
 
 Array = npt.NDArray[np.float64]
 
@@ -32,17 +34,20 @@ class Clock:
         self.number, self.phase = number, phase
         self.window = float(tables.clock[0])
         self.turns = {float(w): float(turns) for w, turns in tables.harmonics.T}
+        self.parameters: dict[str, Array] = {}  # those that vary from sample to sample
 
     @property
     def time(self) -> Array:
         """Times as single numbers."""
-        return self.number * self.window + self.phase
+        time: Array = self.number * self.window + self.phase
+        return time
 
-    def angle(self, frequency: float) -> Array:
+    def angle(self, frequency: Any) -> Array:
         """Angle of a harmonic, up to whole turns."""
-        turns = self.turns.get(frequency)
+        turns = self.turns.get(float(frequency))
         if turns is None:
-            return frequency * self.time
+            late: Array = frequency * self.time
+            return late
         angle: Array = frequency * self.phase
         if turns != round(turns):
             angle = 2.0 * np.pi * np.mod(turns * self.number, 1.0) + angle
@@ -57,8 +62,48 @@ class Clock:
         """Clock of some of the samples."""
         part = object.__new__(Clock)
         part.number, part.phase = self.number.take(here), self.phase.take(here)
-        part.window, part.turns = self.window, self.turns
+        part.window, part.turns, part.parameters = self.window, self.turns, {}
         return part
+
+
+class FrozenClock(Clock):
+    """Clock of a run with slow parameters, which are frozen in each period."""
+
+    def __init__(
+        self, number: npt.NDArray[np.int64], phase: Array, tables: Tables, history: History
+    ) -> None:
+        super().__init__(number, phase, tables)
+        self._time = history.times(number, phase)
+        self.windows, self.parameters = history.at_samples(number.size)
+
+    @property
+    def time(self) -> Array:
+        """Times as single numbers."""
+        time: Array = self._time
+        return time
+
+    def angle(self, frequency: Any) -> Array:
+        """Angle of a harmonic: from the beginning of the period where it turns whole times."""
+        turns = frequency * self.windows / (2.0 * np.pi)
+        whole = np.abs(turns - np.rint(turns)) <= 1e-14 * np.maximum(1.0, turns)
+        angle: Array = frequency * np.where(whole, self.phase, self._time)
+        return angle
+
+    def at(self, here: npt.NDArray[np.int64]) -> FrozenClock:
+        """Clock of some of the samples."""
+        part = object.__new__(FrozenClock)
+        part.number, part.phase = self.number.take(here), self.phase.take(here)
+        part.window, part.turns = self.window, self.turns
+        part._time, part.windows = self._time.take(here), self.windows.take(here)
+        part.parameters = {name: values.take(here) for name, values in self.parameters.items()}
+        return part
+
+
+def sample_clock(outcome: Outcome, number: npt.NDArray[np.int64], phase: Array) -> Clock:
+    """Clock of the samples of a run."""
+    if outcome.history is None:
+        return Clock(number, phase, outcome.tables)
+    return FrozenClock(number, phase, outcome.tables, outcome.history)
 
 
 def output_values(
@@ -93,6 +138,7 @@ class _Names(Mapping[str, Any]):
         self.signals = system.signals
         self.clock = clock
         self.known: dict[str, Any] = {"t": clock.time, "pi": np.pi, **system.parameter_values}
+        self.known |= clock.parameters
         self.known |= zip(system.states, states, strict=True)
         self._waves: dict[Harmonic, Array] = {}
         self._shared: dict[int, Any] = {}
@@ -124,7 +170,7 @@ class _Names(Mapping[str, Any]):
         if parts is None:
             return None
         frequency, sign = canonical_frequency(parts[0])
-        angle = sign * self.clock.angle(float(evaluate(frequency, self)))
+        angle = sign * self.clock.angle(evaluate(frequency, self))
         angle = angle + evaluate(parts[1], self)
         return np.cos(angle) if node.function == "cos" else np.sin(angle)
 
@@ -142,7 +188,7 @@ class _Names(Mapping[str, Any]):
         if not isinstance(basis, Harmonic):
             return self.known[basis.name]
         if basis not in self._waves:
-            angle = self.clock.angle(float(evaluate(basis.frequency, self)))
+            angle = self.clock.angle(evaluate(basis.frequency, self))
             self._waves[basis] = np.cos(angle) if basis.kind == "cos" else np.sin(angle)
         return self._waves[basis]
 

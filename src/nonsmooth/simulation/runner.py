@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -33,11 +34,21 @@ from nonsmooth.engine.variation_tables import (
 from nonsmooth.errors import ModelError
 from nonsmooth.simulation.clock import Instant, Plan
 from nonsmooth.simulation.event_log import FIRST_CAPACITY, EventLog
+from nonsmooth.simulation.history import History
 from nonsmooth.simulation.kernels import announce_compilation
 from nonsmooth.simulation.progress import Progress
 from nonsmooth.system.system import System
 
-__all__ = ["Derivatives", "NoMode", "Outcome", "build_derivatives", "build_tables", "run_plan"]
+__all__ = [
+    "Derivatives",
+    "NoMode",
+    "Outcome",
+    "advance",
+    "build_derivatives",
+    "build_tables",
+    "log_going_on",
+    "run_plan",
+]
 
 _ZERO = Instant(0, 0.0)
 _WINDOWS_PER_CALL = 10_000  # a few hundredths of a second: interruption and progress
@@ -69,6 +80,25 @@ class Outcome:
     n_events: int
     n_uncertain: int
     end: Instant
+    history: History | None = None  # periods of a run with slow parameters
+
+    @property
+    def window(self) -> float:
+        """Length of the last window."""
+        return float(self.tables.clock[0])
+
+    def times(self, number: Any, phase: Any) -> Any:
+        """Times as single numbers."""
+        if self.history is not None:
+            return self.history.times(number, phase)
+        time = number * self.window
+        time += phase
+        return time
+
+    @property
+    def end_time(self) -> float:
+        """Time at the end."""
+        return float(self.times(self.end.number, self.end.phase))
 
 
 @dataclass(frozen=True)
@@ -89,13 +119,19 @@ _NO_DERIVATIVES = Derivatives(no_rates(), no_columns(), None)
 
 
 def build_derivatives(
-    system: System, tables: Tables, chosen: tuple[str, ...] | None
+    system: System,
+    tables: Tables,
+    chosen: tuple[str, ...] | None,
+    values: Mapping[str, float] | None = None,
 ) -> Derivatives:
-    """Rates of the tables by some parameters, given by name; None for no columns at all."""
+    """Rates of the tables by some parameters, given by name; None for no columns at all.
+
+    ``values`` are those of all parameters, where they are not the system's.
+    """
     if chosen is None:
         return _NO_DERIVATIVES
     program = system.compiled.program
-    values = system.parameter_values
+    values = system.parameter_values if values is None else values
     numbers = np.array([list(values).index(name) for name in chosen], np.int64)
     rates = allocate_rates(program, numbers)
     code, place = set_up_rates(program, np.array(list(values.values()), float), tables, rates)
@@ -108,8 +144,8 @@ def build_derivatives(
     return Derivatives(rates, allocate_columns(program, numbers), chosen)
 
 
-def build_tables(system: System) -> Tables:
-    """Tables of a system for its parameter values."""
+def build_tables(system: System, values: Mapping[str, float] | None = None) -> Tables:
+    """Tables of a system for its parameter values, or for others."""
     program = system.compiled.program
     if augmented_size(program.sizes) > MAX_AUGMENTED:
         raise ModelError(
@@ -118,11 +154,11 @@ def build_tables(system: System) -> Tables:
         )
     announce_compilation()
     tables = allocate_tables(program)
-    values = np.array(list(system.parameter_values.values()), dtype=float)
-    code, mode = set_up(program, values, tables)
+    values = system.parameter_values if values is None else values
+    code, mode = set_up(program, np.array(list(values.values()), dtype=float), tables)
     if code != Status.COMPLETED:
         where = "the period" if mode < 0 else f"mode {system.mode_names[mode]!r}"
-        given = ", ".join(f"{k} = {v:g}" for k, v in system.parameter_values.items())
+        given = ", ".join(f"{k} = {v:g}" for k, v in values.items())
         raise ModelError(f"{system.name}, {where}: {SETUP_ERRORS[Status(code)]} ({given})")
     return tables
 
@@ -155,12 +191,14 @@ def run_plan(
         if status == Status.INADMISSIBLE:
             raise NoMode(segment.z.copy())
     else:
-        _log_going_on(records, begin, anchor, state)
+        log_going_on(records, begin, anchor, state)
         records.since[:] = begin
     log = EventLog(keep_events)
     if status == Status.COMPLETED:
         arrays = (tables, rates, derivatives.scratch, anchor, segment, tangent)
-        status, records = _run(arrays, plan, records, log, tolerance)
+        windows = max(1, plan.end.number - int(anchor.place[0]))
+        with Progress("simulating", windows) as progress:
+            status, records = advance(arrays, plan.end, records, log, tolerance, progress.update)
     end = plan.end
     if status != Status.COMPLETED:
         end = Instant(int(anchor.place[0]), float(anchor.phase[0]))
@@ -183,31 +221,36 @@ def run_plan(
     )
 
 
-def _run(
-    arrays: tuple[Any, ...], plan: Plan, records: Records, log: EventLog, tolerance: float
+def advance(
+    arrays: tuple[Any, ...],
+    end: Instant,
+    records: Records,
+    log: EventLog,
+    tolerance: float,
+    report: Callable[[int], None],
 ) -> tuple[Status, Records]:
+    """Run to an instant, in chunks; ``report`` is told how many windows are done."""
     anchor: Anchor = arrays[3]
     first = int(anchor.place[0])
-    windows = max(1, plan.end.number - first)
-    with Progress("simulating", windows) as progress:
-        while True:
-            done = int(anchor.place[0]) + _WINDOWS_PER_CALL
-            stop = Instant(done, 0.0) if done < plan.end.number else plan.end
-            try:
-                status = Status(run(*arrays, records, *stop, tolerance))
-            except KeyboardInterrupt:
-                return Status.INTERRUPTED, records
-            if status == Status.BUFFER_FULL:
-                records = log.make_room(records, (int(anchor.place[0]) - first) / windows)
-            elif status != Status.PAUSED and (status != Status.COMPLETED or stop == plan.end):
-                return status, records
-            try:
-                progress.update(int(anchor.place[0]) - first)
-            except KeyboardInterrupt:
-                return Status.INTERRUPTED, records
+    windows = max(1, end.number - first)
+    while True:
+        done = int(anchor.place[0]) + _WINDOWS_PER_CALL
+        stop = Instant(done, 0.0) if done < end.number else end
+        try:
+            status = Status(run(*arrays, records, *stop, tolerance))
+        except KeyboardInterrupt:
+            return Status.INTERRUPTED, records
+        if status == Status.BUFFER_FULL:
+            records = log.make_room(records, (int(anchor.place[0]) - first) / windows)
+        elif status != Status.PAUSED and (status != Status.COMPLETED or stop == end):
+            return status, records
+        try:
+            report(int(anchor.place[0]) - first)
+        except KeyboardInterrupt:
+            return Status.INTERRUPTED, records
 
 
-def _log_going_on(
+def log_going_on(
     records: Records, begin: Instant, anchor: Anchor, state: npt.NDArray[np.float64] | None
 ) -> None:
     """Row of the event log for a run that goes on from an earlier one."""

@@ -143,6 +143,8 @@ def _from_run(
         window = float(tables.clock[0])
         same = math.isclose(window, float(run.attrs["window"]), rel_tol=1e-15)
         time = end.number * float(run.attrs["window"]) + end.phase
+        if "end_time" in run.attrs:  # of a run with slow parameters
+            time, same = float(run.attrs["end_time"]), False
         return Start(run["end_state"].values.copy(), end if same else _instant(tables, time))
     anchor = Anchor(
         np.array([run.attrs["anchor_number"], run.attrs["anchor_mode"]], np.int64),

@@ -100,7 +100,11 @@ def _latest(outcome: Outcome, low: float) -> tuple[np.ndarray, np.ndarray]:
     while True:
         rows, phase = outcome.event_integers[-count:], outcome.event_floats[-count:, at.PHASE]
         lasting = rows[:, at.KIND] != EventKind.GRAZE
-        times = ((rows[:, at.NUMBER] - end.number) * window + (phase - end.phase))[lasting]
+        if outcome.history is None:
+            times = (rows[:, at.NUMBER] - end.number) * window + (phase - end.phase)
+        else:
+            times = outcome.times(rows[:, at.NUMBER], phase) - outcome.end_time
+        times = times[lasting]
         before = int(np.searchsorted(times, 0.0))
         enough = before > _LONGEST + 1 or (before > 0 and times[0] <= low)
         if enough or count >= len(outcome.event_integers):

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from nonsmooth.engine.layout import MAX_AUGMENTED
@@ -33,6 +34,7 @@ __all__ = [
     "check_structure",
     "check_values",
     "check_words",
+    "first_unmet",
     "modes_of",
     "parameter_values",
     "period_value",
@@ -54,7 +56,6 @@ _MOST = 60  # modes, and exits of a mode: sets of them are bits of one integer
 UNSUPPORTED = {
     "surfaces": "write sign() of the switching function; its surface is found in the texts",
     "symmetry": "leave it out; no analysis of this version uses it",
-    "slow": "write the change as a definition in t",
 }
 
 
@@ -69,7 +70,7 @@ def check_kinds(system: System) -> None:
     """Mappings where mappings belong."""
     for key in (
         "modes", "parameters", "definitions", "outputs", "require", "initial", "describe",
-        "signals",
+        "signals", "slow",
     ):  # fmt: skip
         value = getattr(system, key)
         if not isinstance(value, Mapping):
@@ -115,6 +116,7 @@ def check_words(system: System) -> None:
                 raise ModelError(f"{kind}: {name!r} is declared already in {owner[name]}")
             owner[name] = kind
     _check_signals(system)
+    _check_slow(system)
     for name, mode in system.modes.items():
         _check_name("modes", name)
         _check_mode(system, name, mode)
@@ -143,6 +145,22 @@ def _check_signals(system: System) -> None:
             raise ModelError(
                 f"period: the signal {name!r} is not periodic, so the system has no period; leave"
                 " period= out"
+            )
+
+
+def _check_slow(system: System) -> None:
+    for name in system.slow:
+        if name not in system.parameters:
+            raise ModelError(f"slow: {unknown_name('parameter', name, system.parameters)}")
+        if name in _RESULT_NAMES:
+            raise ModelError(
+                f"slow: {name!r} is the name of a variable of results, and a slow parameter is one"
+                " too; choose another name"
+            )
+        if system.period is None:
+            raise ModelError(
+                f"slow: {name!r} changes from period to period, and the system has no period;"
+                " declare period=, or write the change as a definition in t"
             )
 
 
@@ -236,15 +254,14 @@ def _form_depends(form: LinearForm, drifting: str, own: str) -> bool:
 def check_values(system: System) -> None:
     """Everything that depends on the values of the parameters."""
     values = system.parameter_values
-    for condition, reason in system.require.items():
+    for condition in system.require:
         for node in _condition_names(condition):
             if node.name not in values and node.name != "pi":
                 sentence = unknown_name("parameter", node.name, values)
                 raise ModelError(f"require[{condition!r}]: {sentence}")
-        if not _holds(condition, values):
-            names = [n.name for n in _condition_names(condition) if n.name != "pi"]
-            given = ", ".join(f"{name} = {values[name]:g}" for name in names)
-            raise ModelError(f"{condition} is required, {given} was given: {reason}")
+    unmet = first_unmet(system.require, values)
+    if unmet:
+        raise ModelError(unmet)
     for name, forms in system.structure.modes.items():
         if forms.sides:  # of a piecewise guard one side may be a constant
             continue
@@ -343,10 +360,21 @@ def static_value(form: LinearForm, values: Mapping[str, float], where: str) -> f
     return value
 
 
+def first_unmet(require: Mapping[str, str], values: Mapping[str, float]) -> str:
+    """The first condition that some values do not meet, in words; empty without one."""
+    for condition, reason in require.items():
+        if not _holds(condition, values):
+            names = [n.name for n in _condition_names(condition) if n.name != "pi"]
+            given = ", ".join(f"{name} = {values[name]:g}" for name in names)
+            return f"{condition} is required, {given} was given: {reason}"
+    return ""
+
+
 def _holds(condition: str, values: Mapping[str, float]) -> bool:
     return bool(constant_value(_condition(condition), values))
 
 
+@lru_cache(maxsize=1024)
 def _condition(text: str) -> Expression:
     return parse_condition(text, where=f"require[{text!r}]")
 

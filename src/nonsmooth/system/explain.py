@@ -40,6 +40,8 @@ def explanation(system: System) -> str:
         lines += ["  parameters", *aligned(list(_parameters(system)), 4)]
     if system.signals:
         lines += ["  signals", *aligned(list(_signals(system)), 4)]
+    if system.slow:
+        lines += ["  slow", *aligned([(k, f"= {text}") for k, text in system.slow.items()], 4)]
     lines += aligned([_period(system, time_unit)])
     for name, mode in system.modes.items():
         cells = [forms for forms in system.structure.running if forms.parent == name]

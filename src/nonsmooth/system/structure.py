@@ -20,6 +20,7 @@ from nonsmooth.system.linear import Harmonic, LinearForm, Power
 from nonsmooth.system.mode_equations import ModeEquations, read_mode
 from nonsmooth.system.mode_forms import ModeForms
 from nonsmooth.system.resolve import Resolver
+from nonsmooth.system.slow import read_slow
 from nonsmooth.system.taylor_code import TaylorCode, write_code
 
 if TYPE_CHECKING:
@@ -60,6 +61,13 @@ class Structure:
             for equations in self._equations(system, every)
         }
         self.modes = self._running(cell_labels(system.modes, self.splits))
+        self.slow = read_slow(
+            self.graph,
+            next(iter(self.splits.values())).equations,
+            {**self.outputs, **self.definitions},
+            self.parameters,
+            system.slow,
+        )
 
     def _static(self, text: object, where: str) -> Equation:
         return Equation.read(text, where, self._known)  # type: ignore[arg-type]
@@ -159,6 +167,11 @@ class Structure:
     def all_forms(self) -> tuple[LinearForm, ...]:
         """Every linear form of every mode."""
         return tuple(form for mode in self.modes.values() for form in mode.all_forms)
+
+    @property
+    def period_nodes(self) -> tuple[Expression, ...]:
+        """Expression of the period by parameters, where there is one."""
+        return () if self.period is None else (self.static_form.form(self.period).constant_part,)
 
     @property
     def static_form(self) -> ModeForms:

@@ -75,7 +75,12 @@ class System:
         of ``modes``.
     signals : mapping of str to Signal, optional
         Measured input. A name stands for the present value, ``rate(name)`` for its rate.
-    surfaces, symmetry, slow : optional
+    slow : mapping of str to str, optional
+        Parameters that vary slowly: texts of ``t`` and of parameters that do not vary. A
+        parameter takes the value of its text at the beginning of each period and keeps it
+        for the period, also where it changes the period itself; the phase of the forcing
+        is continuous. Needs ``period``.
+    surfaces, symmetry : optional
         Not supported in this version; refused with a message.
 
     Raises
@@ -127,13 +132,14 @@ class System:
     equations: Mapping[str, Text] | None = None
     surfaces: Any = None
     symmetry: Any = None
-    slow: Any = None
+    slow: Mapping[str, Text] = field(default_factory=dict)
     signals: Mapping[str, Signal] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         checks.refuse_unsupported(vars(self))
-        if self.signals is None:
-            object.__setattr__(self, "signals", {})
+        for key in ("signals", "slow"):
+            if getattr(self, key) is None:
+                object.__setattr__(self, key, {})
         for key in ("states", "drift"):
             value = getattr(self, key)
             if key == "drift" and isinstance(value, Mapping):
@@ -210,6 +216,11 @@ class System:
         for name in parameters:
             if name not in self.parameters:
                 raise ModelError(unknown_name("parameter", name, self.parameters))
+            if name in self.slow:
+                raise ModelError(
+                    f"{name} follows slow={{{name!r}: {str(self.slow[name])!r:.60}}}, so a value"
+                    " has no effect; change the parameters in that text, or leave it out"
+                )
         other = object.__new__(System)
         other.__setstate__(
             self.__getstate__() | {"parameters": FrozenDict({**self.parameters, **parameters})}

@@ -199,6 +199,7 @@ _SYSTEM: dict[str, Callable[[Any, str], Any]] = {
     "describe": _texts,
     "equations": _expressions,
     "modes": _modes,
+    "slow": _expressions,
     "signals": _signals,
 }
 

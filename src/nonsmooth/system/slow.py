@@ -1,0 +1,109 @@
+"""Slowly varying parameters: texts of time that give their values for a whole period."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.errors import ModelError
+from nonsmooth.system.checks import first_unmet
+from nonsmooth.system.equations import Equation, check_references
+from nonsmooth.system.evaluate import evaluate_shared
+from nonsmooth.system.expressions import Call, Expression, Name
+from nonsmooth.system.graph import Graph
+from nonsmooth.system.mode_equations import ModeEquations
+from nonsmooth.system.parts import Text
+from nonsmooth.system.resolve import Resolver
+
+if TYPE_CHECKING:
+    from nonsmooth.system.system import System
+
+__all__ = ["SlowParameters", "read_slow"]
+
+
+def read_slow(
+    graph: Graph,
+    equations: ModeEquations,
+    definitions: Mapping[str, Equation],
+    parameters: tuple[str, ...],
+    texts: Mapping[str, Text],
+) -> dict[str, Expression]:
+    """Nodes of the texts, in which ``t`` and parameters that do not vary may stand."""
+    known = {*parameters, *definitions, "t", "pi"}
+    resolver = Resolver(graph, replace(equations, definitions=definitions), {}, strict=False)
+    nodes = {}
+    for name, text in texts.items():
+        where = f"slow[{name!r}]"
+        equation = Equation.read(text, where, known)
+        check_references({where: equation}, ())
+        nodes[name] = resolver.tree(equation)
+        names = _names_in(nodes[name])
+        for other in (*graph.states, *graph.signals):
+            if other in names:
+                raise ModelError(
+                    f"{where}: {str(text)!r:.80} depends on {other!r}; a slow parameter depends on"
+                    " t and on other parameters"
+                )
+        for other in texts:
+            if other in names:
+                raise ModelError(
+                    f"{where}: {str(text)!r:.80} depends on {other!r}, which is slow itself; write"
+                    " out what it stands for, or give the constant part a parameter of its own"
+                )
+    return nodes
+
+
+def _names_in(root: Expression) -> set[str]:
+    """Names in a node whose parts are shared."""
+    names: set[str] = set()
+    seen: set[int] = set()
+    stack = [root]
+    while stack:
+        node = stack.pop()
+        if isinstance(node, Name):
+            names.add(node.name)
+        elif isinstance(node, Call) and id(node) not in seen:
+            seen.add(id(node))
+            stack.extend(node.arguments)
+    return names
+
+
+class SlowParameters:
+    """The slow parameters of a system: their values at a time, and what keeps them from it."""
+
+    def __init__(self, system: System) -> None:
+        self.system = system
+        self.names = tuple(system.structure.slow)
+        self._fixed = {k: v for k, v in system.parameter_values.items() if k not in self.names}
+
+    def at(self, time: float) -> dict[str, float]:
+        """Values at a time."""
+        names = {**self._fixed, "t": time, "pi": np.pi}
+        return {
+            name: float(evaluate_shared(node, names, {}, lambda _: None))
+            for name, node in self.system.structure.slow.items()
+        }
+
+    def all_values(self, values: Mapping[str, float]) -> dict[str, float]:
+        """Values of all parameters."""
+        return {**self.system.parameter_values, **values}
+
+    def array(self, values: Mapping[str, float]) -> npt.NDArray[np.float64]:
+        """Values of all parameters in their order."""
+        return np.array(list(self.all_values(values).values()), dtype=float)
+
+    def fault(self, values: Mapping[str, float]) -> str:
+        """What the system has against some values; empty where it takes them."""
+        for name, value in values.items():
+            if not np.isfinite(value):
+                return f"{name} is {value}, which is not a finite number"
+        return first_unmet(self.system.require, self.all_values(values))
+
+    def followed_by(self, parameter: str) -> bool:
+        """Whether a slow parameter, or the period, changes with a parameter."""
+        nodes = [*self.system.structure.slow.values(), *self.system.structure.period_nodes]
+        return any(parameter in _names_in(node) for node in nodes)
