@@ -16,7 +16,7 @@ from nonsmooth.engine import layout as at
 from nonsmooth.engine.flow import advance, advance_little, advance_once, climb, read_guard
 from nonsmooth.engine.guard_series import NEARLY_ZERO, REMAINDER, falls_alone, safe_step
 from nonsmooth.engine.jit import inlined, kernel
-from nonsmooth.engine.zeros import ALWAYS_ZERO
+from nonsmooth.engine.zeros import STILL_ZERO
 
 __all__ = ["CERTIFIED", "GRAZE", "NONE", "STUCK", "UNCERTAIN", "first_crossing"]
 
@@ -29,6 +29,8 @@ _WORTH = 0.6  # a rung shorter than this part of the safe step is not worth taki
 _UNIT = 2.220446049250313e-16
 _FAR = 1e300
 _FADED = 1e-3  # part of a rounding margin
+_STILL = 4.0  # margins within which a guard that is identically zero may be found
+_MOST_SHORTENINGS = 16  # the bound of the sixth coefficient knows nothing of what cancels
 
 
 @inlined
@@ -57,11 +59,10 @@ def first_crossing(tables, segment, m, start, length):
             known = order[g] if s == 0.0 and order[g] < at.TERMS else 0
             read_guard(tables, segment, m, g, known)
             scan[g, at.LATEST] = _FAR
-            if order[g] == ALWAYS_ZERO and (
-                s == 0.0 or abs(scan[g, 0]) <= NEARLY_ZERO * scan[g, at.MARGIN]
-            ):
-                scan[g, at.SAFE] = reach  # stays zero, as long as it does
-            elif s == 0.0 and order[g] > 0:
+            still = _while_zero(scan, g, reach) if order[g] >= STILL_ZERO else 0.0
+            if still > 0.0:
+                scan[g, at.SAFE] = still
+            elif s == 0.0 and 0 < order[g] != STILL_ZERO:
                 scan[g, at.SAFE] = _leave(scan, g, order[g], reach)
             else:
                 found = _look_ahead(scan, g, reach, far)
@@ -71,12 +72,14 @@ def first_crossing(tables, segment, m, start, length):
                     root = min(s + scan[g, at.SAFE], length)
                     advance_once(tables, segment, m, root)
                     return root, g, found, root
+            if order[g] >= STILL_ZERO and still == 0.0:
+                order[g] = 0
             if scan[g, at.SAFE] < soonest:
                 soonest = scan[g, at.SAFE]
                 which = g
                 reach = min(reach, soonest if scan[g, at.LATEST] == _FAR else scan[g, at.LATEST])
         if which >= 0:
-            if scan[which, at.LATEST] < _FAR and _alone(scan, n_exits, which):
+            if scan[which, at.LATEST] < _FAR and _alone(scan, n_exits, which, length - s):
                 root, found = _finish(tables, segment, m, which, s)
                 if root <= length:
                     return root, which, found, root
@@ -148,6 +151,20 @@ def _leave(scan, g, order, reach):
 
 
 @kernel
+def _while_zero(scan, g, reach):
+    """How long a guard that is identically zero cannot be told from zero; 0 if it can."""
+    margin = _STILL * scan[g, at.MARGIN]
+    for _ in range(_MOST_SHORTENINGS):
+        size = scan[g, at.BOUND]
+        for k in range(at.TERMS - 1, -1, -1):
+            size = size * reach + abs(scan[g, k])
+        if size <= margin:
+            return reach
+        reach *= 0.5
+    return 0.0
+
+
+@kernel
 def _within_margin(scan, g, margin, reach):
     """Tell crossing, leaving and touching apart where the guard is zero up to rounding."""
     value, rate, second = scan[g, 0], scan[g, 1], 2.0 * scan[g, 2]
@@ -181,10 +198,11 @@ def _within_margin(scan, g, margin, reach):
 
 
 @inlined
-def _alone(scan, n_exits, which):
-    """Whether every other guard is safe up to the latest place of this guard's root."""
+def _alone(scan, n_exits, which, rest):
+    """Whether every other guard is safe up to the latest place of this guard's root, or the end."""
+    latest = min(scan[which, at.LATEST], rest)
     for g in range(n_exits):
-        if g != which and scan[g, at.SAFE] < scan[which, at.LATEST]:
+        if g != which and scan[g, at.SAFE] < latest:
             return False
     return True
 

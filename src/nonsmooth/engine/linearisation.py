@@ -17,12 +17,13 @@ __all__ = ["linearise"]
 
 
 @kernel
-def linearise(tables, slot_rates, harmonic_rates, affine_rates, series, dual, m, z):
+def linearise(tables, slot_rates, harmonic_rates, affine_rates, series, dual, m, z, orders):
     """Rows of rates, relations, guards with their derivatives and resets of a mode at z.
 
     shapes: z (N,), series and dual as in Segment, the next three as in Rates; the rows of the
     mode in tables.generator and tables.affine are the output, and in affine_rates the rates of
-    their values by parameters, in the column of 1
+    their values by parameters, in the column of 1. orders = 1 leaves the derivatives of guards
+    out, at.DERIVATIVES is all
     """
     n, big_n = tables.sizes[0], z.size
     first, middle, end = tables.code_rows[m]
@@ -31,7 +32,7 @@ def linearise(tables, slot_rates, harmonic_rates, affine_rates, series, dual, m,
         series[i, 0] = z[i]
         for d in range(dual.shape[1]):
             dual[i, d, 0] = 1.0 if d == i else 0.0
-    for part in range(2):  # resets are values at the instant, the others have derivatives
+    for part in range(min(orders, 2)):  # resets are values at the instant, the others derivatives
         last, high = (end, 0) if part == 0 else (middle, at.TERMS - 1)
         fill_series(
             tables.code, tables.terms, tables.weights, first, last, tables.values, outlets,
@@ -53,7 +54,7 @@ def linearise(tables, slot_rates, harmonic_rates, affine_rates, series, dual, m,
     for e in range(tables.wiring[m, 0, at.N_EXITS]):
         guard = outlets[n + e]
         factor = 1.0
-        for r in range(at.DERIVATIVES):
+        for r in range(orders):
             row = affine[m, at.guard_row(e, r)]
             _write_row(row, series[guard, r], dual[guard], r, factor, n, z)
             factor *= r + 1.0

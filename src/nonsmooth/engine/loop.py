@@ -14,8 +14,7 @@ from nonsmooth.engine import layout as at
 from nonsmooth.engine.arrays import copy_matrix, copy_vector
 from nonsmooth.engine.event_log import log_event, log_transition, normal_phase
 from nonsmooth.engine.first_crossing import CERTIFIED, GRAZE, NONE, STUCK, first_crossing
-from nonsmooth.engine.flow import advance, advance_once, read_guard, start_segment, state_at
-from nonsmooth.engine.guard_series import NEARLY_ZERO
+from nonsmooth.engine.flow import advance, advance_once, start_segment, state_at
 from nonsmooth.engine.jit import entry, inlined, kernel
 from nonsmooth.engine.linear_flow import augmented
 from nonsmooth.engine.records import (
@@ -40,7 +39,7 @@ from nonsmooth.engine.transitions import (
     pass_exits,
     slaved_agree,
 )
-from nonsmooth.engine.zeros import ALWAYS_ZERO
+from nonsmooth.engine.zeros import STILL_ZERO
 
 __all__ = ["run", "start"]
 
@@ -83,7 +82,7 @@ def start(tables, rates, anchor, segment, tangent, records, mode, tolerance):
     goes_on = mode < -1
     first = -2 - mode if goes_on else -1
     for m in range(low, low if goes_on else high):
-        linearise_mode(tables, rates, segment, m)
+        linearise_mode(tables, rates, segment, m, at.DERIVATIVES)
         if _fits(n, affine, wiring, m, z, tolerance):
             first = m
             break
@@ -192,8 +191,7 @@ def run(
             anchor.phase[0] = phase + s
             return _DIVERGED
         if e < 0:
-            _keep_zeros(tables, segment, anchor, m)
-            _move_anchor(anchor, cursor, length, whole, window)
+            _move_anchor(tables, anchor, segment.order, cursor, length, whole)
             _augment(tables, anchor.state, place[0], anchor.phase[0], segment.z)
             if carrying:
                 complete_columns(tables, rates, tangent, place[0], anchor.phase[0], segment.z)
@@ -209,9 +207,10 @@ def run(
 
 
 @kernel
-def _move_anchor(anchor, cursor, length, whole, window):
+def _move_anchor(tables, anchor, order, cursor, length, whole):
     """Move the anchor to the end of a segment without an event."""
-    place = anchor.place
+    place, window = anchor.place, tables.clock[0]
+    smooth = tables.signals.shape[0] == 0  # behind a knot a guard that has been zero may leave it
     if length < whole:
         number, anchor.phase[0] = normal_phase(place[0], anchor.phase[0] + length, window)
     else:
@@ -219,20 +218,8 @@ def _move_anchor(anchor, cursor, length, whole, window):
     if number > place[0]:
         cursor[WINDOW_EVENTS] = 0
     place[0] = number
-
-
-@kernel
-def _keep_zeros(tables, segment, anchor, m):
-    """At the end of a segment without event: a guard that was to stay zero and did goes on so.
-
-    As for a system at rest on a surface. Behind a knot of a signal nothing is known any more.
-    """
     for g in range(anchor.order.size):
-        if anchor.order[g] == ALWAYS_ZERO and tables.signals.shape[0] == 0:
-            read_guard(tables, segment, m, g, 0)
-            if abs(segment.scan[g, 0]) <= NEARLY_ZERO * segment.scan[g, at.MARGIN]:
-                continue
-        anchor.order[g] = 0
+        anchor.order[g] = STILL_ZERO if smooth and order[g] >= STILL_ZERO else 0
 
 
 @inlined
@@ -353,6 +340,8 @@ def _pass_event(tables, rates, segment, tangent, anchor, records, s, e, found, t
     anchor.phase[0] = phase
     _set_anchor(anchor, segment, records, n)
     accumulated = cursor[WINDOW_EVENTS] > _MOST_EVENTS or cursor[STALLED] > _MOST_STALLED
+    if status == _COMPLETED and not _finite(anchor.state):
+        return _SINGULAR  # the reset divides by zero
     if status == _COMPLETED and accumulated:
         return _EVENT_LIMIT
     return status
@@ -366,10 +355,18 @@ def _set_anchor(anchor, segment, records, n):
 
 
 @kernel
-def _bounded(drifting, state):
+def _finite(state):
     for i in range(state.size):
         if not math.isfinite(state[i]):
             return False
+    return True
+
+
+@kernel
+def _bounded(drifting, state):
+    if not _finite(state):
+        return False
+    for i in range(state.size):
         if abs(state[i]) > _MOST_SIZE and not (drifting >> i) & 1:
             return False
     return True

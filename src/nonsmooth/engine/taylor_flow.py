@@ -9,25 +9,18 @@ from __future__ import annotations
 import math
 
 from nonsmooth.engine import layout as at
-from nonsmooth.engine import taylor_opcodes as op
 from nonsmooth.engine.jit import kernel
-from nonsmooth.engine.logarithm import log2
 from nonsmooth.engine.rounding import fill_doubt
 from nonsmooth.engine.taylor_series import fill_series
+from nonsmooth.engine.taylor_step import converging_step, step_inside, step_of_roots
 
 __all__ = ["read_guard_of_step", "start_step", "state_of_step"]
 
-# The step over the radius of convergence, base 2 (A. Jorba and M. Zou, A software package for the
-# numerical integration of ODEs by means of high-order Taylor methods, 2005): exp(-2) and some care
-_LOG_RADIUS = (-2.0 - 0.7 / (at.ORDER - 1)) / math.log(2.0)
-_NOTHING = -960.0  # logarithm of a size that is nothing; far below it digits are lost
-_LONG = 1000.0  # logarithm of a step that no series limits
-_SMALLEST = -744.0  # exp of less is zero
-_HALF_PI = 0.5 * math.pi
-_LEADING = 4  # coefficients that tell how large a function is
 _UNIT = 2.220446049250313e-16
 _MARGIN = 8.0  # roundings: those of the coefficients and of the polynomial read at a point
 _FAR = 1e300
+_SHORT = 2.0**-40  # part of the longest step
+_MOST_ROUNDS = 20  # of a length and the rounding errors within it, which need each other
 
 
 @kernel
@@ -44,74 +37,36 @@ def start_step(tables, segment, m, limit):
         slaved, tables.sizes, tables.harmonics, series, 0, at.ORDER,
     )  # fmt: skip
     length = limit
-    logarithm = _LONG
     for i in range(n):
-        logarithm = min(logarithm, _log_step(series[i]))
+        length = converging_step(series[i], 0.0, length)
+    length = step_inside(tables.code, first, middle, series, length)
     for g in range(n_exits):
-        logarithm = min(logarithm, _log_step(series[outlets[n + g]]))
-    for row in range(first, middle):
-        # a function may be flat where the step starts and steep where it ends, and only its own
-        # series, however small its coefficients, knows
-        function, y, a = tables.code[row, 0], tables.code[row, 1], tables.code[row, 2]
-        if function == op.TANH:
-            # its poles are i pi/2 from the real line
-            room = _HALF_PI + abs(series[a, 0])
-            logarithm = min(logarithm, _log_step_of_argument(series[a], room))
-        elif function == op.EXP and series[y, 0] == 0.0:
-            # zero as long as the argument is so far below that of the smallest number
-            room = _SMALLEST - series[a, 0]
-            logarithm = min(logarithm, _log_step_of_argument(series[a], room))
-        elif function >= op.DIVIDE:
-            logarithm = min(logarithm, _log_step(series[y]))
-    length = min(limit, 2.0**logarithm)
-    fill_doubt(
-        tables.code, tables.terms, tables.weights, first, middle, tables.values, series,
-        segment.z.size, length, segment.doubt,
-    )  # fmt: skip
+        order = segment.order[g]
+        if order < at.TERMS:
+            length = step_of_roots(series[outlets[n + g]], order, length, _SHORT * limit)
+    for _ in range(_MOST_ROUNDS):
+        fill_doubt(
+            tables.code, tables.terms, tables.weights, first, middle, tables.values, series,
+            segment.z.size, length, segment.doubt,
+        )  # fmt: skip
+        whole = length
+        for g in range(n_exits):
+            noise = _UNIT * segment.doubt[outlets[n + g], at.UNITS]
+            length = converging_step(series[outlets[n + g]], noise, length)
+        if length > 0.5 * whole:
+            break
     spans = tables.spans[m]
     spans[at.RUNG], spans[at.REACH], spans[at.FASTEST] = _FAR, length, 1.0 / length
     segment.point[0] = 0.0
     for g in range(n_exits):
         _bound_guard(series[outlets[n + g]], segment.doubt[outlets[n + g]], length, segment.scan[g])
+    for i in range(n):
+        if not math.isfinite(series[i, at.ORDER]):
+            return math.nan
+    for g in range(n_exits):
+        if not math.isfinite(series[outlets[n + g], at.ORDER]):
+            return math.nan
     return length
-
-
-@kernel
-def _log_step(a):
-    """Logarithm of the step within which the series of a register converges well.
-
-    The last coefficient times the step to its order may be _RADIUS to the same power of any of
-    the leading terms, and likewise the last but one. Leading are the first ones, or later ones
-    where these vanish, as for a state that leaves zero with t^5.
-    """
-    shortest = _LONG
-    for p in range(at.ORDER - 1, at.ORDER + 1):
-        last = log2(abs(a[p])) - p * _LOG_RADIUS
-        longest = (_NOTHING - last) * (1.0 / p)
-        leading = 0
-        for j in range(at.ORDER - 2):
-            if a[j] != 0.0:
-                longest = max(longest, (log2(abs(a[j])) - last) * (1.0 / (p - j)))
-                leading += 1
-            if j >= _LEADING - 1 and leading > 0:
-                break
-        shortest = min(shortest, longest)
-    return shortest
-
-
-@kernel
-def _log_step_of_argument(a, room):
-    """Logarithm of the step within which an argument changes by a small part of some room.
-
-    For functions that tell nothing of the steep parts to come: where tanh is 1 and exp is 0
-    to the last digit, their coefficients are lost.
-    """
-    room = log2(max(room, 1.0)) + _LOG_RADIUS
-    shortest = _LONG
-    for k in range(1, at.ORDER + 1):
-        # each term has its share 2^-k of the change
-        shortest = min(shortest, (room - log2(abs(a[k]))) * (1.0 / k) - 1.0)
-    return shortest
 
 
 @kernel

@@ -74,17 +74,19 @@ def pass_exits(tables, rates, segment, tangent, m, e, tolerance):
     followed = curved  # whether basis holds the directions left free by the path so far
     fired = 0.0  # size of the terms that cancelled in the guard that fired
     carrying = tangent.columns.shape[0] > 0
+    if e >= 0:
+        if curved:  # a reset that keeps a zero does so on the guard, not beside it
+            linearise_mode(tables, rates, segment, m, 1)
+        fired = _set_fired_zero(n, affine, m, e, z)
     if curved:
-        linearise_mode(tables, rates, segment, m)
+        linearise_mode(tables, rates, segment, m, at.DERIVATIVES)
         start_directions(n, affine, wiring, m, e, basis)
     if e < 0:
         _settle_slaved(n, affine, wiring, m, z)
         if carrying:
             relate_columns(tables, rates, segment, tangent, m)
-    else:
-        fired = _set_fired_zero(n, affine, m, e, z)
-        if carrying:
-            start_saltation(tables, rates, segment, tangent, m, e)
+    elif carrying:
+        start_saltation(tables, rates, segment, tangent, m, e)
     while True:
         if e >= 0:
             target = wiring[m, 1 + e, at.TARGET]
@@ -100,7 +102,7 @@ def pass_exits(tables, rates, segment, tangent, m, e, tolerance):
                 return _STOPPED, m, path, passes, jumped, corner
             if curved:
                 push_reset(n, affine, wiring, m, e, basis)
-                linearise_mode(tables, rates, segment, target)
+                linearise_mode(tables, rates, segment, target, at.DERIVATIVES)
                 push_relations(n, affine, wiring, target, basis)
             if not _slave(n, affine, wiring, m, e, target, z, fired, tolerance):
                 return _INADMISSIBLE, target, path, passes, jumped, corner
@@ -139,12 +141,12 @@ def pass_exits(tables, rates, segment, tangent, m, e, tolerance):
 
 
 @inlined
-def linearise_mode(tables, rates, segment, m):
+def linearise_mode(tables, rates, segment, m, orders):
     """Bring the rows of a Taylor mode up to date at segment.z; linear ones always are."""
     if tables.kinds[m] == at.TAYLOR:
         linearise(
             tables, rates.slot_rates, rates.harmonics, rates.affine, segment.series,
-            segment.dual, m, segment.z,
+            segment.dual, m, segment.z, orders,
         )  # fmt: skip
 
 
@@ -159,7 +161,7 @@ def has_fallen(tables, rates, segment, m):
             negative = negative or segment.series[tables.outlets[m, tables.sizes[0] + g], 0] < 0.0
         if not negative:
             return False
-        linearise_mode(tables, rates, segment, m)
+        linearise_mode(tables, rates, segment, m, at.DERIVATIVES)
     for g in range(tables.wiring[m, 0, at.N_EXITS]):
         if not guard_holds(tables.affine, m, g, z, _CLEARLY):
             return True
@@ -190,7 +192,7 @@ def leaves_both_ways(tables, rates, segment, m, tolerance):
         if not 0 < order[g] < at.DERIVATIVES or cell < 0 or cell == m:
             continue
         if tables.families[cell] == tables.families[m]:
-            linearise_mode(tables, rates, segment, cell)
+            linearise_mode(tables, rates, segment, cell, at.DERIVATIVES)
             holds = True
             for h in range(wiring[cell, 0, at.N_EXITS]):
                 order[h] = 0

@@ -18,6 +18,7 @@ from nonsmooth.engine.jit import allocating, kernel
 __all__ = [
     "ALWAYS_ZERO",
     "OPEN",
+    "STILL_ZERO",
     "fill_orders",
     "push_exit",
     "push_relations",
@@ -27,6 +28,7 @@ __all__ = [
 ]
 
 ALWAYS_ZERO = 99  # order of a guard that stays zero
+STILL_ZERO = 98  # likewise, at the start of a segment that no event began
 OPEN = -1  # order that has to be worked out along the path
 # A sum counts as zero below this part of its terms: a remainder of rounding, taken for an
 # honest small number, would count as large in the next product.

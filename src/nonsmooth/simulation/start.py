@@ -170,10 +170,13 @@ def explain_misfit(system: System, tables: Tables, start: Start, z: npt.NDArray[
             continue
         faults = []
         for e in range(int(tables.wiring[m, 0, N_EXITS])):
-            value = float(tables.affine[m, DERIVATIVES * e] @ z)
+            with np.errstate(invalid="ignore"):  # a guard may divide by zero there
+                value = float(tables.affine[m, DERIVATIVES * e] @ z)
+            guard = forms.equations.exits[e].guard.text
             if value < 0.0:
-                guard = forms.equations.exits[e].guard.text
                 faults.append(f"guard {guard!r} is {value:.6g}, it must not be negative")
+            elif not math.isfinite(value):
+                faults.append(f"guard {guard!r} is not a finite number there")
         for i, state in enumerate(system.states):
             if (int(tables.wiring[m, 0, SLAVED]) >> i) & 1:
                 wanted = float(tables.affine[m, DERIVATIVES * n_exits + i] @ z)
