@@ -136,7 +136,7 @@ def _look_ahead(scan, g, reach, far):
 @kernel
 def _leave(scan, g, order, reach):
     """Safe step from a zero of known order; the zero itself is divided out."""
-    if order == ALWAYS_ZERO:  # declared to be zero by the tolerance of the start
+    if order == ALWAYS_ZERO:
         return reach
     a0, a1, a2, a3, a4, a5 = scan[g, 0], scan[g, 1], scan[g, 2], scan[g, 3], scan[g, 4], scan[g, 5]
     last = -scan[g, at.BOUND]
