@@ -16,7 +16,7 @@ from nonsmooth.engine import layout as at
 from nonsmooth.engine.flow import advance, advance_little, advance_once, climb, read_guard
 from nonsmooth.engine.guard_series import NEARLY_ZERO, REMAINDER, falls_alone, safe_step
 from nonsmooth.engine.jit import inlined, kernel
-from nonsmooth.engine.zeros import STILL_ZERO
+from nonsmooth.engine.zeros import ALWAYS_ZERO, STILL_ZERO
 
 __all__ = ["CERTIFIED", "GRAZE", "NONE", "STUCK", "UNCERTAIN", "first_crossing"]
 
@@ -136,6 +136,8 @@ def _look_ahead(scan, g, reach, far):
 @kernel
 def _leave(scan, g, order, reach):
     """Safe step from a zero of known order; the zero itself is divided out."""
+    if order == ALWAYS_ZERO:
+        return reach
     a0, a1, a2, a3, a4, a5 = scan[g, 0], scan[g, 1], scan[g, 2], scan[g, 3], scan[g, 4], scan[g, 5]
     last = -scan[g, at.BOUND]
     tail = scan[g, at.BOUND]

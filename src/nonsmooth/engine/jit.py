@@ -134,7 +134,7 @@ def summing(function: Callable[..., Any]) -> Callable[..., Any]:
     For the many short sums of Taylor series, whose margins do not count on an order.
     """
     options = _OPTIONS | {"fastmath": _OPTIONS["fastmath"] | {"reassoc"}}
-    return numba.njit(**options, _nrt=False)(function)
+    return numba.njit(**options, _nrt=False, forceinline=True)(function)
 
 
 def allocating(function: Callable[..., Any]) -> Callable[..., Any]:

@@ -157,6 +157,7 @@ class Segment(NamedTuple):
     chain: Complexes  # (MAX_DEGREE + 1, N) coefficients of clusters in powers of s
     chain_noise: Floats  # (MAX_DEGREE + 1, N) their rounding margins
     order: Integers  # (e,): known order of zero of each guard at the start
+    to_knot: Floats  # (1,): time to the next knot of a signal, inf without signals
     scan: Floats  # (e, SCAN)
     basis: Floats  # (2, N, N): directions left free by what is known to be zero, and a spare
     # of Taylor modes
@@ -247,6 +248,7 @@ def allocate_segment(sizes: Integers, n_rates: int = 0) -> Segment:
         chain=np.zeros((MAX_DEGREE + 1, big_n), np.complex128),
         chain_noise=np.zeros((MAX_DEGREE + 1, big_n)),
         order=np.zeros(e, np.int64),
+        to_knot=np.full(1, np.inf),
         scan=np.zeros((e, SCAN)),
         basis=np.zeros((2, big_n, big_n)),
         point=np.zeros(1),

@@ -27,7 +27,7 @@ from nonsmooth.engine.records import (
     UNCERTAIN,
     WINDOW_EVENTS,
 )
-from nonsmooth.engine.signals import fill_signals, time_to_knot
+from nonsmooth.engine.signals import fill_signals
 from nonsmooth.engine.status import EventKind, Status
 from nonsmooth.engine.tangent import carry, complete_columns, start_columns
 from nonsmooth.engine.transitions import (
@@ -78,6 +78,8 @@ def start(tables, rates, anchor, segment, tangent, records, mode, tolerance):
     n = tables.sizes[0]
     affine, wiring, z = tables.affine, tables.wiring, segment.z
     _augment(tables, anchor.state, anchor.place[0], anchor.phase[0], z)
+    if tables.signals.shape[0] > 0:
+        _fill_signals(tables, segment, anchor.place[0], anchor.phase[0])
     low, high = (0, affine.shape[0]) if mode == -1 else (mode, mode + 1)
     goes_on = mode < -1
     first = -2 - mode if goes_on else -1
@@ -125,9 +127,6 @@ def _augment(tables, state, number, phase, z):
     n, powers = tables.sizes[0], tables.sizes[1]
     copy_vector(state, z, n)
     augmented(n, powers, tables.clock[0], tables.harmonics, number, phase, z)
-    if tables.signals.shape[0] > 0:
-        first = at.first_of_signals(tables.sizes)
-        fill_signals(tables.signals, tables.knots, first, tables.clock[0], number, phase, z)
 
 
 @entry
@@ -145,6 +144,8 @@ def run(
     place, cursor = anchor.place, records.cursor
     carrying = tangent.columns.shape[0] > 0
     _augment(tables, anchor.state, place[0], anchor.phase[0], segment.z)
+    if tables.signals.shape[0] > 0:
+        _fill_signals(tables, segment, place[0], anchor.phase[0])
     if carrying:
         complete_columns(tables, rates, tangent, place[0], anchor.phase[0], segment.z)
     while True:
@@ -157,10 +158,7 @@ def run(
         m, phase = place[1], anchor.phase[0]
         whole = at.WINDOWS * window - phase
         copy_vector(anchor.order, segment.order, anchor.order.size)
-        longest = whole
-        if tables.signals.shape[0] > 0:
-            to_knot = time_to_knot(tables.signals, tables.knots, window, place[0], phase)
-            longest = min(whole, to_knot)
+        longest = min(whole, segment.to_knot[0])
         length = start_segment(tables, segment, m, longest)
         long_enough = length == longest or length > _SHORTEST * (window + phase)
         if tables.kinds[m] == at.TAYLOR and not long_enough:
@@ -196,7 +194,7 @@ def run(
             if carrying:
                 complete_columns(tables, rates, tangent, place[0], anchor.phase[0], segment.z)
             # behind a knot even a guard may jump, by the rate of a signal
-            if tables.signals.shape[0] == 0 or not has_fallen(tables, rates, segment, m):
+            if tables.signals.shape[0] == 0 or not _pass_knot(tables, rates, segment, anchor, m):
                 continue
             s, found = 0.0, CERTIFIED
         status = _pass_event(
@@ -204,6 +202,22 @@ def run(
         )
         if status != _COMPLETED:
             return status
+
+
+@kernel
+def _pass_knot(tables, rates, segment, anchor, m):
+    """Fill the signals at a new anchor; whether a guard has jumped below zero there."""
+    _fill_signals(tables, segment, anchor.place[0], anchor.phase[0])
+    return has_fallen(tables, rates, segment, m)
+
+
+@kernel
+def _fill_signals(tables, segment, number, phase):
+    """Values of the signals at an instant, and the time to the next knot."""
+    window, first = tables.clock[0], at.first_of_signals(tables.sizes)
+    segment.to_knot[0] = fill_signals(
+        tables.signals, tables.knots, first, window, number, phase, segment.z
+    )
 
 
 @kernel
@@ -327,6 +341,8 @@ def _pass_event(tables, rates, segment, tangent, anchor, records, s, e, found, t
     cursor[STALLED] = cursor[STALLED] + 1 if stalled else 0
     cursor[WINDOW_EVENTS] = 1 if number > anchor.place[0] else cursor[WINDOW_EVENTS] + 1
     _augment(tables, anchor.state, number, phase, segment.z)
+    if tables.signals.shape[0] > 0:
+        _fill_signals(tables, segment, number, phase)
     if tangent.columns.shape[0] > 0:
         complete_columns(tables, rates, tangent, number, phase, segment.z)
     status, m, path, passes, jumped, corner = pass_exits(

@@ -10,7 +10,7 @@ from __future__ import annotations
 from nonsmooth.engine import layout as at
 from nonsmooth.engine.jit import kernel
 
-__all__ = ["fill_chains", "fill_first_pieces", "fill_signals", "time_to_knot"]
+__all__ = ["fill_chains", "fill_first_pieces", "fill_signals"]
 
 _UNIT = 2.220446049250313e-16
 _ROUNDINGS = 4.0  # that may lie between a knot and the end of the segment that it ended
@@ -21,12 +21,19 @@ def fill_signals(signals, knots, first, window, number, phase, z):
     """Values and derivatives of the signals at a phase.
 
     shapes: signals, knots as in Tables; z (N,), the coordinates of signals from ``first`` on
+    returns: time to the next knot of any signal; behind the last one, the length of its piece
     """
     before = number * window
-    slack = _slack(before, window)
+    slack = _ROUNDINGS * _UNIT * (abs(before) + window)
+    soonest = at.WINDOWS * window
     for j in range(signals.shape[0]):
         k = _piece_at(knots, signals[j, at.FIRST], signals[j, at.KNOTS], before, phase + slack)
         _fill(knots, k, (before - knots[k, at.TIME]) + phase, first + at.CHAIN * j, z)
+        rest = (knots[k + 1, at.TIME] - before) - phase
+        if rest <= slack:
+            rest = knots[k + 1, at.TIME] - knots[k, at.TIME]
+        soonest = min(soonest, rest)
+    return soonest
 
 
 @kernel
@@ -40,24 +47,6 @@ def fill_first_pieces(signals, knots, first, z):
 
 
 @kernel
-def time_to_knot(signals, knots, window, number, phase):
-    """Time until the next knot of any signal; behind the last one, the length of its piece.
-
-    shapes: signals, knots as in Tables
-    """
-    before = number * window
-    slack = _slack(before, window)
-    soonest = at.WINDOWS * window
-    for j in range(signals.shape[0]):
-        k = _piece_at(knots, signals[j, at.FIRST], signals[j, at.KNOTS], before, phase + slack)
-        rest = (knots[k + 1, at.TIME] - before) - phase
-        if rest <= slack:
-            rest = knots[k + 1, at.TIME] - knots[k, at.TIME]
-        soonest = min(soonest, rest)
-    return soonest
-
-
-@kernel
 def fill_chains(generator, first, count):
     """Rows of the generator that make each derivative the rate of the one before it.
 
@@ -66,12 +55,6 @@ def fill_chains(generator, first, count):
     for j in range(count):
         for i in range(at.CHAIN - 1):
             generator[first + at.CHAIN * j + i, first + at.CHAIN * j + i + 1] = 1.0
-
-
-@kernel
-def _slack(before, window):
-    """Time within which an instant belongs to a knot."""
-    return _ROUNDINGS * _UNIT * (abs(before) + window)
 
 
 @kernel

@@ -21,10 +21,10 @@ def announce_compilation() -> None:
     if is_warm(run):
         return
     if is_kept(run):
-        text = "once for this installation (under a minute)"
+        text = "once for this installation (a minute or two)"
     else:
         text = (
-            "for this process alone (under a minute): none of the folders where numba keeps"
+            "for this process alone (a minute or two): none of the folders where numba keeps"
             " machine code can be written; set NUMBA_CACHE_DIR to one that can"
         )
     print(f"nonsmooth: compiling its kernels, {text}", file=sys.stderr, flush=True)

@@ -54,10 +54,10 @@ def simulate(
 ) -> xr.Dataset:
     """Trajectory of a system, its event log and the certificate of both.
 
-    Within a mode the motion is the closed form of the linear equations; events are first
-    roots of the guards found with bounds on their Taylor polynomials, so that none is
-    skipped between two looks. Samples only read the closed form: neither their number nor
-    the end of the run changes the trajectory.
+    Within a mode the motion is the closed form of the equations where they are linear, and
+    their Taylor series elsewhere; events are first roots of the guards found with bounds on
+    their Taylor polynomials, so that none is skipped between two looks. Samples only read
+    either: neither their number nor the end of the run changes the trajectory.
 
     Parameters
     ----------
@@ -93,18 +93,24 @@ def simulate(
         than its samples; events are found and counted as ever, and the run can go on.
     tangent : bool or sequence of str, optional
         Whether to carry the derivatives of the states by the initial states, and by the
-        parameters: by all of them, or by those named in a list, which may be empty.
+        parameters: by all of them, or by those named in a list, which may be empty. A run
+        that goes on begins them anew.
 
     Returns
     -------
     xarray.Dataset
         Over ``time``: every state, output and slow parameter by name, and ``mode``. Over
         ``event``, one row per instant: ``event_time``, ``event_name``, ``event_kind``
-        (start, switch, impact, graze), ``event_from``, ``event_to``, ``event_path``,
-        ``guard_rate``, ``certified``, ``state_before`` and ``state_after``; nothing over
-        ``event`` with ``events=False``. Attributes: ``status`` with its ``message``,
-        ``phase_word`` of the last period, ``n_events``,
-        ``n_uncertain``, the system as TOML and the options.
+        (start, switch, impact, corner, graze), ``event_from``, ``event_to``,
+        ``event_path``, ``guard_rate``, ``certified``, ``state_before`` and
+        ``state_after``; nothing over ``event`` with ``events=False``. With ``tangent``:
+        ``tangent (time, state, state_0)``, the derivatives by the initial states, and
+        ``sensitivity (time, state, parameter_0)``, those by parameters, both at a fixed
+        time and just before an event that falls on a sample. Attributes: ``status``
+        (completed, stopped, diverged, undecided, nonunique, inadmissible, event_limit,
+        step_limit, singular, sliding, refused, interrupted) with its ``message``,
+        ``phase_word`` of the last period, ``n_events``, ``n_uncertain``, the system as TOML
+        and the options.
 
     Raises
     ------
@@ -124,10 +130,15 @@ def simulate(
 
     Notes
     -----
-    Cost: about a microsecond per event and as much per sample. Guarantees are up to
-    rounding: a tangency that rounding leaves open is decided by the best guess, flagged in
-    ``certified`` and counted in ``n_uncertain``. Impacts that accumulate end the run with
-    status ``event_limit``.
+    Cost in a linear mode: about a microsecond per event and as much per sample. In a mode
+    that is not linear the cost is that of the steps of its Taylor series of order 20, each
+    about as long as the fastest motion takes, so stiff ones are slow. Guarantees are up to
+    rounding, and in a Taylor mode up to what the last terms of the series tell of the
+    next: a tangency that they leave open is decided by the best guess, flagged in
+    ``certified`` and counted in ``n_uncertain``. Where there is no Taylor series, at the
+    zero of a root for one, the run ends with status ``singular``; where both sides of a
+    switching surface point at it, with ``sliding``; where impacts accumulate, with
+    ``event_limit``.
 
     Parameters in the system's ``slow`` keep their value for a whole period; a sample at the
     end of a period is that before they change. Segments also end at the knots of signals,

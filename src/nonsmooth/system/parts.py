@@ -34,7 +34,8 @@ class Exit:
     """A way out of a mode.
 
     The guard is positive inside the mode. The exit fires when the guard is negative, or
-    zero with its first non-zero derivative negative; a guard that stays zero holds.
+    zero with its first non-zero derivative, up to the fifth, negative; a guard that stays
+    zero holds.
 
     Parameters
     ----------
@@ -82,6 +83,9 @@ class Exit:
 class Mode:
     """One piece of a system: flow, exits and relations that hold in it.
 
+    Where all of its texts are linear in the states the mode runs in closed form; one text
+    that is not, be it a guard or a reset, makes it run by Taylor series.
+
     Where a text is piecewise in the states or in time, the mode runs as several cells. Each
     distinct switching function, up to a numeric factor, is a surface, numbered ``s1 s2 ...``
     in order of appearance, and its leading state counts as positive: ``1 - x`` and
@@ -96,7 +100,8 @@ class Mode:
     exits : sequence of Exit, optional
         Ways out, in the order in which they are tried when several fire at one instant.
     slaved : mapping of str to str, optional
-        States given by an equation instead of a flow.
+        States given by an equation instead of a flow: by an expression, or by a relation
+        with ``=`` that is linear in the states.
     definitions : mapping of str to str, optional
         Intermediate expressions that differ from the system's in this mode.
     cells : mapping of str to str, optional
