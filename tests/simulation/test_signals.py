@@ -90,6 +90,37 @@ def test_outputs_are_the_pieces(method):
     assert np.allclose(base(base.times[k] + s), np.polyval(base.pieces[k][::-1], s), atol=1e-14)
 
 
+def area(signal, until):
+    """Integral of a signal from zero, piece by piece."""
+    total = 0.0
+    for k, row in enumerate(signal.pieces):
+        s = min(until, float(signal.times[k + 1])) - float(signal.times[k])
+        if s > 0.0:
+            total += sum(c * s ** (power + 1) / (power + 1) for power, c in enumerate(row))
+    return total
+
+
+def test_two_signals_with_knots_of_their_own():
+    a, b = measured("cubic", seed=5), measured("linear", n=17, h=0.8, seed=6)
+    system = ns.System(
+        states=["x", "y"], signals={"a": a, "b": b}, equations={"x": "2*a - b", "y": "rate(a)"}
+    )
+    run = ns.simulate(system, t_end=9.0)
+    x, y = run["end_state"].values
+    assert abs(x - (2 * area(a, 9.0) - area(b, 9.0))) < 1e-13
+    assert abs(y - (a(9.0) - a(0.0))) < 1e-13
+
+
+def test_a_signal_multiplied_by_a_state():
+    """Parametric excitation, x = exp of the integral; solved by Taylor series."""
+    for method in METHODS:
+        base = measured(method)
+        system = ns.System(states=["x"], signals={"base": base}, equations={"x": "base*x"})
+        assert system.structure.running[0].linear is None
+        run = ns.simulate(system, {"x": 1.0}, t_end=10.0)
+        assert abs(run["end_state"].values[0] / np.exp(area(base, 10.0)) - 1.0) < 1e-13
+
+
 def test_sampling_and_cuts_change_nothing():
     base = measured()
     system = impact_oscillator(base)

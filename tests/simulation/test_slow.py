@@ -236,6 +236,22 @@ def test_without_the_event_log():
     assert np.array_equal(bare["end_state"], kept["end_state"])
 
 
+def test_an_interrupted_run_keeps_what_it_has(monkeypatch):
+    from nonsmooth.system.slow import SlowParameters
+
+    at = SlowParameters.at
+
+    def impatient(self, time):
+        if time > 20.0:
+            raise KeyboardInterrupt
+        return at(self, time)
+
+    monkeypatch.setattr(SlowParameters, "at", impatient)
+    with pytest.warns(ns.RunWarning, match="interrupted"):
+        run = ns.simulate(breathing(), periods=50)
+    assert run.attrs["status"] == "interrupted" and run.sizes["time"] == 701
+
+
 def test_ten_thousand_periods_in_seconds():
     system = run_up("w0 + 0.1*sin(1e-4*t)")
     ns.simulate(system, periods=2)

@@ -207,18 +207,17 @@ def run_slow(
         log_going_on(run.records, start.instant, run.anchor, start.state)
         run.records.since[:] = start.instant
     end = None
-    with Progress("simulating", plan.total) as progress:
-        while status == Status.COMPLETED:
-            part = plan.part(run.history.periods[-1], run.history.windows[-1])
-            status, end = run.pass_period(part), part.end
-            if end is not None or status != Status.COMPLETED:
-                break
-            try:
+    try:
+        with Progress("simulating", plan.total) as progress:
+            while status == Status.COMPLETED:
+                part = plan.part(run.history.periods[-1], run.history.windows[-1])
+                status, end = run.pass_period(part), part.end
+                if end is not None or status != Status.COMPLETED:
+                    break
                 progress.update(plan.done(run.history.periods[-1]))
-            except KeyboardInterrupt:
-                status = Status.INTERRUPTED
-                break
-            status = run.next_period()
+                status = run.next_period()
+    except KeyboardInterrupt:
+        status = Status.INTERRUPTED
     return _outcome(run, status, end)
 
 
