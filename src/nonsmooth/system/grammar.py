@@ -175,7 +175,7 @@ class _Parser:
 
     def fail_at_value(self, token: _Token) -> None:
         """Refuse a value where an operator is expected."""
-        if token.text in ("and", "or", "not", "if", "else"):
+        if token.text in ("and", "or"):
             self.fail(
                 token.at,
                 f"conditions are not joined by {token.text!r}; put one where into another, as in"
