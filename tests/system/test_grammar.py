@@ -268,3 +268,9 @@ def test_text_of_a_tree_parses_to_an_equal_tree(text):
     # what the docstring of to_text promises, on the shapes that parentheses make
     tree = parse(text)
     assert parse(to_text(tree)) == tree
+
+
+@pytest.mark.parametrize("word", ["and", "or"])
+def test_conditions_joined_by_a_word_are_told_to_nest(word):
+    with pytest.raises(ModelError, match=f"not joined by '{word}'"):
+        parse(f"where(x > 0 {word} x < 1, 1, 2)")

@@ -39,9 +39,9 @@ def run_dataset(system: System, outcome: Outcome, options: dict[str, Any]) -> xr
     indexes = {"time": PandasIndex(coords["time"][1], "time"), "state": labels.state_index}
     if outcome.columns is not None:
         samples |= _derivatives(system, outcome, coords)
-        indexes["state_0"] = PandasIndex(coords["state_0"][1], "state_0")
+        indexes["state_0"] = _index(coords, "state_0")
         if outcome.chosen:
-            indexes["parameter_0"] = PandasIndex(coords["parameter_0"][1], "parameter_0")
+            indexes["parameter_0"] = _index(coords, "parameter_0")
     return assemble(samples | events | ends, coords, indexes, attrs)
 
 
@@ -70,6 +70,12 @@ def _samples(system: System, labels: Labels, outcome: Outcome) -> tuple[Columns,
     }
     variables["mode"] = (over_time, modes.astype("int8"), labels.mode_flags("mode"))
     return variables, coords
+
+
+def _index(coords: Columns, name: str) -> PandasIndex:
+    """Index of names that stay texts of fixed width, as files restore them."""
+    names = coords[name][1]
+    return PandasIndex(names, name, coord_dtype=names.dtype)
 
 
 def _derivatives(system: System, outcome: Outcome, coords: Columns) -> Columns:

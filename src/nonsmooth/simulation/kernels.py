@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import sys
 
-__all__ = ["announce_compilation"]
+__all__ = ["announce_compilation", "announce_derivatives"]
 
 _announced = False
+_announced_derivatives = False
 
 
 def announce_compilation() -> None:
@@ -28,3 +29,17 @@ def announce_compilation() -> None:
             " machine code can be written; set NUMBA_CACHE_DIR to one that can"
         )
     print(f"nonsmooth: compiling its kernels, {text}", file=sys.stderr, flush=True)
+
+
+def announce_derivatives() -> None:
+    """Print one line if what derivatives need on top is not compiled yet."""
+    global _announced_derivatives
+    if _announced_derivatives:
+        return
+    _announced_derivatives = True
+    from nonsmooth.engine.jit import is_warm
+    from nonsmooth.engine.variation_setup import set_up_rates
+
+    if not is_warm(set_up_rates):
+        text = "nonsmooth: compiling the kernels of derivatives (some seconds)"
+        print(text, file=sys.stderr, flush=True)

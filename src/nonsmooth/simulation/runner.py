@@ -35,7 +35,7 @@ from nonsmooth.errors import ModelError
 from nonsmooth.simulation.clock import Instant, Plan
 from nonsmooth.simulation.event_log import FIRST_CAPACITY, EventLog
 from nonsmooth.simulation.history import History
-from nonsmooth.simulation.kernels import announce_compilation
+from nonsmooth.simulation.kernels import announce_compilation, announce_derivatives
 from nonsmooth.simulation.progress import Progress
 from nonsmooth.system.system import System
 
@@ -130,6 +130,7 @@ def build_derivatives(
     """
     if chosen is None:
         return _NO_DERIVATIVES
+    announce_derivatives()
     program = system.compiled.program
     values = system.parameter_values if values is None else values
     numbers = np.array([list(values).index(name) for name in chosen], np.int64)

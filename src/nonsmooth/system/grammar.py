@@ -170,9 +170,19 @@ class _Parser:
             return
         if token.text in COMPARISONS:
             self.fail(token.at, "a comparison is allowed only as the first argument of where")
+        self.fail_at_value(token)
+        self.fail(token.at, f"{token.text!r} does not belong here")
+
+    def fail_at_value(self, token: _Token) -> None:
+        """Refuse a value where an operator is expected."""
+        if token.text in ("and", "or"):
+            self.fail(
+                token.at,
+                f"conditions are not joined by {token.text!r}; put one where into another, as in"
+                " where(a > b, where(c > d, x, y), y)",
+            )
         if token.kind in ("name", "number") or token.text == "(":
             self.fail(token.at, "an operator is missing before this; write products with *")
-        self.fail(token.at, f"{token.text!r} does not belong here")
 
     def enter(self) -> None:
         self.depth += 1
@@ -295,9 +305,8 @@ class _Parser:
             self.take()
         elif token.kind == "end":
             self.fail(opening.at, "this parenthesis is never closed")
-        elif token.kind in ("name", "number") or token.text == "(":
-            self.fail(token.at, "an operator is missing before this; write products with *")
         else:
+            self.fail_at_value(token)
             self.fail(token.at, f"{token.text!r} does not belong here; ')' or ',' is expected")
 
 
