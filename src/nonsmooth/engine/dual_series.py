@@ -1,19 +1,24 @@
 """Derivatives of Taylor series in several directions, by the same instructions.
 
-A direction is an initial state, or another coordinate, or a parameter. Every recurrence of
-`taylor_series` is differentiated; the directions do not depend on each other.
+A direction is an initial state, or another coordinate, or a parameter. The directions do not
+depend on each other; LANES of them are taken side by side. The series themselves are there
+already, so y = f(a) has the derivative f'(a) da with a known factor: every instruction is one
+product or two, or a quotient by a known series.
 """
 
 from __future__ import annotations
 
-import math
+import numpy as np
 
+from nonsmooth.engine import layout as at
 from nonsmooth.engine import taylor_opcodes as op
-from nonsmooth.engine.jit import kernel
+from nonsmooth.engine.jit import inlined, kernel
 from nonsmooth.engine.layout import CHAIN, first_of_signals
-from nonsmooth.engine.taylor_series import product, weighted
+from nonsmooth.engine.short_sums import add_lanes, add_products, set_lanes
 
 __all__ = ["fill_duals"]
+
+_0, _1, _2, _3 = np.uintp(0), np.uintp(1), np.uintp(2), np.uintp(3)
 
 
 @kernel
@@ -23,154 +28,127 @@ def fill_duals(
 ):  # fmt: skip
     """Derivatives of the coefficients low ... high that fill_series has left.
 
-    shapes: dual (R, D, high + 1 or more), the seeds in dual[:N, :, 0]; slot_rates (s, P) and
-    harmonic_rates (P, K): derivatives with respect to parameters, which are the directions from
-    ``offset`` on; the others as in fill_series
+    shapes: dual (R, B, high + 1 or more, LANES) with direction d in lane d % LANES of block
+    d // LANES, the seeds in dual[:N, :, 0]; slot_rates (s, P) and harmonic_rates (P, K):
+    derivatives with respect to parameters, which are the directions from ``offset`` on; the
+    others as in fill_series
     """
-    n = sizes[0]
-    for k in range(low, high + 1):
-        for row in range(first, last):
-            y, a, b = code[row, 1], code[row, 2], code[row, 3]
-            instruction = code[row, 0]
-            if instruction == op.COMBINE:
-                _combine(y, a, b, terms, weights, slot_rates, offset, series, dual, k)
-            elif instruction == op.MULTIPLY:
-                for d in range(dual.shape[1]):
-                    change = product(series[a], dual[b, d], k) + product(series[b], dual[a, d], k)
-                    dual[y, d, k] = change
-            elif instruction == op.SQUARE:
-                for d in range(dual.shape[1]):
-                    dual[y, d, k] = 2.0 * product(series[a], dual[a, d], k)
-            elif instruction == op.POWER:
-                _power(y, a, b, slots, slot_rates, offset, series, dual, k)
-            elif instruction < op.EXP:
-                for d in range(dual.shape[1]):
-                    dual[y, d, k] = _algebraic(instruction, y, a, b, series, dual, d, k)
-            else:
-                for d in range(dual.shape[1]):
-                    dual[y, d, k] = _transcendental(
-                        instruction, y, a, b, code[row, 4], series, dual, d, k
-                    )
-        for i in range(n):
-            for d in range(dual.shape[1]):
+    n, orders = np.uintp(sizes[0]), np.uintp(dual.shape[2])
+    n_rates = slot_rates.shape[1]
+    for block in range(np.uintp(dual.shape[1])):
+        # parameters of this block
+        start = offset - at.LANES * np.int64(block)
+        p_low, p_high = max(0, -start), min(n_rates, at.LANES - start)
+        for k in range(np.uintp(low), np.uintp(high + 1)):
+            for row in range(np.uintp(first), np.uintp(last)):
+                instruction, y = code[row, _0], np.uintp(code[row, _1])
+                a, b = np.uintp(code[row, _2]), np.uintp(code[row, _3])
+                target = dual[y, block, k]
+                if instruction == op.COMBINE:
+                    set_lanes(0.0, dual[n, block, k], target)
+                    for term in range(a, b):
+                        source = np.uintp(terms[term, _0])
+                        add_lanes(weights[term], dual[source, block, k], target)
+                    for p in range(p_low, p_high):
+                        total = 0.0
+                        for term in range(a, b):
+                            rate = slot_rates[terms[term, _1], p]
+                            total += rate * series[np.uintp(terms[term, _0]), k]
+                        target[start + p] += total
+                elif instruction == op.MULTIPLY:
+                    _set_product(1.0, series[b], dual[a, block], k, target)
+                    _add_product(1.0, series[a], dual[b, block], k, target)
+                elif instruction == op.SQUARE:
+                    _set_product(2.0, series[a], dual[a, block], k, target)
+                elif instruction < op.EXP:
+                    _algebraic(instruction, y, a, b, slots, series, dual, block, k, target)
+                else:
+                    c = np.uintp(code[row, 4])
+                    _transcendental(instruction, y, a, b, c, series, dual, block, k, target)
+            for i in range(n):
+                source = dual[np.uintp(outlets[i]), block, k]
                 if (slaved >> i) & 1:
-                    dual[i, d, k] = dual[outlets[i], d, k]
-                elif k + 1 < dual.shape[2]:
-                    dual[i, d, k + 1] = dual[outlets[i], d, k] / (k + 1)
-        if k + 1 < dual.shape[2]:
-            _advance_time(sizes, offset, harmonics, harmonic_rates, series, dual, k)
+                    set_lanes(1.0, source, dual[i, block, k])
+                elif k + _1 < orders:
+                    set_lanes(1.0 / (k + 1.0), source, dual[i, block, k + _1])
+            if k + _1 < orders:
+                _advance_time(sizes, harmonics, dual, block, k)
+                for p in range(p_low, p_high):
+                    _turn(sizes, harmonic_rates[p], series, dual, block, start + p, k)
 
 
-@kernel
-def _advance_time(sizes, offset, harmonics, harmonic_rates, series, dual, k):
-    n, powers = sizes[0], sizes[1]
-    for d in range(dual.shape[1]):
-        dual[n, d, k + 1] = 0.0
-        for j in range(1, powers + 1):
-            dual[n + j, d, k + 1] = j * dual[n + j - 1, d, k] / (k + 1)
-        for q in range(harmonics.shape[1]):
-            cos = n + 1 + powers + 2 * q
-            w = harmonics[0, q]
-            w_rate = 0.0
-            if 0 <= d - offset < harmonic_rates.shape[0]:
-                w_rate = harmonic_rates[d - offset, q]
-            sine = w * dual[cos + 1, d, k] + w_rate * series[cos + 1, k]
-            cosine = w * dual[cos, d, k] + w_rate * series[cos, k]
-            dual[cos, d, k + 1] = -sine / (k + 1)
-            dual[cos + 1, d, k + 1] = cosine / (k + 1)
-        for j in range(sizes[7]):
-            last = first_of_signals(sizes) + CHAIN * (j + 1) - 1
-            dual[last, d, k + 1] = 0.0
-            for i in range(last - CHAIN + 1, last):
-                dual[i, d, k + 1] = dual[i + 1, d, k] / (k + 1)
+@inlined
+def _set_product(scale, a, b, k, target):
+    """Coefficient k of scale times a known series times a derivative."""
+    set_lanes(scale * a[_0], b[k], target)
+    add_products(scale, a, b, k, target)
 
 
-@kernel
-def _combine(y, low, high, terms, weights, slot_rates, offset, series, dual, k):
-    """Sum of registers times constants, which may depend on parameters."""
-    for d in range(dual.shape[1]):
-        total = 0.0
-        for term in range(low, high):
-            total += weights[term] * dual[terms[term, 0], d, k]
-        dual[y, d, k] = total
-    for p in range(slot_rates.shape[1]):
-        for term in range(low, high):
-            rate = slot_rates[terms[term, 1], p]
-            dual[y, offset + p, k] += rate * series[terms[term, 0], k]
+@inlined
+def _add_product(scale, a, b, k, target):
+    add_lanes(scale * a[_0], b[k], target)
+    add_products(scale, a, b, k, target)
 
 
-@kernel
-def _algebraic(instruction, y, a, b, series, dual, d, k):
-    """Quotient, root, logarithm; coefficient k of the target must not count in its own sum."""
-    u, v = series[a], series[y]
-    u_d, v_d = dual[a, d], dual[y, d]
-    v_d[k] = 0.0
-    if instruction == op.DIVIDE:
-        change = product(series[b], v_d, k) + product(v, dual[b, d], k)
-        return (u_d[k] - change) / series[b, 0]
-    if instruction == op.SQRT:
-        return (u_d[k] - 2.0 * product(v, v_d, k)) / (2.0 * v[0])
-    if k == 0:
-        return u_d[0] / u[0]
-    # k a_0 y_k = k a_k - sum of j y_j a_(k-j)
-    change = weighted(v_d, u, 1, k - 1, k) + weighted(v, u_d, 1, k, k)
-    return (u_d[k] - change / k) / u[0]
+@inlined
+def _algebraic(instruction, y, a, b, slots, series, dual, block, k, target):
+    """Quotient, root, power or logarithm, all of which end in a quotient."""
+    u, v, scale = series[a], series[y], series[y, at.RECIPROCAL]
+    change, result = dual[a, block], dual[y, block]
+    if instruction == op.DIVIDE:  # b dy = da - y db
+        set_lanes(scale, change[k], target)
+        _add_product(-scale, v, dual[b, block], k, target)
+        add_products(-scale, series[b], result, k, target)
+    elif instruction == op.SQRT:  # 2 y dy = da
+        set_lanes(scale, change[k], target)
+        add_products(-2.0 * scale, v, result, k, target)
+    elif instruction == op.LOG:  # a dy = da
+        set_lanes(scale, change[k], target)
+        add_products(-scale, u, result, k, target)
+    else:  # a dy = c y da
+        _set_product(scale * slots[b], v, change, k, target)
+        add_products(-scale, u, result, k, target)
 
 
-@kernel
-def _power(y, a, b, slots, slot_rates, offset, series, dual, k):
-    """y = a^c, from k a_0 y_k = sum of (c (k - j) - j) a_(k-j) y_j over j < k."""
-    exponent, base, u, v = slots[b], series[a, 0], series[a], series[y]
-    for d in range(dual.shape[1]):
-        u_d, v_d = dual[a, d], dual[y, d]
-        if k == 0:
-            v_d[0] = v[0] * exponent * u_d[0] / base
-            continue
-        v_d[k] = 0.0
-        # c j a_j y_(k-j) over all j, less j y_j a_(k-j), which holds k a_0 y_k as well
-        total = exponent * (weighted(u_d, v, 1, k, k) + weighted(u, v_d, 1, k, k))
-        total -= weighted(v_d, u, 1, k, k) + weighted(v, u_d, 1, k, k)
-        v_d[k] = total / (k * base)
-    for p in range(slot_rates.shape[1]):
-        rate = slot_rates[b, p]
-        if k == 0:
-            dual[y, offset + p, 0] += rate * math.log(base) * v[0]
-        else:
-            dual[y, offset + p, k] += rate * weighted(u, v, 1, k, k) / (k * base)
-
-
-@kernel
-def _transcendental(instruction, y, a, b, c, series, dual, d, k):
-    """Functions with y' = a' f, differentiated."""
-    if instruction == op.ATAN2:
-        return _angle(y, a, b, c, series, dual, d, k)
-    f = y if instruction == op.EXP else b
+@inlined
+def _transcendental(instruction, y, a, b, c, series, dual, block, k, target):
+    """Functions with a known slope, and the angle of (b, a) with squared radius c."""
+    if instruction == op.ATAN2:  # c dy = b da - a db
+        scale = series[y, at.RECIPROCAL]
+        _set_product(scale, series[b], dual[a, block], k, target)
+        _add_product(-scale, series[a], dual[b, block], k, target)
+        add_products(-scale, series[c], dual[y, block], k, target)
+        return
+    slope = series[y] if instruction == op.EXP else series[b]
     sign = -1.0 if instruction == op.COS or instruction == op.ACOS else 1.0
-    if k == 0:
-        # the register with f may come later, but its value does not: it belongs to y
-        return sign * _rate(instruction, series[y, 0], series[f, 0]) * dual[a, d, 0]
-    # f may be the target or come later: only its coefficients below k are needed
-    change = weighted(dual[a, d], series[f], 1, k, k) + weighted(series[a], dual[f, d], 1, k, k)
-    return sign * change / k
+    _set_product(sign, slope, dual[a, block], k, target)
 
 
 @kernel
-def _rate(instruction, y, f):
-    if instruction == op.TAN:
-        return 1.0 + y * y
-    if instruction == op.TANH:
-        return 1.0 - y * y
-    return f
+def _advance_time(sizes, harmonics, dual, block, k):
+    """Coefficient k + 1 of 1, powers of time, harmonics and signals."""
+    n, powers, next_k = np.uintp(sizes[0]), np.uintp(sizes[1]), k + _1
+    inverse = 1.0 / (k + 1.0)
+    set_lanes(0.0, dual[n, block, k], dual[n, block, next_k])
+    for j in range(_1, powers + _1):
+        set_lanes(j * inverse, dual[n + j - _1, block, k], dual[n + j, block, next_k])
+    for q in range(np.uintp(harmonics.shape[1])):
+        cos = n + _1 + powers + _2 * q
+        turn = harmonics[_0, q] * inverse
+        set_lanes(-turn, dual[cos + _1, block, k], dual[cos, block, next_k])
+        set_lanes(turn, dual[cos, block, k], dual[cos + _1, block, next_k])
+    for j in range(sizes[7]):
+        last = np.uintp(first_of_signals(sizes) + CHAIN * (j + 1) - 1)
+        set_lanes(0.0, dual[last, block, k], dual[last, block, next_k])
+        for i in range(last - np.uintp(CHAIN - 1), last):
+            set_lanes(inverse, dual[i + _1, block, k], dual[i, block, next_k])
 
 
 @kernel
-def _angle(y, a, b, c, series, dual, d, k):
-    """Angle of (b, a) with squared radius c: y' c = b a' - a b'."""
-    u, v, w = series[a], series[b], series[c]
-    u_d, v_d, w_d, y_d = dual[a, d], dual[b, d], dual[c, d], dual[y, d]
-    if k == 0:
-        return (v[0] * u_d[0] - u[0] * v_d[0]) / w[0]
-    change = weighted(u_d, v, 1, k, k) + weighted(u, v_d, 1, k, k)
-    change -= weighted(v_d, u, 1, k, k) + weighted(v, u_d, 1, k, k)
-    change -= weighted(y_d, w, 1, k - 1, k) + weighted(series[y], w_d, 1, k, k)
-    return change / (k * w[0])
+def _turn(sizes, rates, series, dual, block, lane, k):
+    """What a parameter adds to coefficient k + 1 of the harmonics by their frequencies."""
+    for q in range(rates.size):
+        cos = sizes[0] + 1 + sizes[1] + 2 * q
+        rate = rates[q] / (k + 1.0)
+        dual[cos, block, k + _1, lane] -= rate * series[cos + 1, k]
+        dual[cos + 1, block, k + _1, lane] += rate * series[cos, k]

@@ -28,7 +28,6 @@ __all__ = [
     "is_warm",
     "kernel",
     "sources_hash",
-    "summing",
 ]
 
 # contract, nsz and arcp keep the certificate valid; reassoc and nnan would not
@@ -126,15 +125,6 @@ def inlined(function: Callable[..., Any]) -> Callable[..., Any]:
     by value, and a call with thirty arrays costs as much as a guard evaluation.
     """
     return numba.njit(**_OPTIONS, _nrt=False, forceinline=True)(function)
-
-
-def summing(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Compile a kernel whose sums may be added up in any order, several terms at a time.
-
-    For the many short sums of Taylor series, whose margins do not count on an order.
-    """
-    options = _OPTIONS | {"fastmath": _OPTIONS["fastmath"] | {"reassoc"}}
-    return numba.njit(**options, _nrt=False, forceinline=True)(function)
 
 
 def allocating(function: Callable[..., Any]) -> Callable[..., Any]:

@@ -29,6 +29,7 @@ __all__ = [
     "allocate_tables",
     "augmented_size",
     "first_of_signals",
+    "n_blocks",
     "slots_of",
 ]
 
@@ -42,6 +43,11 @@ MAX_DEGREE = 32  # of the polynomial in s that multiplies exp(mu s) in a cluster
 MAX_AUGMENTED = 60  # sets of coordinates are bits of one integer
 WINDOWS = 2  # that a segment may last
 ORDER = 20  # of Taylor series of the motion; near the best for double precision
+# A row of Segment.series: coefficients; what a recurrence multiplies by in place of dividing;
+# from LAG on those with 0 < j < k once more, settled when order k is computed; from MIRROR on
+# the same backwards, and behind them zeros for ever
+RECIPROCAL, LAG, MIRROR, SERIES_ROW = 21, 24, 48, 96
+LANES = 8  # directions of derivatives side by side, as many as a vector register holds
 RUNGS = 8  # of the ladder of steps for which rotations are computed beforehand
 
 CHAIN = 4  # coordinates of a signal: value, rate, second and third derivative
@@ -159,12 +165,14 @@ class Segment(NamedTuple):
     order: Integers  # (e,): known order of zero of each guard at the start
     to_knot: Floats  # (1,): time to the next knot of a signal, inf without signals
     scan: Floats  # (e, SCAN)
+    velocity: Floats  # (N,) rates at the instant of an event
+    scale: Floats  # (N,) how far each coordinate moves
     basis: Floats  # (2, N, N): directions left free by what is known to be zero, and a spare
     # of Taylor modes
     point: Floats  # (1,) current point of the step
-    series: Floats  # (R, ORDER + 1) coefficients of all registers at the start of the step
+    series: Floats  # (R, SERIES_ROW) coefficients of all registers at the start of the step
     doubt: Floats  # (R, 2)
-    dual: Floats  # (R, N and more, TERMS) derivatives by the coordinates at an instant
+    dual: Floats  # (R, blocks of N and more, TERMS, LANES) derivatives at an instant
 
 
 @kernel
@@ -194,6 +202,12 @@ def first_of_signals(sizes):
 def augmented_size(sizes: Integers) -> int:
     """Number of augmented coordinates N."""
     return int(sizes[0] + 1 + sizes[1] + 2 * sizes[2] + CHAIN * sizes[7])
+
+
+@kernel
+def n_blocks(n_directions):
+    """Number of blocks of lanes that hold some directions."""
+    return (n_directions + LANES - 1) // LANES
 
 
 def allocate_tables(program: Program) -> Tables:
@@ -250,9 +264,11 @@ def allocate_segment(sizes: Integers, n_rates: int = 0) -> Segment:
         order=np.zeros(e, np.int64),
         to_knot=np.full(1, np.inf),
         scan=np.zeros((e, SCAN)),
+        velocity=np.zeros(big_n),
+        scale=np.zeros(big_n),
         basis=np.zeros((2, big_n, big_n)),
         point=np.zeros(1),
-        series=np.zeros((int(sizes[6]), ORDER + 1)),
+        series=np.zeros((int(sizes[6]), SERIES_ROW)),
         doubt=np.zeros((int(sizes[6]), 2)),
-        dual=np.zeros((int(sizes[6]), big_n + n_rates, TERMS)),
+        dual=np.zeros((int(sizes[6]), n_blocks(big_n + n_rates), TERMS, LANES)),
     )

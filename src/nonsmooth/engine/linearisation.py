@@ -30,8 +30,9 @@ def linearise(tables, slot_rates, harmonic_rates, affine_rates, series, dual, m,
     outlets, slaved = tables.outlets[m], tables.wiring[m, 0, at.SLAVED]
     for i in range(big_n):
         series[i, 0] = z[i]
-        for d in range(dual.shape[1]):
-            dual[i, d, 0] = 1.0 if d == i else 0.0
+        for block in range(dual.shape[1]):
+            for lane in range(at.LANES):
+                dual[i, block, 0, lane] = 1.0 if block * at.LANES + lane == i else 0.0
     for part in range(min(orders, 2)):  # resets are values at the instant, the others derivatives
         last, high = (end, 0) if part == 0 else (middle, at.TERMS - 1)
         fill_series(
@@ -69,12 +70,16 @@ def linearise(tables, slot_rates, harmonic_rates, affine_rates, series, dual, m,
 
 @kernel
 def _write_row(row, value, gradient, r, factor, n, z):
-    """Gradient of coefficient r times a factor; what is missing to the value goes with the 1."""
+    """Gradient of coefficient r times a factor; what is missing to the value goes with the 1.
+
+    shapes: gradient (B, orders, LANES)
+    """
     rest = value
     for j in range(z.size):
         if j != n:
-            row[j] = factor * gradient[j, r]
-            rest -= gradient[j, r] * z[j]
+            rate = gradient[j // at.LANES, r, j % at.LANES]
+            row[j] = factor * rate
+            rest -= rate * z[j]
     row[n] = factor * rest
 
 
@@ -82,4 +87,5 @@ def _write_row(row, value, gradient, r, factor, n, z):
 def _write_rates(affine_rates, m, place, gradient, n, z):
     """Derivatives by parameters, which the gradient has after those by coordinates."""
     for p in range(affine_rates.shape[0]):
-        affine_rates[p, m, place, n] = gradient[z.size + p, 0]
+        d = z.size + p
+        affine_rates[p, m, place, n] = gradient[d // at.LANES, 0, d % at.LANES]

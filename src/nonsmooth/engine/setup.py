@@ -127,8 +127,8 @@ def _linearise_at_rest(program, tables):
     big_n = tables.generator.shape[1]
     z = np.zeros(big_n)
     no_rates, no_rows = np.zeros((0, 0)), np.zeros((0, 0, 0, 0))
-    series = np.zeros((program.sizes[6], at.ORDER + 1))
-    dual = np.zeros((program.sizes[6], big_n, at.TERMS))
+    series = np.zeros((program.sizes[6], at.SERIES_ROW))
+    dual = np.zeros((program.sizes[6], at.n_blocks(big_n), at.TERMS, at.LANES))
     n = program.sizes[0]
     for i in range(n):
         if program.rest_slots[i] >= 0:

@@ -16,8 +16,9 @@ import numpy as np
 from nonsmooth.engine import layout as at
 from nonsmooth.engine.dual_series import fill_duals
 from nonsmooth.engine.jit import kernel
-from nonsmooth.engine.layout import Floats, Integers, augmented_size
+from nonsmooth.engine.layout import Floats, Integers, augmented_size, n_blocks
 from nonsmooth.engine.variation import advance_columns, augmented_columns
+from nonsmooth.engine.velocity import fill_velocity
 
 __all__ = [
     "Tangent",
@@ -39,7 +40,7 @@ class Tangent(NamedTuple):
     now: Floats  # (C, N) at the current point
     shifts: Floats  # (C,) of the time of the present event
     velocity: Floats  # (N,) rates of all coordinates
-    dual: Floats  # (R, C, ORDER + 1) series of the columns of a Taylor step
+    dual: Floats  # (R, blocks of C, ORDER + 1, LANES) series of the columns of a Taylor step
     ready: Integers  # (1,): whether dual belongs to the present step
     samples: Floats  # (s, C, n)
 
@@ -54,7 +55,7 @@ def allocate_tangent(sizes: Integers, n_parameters: int, n_samples: int) -> Tang
         now=np.zeros((count, big_n)),
         shifts=np.zeros(count),
         velocity=np.zeros(big_n if count else 0),
-        dual=np.zeros((registers, count, at.ORDER + 1)),
+        dual=np.zeros((registers, n_blocks(count), at.ORDER + 1, at.LANES)),
         ready=np.zeros(1, np.int64),
         samples=np.full((n_samples if count else 0, count, n), np.nan),
     )
@@ -90,9 +91,10 @@ def carry(tables, rates, scratch, segment, tangent, m, s):
         tangent.ready[0] = 1
     for c in range(columns.shape[0]):
         for i in range(n):
-            total = dual[i, c, at.ORDER]
+            block, lane = c // at.LANES, c % at.LANES
+            total = dual[i, block, at.ORDER, lane]
             for k in range(at.ORDER - 1, -1, -1):
-                total = total * s + dual[i, c, k]
+                total = total * s + dual[i, block, k, lane]
             now[c, i] = total
 
 
@@ -101,7 +103,7 @@ def _fill_columns(tables, rates, segment, tangent, m):
     columns, dual = tangent.columns, tangent.dual
     for i in range(columns.shape[1]):
         for c in range(columns.shape[0]):
-            dual[i, c, 0] = columns[c, i]
+            dual[i, c // at.LANES, 0, c % at.LANES] = columns[c, i]
     fill_duals(
         tables.code, tables.terms, tables.weights, tables.code_rows[m, 0],
         tables.code_rows[m, 1], tables.values,
@@ -111,30 +113,10 @@ def _fill_columns(tables, rates, segment, tangent, m):
 
 
 @kernel
-def _fill_velocity(n, generator, affine, wiring, m, z, velocity):
-    """Rates of all augmented coordinates in a mode; slaved states follow their relation."""
-    n_exits = wiring.shape[1] - 1
-    slaved = wiring[m, 0, at.SLAVED]
-    for i in range(z.size):
-        total = 0.0
-        for j in range(z.size):
-            total += generator[m, i, j] * z[j]
-        velocity[i] = total
-    for i in range(n):
-        if (slaved >> i) & 1:
-            row = at.relation_row(n_exits, i)
-            total = 0.0
-            for j in range(z.size):
-                if j >= n or not (slaved >> j) & 1:
-                    total += affine[m, row, j] * velocity[j]
-            velocity[i] = total
-
-
-@kernel
 def start_saltation(tables, rates, segment, tangent, m, e):
     """Columns, in tangent.columns, taken to the surface where exit e of mode m fires."""
     n, z, velocity, columns = tables.sizes[0], segment.z, tangent.velocity, tangent.columns
-    _fill_velocity(n, tables.generator, tables.affine, tables.wiring, m, z, velocity)
+    fill_velocity(n, tables.generator, tables.affine, tables.wiring, m, z, velocity)
     row = at.guard_row(e, 0)
     rate = _product(tables.affine, m, row, velocity)
     for c in range(columns.shape[0]):
@@ -184,7 +166,7 @@ def relate_columns(tables, rates, segment, tangent, m):
 def end_saltation(tables, segment, tangent, m):
     """Columns brought back to the time of the event with the rates of the mode that holds."""
     n, velocity, columns = tables.sizes[0], tangent.velocity, tangent.columns
-    _fill_velocity(n, tables.generator, tables.affine, tables.wiring, m, segment.z, velocity)
+    fill_velocity(n, tables.generator, tables.affine, tables.wiring, m, segment.z, velocity)
     for c in range(columns.shape[0]):
         for i in range(velocity.size):
             columns[c, i] += velocity[i] * tangent.shifts[c]

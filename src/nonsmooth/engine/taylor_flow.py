@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from nonsmooth.engine import layout as at
 from nonsmooth.engine.jit import kernel
 from nonsmooth.engine.rounding import fill_doubt
@@ -20,6 +22,7 @@ _UNIT = 2.220446049250313e-16
 _MARGIN = 8.0  # roundings: those of the coefficients and of the polynomial read at a point
 _FAR = 1e300
 _SHORT = 2.0**-40  # part of the longest step
+_CHOICES = np.array([float(math.comb(k, at.TERMS)) for k in range(at.ORDER + 1)])
 _MOST_ROUNDS = 20  # of a length and the rounding errors within it, which need each other
 
 
@@ -74,14 +77,12 @@ def _bound_guard(a, doubt, length, scan):
     """Margin of a guard, and bound of its sixth Taylor coefficient, over the whole step."""
     bound, size = 0.0, abs(a[0])
     power, scale = 1.0, 1.0
-    chosen = 1.0  # k over TERMS
     for k in range(1, at.ORDER + 1):
         scale *= length
         size += abs(a[k]) * scale
         if k >= at.TERMS:
-            bound += chosen * abs(a[k]) * power
+            bound += _CHOICES[k] * abs(a[k]) * power
             power *= length
-            chosen *= (k + 1.0) / (k + 1.0 - at.TERMS)
     remainder = (abs(a[at.ORDER - 1]) / length + abs(a[at.ORDER])) * scale
     scan[at.BOUND] = bound
     scan[at.MARGIN] = _MARGIN * _UNIT * (size + doubt[at.UNITS]) + remainder

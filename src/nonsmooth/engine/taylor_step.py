@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from nonsmooth.engine import layout as at
 from nonsmooth.engine import taylor_opcodes as op
-from nonsmooth.engine.jit import kernel
-from nonsmooth.engine.logarithm import log2
+from nonsmooth.engine.jit import inlined, kernel
+from nonsmooth.engine.logarithm import exp2, log2
 
 __all__ = ["converging_step", "step_inside", "step_of_roots"]
 
@@ -17,6 +19,7 @@ _LOG_RADIUS = (-2.0 - 0.7 / (at.ORDER - 1)) / math.log(2.0)
 _NOTHING = -960.0  # logarithm of a size that is nothing; far below it digits are lost
 _LONG = 1000.0  # logarithm of a step that no series limits
 _SMALLEST = -744.0  # exp of less is zero
+_INVERSE = 1.0 / np.arange(at.ORDER + 1).clip(1)
 _HALF_PI = 0.5 * math.pi
 _LEADING = 4  # coefficients that tell how large a function is
 # A series of which nothing is left from here on is a polynomial. Others may be sparse: of
@@ -38,22 +41,32 @@ def converging_step(a, noise, longest):
     first = 0
     while first < at.ORDER and a[first] == 0.0:
         first += 1
-    logarithm, found = _LONG, 0
-    for p in range(at.ORDER, first, -1):
-        size = abs(a[p])
-        if size == 0.0 or (p < _POLYNOMIAL and size > _TINY):
-            continue
-        last = log2(size)
-        limit = (log2(noise) - last) * (1.0 / p) if noise > 0.0 else -_LONG
-        last -= p * _LOG_RADIUS
-        limit = max(limit, (_NOTHING - last) * (1.0 / p))
-        for j in range(first, min(first + _LEADING, p)):
-            limit = max(limit, (log2(abs(a[j])) - last) * (1.0 / (p - j)))
-        logarithm = min(logarithm, limit)
-        found += 1
-        if found == 2:
-            break
-    return min(longest, 2.0**logarithm) if found > 0 else longest
+    last = _last_term(a, at.ORDER, first)
+    if last == first:
+        return longest
+    other = _last_term(a, last - 1, first)
+    size = log2(abs(a[last])) - last * _LOG_RADIUS
+    other_size = log2(abs(a[other])) - other * _LOG_RADIUS
+    limit = (_NOTHING - size) * _INVERSE[last]
+    other_limit = (_NOTHING - other_size) * _INVERSE[other] if other > first else _LONG
+    if noise > 0.0:
+        unit = log2(noise)
+        limit = max(limit, (unit - size) * _INVERSE[last] - _LOG_RADIUS)
+        other_limit = max(other_limit, (unit - other_size) * _INVERSE[other] - _LOG_RADIUS)
+    for j in range(first, min(first + _LEADING, last)):
+        leading = log2(abs(a[j]))
+        limit = max(limit, (leading - size) * _INVERSE[last - j])
+        if j < other:
+            other_limit = max(other_limit, (leading - other_size) * _INVERSE[other - j])
+    return min(longest, exp2(min(limit, other_limit)))
+
+
+@inlined
+def _last_term(a, p, first):
+    """The last order from p down to one before which all that is left is a polynomial."""
+    while p > first and (a[p] == 0.0 or (p < _POLYNOMIAL and abs(a[p]) > _TINY)):
+        p -= 1
+    return max(p, first)
 
 
 @kernel
@@ -97,8 +110,8 @@ def _step_of_argument(a, room, longest):
     shortest = _LONG
     for k in range(1, at.ORDER + 1):
         # each term has its share 2^-k of the change
-        shortest = min(shortest, (room - log2(abs(a[k]))) * (1.0 / k) - 1.0)
-    return min(longest, 2.0**shortest)
+        shortest = min(shortest, (room - log2(abs(a[k]))) * _INVERSE[k] - 1.0)
+    return min(longest, exp2(shortest))
 
 
 @kernel
@@ -136,8 +149,8 @@ def step_of_roots(a, order, longest, shortest):
         logarithm, leading = -_LONG, log2(abs(a[top]))
         for j in range(order, top):
             if a[j] != 0.0:
-                logarithm = max(logarithm, (log2(abs(a[j])) - leading) * (1.0 / (top - j)))
-        beyond = max(2.0 ** (logarithm + _BEYOND), shortest)
+                logarithm = max(logarithm, (log2(abs(a[j])) - leading) * _INVERSE[top - j])
+        beyond = max(exp2(logarithm + _BEYOND), shortest)
         if logarithm == -_LONG or beyond >= length:
             break
         length = beyond

@@ -1,8 +1,8 @@
 """What happens at one instant: exits fire in turn until a mode holds.
 
 An exit that fires applies its reset and enters its target; there the first exit, in
-declared order, whose guard is negative (or zero with its first non-zero derivative
-negative) fires at the same instant, and so on.
+declared order, whose guard is negative fires at the same instant, else the first one whose
+guard is zero with its first non-zero derivative negative, and so on.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from nonsmooth.engine.tangent import (
     start_saltation,
 )
 from nonsmooth.engine.taylor_series import fill_series
+from nonsmooth.engine.velocity import fill_scale, fill_velocity
 from nonsmooth.engine.zeros import (
     ALWAYS_ZERO,
     OPEN,
@@ -47,6 +48,8 @@ _SLIDING = int(Status.SLIDING)
 _EVENT_LIMIT = int(Status.EVENT_LIMIT)
 _INADMISSIBLE = int(Status.INADMISSIBLE)
 _MOST_PASSES = 100
+_NOTHING = 1e-12  # likewise, of what it changes by in a window
+_SHARE = 1e-3  # of a coordinate in the rate of a guard, from which it is moved onto its zero
 _CLEARLY = 1e-9  # a guard above this part of its terms is not zero by construction
 PATH_BITS = 6  # bits per exit in the recorded path
 PATH_LENGTH = 10
@@ -65,7 +68,7 @@ def pass_exits(tables, rates, segment, tangent, m, e, tolerance):
     e = -1 stands for a start: nothing fires before mode m is looked at
     """
     n, affine, wiring = tables.sizes[0], tables.affine, tables.wiring
-    z, order, basis = segment.z, segment.order, segment.basis
+    z, basis = segment.z, segment.basis
     # rows of Taylor modes hold at one point only, so there the free directions go along
     curved = tables.sizes[6] > 0
     first_mode, first_exit = m, e
@@ -77,10 +80,14 @@ def pass_exits(tables, rates, segment, tangent, m, e, tolerance):
     if e >= 0:
         if curved:  # a reset that keeps a zero does so on the guard, not beside it
             linearise_mode(tables, rates, segment, m, 1)
-        fired = _set_fired_zero(n, affine, m, e, z)
+        fill_velocity(n, tables.generator, affine, wiring, m, z, segment.velocity)
+        fired = _set_fired_zero(n, affine, m, e, z, segment.velocity)
     if curved:
         linearise_mode(tables, rates, segment, m, at.DERIVATIVES)
-        start_directions(n, affine, wiring, m, e, basis)
+    fill_velocity(n, tables.generator, affine, wiring, m, z, segment.velocity)
+    fill_scale(z, segment.velocity, tables.clock[0], segment.scale)
+    if curved:
+        start_directions(n, affine, wiring, m, e, segment.scale, basis)
     if e < 0:
         _settle_slaved(n, affine, wiring, m, z)
         if carrying:
@@ -117,27 +124,44 @@ def pass_exits(tables, rates, segment, tangent, m, e, tolerance):
                 return _EVENT_LIMIT, m, path, passes, jumped, corner
             visited |= 1 << m
             followed = curved
-        e = -1
-        for g in range(wiring[m, 0, at.N_EXITS]):
-            known = OPEN
-            if passes == 1 and first_exit >= 0:
-                known = wiring[first_mode, 1 + first_exit, at.ORDERS + g]
-            elif not _nearly_zero(affine, m, g, z):
-                known = 0
-            if known == OPEN:
-                if not followed:
-                    _follow(n, affine, wiring, first_mode, first_exit, path, passes, basis)
-                    followed = True
-                known = zero_order(affine, m, g, basis)
-            order[g] = known
-            if _must_fire(affine, m, g, z, order, tolerance):
-                e = g
-                corner = corner or (passes > 0 and order[g] > known)
-                break
+        e, meets, followed = _next_exit(
+            tables, segment, first_mode, first_exit, m, path, passes, followed, tolerance
+        )
+        corner = corner or meets
         if e < 0:
             if carrying and first_exit >= 0:
                 end_saltation(tables, segment, tangent, m)
             return _COMPLETED, m, path, passes, jumped, corner
+
+
+@inlined
+def _next_exit(tables, segment, first_mode, first_exit, m, path, passes, followed, tolerance):
+    """The exit of mode m that fires at segment.z, -1 for none; the orders of its guards.
+
+    returns: exit, whether its guard is zero by coincidence after others, whether segment.basis
+    follows the path now
+    """
+    n, affine, wiring = tables.sizes[0], tables.affine, tables.wiring
+    z, order, basis, scale = segment.z, segment.order, segment.basis, segment.scale
+    e, meets = -1, False
+    for g in range(wiring[m, 0, at.N_EXITS]):
+        known = OPEN
+        if passes == 1 and first_exit >= 0:
+            known = wiring[first_mode, 1 + first_exit, at.ORDERS + g]
+        elif not _nearly_zero(affine, m, g, z, scale):
+            known = 0
+        if known == OPEN:
+            if not followed:
+                _follow(n, affine, wiring, first_mode, first_exit, path, passes, scale, basis)
+                followed = True
+            known = zero_order(affine, m, g, scale, basis)
+        order[g] = known
+        if not _must_fire(affine, m, g, z, order, tolerance):
+            continue
+        # where a guard is negative, the rates of the mode say nothing about the others
+        if e < 0 or (order[g] == 0 and order[e] > 0):
+            e, meets = g, passes > 0 and order[g] > known
+    return e, meets, followed
 
 
 @inlined
@@ -202,9 +226,9 @@ def leaves_both_ways(tables, rates, segment, m, tolerance):
 
 
 @kernel
-def _follow(n, affine, wiring, m, e, path, passes, basis):
+def _follow(n, affine, wiring, m, e, path, passes, scale, basis):
     """Directions left free along the whole path so far, where all modes are linear."""
-    start_directions(n, affine, wiring, m, e, basis)
+    start_directions(n, affine, wiring, m, e, scale, basis)
     for k in range(min(passes, PATH_LENGTH)):
         way = ((path >> (PATH_BITS * k)) & ((1 << PATH_BITS) - 1)) - 1
         push_exit(n, affine, wiring, m, way, basis)
@@ -230,9 +254,14 @@ def guard_holds(affine, m, g, z, tolerance):
 
 
 @kernel
-def _nearly_zero(affine, m, g, z):
-    value, size = _sum_of_terms(affine, m, at.guard_row(g, 0), z)
-    return abs(value) <= _CLEARLY * size
+def _nearly_zero(affine, m, g, z, scale):
+    """Whether a guard is small beside its terms, or beside what it will change by."""
+    row = at.guard_row(g, 0)
+    value, size = _sum_of_terms(affine, m, row, z)
+    change = 0.0
+    for i in range(z.size):
+        change += abs(affine[m, row, i]) * scale[i]
+    return abs(value) <= _CLEARLY * size or abs(value) <= _NOTHING * change
 
 
 @kernel
@@ -254,21 +283,24 @@ def _must_fire(affine, m, g, z, order, tolerance):
 
 
 @kernel
-def _set_fired_zero(n, affine, m, e, z):
-    """Put the state exactly on the fired guard, by its most influential coordinate.
+def _set_fired_zero(n, affine, m, e, z, velocity):
+    """Put the state exactly on the fired guard, by the coordinate whose motion has led there.
+
+    Where time has led there, as in cos(w t) + 1e-12 x, the state stays as it is: x would have
+    to go far for what a rounding of time does.
 
     returns: the sum of the sizes of the terms before
     """
     row = at.guard_row(e, 0)
     value, size = _sum_of_terms(affine, m, row, z)
     pivot = -1
-    largest = 0.0
-    for i in range(n):
-        # relative influence, so that units do not decide
-        influence = abs(affine[m, row, i]) * (abs(z[i]) + 1e-300)
-        if influence > largest:
-            pivot, largest = i, influence
-    if pivot >= 0:
+    largest, total = 0.0, 0.0
+    for i in range(z.size):
+        share = abs(affine[m, row, i] * velocity[i])
+        total += share
+        if i < n and share > largest:
+            pivot, largest = i, share
+    if pivot >= 0 and largest >= _SHARE * total:
         z[pivot] -= value / affine[m, row, pivot]
     return size
 

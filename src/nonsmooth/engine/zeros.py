@@ -43,7 +43,7 @@ def fill_orders(n, kinds, affine, wiring):
     concern a Taylor mode depend on the state and stay open
     """
     big_n = affine.shape[2]
-    basis = np.zeros((2, big_n, big_n))
+    basis, scale = np.zeros((2, big_n, big_n)), np.zeros(big_n)
     for m in range(affine.shape[0]):
         for e in range(wiring[m, 0, at.N_EXITS]):
             target = wiring[m, 1 + e, at.TARGET]
@@ -53,18 +53,19 @@ def fill_orders(n, kinds, affine, wiring):
                 for g in range(wiring[target, 0, at.N_EXITS]):
                     wiring[m, 1 + e, at.ORDERS + g] = OPEN
                 continue
-            start_directions(n, affine, wiring, m, e, basis)
+            start_directions(n, affine, wiring, m, e, scale, basis)
             push_exit(n, affine, wiring, m, e, basis)
             for g in range(wiring[target, 0, at.N_EXITS]):
-                wiring[m, 1 + e, at.ORDERS + g] = zero_order(affine, target, g, basis)
+                wiring[m, 1 + e, at.ORDERS + g] = zero_order(affine, target, g, scale, basis)
 
 
 @kernel
-def start_directions(n, affine, wiring, m, e, basis):
+def start_directions(n, affine, wiring, m, e, scale, basis):
     """Directions of augmented coordinates that are free when exit e of mode m fires.
 
-    shapes: basis (2, N, N); the columns of basis[0] span the directions. e = -1 stands
-    for a start, where only the relations of slaved states hold
+    shapes: scale (N,), how far each coordinate moves, zero where that is not known; basis
+    (2, N, N); the columns of basis[0] span the directions. e = -1 stands for a start, where
+    only the relations of slaved states hold
     """
     big_n = affine.shape[2]
     set_identity(basis[0])
@@ -72,10 +73,11 @@ def start_directions(n, affine, wiring, m, e, basis):
     if e < 0:
         return
     row = at.guard_row(e, 0)
+    least = _least_influence(affine, m, row, scale)
     pivot = -1
     largest = 0.0
     for j in range(big_n):
-        value = abs(_product(affine, m, row, basis, 0, j))
+        value = abs(_influence(affine, m, row, basis, j, scale, least))
         if value > largest:
             pivot, largest = j, value
     if pivot < 0:
@@ -83,7 +85,7 @@ def start_directions(n, affine, wiring, m, e, basis):
     at_pivot = _product(affine, m, row, basis, 0, pivot)
     for j in range(big_n):
         if j != pivot:
-            factor = _product(affine, m, row, basis, 0, j) / at_pivot
+            factor = _influence(affine, m, row, basis, j, scale, least) / at_pivot
             for i in range(big_n):
                 term = factor * basis[0, i, pivot]
                 rest = basis[0, i, j] - term
@@ -123,17 +125,39 @@ def push_relations(n, affine, wiring, m, basis):
 
 
 @kernel
-def zero_order(affine, m, g, basis):
+def zero_order(affine, m, g, scale, basis):
     """How many derivatives of guard g of mode m, from its value on, are zero by construction.
 
+    shapes: scale and basis as in start_directions
     returns: 0 when the value itself is free, ALWAYS_ZERO when all are zero
     """
     for r in range(at.DERIVATIVES):
         row = at.guard_row(g, r)
+        least = _least_influence(affine, m, row, scale)
         for j in range(basis.shape[1]):
-            if _product(affine, m, row, basis, 0, j) != 0.0:
+            if _influence(affine, m, row, basis, j, scale, least) != 0.0:
                 return r
     return ALWAYS_ZERO
+
+
+@kernel
+def _least_influence(affine, m, row, scale):
+    """Change of a row below which a coordinate has no say in it.
+
+    A gradient taken beside the surface, not on it, has entries that are nothing but the
+    distance: those of v in x (1 + v) at x = 1e-17.
+    """
+    total = 0.0
+    for i in range(scale.size):
+        total += abs(affine[m, row, i]) * scale[i]
+    return _ROUNDING * total
+
+
+@kernel
+def _influence(affine, m, row, basis, j, scale, least):
+    """Product of a row and a direction; zero where it is nothing beside the other directions."""
+    value = _product(affine, m, row, basis, 0, j)
+    return 0.0 if scale[j] > 0.0 and abs(value) * scale[j] < least else value
 
 
 @kernel

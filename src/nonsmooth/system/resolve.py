@@ -6,6 +6,7 @@ the side on which their switching function lies, as far as its sign is given.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 
 from nonsmooth.errors import ModelError
@@ -119,6 +120,8 @@ class Resolver:
         if node.function == "where":
             return self._where(node)
         arguments = [self._tree(argument) for argument in node.arguments]
+        if node.function == "atan2" and any(map(self.graph.moves, arguments)):
+            return self._angle(*arguments)
         if lookup(node.function).smooth or not any(map(self.graph.moves, arguments)):
             return self.graph.call(node.function, *arguments)
         return self._piecewise(node.function, arguments)
@@ -169,6 +172,19 @@ class Resolver:
             lambda: below,
             constant=lambda value: graph.call(function, value),
             kept=lambda: graph.call(function, u),
+        )
+
+    def _angle(self, y: Expression, x: Expression) -> Expression:
+        """``atan2``, which jumps behind the origin: upper and lower half-plane, each smooth."""
+        graph = self.graph
+        quarter = graph.number(0.5 * math.pi)
+        whole = graph.call("atan2", y, x)
+        return self._switched(
+            y,
+            lambda: graph.add(quarter, graph.call("atan2", graph.negate(x), y)),
+            lambda: graph.add(graph.negate(quarter), graph.call("atan2", x, graph.negate(y))),
+            constant=lambda _: whole,
+            kept=lambda: whole,
         )
 
     def _greater(self, function: str, u: Expression, other: Expression) -> Expression:

@@ -203,11 +203,11 @@ class _Writer:
     def power(self, node: Call) -> Operand:
         base, exponent = node.arguments
         graph = self.graph
-        if graph.moves(exponent):
+        if names_in(exponent):
             logarithm = graph.multiply(exponent, graph.call("log", base))
             return self._write(op.EXP, self.operand(logarithm))
-        value = None if names_in(exponent) else constant_value(exponent, {})
-        if value is not None and value.is_integer():
+        value = constant_value(exponent, {})
+        if value.is_integer():
             return self.whole_power(self.operand(base), int(value))
         if value == 0.5:
             return self._write(op.SQRT, self.operand(base))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from operator import itemgetter
 
 import numpy as np
 
@@ -41,7 +42,9 @@ class TaylorRows:
             b = self._register(each.b) if each.slot is None else each.slot
             if each.terms:
                 a = len(self.terms)
-                self.terms += [(self._register(x), factor) for x, factor in each.terms]
+                # what is computed last is added last, for it is waited for
+                terms = [(self._register(x), factor) for x, factor in each.terms]
+                self.terms += sorted(terms, key=itemgetter(0))
                 b = len(self.terms)
             self.rows.append((each.opcode, width + i, a, b, c))
         self.code_rows[i_mode] = first, first + code.middle, len(self.rows)

@@ -1,0 +1,35 @@
+"""Rates of change at one instant, and how far each coordinate moves."""
+
+from __future__ import annotations
+
+from nonsmooth.engine import layout as at
+from nonsmooth.engine.jit import kernel
+
+__all__ = ["fill_scale", "fill_velocity"]
+
+
+@kernel
+def fill_velocity(n, generator, affine, wiring, m, z, velocity):
+    """Rates of all augmented coordinates in a mode; slaved states follow their relation."""
+    n_exits = wiring.shape[1] - 1
+    slaved = wiring[m, 0, at.SLAVED]
+    for i in range(z.size):
+        total = 0.0
+        for j in range(z.size):
+            total += generator[m, i, j] * z[j]
+        velocity[i] = total
+    for i in range(n):
+        if (slaved >> i) & 1:
+            row = at.relation_row(n_exits, i)
+            total = 0.0
+            for j in range(z.size):
+                if j >= n or not (slaved >> j) & 1:
+                    total += affine[m, row, j] * velocity[j]
+            velocity[i] = total
+
+
+@kernel
+def fill_scale(z, velocity, window, scale):
+    """What counts as large for each coordinate: where it is and how far it goes in a window."""
+    for i in range(z.size):
+        scale[i] = abs(z[i]) + abs(velocity[i]) * window
