@@ -7,7 +7,8 @@ from pathlib import Path
 
 from house.tree import ROOT, SOURCE, relative
 
-ENGINE_MAY_IMPORT = {"numpy", "numba"}
+# llvmlite is the assembler of numba, which brings it
+ENGINE_MAY_IMPORT = {"numpy", "numba", "llvmlite"}
 ENGINE_MAY_IMPORT_OF_US = ("nonsmooth.engine", "nonsmooth.errors")
 
 

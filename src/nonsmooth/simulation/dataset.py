@@ -19,7 +19,7 @@ from nonsmooth.simulation.words import last_period_word
 from nonsmooth.system.system import System
 from nonsmooth.version import __version__
 
-__all__ = ["run_dataset"]
+__all__ = ["run_dataset", "time_of_lost_derivatives"]
 
 
 def run_dataset(system: System, outcome: Outcome, options: dict[str, Any]) -> xr.Dataset:
@@ -150,3 +150,12 @@ def _message(labels: Labels, outcome: Outcome) -> str:
         passed = labels.path(*(int(last[column]) for column in (at.FROM, at.PATH, at.PASSES)))
         text += f" (exits passed: {passed}, from {before!r} to {after!r})"
     return text
+
+
+def time_of_lost_derivatives(run: xr.Dataset) -> float | None:
+    """Time of the first sample whose derivatives are no numbers although its states are."""
+    lost = np.zeros(run.sizes["time"], bool)
+    for name in ("tangent", "sensitivity"):
+        if name in run:
+            lost |= ~np.isfinite(run[name].values).all(axis=(1, 2))
+    return float(run["time"].values[lost][0]) if lost.any() else None

@@ -158,9 +158,11 @@ def build_tables(system: System, values: Mapping[str, float] | None = None) -> T
     values = system.parameter_values if values is None else values
     code, mode = set_up(program, np.array(list(values.values()), dtype=float), tables)
     if code != Status.COMPLETED:
-        where = "the period" if mode < 0 else f"mode {system.mode_names[mode]!r}"
+        where, what = f"mode {system.mode_names[max(mode, 0)]!r}", SETUP_ERRORS[Status(code)]
+        if mode < 0:
+            where, what = "the period", "it is not a positive finite number for these parameters"
         given = ", ".join(f"{k} = {v:g}" for k, v in values.items())
-        raise ModelError(f"{system.name}, {where}: {SETUP_ERRORS[Status(code)]} ({given})")
+        raise ModelError(f"{system.name}, {where}: {what} ({given})")
     return tables
 
 

@@ -13,7 +13,7 @@ from nonsmooth.engine.layout import Tables
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import OptionError, RunWarning
 from nonsmooth.simulation.clock import plan_run
-from nonsmooth.simulation.dataset import run_dataset
+from nonsmooth.simulation.dataset import run_dataset, time_of_lost_derivatives
 from nonsmooth.simulation.options import (
     check_flag,
     check_run_options,
@@ -122,7 +122,8 @@ def simulate(
     Warns
     -----
     RunWarning
-        When the run ended early; the result holds what was computed until then.
+        When the run ended early; the result holds what was computed until then. When
+        derivatives have grown beyond the range of numbers.
 
     See Also
     --------
@@ -172,6 +173,14 @@ def simulate(
     result = run_dataset(system, outcome, options)
     if outcome.status not in (Status.COMPLETED, Status.STOPPED):
         warnings.warn(f"{system.name}: {result.attrs['message']}", RunWarning, stacklevel=2)
+    lost = time_of_lost_derivatives(result)
+    if lost is not None:
+        warnings.warn(
+            f"{system.name}: from t = {lost:.9g} on, derivatives are beyond the range of numbers;"
+            " go on from a run that ends earlier, where they begin anew",
+            RunWarning,
+            stacklevel=2,
+        )
     return result
 
 

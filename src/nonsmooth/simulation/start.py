@@ -119,7 +119,7 @@ def _from_run(
     repeated: bool,
 ) -> Start:
     status = run.attrs.get("status")
-    if status != "completed" or "anchor_state" not in run:
+    if status != "completed" or "anchor_state" not in run or "end_state" not in run:
         raise OptionError(
             f"initial: the run ended with status {status!r} and cannot go on; take one of its"
             " points instead, as in run.isel(time=-1)"

@@ -64,7 +64,12 @@ def phase_word(
             "the dataset has no event log; simulate without events=False, or read the word of the"
             " last period in its attribute 'phase_word'"
         )
-    names = run["event_to"].attrs["flag_meanings"].split()
+    names = run["event_to"].attrs.get("flag_meanings", "").split()
+    if not names:
+        raise OptionError(
+            "the variable 'event_to' has lost its attribute 'flag_meanings', the names of modes;"
+            " keep the attributes of the run, as with xarray.set_options(keep_attrs=True)"
+        )
     keep = run["event_kind"].values != EventKind.GRAZE.word
     times, entered = run["event_time"].values[keep], run["event_to"].values[keep]
     return tuple(_merged(names, _modes_between(times, entered, low, high)))
