@@ -8,7 +8,7 @@ import pytest
 
 import nonsmooth as ns
 from engine.installations import Installation, finish, permissions_bind
-from nonsmooth.engine.loop import run as engine_run
+from nonsmooth.engine.lanes import run_lanes as engine_run
 
 # x falls from 2 at unit speed: event after 2, guard rate -1
 CODE = """

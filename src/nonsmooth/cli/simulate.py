@@ -69,11 +69,11 @@ def simulate(
 ) -> None:
     """Simulate a ready-made system, or one of a file, and print a summary."""
     _check_files(plot, save)
-    if plot is None and (portrait is not None or modes):
-        raise OptionError("--portrait and --modes are drawn into a file: name it with --plot FILE")
     system = build_system(model, settings(parameters or [], "NAME=VALUE"))
     shown = _variables(system, variables)
     pair = _pair(system, portrait, variables, modes)
+    if plot is None and (portrait is not None or modes):
+        raise OptionError("--portrait and --modes are drawn into a file: name it with --plot FILE")
     length: dict[str, Any] = {"periods": periods, "t_end": t_end}
     if periods is None and t_end is None:
         length = _default_length(system, samples_per_period)

@@ -15,7 +15,7 @@ from nonsmooth.engine.arrays import copy_matrix, copy_vector
 from nonsmooth.engine.event_log import log_event, log_transition, normal_phase
 from nonsmooth.engine.first_crossing import CERTIFIED, GRAZE, NONE, STUCK, first_crossing
 from nonsmooth.engine.flow import advance, advance_once, start_segment, state_at
-from nonsmooth.engine.jit import entry, inlined, kernel
+from nonsmooth.engine.jit import inlined, kernel
 from nonsmooth.engine.linear_flow import augmented
 from nonsmooth.engine.records import (
     EVENT_FLOATS,
@@ -41,8 +41,10 @@ from nonsmooth.engine.transitions import (
 )
 from nonsmooth.engine.zeros import STILL_ZERO
 
-__all__ = ["run", "start"]
+__all__ = ["ANY", "GOES_ON", "SAME", "run_lane"]
 
+# modes in which a run begins: the first that fits; none, it goes on; SAME - m is m in any case
+ANY, GOES_ON, SAME = -1, -2, -3
 _COMPLETED = int(Status.COMPLETED)
 _DIVERGED = int(Status.DIVERGED)
 _NONUNIQUE = int(Status.NONUNIQUE)
@@ -65,53 +67,113 @@ _SHORTEST = 1e-14  # part of a window; a shorter step of a series means that it 
 _MOST_SIZE = 1e30  # of a state that does not drift
 
 
-@entry
-def start(tables, rates, anchor, segment, tangent, records, mode, tolerance):
-    """Find the mode of a start and pass the exits that fire at once.
+@inlined
+def run_lane(
+    tables, rates, scratch, anchor, segment, tangent, records, mode, end_number, end_phase,
+    tolerance,
+):  # fmt: skip
+    """Run from a start or an anchor to a time given as window number and phase.
 
-    shapes: anchor holds window, phase and states; mode = -1 takes the first that fits, and
-    mode = -2 - m goes on in mode m after parameters have changed, whether it fits or not; the
-    columns of derivatives begin here unless the run goes on
-    status: COMPLETED, STOPPED, UNDECIDED, SLIDING, INADMISSIBLE when no mode fits, or NONUNIQUE
-    when cells on both sides of a surface do
+    shapes: see `Anchor`, `Segment`, `Tangent`, `Records`; all of them are changed in place.
+    mode = GOES_ON goes on from the anchor. Others make a start there, with columns of derivatives
+    that begin there too: mode = ANY takes the first mode that fits, a number that one if it does.
+    mode = SAME - m enters mode m after parameters have changed, whether it fits or not, and
+    derivatives go on.
+    status: COMPLETED, STOPPED, DIVERGED, UNDECIDED, INADMISSIBLE when no mode fits, NONUNIQUE when
+    cells on both sides of a surface do, EVENT_LIMIT, STEP_LIMIT, SINGULAR, SLIDING, BUFFER_FULL
+    (call again with GOES_ON after emptying the event buffer) or PAUSED (call again)
     """
-    n = tables.sizes[0]
-    affine, wiring, z = tables.affine, tables.wiring, segment.z
-    _augment(tables, anchor.state, anchor.place[0], anchor.phase[0], z)
+    window = tables.clock[0]
+    place, cursor = anchor.place, records.cursor
+    carrying = tangent.columns.shape[0] > 0
+    _augment(tables, anchor.state, place[0], anchor.phase[0], segment.z)
     if tables.signals.shape[0] > 0:
-        _fill_signals(tables, segment, anchor.place[0], anchor.phase[0])
-    low, high = (0, affine.shape[0]) if mode == -1 else (mode, mode + 1)
-    goes_on = mode < -1
-    first = -2 - mode if goes_on else -1
-    for m in range(low, low if goes_on else high):
+        _fill_signals(tables, segment, place[0], anchor.phase[0])
+    begins = mode != GOES_ON
+    if begins:
+        place[1] = _mode_of_start(tables, rates, segment, mode, tolerance)
+        if place[1] < 0:
+            return _INADMISSIBLE
+        if mode >= ANY:
+            start_columns(tables.sizes[0], tangent)
+    if carrying:
+        complete_columns(tables, rates, tangent, place[0], anchor.phase[0], segment.z)
+    while True:
+        m, phase = place[1], anchor.phase[0]
+        s, e, found = 0.0, -1, CERTIFIED
+        if not begins:
+            if cursor[EVENTS] >= records.event_floats.shape[0] - 1:
+                return _BUFFER_FULL
+            if cursor[SEGMENTS] > _MOST_SEGMENTS:
+                cursor[SEGMENTS] = 0
+                return _PAUSED
+            cursor[SEGMENTS] += 1
+            whole = at.WINDOWS * window - phase
+            copy_vector(anchor.order, segment.order, anchor.order.size)
+            longest = min(whole, segment.to_knot[0])
+            length = start_segment(tables, segment, m, longest)
+            long_enough = length == longest or length > _SHORTEST * (window + phase)
+            if tables.kinds[m] == at.TAYLOR and not long_enough:
+                return _SINGULAR
+            end = (end_number - place[0]) * window + (end_phase - phase)
+            s, e, found = _search(tables, segment, anchor, records, m, length, end)
+            _write_samples(
+                tables, rates, scratch, segment, anchor, tangent, records, m, min(s, end)
+            )
+            if end <= s:
+                advance_once(tables, segment, m, end)
+                state_at(tables, segment, m, records.end_state)
+                records.since[0], records.since[1] = end_number, end_phase
+                if _bounded(tables.drifting, records.end_state):
+                    return _COMPLETED
+                anchor.phase[0] = phase + end
+                return _DIVERGED
+            if found == STUCK:
+                # a flight too short to be told from none is the end of accumulating impacts
+                accumulate = s <= _NO_TIME * window and cursor[WINDOW_EVENTS] > _FEW
+                if accumulate:
+                    return _EVENT_LIMIT
+                return _SINGULAR if tables.kinds[m] == at.TAYLOR else _STEP_LIMIT
+            if carrying:
+                carry(tables, rates, scratch, segment, tangent, m, s)
+                copy_matrix(tangent.now, tangent.columns)
+            state_at(tables, segment, m, anchor.state)
+            copy_vector(anchor.state, records.end_state, anchor.state.size)
+            if not _bounded(tables.drifting, anchor.state):
+                anchor.phase[0] = phase + s
+                return _DIVERGED
+            if e < 0:
+                _move_anchor(tables, anchor, segment.order, cursor, length, whole)
+                _augment(tables, anchor.state, place[0], anchor.phase[0], segment.z)
+                if carrying:
+                    complete_columns(tables, rates, tangent, place[0], anchor.phase[0], segment.z)
+                # behind a knot even a guard may jump, by the rate of a signal
+                if tables.signals.shape[0] == 0 or not _pass_knot(
+                    tables, rates, segment, anchor, m
+                ):
+                    continue
+                s, found = 0.0, CERTIFIED
+        status = _pass_event(
+            tables, rates, segment, tangent, anchor, records, s, e, found, mode, begins, tolerance
+        )
+        if status != _COMPLETED:
+            return status
+        if begins and mode == ANY and leaves_both_ways(tables, rates, segment, place[1], tolerance):
+            return _NONUNIQUE
+        begins = False
+
+
+@kernel
+def _mode_of_start(tables, rates, segment, mode, tolerance):
+    """The first mode that admits segment.z among those that ``mode`` asks for, or -1."""
+    if mode <= SAME:
+        return SAME - mode
+    low, high = (0, tables.affine.shape[0]) if mode == ANY else (mode, mode + 1)
+    for m in range(low, high):
         linearise_mode(tables, rates, segment, m, at.DERIVATIVES)
-        if _fits(n, affine, wiring, m, z, tolerance):
-            first = m
-            break
-    if first < 0:
-        return _INADMISSIBLE
-    if not goes_on:
-        start_columns(n, tangent)
-    complete_columns(tables, rates, tangent, anchor.place[0], anchor.phase[0], z)
-    status, m, path, passes, _, _ = pass_exits(
-        tables, rates, segment, tangent, first, -1, tolerance
-    )
-    if passes > 0 or not goes_on:
-        kind, e = (_SWITCH, path % (1 << PATH_BITS) - 1) if goes_on else (_START, -1)
-        row = log_event(records, anchor.place[0], anchor.phase[0], kind, first, e, True, 0.0)
-        if row >= 0:
-            for i in range(n):
-                records.event_floats[row, EVENT_FLOATS + i] = anchor.state[i]
-        log_transition(records, row, kind, m, path, passes, z)
-    anchor.place[1] = m
-    _set_anchor(anchor, segment, records, n)
-    if (
-        status == _COMPLETED
-        and mode == -1
-        and leaves_both_ways(tables, rates, segment, m, tolerance)
-    ):
-        return _NONUNIQUE
-    return status
+        if _fits(tables.sizes[0], tables.affine, tables.wiring, m, segment.z, tolerance):
+            return m
+    return -1
 
 
 @kernel
@@ -127,81 +189,6 @@ def _augment(tables, state, number, phase, z):
     n, powers = tables.sizes[0], tables.sizes[1]
     copy_vector(state, z, n)
     augmented(n, powers, tables.clock[0], tables.harmonics, number, phase, z)
-
-
-@entry
-def run(
-    tables, rates, scratch, anchor, segment, tangent, records, end_number, end_phase, tolerance
-):  # fmt: skip
-    """Run from an anchor to a time given as window number and phase.
-
-    shapes: see `Anchor`, `Segment`, `Tangent`, `Records`; all of them are changed in place
-    status: COMPLETED, STOPPED, DIVERGED, UNDECIDED, INADMISSIBLE, EVENT_LIMIT,
-    STEP_LIMIT, SINGULAR, SLIDING, BUFFER_FULL (call again after emptying the event buffer) or
-    PAUSED (call again)
-    """
-    window = tables.clock[0]
-    place, cursor = anchor.place, records.cursor
-    carrying = tangent.columns.shape[0] > 0
-    _augment(tables, anchor.state, place[0], anchor.phase[0], segment.z)
-    if tables.signals.shape[0] > 0:
-        _fill_signals(tables, segment, place[0], anchor.phase[0])
-    if carrying:
-        complete_columns(tables, rates, tangent, place[0], anchor.phase[0], segment.z)
-    while True:
-        if cursor[EVENTS] >= records.event_floats.shape[0] - 1:
-            return _BUFFER_FULL
-        if cursor[SEGMENTS] > _MOST_SEGMENTS:
-            cursor[SEGMENTS] = 0
-            return _PAUSED
-        cursor[SEGMENTS] += 1
-        m, phase = place[1], anchor.phase[0]
-        whole = at.WINDOWS * window - phase
-        copy_vector(anchor.order, segment.order, anchor.order.size)
-        longest = min(whole, segment.to_knot[0])
-        length = start_segment(tables, segment, m, longest)
-        long_enough = length == longest or length > _SHORTEST * (window + phase)
-        if tables.kinds[m] == at.TAYLOR and not long_enough:
-            return _SINGULAR
-        end = (end_number - place[0]) * window + (end_phase - phase)
-        s, e, found = _search(tables, segment, anchor, records, m, length, end)
-        _write_samples(tables, rates, scratch, segment, anchor, tangent, records, m, min(s, end))
-        if end <= s:
-            advance_once(tables, segment, m, end)
-            state_at(tables, segment, m, records.end_state)
-            records.since[0], records.since[1] = end_number, end_phase
-            if _bounded(tables.drifting, records.end_state):
-                return _COMPLETED
-            anchor.phase[0] = phase + end
-            return _DIVERGED
-        if found == STUCK:
-            # a flight too short to be told from none is the end of accumulating impacts
-            accumulate = s <= _NO_TIME * window and cursor[WINDOW_EVENTS] > _FEW
-            if accumulate:
-                return _EVENT_LIMIT
-            return _SINGULAR if tables.kinds[m] == at.TAYLOR else _STEP_LIMIT
-        if carrying:
-            carry(tables, rates, scratch, segment, tangent, m, s)
-            copy_matrix(tangent.now, tangent.columns)
-        state_at(tables, segment, m, anchor.state)
-        copy_vector(anchor.state, records.end_state, anchor.state.size)
-        if not _bounded(tables.drifting, anchor.state):
-            anchor.phase[0] = phase + s
-            return _DIVERGED
-        if e < 0:
-            _move_anchor(tables, anchor, segment.order, cursor, length, whole)
-            _augment(tables, anchor.state, place[0], anchor.phase[0], segment.z)
-            if carrying:
-                complete_columns(tables, rates, tangent, place[0], anchor.phase[0], segment.z)
-            # behind a knot even a guard may jump, by the rate of a signal
-            if tables.signals.shape[0] == 0 or not _pass_knot(tables, rates, segment, anchor, m):
-                continue
-            s, found = 0.0, CERTIFIED
-        status = _pass_event(
-            tables, rates, segment, tangent, anchor, records, s, e, found, tolerance
-        )
-        if status != _COMPLETED:
-            return status
 
 
 @kernel
@@ -326,41 +313,63 @@ def _log_crossing(tables, segment, anchor, records, s, e, kind, certified):
 
 
 @inlined
-def _pass_event(tables, rates, segment, tangent, anchor, records, s, e, found, tolerance):
+def _pass_event(
+    tables, rates, segment, tangent, anchor, records, s, e, found, mode, begins, tolerance
+):
     """Log an event, pass its exits and set the anchor behind it.
 
-    e = -1 at a knot where guards have jumped: what is negative fires
+    e = -1 at a start, and at a knot where guards have jumped: what is negative fires
     """
     n, m = tables.sizes[0], anchor.place[1]
     cursor = records.cursor
-    row = _log_crossing(tables, segment, anchor, records, s, e, _SWITCH, found == CERTIFIED)
+    row = -1
+    if not begins:
+        row = _log_crossing(tables, segment, anchor, records, s, e, _SWITCH, found == CERTIFIED)
     if found != CERTIFIED:
         cursor[UNCERTAIN] += 1
     number, phase = normal_phase(anchor.place[0], anchor.phase[0] + s, tables.clock[0])
-    stalled = number == anchor.place[0] and phase == anchor.phase[0]
-    cursor[STALLED] = cursor[STALLED] + 1 if stalled else 0
-    cursor[WINDOW_EVENTS] = 1 if number > anchor.place[0] else cursor[WINDOW_EVENTS] + 1
-    _augment(tables, anchor.state, number, phase, segment.z)
-    if tables.signals.shape[0] > 0:
-        _fill_signals(tables, segment, number, phase)
-    if tangent.columns.shape[0] > 0:
-        complete_columns(tables, rates, tangent, number, phase, segment.z)
+    if not begins:
+        stalled = number == anchor.place[0] and phase == anchor.phase[0]
+        cursor[STALLED] = cursor[STALLED] + 1 if stalled else 0
+        cursor[WINDOW_EVENTS] = 1 if number > anchor.place[0] else cursor[WINDOW_EVENTS] + 1
+        _augment(tables, anchor.state, number, phase, segment.z)
+        if tables.signals.shape[0] > 0:
+            _fill_signals(tables, segment, number, phase)
+        if tangent.columns.shape[0] > 0:
+            complete_columns(tables, rates, tangent, number, phase, segment.z)
     status, m, path, passes, jumped, corner = pass_exits(
-        tables, rates, segment, tangent, m, e, tolerance
+        tables, rates, segment, tangent, m, e, s, tolerance
     )
     kind = _CORNER if corner else (_IMPACT if jumped else _SWITCH)
+    if begins:
+        kind = _START if mode >= ANY else _SWITCH
+        row = _log_start(anchor, records, kind, passes, n)
     log_transition(records, row, kind, m, path, passes, segment.z)
-    if e < 0 and row >= 0:
+    if kind != _START and e < 0 and row >= 0:
         records.event_integers[row, EXIT] = path % (1 << PATH_BITS) - 1
     anchor.place[0], anchor.place[1] = number, m
     anchor.phase[0] = phase
     _set_anchor(anchor, segment, records, n)
+    if begins:
+        return status
     accumulated = cursor[WINDOW_EVENTS] > _MOST_EVENTS or cursor[STALLED] > _MOST_STALLED
     if status == _COMPLETED and not _finite(anchor.state):
         return _SINGULAR  # the reset divides by zero
     if status == _COMPLETED and accumulated:
         return _EVENT_LIMIT
     return status
+
+
+@kernel
+def _log_start(anchor, records, kind, passes, n):
+    """Log a start with the state as given; going on in the same mode is no event."""
+    if kind != _START and passes == 0:
+        return -1
+    row = log_event(records, anchor.place[0], anchor.phase[0], kind, anchor.place[1], -1, True, 0.0)
+    if row >= 0:
+        for i in range(n):
+            records.event_floats[row, EVENT_FLOATS + i] = anchor.state[i]
+    return row
 
 
 @inlined

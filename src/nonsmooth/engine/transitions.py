@@ -56,7 +56,7 @@ PATH_LENGTH = 10
 
 
 @inlined
-def pass_exits(tables, rates, segment, tangent, m, e, tolerance):
+def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
     """Pass exit e of mode m and whatever must fire after it at the same instant.
 
     segment.z holds the augmented coordinates and is changed in place, as are the columns of
@@ -65,7 +65,8 @@ def pass_exits(tables, rates, segment, tangent, m, e, tolerance):
     number of exits passed, whether a reset was applied, whether several guards met in a corner.
     EVENT_LIMIT when resets go on and on, as at the end of accumulating impacts; UNDECIDED when
     modes hand over in a circle, SLIDING when they are cells of one mode
-    e = -1 stands for a start: nothing fires before mode m is looked at
+    e = -1 stands for a start: nothing fires before mode m is looked at. ``duration`` of the motion
+    that has led here tells how far coordinates move
     """
     n, affine, wiring = tables.sizes[0], tables.affine, tables.wiring
     z, basis = segment.z, segment.basis
@@ -85,7 +86,7 @@ def pass_exits(tables, rates, segment, tangent, m, e, tolerance):
     if curved:
         linearise_mode(tables, rates, segment, m, at.DERIVATIVES)
     fill_velocity(n, tables.generator, affine, wiring, m, z, segment.velocity)
-    fill_scale(z, segment.velocity, tables.clock[0], segment.scale)
+    fill_scale(z, segment.velocity, duration, segment.scale)
     if curved:
         start_directions(n, affine, wiring, m, e, segment.scale, basis)
     if e < 0:

@@ -29,7 +29,7 @@ def fill_velocity(n, generator, affine, wiring, m, z, velocity):
 
 
 @kernel
-def fill_scale(z, velocity, window, scale):
-    """What counts as large for each coordinate: where it is and how far it goes in a window."""
+def fill_scale(z, velocity, duration, scale):
+    """What counts as large for each coordinate: where it is and how far it goes in a while."""
     for i in range(z.size):
-        scale[i] = abs(z[i]) + abs(velocity[i]) * window
+        scale[i] = abs(z[i]) + abs(velocity[i]) * duration

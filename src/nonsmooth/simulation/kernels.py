@@ -17,11 +17,11 @@ def announce_compilation() -> None:
         return
     _announced = True
     from nonsmooth.engine.jit import is_kept, is_warm
-    from nonsmooth.engine.loop import run
+    from nonsmooth.engine.lanes import run_lanes
 
-    if is_warm(run):
+    if is_warm(run_lanes):
         return
-    if is_kept(run):
+    if is_kept(run_lanes):
         text = "once for this installation (a minute or two)"
     else:
         text = (

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.engine import records as at
+from nonsmooth.engine.lanes import Lane, run
 from nonsmooth.engine.layout import (
     MAX_AUGMENTED,
     Tables,
@@ -17,7 +18,7 @@ from nonsmooth.engine.layout import (
     allocate_tables,
     augmented_size,
 )
-from nonsmooth.engine.loop import run, start
+from nonsmooth.engine.loop import GOES_ON
 from nonsmooth.engine.records import Anchor, Records, allocate_anchor, allocate_records
 from nonsmooth.engine.setup import set_up
 from nonsmooth.engine.status import SETUP_ERRORS, EventKind, Status
@@ -183,25 +184,24 @@ def run_plan(
     records = allocate_records(sizes, plan.sample_number, plan.sample_phase, FIRST_CAPACITY)
     segment = allocate_segment(sizes, max(0, derivatives.count))
     tangent = allocate_tangent(sizes, derivatives.count, plan.sample_phase.size)
-    rates = derivatives.rates
-    status = Status.COMPLETED
     if anchor is None:
         assert state is not None
         anchor = allocate_anchor(sizes)
         anchor.place[0], anchor.phase[0] = begin
         anchor.state[:] = state
-        status = Status(start(tables, rates, anchor, segment, tangent, records, mode, tolerance))
-        if status == Status.INADMISSIBLE:
-            raise NoMode(segment.z.copy())
     else:
+        mode = GOES_ON
         log_going_on(records, begin, anchor, state)
         records.since[:] = begin
     log = EventLog(keep_events)
-    if status == Status.COMPLETED:
-        arrays = (tables, rates, derivatives.scratch, anchor, segment, tangent)
-        windows = max(1, plan.end.number - int(anchor.place[0]))
-        with Progress("simulating", windows) as progress:
-            status, records = advance(arrays, plan.end, records, log, tolerance, progress.update)
+    lane = (tables, derivatives.rates, derivatives.scratch, anchor, segment, tangent)
+    windows = max(1, plan.end.number - int(anchor.place[0]))
+    with Progress("simulating", windows) as progress:
+        status, records = advance(
+            lane, plan.end, records, log, tolerance, progress.update, mode=mode
+        )
+    if status == Status.INADMISSIBLE and records.cursor[at.EVENTS] == 0:
+        raise NoMode(segment.z.copy())
     end = plan.end
     if status != Status.COMPLETED:
         end = Instant(int(anchor.place[0]), float(anchor.phase[0]))
@@ -225,24 +225,30 @@ def run_plan(
 
 
 def advance(
-    arrays: tuple[Any, ...],
+    lane: Lane,
     end: Instant,
     records: Records,
     log: EventLog,
     tolerance: float,
     report: Callable[[int], None],
+    *,
+    mode: int = GOES_ON,
 ) -> tuple[Status, Records]:
-    """Run to an instant, in chunks; ``report`` is told how many windows are done."""
-    anchor: Anchor = arrays[3]
+    """Run to an instant, in chunks; ``report`` is told how many windows are done.
+
+    ``mode`` says how the first chunk begins, see `run_lane`.
+    """
+    anchor = lane[3]
     first = int(anchor.place[0])
     windows = max(1, end.number - first)
     while True:
         done = int(anchor.place[0]) + _WINDOWS_PER_CALL
         stop = Instant(done, 0.0) if done < end.number else end
         try:
-            status = Status(run(*arrays, records, *stop, tolerance))
+            status = Status(run(*lane, records, mode, *stop, tolerance))
         except KeyboardInterrupt:
             return Status.INTERRUPTED, records
+        mode = GOES_ON
         if status == Status.BUFFER_FULL:
             records = log.make_room(records, (int(anchor.place[0]) - first) / windows)
         elif status != Status.PAUSED and (status != Status.COMPLETED or stop == end):

@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from nonsmooth.engine import records as at
 from nonsmooth.engine.layout import Tables, allocate_segment
-from nonsmooth.engine.loop import start as start_kernel
+from nonsmooth.engine.loop import ANY, GOES_ON, SAME
 from nonsmooth.engine.records import Anchor, Records, allocate_anchor, allocate_records
 from nonsmooth.engine.status import Status
 from nonsmooth.engine.tangent import allocate_tangent
@@ -86,6 +86,7 @@ class _Run:
     tangent: Any
     records: Records
     log: EventLog
+    mode: int = GOES_ON  # how the next period begins, see `run_lane`
     history: History = field(default_factory=History)
     pieces: list[tuple[Any, ...]] = field(default_factory=list)
     tables: Any = None
@@ -98,15 +99,6 @@ class _Run:
             self.slow.system, tables, self.chosen, self.slow.all_values(period.values)
         )
         self.history.add(period, float(tables.clock[0]))
-
-    def begin(self, mode: int) -> Status:
-        """Begin in a mode, or go on in it where it is -2 less its number."""
-        return Status(
-            start_kernel(
-                self.tables, self.derivatives.rates, self.anchor, self.segment, self.tangent,
-                self.records, mode, self.tolerance,
-            )
-        )  # fmt: skip
 
     def pass_period(self, part: Part) -> Status:
         """Run to the end of the period, or of the run, and keep the samples."""
@@ -131,8 +123,9 @@ class _Run:
             self.segment, self.tangent,
         )  # fmt: skip
         status, self.records = advance(
-            arrays, end, self.records, self.log, self.tolerance, lambda _: None
+            arrays, end, self.records, self.log, self.tolerance, lambda _: None, mode=self.mode
         )
+        self.mode = GOES_ON
         written = min(count, int(self.records.cursor[at.SAMPLES]))
         self.history.samples[-1] = written
         records, columns = self.records, self.tangent.samples
@@ -169,7 +162,8 @@ class _Run:
         anchor.place[0], anchor.phase[0] = period.number, 0.0
         anchor.state[:] = self.records.end_state
         anchor.order[:] = 0
-        return self.begin(-2 - int(anchor.place[1]))
+        self.mode = SAME - int(anchor.place[1])
+        return Status.COMPLETED
 
 
 def run_slow(
@@ -180,7 +174,7 @@ def run_slow(
     start: Start,
     tolerance: float,
     *,
-    mode: int = -1,
+    mode: int = ANY,
     keep_events: bool = True,
     chosen: tuple[str, ...] | None = None,
 ) -> Outcome:
@@ -200,9 +194,7 @@ def run_slow(
     if start.anchor is None:
         run.anchor.place[0], run.anchor.phase[0] = start.instant
         run.anchor.state[:] = start.state
-        status = run.begin(mode)
-        if status == Status.INADMISSIBLE:
-            raise NoMode(run.segment.z.copy())
+        run.mode = mode
     else:
         log_going_on(run.records, start.instant, run.anchor, start.state)
         run.records.since[:] = start.instant
@@ -212,6 +204,8 @@ def run_slow(
             while status == Status.COMPLETED:
                 part = plan.part(run.history.periods[-1], run.history.windows[-1])
                 status, end = run.pass_period(part), part.end
+                if status == Status.INADMISSIBLE and run.records.cursor[at.EVENTS] == 0:
+                    raise NoMode(run.segment.z.copy())
                 if end is not None or status != Status.COMPLETED:
                     break
                 progress.update(plan.done(run.history.periods[-1]))
