@@ -12,6 +12,8 @@ from nonsmooth.version import __version__
 
 if TYPE_CHECKING:
     from nonsmooth import models, plot
+    from nonsmooth.analysis.bifurcation_diagram import bifurcation_diagram
+    from nonsmooth.analysis.stroboscopic_map import stroboscopic_map
     from nonsmooth.errors import (
         ModelError,
         NonsmoothError,
@@ -36,10 +38,12 @@ __all__ = [
     "Signal",
     "System",
     "__version__",
+    "bifurcation_diagram",
     "models",
     "phase_word",
     "plot",
     "simulate",
+    "stroboscopic_map",
 ]
 
 _HOME = {
@@ -52,8 +56,10 @@ _HOME = {
     "RunWarning": "nonsmooth.errors",
     "Signal": "nonsmooth.system.signals",
     "System": "nonsmooth.system.system",
+    "bifurcation_diagram": "nonsmooth.analysis.bifurcation_diagram",
     "phase_word": "nonsmooth.simulation.words",
     "simulate": "nonsmooth.simulation.simulate",
+    "stroboscopic_map": "nonsmooth.analysis.stroboscopic_map",
 }
 
 

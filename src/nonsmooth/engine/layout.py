@@ -87,9 +87,9 @@ RE, IM, SIZE, NOISE = range(4)
 EXTENT, UNITS = 0, 1
 # Segment.scan: Taylor coefficients of a guard, bound of the next one, rounding margin of the
 # value, safe step, latest root, what fading motions may take off and their whole size, where
-# they are left out of the polynomial
-BOUND, MARGIN, SAFE, LATEST, TAKEN_OFF, FADING = range(TERMS, TERMS + 6)
-SCAN = TERMS + 6
+# they are left out of the polynomial, and up to where a tangency is passed already
+BOUND, MARGIN, SAFE, LATEST, TAKEN_OFF, FADING, PASSED = range(TERMS, TERMS + 7)
+SCAN = TERMS + 7
 
 
 class Program(NamedTuple):

@@ -1,0 +1,1 @@
+"""Analyses of systems: one file per verb."""
