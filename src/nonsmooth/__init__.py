@@ -12,6 +12,7 @@ from nonsmooth.version import __version__
 
 if TYPE_CHECKING:
     from nonsmooth import models, plot
+    from nonsmooth.analysis.poincare_section import poincare_section
     from nonsmooth.errors import (
         ModelError,
         NonsmoothError,
@@ -39,6 +40,7 @@ __all__ = [
     "models",
     "phase_word",
     "plot",
+    "poincare_section",
     "simulate",
 ]
 
@@ -53,6 +55,7 @@ _HOME = {
     "Signal": "nonsmooth.system.signals",
     "System": "nonsmooth.system.system",
     "phase_word": "nonsmooth.simulation.words",
+    "poincare_section": "nonsmooth.analysis.poincare_section",
     "simulate": "nonsmooth.simulation.simulate",
 }
 

@@ -1,0 +1,1 @@
+"""What trajectories tell: maps, diagrams, measures of chaos. One file per verb."""
