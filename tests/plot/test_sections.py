@@ -43,13 +43,22 @@ def test_a_million_points_make_a_small_file(ax, tmp_path):
     assert file.stat().st_size < 500_000  # 16 MB of coordinates
 
 
-def test_more_points_are_smaller(points, ax):
+def test_many_points_are_small_unless_they_coincide(points, ax):
+    rng = np.random.default_rng(3)
+    cloud = xr.Dataset({name: ("point", rng.normal(size=3000)) for name in ("x", "v")})
     ns.plot.section(points.isel(point=slice(0, 100)), "x", "v", ax=ax)
     ns.plot.section(points.isel(point=np.arange(3000) % 100), "x", "v", ax=ax)
-    ns.plot.section(points, "x", "v", ax=ax, size=5.0)
-    few, many, given = (line.get_markersize() for line in ax.lines)
-    assert few > 2 * many
+    ns.plot.section(cloud, "x", "v", ax=ax)
+    ns.plot.section(cloud, "x", "v", ax=ax, size=5.0)
+    few, repeated, many, given = (line.get_markersize() for line in ax.lines)
+    assert few == repeated > 2 * many
     assert given == 5.0
+
+
+def test_the_legend_is_legible(points, ax):
+    ns.plot.section(points, "x", "v", ax=ax, phases=True, size=0.1)
+    assert [h.get_markersize() for h in ax.get_legend().legend_handles] == [3.0, 3.0]
+    assert ax.lines[0].get_markersize() == 0.1
 
 
 def test_no_points_are_an_empty_picture(ax):

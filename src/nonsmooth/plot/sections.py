@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+import numpy.typing as npt
 
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.plot.figures import new_axes
@@ -25,9 +26,12 @@ if TYPE_CHECKING:
 
 __all__ = ["section"]
 
-# diameter in points by the number of points: single ones are seen, many leave gaps between
+# diameter in points by the number of places with a point: single ones are seen, many leave
+# gaps between them
 _SIZES = ((200, 3.0), (2_000, 1.6), (DENSE, 0.9), (200_000, 0.5))
 _SMALLEST = 0.3  # a little more than a pixel of a print at 300 dots per inch
+_IN_LEGEND = 3.0
+_PLACES = 1_000  # per side
 
 
 def section(
@@ -53,7 +57,8 @@ def section(
     phases : bool, optional
         Whether points have the colour of their mode.
     size : float, optional
-        Diameter of a point in typographic points; smaller with more points by default.
+        Diameter of a point in typographic points; by default smaller where there are
+        more of them.
     legend : bool, optional
         Whether to draw a legend of the modes with ``phases=True``.
 
@@ -88,7 +93,7 @@ def section(
         )
     across, up = points[x].values.ravel(), points[y].values.ravel()
     ax = new_axes() if ax is None else ax
-    diameter = _diameter(across.size) if size is None else size
+    diameter = _diameter(across, up) if size is None else size
     sets = {"": np.ones(across.size, bool)}
     colours = {"": LINES[0]["color"]}
     if phases:
@@ -111,7 +116,13 @@ def section(
         )
     finish_axes(ax, axis_label(points[x]), axis_label(points[y]))
     if phases and legend:
+        from matplotlib.lines import Line2D
+
         place_legend(ax)
+        box = ax.get_legend()
+        for handle in box.legend_handles if box else ():
+            if isinstance(handle, Line2D):
+                handle.set_markersize(_IN_LEGEND)
     return ax
 
 
@@ -121,5 +132,16 @@ def _check_variable(points: xr.Dataset, name: str) -> None:
         raise OptionError(unknown_name("variable", name, known))
 
 
-def _diameter(count: int) -> float:
+def _diameter(across: npt.NDArray[np.float64], up: npt.NDArray[np.float64]) -> float:
+    """Diameter by the number of places: the many points of a periodic motion lie on a few."""
+    places = _place(across) * _PLACES + _place(up)
+    count = np.count_nonzero(np.bincount(places, minlength=1))
     return next((size for most, size in _SIZES if count <= most), _SMALLEST)
+
+
+def _place(values: npt.NDArray[np.float64]) -> npt.NDArray[np.int64]:
+    finite = values[np.isfinite(values)]
+    if finite.size == 0 or np.ptp(finite) == 0.0:
+        return np.zeros(values.size, np.int64)
+    share = (np.nan_to_num(values, nan=finite[0]) - finite.min()) / np.ptp(finite)
+    return np.clip(share * _PLACES, 0, _PLACES - 1).astype(np.int64)
