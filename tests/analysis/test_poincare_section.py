@@ -456,7 +456,52 @@ def test_more_wrong_options():
         ns.OptionError, match="fits no mode of 'system':\n  flight: guard 'h' is -1"
     ):
         section(ball(), {"h": -1.0}, section="u")
+    rotor = ns.models.clearance_rotor()
+    with pytest.raises(ns.OptionError, match="at the start it has no finite value or derivative"):
+        section(rotor, section="radius - 0.5")
     forced = ns.models.duffing()
     with pytest.raises(ns.OptionError, match=r"section = 'x - t': with it, period: .*'flow'") as e:
         section(forced, section="x - t")
     assert "__above" not in str(e.value)
+
+
+def test_an_interruption_keeps_what_is_there(monkeypatch):
+    from nonsmooth.analysis import section_search
+
+    calls = []
+    run_plan = section_search.run_plan
+
+    def interrupted(*arguments, **options):
+        calls.append(1)
+        if len(calls) == 4:
+            raise KeyboardInterrupt
+        return run_plan(*arguments, **options)
+
+    monkeypatch.setattr(section_search, "run_plan", interrupted)
+    with pytest.warns(ns.RunWarning, match="interrupted at t"):
+        points = section(oscillator(), {"x": 1.0}, section="v", record=100_000)
+    assert points.attrs["status"] == "interrupted"
+    n = points.sizes["point"]
+    assert n > 10
+    np.testing.assert_allclose(points["time"], np.pi * (1 + 2 * np.arange(n)), rtol=1e-13)
+
+
+def test_a_start_later_than_zero():
+    forced = ns.System(
+        states=["x", "v"],
+        period="2*pi/w",
+        parameters={"w": 2.0},
+        equations={"x": "v", "v": "cos(w*t) - x - 0.1*v"},
+    )
+    points = section(forced, {"x": 0.3}, t_start=5.0, section="x", direction=0, record=8)
+    assert np.all(points["time"] > 5.0)
+    run = ns.simulate(forced, {"x": 0.3}, t_start=5.0, times=points["time"].values)
+    np.testing.assert_allclose(run["x"], 0.0, atol=1e-14)
+    np.testing.assert_allclose(run["v"], points["v"], atol=1e-13)
+
+
+def test_too_many_cells_are_refused():
+    many = " + ".join(f"abs(x - {k})" for k in range(5))
+    system = ns.System(states=["x", "v"], equations={"x": "v", "v": f"-({many})"})
+    with pytest.raises(ns.OptionError, match=r"section = 'v': with it, mod.*64.*at most 60"):
+        section(system, section="v")

@@ -18,7 +18,7 @@ from nonsmooth.analysis.section_options import (
     set_limits,
 )
 from nonsmooth.analysis.section_rows import Crossings, NamedEvents
-from nonsmooth.analysis.section_search import Pick, search
+from nonsmooth.analysis.section_search import Pick, search, to_begin
 from nonsmooth.engine.layout import Tables
 from nonsmooth.errors import ModelError, OptionError, RunWarning
 from nonsmooth.simulation.clock import Instant, instants
@@ -156,20 +156,35 @@ def poincare_section(
         "changed_parameters": str(dict(parameters)) if parameters else "",
     }
     pick: Pick = NamedEvents(system, section)
-    used = tables
+    used, begin = tables, start
     if split is not None:
         used = _tables_of(split)
-        start = _on_either_side(start, split, window, float(used.clock[0]))
+        begin = _on_either_side(start, split, window, float(used.clock[0]))
         pick = Crossings(split, used, way)
-    limits = set_limits(system, used, start.instant, transient, record, t_end)
+    limits = set_limits(system, used, begin.instant, transient, record, t_end)
     try:
-        found = search(used, start, limits, tolerance, pick)
-    except NoMode as misfit:
-        raise OptionError(explain_misfit(system, tables, start, misfit.z)) from None
+        found = search(used, begin, limits, tolerance, pick)
+    except NoMode:
+        raise _misfit(system, tables, start, tolerance, section) from None
     result = section_dataset(system, used, found, protocol)
     if result.attrs["message"] != "completed":
         warnings.warn(f"{system.name}: {result.attrs['message']}", RunWarning, stacklevel=2)
     return result
+
+
+def _misfit(
+    system: System, tables: Tables, start: Start, tolerance: float, section: str
+) -> OptionError:
+    """Why no mode admits a start: the system, or a section that is not smooth there."""
+    try:
+        to_begin(tables, start, start.instant, tolerance)
+    except NoMode as misfit:
+        return OptionError(explain_misfit(system, tables, start, misfit.z))
+    return OptionError(
+        f"section = {section!r}: at the start it has no finite value or derivative; start a little"
+        " beside, or write it without what is singular there, such as x**2 + y**2 - 1 in place of"
+        " sqrt(x**2 + y**2) - 1"
+    )
 
 
 def _tables_of(split: Section) -> Tables:

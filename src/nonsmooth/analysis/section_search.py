@@ -16,7 +16,7 @@ from nonsmooth.simulation.progress import Progress
 from nonsmooth.simulation.runner import NoMode, Outcome, run_plan
 from nonsmooth.simulation.start import Start
 
-__all__ = ["PATIENCE", "Limits", "Pick", "Points", "Search", "search"]
+__all__ = ["PATIENCE", "Limits", "Pick", "Points", "Search", "search", "to_begin"]
 
 PATIENCE = 10_000  # windows without a point after which the search is given up
 _FIRST_PART = 8  # windows of the first part
@@ -76,7 +76,7 @@ def search(tables: Tables, start: Start, limits: Limits, tolerance: float, pick:
     """
     found = Search(start.instant)
     try:
-        outcome = _to_begin(tables, start, limits, tolerance)
+        outcome = to_begin(tables, start, limits.begin, tolerance)
         found.status, found.instant = outcome.status, outcome.end
         found.n_uncertain = outcome.n_uncertain
         waited = windows = n_events = 0
@@ -124,9 +124,9 @@ def _take(found: Search, outcome: Outcome, record: int, pick: Pick) -> int:
     return points.number.size
 
 
-def _to_begin(tables: Tables, start: Start, limits: Limits, tolerance: float) -> Outcome:
+def to_begin(tables: Tables, start: Start, begin: Instant, tolerance: float) -> Outcome:
     """Run to where points count from, in the first mode that admits the start."""
-    plan = Plan(limits.begin, *_NO_SAMPLES)
+    plan = Plan(begin, *_NO_SAMPLES)
     for mode in start.modes:
         try:
             return run_plan(
