@@ -505,3 +505,19 @@ def test_too_many_cells_are_refused():
     system = ns.System(states=["x", "v"], equations={"x": "v", "v": f"-({many})"})
     with pytest.raises(ns.OptionError, match=r"section = 'v': with it, mod.*64.*at most 60"):
         section(system, section="v")
+
+
+def test_a_motion_that_comes_to_rest_on_the_section():
+    """Its amplitude falls by exp(-0.1 t): below the last digit of x at t = 370."""
+    bell = ns.System(states=["x", "v"], equations={"x": "v", "v": "1 - x - 0.2*v"})
+    with pytest.warns(ns.RunWarning, match="comes to rest on the section"):
+        points = section(bell, section="x - 1", direction=0)
+    assert points.attrs["status"] == "at_rest"
+    sure = points["time"].values[points["certified"].values]
+    wd = np.sqrt(0.99)
+    first = (np.pi - np.arctan2(wd, 0.1)) / wd  # of cos(wd t) + 0.1/wd sin(wd t) = 0
+    assert sure.size > 80
+    early = sure[:60]
+    truth = first + np.pi / wd * np.arange(60)
+    np.testing.assert_allclose(early, truth, atol=1e-5)
+    np.testing.assert_allclose(early[:20], truth[:20], atol=1e-11)

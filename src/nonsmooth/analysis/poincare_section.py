@@ -88,7 +88,8 @@ def poincare_section(
         Over ``point``: every state and output by name, ``time``, ``mode``, ``certified``
         (whether rounding leaves no doubt about the crossing), and for an expression
         ``direction``, 1 where it grows and -1 where it falls; ``period_number`` and ``phase``
-        where there is a period. Attributes: ``status`` with its ``message``, ``n_points``,
+        where there is a period. Attributes: ``status`` (that of a run, ``time_limit`` when
+        nothing came for long, or ``at_rest``) with its ``message``, ``n_points``,
         ``n_uncertain``, ``n_grazes``, the system as TOML and all options.
 
     Raises

@@ -81,7 +81,7 @@ def _attributes(
         "system_name": system.name,
         "system": labels_of(system).system,
         "nonsmooth_version": __version__,
-        "status": "time_limit" if found.gave_up else found.status.word,
+        "status": _status(found),
         "message": _message(found, protocol, end),
         "certified": int(found.n_uncertain == 0),
         "n_points": found.n_points,
@@ -94,10 +94,21 @@ def _attributes(
     return attrs | protocol
 
 
+def _status(found: Search) -> str:
+    if found.at_rest:
+        return "at_rest"
+    return "time_limit" if found.gave_up else found.status.word
+
+
 def _message(found: Search, protocol: dict[str, Any], end: float) -> str:
     """What became of the search, and what to do where it found less than was asked for."""
     status, count, record = found.status, found.n_points, protocol["record"]
     few = f"{count} of {record} points until t = {end:.9g}"
+    if found.at_rest:
+        return (
+            f"{few}; there the motion comes to rest on the section, as far as rounding tells: the"
+            " points that are not certified mean nothing"
+        )
     if status != Status.COMPLETED:
         return f"{status.word} at t = {end:.9g}, {count} of {record} points: {CURES[status]}"
     if count == record or (count and protocol["t_end"] < np.inf):

@@ -58,6 +58,10 @@ class Crossings:
         points.states[0, plain] = points.states[1, plain]
         return points, open_
 
+    def is_own(self, row: Integers) -> bool:
+        """Whether a row would not be there without the section."""
+        return bool(row[at.EXIT] >= 0 and row[at.EXIT] == self.section.gate[row[at.FROM]])
+
     def _goes_through(self, row: Integers, values: Floats) -> bool:
         """Whether the expression is continuous at an event with several exits, or at a knot."""
         before, after = int(row[at.FROM]), int(row[at.TO])
@@ -131,6 +135,10 @@ class NamedEvents:
         here = np.flatnonzero(meant & ~grazes)
         none = np.zeros(here.size, np.int64)
         return _points(rows, values, here, self.origin, none), meant & grazes
+
+    def is_own(self, row: Integers) -> bool:
+        """Whether a row would not be there without the section: events always are."""
+        return False
 
     def _is_meant(self, before: int, path: int, passes: int, after: int) -> bool:
         entered = bool(self.modes[after] and not self.modes[before])

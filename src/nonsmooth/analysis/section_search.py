@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -22,6 +22,7 @@ PATIENCE = 10_000  # windows without a point after which the search is given up
 _FIRST_PART = 8  # windows of the first part
 _MOST_EVENTS = 200_000  # that a part should have
 _SPARE = 1.1  # points come unevenly
+_STUCK = (Status.UNDECIDED, Status.STEP_LIMIT, Status.EVENT_LIMIT)
 _NO_SAMPLES = np.zeros(0, np.int64), np.zeros(0)
 
 
@@ -62,18 +63,23 @@ class Search:
     n_uncertain: int = 0
     n_grazes: int = 0
     gave_up: bool = False
+    at_rest: bool = False  # on the section, within rounding
 
 
-Rows = npt.NDArray[np.int64]
-Pick = Callable[[Rows, npt.NDArray[np.float64]], tuple[Points, npt.NDArray[np.bool_]]]
+class Pick(Protocol):
+    """Finds points in rows of the event log."""
+
+    def __call__(
+        self, rows: npt.NDArray[np.int64], values: npt.NDArray[np.float64]
+    ) -> tuple[Points, npt.NDArray[np.bool_]]:
+        """Points, and which rows are contacts with the section that rounding leaves open."""
+
+    def is_own(self, row: npt.NDArray[np.int64]) -> bool:
+        """Whether a row would not be there without the section."""
 
 
 def search(tables: Tables, start: Start, limits: Limits, tolerance: float, pick: Pick) -> Search:
-    """Points of a trajectory; `NoMode` when no mode admits the start.
-
-    ``pick`` takes rows of the event log and gives the points among them, and which of the rows
-    are contacts with the section that rounding leaves open.
-    """
+    """Points of a trajectory; `NoMode` when no mode admits the start."""
     found = Search(start.instant)
     try:
         outcome = to_begin(tables, start, limits.begin, tolerance)
@@ -111,6 +117,8 @@ def _take(found: Search, outcome: Outcome, record: int, pick: Pick) -> int:
     found.status, found.instant = outcome.status, outcome.end
     if points.number.size < wanted:
         found.n_uncertain += outcome.n_uncertain
+        if outcome.status in _STUCK and len(rows):
+            found.at_rest = pick.is_own(rows[-1]) and not rows[-1, at.IS_CERTIFIED]
     else:  # what lies behind the last point is not looked at, however far the part went
         points = _first(points, wanted)
         last = int(points.row[-1]) + 1
