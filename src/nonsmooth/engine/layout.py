@@ -165,7 +165,6 @@ class Segment(NamedTuple):
     order: Integers  # (e,): known order of zero of each guard at the start
     to_knot: Floats  # (1,): time to the next knot of a signal, inf without signals
     scan: Floats  # (e, SCAN)
-    velocity: Floats  # (N,) rates at the instant of an event
     scale: Floats  # (N,) how far each coordinate moves
     basis: Floats  # (2, N, N): directions left free by what is known to be zero, and a spare
     # of Taylor modes
@@ -264,7 +263,6 @@ def allocate_segment(sizes: Integers, n_rates: int = 0) -> Segment:
         order=np.zeros(e, np.int64),
         to_knot=np.full(1, np.inf),
         scan=np.zeros((e, SCAN)),
-        velocity=np.zeros(big_n),
         scale=np.zeros(big_n),
         basis=np.zeros((2, big_n, big_n)),
         point=np.zeros(1),

@@ -102,7 +102,8 @@ def run_lane(
         m, phase = place[1], anchor.phase[0]
         s, e, found = 0.0, -1, CERTIFIED
         if not begins:
-            if cursor[EVENTS] >= records.event_floats.shape[0] - 1:
+            room = records.event_floats.shape[0]
+            if room > 0 and cursor[EVENTS] >= room - 1:
                 return _BUFFER_FULL
             if cursor[SEGMENTS] > _MOST_SEGMENTS:
                 cursor[SEGMENTS] = 0
