@@ -13,6 +13,7 @@ from nonsmooth.version import __version__
 if TYPE_CHECKING:
     from nonsmooth import models, plot
     from nonsmooth.analysis.bifurcation_diagram import bifurcation_diagram
+    from nonsmooth.analysis.poincare_section import poincare_section
     from nonsmooth.analysis.stroboscopic_map import stroboscopic_map
     from nonsmooth.errors import (
         ModelError,
@@ -42,6 +43,7 @@ __all__ = [
     "models",
     "phase_word",
     "plot",
+    "poincare_section",
     "simulate",
     "stroboscopic_map",
 ]
@@ -58,6 +60,7 @@ _HOME = {
     "System": "nonsmooth.system.system",
     "bifurcation_diagram": "nonsmooth.analysis.bifurcation_diagram",
     "phase_word": "nonsmooth.simulation.words",
+    "poincare_section": "nonsmooth.analysis.poincare_section",
     "simulate": "nonsmooth.simulation.simulate",
     "stroboscopic_map": "nonsmooth.analysis.stroboscopic_map",
 }

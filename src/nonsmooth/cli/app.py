@@ -10,6 +10,7 @@ from nonsmooth.cli import chapter
 from nonsmooth.cli.console import Commands
 from nonsmooth.cli.explain import explain
 from nonsmooth.cli.models import models
+from nonsmooth.cli.section import section
 from nonsmooth.cli.simulate import simulate
 from nonsmooth.version import __version__
 
@@ -46,6 +47,7 @@ def _options(
 
 
 app.command()(simulate)
+app.command()(section)
 app.command()(models)
 app.command()(explain)
 

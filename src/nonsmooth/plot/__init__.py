@@ -10,6 +10,7 @@ from nonsmooth.plot.histories import time_history
 from nonsmooth.plot.markers import event_markers
 from nonsmooth.plot.mode_spans import phases
 from nonsmooth.plot.portrait import phase_portrait
+from nonsmooth.plot.sections import section
 from nonsmooth.plot.style import PALETTE, axis_label, mode_colours
 
 __all__ = [
@@ -21,5 +22,6 @@ __all__ = [
     "phases",
     "print_figure",
     "save_figure",
+    "section",
     "time_history",
 ]
