@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from nonsmooth.analysis.columns import Look, Protocol, run_chain
 from nonsmooth.analysis.diagram_dataset import diagram_dataset
+from nonsmooth.engine.layout import Tables
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.simulation.crew import check_threads, run_tasks
 from nonsmooth.simulation.lane_runner import LaneRunner
@@ -58,7 +59,8 @@ def bifurcation_diagram(
     values : array_like
         Its values, one column of the diagram each.
     initial : mapping, dataset, or a list of these, optional
-        Initial state as in `simulate`, or several: each is a ``lane`` of its own.
+        Initial state as in `simulate`, or several: each is a ``lane`` of its own. States that are
+        not given are those at rest, for each value anew.
     start : {"restart", "follow up", "follow down"}, optional
         Whether every column begins at the initial state, or where the column with the next lower
         (higher) value has ended. Where several attractors coexist, the answers differ.
@@ -90,8 +92,9 @@ def bifurcation_diagram(
     xarray.Dataset
         Over ``parameter``, ``lane`` and ``point``: states, outputs and ``mode``, nan and -1 where
         there are no more points. Over ``parameter`` and ``lane``: ``period`` in periods of the
-        forcing (0: none up to half of ``record``), ``word`` (modes of that period), ``impacts``
-        (events with a reset, per period), ``status``, ``n_uncertain``, and for every drifting state
+        forcing (0: none up to half of ``record``), ``word`` (modes of that period), ``events`` and
+        ``impacts`` (events of that kind) per period, ``status``, ``n_uncertain``, and for every
+        drifting state
         its change per period and per unit time, as in ``v_per_period``. After an interruption the
         columns that are done are there, the others have the status ``interrupted``.
 
@@ -143,18 +146,16 @@ def bifurcation_diagram(
         outputs=bool(system.outputs),
     )
     runner = LaneRunner(system, tolerance)
-    begins = [
-        resolve_start(system, runner.tables, each, None, mode, parameters is not None)
-        for each in (initial if isinstance(initial, Sequence) else [initial])
-    ]
-    if not begins:
+    given = list(initial) if isinstance(initial, Sequence) else [initial]
+    if not given:
         raise OptionError("initial= is an empty list; give at least one initial state")
-    looks: list[list[Look | None]] = [[None] * len(begins) for _ in grid]
-    chains = _chains(grid, start)
+    for each in given:  # refuse here what no column could begin with
+        resolve_start(system, runner.tables, each, None, mode, repeated=True)
+    looks: list[list[Look | None]] = [[None] * len(given) for _ in grid]
     tasks, places = [], []
-    for lane, begin in enumerate(begins):
-        for links in chains:
-            tasks.append(_task(protocol, grid, links, begin.state, begin.modes[0], start))
+    for lane, each in enumerate(given):
+        for links in _chains(grid, start):
+            tasks.append(_task(protocol, grid[links].tolist(), each, mode, start))
             places.append((lane, links))
 
     def keep(i: int, found: list[Look]) -> None:
@@ -179,28 +180,34 @@ def bifurcation_diagram(
         "match": protocol.match,
         "tolerance": float(tolerance),
         "changed_parameters": str(dict(parameters)) if parameters else "",
-        "initial": str([dict(zip(system.states, b.state.tolist(), strict=True)) for b in begins]),
+        "initial": str([_said(each) for each in given]),
     }
     return diagram_dataset(protocol, grid, looks, options, complete)
 
 
 def _task(
-    protocol: Protocol,
-    grid: npt.NDArray[np.float64],
-    links: list[int],
-    state: npt.NDArray[np.float64],
-    mode: int,
-    start: str,
+    protocol: Protocol, values: list[float], initial: Any, mode: str | None, start: str
 ) -> Any:
     """Some columns of one lane, each by itself or one after the other."""
 
+    def begin(system: System, tables: Tables) -> tuple[npt.NDArray[np.float64], int]:
+        # states that are not given are those at rest, which may depend on the parameter
+        found = resolve_start(system, tables, initial, None, mode, repeated=True)
+        return found.state, found.modes[0]
+
     def run(runner: LaneRunner, stop: threading.Event) -> list[Look]:
-        values = [float(grid[i]) for i in links]
         if start == "restart":
-            return [run_chain(protocol, runner, stop, [v], state, mode)[0] for v in values]
-        return run_chain(protocol, runner, stop, values, state, mode)
+            return [run_chain(protocol, runner, stop, [value], begin)[0] for value in values]
+        return run_chain(protocol, runner, stop, values, begin)
 
     return run
+
+
+def _said(initial: Any) -> str:
+    """An initial state as the protocol tells it."""
+    if initial is None:
+        return "at rest"
+    return str(dict(initial)) if isinstance(initial, Mapping) else "a point of a dataset"
 
 
 def _chains(grid: npt.NDArray[np.float64], start: str) -> list[list[int]]:

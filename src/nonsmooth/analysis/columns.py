@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +11,7 @@ import numpy.typing as npt
 
 from nonsmooth.analysis.periodicity import primitive_period, scales
 from nonsmooth.engine import records as at
+from nonsmooth.engine.layout import Tables
 from nonsmooth.engine.loop import SAME
 from nonsmooth.engine.status import EventKind, Status
 from nonsmooth.errors import ModelError
@@ -53,7 +55,8 @@ class Look:
     modes: Integers  # (K,)
     period: int  # in periods of the forcing; 0 where none was found
     word: str
-    impacts: float  # per period
+    events: float  # per period
+    impacts: float  # of these, with a reset
     drift: Floats  # (n,): change of each state per period
     uncertain: int
     window: float
@@ -64,40 +67,42 @@ def run_chain(
     runner: LaneRunner,
     stop: threading.Event,
     values: list[float],
-    start: Floats,
-    mode: int,
+    start: Callable[[System, Tables], tuple[Floats, int]],
 ) -> list[Look]:
     """One motion through several values, each from where the last one ended.
 
-    Drifting states begin at their first value everywhere. After a value at which the motion ended
-    early, or that the system refuses, it begins anew.
+    ``start`` gives the initial state and the mode, see `run_lane`, for a value. Drifting states
+    begin at their initial value everywhere. After a value at which the motion ended early, or that
+    the system refuses, it begins anew.
     """
     looks: list[Look] = []
-    state, how, begin = start, mode, Instant(0, 0.0)
+    lanes: Lanes | None = None
     for value in values:
-        lanes = None
         try:
-            runner.set_up(protocol.system.parameter_values | {protocol.parameter: value})
+            system = protocol.system.with_parameters(**{protocol.parameter: value})
+            runner.set_up(system.parameter_values)
         except ModelError:
-            looks.append(_nothing(Status.REFUSED, start.size, np.nan))
-        else:
-            lanes = runner.start(state[None], begin, how)
-            looks.append(_look(protocol, runner, lanes, begin, stop, value))
-        state, how, begin = start, mode, Instant(0, 0.0)
+            looks.append(_nothing(Status.REFUSED, len(protocol.system.states), np.nan))
+            lanes = None
+            continue
+        state, mode = start(system, runner.tables)
+        begin = Instant(0, 0.0)
         if lanes is not None and lanes.status[0] == Status.COMPLETED:
-            state = np.where(protocol.drifting, start, lanes.end_state[0])
-            how = SAME - int(lanes.anchors.place[0, 1])
+            state = np.where(protocol.drifting, state, lanes.end_state[0])
+            mode = SAME - int(lanes.anchors.place[0, 1])
             begin = Instant(0, protocol.phase * runner.window)
+        lanes = runner.start(state[None], begin, mode)
+        looks.append(_look(protocol, system, runner, lanes, begin, stop))
     return looks
 
 
 def _look(
     protocol: Protocol,
+    system: System,
     runner: LaneRunner,
     lanes: Lanes,
     begin: Instant,
     stop: threading.Event,
-    value: float,
 ) -> Look:
     """Let a motion settle and record it."""
     n, window = lanes.end_state.shape[1], runner.window
@@ -119,7 +124,8 @@ def _look(
     if period:
         word = _word(protocol, rows, values[:, at.PHASE], numbers, phases, modes, period, window)
     kind = rows[:, at.KIND]
-    impacts = np.count_nonzero((kind == EventKind.IMPACT) | (kind == EventKind.CORNER))
+    events = np.count_nonzero(kind != EventKind.GRAZE) / protocol.record
+    impacts = np.count_nonzero(kind == EventKind.IMPACT) / protocol.record
     drift = (points[-1] - points[0]) / protocol.record
     if protocol.exits is None:
         # the last strobe closes the recorded time and belongs to the next period
@@ -127,9 +133,9 @@ def _look(
     else:
         taken = _at_events(protocol, rows, values, n)
     if protocol.outputs:
-        taken = _with_outputs(protocol, runner, value, *taken), *taken[1:]
+        taken = _with_outputs(system, runner, *taken), *taken[1:]
     return Look(
-        status, *taken, period, word, impacts / protocol.record, drift,
+        status, *taken, period, word, events, impacts, drift,
         int(lanes.uncertain[0]), window,
     )  # fmt: skip
 
@@ -150,18 +156,15 @@ def _at_events(
 
 
 def _with_outputs(
-    protocol: Protocol,
+    system: System,
     runner: LaneRunner,
-    value: float,
     points: Floats,
     numbers: Integers,
     phases: Floats,
     modes: Integers,
 ) -> Floats:
     """Points with the outputs as further columns."""
-    clock = Clock(numbers, phases, runner.tables)
-    system = protocol.system.with_parameters(**{protocol.parameter: value})
-    found = output_values(system, clock, points.T, modes)
+    found = output_values(system, Clock(numbers, phases, runner.tables), points.T, modes)
     return np.column_stack([points, *found.values()])
 
 
@@ -186,6 +189,6 @@ def _nothing(status: Status, n: int, window: float) -> Look:
     """A motion that left nothing to look at."""
     whole = np.zeros(0, np.int64)
     return Look(
-        status, np.zeros((0, n)), whole, np.zeros(0), whole, 0, "", np.nan,
+        status, np.zeros((0, n)), whole, np.zeros(0), whole, 0, "", np.nan, np.nan,
         np.full(n, np.nan), 0, window,
     )  # fmt: skip

@@ -71,18 +71,20 @@ def _of_lanes(
     """Variables with one value for each column and lane."""
     period = np.zeros(shape, np.int64)
     uncertain = np.zeros(shape, np.int64)
-    impacts, window = np.full(shape, np.nan), np.full(shape, np.nan)
+    events, impacts, window = (np.full(shape, np.nan) for _ in range(3))
     drift = np.full((*shape, len(protocol.system.states)), np.nan)
     word = np.full(shape, "", object)
     status = np.full(shape, Status.INTERRUPTED.word, object)
     for i, j, one in _each(looks):
-        period[i, j], uncertain[i, j], impacts[i, j] = one.period, one.uncertain, one.impacts
+        period[i, j], uncertain[i, j] = one.period, one.uncertain
+        events[i, j], impacts[i, j] = one.events, one.impacts
         window[i, j], drift[i, j] = one.window, one.drift
         word[i, j], status[i, j] = one.word, one.status.word
     variables: dict[str, Any] = {
         "period": (_LANES, period, {"long_name": "period in periods of the forcing, 0 for none"}),
         "word": (_LANES, word.astype(str), {"long_name": "modes of one period"}),
-        "impacts": (_LANES, impacts, {"long_name": "events with a reset per period"}),
+        "events": (_LANES, events, {"long_name": "events per period"}),
+        "impacts": (_LANES, impacts, {"long_name": "impacts per period"}),
         "n_uncertain": (_LANES, uncertain, {"long_name": "events that rounding leaves open"}),
         "status": (_LANES, status.astype(str), {"long_name": "how the motion ended"}),
     }

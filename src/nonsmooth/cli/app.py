@@ -8,6 +8,7 @@ import typer
 
 from nonsmooth.cli import chapter
 from nonsmooth.cli.console import Commands
+from nonsmooth.cli.diagram import diagram
 from nonsmooth.cli.explain import explain
 from nonsmooth.cli.models import models
 from nonsmooth.cli.section import section
@@ -48,6 +49,7 @@ def _options(
 
 app.command()(simulate)
 app.command()(section)
+app.command()(diagram)
 app.command()(models)
 app.command()(explain)
 

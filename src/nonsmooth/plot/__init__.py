@@ -5,6 +5,7 @@ matplotlib is imported when something is drawn.
 
 from __future__ import annotations
 
+from nonsmooth.plot.diagrams import bifurcation
 from nonsmooth.plot.figures import print_figure, save_figure
 from nonsmooth.plot.histories import time_history
 from nonsmooth.plot.markers import event_markers
@@ -16,6 +17,7 @@ from nonsmooth.plot.style import PALETTE, axis_label, mode_colours
 __all__ = [
     "PALETTE",
     "axis_label",
+    "bifurcation",
     "event_markers",
     "mode_colours",
     "phase_portrait",
