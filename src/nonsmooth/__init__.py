@@ -12,6 +12,7 @@ from nonsmooth.version import __version__
 
 if TYPE_CHECKING:
     from nonsmooth import models, plot
+    from nonsmooth.analysis.lyapunov_spectrum import lyapunov_spectrum
     from nonsmooth.errors import (
         ModelError,
         NonsmoothError,
@@ -36,6 +37,7 @@ __all__ = [
     "Signal",
     "System",
     "__version__",
+    "lyapunov_spectrum",
     "models",
     "phase_word",
     "plot",
@@ -52,6 +54,7 @@ _HOME = {
     "RunWarning": "nonsmooth.errors",
     "Signal": "nonsmooth.system.signals",
     "System": "nonsmooth.system.system",
+    "lyapunov_spectrum": "nonsmooth.analysis.lyapunov_spectrum",
     "phase_word": "nonsmooth.simulation.words",
     "simulate": "nonsmooth.simulation.simulate",
 }

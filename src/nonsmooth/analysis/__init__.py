@@ -1,0 +1,1 @@
+"""What is asked of trajectories: one file per public verb."""
