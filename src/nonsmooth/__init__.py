@@ -13,10 +13,13 @@ from nonsmooth.version import __version__
 if TYPE_CHECKING:
     from nonsmooth import models, plot
     from nonsmooth.analysis.lyapunov_spectrum import lyapunov_spectrum
+    from nonsmooth.analysis.power_spectrum import power_spectrum
+    from nonsmooth.analysis.zero_one_test import zero_one_test
     from nonsmooth.errors import (
         ModelError,
         NonsmoothError,
         OptionError,
+        ResultWarning,
         RunError,
         RunWarning,
     )
@@ -32,6 +35,7 @@ __all__ = [
     "ModelError",
     "NonsmoothError",
     "OptionError",
+    "ResultWarning",
     "RunError",
     "RunWarning",
     "Signal",
@@ -41,7 +45,9 @@ __all__ = [
     "models",
     "phase_word",
     "plot",
+    "power_spectrum",
     "simulate",
+    "zero_one_test",
 ]
 
 _HOME = {
@@ -50,13 +56,16 @@ _HOME = {
     "ModelError": "nonsmooth.errors",
     "NonsmoothError": "nonsmooth.errors",
     "OptionError": "nonsmooth.errors",
+    "ResultWarning": "nonsmooth.errors",
     "RunError": "nonsmooth.errors",
     "RunWarning": "nonsmooth.errors",
     "Signal": "nonsmooth.system.signals",
     "System": "nonsmooth.system.system",
     "lyapunov_spectrum": "nonsmooth.analysis.lyapunov_spectrum",
     "phase_word": "nonsmooth.simulation.words",
+    "power_spectrum": "nonsmooth.analysis.power_spectrum",
     "simulate": "nonsmooth.simulation.simulate",
+    "zero_one_test": "nonsmooth.analysis.zero_one_test",
 }
 
 

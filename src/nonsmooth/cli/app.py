@@ -9,8 +9,10 @@ import typer
 from nonsmooth.cli import chapter
 from nonsmooth.cli.console import Commands
 from nonsmooth.cli.explain import explain
+from nonsmooth.cli.lyapunov import lyapunov
 from nonsmooth.cli.models import models
 from nonsmooth.cli.simulate import simulate
+from nonsmooth.cli.spectrum import spectrum
 from nonsmooth.version import __version__
 
 __all__ = ["app"]
@@ -46,6 +48,8 @@ def _options(
 
 
 app.command()(simulate)
+app.command()(lyapunov)
+app.command()(spectrum)
 app.command()(models)
 app.command()(explain)
 
