@@ -12,8 +12,11 @@ from nonsmooth.version import __version__
 
 if TYPE_CHECKING:
     from nonsmooth import models, plot
+    from nonsmooth.analysis.bifurcation_diagram import bifurcation_diagram
     from nonsmooth.analysis.lyapunov_spectrum import lyapunov_spectrum
+    from nonsmooth.analysis.poincare_section import poincare_section
     from nonsmooth.analysis.power_spectrum import power_spectrum
+    from nonsmooth.analysis.stroboscopic_map import stroboscopic_map
     from nonsmooth.analysis.zero_one_test import zero_one_test
     from nonsmooth.errors import (
         ModelError,
@@ -41,12 +44,15 @@ __all__ = [
     "Signal",
     "System",
     "__version__",
+    "bifurcation_diagram",
     "lyapunov_spectrum",
     "models",
     "phase_word",
     "plot",
+    "poincare_section",
     "power_spectrum",
     "simulate",
+    "stroboscopic_map",
     "zero_one_test",
 ]
 
@@ -61,10 +67,13 @@ _HOME = {
     "RunWarning": "nonsmooth.errors",
     "Signal": "nonsmooth.system.signals",
     "System": "nonsmooth.system.system",
+    "bifurcation_diagram": "nonsmooth.analysis.bifurcation_diagram",
     "lyapunov_spectrum": "nonsmooth.analysis.lyapunov_spectrum",
     "phase_word": "nonsmooth.simulation.words",
+    "poincare_section": "nonsmooth.analysis.poincare_section",
     "power_spectrum": "nonsmooth.analysis.power_spectrum",
     "simulate": "nonsmooth.simulation.simulate",
+    "stroboscopic_map": "nonsmooth.analysis.stroboscopic_map",
     "zero_one_test": "nonsmooth.analysis.zero_one_test",
 }
 

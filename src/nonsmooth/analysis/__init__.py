@@ -1,1 +1,1 @@
-"""What is asked of trajectories: one file per public verb."""
+"""Analyses of systems: one file per verb."""

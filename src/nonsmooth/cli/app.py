@@ -11,6 +11,7 @@ from nonsmooth.cli.console import Commands
 from nonsmooth.cli.explain import explain
 from nonsmooth.cli.lyapunov import lyapunov
 from nonsmooth.cli.models import models
+from nonsmooth.cli.section import section
 from nonsmooth.cli.simulate import simulate
 from nonsmooth.cli.spectrum import spectrum
 from nonsmooth.version import __version__
@@ -50,6 +51,7 @@ def _options(
 app.command()(simulate)
 app.command()(lyapunov)
 app.command()(spectrum)
+app.command()(section)
 app.command()(models)
 app.command()(explain)
 

@@ -39,8 +39,8 @@ def first_crossing(tables, segment, m, start, length):
 
     shapes: segment as left by start_segment; its orders are the known orders of zero of
     the guards at s = 0
-    returns: s, exit (-1: none), what was found, and where to go on after a GRAZE.
-    segment.now holds the slots at s.
+    returns: s, exit (-1: none) and what was found; after a GRAZE the search goes on at s, where
+    scan[:, PASSED] says how far each guard is known. segment.now holds the slots at s.
     """
     scan, order = segment.scan, segment.order
     n_exits = tables.wiring[m, 0, at.N_EXITS]
@@ -54,8 +54,14 @@ def first_crossing(tables, segment, m, start, length):
         rest = min(length - s, far)
         soonest = rest
         reach = rest if rest < 1.5 * top else top
-        which = -1
+        which, unsure = -1, 0
         for g in range(n_exits):
+            if s < scan[g, at.PASSED]:  # a tangency there is flagged already
+                scan[g, at.SAFE], scan[g, at.LATEST] = scan[g, at.PASSED] - s, _FAR
+                if scan[g, at.SAFE] < soonest:
+                    soonest, which = scan[g, at.SAFE], g
+                    reach = min(reach, soonest)
+                continue
             known = order[g] if s == 0.0 and order[g] < at.TERMS else 0
             read_guard(tables, segment, m, g, known)
             scan[g, at.LATEST] = _FAR
@@ -67,11 +73,11 @@ def first_crossing(tables, segment, m, start, length):
             else:
                 found = _look_ahead(scan, g, reach, far)
                 if found == GRAZE:
-                    return s, g, found, s + scan[g, at.SAFE]
+                    # passed by this guard alone: the others may fall before
+                    scan[g, at.PASSED] = s + max(scan[g, at.SAFE], 4.0 * _UNIT * length)
+                    return s, g, found
                 if found == UNCERTAIN:
-                    root = min(s + scan[g, at.SAFE], length)
-                    advance_once(tables, segment, m, root)
-                    return root, g, found, root
+                    unsure |= 1 << g
             if order[g] >= STILL_ZERO and still == 0.0:
                 order[g] = 0
             if scan[g, at.SAFE] < soonest:
@@ -79,10 +85,14 @@ def first_crossing(tables, segment, m, start, length):
                 which = g
                 reach = min(reach, soonest if scan[g, at.LATEST] == _FAR else scan[g, at.LATEST])
         if which >= 0:
+            if (unsure >> which) & 1:
+                s += soonest
+                advance_once(tables, segment, m, s)
+                return s, which, UNCERTAIN
             if scan[which, at.LATEST] < _FAR and _alone(scan, n_exits, which, length - s):
                 root, found = _finish(tables, segment, m, which, s)
                 if root <= length:
-                    return root, which, found, root
+                    return root, which, found
                 soonest = rest  # the guard falls, but not to zero within the segment
                 for g in range(n_exits):
                     if g != which:
@@ -101,8 +111,8 @@ def first_crossing(tables, segment, m, start, length):
             s = min(s + soonest, length)
             advance(tables, segment, m, s)
             if s >= length:
-                return length, -1, NONE, length
-    return s, -1, STUCK, s
+                return length, -1, NONE
+    return s, -1, STUCK
 
 
 @inlined
@@ -223,10 +233,10 @@ def _nearest(tables, segment, m, n_exits, s, length):
             if root < best_root - 4.0 * _UNIT * abs(root):
                 best, best_root = g, root
     if best < 0:
-        return s, -1, STUCK, s
+        return s, -1, STUCK
     best_root = min(max(best_root, s), length)
     advance_once(tables, segment, m, best_root)
-    return best_root, best, UNCERTAIN, best_root
+    return best_root, best, UNCERTAIN
 
 
 @inlined

@@ -87,9 +87,9 @@ RE, IM, SIZE, NOISE = range(4)
 EXTENT, UNITS = 0, 1
 # Segment.scan: Taylor coefficients of a guard, bound of the next one, rounding margin of the
 # value, safe step, latest root, what fading motions may take off and their whole size, where
-# they are left out of the polynomial
-BOUND, MARGIN, SAFE, LATEST, TAKEN_OFF, FADING = range(TERMS, TERMS + 6)
-SCAN = TERMS + 6
+# they are left out of the polynomial, and up to where a tangency is passed already
+BOUND, MARGIN, SAFE, LATEST, TAKEN_OFF, FADING, PASSED = range(TERMS, TERMS + 7)
+SCAN = TERMS + 7
 
 
 class Program(NamedTuple):
@@ -165,7 +165,6 @@ class Segment(NamedTuple):
     order: Integers  # (e,): known order of zero of each guard at the start
     to_knot: Floats  # (1,): time to the next knot of a signal, inf without signals
     scan: Floats  # (e, SCAN)
-    velocity: Floats  # (N,) rates at the instant of an event
     scale: Floats  # (N,) how far each coordinate moves
     basis: Floats  # (2, N, N): directions left free by what is known to be zero, and a spare
     # of Taylor modes
@@ -264,7 +263,6 @@ def allocate_segment(sizes: Integers, n_rates: int = 0) -> Segment:
         order=np.zeros(e, np.int64),
         to_knot=np.full(1, np.inf),
         scan=np.zeros((e, SCAN)),
-        velocity=np.zeros(big_n),
         scale=np.zeros(big_n),
         basis=np.zeros((2, big_n, big_n)),
         point=np.zeros(1),

@@ -102,7 +102,8 @@ def run_lane(
         m, phase = place[1], anchor.phase[0]
         s, e, found = 0.0, -1, CERTIFIED
         if not begins:
-            if cursor[EVENTS] >= records.event_floats.shape[0] - 1:
+            room = records.event_floats.shape[0]
+            if room > 0 and cursor[EVENTS] >= room - 1:
                 return _BUFFER_FULL
             if cursor[SEGMENTS] > _MOST_SEGMENTS:
                 cursor[SEGMENTS] = 0
@@ -231,8 +232,10 @@ def _search(tables, segment, anchor, records, m, length, end):
     searched again when the run goes on.
     """
     s = 0.0
+    for g in range(segment.scan.shape[0]):
+        segment.scan[g, at.PASSED] = 0.0
     while True:
-        s, e, found, go_on = first_crossing(tables, segment, m, s, length)
+        s, e, found = first_crossing(tables, segment, m, s, length)
         if found != GRAZE:
             return s, e, found
         if s >= end:
@@ -243,10 +246,6 @@ def _search(tables, segment, anchor, records, m, length, end):
         if s >= since:
             records.cursor[UNCERTAIN] += 1
             _log_crossing(tables, segment, anchor, records, s, e, _GRAZE, False)
-        s = go_on
-        if s >= length:
-            advance_once(tables, segment, m, length)
-            return length, -1, NONE
 
 
 @inlined

@@ -42,7 +42,7 @@ class Records(NamedTuple):
     sample_phase: Floats  # (s,)
     sample_state: Floats  # (s, n)
     sample_mode: Integers  # (s,)
-    event_integers: Integers  # (c, EVENT_INTEGERS)
+    event_integers: Integers  # (c, EVENT_INTEGERS); c = 0 where events are not logged
     event_floats: Floats  # (c, EVENT_FLOATS + 2 n)
     cursor: Integers  # (6,): samples written, events logged, events in this window, uncertain
     # ones, events in a row between which time did not advance, segments of this call

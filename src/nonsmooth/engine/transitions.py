@@ -19,7 +19,7 @@ from nonsmooth.engine.tangent import (
     start_saltation,
 )
 from nonsmooth.engine.taylor_series import fill_series
-from nonsmooth.engine.velocity import fill_scale, fill_velocity
+from nonsmooth.engine.velocity import fill_scale, velocity_of
 from nonsmooth.engine.zeros import (
     ALWAYS_ZERO,
     OPEN,
@@ -81,13 +81,10 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
     if e >= 0:
         if curved:  # a reset that keeps a zero does so on the guard, not beside it
             linearise_mode(tables, rates, segment, m, 1)
-        fill_velocity(n, tables.generator, affine, wiring, m, z, segment.velocity)
-        fired = _set_fired_zero(n, affine, m, e, z, segment.velocity)
+        fired = _set_fired_zero(n, tables.generator, affine, wiring, m, e, z)
     if curved:
         linearise_mode(tables, rates, segment, m, at.DERIVATIVES)
-    fill_velocity(n, tables.generator, affine, wiring, m, z, segment.velocity)
-    fill_scale(z, segment.velocity, duration, segment.scale)
-    if curved:
+        fill_scale(n, tables.generator, affine, wiring, m, z, duration, segment.scale)
         start_directions(n, affine, wiring, m, e, segment.scale, basis)
     if e < 0:
         _settle_slaved(n, affine, wiring, m, z)
@@ -125,6 +122,8 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
                 return _EVENT_LIMIT, m, path, passes, jumped, corner
             visited |= 1 << m
             followed = curved
+        if passes != 1 and not curved:
+            fill_scale(n, tables.generator, affine, wiring, m, z, duration, segment.scale)
         e, meets, followed = _next_exit(
             tables, segment, first_mode, first_exit, m, path, passes, followed, tolerance
         )
@@ -284,7 +283,7 @@ def _must_fire(affine, m, g, z, order, tolerance):
 
 
 @kernel
-def _set_fired_zero(n, affine, m, e, z, velocity):
+def _set_fired_zero(n, generator, affine, wiring, m, e, z):
     """Put the state exactly on the fired guard, by the coordinate whose motion has led there.
 
     Where time has led there, as in cos(w t) + 1e-12 x, the state stays as it is: x would have
@@ -297,10 +296,11 @@ def _set_fired_zero(n, affine, m, e, z, velocity):
     pivot = -1
     largest, total = 0.0, 0.0
     for i in range(z.size):
-        share = abs(affine[m, row, i] * velocity[i])
-        total += share
-        if i < n and share > largest:
-            pivot, largest = i, share
+        if i != n and affine[m, row, i] != 0.0:
+            share = abs(affine[m, row, i] * velocity_of(n, generator, affine, wiring, m, z, i))
+            total += share
+            if i < n and share > largest:
+                pivot, largest = i, share
     if pivot >= 0 and largest >= _SHARE * total:
         z[pivot] -= value / affine[m, row, pivot]
     return size

@@ -11,6 +11,7 @@ from nonsmooth.plot.histories import time_history
 from nonsmooth.plot.markers import event_markers
 from nonsmooth.plot.mode_spans import phases
 from nonsmooth.plot.portrait import phase_portrait
+from nonsmooth.plot.sections import section
 from nonsmooth.plot.spectrum import spectrum
 from nonsmooth.plot.style import PALETTE, axis_label, mode_colours
 from nonsmooth.plot.translation import translation
@@ -25,6 +26,7 @@ __all__ = [
     "phases",
     "print_figure",
     "save_figure",
+    "section",
     "spectrum",
     "time_history",
     "translation",

@@ -20,7 +20,7 @@ from nonsmooth.system.mode_forms import ModeForms
 from nonsmooth.system.signals import Signal, values_of
 from nonsmooth.system.system import System
 
-__all__ = ["output_values", "sample_clock"]
+__all__ = ["Clock", "output_values", "sample_clock"]
 
 Array = npt.NDArray[np.float64]
 

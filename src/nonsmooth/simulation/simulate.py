@@ -34,7 +34,7 @@ from nonsmooth.simulation.start import Start, explain_misfit, resolve_start, sta
 from nonsmooth.system.slow import SlowParameters
 from nonsmooth.system.system import System
 
-__all__ = ["simulate"]
+__all__ = ["in_first_mode", "simulate"]
 
 
 def simulate(
@@ -216,7 +216,7 @@ def _simulate(
             derivatives=derivatives,
         )
 
-    return _in_first_mode(system, tables, start, run)
+    return in_first_mode(system, tables, start, run)
 
 
 def _simulate_slow(
@@ -244,10 +244,10 @@ def _simulate_slow(
             chosen=chosen,
         )  # fmt: skip
 
-    return _in_first_mode(system, tables, start, run)
+    return in_first_mode(system, tables, start, run)
 
 
-def _in_first_mode(
+def in_first_mode(
     system: System, tables: Tables, start: Start, run: Callable[[int], Outcome]
 ) -> Outcome:
     """Run from the first of the modes that admits the start."""

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from nonsmooth.simulation.runner import Outcome
     from nonsmooth.system.system import System
 
-__all__ = ["last_period_word", "phase_word"]
+__all__ = ["last_period_word", "phase_word", "word_of_modes"]
 
 _LONGEST = 100  # modes in the attribute of a dataset; the function below has no limit
 
@@ -81,7 +81,12 @@ def last_period_word(system: System, outcome: Outcome) -> str:
     modes = _modes_between(*_latest(outcome, low), low, 0.0)
     if modes.size == 0:  # no event since the run went on from an earlier one
         modes = outcome.anchor.place[1:2]
-    text = " ".join(_merged(system.mode_names, modes[-_LONGEST:]))
+    return word_of_modes(system.mode_names, modes)
+
+
+def word_of_modes(names: Sequence[str], modes: np.ndarray) -> str:
+    """Word of modes entered one after the other."""
+    text = " ".join(_merged(names, modes[-_LONGEST:]))
     return ("... " if modes.size > _LONGEST else "") + text
 
 

@@ -49,6 +49,7 @@ _RESULT_NAMES = {
     "period_number", "event_time", "event_period_number", "event_phase", "event_name",
     "event_kind", "event_from", "event_to", "event_path", "event_count", "guard_rate",
     "certified", "state_before", "state_after", "end_state", "anchor_state",
+    "direction",
 }  # fmt: skip
 ONE_MODE = "flow"  # of a system that is written without modes
 MOST_STATES = MAX_AUGMENTED - 1  # beside them stands the constant one

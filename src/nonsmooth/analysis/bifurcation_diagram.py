@@ -1,0 +1,255 @@
+"""Settled motions over one parameter, by brute force."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.analysis.columns import Look, Protocol, run_chain
+from nonsmooth.analysis.diagram_dataset import diagram_dataset
+from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.simulation.crew import check_threads, run_tasks
+from nonsmooth.simulation.lane_runner import LaneRunner
+from nonsmooth.simulation.options import check_run_options, finite_number, whole_number
+from nonsmooth.simulation.start import resolve_start
+from nonsmooth.simulation.stroboscopic import check_phase, require_period
+from nonsmooth.system.system import System
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["bifurcation_diagram"]
+
+_STARTS = ("restart", "follow up", "follow down")
+_SIDES = ("before", "after")
+_TOGETHER = 4  # columns in a task: a few milliseconds of work
+
+
+def bifurcation_diagram(
+    system: System,
+    parameter: str,
+    values: npt.ArrayLike,
+    *,
+    initial: Any = None,
+    start: str = "restart",
+    transient: int = 200,
+    record: int = 100,
+    at: str = "strobe",
+    side: str = "before",
+    phase: float = 0.0,
+    match: float = 1e-6,
+    parameters: Mapping[str, float] | None = None,
+    tolerance: float = 1e-12,
+    mode: str | None = None,
+    threads: int | None = None,
+) -> xr.Dataset:
+    """Compute settled motions for many values of a parameter.
+
+    Parameters
+    ----------
+    system : System
+        A system with a period.
+    parameter : str
+        The parameter that is changed.
+    values : array_like
+        Its values, one column of the diagram each.
+    initial : mapping, dataset, or a list of these, optional
+        Initial state as in `simulate`, or several: each is a ``lane`` of its own.
+    start : {"restart", "follow up", "follow down"}, optional
+        Whether every column begins at the initial state, or where the column with the next lower
+        (higher) value has ended. Where several attractors coexist, the answers differ.
+    transient : int, optional
+        Periods left out at the beginning of each column.
+    record : int, optional
+        Periods looked at after that.
+    at : str, optional
+        ``"strobe"`` for the states once per period, or the name of an exit or a surface for the
+        states whenever it is passed.
+    side : {"before", "after"}, optional
+        Whether states at events are those before or after it.
+    phase : float, optional
+        Part of the period at which strobes are taken, from 0 to less than 1.
+    match : float, optional
+        A motion has period p when its strobes repeat after p periods to this part of the size of
+        each state, seen twice at least.
+    parameters : mapping of str to float, optional
+        Changed values of other parameters.
+    tolerance : float, optional
+        As in `simulate`.
+    mode : str, optional
+        Mode of the starts, as in `simulate`.
+    threads : int, optional
+        Threads to use; all processors without it. The result does not depend on it.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``parameter``, ``lane`` and ``point``: states, outputs and ``mode``, nan and -1 where
+        there are no more points. Over ``parameter`` and ``lane``: ``period`` in periods of the
+        forcing (0: none up to half of ``record``), ``word`` (modes of that period), ``impacts``
+        (events with a reset, per period), ``status``, ``n_uncertain``, and for every drifting state
+        its change per period and per unit time, as in ``v_per_period``. After an interruption the
+        columns that are done are there, the others have the status ``interrupted``.
+
+    Raises
+    ------
+    OptionError
+        For an option out of its range, an unknown parameter or event, or a system without a
+        period.
+
+    See Also
+    --------
+    stroboscopic_map : one motion in more detail.
+
+    Notes
+    -----
+    A value that the system refuses leaves an empty column with the status ``refused``.
+
+    References
+    ----------
+    M. Wiercigroch and E. Pavlovskaia, Engineering Applications of Non-smooth Dynamics, 2012,
+    section 2: diagrams of the mole.
+
+    Examples
+    --------
+    >>> import nonsmooth as ns
+    >>> diagram = ns.bifurcation_diagram(
+    ...     ns.models.soft_impact(), "omega", [0.7, 0.8], transient=100, record=20
+    ... )
+    >>> diagram["x"].shape, diagram["status"].values.ravel().tolist()
+    ((2, 1, 20), ['completed', 'completed'])
+    """
+    system = check_run_options(system, parameters, mode, tolerance)
+    require_period(system, "bifurcation_diagram")
+    grid = _check_values(system, parameter, values)
+    if start not in _STARTS:
+        raise OptionError(f"start = {start!r}: {unknown_name('way', str(start), _STARTS)}")
+    if side not in _SIDES:
+        raise OptionError(f"side = {side!r}: {unknown_name('side', str(side), _SIDES)}")
+    protocol = Protocol(
+        system=system,
+        parameter=parameter,
+        transient=0 if transient == 0 else whole_number("transient", transient),
+        record=whole_number("record", record),
+        phase=check_phase(phase),
+        match=_check_match(match),
+        exits=_exits(system, at),
+        after=side == "after",
+        drifting=np.array([name in system.drift_states for name in system.states]),
+        outputs=bool(system.outputs),
+    )
+    runner = LaneRunner(system, tolerance)
+    begins = [
+        resolve_start(system, runner.tables, each, None, mode, parameters is not None)
+        for each in (initial if isinstance(initial, Sequence) else [initial])
+    ]
+    if not begins:
+        raise OptionError("initial= is an empty list; give at least one initial state")
+    looks: list[list[Look | None]] = [[None] * len(begins) for _ in grid]
+    chains = _chains(grid, start)
+    tasks, places = [], []
+    for lane, begin in enumerate(begins):
+        for links in chains:
+            tasks.append(_task(protocol, grid, links, begin.state, begin.modes[0], start))
+            places.append((lane, links))
+
+    def keep(i: int, found: list[Look]) -> None:
+        lane, links = places[i]
+        for column, look in zip(links, found, strict=True):
+            looks[column][lane] = look
+
+    complete = run_tasks(
+        tasks,
+        lambda: LaneRunner(system, tolerance),
+        threads=check_threads(threads),
+        label="bifurcation diagram",
+        keep=keep,
+    )
+    options = {
+        "start": start,
+        "transient": protocol.transient,
+        "record": protocol.record,
+        "at": at,
+        "side": side,
+        "phase_of_period": protocol.phase,
+        "match": protocol.match,
+        "tolerance": float(tolerance),
+        "changed_parameters": str(dict(parameters)) if parameters else "",
+        "initial": str([dict(zip(system.states, b.state.tolist(), strict=True)) for b in begins]),
+    }
+    return diagram_dataset(protocol, grid, looks, options, complete)
+
+
+def _task(
+    protocol: Protocol,
+    grid: npt.NDArray[np.float64],
+    links: list[int],
+    state: npt.NDArray[np.float64],
+    mode: int,
+    start: str,
+) -> Any:
+    """Some columns of one lane, each by itself or one after the other."""
+
+    def run(runner: LaneRunner, stop: threading.Event) -> list[Look]:
+        values = [float(grid[i]) for i in links]
+        if start == "restart":
+            return [run_chain(protocol, runner, stop, [v], state, mode)[0] for v in values]
+        return run_chain(protocol, runner, stop, values, state, mode)
+
+    return run
+
+
+def _chains(grid: npt.NDArray[np.float64], start: str) -> list[list[int]]:
+    """Columns that one task computes, in order."""
+    if start == "restart":
+        return [
+            list(range(i, min(i + _TOGETHER, grid.size))) for i in range(0, grid.size, _TOGETHER)
+        ]
+    order = np.argsort(grid, kind="stable")
+    return [(order if start == "follow up" else order[::-1]).tolist()]
+
+
+def _check_values(system: System, parameter: Any, values: Any) -> npt.NDArray[np.float64]:
+    if parameter not in system.parameters:
+        raise OptionError(unknown_name("parameter", str(parameter), system.parameters))
+    if system.slow:
+        raise OptionError(
+            "bifurcation_diagram: the parameters in slow= change from period to period, so nothing"
+            " settles; leave slow= out"
+        )
+    try:
+        grid = np.atleast_1d(np.asarray(values, dtype=float))
+    except (TypeError, ValueError):
+        raise OptionError(f"values = {values!r:.60}: give a list of numbers") from None
+    if grid.ndim != 1 or grid.size == 0 or not np.all(np.isfinite(grid)):
+        raise OptionError(
+            "values= takes a one-dimensional, non-empty list of finite numbers, such as"
+            " np.linspace(0.5, 1.0, 400)"
+        )
+    return grid
+
+
+def _check_match(match: Any) -> float:
+    number = finite_number("match", match)
+    if not 0.0 < number < 1.0:
+        raise OptionError(f"match = {number:g} must lie between 0 and 1; 1e-6 is usual")
+    return number
+
+
+def _exits(system: System, at: Any) -> npt.NDArray[np.bool_] | None:
+    """Exits of each mode with a name; None for strobes."""
+    if at == "strobe":
+        return None
+    names = system.compiled.exit_names
+    known = dict.fromkeys(name for of_mode in names for name in of_mode)
+    if at not in known:
+        raise OptionError(f"at: {unknown_name('event', str(at), ['strobe', *known])}")
+    most = max(len(of_mode) for of_mode in names)
+    found = np.zeros((len(names), most), bool)
+    for m, of_mode in enumerate(names):
+        found[m, : len(of_mode)] = [name == at for name in of_mode]
+    return found

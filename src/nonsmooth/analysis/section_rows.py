@@ -1,0 +1,171 @@
+"""Which rows of an event log are points of a section."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.analysis.section_search import Points
+from nonsmooth.engine import records as at
+from nonsmooth.engine.layout import RESETTING, TARGET, Tables
+from nonsmooth.engine.status import EventKind
+from nonsmooth.engine.transitions import PATH_BITS, PATH_LENGTH
+from nonsmooth.simulation.labels import labels_of
+from nonsmooth.simulation.outputs import Clock, output_values
+from nonsmooth.system.resolve import Resolver
+from nonsmooth.system.section import Section
+from nonsmooth.system.system import System
+
+__all__ = ["Crossings", "NamedEvents", "event_names"]
+
+Integers = npt.NDArray[np.int64]
+Floats = npt.NDArray[np.float64]
+Flags = npt.NDArray[np.bool_]
+
+_SMALL = 1e-9  # part of its terms, within which an expression is zero at an event
+_SHIFT = 1e-4  # relative change of a state that tells the size of the terms it stands in
+
+
+class Crossings:
+    """Instants at which the motion goes through a section; a jump over it is none."""
+
+    def __init__(self, section: Section, tables: Tables, direction: int) -> None:
+        self.section = section
+        self.tables = tables
+        self.direction = direction
+        self.knots = bool(section.system.signals)
+
+    def __call__(self, rows: Integers, values: Floats) -> tuple[Points, Flags]:
+        """Points among rows of the event log, and which rows are open contacts."""
+        section = self.section
+        before, after = rows[:, at.FROM], rows[:, at.TO]
+        way = section.side[after]
+        grazes = rows[:, at.KIND] == EventKind.GRAZE
+        open_ = grazes & (rows[:, at.EXIT] >= 0) & (rows[:, at.EXIT] == section.gate[before])
+        crosses = (section.side[before] * way < 0) & ~grazes
+        crosses &= rows[:, at.KIND] != EventKind.START
+        if self.direction:
+            crosses &= way == self.direction
+        # a jump may lead over the section, as may an input whose rate jumps at a knot
+        doubtful = crosses & (rows[:, at.PASSES] > 1)
+        doubtful |= crosses & self.knots & (values[:, at.GUARD_RATE] == 0.0)
+        for k in np.flatnonzero(doubtful):
+            crosses[k] = self._goes_through(rows[k], values[k])
+        here = np.flatnonzero(crosses)
+        points = _points(rows, values, here, section.origin, way[here])
+        # nothing but the side has changed, and behind it the state lies on the section exactly
+        plain = rows[here, at.PASSES] == 1
+        points.states[0, plain] = points.states[1, plain]
+        return points, open_
+
+    def is_own(self, row: Integers) -> bool:
+        """Whether a row would not be there without the section."""
+        return bool(row[at.EXIT] >= 0 and row[at.EXIT] == self.section.gate[row[at.FROM]])
+
+    def _goes_through(self, row: Integers, values: Floats) -> bool:
+        """Whether the expression is continuous at an event with several exits, or at a knot."""
+        before, after = int(row[at.FROM]), int(row[at.TO])
+        state = values[at.EVENT_FLOATS :].reshape(2, -1)
+        if self.knots and values[at.GUARD_RATE] == 0.0:
+            return self._vanishes(row, values, after, state[1])
+        read = self._states_read(before) | self._states_read(after)
+        if read & self._states_reset(row):
+            return self._vanishes(row, values, before, state[0]) and self._vanishes(
+                row, values, after, state[1]
+            )
+        first, one = self._value(row, values, before, state[1])
+        second, other = self._value(row, values, after, state[1])
+        return bool(abs(first - second) <= _SMALL * (one + other))
+
+    def _states_read(self, mode: int) -> set[str]:
+        """States on which the expression depends in a mode."""
+        system = self.section.system
+        forms = system.structure.running[mode]
+        resolver = Resolver(forms.graph, forms.equations, forms.resolver.signs, strict=False)
+        equation = system.structure.outputs[self.section.value]
+        return forms.graph.states_in(resolver.tree(equation))
+
+    def _states_reset(self, row: Integers) -> set[str]:
+        """States that jump at an event."""
+        wiring, mode, path = self.tables.wiring, int(row[at.FROM]), int(row[at.PATH])
+        bits = 0
+        for _ in range(min(int(row[at.PASSES]), PATH_LENGTH)):
+            way = (path & ((1 << PATH_BITS) - 1)) - 1
+            path >>= PATH_BITS
+            bits |= int(wiring[mode, 1 + way, RESETTING])
+            mode = int(wiring[mode, 1 + way, TARGET])
+        states = self.section.system.states
+        return {state for i, state in enumerate(states) if (bits >> i) & 1}
+
+    def _vanishes(self, row: Integers, values: Floats, mode: int, state: Floats) -> bool:
+        value, size = self._value(row, values, mode, state)
+        return abs(value) <= _SMALL * size
+
+    def _value(
+        self, row: Integers, values: Floats, mode: int, state: Floats
+    ) -> tuple[float, float]:
+        """Value of the expression, and the size of its terms."""
+        n = state.size
+        shifted = np.vstack([state, state * (1.0 + _SHIFT * np.eye(n))]).T
+        count = np.ones(n + 1, np.int64)
+        clock = Clock(row[at.NUMBER] * count, values[at.PHASE] * count, self.tables)
+        system = self.section.system
+        found = output_values(system, clock, shifted, mode * count)[self.section.value]
+        return float(found[0]), float(np.abs(found[1:] - found[0]).sum() / _SHIFT)
+
+
+class NamedEvents:
+    """Instants at which an exit of a name is passed, or a mode of that name entered."""
+
+    def __init__(self, system: System, name: str) -> None:
+        self.labels = labels_of(system)
+        self.name = name
+        running = system.structure.running
+        self.modes = np.array([name in (m.label, m.parent, m.name) for m in running])
+        self.origin = np.arange(len(running))
+
+    def __call__(self, rows: Integers, values: Floats) -> tuple[Points, Flags]:
+        """Points among rows of the event log, and which rows are open contacts."""
+        kinds = rows[:, [at.FROM, at.PATH, at.PASSES, at.TO]]
+        distinct, which = np.unique(kinds, axis=0, return_inverse=True)
+        meant = np.array([self._is_meant(*map(int, kind)) for kind in distinct], bool)
+        meant = meant[which.ravel()] if len(rows) else np.zeros(0, bool)
+        meant &= rows[:, at.KIND] != EventKind.START
+        grazes = rows[:, at.KIND] == EventKind.GRAZE
+        here = np.flatnonzero(meant & ~grazes)
+        none = np.zeros(here.size, np.int64)
+        return _points(rows, values, here, self.origin, none), meant & grazes
+
+    def is_own(self, row: Integers) -> bool:
+        """Whether a row would not be there without the section: events always are."""
+        return False
+
+    def _is_meant(self, before: int, path: int, passes: int, after: int) -> bool:
+        entered = bool(self.modes[after] and not self.modes[before])
+        return entered or self.name in self.labels.path(before, path, passes).split(">")
+
+
+def event_names(system: System) -> set[str]:
+    """Names of the exits, and of the modes that they enter."""
+    names = {way for of_mode in system.compiled.exit_names for way in of_mode}
+    running = system.structure.running
+    targets = {target for m in running for target in m.targets if target >= 0}
+    for target in targets:
+        names |= {running[target].label, running[target].parent}
+    return names
+
+
+def _points(
+    rows: Integers, values: Floats, here: Integers, origin: Integers, direction: Integers
+) -> Points:
+    rows, values = rows[here], values[here]
+    n = (values.shape[1] - at.EVENT_FLOATS) // 2
+    return Points(
+        here,
+        rows[:, at.NUMBER].copy(),
+        values[:, at.PHASE].copy(),
+        origin[rows[:, [at.FROM, at.TO]].T],
+        values[:, at.EVENT_FLOATS :].reshape(here.size, 2, n).transpose(1, 0, 2).copy(),
+        direction.copy(),
+        rows[:, at.IS_CERTIFIED].astype(bool),
+    )

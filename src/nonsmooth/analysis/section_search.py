@@ -1,0 +1,180 @@
+"""Runs a trajectory until enough points are found: in parts, of which nothing else is kept."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.engine import records as at
+from nonsmooth.engine.layout import Tables
+from nonsmooth.engine.status import Status
+from nonsmooth.simulation.clock import Instant, Plan
+from nonsmooth.simulation.progress import Progress
+from nonsmooth.simulation.runner import NoMode, Outcome, run_plan
+from nonsmooth.simulation.start import Start
+
+__all__ = ["PATIENCE", "Limits", "Pick", "Points", "Search", "search", "to_begin"]
+
+PATIENCE = 10_000  # windows without a point after which the search is given up
+_FIRST_PART = 8  # windows of the first part
+_MOST_EVENTS = 200_000  # that a part should have
+_SPARE = 1.1  # points come unevenly
+_STUCK = (Status.UNDECIDED, Status.STEP_LIMIT, Status.EVENT_LIMIT)
+_NO_SAMPLES = np.zeros(0, np.int64), np.zeros(0)
+
+
+@dataclass(frozen=True)
+class Points:
+    """Points and the rows of the event log that they are.
+
+    shapes: modes (2, k) and states (2, k, n), just before and just after the instants; all
+    others (k,)
+    """
+
+    row: npt.NDArray[np.int64]
+    number: npt.NDArray[np.int64]
+    phase: npt.NDArray[np.float64]
+    modes: npt.NDArray[np.int64]
+    states: npt.NDArray[np.float64]
+    direction: npt.NDArray[np.int64]
+    certified: npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Where points count from, how many are wanted, and where the search ends at the latest."""
+
+    begin: Instant
+    record: int
+    end: Instant | None
+
+
+@dataclass
+class Search:
+    """What a search has found; ``gave_up`` when nothing came for long."""
+
+    instant: Instant
+    parts: list[Points] = field(default_factory=list)
+    status: Status = Status.COMPLETED
+    n_points: int = 0
+    n_uncertain: int = 0
+    n_grazes: int = 0
+    gave_up: bool = False
+    at_rest: bool = False  # on the section, within rounding
+
+
+class Pick(Protocol):
+    """Finds points in rows of the event log."""
+
+    def __call__(
+        self, rows: npt.NDArray[np.int64], values: npt.NDArray[np.float64]
+    ) -> tuple[Points, npt.NDArray[np.bool_]]:
+        """Points, and which rows are contacts with the section that rounding leaves open."""
+
+    def is_own(self, row: npt.NDArray[np.int64]) -> bool:
+        """Whether a row would not be there without the section."""
+
+
+def search(tables: Tables, start: Start, limits: Limits, tolerance: float, pick: Pick) -> Search:
+    """Points of a trajectory; `NoMode` when no mode admits the start."""
+    found = Search(start.instant)
+    try:
+        outcome = to_begin(tables, start, limits.begin, tolerance)
+        found.status, found.instant = outcome.status, outcome.end
+        found.n_uncertain = outcome.n_uncertain
+        waited = windows = n_events = 0
+        length = _FIRST_PART
+        with Progress("section", limits.record) as progress:
+            while found.status == Status.COMPLETED and found.n_points < limits.record:
+                stop = Instant(found.instant.number + length, found.instant.phase)
+                if limits.end is not None:
+                    stop = min(stop, limits.end)
+                if stop <= found.instant:
+                    break
+                if limits.end is None and waited >= PATIENCE:
+                    found.gave_up = True
+                    break
+                outcome = _next_part(tables, outcome, stop, tolerance)
+                count = _take(found, outcome, limits.record, pick)
+                windows += length
+                n_events += outcome.n_events
+                waited = 0 if count else waited + length
+                length = _length_of_next(found.n_points, n_events, windows, length, limits.record)
+                progress.update(found.n_points)
+    except KeyboardInterrupt:
+        found.status = Status.INTERRUPTED
+    return found
+
+
+def _take(found: Search, outcome: Outcome, record: int, pick: Pick) -> int:
+    """Add the points of a part, and what is doubtful until the last one; returns their number."""
+    rows = outcome.event_integers[1:]
+    points, grazes = pick(rows, outcome.event_floats[1:])
+    wanted = record - found.n_points
+    found.status, found.instant = outcome.status, outcome.end
+    if points.number.size < wanted:
+        found.n_uncertain += outcome.n_uncertain
+        if outcome.status in _STUCK and len(rows):
+            found.at_rest = pick.is_own(rows[-1]) and not rows[-1, at.IS_CERTIFIED]
+    else:  # what lies behind the last point is not looked at, however far the part went
+        points = _first(points, wanted)
+        last = int(points.row[-1]) + 1
+        found.status = Status.COMPLETED
+        found.instant = Instant(int(points.number[-1]), float(points.phase[-1]))
+        found.n_uncertain += int(np.sum(rows[:last, at.IS_CERTIFIED] == 0))
+        grazes = grazes[:last]
+    found.parts.append(points)
+    found.n_points += points.number.size
+    found.n_grazes += int(grazes.sum())
+    return points.number.size
+
+
+def to_begin(tables: Tables, start: Start, begin: Instant, tolerance: float) -> Outcome:
+    """Run to where points count from, in the first mode that admits the start."""
+    plan = Plan(begin, *_NO_SAMPLES)
+    for mode in start.modes:
+        try:
+            return run_plan(
+                tables,
+                plan,
+                tolerance,
+                anchor=start.anchor,
+                state=start.state,
+                begin=start.instant,
+                mode=mode,
+                keep_events=False,
+            )
+        except NoMode as fault:
+            misfit = fault
+    raise misfit
+
+
+def _next_part(tables: Tables, before: Outcome, stop: Instant, tolerance: float) -> Outcome:
+    plan = Plan(stop, *_NO_SAMPLES)
+    state = before.records.end_state
+    return run_plan(tables, plan, tolerance, anchor=before.anchor, state=state, begin=before.end)
+
+
+def _length_of_next(n_points: int, n_events: int, windows: int, length: int, record: int) -> int:
+    """Windows of the next part: enough for the rest, as far as the points so far tell."""
+    most = min(4 * length, PATIENCE)
+    if n_points:
+        most = min(most, int(_SPARE * (record - n_points) * windows / n_points) + 1)
+    if n_events:
+        most = min(most, int(_MOST_EVENTS * windows / n_events))
+    return max(most, 1)
+
+
+def _first(points: Points, count: int) -> Points:
+    return Points(
+        points.row[:count],
+        points.number[:count],
+        points.phase[:count],
+        points.modes[:, :count],
+        points.states[:, :count],
+        points.direction[:count],
+        points.certified[:count],
+    )

@@ -1,0 +1,80 @@
+"""Tasks spread over threads; a task that waits is taken by whoever is free.
+
+Kernels let go of the interpreter lock, so threads run side by side. A task knows nothing of the
+others and its result is told by its number: the number of threads changes no digit.
+"""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Callable
+from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
+from typing import Any, TypeVar
+
+from nonsmooth.simulation.options import whole_number
+from nonsmooth.simulation.progress import Progress
+
+__all__ = ["Stopped", "check_threads", "run_tasks"]
+
+T = TypeVar("T")
+_ATTENTION = 0.05  # seconds after which an interruption is noticed
+
+
+class Stopped(Exception):
+    """Raised in a task that was told to stop."""
+
+
+def check_threads(threads: Any) -> int:
+    """Number of threads: as given, or as many as this process may use processors."""
+    if threads is not None:
+        return whole_number("threads", threads)
+    if hasattr(os, "sched_getaffinity"):
+        return max(1, len(os.sched_getaffinity(0)))
+    return os.cpu_count() or 1
+
+
+def run_tasks(
+    tasks: list[Callable[[Any, threading.Event], T]],
+    make_worker: Callable[[], Any],
+    *,
+    threads: int,
+    label: str,
+    keep: Callable[[int, T], None],
+) -> bool:
+    """Run all tasks; ``keep`` is told the number and result of each as it comes.
+
+    Every thread makes a worker of its own, which its tasks get with an event that is set when
+    they should stop. Returns False where the user interrupted; what was kept stays.
+    """
+    stop = threading.Event()
+    local = threading.local()
+
+    def run(i: int) -> tuple[int, T]:
+        if stop.is_set():
+            raise Stopped
+        if not hasattr(local, "worker"):
+            local.worker = make_worker()
+        return i, tasks[i](local.worker, stop)
+
+    complete = True
+    with ThreadPoolExecutor(max_workers=threads) as pool, Progress(label, len(tasks)) as progress:
+        waiting = {pool.submit(run, i) for i in range(len(tasks))}
+        done_so_far = 0
+        try:
+            while waiting:
+                done, waiting = wait(waiting, timeout=_ATTENTION, return_when=FIRST_COMPLETED)
+                for future in done:
+                    keep(*future.result())
+                done_so_far += len(done)
+                progress.update(done_so_far)
+        except KeyboardInterrupt:
+            complete = False
+        finally:
+            stop.set()
+            for future in waiting:
+                future.cancel()
+    for future in waiting:  # what was under way came to its end, or stopped
+        if not complete and not future.cancelled() and future.exception() is None:
+            keep(*future.result())
+    return complete
