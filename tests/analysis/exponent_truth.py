@@ -10,7 +10,7 @@ from scipy.linalg import expm
 from scipy.optimize import brentq
 
 
-def averages(logarithms: np.ndarray, time_step: float, blocks: int = 40):
+def averages(logarithms: np.ndarray, time_step: float, blocks: int = 20):
     """Mean rates and their standard errors from block averages."""
     count = len(logarithms) // blocks * blocks
     rates = logarithms[:count].reshape(blocks, -1, logarithms.shape[1]).sum(axis=1)

@@ -16,7 +16,7 @@ def within_three_errors(spectrum, truth) -> bool:
 @pytest.mark.parametrize("omega", [0.905])
 def test_soft_impact(omega):
     system = ns.models.soft_impact(omega=omega)
-    spectrum = ns.lyapunov_spectrum(system, transient=500, record=2000)
+    spectrum = ns.lyapunov_spectrum(system, transient=500, record=6000)
     truth = exponent_truth.soft_impact(omega, 0.01, 29.0, 1.26, 0.7, periods=1200, skipped=500)
     assert within_three_errors(spectrum, truth)
     assert spectrum["lyapunov_exponent"][0] > 10 * spectrum["standard_error"][0]
