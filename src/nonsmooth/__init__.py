@@ -13,12 +13,16 @@ from nonsmooth.version import __version__
 if TYPE_CHECKING:
     from nonsmooth import models, plot
     from nonsmooth.analysis.bifurcation_diagram import bifurcation_diagram
+    from nonsmooth.analysis.lyapunov_spectrum import lyapunov_spectrum
     from nonsmooth.analysis.poincare_section import poincare_section
+    from nonsmooth.analysis.power_spectrum import power_spectrum
     from nonsmooth.analysis.stroboscopic_map import stroboscopic_map
+    from nonsmooth.analysis.zero_one_test import zero_one_test
     from nonsmooth.errors import (
         ModelError,
         NonsmoothError,
         OptionError,
+        ResultWarning,
         RunError,
         RunWarning,
     )
@@ -34,18 +38,22 @@ __all__ = [
     "ModelError",
     "NonsmoothError",
     "OptionError",
+    "ResultWarning",
     "RunError",
     "RunWarning",
     "Signal",
     "System",
     "__version__",
     "bifurcation_diagram",
+    "lyapunov_spectrum",
     "models",
     "phase_word",
     "plot",
     "poincare_section",
+    "power_spectrum",
     "simulate",
     "stroboscopic_map",
+    "zero_one_test",
 ]
 
 _HOME = {
@@ -54,15 +62,19 @@ _HOME = {
     "ModelError": "nonsmooth.errors",
     "NonsmoothError": "nonsmooth.errors",
     "OptionError": "nonsmooth.errors",
+    "ResultWarning": "nonsmooth.errors",
     "RunError": "nonsmooth.errors",
     "RunWarning": "nonsmooth.errors",
     "Signal": "nonsmooth.system.signals",
     "System": "nonsmooth.system.system",
     "bifurcation_diagram": "nonsmooth.analysis.bifurcation_diagram",
+    "lyapunov_spectrum": "nonsmooth.analysis.lyapunov_spectrum",
     "phase_word": "nonsmooth.simulation.words",
     "poincare_section": "nonsmooth.analysis.poincare_section",
+    "power_spectrum": "nonsmooth.analysis.power_spectrum",
     "simulate": "nonsmooth.simulation.simulate",
     "stroboscopic_map": "nonsmooth.analysis.stroboscopic_map",
+    "zero_one_test": "nonsmooth.analysis.zero_one_test",
 }
 
 

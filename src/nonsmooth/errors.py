@@ -20,6 +20,7 @@ __all__ = [
     "ModelError",
     "NonsmoothError",
     "OptionError",
+    "ResultWarning",
     "RunError",
     "RunWarning",
     "unknown_name",
@@ -67,6 +68,10 @@ class RunError(NonsmoothError, RuntimeError):
 
 class RunWarning(UserWarning):
     """A run ended before its time; the result says why and holds what was computed."""
+
+
+class ResultWarning(UserWarning):
+    """A result that may mislead; the message says why and what to do."""
 
 
 def unknown_name(kind: str, name: str, known: Iterable[str]) -> str:

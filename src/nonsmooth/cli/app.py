@@ -10,9 +10,11 @@ from nonsmooth.cli import chapter
 from nonsmooth.cli.console import Commands
 from nonsmooth.cli.diagram import diagram
 from nonsmooth.cli.explain import explain
+from nonsmooth.cli.lyapunov import lyapunov
 from nonsmooth.cli.models import models
 from nonsmooth.cli.section import section
 from nonsmooth.cli.simulate import simulate
+from nonsmooth.cli.spectrum import spectrum
 from nonsmooth.version import __version__
 
 __all__ = ["app"]
@@ -48,6 +50,8 @@ def _options(
 
 
 app.command()(simulate)
+app.command()(lyapunov)
+app.command()(spectrum)
 app.command()(section)
 app.command()(diagram)
 app.command()(models)

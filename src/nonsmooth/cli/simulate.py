@@ -11,6 +11,7 @@ import typer
 
 from nonsmooth.cli.arguments import build_system, constants, names, settings, time_range
 from nonsmooth.cli.console import ENDED_EARLY, INTERRUPTED, MODEL_HELP, PARAMETERS_HELP
+from nonsmooth.cli.output import check_files, save_dataset
 from nonsmooth.errors import OptionError, RunWarning, unknown_name
 
 if TYPE_CHECKING:
@@ -68,7 +69,7 @@ def simulate(
     ] = None,
 ) -> None:
     """Simulate a ready-made system, or one of a file, and print a summary."""
-    _check_files(plot, save)
+    check_files(plot, save)
     system = build_system(model, settings(parameters or [], "NAME=VALUE"))
     shown = _variables(system, variables)
     pair = _pair(system, portrait, variables, modes)
@@ -90,7 +91,7 @@ def simulate(
 
     typer.echo(harmless(summary(run)))
     if save is not None:
-        _save(run, save)
+        save_dataset(run, save)
     if plot is not None:
         _plot(run, shown, window, plot, pair=pair, modes=modes)
     status = run.attrs["status"]
@@ -98,16 +99,6 @@ def simulate(
         raise typer.Exit(INTERRUPTED)
     if status not in ("completed", "stopped"):
         raise typer.Exit(ENDED_EARLY)
-
-
-def _check_files(plot: Path | None, save: Path | None) -> None:
-    """Refuse files that could not be written, before a long run and not after it."""
-    from nonsmooth.files import check_target
-
-    if plot is not None:
-        check_target(plot, (".png", ".pdf"))
-    if save is not None:
-        check_target(save, (".nc",))
 
 
 def _variables(system: System, text: str | None) -> list[str]:
@@ -191,14 +182,6 @@ def _run(system: System, initial: dict[str, float], **options: Any) -> xr.Datase
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RunWarning)  # the summary says the same
         return run_system(system, initial, **options)
-
-
-def _save(run: xr.Dataset, path: Path) -> None:
-    from nonsmooth.files import replacing
-
-    with replacing(path) as draft:
-        run.to_netcdf(draft, engine="h5netcdf")
-    typer.echo(f"saved {path}")
 
 
 def _plot(

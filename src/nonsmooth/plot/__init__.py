@@ -6,24 +6,30 @@ matplotlib is imported when something is drawn.
 from __future__ import annotations
 
 from nonsmooth.plot.diagrams import bifurcation
+from nonsmooth.plot.exponents import exponents
 from nonsmooth.plot.figures import print_figure, save_figure
 from nonsmooth.plot.histories import time_history
 from nonsmooth.plot.markers import event_markers
 from nonsmooth.plot.mode_spans import phases
 from nonsmooth.plot.portrait import phase_portrait
 from nonsmooth.plot.sections import section
+from nonsmooth.plot.spectrum import spectrum
 from nonsmooth.plot.style import PALETTE, axis_label, mode_colours
+from nonsmooth.plot.translation import translation
 
 __all__ = [
     "PALETTE",
     "axis_label",
     "bifurcation",
     "event_markers",
+    "exponents",
     "mode_colours",
     "phase_portrait",
     "phases",
     "print_figure",
     "save_figure",
     "section",
+    "spectrum",
     "time_history",
+    "translation",
 ]

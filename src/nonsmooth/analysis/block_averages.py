@@ -1,0 +1,50 @@
+"""Standard errors of time averages, from blocks that are long enough to be independent."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+__all__ = ["BlockAverages", "block_averages"]
+
+_BLOCKS = 32  # of fewer the error itself is not known to an eighth
+
+
+class BlockAverages(NamedTuple):
+    """Standard errors of the means of some series, and how they were found."""
+
+    standard_error: npt.NDArray[np.float64]  # (k,)
+    length: int  # values per block
+    n_blocks: int
+    independent: bool  # whether neighbouring blocks are not seen to be correlated
+
+
+def block_averages(values: npt.NDArray[np.float64]) -> BlockAverages:
+    """Standard errors of the means of the columns of ``values`` (N, k).
+
+    The series is cut into 32 blocks, or a few more, so that they are as long as they can be:
+    correlations of chaotic motion have long tails, which shorter blocks miss although their
+    neighbours do not seem to be correlated. They count as independent where the correlation of
+    neighbours is below two over the root of their number in every column.
+    """
+    length = max(1, len(values) // _BLOCKS)
+    count = len(values) // length
+    if count < 2:
+        return BlockAverages(np.full(values.shape[1], np.nan), length, count, False)
+    latest = values[len(values) - count * length :]  # the remainder is left out at the start
+    blocks = latest.reshape(count, length, values.shape[1]).mean(axis=1)
+    error = blocks.std(axis=0, ddof=1) / np.sqrt(count)
+    # neighbours that balance each other only make the error too large
+    independent = count >= _BLOCKS and bool(np.all(_neighbours(blocks) < 2.0 / np.sqrt(count)))
+    return BlockAverages(error, length, count, independent)
+
+
+def _neighbours(blocks: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """Correlation of neighbouring blocks, zero where they differ by rounding only."""
+    away = blocks - blocks.mean(axis=0)
+    power = (away * away).sum(axis=0)
+    rounding = len(blocks) * (1e-13 * np.abs(blocks).max(axis=0)) ** 2
+    product = (away[1:] * away[:-1]).sum(axis=0)
+    return np.where(power > rounding, product / np.maximum(power, 1e-300), 0.0)

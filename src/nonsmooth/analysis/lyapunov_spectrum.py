@@ -1,0 +1,204 @@
+"""`lyapunov_spectrum`: Lyapunov exponents of a trajectory, through impacts and switches."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping
+from typing import Any
+
+import xarray as xr
+
+from nonsmooth.analysis.exponent_dataset import exponent_dataset
+from nonsmooth.analysis.exponent_run import Protocol, run_exponents
+from nonsmooth.engine.status import Status
+from nonsmooth.errors import OptionError, RunWarning
+from nonsmooth.simulation.options import check_run_options, check_signals, finite_number
+from nonsmooth.simulation.options import whole_number as whole
+from nonsmooth.simulation.runner import build_derivatives, build_tables
+from nonsmooth.simulation.start import resolve_start, start_at_end
+from nonsmooth.system.system import System
+
+__all__ = ["lyapunov_spectrum"]
+
+_PARTS = 256  # intervals of a record without a period, at least
+
+
+def lyapunov_spectrum(
+    system: System,
+    initial: Mapping[str, float] | xr.Dataset | None = None,
+    *,
+    transient: float = 200.0,
+    record: float = 1000.0,
+    exponents: int | None = None,
+    interval: float | None = None,
+    parameters: Mapping[str, float | str] | None = None,
+    tolerance: float = 1e-12,
+    mode: str | None = None,
+    t_start: float | None = None,
+    seed: int = 0,
+) -> xr.Dataset:
+    """Lyapunov exponents of a trajectory, with standard errors.
+
+    Derivatives by the initial state are carried along the trajectory, through impacts,
+    switches and slaved states, and orthonormalised again and again; their growth per unit
+    time is the spectrum.
+
+    Parameters
+    ----------
+    system : System
+        The system.
+    initial : mapping, xarray.Dataset, optional
+        Start, as for `simulate`: state names to values, a point of a result, or a run.
+
+    Other Parameters
+    ----------------
+    transient : float, optional
+        What is dropped first, in periods; in units of time for a system without a period.
+        Derivatives are carried there too, so that they have found their directions.
+    record : float, optional
+        Length over which exponents are averaged, in periods or units of time.
+    exponents : int, optional
+        How many, from the largest on; as many as there are states by default.
+    interval : float, optional
+        Periods, or time, after which the growth is noted: the step of the running estimate,
+        and of the block averages; one period by default. Derivatives are orthonormalised as
+        often as they need it, whatever the interval.
+    parameters : mapping of str to float, optional
+        Parameter values that differ from the system's.
+    tolerance : float, optional
+        What counts as zero for a start, see `simulate`.
+    mode : str, optional
+        Mode to start in, where several would fit.
+    t_start : float, optional
+        Time at the start, zero by default.
+    seed : int, optional
+        Of the random directions with which the derivatives begin.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``exponent``, numbered from one: ``lyapunov_exponent`` per unit time, the largest
+        first, ``standard_error``; over ``time`` too: ``running_exponent``, the average from the
+        end of the transient up to that time. ``exponent_sum`` and ``kaplan_yorke_dimension``
+        where all that they need is there. Attributes: ``status`` and ``message`` as for
+        `simulate`, ``n_events`` and ``n_impacts`` of the record and its ``duration``,
+        ``block_length`` (in intervals), ``n_blocks``, ``blocks_independent``, the system as
+        TOML and the options.
+
+    Raises
+    ------
+    OptionError
+        When the start fits no mode, or an option cannot be right.
+    ModelError
+        When the parameters are refused by the system.
+
+    Warns
+    -----
+    RunWarning
+        When the run ended early; the result holds what was computed until then.
+
+    See Also
+    --------
+    zero_one_test : chaos or not from a series of numbers alone.
+
+    Notes
+    -----
+    A forced system has as many exponents as states; that of time itself, zero, is not among
+    them. A system without a period has a zero exponent along its motion, and one for each
+    symmetry such as a drift. A direction that is lost at an event has the exponent minus
+    infinity exactly: a state becomes slaved, or a mass sticks. Strong contraction alone stays
+    a number, however fast.
+
+    Standard errors come from the averages of 32 blocks of the record, or a few more, each a
+    whole number of intervals; ``blocks_independent`` says whether neighbouring blocks are
+    uncorrelated, below two over the root of their number. Where they are not, take a longer
+    record. Standard errors do not see a transient that was too short.
+
+    The Kaplan-Yorke dimension counts an exponent as zero that is below three standard errors
+    or below one over the duration. For a forced system it is that of the stroboscopic map;
+    the flow has one more.
+
+    References
+    ----------
+    G. Benettin, L. Galgani, A. Giorgilli and J.-M. Strelcyn, Meccanica 15, 9-20 (1980);
+    P. Mueller, Chaos, Solitons and Fractals 5, 1671-1681 (1995), for the events.
+
+    Examples
+    --------
+    The sum of both exponents of an oscillator with damping ratio 0.01 is -0.02, also where it
+    meets a soft stop.
+
+    >>> import nonsmooth as ns
+    >>> spectrum = ns.lyapunov_spectrum(ns.models.soft_impact(), transient=20, record=100)
+    >>> float(spectrum["exponent_sum"].round(9))
+    -0.02
+    """
+    system = check_run_options(system, parameters, mode, tolerance)
+    if system.slow:
+        raise OptionError(
+            f"{system.name}: exponents belong to one set of parameters, and slow= varies"
+            f" {next(iter(system.slow))!r}; make the system without slow="
+        )
+    count = _count(system, exponents)
+    tables = build_tables(system)
+    start = resolve_start(system, tables, initial, t_start, mode, parameters is not None)
+    if start.anchor is not None:
+        start = start_at_end(start)
+    window = float(tables.clock[0])
+    periodic = system.period_value is not None
+    protocol = _protocol(transient, record, interval, window, periodic)
+    first = start.instant.time(window)
+    check_signals(system, first, first + (protocol.transient + protocol.record) * window)
+    derivatives = build_derivatives(system, tables, ())
+    run = run_exponents(system, tables, derivatives, start, protocol, count, tolerance, _seed(seed))
+    unit = 1.0 if periodic else window
+    options: dict[str, Any] = {
+        "transient": protocol.transient * unit,
+        "record": protocol.record * unit,
+        "interval": protocol.interval * unit,
+        "tolerance": float(tolerance),
+        "seed": _seed(seed),
+        "changed_parameters": str(dict(parameters)) if parameters else "",
+    }
+    result = exponent_dataset(system, run, options)
+    if run.status not in (Status.COMPLETED, Status.STOPPED):
+        warnings.warn(f"{system.name}: {result.attrs['message']}", RunWarning, stacklevel=2)
+    return result
+
+
+def _count(system: System, exponents: Any) -> int:
+    n = len(system.states)
+    count = n if exponents is None else whole("exponents", exponents)
+    if count > n:
+        raise OptionError(
+            f"exponents = {count}: {system.name!r} has {n} states, and as many exponents at most"
+        )
+    return count
+
+
+def _protocol(
+    transient: Any, record: Any, interval: Any, window: float, periodic: bool
+) -> Protocol:
+    """Lengths in windows, the interval such that the record has a whole number of them."""
+    unit = 1.0 if periodic else window
+    lengths = {"transient": transient, "record": record}
+    for name, value in lengths.items():
+        if finite_number(name, value) < 0.0 or (name == "record" and value == 0):
+            least = "must be positive" if name == "record" else "must not be negative"
+            raise OptionError(f"{name} = {value} {least}; it counts periods, or time without one")
+    whole_record = float(record) / unit
+    if interval is None:
+        wanted = 1.0 if periodic else min(1.0, whole_record / _PARTS)
+    else:
+        wanted = finite_number("interval", interval) / unit
+        if not wanted > 0.0:
+            raise OptionError(f"interval = {interval} must be positive")
+    parts = max(1, round(whole_record / wanted))
+    return Protocol(float(transient) / unit, whole_record, whole_record / parts, parts)
+
+
+def _seed(seed: Any) -> int:
+    value = finite_number("seed", seed)
+    if value != int(value) or value < 0:
+        raise OptionError(f"seed = {seed!r:.60} must be a whole number, not negative")
+    return int(value)

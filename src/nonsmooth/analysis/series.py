@@ -1,0 +1,112 @@
+"""A series of numbers out of whatever holds one: a run, a variable of a dataset, a list."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.simulation.options import finite_number
+from nonsmooth.system.system import System
+from nonsmooth.version import __version__
+
+__all__ = ["Series", "drifts", "series_of", "uniform_step"]
+
+_SAME = 1e-6  # of a step, between samples that count as equidistant
+
+Vector = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Series:
+    """Values in order, their times where they have some, and where they come from."""
+
+    values: Vector
+    times: Vector | None = None
+    phases: Vector | None = None
+    period: float | None = None
+    label: dict[str, str] = field(default_factory=dict)
+    attrs: dict[str, Any] = field(default_factory=dict)
+
+    def part(self, chosen: Any) -> Series:
+        """The same with some of the values only."""
+        times, phases = (None if a is None else a[chosen] for a in (self.times, self.phases))
+        return Series(self.values[chosen], times, phases, self.period, self.label, self.attrs)
+
+    def after(self, transient: Any) -> Series:
+        """What comes after a transient in periods, in time without one, in values without time."""
+        length = finite_number("transient", transient)
+        if length < 0.0:
+            raise OptionError(f"transient = {transient} must not be negative")
+        if self.times is None:
+            rest = self.part(slice(round(length), None))
+        else:
+            unit = 1.0 if self.period is None else self.period
+            first = float(self.times[0]) if self.times.size else 0.0
+            begin = first + length * unit
+            rest = self.part(self.times >= begin - 1e-9 * max(unit, abs(begin)))
+        if rest.values.size == 0:
+            raise OptionError(f"transient = {transient} leaves nothing of the series")
+        return rest
+
+
+def series_of(data: Any, variable: str | None) -> Series:
+    """Series in a dataset by the name of a variable, in an array, or in a list of numbers."""
+    if isinstance(data, xr.Dataset):
+        known = [str(name) for name in data.data_vars if data[name].ndim == 1]
+        if variable is None:
+            raise OptionError(f"variable= is needed; the dataset has {', '.join(known)}")
+        if variable not in known:
+            raise OptionError(f"variable: {unknown_name('variable', variable, known)}")
+        array: xr.DataArray | None = data[variable]
+    elif variable is not None:
+        raise OptionError(f"variable = {variable!r}: data without names; leave variable= out")
+    else:
+        array = data if isinstance(data, xr.DataArray) else None
+    values = _numbers(data if array is None else array.values)
+    if array is None:
+        return Series(values)
+    attrs = dict(data.attrs)
+    times = None
+    if array.dims[0] == "time" and "time" in array.coords:
+        times = np.asarray(array["time"].values, float)
+    phases = np.asarray(array["phase"].values, float) if "phase" in array.coords else None
+    label = {key: str(array.attrs[key]) for key in ("long_name", "units") if key in array.attrs}
+    label.setdefault("long_name", str(array.name or "value"))
+    period = float(attrs["period"]) if "period" in attrs and times is not None else None
+    kept = {key: attrs[key] for key in ("system_name", "system", "status") if key in attrs}
+    kept["nonsmooth_version"] = __version__
+    return Series(values, times, phases, period, label, kept | {"variable": variable or ""})
+
+
+def drifts(series: Series) -> bool:
+    """Whether the series is a drift state of the system of a run."""
+    if "system" not in series.attrs:
+        return False
+    return series.attrs["variable"] in System.from_toml(series.attrs["system"]).drift_states
+
+
+def uniform_step(series: Series) -> float:
+    """Time between samples, which must be equidistant."""
+    assert series.times is not None
+    steps = np.diff(series.times)
+    if steps.size == 0 or steps.max() - steps.min() > _SAME * steps.mean():
+        raise OptionError(
+            "the samples are not equidistant; simulate with samples_per_period=, or with"
+            " equidistant times="
+        )
+    return float((series.times[-1] - series.times[0]) / steps.size)
+
+
+def _numbers(values: Any) -> Vector:
+    try:
+        numbers = np.asarray(values, dtype=float)
+    except (TypeError, ValueError):
+        raise OptionError(f"data = {values!r:.60}: give a run, or a list of numbers") from None
+    if numbers.ndim != 1 or not np.all(np.isfinite(numbers)):
+        raise OptionError("data: give numbers in one dimension, all of them finite")
+    return numbers

@@ -1,0 +1,243 @@
+"""A run that carries columns of derivatives, driven in pieces from outside.
+
+A run that ends in the middle of a segment keeps its anchor at the start of that segment, so that
+going on repeats the same operations. Columns may be exchanged for other ones at the anchor, since
+the flow takes them from there linearly; the trajectory does not depend on them, so it stays that of
+a run that was never cut, bit for bit. Only where a segment is too long for its columns is the
+anchor moved into it, in the way in which the engine moves it at the end of a window.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.engine import layout
+from nonsmooth.engine import records as at
+from nonsmooth.engine.lanes import run
+from nonsmooth.engine.layout import Tables, allocate_segment, augmented_size, n_blocks
+from nonsmooth.engine.loop import GOES_ON
+from nonsmooth.engine.records import Anchor, allocate_anchor, allocate_records
+from nonsmooth.engine.status import EventKind, Status
+from nonsmooth.engine.tangent import Tangent
+from nonsmooth.engine.zeros import STILL_ZERO
+from nonsmooth.simulation.clock import Instant
+from nonsmooth.simulation.event_log import FIRST_CAPACITY
+from nonsmooth.simulation.runner import Derivatives, NoMode
+
+__all__ = ["Saved", "TangentFlow"]
+
+_LAST_TERM = 1e-12  # of the series of the columns, beside the columns
+
+Matrix = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Saved:
+    """What a piece starts from, so that it can be done again."""
+
+    anchor: Anchor
+    columns: Matrix
+    cursor: npt.NDArray[np.int64]
+    since: Matrix
+    counts: tuple[int, int, int]
+
+
+class TangentFlow:
+    """Trajectory of a system with columns of derivatives by its initial state.
+
+    Columns are rows of arrays here, as in the engine: ``columns[c]`` is a vector of n states.
+    """
+
+    def __init__(self, tables: Tables, derivatives: Derivatives, count: int, tolerance: float):
+        self.tables, self.derivatives, self.tolerance = tables, derivatives, tolerance
+        self.window = float(tables.clock[0])
+        self.n = int(tables.sizes[0])
+        sizes = tables.sizes
+        self.anchor = allocate_anchor(sizes)
+        self.segment = allocate_segment(sizes, 0)
+        self._tangent = _allocate_columns(tables, count)
+        self._many = allocate_records(sizes, np.zeros(1, np.int64), np.zeros(1), FIRST_CAPACITY)
+        # a buffer that is full after one event, and the other arrays shared
+        self._one = self._many._replace(
+            event_integers=self._many.event_integers[:2].copy(),
+            event_floats=self._many.event_floats[:2].copy(),
+        )
+        self.n_events = self.n_impacts = self.n_uncertain = 0
+        self.last_event = np.zeros(at.EVENT_INTEGERS, np.int64)
+
+    def start(self, state: Matrix, begin: Instant, mode: int) -> Status:
+        """Start at a state; ``columns`` are then derivatives by the initial states, all n.
+
+        `NoMode` where the mode does not fit.
+        """
+        whole = _allocate_columns(self.tables, self.n)
+        self.anchor.place[0], self.anchor.phase[0] = begin
+        self.anchor.state[:] = state
+        status = self._run(begin, mode, whole, one_event=False)
+        if status == Status.INADMISSIBLE and self._many.cursor[at.EVENTS] == 0:
+            raise NoMode(self.segment.z.copy())
+        self.n_events = self.n_impacts = 0  # the start is none
+        self.first_columns = whole.columns[:, : self.n].copy()
+        return status
+
+    @property
+    def here(self) -> Instant:
+        """Instant of the anchor."""
+        return Instant(int(self.anchor.place[0]), float(self.anchor.phase[0]))
+
+    @property
+    def mode(self) -> int:
+        """Mode that holds at the anchor."""
+        return int(self.anchor.place[1])
+
+    @property
+    def counts(self) -> tuple[int, int, int]:
+        """Events, impacts among them, and what rounding left open, up to the anchor or the end."""
+        return self.n_events, self.n_impacts, self.n_uncertain
+
+    @property
+    def columns(self) -> Matrix:
+        """Columns at the anchor."""
+        return self._tangent.columns[:, : self.n]
+
+    @property
+    def columns_at_end(self) -> Matrix:
+        """Columns at the instant to which the last piece was asked to run."""
+        return self._tangent.samples[0]
+
+    def set_columns(self, columns: Matrix) -> None:
+        """Exchange the columns at the anchor; those that are not given are zero."""
+        self._tangent.columns[:] = 0.0
+        self._tangent.columns[: len(columns), : self.n] = columns
+
+    def save(self) -> Saved:
+        """Copy of all that changes along a run."""
+        anchor = self.anchor
+        return Saved(
+            Anchor(
+                anchor.place.copy(), anchor.phase.copy(), anchor.state.copy(), anchor.order.copy()
+            ),
+            self.columns.copy(),
+            self._many.cursor.copy(),
+            self._many.since.copy(),
+            self.counts,
+        )  # fmt: skip
+
+    def restore(self, saved: Saved) -> None:
+        """Go back to where a copy was taken."""
+        for now, then in zip(self.anchor, saved.anchor, strict=True):
+            now[:] = then
+        self.set_columns(saved.columns)
+        self._many.cursor[:] = saved.cursor
+        self._many.since[:] = saved.since
+        self.n_events, self.n_impacts, self.n_uncertain = saved.counts
+
+    def run_to(self, end: Instant, *, one_event: bool = False) -> Status:
+        """Run on to an instant, or with ``one_event`` to just behind the next event.
+
+        returns: COMPLETED at the instant, BUFFER_FULL at an event, else why the run ended
+        """
+        return self._run(end, GOES_ON, self._tangent, one_event=one_event)
+
+    def move_to_end(self) -> None:
+        """Move the anchor from the start of a segment to where the run ended in it.
+
+        The engine does the same at the end of a window: what is known to stay zero stays so, and
+        guards that began at a zero have left it.
+        """
+        number, phase = self._end
+        if number > self.anchor.place[0]:
+            self._many.cursor[at.WINDOW_EVENTS] = 0
+        self.anchor.place[0], self.anchor.phase[0] = number, phase
+        self.anchor.state[:] = self._many.end_state
+        smooth = self.tables.signals.shape[0] == 0
+        zero = (self.segment.order >= STILL_ZERO) & smooth
+        self.anchor.order[:] = np.where(zero, STILL_ZERO, 0)[: self.anchor.order.size]
+        self._tangent.columns[:, : self.n] = self.columns_at_end
+
+    def guard_gradient(self) -> Matrix:
+        """Gradient by the states of the guard that fired at the last event."""
+        mode, way = int(self.last_event[at.FROM]), int(self.last_event[at.EXIT])
+        row = self.tables.affine[mode, layout.guard_row(max(way, 0), 0), : self.n]
+        return np.array(row) if way >= 0 else np.zeros(self.n)
+
+    def reach_of_series(self, mode: int) -> float:
+        """Time within which the series of the columns converge, from where the last step began.
+
+        No limit in a mode in closed form. A step is chosen by the series of the states, in which
+        a stiff direction need not show; columns along it tell at once.
+        """
+        if self.tables.kinds[mode] != layout.TAYLOR:
+            return np.inf
+        last = np.abs(self._tangent.dual[: self.n, :, layout.ORDER]).max(initial=0.0)
+        size = np.abs(self._tangent.dual[: self.n, :, 0]).max(initial=0.0)
+        return float((_LAST_TERM * size / last) ** (1.0 / layout.ORDER)) if last > 0.0 else np.inf
+
+    def probe_series(self, duration: float) -> float:
+        """The same for a step that begins at the anchor, which stays where it is."""
+        if self.tables.kinds[self.mode] != layout.TAYLOR:
+            return np.inf
+        saved = self.save()
+        self.run_to(self.after(self.here, duration))
+        reach = self.reach_of_series(int(saved.anchor.place[1]))
+        self.restore(saved)
+        return reach
+
+    @property
+    def n_segments(self) -> int:
+        """Segments of the last piece, steps of Taylor modes included."""
+        return max(1, int(self._many.cursor[at.SEGMENTS]))
+
+    def between(self, first: Instant, last: Instant) -> float:
+        """Time from one instant to another."""
+        return (last.number - first.number) * self.window + (last.phase - first.phase)
+
+    def after(self, first: Instant, duration: float) -> Instant:
+        """Instant some time after another one."""
+        whole = np.floor((first.phase + duration) / self.window)
+        phase = first.phase + (duration - whole * self.window)
+        return Instant(first.number + int(whole), min(max(phase, 0.0), self.window))
+
+    def _run(self, end: Instant, mode: int, tangent: Tangent, *, one_event: bool) -> Status:
+        self._end = end
+        records = self._one if one_event else self._many
+        records.sample_number[0], records.sample_phase[0] = end
+        records.cursor[at.SAMPLES] = records.cursor[at.SEGMENTS] = 0
+        while True:
+            records.cursor[at.EVENTS] = records.cursor[at.UNCERTAIN] = 0
+            status = Status(
+                run(
+                    self.tables, self.derivatives.rates, self.derivatives.scratch, self.anchor,
+                    self.segment, tangent, records, mode, *end, self.tolerance,
+                )
+            )  # fmt: skip
+            self._count(records)
+            mode = GOES_ON
+            if status != Status.PAUSED and (status != Status.BUFFER_FULL or one_event):
+                return status
+
+    def _count(self, records: at.Records) -> None:
+        rows = records.event_integers[: int(records.cursor[at.EVENTS])]
+        passed = rows[rows[:, at.KIND] != EventKind.GRAZE]
+        if len(passed):
+            self.last_event = passed[-1].copy()
+        self.n_events += len(passed)
+        self.n_impacts += int(np.count_nonzero(passed[:, at.KIND] == EventKind.IMPACT))
+        self.n_uncertain += int(records.cursor[at.UNCERTAIN])
+
+
+def _allocate_columns(tables: Tables, count: int) -> Tangent:
+    """Room for some columns by initial states, of which the engine takes any number."""
+    size = augmented_size(tables.sizes)
+    return Tangent(
+        columns=np.zeros((count, size)),
+        now=np.zeros((count, size)),
+        shifts=np.zeros(count),
+        velocity=np.zeros(size),
+        dual=np.zeros((int(tables.sizes[6]), n_blocks(count), layout.ORDER + 1, layout.LANES)),
+        ready=np.zeros(1, np.int64),
+        samples=np.full((1, count, int(tables.sizes[0])), np.nan),
+    )
