@@ -17,11 +17,11 @@ import numpy.typing as npt
 from nonsmooth.engine import layout
 from nonsmooth.engine import records as at
 from nonsmooth.engine.lanes import run
-from nonsmooth.engine.layout import Tables, allocate_segment, augmented_size, n_blocks
+from nonsmooth.engine.layout import Tables, allocate_segment
 from nonsmooth.engine.loop import GOES_ON
 from nonsmooth.engine.records import Anchor, allocate_anchor, allocate_records
 from nonsmooth.engine.status import EventKind, Status
-from nonsmooth.engine.tangent import Tangent
+from nonsmooth.engine.tangent import Tangent, allocate_columns
 from nonsmooth.engine.zeros import STILL_ZERO
 from nonsmooth.simulation.clock import Instant
 from nonsmooth.simulation.event_log import FIRST_CAPACITY
@@ -58,7 +58,7 @@ class TangentFlow:
         sizes = tables.sizes
         self.anchor = allocate_anchor(sizes)
         self.segment = allocate_segment(sizes, 0)
-        self._tangent = _allocate_columns(tables, count)
+        self._tangent = allocate_columns(tables.sizes, count, 1)
         self._many = allocate_records(sizes, np.zeros(1, np.int64), np.zeros(1), FIRST_CAPACITY)
         # a buffer that is full after one event, and the other arrays shared
         self._one = self._many._replace(
@@ -73,7 +73,7 @@ class TangentFlow:
 
         `NoMode` where the mode does not fit.
         """
-        whole = _allocate_columns(self.tables, self.n)
+        whole = allocate_columns(self.tables.sizes, self.n, 1)
         self.anchor.place[0], self.anchor.phase[0] = begin
         self.anchor.state[:] = state
         status = self._run(begin, mode, whole, one_event=False)
@@ -227,17 +227,3 @@ class TangentFlow:
         self.n_events += len(passed)
         self.n_impacts += int(np.count_nonzero(passed[:, at.KIND] == EventKind.IMPACT))
         self.n_uncertain += int(records.cursor[at.UNCERTAIN])
-
-
-def _allocate_columns(tables: Tables, count: int) -> Tangent:
-    """Room for some columns by initial states, of which the engine takes any number."""
-    size = augmented_size(tables.sizes)
-    return Tangent(
-        columns=np.zeros((count, size)),
-        now=np.zeros((count, size)),
-        shifts=np.zeros(count),
-        velocity=np.zeros(size),
-        dual=np.zeros((int(tables.sizes[6]), n_blocks(count), layout.ORDER + 1, layout.LANES)),
-        ready=np.zeros(1, np.int64),
-        samples=np.full((1, count, int(tables.sizes[0])), np.nan),
-    )

@@ -42,7 +42,8 @@ def run_lanes(
         )
         tangent = Tangent(
             tangents.columns[lane], tangents.now, tangents.shifts, tangents.velocity,
-            tangents.dual, tangents.ready, tangents.samples[lane],
+            tangents.dual, tangents.ready, tangents.piece, tangents.series,
+            tangents.samples[lane],
         )  # fmt: skip
         record = Records(
             records.sample_number, records.sample_phase, records.sample_state[lane],

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from nonsmooth.engine import layout as at
-from nonsmooth.engine.dual_series import fill_duals
+from nonsmooth.engine.column_series import carry_by_series
 from nonsmooth.engine.jit import kernel
 from nonsmooth.engine.layout import Floats, Integers, augmented_size, n_blocks
 from nonsmooth.engine.variation import advance_columns, augmented_columns
@@ -22,6 +22,7 @@ from nonsmooth.engine.velocity import fill_velocity
 
 __all__ = [
     "Tangent",
+    "allocate_columns",
     "allocate_tangent",
     "carry",
     "complete_columns",
@@ -42,13 +43,20 @@ class Tangent(NamedTuple):
     velocity: Floats  # (N,) rates of all coordinates
     dual: Floats  # (R, blocks of C, ORDER + 1, LANES) series of the columns of a Taylor step
     ready: Integers  # (1,): whether dual belongs to the present step
+    piece: Floats  # (C, N) at the start of a piece of a step
+    series: Floats  # (R, SERIES_ROW) of a piece
     samples: Floats  # (s, C, n)
 
 
 def allocate_tangent(sizes: Integers, n_parameters: int, n_samples: int) -> Tangent:
     """Room for the columns of all states and some parameters; with -1, for no column at all."""
+    count = 0 if n_parameters < 0 else int(sizes[0]) + n_parameters
+    return allocate_columns(sizes, count, n_samples)
+
+
+def allocate_columns(sizes: Integers, count: int, n_samples: int) -> Tangent:
+    """Room for any number of columns."""
     n, big_n = int(sizes[0]), augmented_size(sizes)
-    count = 0 if n_parameters < 0 else n + n_parameters
     registers = int(sizes[6]) if count else 0
     return Tangent(
         columns=np.zeros((count, big_n)),
@@ -57,6 +65,8 @@ def allocate_tangent(sizes: Integers, n_parameters: int, n_samples: int) -> Tang
         velocity=np.zeros(big_n if count else 0),
         dual=np.zeros((registers, n_blocks(count), at.ORDER + 1, at.LANES)),
         ready=np.zeros(1, np.int64),
+        piece=np.zeros((count, big_n)),
+        series=np.zeros((registers, at.SERIES_ROW)),
         samples=np.full((n_samples if count else 0, count, n), np.nan),
     )
 
@@ -81,35 +91,10 @@ def complete_columns(tables, rates, tangent, number, phase, z):
 @kernel
 def carry(tables, rates, scratch, segment, tangent, m, s):
     """Columns after s of the present segment, into tangent.now."""
-    columns, now = tangent.columns, tangent.now
     if tables.kinds[m] == at.EXACT:
-        advance_columns(tables, rates, scratch, m, segment.z, s, columns, now)
-        return
-    n, dual = tables.sizes[0], tangent.dual
-    if tangent.ready[0] == 0:
-        _fill_columns(tables, rates, segment, tangent, m)
-        tangent.ready[0] = 1
-    for c in range(columns.shape[0]):
-        for i in range(n):
-            block, lane = c // at.LANES, c % at.LANES
-            total = dual[i, block, at.ORDER, lane]
-            for k in range(at.ORDER - 1, -1, -1):
-                total = total * s + dual[i, block, k, lane]
-            now[c, i] = total
-
-
-@kernel
-def _fill_columns(tables, rates, segment, tangent, m):
-    columns, dual = tangent.columns, tangent.dual
-    for i in range(columns.shape[1]):
-        for c in range(columns.shape[0]):
-            dual[i, c // at.LANES, 0, c % at.LANES] = columns[c, i]
-    fill_duals(
-        tables.code, tables.terms, tables.weights, tables.code_rows[m, 0],
-        tables.code_rows[m, 1], tables.values,
-        rates.slot_rates, tables.sizes[0], tables.outlets[m], tables.wiring[m, 0, at.SLAVED],
-        tables.sizes, tables.harmonics, rates.harmonics, segment.series, dual, 0, at.ORDER,
-    )  # fmt: skip
+        advance_columns(tables, rates, scratch, m, segment.z, s, tangent.columns, tangent.now)
+    else:
+        carry_by_series(tables, rates, segment, tangent, m, s)
 
 
 @kernel

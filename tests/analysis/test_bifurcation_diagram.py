@@ -1,0 +1,225 @@
+"""Bifurcation diagrams beside closed forms, and what they promise about protocols."""
+
+import threading
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import nonsmooth as ns
+from nonsmooth import Exit, Mode, ModelError, OptionError, System
+
+
+def linear():
+    """x'' + 2 zeta x' + x = cos(w t), with its steady state as output."""
+    return System(
+        name="linear",
+        states=["x", "v"],
+        parameters={"w": 0.7, "zeta": 0.1},
+        period="2*pi/w",
+        equations={"x": "v", "v": "-x - 2*zeta*v + cos(w*t)"},
+        outputs={"twice": "2*x + w"},
+    )
+
+
+def steady(w, zeta, t):
+    """Displacement of the steady state."""
+    transfer = 1.0 / (1.0 - w**2 + 2j * zeta * w)
+    return (transfer * np.exp(1j * w * t)).real
+
+
+@pytest.mark.parametrize("start", ["restart", "follow up", "follow down"])
+@pytest.mark.parametrize("phase", [0.0, 0.25])
+def test_steady_states_of_a_linear_oscillator(start, phase):
+    grid = np.array([0.5, 1.4, 0.9, 1.1])
+    found = ns.bifurcation_diagram(
+        linear(), "w", grid, transient=60, record=5, phase=phase, start=start
+    )
+    assert found.attrs["message"] == "completed"
+    for i, w in enumerate(grid):
+        # exp(-0.1 * 60 * 2 pi / w) is below 1e-11
+        expected = steady(w, 0.1, phase * 2 * np.pi / w)
+        assert found["x"].values[i, 0] == pytest.approx(np.full(5, expected), abs=1e-10)
+        assert found["twice"].values[i, 0] == pytest.approx(2 * expected + w, abs=1e-10)
+    assert np.all(found["period"] == 1)
+    assert np.all(found["events"] == 0)
+
+
+def ball(gamma):
+    """A ball on a table at gamma sin t that keeps 0.8 of its speed, started on the orbit
+    of one impact per period (N. Tufillaro's), whose impact is at cos(phi) = pi (1-r)/(gamma (1+r)).
+    """
+    r = 0.8
+    angle = f"acos(pi*(1 - r)/(gamma*(1 + r)))"  # noqa: F541
+    flown = f"(2*pi - {angle})"
+    return System(
+        name="ball",
+        states=["x", "v"],
+        parameters={"gamma": gamma, "r": r},
+        period="2*pi",
+        initial={
+            "x": f"gamma*sin({angle}) + pi*{flown} - {flown}**2/2 + 1e-7",
+            "v": f"pi - {flown}",
+        },
+        modes={
+            "flight": Mode(
+                {"x": "v", "v": "-1"},
+                exits=[
+                    Exit(
+                        "x - gamma*sin(t)",
+                        to="flight",
+                        reset={"v": "-r*v + (1 + r)*gamma*cos(t)"},
+                        name="impact",
+                    )
+                ],
+            )
+        },
+    )
+
+
+def test_period_doubling_of_a_bouncing_ball():
+    """The orbit loses stability at gamma^2 = (pi (1-r)/(1+r))^2 + (2 (1+r^2)/(1+r)^2)^2."""
+    r = 0.8
+    doubling = np.hypot(np.pi * (1 - r) / (1 + r), 2 * (1 + r**2) / (1 + r) ** 2)
+    grid = doubling + np.array([-0.02, -0.01, 0.01, 0.02])
+    found = ns.bifurcation_diagram(ball(1.0), "gamma", grid, transient=1500, record=40)
+    assert found["status"].values.ravel().tolist() == ["completed"] * 4
+    assert found["period"].values.ravel().tolist() == [1, 1, 2, 2]
+    assert np.all(found["impacts"] == 1.0)
+    at_impact = ns.bifurcation_diagram(
+        ball(1.0), "gamma", grid[:2], transient=1500, record=40, at="impact", side="after"
+    )
+    assert at_impact["v"].values == pytest.approx(np.pi, abs=1e-6)
+    before = ns.bifurcation_diagram(
+        ball(1.0), "gamma", grid[:2], transient=1500, record=40, at="impact"
+    )
+    assert before["v"].values == pytest.approx(-np.pi, abs=1e-6)
+
+
+def test_following_finds_both_branches_of_a_hysteresis():
+    """The response of a hardening spring bends over: up and down differ between its folds."""
+    duffing = System(
+        name="hardening",
+        states=["x", "v"],
+        parameters={"w": 1.0},
+        period="2*pi/w",
+        equations={"x": "v", "v": "-x - x**3 - 0.05*v + 0.2*cos(w*t)"},
+    )
+    grid = np.linspace(0.9, 2.0, 23)
+    up, down = (
+        ns.bifurcation_diagram(duffing, "w", grid, transient=200, record=4, start=start)
+        for start in ("follow up", "follow down")
+    )
+    size = [np.hypot(d["x"].values[:, 0, 0], d["v"].values[:, 0, 0]) for d in (up, down)]
+    apart = np.abs(size[0] - size[1]) > 0.3
+    assert 3 < np.count_nonzero(apart) < 20
+    assert not apart[0]
+    assert not apart[-1]
+
+
+def test_the_mole_drifts_as_a_run_says():
+    mole = ns.models.moling(omega=1.0)
+    found = ns.bifurcation_diagram(
+        mole, "b", [0.05, 0.2], initial=[None, {"q": 0.1}], transient=100, record=20
+    )
+    for i, b in enumerate((0.05, 0.2)):
+        for lane, start in enumerate((None, {"q": 0.1})):
+            run = ns.simulate(mole, start, periods=120, samples_per_period=1, parameters={"b": b})
+            way = float(run["v"][120] - run["v"][100]) / 20
+            assert float(found["v_per_period"][i, lane]) == pytest.approx(way, abs=1e-12)
+            assert float(found["v_per_time"][i, lane]) == pytest.approx(
+                way / (2 * np.pi), abs=1e-12
+            )
+            assert found["q"].values[i, lane] == pytest.approx(run["q"].values[100:120], abs=1e-12)
+
+
+def test_the_number_of_threads_changes_no_digit(tmp_path):
+    grid = np.linspace(0.7, 0.9, 41)
+    one, two = (
+        ns.bifurcation_diagram(
+            ns.models.soft_impact(), "omega", grid, transient=50, record=30, threads=threads
+        )
+        for threads in (1, 3)
+    )
+    assert one.identical(two)
+    one.to_netcdf(tmp_path / "d.nc", engine="h5netcdf")
+    with xr.open_dataset(tmp_path / "d.nc", engine="h5netcdf") as again:
+        xr.testing.assert_identical(again.load(), one)
+
+
+def test_a_column_that_ends_early_is_told():
+    """A tongue of motions that come to the stop; the others are complete."""
+    system = System(
+        states=["x", "v"],
+        parameters={"a": 1.0},
+        period="2*pi",
+        modes={"m": Mode({"x": "v", "v": "-4*x - v + a*cos(t)"}, exits=[Exit("0.5 - x", to="stop")])},
+    )
+    found = ns.bifurcation_diagram(system, "a", [0.5, 3.0], transient=20, record=5)
+    assert found["status"].values.ravel().tolist() == ["completed", "stopped"]
+    assert np.all(np.isnan(found["x"].values[1]))
+    assert "stopped" in found.attrs["message"]
+
+
+def test_a_value_that_the_system_refuses():
+    system = System(
+        states=["x"],
+        parameters={"a": 1.0},
+        period="2*pi",
+        equations={"x": "-x + a*cos(t)"},
+        require=["a < 2"],
+    )
+    for start in ("restart", "follow up"):
+        found = ns.bifurcation_diagram(system, "a", [1.0, 3.0, 1.5], record=5, start=start)
+        assert found["status"].values.ravel().tolist() == ["completed", "refused", "completed"]
+
+
+def test_an_interruption_keeps_what_is_done(monkeypatch):
+    from nonsmooth.simulation import crew
+
+    calls = []
+    wait = crew.wait
+
+    def interrupted(*arguments, **options):
+        calls.append(threading.current_thread())
+        if len(calls) == 4:
+            raise KeyboardInterrupt
+        return wait(*arguments, **options)
+
+    monkeypatch.setattr(crew, "wait", interrupted)
+    found = ns.bifurcation_diagram(
+        ns.models.soft_impact(), "omega", np.linspace(0.7, 0.9, 400), transient=400, threads=1
+    )
+    assert found.attrs["status"] == "interrupted"
+    words = set(found["status"].values.ravel())
+    assert words == {"completed", "interrupted"}
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"parameter": "q"}, "unknown parameter 'q'"),
+        ({"values": []}, "non-empty list"),
+        ({"values": [0.1, np.nan]}, "finite numbers"),
+        ({"values": "abc"}, "list of numbers"),
+        ({"start": "follow"}, "follow up"),
+        ({"side": "between"}, "before"),
+        ({"at": "hit"}, "unknown event 'hit'"),
+        ({"transient": -1}, "transient"),
+        ({"record": 0}, "record"),
+        ({"phase": 1.0}, "phase = 1"),
+        ({"match": 0.0}, "match = 0"),
+        ({"threads": 0}, "threads"),
+        ({"initial": []}, "empty list"),
+        ({"initial": {"y": 1.0}}, "unknown state 'y'"),
+    ],
+)
+def test_wrong_use(options, message):
+    given = {"parameter": "w", "values": [0.5]} | options
+    with pytest.raises((OptionError, ModelError), match=message):
+        ns.bifurcation_diagram(linear(), given.pop("parameter"), given.pop("values"), **given)
+
+
+def test_a_system_without_a_period():
+    with pytest.raises(OptionError, match="has no period"):
+        ns.bifurcation_diagram(ns.models.chua(), "alpha", [9.0])
