@@ -50,7 +50,7 @@ def ball(gamma):
     of one impact per period (N. Tufillaro's), whose impact is at cos(phi) = pi (1-r)/(gamma (1+r)).
     """
     r = 0.8
-    angle = f"acos(pi*(1 - r)/(gamma*(1 + r)))"  # noqa: F541
+    angle = "acos(pi*(1 - r)/(gamma*(1 + r)))"
     flown = f"(2*pi - {angle})"
     return System(
         name="ball",
@@ -153,7 +153,9 @@ def test_a_column_that_ends_early_is_told():
         states=["x", "v"],
         parameters={"a": 1.0},
         period="2*pi",
-        modes={"m": Mode({"x": "v", "v": "-4*x - v + a*cos(t)"}, exits=[Exit("0.5 - x", to="stop")])},
+        modes={
+            "m": Mode({"x": "v", "v": "-4*x - v + a*cos(t)"}, exits=[Exit("0.5 - x", to="stop")])
+        },
     )
     found = ns.bifurcation_diagram(system, "a", [0.5, 3.0], transient=20, record=5)
     assert found["status"].values.ravel().tolist() == ["completed", "stopped"]
@@ -167,7 +169,7 @@ def test_a_value_that_the_system_refuses():
         parameters={"a": 1.0},
         period="2*pi",
         equations={"x": "-x + a*cos(t)"},
-        require=["a < 2"],
+        require={"a < 2": "the force is small"},
     )
     for start in ("restart", "follow up"):
         found = ns.bifurcation_diagram(system, "a", [1.0, 3.0, 1.5], record=5, start=start)

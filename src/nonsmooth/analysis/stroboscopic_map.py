@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from nonsmooth.errors import ModelError, OptionError
-from nonsmooth.simulation.assemble import Columns
+from nonsmooth.engine.status import Status
+from nonsmooth.errors import ModelError, OptionError, RunWarning
+from nonsmooth.simulation.assemble import Columns, assemble
 from nonsmooth.simulation.clock import Instant, Plan
 from nonsmooth.simulation.dataset import run_dataset
 from nonsmooth.simulation.options import (
@@ -83,6 +85,11 @@ def stroboscopic_map(
     OptionError
         For a system without a period, or an option out of its range.
 
+    Warns
+    -----
+    RunWarning
+        When the run ended early.
+
     See Also
     --------
     simulate : the whole motion.
@@ -136,7 +143,10 @@ def stroboscopic_map(
         "tolerance": float(tolerance),
         "changed_parameters": str(dict(parameters)) if parameters else "",
     }
-    return _over_points(system, run_dataset(system, outcome, options))
+    points = _over_points(system, run_dataset(system, outcome, options))
+    if outcome.status not in (Status.COMPLETED, Status.STOPPED):
+        warnings.warn(f"{system.name}: {points.attrs['message']}", RunWarning, stacklevel=2)
+    return points
 
 
 def _period(system: System, period: Any) -> float | None:
@@ -160,8 +170,6 @@ def _period(system: System, period: Any) -> float | None:
 
 def _over_points(system: System, run: xr.Dataset) -> xr.Dataset:
     """The samples of a run as points of a map."""
-    from nonsmooth.simulation.assemble import assemble
-
     names = (*system.states, *system.outputs, "mode")
     variables: Columns = {
         name: (("point",), run[name].values, dict(run[name].attrs)) for name in names

@@ -9,6 +9,7 @@ import typer
 
 from nonsmooth.cli.arguments import build_system, constants, names, settings
 from nonsmooth.cli.console import ENDED_EARLY, INTERRUPTED, MODEL_HELP, PARAMETERS_HELP
+from nonsmooth.cli.output import check_files, save_dataset
 from nonsmooth.errors import OptionError, unknown_name
 
 if TYPE_CHECKING:
@@ -60,14 +61,10 @@ def diagram(
 ) -> None:
     """Settled motions for many values of a parameter, by brute force."""
     from nonsmooth.analysis.bifurcation_diagram import bifurcation_diagram
-    from nonsmooth.files import check_target
 
-    if plot is not None:
-        check_target(plot, (".png", ".pdf"))
-    elif variable is not None:
+    check_files(plot, save)
+    if plot is None and variable is not None:
         raise OptionError("--variable is drawn into a file: name it with --plot FILE")
-    if save is not None:
-        check_target(save, (".nc",))
     system = build_system(model, settings(parameters or [], "NAME=VALUE"))
     parameter, values = _range(over)
     drawn = _variable(system, variable)
@@ -88,7 +85,7 @@ def diagram(
 
     typer.echo(harmless(_summary(result)))
     if save is not None:
-        _save(result, save)
+        save_dataset(result, save)
     if plot is not None:
         _plot(result, drawn, plot)
     if result.attrs["status"] == "interrupted":
@@ -141,14 +138,6 @@ def _summary(result: xr.Dataset) -> str:
     if others:
         texts.append(f"{others} of longer period or none")
     return "\n".join([*lines, "motions  " + ", ".join(texts or ["none settled"])])
-
-
-def _save(result: xr.Dataset, path: Path) -> None:
-    from nonsmooth.files import replacing
-
-    with replacing(path) as draft:
-        result.to_netcdf(draft, engine="h5netcdf")
-    typer.echo(f"saved {path}")
 
 
 def _plot(result: xr.Dataset, variable: str, path: Path) -> None:

@@ -64,7 +64,7 @@ def bifurcation(
     ... )
     >>> ax = ns.plot.bifurcation(diagram, "x")
     >>> ax.get_ylabel()
-    'displacement'
+    'displacement of the mass'
     """
     if "parameter" not in diagram.dims or "lane" not in diagram.dims:
         raise OptionError("the dataset has no dimensions 'parameter' and 'lane'; give it a diagram")

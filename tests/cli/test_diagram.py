@@ -1,0 +1,52 @@
+import numpy as np
+import pytest
+import xarray as xr
+
+import nonsmooth as ns
+
+
+def test_summary_file_and_picture(call, tmp_path):
+    file, picture = tmp_path / "d.nc", tmp_path / "d.pdf"
+    result = call(
+        "diagram", "soft_impact", "zeta=0.02", "--over", "omega=0.7:0.8:5", "--transient", "50",
+        "--record", "20", "--save", file, "--plot", picture, "--variable", "v",
+    )  # fmt: skip
+    assert result.exit_code == 0, result.stderr
+    expected = ns.bifurcation_diagram(
+        ns.models.soft_impact(zeta=0.02), "omega", np.linspace(0.7, 0.8, 5), transient=50, record=20
+    )
+    with xr.open_dataset(file, engine="h5netcdf") as saved:
+        xr.testing.assert_identical(saved.load(), expected)
+    assert picture.stat().st_size > 1000
+    assert "5 values of omega, 1 initial state(s)" in result.stdout
+    assert "5 completed" in result.stdout
+
+
+def test_several_initial_states(call):
+    result = call(
+        "diagram", "soft_impact", "--over", "omega=0.7:0.8:3", "--transient", "5", "--record", "5",
+        "--initial", "x=0.1", "--initial", "x=pi/10,v=1",
+    )  # fmt: skip
+    assert result.exit_code == 0, result.stderr
+    assert "3 values of omega, 2 initial state(s)" in result.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ([], "--over"),
+        (["--over", "omega=0.7:0.8"], "name=first:last:count"),
+        (["--over", "omega"], "name=value"),
+        (["--over", "omega=0.7:0.8:0"], "whole number"),
+        (["--over", "q=0.7:0.8:5"], "unknown parameter 'q'"),
+        (["--over", "omega=0.7:0.8:5", "--start", "follow"], "follow up"),
+        (["--over", "omega=0.7:0.8:5", "--variable", "x"], "name it with --plot"),
+        (["--over", "omega=0.7:0.8:5", "--plot", "a.png", "--variable", "w"], "unknown variable"),
+        (["--over", "omega=0.7:0.8:5", "--save", "a.csv"], "'.csv'"),
+        (["--over", "omega=0.7:0.8:5", "--initial", "y=1"], "unknown state 'y'"),
+    ],
+)
+def test_wrong_use(call, arguments, message):
+    result = call("diagram", "soft_impact", *arguments)
+    assert result.exit_code == 2
+    assert message in result.stderr
