@@ -76,7 +76,7 @@ def bifurcation(
     if values.ndim == 2:
         values = values[:, :, None]
     count = int(np.isfinite(values).sum())
-    size = 3.0 if count <= _FEW else (0.6 if count <= _DENSE else 0.3)
+    size = 3.0 if count <= _FEW else (1.5 if count <= _DENSE else 0.9)
     colours = list(PALETTE.values())
     for lane in range(values.shape[1]):
         here = np.broadcast_to(diagram["parameter"].values[:, None], values[:, lane].shape)
@@ -86,7 +86,7 @@ def bifurcation(
             values[:, lane].ravel(),
             linestyle="none",
             marker="." if count > _FEW else _MARKERS[lane % len(_MARKERS)],
-            markersize=size,
+            markersize=size * max(0.4, 1.0 - 0.3 * lane),  # those below stay visible
             markeredgewidth=0.0,
             color="black" if single else colours[lane % len(colours)],
             label=None if single else f"initial state {lane + 1}",
