@@ -125,8 +125,9 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
         if passes != 1 and not curved:
             fill_scale(n, tables.generator, affine, wiring, m, z, duration, segment.scale)
         e, meets, followed = _next_exit(
-            tables, segment, first_mode, first_exit, m, path, passes, followed, tolerance
-        )
+            n, affine, wiring, z, segment.order, basis, segment.scale, first_mode, first_exit,
+            m, path, passes, followed, tolerance,
+        )  # fmt: skip
         corner = corner or meets
         if e < 0:
             if carrying and first_exit >= 0:
@@ -135,14 +136,15 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
 
 
 @inlined
-def _next_exit(tables, segment, first_mode, first_exit, m, path, passes, followed, tolerance):
-    """The exit of mode m that fires at segment.z, -1 for none; the orders of its guards.
+def _next_exit(
+    n, affine, wiring, z, order, basis, scale, first_mode, first_exit, m, path, passes, followed,
+    tolerance,
+):  # fmt: skip
+    """The exit of mode m that fires at z, -1 for none; fills the orders of its guards.
 
-    returns: exit, whether its guard is zero by coincidence after others, whether segment.basis
-    follows the path now
+    returns: exit, whether its guard is zero by coincidence after others, whether the basis follows
+    the path now
     """
-    n, affine, wiring = tables.sizes[0], tables.affine, tables.wiring
-    z, order, basis, scale = segment.z, segment.order, segment.basis, segment.scale
     e, meets = -1, False
     for g in range(wiring[m, 0, at.N_EXITS]):
         known = OPEN
@@ -293,6 +295,23 @@ def _set_fired_zero(n, generator, affine, wiring, m, e, z):
     """
     row = at.guard_row(e, 0)
     value, size = _sum_of_terms(affine, m, row, z)
+    pivot, several = -1, False
+    for i in range(z.size):
+        if i != n and affine[m, row, i] != 0.0:
+            several = pivot >= 0
+            pivot = i
+            if several:
+                break
+    if several:
+        pivot = _largest_share(n, generator, affine, wiring, m, row, z)
+    if 0 <= pivot < n:
+        z[pivot] -= value / affine[m, row, pivot]
+    return size
+
+
+@kernel
+def _largest_share(n, generator, affine, wiring, m, row, z):
+    """State with the largest share in the rate of a guard; -1 where it has next to none."""
     pivot = -1
     largest, total = 0.0, 0.0
     for i in range(z.size):
@@ -301,9 +320,7 @@ def _set_fired_zero(n, generator, affine, wiring, m, e, z):
             total += share
             if i < n and share > largest:
                 pivot, largest = i, share
-    if pivot >= 0 and largest >= _SHARE * total:
-        z[pivot] -= value / affine[m, row, pivot]
-    return size
+    return pivot if largest >= _SHARE * total else -1
 
 
 @kernel
