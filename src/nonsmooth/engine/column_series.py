@@ -9,60 +9,60 @@ from __future__ import annotations
 
 from nonsmooth.engine import layout as at
 from nonsmooth.engine.dual_series import fill_duals
-from nonsmooth.engine.jit import kernel
+from nonsmooth.engine.jit import inlined, kernel
 from nonsmooth.engine.taylor_series import fill_series
 
 __all__ = ["carry_by_series"]
 
 _SHORTEST = 2.0**-20  # part of a step; shorter pieces are no help
-_CONVERGED = 2.0**-40  # last terms of a series beside its largest
+_CONVERGED = 2.0**-32  # last term beside the largest; those left out are a seventh of it
 
 
-@kernel
+@inlined
 def carry_by_series(tables, rates, segment, tangent, m, s):
     """Columns after s of the present step, into tangent.now."""
-    n, dual = tables.sizes[0], tangent.dual
-    if tangent.ready[0] == 0:
-        _fill_columns(tables, rates, segment.series, tangent.columns, dual, m)
-        tangent.ready[0] = 1
-    if _converge(n, tangent.columns.shape[0], dual, s):
-        _evaluate(n, dual, s, tangent.now)
-        return
-    big_n, series, piece = tangent.columns.shape[1], tangent.series, tangent.piece
+    n, count, dual = tables.sizes[0], tangent.columns.shape[0], tangent.dual
+    series, columns = segment.series, tangent.columns
     passed, length = 0.0, s
     while True:
-        while length > _SHORTEST * s and not _converge(n, tangent.columns.shape[0], dual, length):
+        if tangent.ready[0] == 0:
+            for i in range(columns.shape[1]):
+                for c in range(count):
+                    dual[i, c // at.LANES, 0, c % at.LANES] = columns[c, i]
+            fill_duals(
+                tables.code, tables.terms, tables.weights, tables.code_rows[m, 0],
+                tables.code_rows[m, 1], tables.values, rates.slot_rates, n,
+                tables.outlets[m], tables.wiring[m, 0, at.SLAVED], tables.sizes, tables.harmonics,
+                rates.harmonics, series, dual, 0, at.ORDER,
+            )  # fmt: skip
+            tangent.ready[0] = 1
+        while length > _SHORTEST * s and not _converge(n, count, dual, length):
             length *= 0.5
-        if passed + length >= s or passed + length == passed:
+        if passed + length >= s:
             _evaluate(n, dual, s - passed, tangent.now)
             break
-        _evaluate(big_n, dual, length, piece)
+        series, columns = tangent.series, tangent.piece
+        _evaluate(columns.shape[1], dual, length, columns)
         passed += length
-        for i in range(big_n):
-            total = segment.series[i, at.ORDER]
-            for k in range(at.ORDER - 1, -1, -1):
-                total = total * passed + segment.series[i, k]
-            series[i, 0] = total
-        fill_series(
-            tables.code, tables.terms, tables.weights, tables.code_rows[m, 0],
-            tables.code_rows[m, 1], tables.values, tables.outlets[m],
-            tables.wiring[m, 0, at.SLAVED], tables.sizes, tables.harmonics, series, 0, at.ORDER,
-        )  # fmt: skip
-        _fill_columns(tables, rates, series, piece, dual, m)
+        _fill_piece(tables, segment.series, m, passed, series)
+        tangent.ready[0] = 0
         length = min(2.0 * length, s - passed)
-    tangent.ready[0] = 0  # the series are those of the last piece
+    if passed > 0.0:
+        tangent.ready[0] = 0  # the series are those of the last piece
 
 
 @kernel
-def _fill_columns(tables, rates, series, columns, dual, m):
-    for i in range(columns.shape[1]):
-        for c in range(columns.shape[0]):
-            dual[i, c // at.LANES, 0, c % at.LANES] = columns[c, i]
-    fill_duals(
-        tables.code, tables.terms, tables.weights, tables.code_rows[m, 0],
-        tables.code_rows[m, 1], tables.values, rates.slot_rates, tables.sizes[0],
-        tables.outlets[m], tables.wiring[m, 0, at.SLAVED], tables.sizes, tables.harmonics,
-        rates.harmonics, series, dual, 0, at.ORDER,
+def _fill_piece(tables, whole, m, passed, series):
+    """Series of the motion from a point of the step on."""
+    for i in range(tables.generator.shape[1]):
+        total = whole[i, at.ORDER]
+        for k in range(at.ORDER - 1, -1, -1):
+            total = total * passed + whole[i, k]
+        series[i, 0] = total
+    fill_series(
+        tables.code, tables.terms, tables.weights, tables.code_rows[m, 0], tables.code_rows[m, 1],
+        tables.values, tables.outlets[m], tables.wiring[m, 0, at.SLAVED], tables.sizes,
+        tables.harmonics, series, 0, at.ORDER,
     )  # fmt: skip
 
 
@@ -75,7 +75,10 @@ def _converge(n, count, dual, s):
         for i in range(n):
             last = abs(dual[i, block, at.ORDER, lane]) * s
             last = max(last, abs(dual[i, block, at.ORDER - 1, lane])) * to_last
-            leading = max(abs(dual[i, block, 0, lane]), abs(dual[i, block, 1, lane]) * s)
+            leading = abs(dual[i, block, 3, lane]) * s
+            leading = max(leading, abs(dual[i, block, 2, lane])) * s
+            leading = max(leading, abs(dual[i, block, 1, lane])) * s
+            leading = max(leading, abs(dual[i, block, 0, lane]))
             if last > _CONVERGED * leading and last > _CONVERGED * _largest(
                 dual[i, block], lane, s
             ):
