@@ -9,6 +9,7 @@ import pytest
 
 hy = pytest.importorskip("heyoka", reason="comes with the extra 'benchmark'")
 
+# after the skip, since these import heyoka themselves
 import nonsmooth as ns  # noqa: E402
 from contract.growth import growth  # noqa: E402
 from contract.smooth_problems import FUNCTIONS, PROBLEMS, Problem  # noqa: E402

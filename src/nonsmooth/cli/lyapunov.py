@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from nonsmooth.cli.arguments import build_system, constants, names, settings
-from nonsmooth.cli.console import ENDED_EARLY, INTERRUPTED, MODEL_HELP, PARAMETERS_HELP
-from nonsmooth.cli.output import check_files, save_dataset
+from nonsmooth.cli.console import MODEL_HELP, PARAMETERS_HELP
+from nonsmooth.cli.output import check_files, exit_by_status, save_dataset, table
 from nonsmooth.errors import RunWarning
 
 if TYPE_CHECKING:
@@ -64,11 +64,7 @@ def lyapunov(
         save_dataset(result, save)
     if plot is not None and result.sizes["time"]:
         _plot(result, plot)
-    status = result.attrs["status"]
-    if status == "interrupted":
-        raise typer.Exit(INTERRUPTED)
-    if status not in ("completed", "stopped"):
-        raise typer.Exit(ENDED_EARLY)
+    exit_by_status(result.attrs["status"])
 
 
 def _summary(result: xr.Dataset) -> str:
@@ -86,9 +82,7 @@ def _summary(result: xr.Dataset) -> str:
     rows.append(("averaged over", _length(attrs)))
     if not attrs["blocks_independent"]:
         rows.append(("errors", "too small, blocks are correlated or few; take a longer --record"))
-    width = max(len(label) for label, _ in rows)
-    lines = [f"  {label:<{width}}  {text}" for label, text in rows]
-    return "\n".join([attrs["system_name"], *lines])
+    return table(attrs["system_name"], rows)
 
 
 def _length(attrs: dict[Any, Any]) -> str:

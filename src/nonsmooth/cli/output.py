@@ -1,16 +1,22 @@
-"""Files that commands write: refused before a long run and not after it, and whole."""
+"""What commands leave behind: files, a table of results, an exit code.
+
+Files that could not be written are refused before a long run and not after it.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import typer
 
+from nonsmooth.cli.console import ENDED_EARLY, INTERRUPTED
+
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["check_files", "save_dataset"]
+__all__ = ["check_files", "exit_by_status", "save_dataset", "table"]
 
 
 def check_files(plot: Path | None, save: Path | None) -> None:
@@ -30,3 +36,17 @@ def save_dataset(result: xr.Dataset, path: Path) -> None:
     with replacing(path) as draft:
         result.to_netcdf(draft, engine="h5netcdf")
     typer.echo(f"saved {path}")
+
+
+def table(title: str, rows: Sequence[tuple[str, str]]) -> str:
+    """Labels with their texts below each other, under a title."""
+    width = max(len(label) for label, _ in rows)
+    return "\n".join([title, *(f"  {label:<{width}}  {text}" for label, text in rows)])
+
+
+def exit_by_status(status: str) -> None:
+    """Leave with the code of a run that did not come to its end; files are written by then."""
+    if status == "interrupted":
+        raise typer.Exit(INTERRUPTED)
+    if status not in ("completed", "stopped"):
+        raise typer.Exit(ENDED_EARLY)

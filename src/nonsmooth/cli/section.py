@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from nonsmooth.cli.arguments import build_system, constants, names, settings
-from nonsmooth.cli.console import ENDED_EARLY, INTERRUPTED, MODEL_HELP, PARAMETERS_HELP
+from nonsmooth.cli.console import MODEL_HELP, PARAMETERS_HELP
+from nonsmooth.cli.output import check_files, exit_by_status, save_dataset, table
 from nonsmooth.errors import OptionError, RunWarning, unknown_name
 
 if TYPE_CHECKING:
@@ -61,14 +62,9 @@ def section(
     ] = None,
 ) -> None:
     """Points of a trajectory where an expression vanishes, or at an event."""
-    from nonsmooth.files import check_target
-
-    if plot is not None:
-        check_target(plot, (".png", ".pdf"))
-    elif variables is not None or modes:
+    check_files(plot, save)
+    if plot is None and (variables is not None or modes):
         raise OptionError("--variables and --modes are drawn into a file: name it with --plot FILE")
-    if save is not None:
-        check_target(save, (".nc",))
     system = build_system(model, settings(parameters or [], "NAME=VALUE"))
     pair = _pair(system, variables)
     points = _points(
@@ -86,14 +82,10 @@ def section(
 
     typer.echo(harmless(_summary(points)))
     if save is not None:
-        _save(points, save)
+        save_dataset(points, save)
     if plot is not None:
         _plot(points, pair, plot, modes)
-    status = points.attrs["status"]
-    if status == "interrupted":
-        raise typer.Exit(INTERRUPTED)
-    if status not in ("completed", "stopped"):
-        raise typer.Exit(ENDED_EARLY)
+    exit_by_status(points.attrs["status"])
 
 
 def _pair(system: System, text: str | None) -> tuple[str, str]:
@@ -123,10 +115,7 @@ def _points(system: System, initial: dict[str, float], **options: Any) -> xr.Dat
 
 
 def _summary(points: xr.Dataset) -> str:
-    rows = list(_rows(points))
-    width = max(len(label) for label, _ in rows)
-    lines = [f"  {label:<{width}}  {text}" for label, text in rows]
-    return "\n".join([points.attrs["system_name"], *lines])
+    return table(points.attrs["system_name"], list(_rows(points)))
 
 
 def _rows(points: xr.Dataset) -> Iterator[tuple[str, str]]:
@@ -143,14 +132,6 @@ def _rows(points: xr.Dataset) -> Iterator[tuple[str, str]]:
         states = [str(name) for name in points.data_vars if points[name].dtype.kind == "f"]
         values = ", ".join(f"{name} = {float(points[name][k]):.7g}" for name in states)
         yield label, values
-
-
-def _save(points: xr.Dataset, path: Path) -> None:
-    from nonsmooth.files import replacing
-
-    with replacing(path) as draft:
-        points.to_netcdf(draft, engine="h5netcdf")
-    typer.echo(f"saved {path}")
 
 
 def _plot(points: xr.Dataset, pair: tuple[str, str], path: Path, modes: bool) -> None:

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from nonsmooth.cli.arguments import build_system, constants, names, settings, time_range
-from nonsmooth.cli.console import ENDED_EARLY, INTERRUPTED, MODEL_HELP, PARAMETERS_HELP
-from nonsmooth.cli.output import check_files, save_dataset
+from nonsmooth.cli.console import MODEL_HELP, PARAMETERS_HELP
+from nonsmooth.cli.output import check_files, exit_by_status, save_dataset
 from nonsmooth.errors import OptionError, RunWarning, unknown_name
 
 if TYPE_CHECKING:
@@ -94,11 +94,7 @@ def simulate(
         save_dataset(run, save)
     if plot is not None:
         _plot(run, shown, window, plot, pair=pair, modes=modes)
-    status = run.attrs["status"]
-    if status == "interrupted":
-        raise typer.Exit(INTERRUPTED)
-    if status not in ("completed", "stopped"):
-        raise typer.Exit(ENDED_EARLY)
+    exit_by_status(run.attrs["status"])
 
 
 def _variables(system: System, text: str | None) -> list[str]:

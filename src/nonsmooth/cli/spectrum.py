@@ -10,7 +10,7 @@ import typer
 
 from nonsmooth.cli.arguments import build_system, constants, names, settings
 from nonsmooth.cli.console import MODEL_HELP, PARAMETERS_HELP
-from nonsmooth.cli.output import check_files, save_dataset
+from nonsmooth.cli.output import check_files, save_dataset, table
 from nonsmooth.errors import OptionError, RunError, RunWarning
 
 if TYPE_CHECKING:
@@ -113,9 +113,7 @@ def _summary(result: xr.Dataset) -> str:
         if "harmonic" in result.coords:
             text += f", harmonic {float(result['harmonic'][k]):.6g}"
         rows.append((f"frequency {float(result['frequency'][k]):.6g}", text))
-    width = max(len(label) for label, _ in rows)
-    lines = [f"  {label:<{width}}  {text}" for label, text in rows]
-    return "\n".join([str(attrs["system_name"]), *lines])
+    return table(str(attrs["system_name"]), rows)
 
 
 def _plot(result: xr.Dataset, path: Path) -> None:

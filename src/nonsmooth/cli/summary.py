@@ -6,6 +6,8 @@ import tomllib
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from nonsmooth.cli.output import table
+
 if TYPE_CHECKING:
     import xarray as xr
 
@@ -27,9 +29,7 @@ def summary(run: xr.Dataset) -> str:
     states = zip(run["state"].values, run["end_state"].values, strict=True)
     rows.append(("end state", ", ".join(f"{name} = {value:.7g}" for name, value in states)))
     rows += _progression(run)
-    width = max(len(label) for label, _ in rows)
-    lines = [f"  {label:<{width}}  {text}" for label, text in rows]
-    return "\n".join([attrs["system_name"], *lines])
+    return table(attrs["system_name"], rows)
 
 
 def _length(run: xr.Dataset) -> Iterator[tuple[str, str]]:

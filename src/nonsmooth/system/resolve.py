@@ -68,6 +68,7 @@ class Resolver:
     def relations(self) -> dict[str, Expression]:
         """Slaved states, each by an expression."""
         if self._relations is None:
+            # the default binds the equation of this turn; typing does not know defaults of lambdas
             trees = {
                 state: self._by_name(f"relation of {state}", lambda e=equation: self.tree(e))  # type: ignore[misc]
                 for state, equation in self.equations.slaved.items()

@@ -169,10 +169,12 @@ def _split(system: System, names: Mapping[str, tuple[str, ...]], text: str, valu
             modes[new] = _half(system.modes[name], name, side, names, text, gate)
     changes = {"modes": modes, "equations": None, "outputs": {**system.outputs, value: text}}
     try:
+        # the fields have types of their own, which a dictionary of them does not tell
         return replace(system, **changes)  # type: ignore[arg-type]
     except ModelError as fault:
         if not str(fault).startswith("drift:"):
             raise
+    # as above
     return replace(system, **changes, drift=())  # type: ignore[arg-type]
 
 

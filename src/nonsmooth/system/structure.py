@@ -70,6 +70,7 @@ class Structure:
         )
 
     def _static(self, text: object, where: str) -> Equation:
+        # what a user gave may be anything; reading refuses what is no text
         return Equation.read(text, where, self._known)  # type: ignore[arg-type]
 
     def _equations(self, system: System, known: set[str]) -> list[ModeEquations]:
