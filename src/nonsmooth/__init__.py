@@ -26,6 +26,8 @@ if TYPE_CHECKING:
         RunError,
         RunWarning,
     )
+    from nonsmooth.maps.poincare import PoincareMap
+    from nonsmooth.maps.stroboscopic import StroboscopicMap
     from nonsmooth.simulation.simulate import simulate
     from nonsmooth.simulation.words import phase_word
     from nonsmooth.system.parts import Exit, Mode
@@ -38,10 +40,12 @@ __all__ = [
     "ModelError",
     "NonsmoothError",
     "OptionError",
+    "PoincareMap",
     "ResultWarning",
     "RunError",
     "RunWarning",
     "Signal",
+    "StroboscopicMap",
     "System",
     "__version__",
     "bifurcation_diagram",
@@ -62,10 +66,12 @@ _HOME = {
     "ModelError": "nonsmooth.errors",
     "NonsmoothError": "nonsmooth.errors",
     "OptionError": "nonsmooth.errors",
+    "PoincareMap": "nonsmooth.maps.poincare",
     "ResultWarning": "nonsmooth.errors",
     "RunError": "nonsmooth.errors",
     "RunWarning": "nonsmooth.errors",
     "Signal": "nonsmooth.system.signals",
+    "StroboscopicMap": "nonsmooth.maps.stroboscopic",
     "System": "nonsmooth.system.system",
     "bifurcation_diagram": "nonsmooth.analysis.bifurcation_diagram",
     "lyapunov_spectrum": "nonsmooth.analysis.lyapunov_spectrum",

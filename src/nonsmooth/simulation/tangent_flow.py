@@ -106,7 +106,24 @@ class TangentFlow:
     @property
     def columns_at_end(self) -> Matrix:
         """Columns at the instant to which the last piece was asked to run."""
-        return self._tangent.samples[0]
+        columns: Matrix = self._tangent.samples[0]
+        return columns
+
+    @property
+    def columns_before_event(self) -> Matrix:
+        """Columns just before the last event, at its time."""
+        return self._tangent.now[:, : self.n]
+
+    @property
+    def time_shifts(self) -> Matrix:
+        """How much earlier the last event comes, by each column."""
+        return self._tangent.shifts[: self.n]
+
+    @property
+    def last_rows(self) -> tuple[npt.NDArray[np.int64], Matrix]:
+        """Rows of the event log of the last piece, run with ``one_event``; numbers and values."""
+        count = int(self._one.cursor[at.EVENTS])
+        return self._one.event_integers[:count], self._one.event_floats[:count]
 
     def set_columns(self, columns: Matrix) -> None:
         """Exchange the columns at the anchor; those that are not given are zero."""

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.analysis.section_search import Points
 from nonsmooth.engine import records as at
 from nonsmooth.engine.layout import RESETTING, TARGET, Tables
 from nonsmooth.engine.status import EventKind
 from nonsmooth.engine.transitions import PATH_BITS, PATH_LENGTH
+from nonsmooth.maps.section_search import Points
 from nonsmooth.simulation.labels import labels_of
 from nonsmooth.simulation.outputs import Clock, output_values
 from nonsmooth.system.resolve import Resolver
