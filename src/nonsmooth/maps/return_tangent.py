@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
-from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,10 +13,10 @@ from nonsmooth.engine import records as at
 from nonsmooth.engine.layout import Tables
 from nonsmooth.engine.status import CURES, Status
 from nonsmooth.errors import RunError
+from nonsmooth.maps.rates import Rates
 from nonsmooth.maps.section_points import SectionStart, misfit, start_on_section
 from nonsmooth.maps.section_search import PATIENCE
 from nonsmooth.simulation.clock import Instant
-from nonsmooth.simulation.outputs import Clock, output_values
 from nonsmooth.simulation.runner import NoMode, build_derivatives
 from nonsmooth.simulation.start import start_at_end
 from nonsmooth.simulation.tangent_flow import TangentFlow
@@ -44,9 +42,10 @@ def return_tangent(
     motion = start_on_section(chosen, initial, mode, t_start, True)
     if motion.begin.anchor is not None:
         motion = motion._replace(begin=start_at_end(motion.begin))
-    flow, status = _started(chosen, motion, tolerance)
-    rates = _Rates(chosen, motion.tables)
-    first = rates.at(flow.here, flow.mode, motion_state(flow))
+    flow, status, entry = _started(chosen, motion, tolerance)
+    split = chosen.split
+    rates = Rates(chosen.system, motion.tables, None if split is None else split.origin)
+    first = rates.at(flow.here, flow.mode, np.array(flow.anchor.state))
     for k in range(crossings):
         if status == Status.COMPLETED:
             status = _to_next(flow, motion)
@@ -56,11 +55,10 @@ def return_tangent(
     matrix = _on_section(chosen, flow, rates)
     states = chosen.system.states
     if not _reads_time(motion.tables):
-        return tangent_array(chosen.system, matrix[:-1], states)
+        return tangent_array(chosen.system, matrix[:-1] @ entry, states)
     # the motion from a later start is that from a start as much behind on the way
-    return tangent_array(
-        chosen.system, np.column_stack([matrix, -matrix @ first]), (*states, "time")
-    )
+    matrix = np.column_stack([matrix @ entry, -matrix @ first])
+    return tangent_array(chosen.system, matrix, (*states, "time"))
 
 
 def tangent_array(system: System, matrix: Floats, names: Sequence[str]) -> xr.DataArray:
@@ -74,26 +72,30 @@ def tangent_array(system: System, matrix: Floats, names: Sequence[str]) -> xr.Da
     return xr.DataArray(matrix, coords, ("state", "state_0"), name="tangent", attrs=attrs)
 
 
-def motion_state(flow: TangentFlow) -> Floats:
-    """State at the anchor."""
-    return np.array(flow.anchor.state)
-
-
 def _started(
     chosen: PoincareMap, motion: SectionStart, tolerance: float
-) -> tuple[TangentFlow, Status]:
-    """Flow at its start, in the first of the modes that admits it."""
+) -> tuple[TangentFlow, Status, Floats]:
+    """Flow at its start, in the first of the modes that admits it.
+
+    Also what the start itself does to changes of the state: where it lies at an event it stays
+    there, and changes along the section are taken through the reset.
+    """
     system = chosen.system if chosen.split is None else chosen.split.system
     derivatives = build_derivatives(system, motion.tables, ())
     begin = motion.begin
+    n = len(system.states)
     for mode in begin.modes:
-        flow = TangentFlow(motion.tables, derivatives, len(system.states), tolerance)
+        flow = TangentFlow(motion.tables, derivatives, n, tolerance)
         try:
             status = flow.start(begin.state, begin.instant, mode)
+            entry = np.eye(n)
+            if flow.passed_at_start and status == Status.COMPLETED:
+                entry = flow.first_columns.T.copy()
+                status = flow.start(np.array(flow.anchor.state), begin.instant, flow.mode)
         except NoMode:
             continue
         flow.set_columns(flow.first_columns)
-        return flow, status
+        return flow, status, entry
     raise misfit(chosen, motion, tolerance)
 
 
@@ -109,7 +111,7 @@ def _to_next(flow: TangentFlow, motion: SectionStart) -> Status:
             return status
 
 
-def _on_section(chosen: PoincareMap, flow: TangentFlow, rates: _Rates) -> Floats:
+def _on_section(chosen: PoincareMap, flow: TangentFlow, rates: Rates) -> Floats:
     """States of the point, and its time last, by the initial states.
 
     shapes: returns (n + 1, n)
@@ -146,35 +148,3 @@ def _too_few(
         status="time_limit" if status == Status.COMPLETED else status.word,
         time=time,
     )
-
-
-class _Rates:
-    """Rates of the states anywhere, from their equations."""
-
-    def __init__(self, chosen: PoincareMap, tables: Tables) -> None:
-        split = chosen.split
-        n_modes = len(chosen.system.mode_names)
-        self.origin = np.arange(n_modes) if split is None else split.origin
-        self.system, self.names = _with_rates(chosen.system)
-        self.tables = tables
-
-    def at(self, here: Instant, mode: int, state: Floats) -> Floats:
-        """Rates at an instant, in a mode of the system with the section in it."""
-        clock = Clock(np.array([here.number]), np.array([here.phase]), self.tables)
-        modes = self.origin[[mode]]
-        found = output_values(self.system, clock, state[:, None], modes)
-        return np.array([float(found[name][0]) for name in self.names])
-
-
-@lru_cache(maxsize=32)
-def _with_rates(system: System) -> tuple[System, tuple[str, ...]]:
-    """System with the rate of each state as an output, and their names."""
-    taken = {*system.states, *system.outputs, *system.definitions, *system.parameters}
-    names = []
-    for state in system.states:
-        name = f"rate_of_{state}"
-        while name in taken:
-            name += "_"
-        names.append(name)
-    rates = {name: f"rate({state})" for name, state in zip(names, system.states, strict=True)}
-    return replace(system, outputs={**system.outputs, **rates}), tuple(names)

@@ -11,15 +11,17 @@ import numpy as np
 
 from nonsmooth.engine.layout import Tables
 from nonsmooth.errors import ModelError, OptionError, RunWarning
+from nonsmooth.maps.rates import Rates
 from nonsmooth.maps.section_dataset import section_dataset
 from nonsmooth.maps.section_options import set_limits
-from nonsmooth.maps.section_rows import Crossings, NamedEvents
+from nonsmooth.maps.section_rows import AT_ONCE, BehindStart, Crossings, NamedEvents
 from nonsmooth.maps.section_search import Pick, Search, search, some_points, to_begin
 from nonsmooth.simulation.clock import Instant, instants
 from nonsmooth.simulation.options import whole_number
 from nonsmooth.simulation.runner import NoMode, build_tables
 from nonsmooth.simulation.start import Start, explain_misfit, resolve_start, start_at_end
 from nonsmooth.system.section import Section
+from nonsmooth.system.system import System
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -50,11 +52,19 @@ def start_on_section(
     system, split = chosen.system, chosen.split
     tables = build_tables(system)
     start = resolve_start(system, tables, initial, t_start, mode, repeated)
+    window = float(tables.clock[0])
     if split is None:
-        return SectionStart(tables, start, NamedEvents(system, chosen.section), start, tables)
+        begin = start
+        if _is_at_event(initial):
+            begin = just_before(system, tables, start)
+        events = NamedEvents(system, chosen.section)
+        pick = BehindStart(events, begin.instant, window)
+        return SectionStart(tables, begin, pick, start, tables)
     used = folded_tables(split)
-    begin = _on_either_side(start, split, float(tables.clock[0]), float(used.clock[0]))
-    return SectionStart(used, begin, Crossings(split, used, chosen.way), start, tables)
+    begin = _on_either_side(start, split, window, float(used.clock[0]))
+    crossings = Crossings(split, used, chosen.way)
+    pick = BehindStart(crossings, begin.instant, float(used.clock[0]))
+    return SectionStart(used, begin, pick, start, tables)
 
 
 def take_points(
@@ -99,6 +109,25 @@ def take_points(
         # told where the user calls the verb or method that calls this
         warnings.warn(f"{system.name}: {result.attrs['message']}", RunWarning, stacklevel=3)
     return result
+
+
+def _is_at_event(initial: Any) -> bool:
+    """Whether a start is a point just before an event, up to rounding perhaps beyond its guard."""
+    attrs = getattr(initial, "attrs", {})
+    return attrs.get("section_kind") == "event" and attrs.get("side") == "before"
+
+
+def just_before(system: System, tables: Tables, start: Start) -> Start:
+    """The same motion a little earlier, by less than a point must be behind a start."""
+    if start.modes == (-1,):
+        return start
+    window = float(tables.clock[0])
+    step = 0.1 * AT_ONCE * window
+    rates = Rates(system, tables).at(start.instant, start.modes[0], start.state)
+    number, phase = start.instant.number, start.instant.phase - step
+    if phase < 0.0:
+        number, phase = number - 1, phase + window
+    return replace(start, state=start.state - step * rates, instant=Instant(number, phase))
 
 
 def _every(found: Search, every: int) -> Search:

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from nonsmooth.engine import records as at
 from nonsmooth.engine.loop import ANY, GOES_ON, SAME
 from nonsmooth.engine.status import EventKind, Status
-from nonsmooth.maps.section_rows import Crossings, NamedEvents
+from nonsmooth.maps.section_rows import Crossings, NamedEvents, behind_start
 from nonsmooth.maps.section_search import (
     FIRST_PART,
     PATIENCE,
@@ -41,6 +41,7 @@ NEVER_CROSSES = Status.STEP_LIMIT  # of a lane that found no point for long
 class _Way:
     """How far the search of one lane has come, and what it found that was not asked for yet."""
 
+    begin: Instant
     here: Instant
     points: Points
     rows: Integers  # of the event log since the last point that was asked for
@@ -108,7 +109,7 @@ class SectionRunner:
         first = np.array([candidates.pop(0) for candidates in wanted], np.int64)
         ways = [
             _Way(
-                begin, joined_points([], n), np.zeros((0, at.EVENT_INTEGERS), np.int64),
+                begin, begin, joined_points([], n), np.zeros((0, at.EVENT_INTEGERS), np.int64),
                 np.zeros((0, at.EVENT_FLOATS + 2 * n)), candidates,
             )
             for candidates in wanted
@@ -176,6 +177,7 @@ class SectionRunner:
         if mode != GOES_ON and len(rows) and _at_start(rows[0], values[0], way.here):
             rows, values = rows[1:], values[1:]  # what happens at the start is no crossing
         points, _ = self.pick(rows, values)
+        points = behind_start(points, way.begin, self.engine.window)
         points = replace(points, row=points.row + len(way.rows))
         way.points = joined_points([way.points, points], lanes.end_state.shape[1])
         way.rows, way.values = (

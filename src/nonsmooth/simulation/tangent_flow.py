@@ -74,11 +74,13 @@ class TangentFlow:
         `NoMode` where the mode does not fit.
         """
         whole = allocate_columns(self.tables.sizes, self.n, 1)
+        whole.columns[:, : self.n] = np.eye(self.n)  # also where parameters are taken as changed
         self.anchor.place[0], self.anchor.phase[0] = begin
         self.anchor.state[:] = state
         status = self._run(begin, mode, whole, one_event=False)
         if status == Status.INADMISSIBLE and self._many.cursor[at.EVENTS] == 0:
             raise NoMode(self.segment.z.copy())
+        self.passed_at_start = self.n_events > 0 and bool(self.last_event[at.PASSES] > 0)
         self.n_events = self.n_impacts = 0  # the start is none
         self.first_columns = whole.columns[:, : self.n].copy()
         return status
