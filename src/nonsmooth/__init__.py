@@ -27,6 +27,8 @@ if TYPE_CHECKING:
         RunError,
         RunWarning,
     )
+    from nonsmooth.maps.poincare import PoincareMap
+    from nonsmooth.maps.stroboscopic import StroboscopicMap
     from nonsmooth.simulation.simulate import simulate
     from nonsmooth.simulation.words import phase_word
     from nonsmooth.system.parts import Exit, Mode
@@ -39,10 +41,12 @@ __all__ = [
     "ModelError",
     "NonsmoothError",
     "OptionError",
+    "PoincareMap",
     "ResultWarning",
     "RunError",
     "RunWarning",
     "Signal",
+    "StroboscopicMap",
     "System",
     "__version__",
     "bifurcation_diagram",
@@ -64,10 +68,12 @@ _HOME = {
     "ModelError": "nonsmooth.errors",
     "NonsmoothError": "nonsmooth.errors",
     "OptionError": "nonsmooth.errors",
+    "PoincareMap": "nonsmooth.maps.poincare",
     "ResultWarning": "nonsmooth.errors",
     "RunError": "nonsmooth.errors",
     "RunWarning": "nonsmooth.errors",
     "Signal": "nonsmooth.system.signals",
+    "StroboscopicMap": "nonsmooth.maps.stroboscopic",
     "System": "nonsmooth.system.system",
     "bifurcation_diagram": "nonsmooth.analysis.bifurcation_diagram",
     "ensemble": "nonsmooth.analysis.ensemble",
