@@ -46,6 +46,7 @@ class _Way:
     points: Points
     rows: Integers  # of the event log since the last point that was asked for
     values: Floats
+    size: Floats  # (n,): largest states at some instants
     first_modes: list[int]  # still to be tried at the start, in modes of the engine's system
     length: int = FIRST_PART  # of the next part, in windows
     waited: int = 0  # windows without a point
@@ -110,7 +111,7 @@ class SectionRunner:
         ways = [
             _Way(
                 begin, begin, joined_points([], n), np.zeros((0, at.EVENT_INTEGERS), np.int64),
-                np.zeros((0, at.EVENT_FLOATS + 2 * n)), candidates,
+                np.zeros((0, at.EVENT_FLOATS + 2 * n)), np.zeros(n), candidates,
             )
             for candidates in wanted
         ]  # fmt: skip
@@ -169,22 +170,24 @@ class SectionRunner:
     def _search_on(self, lanes: Lanes, i: int, way: _Way, wanted: int) -> None:
         """Run one lane for another part."""
         mode = int(lanes.mode[i])
-        numbers = np.array([way.here.number + way.length])
-        _, _, rows, values = self.engine.record(lanes, i, numbers, np.array([way.here.phase]))
+        window = self.engine.window
+        numbers, phases = _looks(way.here, way.length, window)
+        seen, _, rows, values = self.engine.record(lanes, i, numbers, phases)
         if lanes.status[i] == Status.INADMISSIBLE and not len(rows) and way.first_modes:
             lanes.status[i], lanes.mode[i] = Status.COMPLETED, way.first_modes.pop(0)
             return
         if mode != GOES_ON and len(rows) and _at_start(rows[0], values[0], way.here):
             rows, values = rows[1:], values[1:]  # what happens at the start is no crossing
         points, _ = self.pick(rows, values)
-        points = behind_start(points, way.begin, self.engine.window)
+        points = behind_start(points, way.begin, window)
         points = replace(points, row=points.row + len(way.rows))
         way.points = joined_points([way.points, points], lanes.end_state.shape[1])
         way.rows, way.values = (
             np.concatenate([way.rows, rows]),
             np.concatenate([way.values, values]),
         )
-        way.here = Instant(int(numbers[0]), way.here.phase)
+        way.size = np.maximum(way.size, np.abs(seen).max(axis=0, initial=0.0))
+        way.here = Instant(int(numbers[-1]), float(phases[-1]))
         found = points.number.size
         way.waited = 0 if found else way.waited + way.length
         way.n_points += found
@@ -192,6 +195,15 @@ class SectionRunner:
         way.windows += way.length
         rest = way.n_points + max(0, wanted - way.points.number.size)
         way.length = length_of_next(way.n_points, way.n_events, way.windows, way.length, rest)
+
+
+def _looks(begin: Instant, length: int, window: float) -> tuple[Integers, Floats]:
+    """Some instants of a part, the last of them its end, at which states are looked at."""
+    since = np.array([0.17, 0.43, 0.71, 1.0]) * length
+    numbers = begin.number + np.floor(since).astype(np.int64)
+    phases = begin.phase + (since - np.floor(since)) * window
+    over = phases >= window
+    return numbers + over, np.where(over, phases - window, phases)
 
 
 def _at_start(row: Integers, values: Floats, begin: Instant) -> bool:
