@@ -9,8 +9,10 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.engine.loop import ANY
-from nonsmooth.simulation.clock import Instant
+from nonsmooth.engine.status import Status
+from nonsmooth.simulation.clock import Instant, Plan
 from nonsmooth.simulation.lane_runner import LaneRunner, Lanes
+from nonsmooth.simulation.runner import Derivatives, NoMode, build_derivatives, run_plan
 from nonsmooth.simulation.stroboscopic import strobes
 from nonsmooth.system.system import System
 
@@ -53,8 +55,10 @@ class StrobeRunner:
         period: float | None = None,
         every: int = 1,
     ) -> None:
+        self.system, self.tolerance = system, tolerance
         self._runner = LaneRunner(system, tolerance)
         self._phase, self._period, self._every = phase, period, every
+        self._derivatives: Derivatives | None = None  # made when first asked for
 
     def start(self, states: Floats, modes: Integers | int = ANY) -> StrobeLanes:
         """Lanes that begin at points of the section.
@@ -76,6 +80,47 @@ class StrobeRunner:
         images = self._runner.run(lanes.lanes, instants[-1], numbers, phases, stop)
         lanes.done += count
         return images
+
+    def advance(
+        self, lanes: StrobeLanes, count: int, stop: threading.Event | None = None
+    ) -> Floats:
+        """Apply the map some times and give the last images alone, (L, n)."""
+        last = self._instants(lanes.done + count, 1)[0]
+        numbers, phases = np.array([last.number], np.int64), np.array([last.phase])
+        states, _ = self._runner.run(lanes.lanes, last, numbers, phases, stop)
+        lanes.done += count
+        return states[:, 0]
+
+    def images(
+        self, state: Floats, mode: int, count: int
+    ) -> tuple[Floats, Integers, Floats] | None:
+        """Images of one point with their modes, and the derivative of the last one by the point.
+
+        ``mode`` holds at the start where it fits, else the first one that does. None where no mode
+        fits or the motion ends before.
+
+        returns: states (count, n), modes (count,), derivative (n, n)
+        """
+        tables = self._runner.tables
+        if self._derivatives is None:
+            self._derivatives = build_derivatives(self.system, tables, ())
+        instants = self._instants(1, count)
+        numbers = np.array([one.number for one in instants], np.int64)
+        phases = np.array([one.phase for one in instants])
+        begin = self._instants(0, 1)[0]
+        for each in (mode, ANY):
+            try:
+                outcome = run_plan(
+                    tables, Plan(instants[-1], numbers, phases), self.tolerance, state=state,
+                    begin=begin, mode=each, keep_events=False, derivatives=self._derivatives,
+                )  # fmt: skip
+            except NoMode:
+                continue
+            if outcome.status != Status.COMPLETED or outcome.columns is None:
+                return None
+            records = outcome.records
+            return records.sample_state, records.sample_mode, outcome.columns[-1].T.copy()
+        return None
 
     def _instants(self, first: int, count: int) -> list[Instant]:
         """Instants of some iterates; the start is iterate 0."""
