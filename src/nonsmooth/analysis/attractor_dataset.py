@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-import xarray as xr
 
 from nonsmooth.analysis.attractor import Attractor
 from nonsmooth.simulation.labels import labels_of

@@ -188,9 +188,7 @@ def attractors(
     }  # fmt: skip
     status = "completed" if found.complete else "interrupted"
     message = _message(counts, found.complete)
-    return xr.Dataset(
-        variables, coords, common_attributes(chosen.system, status, message, options)
-    )
+    return xr.Dataset(variables, coords, common_attributes(chosen.system, status, message, options))
 
 
 def find_attractors(chosen: Any, box: Box, how: Search) -> Found:
@@ -219,9 +217,7 @@ def drift_mask(system: System) -> npt.NDArray[np.bool_]:
     return np.array([name in system.drift_states for name in system.states])
 
 
-def renumbered(
-    attractors: list[Attractor], label: Integers
-) -> tuple[list[Attractor], Integers]:
+def renumbered(attractors: list[Attractor], label: Integers) -> tuple[list[Attractor], Integers]:
     """Attractors in the order in which they are shown, and labels that go with it."""
     order = in_order(attractors)
     number = np.zeros(len(order) + 1, np.int64)

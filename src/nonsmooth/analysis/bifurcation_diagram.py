@@ -16,7 +16,7 @@ from nonsmooth.analysis.look_arrays import pack_looks, unpack_looks
 from nonsmooth.analysis.section_columns import run_section_chain
 from nonsmooth.engine.layout import Tables
 from nonsmooth.errors import OptionError, unknown_name
-from nonsmooth.maps.choice import Map, as_map
+from nonsmooth.maps.of_system import Map, map_of
 from nonsmooth.maps.poincare import PoincareMap
 from nonsmooth.maps.section_runner import SectionRunner
 from nonsmooth.maps.stroboscopic import StroboscopicMap
@@ -146,10 +146,7 @@ def bifurcation_diagram(
     >>> diagram["x"].shape, diagram["status"].values.ravel().tolist()
     ((2, 1, 20), ['completed', 'completed'])
     """
-    chosen = as_map(
-        system, "bifurcation_diagram",
-        phase=phase, parameters=parameters, mode=mode, tolerance=tolerance,
-    )  # fmt: skip
+    chosen = map_of(system, parameters, tolerance, "bifurcation_diagram", phase=phase, mode=mode)
     system = chosen.system
     grid = _check_values(system, parameter, values)
     if start not in _STARTS:

@@ -15,7 +15,7 @@ from nonsmooth.engine.layout import Tables
 from nonsmooth.engine.loop import SAME
 from nonsmooth.engine.status import EventKind, Status
 from nonsmooth.errors import ModelError
-from nonsmooth.maps.choice import Map
+from nonsmooth.maps.of_system import Map
 from nonsmooth.maps.stroboscopic import StroboscopicMap
 from nonsmooth.simulation.clock import Instant
 from nonsmooth.simulation.lane_runner import LaneRunner, Lanes
