@@ -12,6 +12,8 @@ from nonsmooth.version import __version__
 
 if TYPE_CHECKING:
     from nonsmooth import models, plot
+    from nonsmooth.analysis.attractors import attractors
+    from nonsmooth.analysis.basins_of_attraction import basins_of_attraction
     from nonsmooth.analysis.bifurcation_diagram import bifurcation_diagram
     from nonsmooth.analysis.ensemble import ensemble
     from nonsmooth.analysis.lyapunov_spectrum import lyapunov_spectrum
@@ -49,6 +51,8 @@ __all__ = [
     "StroboscopicMap",
     "System",
     "__version__",
+    "attractors",
+    "basins_of_attraction",
     "bifurcation_diagram",
     "ensemble",
     "lyapunov_spectrum",
@@ -75,6 +79,8 @@ _HOME = {
     "Signal": "nonsmooth.system.signals",
     "StroboscopicMap": "nonsmooth.maps.stroboscopic",
     "System": "nonsmooth.system.system",
+    "attractors": "nonsmooth.analysis.attractors",
+    "basins_of_attraction": "nonsmooth.analysis.basins_of_attraction",
     "bifurcation_diagram": "nonsmooth.analysis.bifurcation_diagram",
     "ensemble": "nonsmooth.analysis.ensemble",
     "lyapunov_spectrum": "nonsmooth.analysis.lyapunov_spectrum",

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["Attractor", "canonical", "in_order"]
+__all__ = ["Attractor", "canonical", "in_order", "renumbered"]
 
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
@@ -59,3 +59,11 @@ def in_order(attractors: list[Attractor]) -> list[int]:
         return (one.period or np.inf, float(np.mean(one.points[:, 0])))
 
     return sorted(range(len(attractors)), key=rank)
+
+
+def renumbered(attractors: list[Attractor], label: Integers) -> tuple[list[Attractor], Integers]:
+    """Attractors in the order in which they are shown, and labels that go with it."""
+    order = in_order(attractors)
+    number = np.zeros(len(order) + 1, np.int64)
+    number[np.array(order, dtype=np.int64) + 1] = np.arange(1, len(order) + 1)
+    return [attractors[i] for i in order], np.where(label > 0, number[np.maximum(label, 0)], label)

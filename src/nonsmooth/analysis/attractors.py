@@ -3,68 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 
-from nonsmooth.analysis.attractor import Attractor, in_order
+from nonsmooth.analysis.attractor import renumbered
 from nonsmooth.analysis.attractor_dataset import attractor_variables, common_attributes
-from nonsmooth.analysis.attractor_search import (
-    ENDED,
-    UNSETTLED,
-    AttractorSearch,
-    Settled,
-    measure_of,
-)
-from nonsmooth.analysis.recurrences import Known
-from nonsmooth.analysis.region import Box, read_box
-from nonsmooth.analysis.starts import admissible_starts
-from nonsmooth.errors import OptionError
+from nonsmooth.analysis.attractor_options import read_search
+from nonsmooth.analysis.attractor_search import ENDED, UNSETTLED
+from nonsmooth.analysis.attractor_words import with_words
+from nonsmooth.analysis.found_attractors import find_attractors
+from nonsmooth.analysis.region import read_box
 from nonsmooth.maps.of_system import map_of
-from nonsmooth.simulation.options import finite_number, whole_number
-from nonsmooth.simulation.progress import Progress
-from nonsmooth.system.system import System
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Found", "Search", "attractors", "find_attractors", "read_search", "renumbered"]
-
-Floats = npt.NDArray[np.float64]
-Integers = npt.NDArray[np.int64]
-
-_FIRST_LOOK = 64  # images from which the units of the states are taken
-
-
-@dataclass(frozen=True)
-class Search:
-    """How attractors are looked for."""
-
-    samples: int
-    seed: int
-    cells: int
-    longest: int
-    record: int
-    match: float
-    tolerance: float
-
-    @property
-    def options(self) -> dict[str, Any]:
-        """As attributes of a result."""
-        return dict(vars(self))
-
-
-@dataclass(frozen=True)
-class Found:
-    """Attractors that the sampled starts came to."""
-
-    known: Known
-    search: AttractorSearch
-    settled: Settled
-    drawn: int  # starts, those that no mode admits among them
-    complete: bool
+__all__ = ["attractors"]
 
 
 def attractors(
@@ -169,6 +124,7 @@ def attractors(
     how = read_search(samples, seed, cells, longest, record, match, tolerance)
     found = find_attractors(chosen, box, how)
     order, label = renumbered(found.known.attractors, found.settled.label)
+    order = with_words(chosen, order, tolerance)
     variables, coords = attractor_variables(chosen.system, order, label)
     import xarray as xr
 
@@ -189,56 +145,6 @@ def attractors(
     status = "completed" if found.complete else "interrupted"
     message = _message(counts, found.complete)
     return xr.Dataset(variables, coords, common_attributes(chosen.system, status, message, options))
-
-
-def find_attractors(chosen: Any, box: Box, how: Search) -> Found:
-    """Settle the starts of a box."""
-    runner = chosen.runner(how.tolerance)
-    starts, drawn = admissible_starts(runner, box, how.samples, how.seed)
-    drifting = drift_mask(chosen.system)
-    lanes = runner.start(starts)
-    images, _ = runner.iterate(lanes, _FIRST_LOOK)
-    known = Known(measure_of(images, starts, drifting, how.cells))
-    complete, settled = True, Settled(np.zeros(0, np.int64), np.zeros(0, np.int64))
-    with Progress("attractors", len(starts)) as progress:
-        search = AttractorSearch(
-            runner, known, drifting,
-            match=how.match, longest=how.longest, record=how.record, tell=progress.update,
-        )  # fmt: skip
-        try:
-            settled = search.settle(starts)
-        except KeyboardInterrupt:
-            complete = False
-    return Found(known, search, settled, drawn, complete)
-
-
-def drift_mask(system: System) -> npt.NDArray[np.bool_]:
-    """Which states drift, (n,)."""
-    return np.array([name in system.drift_states for name in system.states])
-
-
-def renumbered(attractors: list[Attractor], label: Integers) -> tuple[list[Attractor], Integers]:
-    """Attractors in the order in which they are shown, and labels that go with it."""
-    order = in_order(attractors)
-    number = np.zeros(len(order) + 1, np.int64)
-    number[np.array(order, dtype=np.int64) + 1] = np.arange(1, len(order) + 1)
-    return [attractors[i] for i in order], np.where(label > 0, number[np.maximum(label, 0)], label)
-
-
-def read_search(
-    samples: Any, seed: Any, cells: Any, longest: Any, record: Any, match: Any, tolerance: float
-) -> Search:
-    """Options of a search, checked."""
-    close = finite_number("match", match)
-    if not 0.0 < close < 1.0:
-        raise OptionError(f"match = {close:g} must lie between 0 and 1; 1e-6 is usual")
-    start = finite_number("seed", seed)
-    if start != int(start) or start < 0:
-        raise OptionError(f"seed = {seed!r:.60} must be a whole number, not negative")
-    return Search(
-        whole_number("samples", samples), int(start), whole_number("cells", cells),
-        whole_number("longest", longest), whole_number("record", record), close, float(tolerance),
-    )  # fmt: skip
 
 
 def _message(counts: dict[str, int], complete: bool) -> str:

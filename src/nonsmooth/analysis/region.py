@@ -80,6 +80,20 @@ class Grid:
         places = np.unravel_index(cells, self.shape)
         return np.column_stack([a[i] for a, i in zip(self.axes, reversed(places), strict=True)])
 
+    def cells(self, values: Floats) -> npt.NDArray[np.int64]:
+        """Numbers of the cells in which values lie, -1 outside; shapes: values (N, d).
+
+        Borders lie half way between centres; the outermost cells are as wide as their neighbours.
+        """
+        places, inside = [], np.ones(len(values), bool)
+        for axis, column in zip(self.axes, values.T, strict=True):
+            middle = (axis[1:] + axis[:-1]) / 2.0
+            place = np.searchsorted(middle, column, side="right")
+            inside &= (column >= 2.0 * axis[0] - middle[0]) & (column < 2.0 * axis[-1] - middle[-1])
+            places.append(np.where(inside, place, 0))
+        numbers = np.ravel_multi_index(tuple(reversed(places)), self.shape)
+        return np.where(inside, numbers, -1).astype(np.int64)
+
     def states(self, cells: npt.NDArray[np.int64]) -> Floats:
         """States at the centres of cells given by number; returns (N, n)."""
         return self.completion.states(self.values(cells))

@@ -8,12 +8,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.engine.loop import ANY
-from nonsmooth.engine.status import Status
+from nonsmooth.engine import records as at
+from nonsmooth.engine.loop import ANY, SAME
+from nonsmooth.engine.status import EventKind, Status
 from nonsmooth.simulation.clock import Instant, Plan
 from nonsmooth.simulation.lane_runner import LaneRunner, Lanes
 from nonsmooth.simulation.runner import Derivatives, NoMode, build_derivatives, run_plan
 from nonsmooth.simulation.stroboscopic import strobes
+from nonsmooth.simulation.words import word_of_modes
 from nonsmooth.system.system import System
 
 __all__ = ["StrobeLanes", "StrobeRunner"]
@@ -121,6 +123,15 @@ class StrobeRunner:
             records = outcome.records
             return records.sample_state, records.sample_mode, outcome.columns[-1].T.copy()
         return None
+
+    def word(self, state: Floats, mode: int, count: int) -> str:
+        """Modes that are visited along some applications of the map, from a point in a mode."""
+        lanes = self._runner.start(state[None], self._instants(0, 1)[0], np.array([SAME - mode]))
+        last = self._instants(count, 1)[0]
+        numbers, phases = np.array([last.number], np.int64), np.array([last.phase])
+        _, _, rows, _ = self._runner.record(lanes, 0, numbers, phases)
+        passed = rows[rows[:, at.KIND] != EventKind.GRAZE]
+        return word_of_modes(self.system.mode_names, np.array([mode, *passed[:, at.TO]]))
 
     def _instants(self, first: int, count: int) -> list[Instant]:
         """Instants of some iterates; the start is iterate 0."""
