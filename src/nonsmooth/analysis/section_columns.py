@@ -56,7 +56,7 @@ def run_section_chain(
             state = np.where(protocol.drifting, state, last[0])
             mode = SAME - last[1]
             begin = Instant(0, last[2] * runner.engine.window)
-        lanes = runner.start(state[None], mode, begin)
+        lanes = runner.start(state[None], mode, begin, behind=last is not None)
         look, points = _look(protocol, runner, lanes, stop)
         looks.append(look)
         last = None
@@ -82,7 +82,7 @@ def _look(
     since = (points.number - points.number[0]) * window + (points.phase - points.phase[0])
     period = _period(protocol, states, since, lanes.ways[0].size)
     kind = rows[points.row[0] + 1 : points.row[-1] + 1, at.KIND]
-    kind = kind[_is_event(runner, rows)[points.row[0] + 1 : points.row[-1] + 1]]
+    kind = kind[runner.is_event(rows)[points.row[0] + 1 : points.row[-1] + 1]]
     # the last point closes the recorded time and belongs to the next iterate
     taken = states[:-1], points.number[:-1], points.phase[:-1], modes[:-1]
     if protocol.outputs:
@@ -114,17 +114,10 @@ def _period(protocol: Protocol, states: Floats, since: Floats, size: Floats) -> 
     return primitive_period(points, drifting, scale, protocol.match)
 
 
-def _is_event(runner: SectionRunner, rows: Integers) -> npt.NDArray[np.bool_]:
-    """Which rows of the log are events of the system, and not only a crossing of the section."""
-    passed = rows[:, at.KIND] != EventKind.GRAZE
-    own = [row[at.PASSES] == 1 and runner.pick.is_own(row) for row in rows]
-    return passed & ~np.array(own, bool)
-
-
 def _word(runner: SectionRunner, points: Points, rows: Integers, period: int) -> str:
     """Modes of the last primitive period, in order."""
     first = int(points.row[-1 - period])
     between = slice(first + 1, int(points.row[-1]))
-    entered = rows[between][_is_event(runner, rows)[between], at.TO]
+    entered = rows[between][runner.is_event(rows)[between], at.TO]
     modes = [int(points.modes[1, -1 - period]), *runner.origin[entered]]
     return word_of_modes(runner.chosen.system.mode_names, np.array(modes))

@@ -25,10 +25,12 @@ def map_of(
     *,
     phase: float = 0.0,
     mode: str | None = None,
+    states_only: bool = False,
 ) -> Map:
     """The map that is meant, with some parameters changed; the options of a run are checked.
 
-    ``phase`` is that of the strobes of a system; a map has its own.
+    ``phase`` is that of the strobes of a system; a map has its own. ``states_only``: whether the
+    states of a point have to tell all about it, which those of a section with forcing do not.
     """
     if isinstance(given, StroboscopicMap | PoincareMap):
         check_run_options(given.system, parameters, mode, tolerance)
@@ -36,6 +38,11 @@ def map_of(
             raise OptionError(
                 f"phase = {phase!r:.60}: the map says itself where its points lie; give the phase"
                 " to StroboscopicMap, or leave it out"
+            )
+        if states_only and isinstance(given, PoincareMap) and given.reads_time:
+            raise OptionError(
+                f"{verb}: the motion of {given.system.name!r} depends on time, so that it also"
+                f" matters when it comes to section = {given.section!r}; take its StroboscopicMap"
             )
         return given.with_parameters(**parameters) if parameters else given
     if not isinstance(given, System):

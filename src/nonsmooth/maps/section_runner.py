@@ -12,7 +12,9 @@ import numpy.typing as npt
 from nonsmooth.engine import records as at
 from nonsmooth.engine.loop import ANY, GOES_ON, SAME
 from nonsmooth.engine.status import EventKind, Status
-from nonsmooth.maps.section_rows import Crossings, NamedEvents, behind_start
+from nonsmooth.maps.return_tangent import images_of_point
+from nonsmooth.maps.section_points import SectionStart, just_before
+from nonsmooth.maps.section_rows import BehindStart, Crossings, NamedEvents, behind_start
 from nonsmooth.maps.section_search import (
     FIRST_PART,
     PATIENCE,
@@ -25,6 +27,8 @@ from nonsmooth.maps.section_search import (
 from nonsmooth.simulation.clock import Instant
 from nonsmooth.simulation.crew import Stopped
 from nonsmooth.simulation.lane_runner import LaneRunner, Lanes
+from nonsmooth.simulation.start import Start
+from nonsmooth.simulation.words import word_of_modes
 
 if TYPE_CHECKING:
     from nonsmooth.maps.poincare import PoincareMap
@@ -34,6 +38,7 @@ __all__ = ["NEVER_CROSSES", "SectionLanes", "SectionRunner"]
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
 
+_NEAR = 1e-4  # part of a window within which a point may be off its section
 NEVER_CROSSES = Status.STEP_LIMIT  # of a lane that found no point for long
 
 
@@ -96,9 +101,17 @@ class SectionRunner:
             self.pick = Crossings(split, self.engine.tables, chosen.way)
 
     def start(
-        self, states: Floats, modes: Integers | int = ANY, begin: Instant | None = None
+        self,
+        states: Floats,
+        modes: Integers | int = ANY,
+        begin: Instant | None = None,
+        *,
+        behind: bool = False,
     ) -> SectionLanes:
         """Lanes that begin at some states, on the section or not, at time zero.
+
+        A state whose mode is given may lie at the event of the section, as points do; with
+        ``behind`` it lies behind one.
 
         Modes are those of the system: one of them, any, or SAME - m as for the engine.
 
@@ -106,6 +119,8 @@ class SectionRunner:
         """
         count, n = states.shape
         begin = Instant(0, 0.0) if begin is None else begin
+        if self._at_events and not behind:
+            states, modes, begin = self._before_events(states, modes, begin)
         wanted = [self._candidates(int(m)) for m in np.broadcast_to(modes, count)]
         first = np.array([candidates.pop(0) for candidates in wanted], np.int64)
         ways = [
@@ -135,6 +150,48 @@ class SectionRunner:
             states[i, :found], modes[i, :found] = points.states[side], points.modes[side]
         return states, modes
 
+    def advance(
+        self, lanes: SectionLanes, count: int, stop: threading.Event | None = None
+    ) -> Floats:
+        """Apply the map some times and give the last images alone, (L, n)."""
+        return self.iterate(lanes, count, stop)[0][:, -1]
+
+    def images(
+        self, state: Floats, mode: int, count: int
+    ) -> tuple[Floats, Integers, Floats] | None:
+        """Images of one point with their modes, and the derivative of the last one by the point.
+
+        The point lies on the section, not only up to rounding but up to an error of Newton's
+        method. None where its mode does not fit or the motion ends before.
+
+        returns: states (count, n), modes (count,), derivative (n, n)
+        """
+        tables, window = self.engine.tables, self.engine.window
+        states, modes, begin = state[None], np.array([mode]), Instant(0, 0.0)
+        if self._at_events:
+            states, modes, begin = self._before_events(states, modes, begin)
+        start = Start(states[0], begin, (*self._candidates(int(modes[0])), ANY))
+        pick = BehindStart(self.pick, begin, window, _NEAR)
+        motion = SectionStart(tables, start, pick, start, tables)
+        return images_of_point(self.chosen, motion, count, self.engine.tolerance)
+
+    def word(self, state: Floats, mode: int, count: int) -> str:
+        """Modes that are visited along some applications of the map, from a point in a mode."""
+        lanes = self.start(state[None], np.array([SAME - mode]))
+        points, rows, _ = self.take(lanes, 0, count)
+        passed = rows[: int(points.row[-1])] if points.row.size else rows
+        entered = passed[self.is_event(passed), at.TO]
+        if self._at_events and entered.size:  # the event at which the point lies comes first
+            mode, entered = int(entered[0]), entered[1:]
+        modes = np.array([mode, *self.origin[entered]])
+        return word_of_modes(self.chosen.system.mode_names, modes)
+
+    def is_event(self, rows: Integers) -> npt.NDArray[np.bool_]:
+        """Which rows of the log are events of the system, not only crossings of the section."""
+        own = np.array([row[at.PASSES] == 1 and self.pick.is_own(row) for row in rows], bool)
+        found: npt.NDArray[np.bool_] = ~own & (rows[:, at.KIND] != EventKind.GRAZE)
+        return found
+
     def take(
         self, lanes: SectionLanes, i: int, count: int, stop: threading.Event | None = None
     ) -> tuple[Points, Integers, Floats]:
@@ -158,6 +215,25 @@ class SectionRunner:
         way.points = replace(left, row=left.row - cut)
         way.rows, way.values = way.rows[cut:], way.values[cut:]
         return taken, rows, values
+
+    @property
+    def _at_events(self) -> bool:
+        """Whether points lie just before events, up to rounding perhaps beyond the guard."""
+        return not self.chosen.is_crossing and self.chosen.side == "before"
+
+    def _before_events(
+        self, states: Floats, modes: Integers | int, begin: Instant
+    ) -> tuple[Floats, Integers, Instant]:
+        """Starts whose modes are known a little earlier on their motions, and their instant."""
+        modes = np.broadcast_to(np.asarray(modes, np.int64), len(states)).copy()
+        modes[modes <= SAME] = SAME - modes[modes <= SAME]
+        if not np.all(modes >= 0):
+            return states, modes, begin
+        moved = [
+            just_before(self.chosen.system, self.engine.tables, Start(state, begin, (int(mode),)))
+            for state, mode in zip(states, modes, strict=True)
+        ]
+        return np.array([one.state for one in moved]), modes, moved[0].instant
 
     def _candidates(self, mode: int) -> list[int]:
         """Modes of the engine's system to try at a start, in order."""
