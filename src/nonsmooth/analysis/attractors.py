@@ -119,7 +119,7 @@ def attractors(
     >>> found["kind"].values.tolist(), found["period"].values.tolist()
     (['periodic'], [1])
     """
-    chosen = map_of(system, parameters, tolerance, "attractors")
+    chosen = map_of(system, parameters, tolerance, "attractors", states_only=True)
     box = read_box(chosen.system, region, completion)
     how = read_search(samples, seed, cells, longest, record, match, tolerance)
     found = find_attractors(chosen, box, how)

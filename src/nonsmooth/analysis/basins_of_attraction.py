@@ -113,7 +113,7 @@ def basins_of_attraction(
     >>> basins["label"].dims, basins["label"].shape
     (('v', 'x'), (20, 20))
     """
-    chosen = map_of(system, parameters, tolerance, "basins_of_attraction")
+    chosen = map_of(system, parameters, tolerance, "basins_of_attraction", states_only=True)
     grid = read_grid(chosen.system, region, completion)
     if method not in _METHODS:
         raise OptionError(f"method = {method!r}: {unknown_name('method', str(method), _METHODS)}")

@@ -6,11 +6,12 @@ from dataclasses import KW_ONLY, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from nonsmooth.maps.power import raised
-from nonsmooth.maps.return_tangent import return_tangent
+from nonsmooth.maps.return_tangent import reads_time, return_tangent
 from nonsmooth.maps.section_options import check_side, read_section, refuse_slow
-from nonsmooth.maps.section_points import take_points
+from nonsmooth.maps.section_points import folded_tables, take_points
 from nonsmooth.maps.section_runner import SectionRunner
 from nonsmooth.simulation.options import check_run_options, whole_number
+from nonsmooth.simulation.runner import build_tables
 from nonsmooth.system.section import Section, with_section
 from nonsmooth.system.system import System
 
@@ -285,6 +286,12 @@ class PoincareMap:
     def split(self) -> Section | None:
         """The system with the section in it; None where the section is an event."""
         return with_section(self.system, self.section) if self.is_crossing else None
+
+    @property
+    def reads_time(self) -> bool:
+        """Whether time, or what depends on it, stands in the system or in the section."""
+        split = self.split
+        return reads_time(build_tables(self.system) if split is None else folded_tables(split))
 
     @property
     def protocol(self) -> dict[str, Any]:

@@ -150,23 +150,26 @@ class NamedEvents:
 class BehindStart:
     """Points that another pick finds, without the start itself."""
 
-    def __init__(self, pick: Pick, begin: Instant, window: float) -> None:
-        self.pick, self.begin, self.window = pick, begin, window
+    def __init__(self, pick: Pick, begin: Instant, window: float, within: float = AT_ONCE) -> None:
+        self.pick, self.begin, self.window, self.within = pick, begin, window, within
 
     def __call__(self, rows: Integers, values: Floats) -> tuple[Points, Flags]:
         """Points among rows of the event log, and which rows are open contacts."""
         points, open_ = self.pick(rows, values)
-        return behind_start(points, self.begin, self.window), open_
+        return behind_start(points, self.begin, self.window, self.within), open_
 
     def is_own(self, row: Integers) -> bool:
         """Whether a row would not be there without the section."""
         return self.pick.is_own(row)
 
 
-def behind_start(points: Points, begin: Instant, window: float) -> Points:
-    """Points without those that are the start up to rounding, from which a motion goes on."""
+def behind_start(points: Points, begin: Instant, window: float, within: float = AT_ONCE) -> Points:
+    """Points without those that are the start up to rounding, from which a motion goes on.
+
+    ``within`` is the part of a window up to which they are.
+    """
     since = (points.number - begin.number) * window + (points.phase - begin.phase)
-    late = since > AT_ONCE * window
+    late = since > within * window
     return points if late.all() else some_points(points, np.flatnonzero(late))
 
 

@@ -12,7 +12,9 @@ import numpy.typing as npt
 from nonsmooth.engine import records as at
 from nonsmooth.engine.loop import ANY, GOES_ON, SAME
 from nonsmooth.engine.status import EventKind, Status
-from nonsmooth.maps.section_rows import Crossings, NamedEvents, behind_start
+from nonsmooth.maps.return_tangent import images_of_point
+from nonsmooth.maps.section_points import SectionStart, just_before
+from nonsmooth.maps.section_rows import BehindStart, Crossings, NamedEvents, behind_start
 from nonsmooth.maps.section_search import (
     FIRST_PART,
     PATIENCE,
@@ -25,6 +27,8 @@ from nonsmooth.maps.section_search import (
 from nonsmooth.simulation.clock import Instant
 from nonsmooth.simulation.crew import Stopped
 from nonsmooth.simulation.lane_runner import LaneRunner, Lanes
+from nonsmooth.simulation.start import Start
+from nonsmooth.simulation.words import word_of_modes
 
 if TYPE_CHECKING:
     from nonsmooth.maps.poincare import PoincareMap
@@ -34,6 +38,7 @@ __all__ = ["NEVER_CROSSES", "SectionLanes", "SectionRunner"]
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
 
+_NEAR = 1e-4  # part of a window within which a point may be off its section
 NEVER_CROSSES = Status.STEP_LIMIT  # of a lane that found no point for long
 
 
@@ -46,6 +51,7 @@ class _Way:
     points: Points
     rows: Integers  # of the event log since the last point that was asked for
     values: Floats
+    size: Floats  # (n,): largest states at some instants
     first_modes: list[int]  # still to be tried at the start, in modes of the engine's system
     length: int = FIRST_PART  # of the next part, in windows
     waited: int = 0  # windows without a point
@@ -95,9 +101,17 @@ class SectionRunner:
             self.pick = Crossings(split, self.engine.tables, chosen.way)
 
     def start(
-        self, states: Floats, modes: Integers | int = ANY, begin: Instant | None = None
+        self,
+        states: Floats,
+        modes: Integers | int = ANY,
+        begin: Instant | None = None,
+        *,
+        behind: bool = False,
     ) -> SectionLanes:
         """Lanes that begin at some states, on the section or not, at time zero.
+
+        A state whose mode is given may lie at the event of the section, as points do; with
+        ``behind`` it lies behind one.
 
         Modes are those of the system: one of them, any, or SAME - m as for the engine.
 
@@ -105,12 +119,14 @@ class SectionRunner:
         """
         count, n = states.shape
         begin = Instant(0, 0.0) if begin is None else begin
+        if self._at_events and not behind:
+            states, modes, begin = self._before_events(states, modes, begin)
         wanted = [self._candidates(int(m)) for m in np.broadcast_to(modes, count)]
         first = np.array([candidates.pop(0) for candidates in wanted], np.int64)
         ways = [
             _Way(
                 begin, begin, joined_points([], n), np.zeros((0, at.EVENT_INTEGERS), np.int64),
-                np.zeros((0, at.EVENT_FLOATS + 2 * n)), candidates,
+                np.zeros((0, at.EVENT_FLOATS + 2 * n)), np.zeros(n), candidates,
             )
             for candidates in wanted
         ]  # fmt: skip
@@ -133,6 +149,48 @@ class SectionRunner:
             found = points.number.size
             states[i, :found], modes[i, :found] = points.states[side], points.modes[side]
         return states, modes
+
+    def advance(
+        self, lanes: SectionLanes, count: int, stop: threading.Event | None = None
+    ) -> Floats:
+        """Apply the map some times and give the last images alone, (L, n)."""
+        return self.iterate(lanes, count, stop)[0][:, -1]
+
+    def images(
+        self, state: Floats, mode: int, count: int
+    ) -> tuple[Floats, Integers, Floats] | None:
+        """Images of one point with their modes, and the derivative of the last one by the point.
+
+        The point lies on the section, not only up to rounding but up to an error of Newton's
+        method. None where its mode does not fit or the motion ends before.
+
+        returns: states (count, n), modes (count,), derivative (n, n)
+        """
+        tables, window = self.engine.tables, self.engine.window
+        states, modes, begin = state[None], np.array([mode]), Instant(0, 0.0)
+        if self._at_events:
+            states, modes, begin = self._before_events(states, modes, begin)
+        start = Start(states[0], begin, (*self._candidates(int(modes[0])), ANY))
+        pick = BehindStart(self.pick, begin, window, _NEAR)
+        motion = SectionStart(tables, start, pick, start, tables)
+        return images_of_point(self.chosen, motion, count, self.engine.tolerance)
+
+    def word(self, state: Floats, mode: int, count: int) -> str:
+        """Modes that are visited along some applications of the map, from a point in a mode."""
+        lanes = self.start(state[None], np.array([SAME - mode]))
+        points, rows, _ = self.take(lanes, 0, count)
+        passed = rows[: int(points.row[-1])] if points.row.size else rows
+        entered = passed[self.is_event(passed), at.TO]
+        if self._at_events and entered.size:  # the event at which the point lies comes first
+            mode, entered = int(entered[0]), entered[1:]
+        modes = np.array([mode, *self.origin[entered]])
+        return word_of_modes(self.chosen.system.mode_names, modes)
+
+    def is_event(self, rows: Integers) -> npt.NDArray[np.bool_]:
+        """Which rows of the log are events of the system, not only crossings of the section."""
+        own = np.array([row[at.PASSES] == 1 and self.pick.is_own(row) for row in rows], bool)
+        found: npt.NDArray[np.bool_] = ~own & (rows[:, at.KIND] != EventKind.GRAZE)
+        return found
 
     def take(
         self, lanes: SectionLanes, i: int, count: int, stop: threading.Event | None = None
@@ -158,6 +216,25 @@ class SectionRunner:
         way.rows, way.values = way.rows[cut:], way.values[cut:]
         return taken, rows, values
 
+    @property
+    def _at_events(self) -> bool:
+        """Whether points lie just before events, up to rounding perhaps beyond the guard."""
+        return not self.chosen.is_crossing and self.chosen.side == "before"
+
+    def _before_events(
+        self, states: Floats, modes: Integers | int, begin: Instant
+    ) -> tuple[Floats, Integers, Instant]:
+        """Starts whose modes are known a little earlier on their motions, and their instant."""
+        modes = np.broadcast_to(np.asarray(modes, np.int64), len(states)).copy()
+        modes[modes <= SAME] = SAME - modes[modes <= SAME]
+        if not np.all(modes >= 0):
+            return states, modes, begin
+        moved = [
+            just_before(self.chosen.system, self.engine.tables, Start(state, begin, (int(mode),)))
+            for state, mode in zip(states, modes, strict=True)
+        ]
+        return np.array([one.state for one in moved]), modes, moved[0].instant
+
     def _candidates(self, mode: int) -> list[int]:
         """Modes of the engine's system to try at a start, in order."""
         if mode == ANY:
@@ -169,22 +246,24 @@ class SectionRunner:
     def _search_on(self, lanes: Lanes, i: int, way: _Way, wanted: int) -> None:
         """Run one lane for another part."""
         mode = int(lanes.mode[i])
-        numbers = np.array([way.here.number + way.length])
-        _, _, rows, values = self.engine.record(lanes, i, numbers, np.array([way.here.phase]))
+        window = self.engine.window
+        numbers, phases = _looks(way.here, way.length, window)
+        seen, _, rows, values = self.engine.record(lanes, i, numbers, phases)
         if lanes.status[i] == Status.INADMISSIBLE and not len(rows) and way.first_modes:
             lanes.status[i], lanes.mode[i] = Status.COMPLETED, way.first_modes.pop(0)
             return
         if mode != GOES_ON and len(rows) and _at_start(rows[0], values[0], way.here):
             rows, values = rows[1:], values[1:]  # what happens at the start is no crossing
         points, _ = self.pick(rows, values)
-        points = behind_start(points, way.begin, self.engine.window)
+        points = behind_start(points, way.begin, window)
         points = replace(points, row=points.row + len(way.rows))
         way.points = joined_points([way.points, points], lanes.end_state.shape[1])
         way.rows, way.values = (
             np.concatenate([way.rows, rows]),
             np.concatenate([way.values, values]),
         )
-        way.here = Instant(int(numbers[0]), way.here.phase)
+        way.size = np.maximum(way.size, np.abs(seen).max(axis=0, initial=0.0))
+        way.here = Instant(int(numbers[-1]), float(phases[-1]))
         found = points.number.size
         way.waited = 0 if found else way.waited + way.length
         way.n_points += found
@@ -192,6 +271,15 @@ class SectionRunner:
         way.windows += way.length
         rest = way.n_points + max(0, wanted - way.points.number.size)
         way.length = length_of_next(way.n_points, way.n_events, way.windows, way.length, rest)
+
+
+def _looks(begin: Instant, length: int, window: float) -> tuple[Integers, Floats]:
+    """Some instants of a part, the last of them its end, at which states are looked at."""
+    since = np.array([0.17, 0.43, 0.71, 1.0]) * length
+    numbers = begin.number + np.floor(since).astype(np.int64)
+    phases = begin.phase + (since - np.floor(since)) * window
+    over = phases >= window
+    return numbers + over, np.where(over, phases - window, phases)
 
 
 def _at_start(row: Integers, values: Floats, begin: Instant) -> bool:

@@ -59,6 +59,9 @@ def strobe_points(chosen: StroboscopicMap, wanted: Wanted, changed: str = "") ->
         "changed_parameters": changed,
     }
     points = _over_points(system, run_dataset(system, outcome, options), options)
+    if not wanted.from_start:
+        label = {"long_name": "iterate"}
+        points = points.assign_coords(point=("point", points["point"].values + 1, label))
     if outcome.status not in (Status.COMPLETED, Status.STOPPED):
         # told where the user calls the verb or method that calls this
         warnings.warn(f"{system.name}: {points.attrs['message']}", RunWarning, stacklevel=3)
