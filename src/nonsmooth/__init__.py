@@ -12,11 +12,14 @@ from nonsmooth.version import __version__
 
 if TYPE_CHECKING:
     from nonsmooth import models, plot
+    from nonsmooth.analysis.basin_entropy import basin_entropy
+    from nonsmooth.analysis.basin_fractions import basin_fractions
     from nonsmooth.analysis.bifurcation_diagram import bifurcation_diagram
     from nonsmooth.analysis.lyapunov_spectrum import lyapunov_spectrum
     from nonsmooth.analysis.poincare_section import poincare_section
     from nonsmooth.analysis.power_spectrum import power_spectrum
     from nonsmooth.analysis.stroboscopic_map import stroboscopic_map
+    from nonsmooth.analysis.uncertainty_exponent import uncertainty_exponent
     from nonsmooth.analysis.zero_one_test import zero_one_test
     from nonsmooth.errors import (
         ModelError,
@@ -44,6 +47,8 @@ __all__ = [
     "Signal",
     "System",
     "__version__",
+    "basin_entropy",
+    "basin_fractions",
     "bifurcation_diagram",
     "lyapunov_spectrum",
     "models",
@@ -53,6 +58,7 @@ __all__ = [
     "power_spectrum",
     "simulate",
     "stroboscopic_map",
+    "uncertainty_exponent",
     "zero_one_test",
 ]
 
@@ -67,6 +73,8 @@ _HOME = {
     "RunWarning": "nonsmooth.errors",
     "Signal": "nonsmooth.system.signals",
     "System": "nonsmooth.system.system",
+    "basin_entropy": "nonsmooth.analysis.basin_entropy",
+    "basin_fractions": "nonsmooth.analysis.basin_fractions",
     "bifurcation_diagram": "nonsmooth.analysis.bifurcation_diagram",
     "lyapunov_spectrum": "nonsmooth.analysis.lyapunov_spectrum",
     "phase_word": "nonsmooth.simulation.words",
@@ -74,6 +82,7 @@ _HOME = {
     "power_spectrum": "nonsmooth.analysis.power_spectrum",
     "simulate": "nonsmooth.simulation.simulate",
     "stroboscopic_map": "nonsmooth.analysis.stroboscopic_map",
+    "uncertainty_exponent": "nonsmooth.analysis.uncertainty_exponent",
     "zero_one_test": "nonsmooth.analysis.zero_one_test",
 }
 
