@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from nonsmooth.analysis.basin_entropy import basin_entropy
     from nonsmooth.analysis.basin_fractions import basin_fractions
     from nonsmooth.analysis.bifurcation_diagram import bifurcation_diagram
+    from nonsmooth.analysis.box_dimension import box_dimension
+    from nonsmooth.analysis.correlation_dimension import correlation_dimension
     from nonsmooth.analysis.lyapunov_spectrum import lyapunov_spectrum
     from nonsmooth.analysis.poincare_section import poincare_section
     from nonsmooth.analysis.power_spectrum import power_spectrum
@@ -50,6 +52,8 @@ __all__ = [
     "basin_entropy",
     "basin_fractions",
     "bifurcation_diagram",
+    "box_dimension",
+    "correlation_dimension",
     "lyapunov_spectrum",
     "models",
     "phase_word",
@@ -76,6 +80,8 @@ _HOME = {
     "basin_entropy": "nonsmooth.analysis.basin_entropy",
     "basin_fractions": "nonsmooth.analysis.basin_fractions",
     "bifurcation_diagram": "nonsmooth.analysis.bifurcation_diagram",
+    "box_dimension": "nonsmooth.analysis.box_dimension",
+    "correlation_dimension": "nonsmooth.analysis.correlation_dimension",
     "lyapunov_spectrum": "nonsmooth.analysis.lyapunov_spectrum",
     "phase_word": "nonsmooth.simulation.words",
     "poincare_section": "nonsmooth.analysis.poincare_section",
