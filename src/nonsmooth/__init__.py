@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from nonsmooth.analysis.power_spectrum import power_spectrum
     from nonsmooth.analysis.stroboscopic_map import stroboscopic_map
     from nonsmooth.analysis.uncertainty_exponent import uncertainty_exponent
+    from nonsmooth.analysis.wada_test import wada_test
     from nonsmooth.analysis.zero_one_test import zero_one_test
     from nonsmooth.errors import (
         ModelError,
@@ -63,6 +64,7 @@ __all__ = [
     "simulate",
     "stroboscopic_map",
     "uncertainty_exponent",
+    "wada_test",
     "zero_one_test",
 ]
 
@@ -89,6 +91,7 @@ _HOME = {
     "simulate": "nonsmooth.simulation.simulate",
     "stroboscopic_map": "nonsmooth.analysis.stroboscopic_map",
     "uncertainty_exponent": "nonsmooth.analysis.uncertainty_exponent",
+    "wada_test": "nonsmooth.analysis.wada_test",
     "zero_one_test": "nonsmooth.analysis.zero_one_test",
 }
 
