@@ -82,8 +82,8 @@ def box_dimension(
 
     References
     ----------
-    P. Grassberger, On the fractal dimension of the Henon attractor, Physics Letters A 97,
-    224-226 (1983).
+    J. D. Farmer, E. Ott and J. A. Yorke, The dimension of chaotic attractors, Physica D 7,
+    153-180 (1983).
 
     Examples
     --------
