@@ -45,6 +45,11 @@ class Lanes(NamedTuple):
     uncertain: Integers  # (L,): events that rounding leaves open
     since: Floats  # (L, 2): window and phase up to which these are counted
 
+    def select(self, chosen: Integers) -> Lanes:
+        """Copy of some of the lanes."""
+        rest = (part[chosen] for part in self[1:])
+        return Lanes(_of_lane(self.anchors, chosen), *rest)
+
 
 class LaneRunner:
     """Runs lanes of a system; parameters are those of the last `set_up`."""
