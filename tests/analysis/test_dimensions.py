@@ -132,6 +132,11 @@ def test_points_from_datasets(tmp_path):
     part = ns.box_dimension(attractors(), attractor=1, states=["x"])
     assert float(part["box_dimension"]) == pytest.approx(1, abs=0.1)
     mole = ns.models.moling()
+    drifting = attractors().assign_coords(state=["p", "y", "v"])
+    drifting["points"][0, :, 2] = np.arange(3_000) ** 2.0
+    drifting.attrs["system"] = mole.to_toml()  # in which v drifts
+    found = ns.correlation_dimension(drifting, attractor=1)
+    assert float(found["correlation_dimension"]) == float(plain["correlation_dimension"])
     strobes = ns.stroboscopic_map(mole, transient=100, record=60)
     found = ns.box_dimension(strobes)
     assert float(found["box_dimension"]) == pytest.approx(0, abs=1e-12)  # in p, y and q; v drifts

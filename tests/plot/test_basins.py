@@ -103,6 +103,28 @@ def test_the_key_says_kinds_and_fractions():
     assert ns.plot.basins(given, legend=False).get_legend() is None
 
 
+def test_cells_left_out_by_an_interruption():
+    data = basins([[1, 1, -3], [1, 2, -2]])
+    ax = ns.plot.basins(data)
+    assert key(ax) == ["1: 75.0 %", "2: 25.0 %", "inadmissible", "not computed"]
+    assert len(set(cell_colours(ax))) == 4
+
+
+def test_a_result_as_it_comes():
+    """Labels, attractors and measures of one computation agree."""
+    system = ns.models.duffing()
+    region = {"x": np.linspace(-2, 2, 16), "v": np.linspace(-1, 2, 18)}
+    data = ns.basins_of_attraction(system, region, samples=30)
+    ax = ns.plot.basins(data)
+    assert ax.images[0].get_array().shape == data["label"].shape == (18, 16)
+    assert ax.get_xlabel() == ns.plot.axis_label(data["x"])
+    shares = ns.basin_fractions(data)
+    numbers = data["attractor"].values
+    assert shares["fraction"].sel(label=numbers).values == pytest.approx(data["fraction"].values)
+    assert ns.uncertainty_exponent(data).attrs["system_name"] == "duffing"
+    assert len(ns.plot.attractors(data, "x", "v").lines) == numbers.size
+
+
 def test_labels_alone_are_enough():
     data = basins(LABEL).drop_dims(["attractor", "state"], errors="ignore")[["label"]]
     assert key(ns.plot.basins(data))[0] == "1: 50.0 %"

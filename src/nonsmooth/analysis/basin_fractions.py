@@ -11,6 +11,7 @@ import xarray as xr
 from nonsmooth.analysis.outcomes import (
     ENDED_EARLY,
     INADMISSIBLE,
+    NOT_COMPUTED,
     UNSETTLED,
     outcome_name,
     outcomes_of,
@@ -22,7 +23,7 @@ __all__ = ["basin_fractions"]
 def basin_fractions(
     basins: xr.Dataset | xr.DataArray | npt.ArrayLike,
     *,
-    leave_out: Iterable[int] = (INADMISSIBLE,),
+    leave_out: Iterable[int] = (INADMISSIBLE, NOT_COMPUTED),
 ) -> xr.Dataset:
     r"""Fraction of the starts that lead to each attractor: its basin stability.
 
@@ -35,8 +36,9 @@ def basin_fractions(
     Other Parameters
     ----------------
     leave_out : iterable of int, optional
-        Labels of starts that do not count: those that no mode admits (-2) by default. Unsettled
-        starts (0) and those that ended early (-1) count, with lines of their own.
+        Labels of starts that do not count: by default those that no mode admits (-2) and
+        those that an interruption left out (-3). Unsettled starts (0) and those that ended early
+        (-1) count, with lines of their own.
 
     Returns
     -------

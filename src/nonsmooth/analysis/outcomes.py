@@ -15,9 +15,14 @@ from nonsmooth.version import __version__
 
 __all__ = ["LEFT_OUT", "Outcomes", "blocks_of", "outcome_name", "outcomes_of"]
 
-UNSETTLED, ENDED_EARLY, INADMISSIBLE = 0, -1, -2
-LEFT_OUT = (UNSETTLED, INADMISSIBLE)  # no outcome is known of these
-_NAMES = {UNSETTLED: "unsettled", ENDED_EARLY: "ended early", INADMISSIBLE: "inadmissible"}
+UNSETTLED, ENDED_EARLY, INADMISSIBLE, NOT_COMPUTED = 0, -1, -2, -3
+LEFT_OUT = (UNSETTLED, INADMISSIBLE, NOT_COMPUTED)  # no outcome is known of these
+_NAMES = {
+    UNSETTLED: "unsettled",
+    ENDED_EARLY: "ended early",
+    INADMISSIBLE: "inadmissible",
+    NOT_COMPUTED: "not computed",
+}
 _BLOCKS = 8  # per side; they should be longer than what is correlated
 _KEPT = ("system", "system_name")
 

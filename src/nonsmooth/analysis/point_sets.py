@@ -70,10 +70,9 @@ def _of_attractor(data: xr.Dataset, attractor: int | None, states: Any) -> Any:
             f"attractor = {attractor}: the dataset has {', '.join(map(str, known)) or 'none'}"
         )
     chosen = data["points"].sel(attractor=attractor).transpose("point", "state")
-    if states is not None:
-        names = _check_names(states, chosen["state"].values.tolist())
-        chosen = chosen.sel(state=names)
-    return chosen.values
+    names = [str(name) for name in chosen["state"].values]
+    names = _without_drift(data, names) if states is None else _check_names(states, names)
+    return chosen.sel(state=names).values
 
 
 def _of_states(data: xr.Dataset, states: Any) -> Any:
@@ -84,16 +83,19 @@ def _of_states(data: xr.Dataset, states: Any) -> Any:
     ]
     if not known:
         raise OptionError("the dataset holds no points: no variable has one dimension")
-    if states is None:
-        states = known
-        if "system" in data.attrs:  # outputs tell nothing new, and a drift has no end
-            system = System.from_toml(data.attrs["system"])
-            states = [s for s in system.states if s in known and s not in system.drift_states]
-    names = _check_names(states, known)
+    names = _without_drift(data, known) if states is None else _check_names(states, known)
     dims = {data[name].dims for name in names}
     if len(dims) != 1:
         raise OptionError(f"states = {names!r:.80} are not over the same points")
     return np.stack([data[name].values for name in names], axis=1)
+
+
+def _without_drift(data: xr.Dataset, names: list[str]) -> list[str]:
+    """States among the names: outputs tell nothing new, and a drift has no end."""
+    if "system" not in data.attrs:
+        return names
+    system = System.from_toml(data.attrs["system"])
+    return [name for name in system.states if name in names and name not in system.drift_states]
 
 
 def _check_names(states: Any, known: list[str]) -> list[str]:

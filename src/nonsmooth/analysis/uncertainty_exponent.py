@@ -65,8 +65,8 @@ def uncertainty_exponent(
     between : tuple of int, optional
         Two labels: only the boundary between these is looked at.
     leave_out : iterable of int, optional
-        Labels that are no outcome: unsettled (0) and inadmissible (-2) starts by default. Those
-        that ended early (-1) count as one outcome.
+        Labels that are no outcome: by default starts that are unsettled (0), inadmissible (-2) or
+        not computed (-3). Those that ended early (-1) count as one outcome.
 
     Returns
     -------

@@ -15,7 +15,7 @@ __all__ = ["attractor_entry", "make_room", "place_key"]
 _MOST_ROWS = 12
 _FREE_ROWS = 2  # for which a picture need not be taller
 _ROW = 1.3  # of the size of the letters
-_HANDLE, _SPACE, _GAP, _LETTER = 1.6, 0.8, 1.0, 0.5  # widths, in the size of the letters
+_HANDLE, _SPACE, _GAP, _LETTER = 1.6, 0.8, 1.0, 0.48  # widths, in the size of the letters
 _SMALL = 7 / 8  # of the labels of the axes
 
 

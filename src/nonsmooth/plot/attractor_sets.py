@@ -37,7 +37,7 @@ def attractors(
     data : xarray.Dataset
         Result of `attractors` or of `basins_of_attraction`.
     x, y : str, optional
-        States to draw; the first two of which there are points by default.
+        States to draw; by default the first two that do not drift.
     ax : matplotlib.axes.Axes, optional
         Where to draw; new axes of a column's width by default.
     legend : bool, optional

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 __all__ = [
     "ENDED_EARLY",
     "INADMISSIBLE",
+    "NOT_COMPUTED",
     "UNSETTLED",
     "AttractorStyle",
     "attractor_points",
@@ -29,7 +30,7 @@ __all__ = [
     "state_label",
 ]
 
-UNSETTLED, ENDED_EARLY, INADMISSIBLE = "#FFFFFF", "#5A5A5A", "#D4D4D4"
+UNSETTLED, ENDED_EARLY, INADMISSIBLE, NOT_COMPUTED = "#FFFFFF", "#5A5A5A", "#D4D4D4", "#A8A8A8"
 
 # Twentieths of white in a basin and of black in its points, for the first seven attractors, the
 # next seven, ...; further ones begin anew.
@@ -113,14 +114,16 @@ def state_label(data: xr.Dataset, name: str) -> str:
 
 
 def check_states(data: xr.Dataset, x: str | None, y: str | None) -> tuple[str, str]:
-    """Two states to draw: those named, else the first two of which there are points."""
+    """Two states to draw: those named, else the first two with points that do not drift."""
     if "points" not in data or "attractor" not in data.dims or "state" not in data.coords:
         raise OptionError(
             "the dataset has no points of attractors; give a result of attractors or of"
             " basins_of_attraction"
         )
     known = [str(name) for name in data["state"].values]
-    finite = [n for n in known if np.isfinite(data["points"].sel(state=n)).any()] or known
+    drift = System.from_toml(data.attrs["system"]).drift_states if "system" in data.attrs else ()
+    there = [n for n in known if np.isfinite(data["points"].sel(state=n)).any() and n not in drift]
+    finite = there or known
     chosen = [finite[0] if x is None else x, finite[min(1, len(finite) - 1)] if y is None else y]
     for name in chosen:
         if name not in known:

@@ -12,6 +12,7 @@ from nonsmooth.plot.attractor_key import attractor_entry, make_room, place_key
 from nonsmooth.plot.attractor_style import (
     ENDED_EARLY,
     INADMISSIBLE,
+    NOT_COMPUTED,
     UNSETTLED,
     AttractorStyle,
     attractor_points,
@@ -33,6 +34,7 @@ _OTHERS = {
     0: (UNSETTLED, "unsettled"),
     -1: (ENDED_EARLY, "ended early"),
     -2: (INADMISSIBLE, "inadmissible"),
+    -3: (NOT_COMPUTED, "not computed"),
 }
 _EVEN = 1e-6  # of a step, between cells that count as equally wide
 
@@ -63,7 +65,7 @@ def basins(
     -------
     matplotlib.axes.Axes
         The axes, with one image. Unsettled starts are white, those that ended early dark grey,
-        inadmissible ones light grey.
+        inadmissible ones light grey, those that an interruption left out grey.
 
     Raises
     ------
@@ -122,9 +124,10 @@ def _with_fractions(data: xr.Dataset, labels: npt.NDArray[np.int_]) -> xr.Datase
     if "fraction" in data:
         return data
     numbers = sorted({int(k) for k in np.unique(labels) if k > 0} | _known(data))
-    total = max(1, int(np.count_nonzero(labels != -2)))
+    total = max(1, int(np.count_nonzero(labels > -2)))
     share = np.array([np.count_nonzero(labels == k) for k in numbers]) / total
-    if "attractor" not in data.dims:
+    if _known(data) != set(numbers):  # labels of unknown attractors have no points either
+        data = data[["label"]].drop_vars("attractor", errors="ignore")
         data = data.assign_coords(attractor=numbers)
     share = share[[numbers.index(int(k)) for k in data["attractor"].values]]
     return data.assign(fraction=("attractor", share))
@@ -184,8 +187,8 @@ def _entries(styles: dict[int, AttractorStyle], labels: npt.NDArray[np.int_]) ->
     entries: list[Any] = [attractor_entry(style, basin=True) for style in styles.values()]
     for k, (colour, text) in _OTHERS.items():
         count = int(np.count_nonzero(labels == k))
-        if count and k != -2:
-            text += f", {percent(count / np.count_nonzero(labels != -2))}"
+        if count and k > -2:
+            text += f", {percent(count / np.count_nonzero(labels > -2))}"
         if count:
             entries.append(Patch(facecolor=colour, edgecolor="0.4", linewidth=0.5, label=text))
     return entries
