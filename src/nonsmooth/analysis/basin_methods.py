@@ -108,8 +108,9 @@ def by_cell_mapping(
     search, changed, settled_for = None, 1.0, 0
     for _ in range(_DOUBLINGS):
         if not cells.double():
-            found = [] if search is None else search.known.attractors
-            return Basins(found, Settled(label, steps), False)
+            return Basins(
+                [] if search is None else search.known.attractors, Settled(label, steps), False
+            )
         if search is None:
             search = _search_from(chosen, cells, how)
         cycles = cycles_of(cells.image)

@@ -135,7 +135,7 @@ def new_visits(count: int) -> Visits:
     return Visits(
         candidate=np.zeros(count, np.int64),
         point=np.full(count, -1, np.int64),
-        count=np.zeros(count, np.int64),
+        score=np.zeros(count, np.int64),
         label=np.zeros(count, np.int64),
         needed=np.zeros(count, np.int64),
     )

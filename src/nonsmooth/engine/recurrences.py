@@ -44,7 +44,7 @@ class Visits(NamedTuple):
 
     candidate: Integers  # (L,): attractor, 0 for none
     point: Integers  # (L,): point of a cycle, -1 for none
-    count: Integers  # (L,): visits that speak for it
+    score: Integers  # (L,): visits that speak for it
     label: Integers  # (L,): attractor to which the lane has come, 0 for none yet
     needed: Integers  # (L,): images until then
 
@@ -167,12 +167,12 @@ def visit(images, first, marks, visits):
             else:
                 found = _owner_of_cell(marks, state)
                 if found == _NO_LABEL and before < 0:  # a set has cells that are not known yet
-                    visits.count[lane] = max(0, visits.count[lane] - _MISS)
+                    visits.score[lane] = max(0, visits.score[lane] - _MISS)
                     continue
                 going_on = before < 0 and found == visits.candidate[lane]
-            visits.count[lane] = visits.count[lane] + 1 if going_on else 1
+            visits.score[lane] = visits.score[lane] + 1 if going_on else 1
             visits.candidate[lane], visits.point[lane] = found, point
             enough = marks.in_cycle if point >= 0 else marks.in_set
-            if found != _NO_LABEL and visits.count[lane] >= enough:
+            if found != _NO_LABEL and visits.score[lane] >= enough:
                 visits.label[lane] = found
                 visits.needed[lane] = first + k

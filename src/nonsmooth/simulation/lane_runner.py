@@ -47,8 +47,10 @@ class Lanes(NamedTuple):
 
     def select(self, chosen: Integers) -> Lanes:
         """Copy of some of the lanes."""
-        rest = (part[chosen] for part in self[1:])
-        return Lanes(_of_lane(self.anchors, chosen), *rest)
+        return Lanes(
+            _of_lane(self.anchors, chosen), self.status[chosen], self.end_state[chosen],
+            self.mode[chosen], self.uncertain[chosen], self.since[chosen],
+        )  # fmt: skip
 
 
 class LaneRunner:
