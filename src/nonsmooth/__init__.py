@@ -13,13 +13,19 @@ from nonsmooth.version import __version__
 if TYPE_CHECKING:
     from nonsmooth import models, plot
     from nonsmooth.analysis.attractors import attractors
+    from nonsmooth.analysis.basin_entropy import basin_entropy
+    from nonsmooth.analysis.basin_fractions import basin_fractions
     from nonsmooth.analysis.basins_of_attraction import basins_of_attraction
     from nonsmooth.analysis.bifurcation_diagram import bifurcation_diagram
+    from nonsmooth.analysis.box_dimension import box_dimension
+    from nonsmooth.analysis.correlation_dimension import correlation_dimension
     from nonsmooth.analysis.ensemble import ensemble
     from nonsmooth.analysis.lyapunov_spectrum import lyapunov_spectrum
     from nonsmooth.analysis.poincare_section import poincare_section
     from nonsmooth.analysis.power_spectrum import power_spectrum
     from nonsmooth.analysis.stroboscopic_map import stroboscopic_map
+    from nonsmooth.analysis.uncertainty_exponent import uncertainty_exponent
+    from nonsmooth.analysis.wada_test import wada_test
     from nonsmooth.analysis.zero_one_test import zero_one_test
     from nonsmooth.errors import (
         ModelError,
@@ -52,8 +58,12 @@ __all__ = [
     "System",
     "__version__",
     "attractors",
+    "basin_entropy",
+    "basin_fractions",
     "basins_of_attraction",
     "bifurcation_diagram",
+    "box_dimension",
+    "correlation_dimension",
     "ensemble",
     "lyapunov_spectrum",
     "models",
@@ -63,6 +73,8 @@ __all__ = [
     "power_spectrum",
     "simulate",
     "stroboscopic_map",
+    "uncertainty_exponent",
+    "wada_test",
     "zero_one_test",
 ]
 
@@ -80,8 +92,12 @@ _HOME = {
     "StroboscopicMap": "nonsmooth.maps.stroboscopic",
     "System": "nonsmooth.system.system",
     "attractors": "nonsmooth.analysis.attractors",
+    "basin_entropy": "nonsmooth.analysis.basin_entropy",
+    "basin_fractions": "nonsmooth.analysis.basin_fractions",
     "basins_of_attraction": "nonsmooth.analysis.basins_of_attraction",
     "bifurcation_diagram": "nonsmooth.analysis.bifurcation_diagram",
+    "box_dimension": "nonsmooth.analysis.box_dimension",
+    "correlation_dimension": "nonsmooth.analysis.correlation_dimension",
     "ensemble": "nonsmooth.analysis.ensemble",
     "lyapunov_spectrum": "nonsmooth.analysis.lyapunov_spectrum",
     "phase_word": "nonsmooth.simulation.words",
@@ -89,6 +105,8 @@ _HOME = {
     "power_spectrum": "nonsmooth.analysis.power_spectrum",
     "simulate": "nonsmooth.simulation.simulate",
     "stroboscopic_map": "nonsmooth.analysis.stroboscopic_map",
+    "uncertainty_exponent": "nonsmooth.analysis.uncertainty_exponent",
+    "wada_test": "nonsmooth.analysis.wada_test",
     "zero_one_test": "nonsmooth.analysis.zero_one_test",
 }
 

@@ -21,6 +21,7 @@ Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
 
 _WIDEST, _NARROWEST = 0.02, 1e-6  # radius of a ball of convergence, beside the scale
+_SAME_POINT = 1e-9  # beside the scale
 _DIRECTIONS = 16  # in which it is tried, beside the axes
 _NEARER = 0.5  # of the radius, to which all starts must have come
 _MOST_TURNS = 2000  # around the cycle until then
@@ -41,6 +42,14 @@ def cycle_from(
 ) -> Attractor | None:
     """Stable cycle near a point that nearly repeats; None where there is none."""
     cycle = refine(runner, state, mode, period, ~drifting, measure.scale)
+    if cycle is not None:
+        # points that agree to their residual's size are the same ones, gone around more than once
+        scaled = measure.scaled(cycle.points)
+        for shorter in range(1, period):
+            if period % shorter == 0 and np.allclose(
+                scaled, np.roll(scaled, -shorter, axis=0), rtol=0.0, atol=_SAME_POINT
+            ):
+                return cycle_from(runner, measure, state, mode, shorter, drifting)
     if cycle is None or not cycle.stable:
         return None
     return canonical(
@@ -89,7 +98,7 @@ def _converges(
     starts = np.repeat(cycle.points[chosen], len(steps), axis=0)
     starts[:, measure.columns] += np.tile(steps * scale, (len(chosen), 1))
     lanes = runner.start(starts, ANY)
-    ends = runner.advance(lanes, period * turns)
+    ends, _ = runner.last(lanes, period * turns)
     target = measure.scaled(np.repeat(cycle.points[chosen], len(steps), axis=0))
     distance = np.linalg.norm(measure.scaled(ends) - target, axis=1)
     inside = lanes.status != Status.INADMISSIBLE  # what no motion can be needs not converge

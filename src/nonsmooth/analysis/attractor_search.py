@@ -31,6 +31,7 @@ _LOOK = 2048  # images among which a period is looked for
 _SAME_SET = 0.5  # part of the points of a set in the cells of another: sets that differ have none
 _SAME_CYCLE = 1e-5  # beside the scale
 _LOW, _HIGH = 1.0, 99.0  # percentiles between which states spread; single lanes may be far off
+_GROWS = 2.0  # factor by which lanes on their way to infinity grow at least
 _LEAST_SPREAD = 1e-3  # of a state, beside its spread at the start
 
 
@@ -47,9 +48,13 @@ def measure_of(images: Floats, starts: Floats, drifting: npt.NDArray[np.bool_], 
 
     shapes: images (L, K, n), the later half of them is taken; starts (L, n), drifting (n,)
     """
-    n = starts.shape[1]
-    late = images[:, images.shape[1] // 2 :].reshape(-1, n)
-    late = late[np.all(np.isfinite(late), axis=1)]
+    n, quarter = starts.shape[1], images.shape[1] // 4
+    size = np.abs(images).max(axis=2, initial=0.0)
+    with np.errstate(invalid="ignore"):  # of lanes that have ended
+        bounded = size[:, -quarter:].max(axis=1) <= _GROWS * size[:, -2 * quarter : -quarter].max(
+            axis=1
+        )
+    late = images[bounded, -2 * quarter :].reshape(-1, n)
     first = np.ptp(starts, axis=0)
     if not len(late):
         late = starts
@@ -150,7 +155,7 @@ class AttractorSearch:
 
     def _cycle(self, points: Floats, modes: Integers) -> Attractor | None:
         """Stable cycle that the last points repeat, refined."""
-        last = points[-_LOOK:]
+        last = points[len(points) // 2 :][-_LOOK:]  # the rest may belong to the way there
         scale = self.known.measure.scale
         period = primitive_period(last, self.drifting, scale, self.match)
         if period == 0:

@@ -49,7 +49,9 @@ def basin_dataset(chosen: Any, grid: Grid, basins: Basins, options: dict[str, An
         "cells_left_out": int(np.sum(label == NOT_COMPUTED)),
     }
     status = "completed" if basins.complete else "interrupted"
-    attrs = common_attributes(system, status, _message(counts, basins.complete), options | counts)
+    attrs = common_attributes(
+        system, status, _message(counts, basins.complete), options | counts | dict(basins.notes)
+    )
     return xr.Dataset(variables, coords, attrs)
 
 

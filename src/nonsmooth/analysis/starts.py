@@ -31,9 +31,9 @@ def admissible_starts(
     found, n_found, drawn = [], 0, 0
     while n_found < count and drawn < _MOST_DRAWN * count:
         # powers of two keep the balance of the sequence
-        batch = box.states(sequence.random_base2(max(6, int(np.ceil(np.log2(count))))))
+        batch = box.states(sequence.random(2 ** max(6, int(np.ceil(np.log2(count))))))
         lanes = runner.start(batch)
-        runner.advance(lanes, 1)
+        runner.last(lanes, 1)
         admitted = lanes.status != Status.INADMISSIBLE
         found.append(batch[admitted][: count - n_found])
         n_found += len(found[-1])

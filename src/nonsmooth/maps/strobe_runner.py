@@ -83,15 +83,18 @@ class StrobeRunner:
         lanes.done += count
         return images
 
-    def advance(
+    def last(
         self, lanes: StrobeLanes, count: int, stop: threading.Event | None = None
-    ) -> Floats:
-        """Apply the map some times and give the last images alone, (L, n)."""
+    ) -> tuple[Floats, Integers]:
+        """Apply the map some times and give the last images alone, with their modes.
+
+        returns: states (L, n), modes (L,)
+        """
         last = self._instants(lanes.done + count, 1)[0]
         numbers, phases = np.array([last.number], np.int64), np.array([last.phase])
-        states, _ = self._runner.run(lanes.lanes, last, numbers, phases, stop)
+        states, modes = self._runner.run(lanes.lanes, last, numbers, phases, stop)
         lanes.done += count
-        return states[:, 0]
+        return states[:, 0], modes[:, 0]
 
     def images(
         self, state: Floats, mode: int, count: int
