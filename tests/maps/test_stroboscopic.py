@@ -190,3 +190,22 @@ def test_a_motion_that_ends_has_no_tangent():
     with pytest.warns(ns.RunWarning, match="event_limit"):
         points = rest.iterate({"u": 1.0}, 30)
     assert points.sizes["point"] == 14  # the flights last 2 (1 + 0.8 + ...) = 10
+
+
+def test_exponents_of_a_map():
+    """Iterates take the place of periods; exponents stay those per unit time."""
+    system = rigid_wall(omega=3.2)
+    options = {"transient": 20, "seed": 3}
+    plain = ns.lyapunov_spectrum(system, {"x": -0.5}, record=60, **options | {"transient": 60})
+    cube = ns.StroboscopicMap(system) ** 3
+    found = ns.lyapunov_spectrum(cube, {"x": -0.5}, record=20, **options)
+    assert found.attrs["duration"] == pytest.approx(60 * system.period_value)
+    assert found.sizes["time"] == 20
+    name = "lyapunov_exponent"
+    assert found[name].values == pytest.approx(plain[name].values, abs=1e-9)
+    free = ns.StroboscopicMap(damped(0.1), period=1.7)
+    spectrum = ns.lyapunov_spectrum(free, {"x": 1.0}, transient=100, record=300)
+    assert spectrum[name].values == pytest.approx([-0.1, -0.1], abs=1e-2)
+    assert spectrum["exponent_sum"].item() == pytest.approx(-0.2, abs=1e-9)
+    with pytest.raises(ns.OptionError, match="give the system of the map"):
+        ns.lyapunov_spectrum(ns.PoincareMap(system, "v"))

@@ -150,11 +150,15 @@ class SectionRunner:
             states[i, :found], modes[i, :found] = points.states[side], points.modes[side]
         return states, modes
 
-    def advance(
+    def last(
         self, lanes: SectionLanes, count: int, stop: threading.Event | None = None
-    ) -> Floats:
-        """Apply the map some times and give the last images alone, (L, n)."""
-        return self.iterate(lanes, count, stop)[0][:, -1]
+    ) -> tuple[Floats, Integers]:
+        """Apply the map some times and give the last images alone, with their modes.
+
+        returns: states (L, n), modes (L,)
+        """
+        states, modes = self.iterate(lanes, count, stop)
+        return states[:, -1], modes[:, -1]
 
     def images(
         self, state: Floats, mode: int, count: int
