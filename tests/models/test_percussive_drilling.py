@@ -21,8 +21,9 @@ def moved(t, t0, y0, net, a):
     return y0 * s + net * s * s / 2 + a * (mp.cos(t0) - mp.cos(t) - s * mp.sin(t0))
 
 
-def first_root(function, began, ended, step=mp.mpf("0.002")):
+def first_root(function, began, ended):
     """First root after began of a function that is not zero just behind it; ended without one."""
+    step = mp.mpf("0.002")
     low = began + step
     while low < ended:
         if function(low) * function(low + step) <= 0:
