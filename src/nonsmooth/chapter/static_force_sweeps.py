@@ -158,7 +158,7 @@ def settled_labels(
     >>> settled_labels(diagram, a=0.3, xi=0.05, omega=0.1)[0]
     array([0, 1])
     """
-    labels = diagram["period"].values[:, 0].astype(int)
+    labels = diagram["period"].isel(lane=0).values.astype(int)
     exponents = np.full(labels.size, np.nan)
     turn = 2.0 * np.pi / omega
     for i in np.flatnonzero(labels == 0):
