@@ -121,7 +121,7 @@ def test_drilling_on_a_small_grid():
     evidence, found = computed("M01", amplitudes=(0.5,), columns=20, protocols=("restart",))
     assert found == HOLDS
     best = evidence["rows"][1]
-    assert best["reading"] == "b below a" and best["word"] == "flight progression stick flight"
+    assert best["reading"] == "with impacts" and best["word"] == "flight progression stick flight"
     best["period"] = 0
     assert judged("M01", evidence) == DIFFERS
 

@@ -145,7 +145,7 @@ def _rise(a: float = 0.9, columns: int = _COLUMNS) -> Evidence:
         "rises_to": float(b[falls[0]]) if falls.size else float(b[-1]),
         "peak": float(values[falls[0]]) if falls.size else float(values[-1]),
         "falls_until": float(b[falls[-1] + 1]) if falls.size else None,
-        "trough": float(values[falls[-1] + 1]) if falls.size else None,
+        "least_after": float(values[falls[-1] + 1]) if falls.size else None,
         "last": [float(b[-1]), float(values[-1])],
     }
 
@@ -158,7 +158,7 @@ def _judge_rise(evidence: Evidence) -> Finding:
     if evidence["falls_until"] is None:
         return Finding(True, text)
     text += (
-        f", falls to {evidence['trough']:.0f} at b = {evidence['falls_until']:.4g} and is"
+        f", falls to {evidence['least_after']:.0f} at b = {evidence['falls_until']:.4g} and is"
         f" {evidence['last'][1]:.0f} at b = {evidence['last'][0]:.4g}"
     )
     return Finding(False, text)
@@ -196,7 +196,7 @@ def _judge_falls(evidence: Evidence) -> Finding:
 
 def _best_regimes(
     amplitudes: Sequence[float] = _GRID,
-    columns: int = 100,
+    columns: int = 60,
     protocols: Sequence[str] = PROTOCOLS,
 ) -> Evidence:
     rows = []
@@ -247,7 +247,7 @@ CHECKS = (
     Check("M28", _PROTOCOL + "; a fall counts from 1 % of the maximum", _falls, _judge_falls),
     Check(
         "M29",
-        "xi .05, omega .1, a from .1 to 1 in steps of .1, b in 100 columns up to a (at most .95),"
+        "xi .05, omega .1, a from .1 to 1 in steps of .1, b in 60 columns up to a (at most .95),"
         " restart from rest and follow up and down, 300 periods dropped, 100 kept",
         _best_regimes,
         _judge_best_regimes,
