@@ -39,7 +39,7 @@ Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
 
 _NEAR = 1e-4  # part of a window within which a point may be off its section
-NEVER_CROSSES = Status.STEP_LIMIT  # of a lane that found no point for long
+NEVER_CROSSES = Status.TIME_LIMIT  # of a lane that found no point for long
 
 
 @dataclass
