@@ -7,15 +7,20 @@ from typing import Annotated
 import typer
 
 from nonsmooth.cli import chapter
+from nonsmooth.cli.attractors import attractors
+from nonsmooth.cli.basins import basins
 from nonsmooth.cli.console import Commands
 from nonsmooth.cli.diagram import diagram
 from nonsmooth.cli.ensemble import ensemble
 from nonsmooth.cli.explain import explain
 from nonsmooth.cli.lyapunov import lyapunov
+from nonsmooth.cli.measures import measures
 from nonsmooth.cli.models import models
 from nonsmooth.cli.section import section
 from nonsmooth.cli.simulate import simulate
 from nonsmooth.cli.spectrum import spectrum
+from nonsmooth.cli.strobe import strobe
+from nonsmooth.cli.zero_one import zero_one
 from nonsmooth.version import __version__
 
 __all__ = ["app"]
@@ -53,9 +58,14 @@ def _options(
 app.command()(simulate)
 app.command()(lyapunov)
 app.command()(spectrum)
+app.command()(zero_one)
 app.command()(section)
+app.command()(strobe)
 app.command()(diagram)
 app.command()(ensemble)
+app.command()(attractors)
+app.command()(basins)
+app.command()(measures)
 app.command()(models)
 app.command()(explain)
 
