@@ -59,7 +59,10 @@ def by_cell_mapping(
         if search is None:
             search = search_from(chosen, cells.states[cells.image != REFUSED], how)
         cycles = cycles_of(cells.image)
-        before, label = label, _labels(search, cells, cycles)
+        try:
+            before, label = label, _labels(search, cells, cycles)
+        except KeyboardInterrupt:
+            return Basins(search.known.attractors, Settled(label, steps), False)
         steps = cycles.steps * cells.iterates
         changed = _changed(before, label, grid)
         settled_for = settled_for + 1 if changed <= _SETTLED else 0
