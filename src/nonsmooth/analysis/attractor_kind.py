@@ -99,8 +99,9 @@ def _converges(
     starts[:, measure.columns] += np.tile(steps * scale, (len(chosen), 1))
     lanes = runner.start(starts, ANY)
     ends, _ = runner.last(lanes, period * turns)
-    target = measure.scaled(np.repeat(cycle.points[chosen], len(steps), axis=0))
-    distance = np.linalg.norm(measure.scaled(ends) - target, axis=1)
+    # from any of its points: off a section, a start may be one point ahead of its neighbours
+    points = measure.scaled(cycle.points)
+    distance = np.linalg.norm(measure.scaled(ends)[:, None] - points[None], axis=2).min(axis=1)
     inside = lanes.status != Status.INADMISSIBLE  # what no motion can be needs not converge
     return bool(np.all(distance[inside] <= _NEARER * radius))
 

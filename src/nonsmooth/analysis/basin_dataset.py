@@ -11,7 +11,7 @@ from nonsmooth.analysis.attractor import renumbered
 from nonsmooth.analysis.attractor_dataset import attractor_variables, common_attributes
 from nonsmooth.analysis.attractor_search import ENDED, INADMISSIBLE, UNSETTLED
 from nonsmooth.analysis.attractor_words import with_words
-from nonsmooth.analysis.basin_methods import Basins
+from nonsmooth.analysis.basins import Basins
 from nonsmooth.analysis.cell_labels import NOT_COMPUTED
 from nonsmooth.analysis.region import Grid
 from nonsmooth.simulation.labels import labels_of
@@ -36,10 +36,16 @@ def basin_dataset(chosen: Any, grid: Grid, basins: Basins, options: dict[str, An
             "comment": "0: unsettled, -1: ended early, -2: inadmissible, -3: not computed",
         },
     )
-    variables["iterations"] = (
-        dims, basins.settled.needed.reshape(grid.shape).astype(np.int32),
-        {"long_name": "iterates until the attractor was known"},
-    )  # fmt: skip
+    if basins.probability is None:
+        variables["iterations"] = (
+            dims, basins.settled.needed.reshape(grid.shape).astype(np.int32),
+            {"long_name": "iterates until the attractor was known"},
+        )  # fmt: skip
+    else:
+        variables["probability"] = (
+            dims, basins.probability.reshape(grid.shape),
+            {"long_name": "probability of the attractor of the label"},
+        )  # fmt: skip
     for name, axis in zip(names, grid.axes, strict=True):
         coords[name] = ((name,), axis, words.attributes(name))
     counts = {

@@ -23,7 +23,7 @@ from nonsmooth.engine.loop import ANY, SAME
 from nonsmooth.engine.status import Status
 from nonsmooth.simulation.crew import Stopped, run_tasks
 
-__all__ = ["ENDS", "NOWHERE", "REFUSED", "CellMap"]
+__all__ = ["ENDS", "NOWHERE", "REFUSED", "CellMap", "Part", "map_points"]
 
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
@@ -34,7 +34,7 @@ _OUTSIDE = 100  # iterates after which a motion outside the grid is left there
 
 
 @dataclass(frozen=True)
-class _Part:
+class Part:
     """Where some cells have come."""
 
     points: Floats  # (K, n): images of their states after all iterates
@@ -79,26 +79,47 @@ class CellMap:
         return complete
 
     def _advance(self, cells: Integers, count: int) -> bool:
-        chunks = [cells[i : i + _TOGETHER] for i in range(0, cells.size, _TOGETHER)]
+        def keep(places: Integers, part: Part) -> None:
+            chosen = cells[places]
+            self._points[chosen], self._modes[chosen] = part.points, part.modes
+            self.image[chosen], self._landing[chosen] = part.image, part.landing
 
-        def keep(i: int, part: _Part) -> None:
-            chunk = chunks[i]
-            self._points[chunk], self._modes[chunk] = part.points, part.modes
-            self.image[chunk], self._landing[chunk] = part.image, part.landing
+        points, modes = self._points[cells], self._modes[cells]
+        return map_points(
+            self.grid, points, modes, count, self._make_runner, self._threads, keep,
+            f"cells, {self.iterates} iterates",
+        )  # fmt: skip
 
-        return run_tasks(
-            [_task(self.grid, self._points[c], self._modes[c], count) for c in chunks],
-            self._make_runner,
-            threads=self._threads,
-            label=f"cells, {self.iterates} iterates",
-            keep=keep,
-        )
+
+def map_points(
+    grid: Grid,
+    points: Floats,
+    modes: Integers,
+    count: int,
+    make_runner: Callable[[], Any],
+    threads: int,
+    keep: Callable[[Integers, Part], None],
+    label: str,
+) -> bool:
+    """Map points on; ``keep`` is told the numbers of some and where they came.
+
+    False after an interruption.
+    """
+    everything = np.arange(len(points))
+    chunks = [everything[i : i + _TOGETHER] for i in range(0, len(points), _TOGETHER)]
+    return run_tasks(
+        [_task(grid, points[c], modes[c], count) for c in chunks],
+        make_runner,
+        threads=threads,
+        label=label,
+        keep=lambda i, part: keep(chunks[i], part),
+    )
 
 
 def _task(
     grid: Grid, points: Floats, modes: Integers, count: int
-) -> Callable[[Any, threading.Event], _Part]:
-    def run(runner: Any, stop: threading.Event) -> _Part:
+) -> Callable[[Any, threading.Event], Part]:
+    def run(runner: Any, stop: threading.Event) -> Part:
         return _part(grid, runner, points, modes, count, stop)
 
     return run
@@ -106,7 +127,7 @@ def _task(
 
 def _part(
     grid: Grid, runner: Any, points: Floats, modes: Integers, count: int, stop: threading.Event
-) -> _Part:
+) -> Part:
     """Map some points on, and find the cells in which they come to lie."""
     lanes = runner.start(points, modes)
     images, image_modes = runner.last(lanes, count, stop)
@@ -129,4 +150,4 @@ def _part(
         image[outside], landing[outside] = here, later
         kept = np.flatnonzero(here == NOWHERE)
         outside, lanes = outside[kept], lanes.select(kept)
-    return _Part(images, image_modes, image, landing)
+    return Part(images, image_modes, image, landing)

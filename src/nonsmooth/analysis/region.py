@@ -80,6 +80,22 @@ class Grid:
         places = np.unravel_index(cells, self.shape)
         return np.column_stack([a[i] for a, i in zip(self.axes, reversed(places), strict=True)])
 
+    def inner_states(self, cells: npt.NDArray[np.int64], side: int) -> Floats:
+        """States at points spread evenly within cells, so many along each side; (N, P, n)."""
+        places = reversed(np.unravel_index(cells, self.shape))
+        along = []
+        for axis, place in zip(self.axes, places, strict=True):
+            middle = (axis[1:] + axis[:-1]) / 2.0
+            border = np.concatenate(
+                [[2 * axis[0] - middle[0]], middle, [2 * axis[-1] - middle[-1]]]
+            )
+            part = (np.arange(side) + 0.5) / side
+            along.append(border[place, None] + part * (border[place + 1] - border[place])[:, None])
+        number = np.indices((side,) * len(along)).reshape(len(along), -1)
+        values = np.stack([a[:, i] for a, i in zip(along, number, strict=True)], axis=2)
+        whole = self.completion.states(values.reshape(-1, len(along)))
+        return whole.reshape(len(cells), -1, whole.shape[1])
+
     def cells(self, values: Floats) -> npt.NDArray[np.int64]:
         """Numbers of the cells in which values lie, -1 outside; shapes: values (N, d).
 
