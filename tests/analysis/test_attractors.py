@@ -165,6 +165,49 @@ def test_a_system_without_a_period_asks_for_a_map() -> None:
     assert found["points"].values[0, 0, 0] == pytest.approx(0.0, abs=1e-12)
 
 
+def test_a_state_that_begins_as_one_has_a_unit() -> None:
+    """y and q of the mole begin as one each, and all motions come to the same cycle."""
+    mole = ns.models.moling(a=0.3, b=0.15)
+    found = ns.attractors(
+        mole, {"p": (-3, 1), "v": (0, 100)}, completion={"q": "max(0, p - g)"}, samples=50
+    )
+    assert found["period"].values.tolist() == [1]
+    assert float(found["residual"][0]) < 1e-9
+
+
+def test_slow_motions_are_no_cycles() -> None:
+    """x goes to +-1 by a hundred thousandth of its distance in each step."""
+    slow = ns.System(
+        states=["x", "y"], period=1.0, equations={"x": "-1e-5*(x - sign(x))", "y": "-y"}
+    )
+    found = ns.attractors(slow, {"x": (-2, 2), "y": (-2, 2)}, samples=40, record=2000)
+    cycles = found.sel(attractor=found["kind"] == "periodic")
+    at = np.abs(cycles["points"].sel(state="x", point=0).values)
+    assert at == pytest.approx(1.0, abs=1e-6)
+
+
+def test_starts_on_an_unstable_motion_are_unsettled() -> None:
+    """Two wells without forcing: the origin is a saddle, and a centre of the grid."""
+    wells = ns.System(states=["x", "v"], period=1.0, equations={"x": "v", "v": "x - x**3 - v"})
+    side = np.linspace(-1.0, 1.0, 5)
+    for method in ("recurrences", "cell mapping"):
+        basins = ns.basins_of_attraction(
+            wells, {"x": side, "v": side}, method=method, samples=32, record=2000
+        )
+        assert basins["points"].sel(state="x", point=0).values == pytest.approx([-1.0, 1.0])
+        assert int(basins["label"][2, 2]) == 0
+        assert np.count_nonzero(basins["label"] == 0) == 1
+        assert "not stable" in basins.attrs["message"]
+
+
+def test_no_attractor_is_told() -> None:
+    found = ns.attractors(
+        ns.System(states=["x"], period=1.0, equations={"x": "x"}), {"x": (1, 2)}, samples=8
+    )
+    assert found.sizes["attractor"] == 0
+    assert found.attrs["message"].startswith("no attractors: all starts ended early")
+
+
 def test_results_survive_a_file(tmp_path) -> None:
     import xarray as xr
 

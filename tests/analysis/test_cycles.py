@@ -43,6 +43,7 @@ def test_a_fixed_point_with_its_drift_and_multipliers() -> None:
     expected = np.roots([1, 2 * a * x, -b])
     assert sorted(found.multipliers.real) == pytest.approx(sorted(expected), abs=1e-13)
     assert found.stable
+    assert found.step < 1e-12
 
 
 def test_a_cycle_of_two() -> None:
@@ -71,3 +72,4 @@ def test_what_is_far_from_a_cycle_keeps_its_residual() -> None:
     found = refine(Henon(1.4, 0.3), np.array([0.0, 0.0, 0.0]), 0, 1, FREE, np.ones(3))
     assert found is not None
     assert found.residual > 0.1
+    assert found.step > 0.05

@@ -34,6 +34,11 @@ class Attractor:
         """Whether its points repeat."""
         return self.period > 0
 
+    @property
+    def stable(self) -> bool:
+        """Whether it is a cycle with all multipliers inside the unit circle."""
+        return self.multipliers is not None and bool(np.all(np.abs(self.multipliers) < 1.0))
+
 
 def canonical(attractor: Attractor) -> Attractor:
     """The same cycle from the point with the least first state on."""

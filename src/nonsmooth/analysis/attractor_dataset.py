@@ -12,7 +12,7 @@ from nonsmooth.simulation.labels import labels_of
 from nonsmooth.system.system import System
 from nonsmooth.version import __version__
 
-__all__ = ["attractor_variables", "common_attributes", "share_error"]
+__all__ = ["attractor_variables", "common_attributes", "search_message", "share_error"]
 
 Integers = npt.NDArray[np.int64]
 
@@ -80,6 +80,18 @@ def attractor_variables(
 def share_error(share: Any, count: int) -> Any:
     """Standard error of a share of independent starts (Menck et al., Nature Physics 9, 2013)."""
     return np.sqrt(share * (1.0 - share) / max(1, count))
+
+
+def search_message(what: str, unsettled: int, ended: int, found: int) -> str:
+    """What a finished search has to say of its starts or cells."""
+    if unsettled:
+        return (
+            f"{unsettled} {what} came to no attractor in the longest time, or stay on a motion"
+            " that is not stable; for the first, raise longest="
+        )
+    if ended and not found:
+        return f"no attractors: all {what} ended early; simulate one of them to see why"
+    return "completed"
 
 
 def common_attributes(

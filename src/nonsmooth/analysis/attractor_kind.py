@@ -22,6 +22,7 @@ Integers = npt.NDArray[np.int64]
 
 _WIDEST, _NARROWEST = 0.02, 1e-6  # radius of a ball of convergence, beside the scale
 _SAME_POINT = 1e-9  # beside the scale
+_PLACED = 1e-6  # beside the scale, to which the place of a cycle must be known
 _DIRECTIONS = 16  # in which it is tried, beside the axes
 _NEARER = 0.5  # of the radius, to which all starts must have come
 _MOST_TURNS = 2000  # around the cycle until then
@@ -40,7 +41,10 @@ def cycle_from(
     period: int,
     drifting: npt.NDArray[np.bool_],
 ) -> Attractor | None:
-    """Stable cycle near a point that nearly repeats; None where there is none."""
+    """Cycle near a point that nearly repeats; None where there is none.
+
+    Slow motions nearly repeat too, and Newton's method tells: the cycle is not where they are.
+    """
     cycle = refine(runner, state, mode, period, ~drifting, measure.scale)
     if cycle is not None:
         # points that agree to their residual's size are the same ones, gone around more than once
@@ -50,7 +54,7 @@ def cycle_from(
                 scaled, np.roll(scaled, -shorter, axis=0), rtol=0.0, atol=_SAME_POINT
             ):
                 return cycle_from(runner, measure, state, mode, shorter, drifting)
-    if cycle is None or not cycle.stable:
+    if cycle is None or not cycle.step <= _PLACED:
         return None
     return canonical(
         Attractor(
@@ -61,7 +65,7 @@ def cycle_from(
             kind="periodic",
             multipliers=cycle.multipliers,
             residual=cycle.residual,
-            radius=_radius(runner, measure, cycle, drifting),
+            radius=_radius(runner, measure, cycle, drifting) if cycle.stable else np.nan,
         )
     )
 

@@ -33,6 +33,8 @@ _SAME_CYCLE = 1e-5  # beside the scale
 _LOW, _HIGH = 1.0, 99.0  # percentiles between which states spread; single lanes may be far off
 _GROWS = 2.0  # factor by which lanes on their way to infinity grow at least
 _LEAST_SPREAD = 1e-3  # of a state, beside its spread at the start
+_ROUNDING = 1e-8  # of a state, beside its size: differences below are those of rounding
+_EXACTLY = 1e-13  # beside the scale, to which motions on an unstable cycle repeat
 
 
 @dataclass(frozen=True)
@@ -55,12 +57,16 @@ def measure_of(images: Floats, starts: Floats, drifting: npt.NDArray[np.bool_], 
             axis=1
         )
     late = images[bounded, -2 * quarter :].reshape(-1, n)
+    # states that are not in the region begin as one, and come to their size on the way
+    early = np.concatenate([starts[bounded], images[bounded, :quarter].reshape(-1, n)])
     first = np.ptp(starts, axis=0)
     if not len(late):
-        late = starts
+        late = early = starts
+    low, high = np.percentile(early, [_LOW, _HIGH], axis=0)
+    first = np.maximum(first, high - low)
     low, high = np.percentile(late, [_LOW, _HIGH], axis=0)
-    scale = np.maximum(high - low, _LEAST_SPREAD * first)
     size = np.abs(late).max(axis=0)
+    scale = np.maximum.reduce([high - low, _LEAST_SPREAD * first, _ROUNDING * size])
     scale = np.where(scale > 0.0, scale, np.where(size > 0.0, size, 1.0))
     return Measure(np.flatnonzero(~drifting), scale, 1.0 / cells)
 
@@ -129,7 +135,7 @@ class AttractorSearch:
     def _analyse(self, state: Floats, mode: int, stop: threading.Event | None) -> tuple[int, bool]:
         """Number of the attractor on which a point lies, and whether it is a new one.
 
-        Zero where the motion was none yet: it ended, or comes to nothing in the longest time.
+        Zero where it is none: the motion ended, or stays on a cycle that is not stable.
         """
         lane = self.runner.start(state[None], np.array([SAME - mode]))
         visits, done = new_visits(1), 0
@@ -148,21 +154,25 @@ class AttractorSearch:
             done += images.shape[1]
             if done >= 2 * tested or done >= self.record:
                 tested = done
-                found = self._cycle(np.concatenate(points), modes[-1])
-                if found is not None:
+                found, exactly = self._cycle(np.concatenate(points), modes[-1])
+                if found is not None and found.stable:
                     return self._with_cycle(found)
+                # a start may lie on an unstable cycle, or come to it along a symmetry
+                if found is not None and (exactly or done >= self.record):
+                    return UNSETTLED, False
         return self._with_set(np.concatenate(points), np.concatenate(modes))
 
-    def _cycle(self, points: Floats, modes: Integers) -> Attractor | None:
-        """Stable cycle that the last points repeat, refined."""
+    def _cycle(self, points: Floats, modes: Integers) -> tuple[Attractor | None, bool]:
+        """Cycle that the last points repeat, refined, and whether they do so to rounding."""
         last = points[len(points) // 2 :][-_LOOK:]  # the rest may belong to the way there
         scale = self.known.measure.scale
         period = primitive_period(last, self.drifting, scale, self.match)
         if period == 0:
-            return None
-        return cycle_from(
+            return None, False
+        found = cycle_from(
             self.runner, self.known.measure, last[-1], int(modes[-1]), period, self.drifting
         )
+        return found, primitive_period(last, self.drifting, scale, _EXACTLY) > 0
 
     def _with_cycle(self, found: Attractor) -> tuple[int, bool]:
         same = self.known.same_cycle(found, _SAME_CYCLE)

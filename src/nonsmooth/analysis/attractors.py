@@ -8,7 +8,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from nonsmooth.analysis.attractor import renumbered
-from nonsmooth.analysis.attractor_dataset import attractor_variables, common_attributes
+from nonsmooth.analysis.attractor_dataset import (
+    attractor_variables,
+    common_attributes,
+    search_message,
+)
 from nonsmooth.analysis.attractor_options import read_search
 from nonsmooth.analysis.attractor_search import ENDED, UNSETTLED
 from nonsmooth.analysis.attractor_words import with_words
@@ -143,16 +147,9 @@ def attractors(
         **counts,
     }  # fmt: skip
     status = "completed" if found.complete else "interrupted"
-    message = _message(counts, found.complete)
-    return xr.Dataset(variables, coords, common_attributes(chosen.system, status, message, options))
-
-
-def _message(counts: dict[str, int], complete: bool) -> str:
-    if not complete:
-        return "interrupted by the user; the attractors found until then are kept"
-    if counts["unsettled_starts"]:
-        return (
-            f"{counts['unsettled_starts']} starts came to no attractor in the longest time;"
-            " raise longest="
+    message = "interrupted by the user; the attractors found until then are kept"
+    if found.complete:
+        message = search_message(
+            "starts", counts["unsettled_starts"], counts["ended_starts"], len(order)
         )
-    return "completed"
+    return xr.Dataset(variables, coords, common_attributes(chosen.system, status, message, options))

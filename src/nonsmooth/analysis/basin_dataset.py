@@ -8,7 +8,11 @@ import numpy as np
 import xarray as xr
 
 from nonsmooth.analysis.attractor import renumbered
-from nonsmooth.analysis.attractor_dataset import attractor_variables, common_attributes
+from nonsmooth.analysis.attractor_dataset import (
+    attractor_variables,
+    common_attributes,
+    search_message,
+)
 from nonsmooth.analysis.attractor_search import ENDED, INADMISSIBLE, UNSETTLED
 from nonsmooth.analysis.attractor_words import with_words
 from nonsmooth.analysis.basins import Basins
@@ -55,18 +59,10 @@ def basin_dataset(chosen: Any, grid: Grid, basins: Basins, options: dict[str, An
         "cells_left_out": int(np.sum(label == NOT_COMPUTED)),
     }
     status = "completed" if basins.complete else "interrupted"
-    attrs = common_attributes(
-        system, status, _message(counts, basins.complete), options | counts | dict(basins.notes)
-    )
-    return xr.Dataset(variables, coords, attrs)
-
-
-def _message(counts: dict[str, int], complete: bool) -> str:
-    if not complete:
-        return "interrupted by the user; the cells that are done are kept"
-    if counts["unsettled_cells"]:
-        return (
-            f"{counts['unsettled_cells']} cells came to no attractor in the longest time; raise"
-            " longest="
+    message = "interrupted by the user; the cells that are done are kept"
+    if basins.complete:
+        message = search_message(
+            "cells", counts["unsettled_cells"], counts["ended_cells"], len(order)
         )
-    return "completed"
+    attrs = common_attributes(system, status, message, options | counts | dict(basins.notes))
+    return xr.Dataset(variables, coords, attrs)

@@ -39,6 +39,7 @@ class Cycle:
     drift: Floats  # (n,): change of each state along the cycle; zero but for drifting ones
     multipliers: npt.NDArray[np.complex128]  # of the states that do not drift, largest first
     residual: float  # largest distance of a point from its return, beside the scale
+    step: float  # that Newton's method would take from here, beside the scale: what is in doubt
 
     @property
     def stable(self) -> bool:
@@ -77,14 +78,15 @@ def refine(
         order = np.argsort(-np.abs(multipliers), kind="stable")
         drift = np.where(free, 0.0, images[-1] - state)
         cycle_modes = np.concatenate([modes[-1:], modes[:-1]])
-        best = Cycle(points, cycle_modes, drift, multipliers[order], residual)
-        if residual <= _EXACT:
-            break
-        try:
-            step = np.linalg.solve(inner - np.eye(len(inner)), -gap[free])
-        except np.linalg.LinAlgError:
-            break
-        if not np.all(np.abs(step) <= _FAR * scale[free]):
+        step = np.zeros(len(inner))
+        if residual > _EXACT:
+            try:
+                step = np.linalg.solve(inner - np.eye(len(inner)), -gap[free])
+            except np.linalg.LinAlgError:
+                step = np.full(len(inner), np.inf)
+        length = float(np.max(np.abs(step) / scale[free], initial=0.0))
+        best = Cycle(points, cycle_modes, drift, multipliers[order], residual, length)
+        if residual <= _EXACT or not length <= _FAR:
             break
         state[free] += step
         mode = int(modes[-1])
