@@ -177,6 +177,20 @@ def test_attractors_over_two_states():
     assert shades[0] == shades[1]
 
 
+def test_the_state_of_a_section_is_not_drawn():
+    """Up to rounding it is the same in all points; x and z are drawn, not x and y."""
+    points = np.random.default_rng(0).uniform(-1, 1, (1, 30, 3))
+    points[:, :, 1] = 1e-13 * points[:, :, 1]
+    data = xr.Dataset(
+        {"points": (("attractor", "point", "state"), points), "period": ("attractor", [0])},
+        {"attractor": [1], "state": ["x", "y", "z"]},
+    )
+    ax = ns.plot.attractors(data)
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("x", "z")
+    ax = ns.plot.attractors(data.isel(point=[0]))  # one point: no state differs
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("x", "y")
+
+
 def test_labels_of_states_come_from_the_system():
     data = example().drop_vars(["p", "y"])
     data.attrs["system"] = ns.models.moling().to_toml()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -78,7 +78,7 @@ def refine(
         order = np.argsort(-np.abs(multipliers), kind="stable")
         drift = np.where(free, 0.0, images[-1] - state)
         cycle_modes = np.concatenate([modes[-1:], modes[:-1]])
-        step = np.zeros(len(inner))
+        step: npt.NDArray[np.floating[Any]] = np.zeros(len(inner))
         if residual > _EXACT:
             try:
                 step = np.linalg.solve(inner - np.eye(len(inner)), -gap[free])

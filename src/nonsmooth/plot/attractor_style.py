@@ -36,6 +36,7 @@ UNSETTLED, ENDED_EARLY, INADMISSIBLE, NOT_COMPUTED = "#FFFFFF", "#5A5A5A", "#D4D
 # next seven, ...; further ones begin anew.
 _SHADES = ((11, 8), (5, 13), (15, 2))
 _SHAPES = "osD^v<>pPX"
+_SAME = 1e-9  # of the largest spread, within which a state is constant
 _DENSE = 20_000  # points that are drawn as curves in a PDF
 
 
@@ -114,7 +115,10 @@ def state_label(data: xr.Dataset, name: str) -> str:
 
 
 def check_states(data: xr.Dataset, x: str | None, y: str | None) -> tuple[str, str]:
-    """Two states to draw: those named, else the first two with points that do not drift."""
+    """Two states to draw: those named, else the first two with points that do not drift.
+
+    A state that is the same in all points, such as that of a section, comes last.
+    """
     if "points" not in data or "attractor" not in data.dims or "state" not in data.coords:
         raise OptionError(
             "the dataset has no points of attractors; give a result of attractors or of"
@@ -123,12 +127,22 @@ def check_states(data: xr.Dataset, x: str | None, y: str | None) -> tuple[str, s
     known = [str(name) for name in data["state"].values]
     drift = System.from_toml(data.attrs["system"]).drift_states if "system" in data.attrs else ()
     there = [n for n in known if np.isfinite(data["points"].sel(state=n)).any() and n not in drift]
-    finite = there or known
+    finite = sorted(there or known, key=lambda name: _is_constant(data["points"], name))
     chosen = [finite[0] if x is None else x, finite[min(1, len(finite) - 1)] if y is None else y]
     for name in chosen:
         if name not in known:
             raise OptionError(unknown_name("state", str(name), known))
     return chosen[0], chosen[1]
+
+
+def _is_constant(points: xr.DataArray, state: str) -> bool:
+    """Whether a state differs by rounding only, beside the one that differs most."""
+    spread = {
+        str(name): float(np.ptp(values[np.isfinite(values)])) if np.isfinite(values).any() else 0.0
+        for name in points["state"].values
+        for values in (points.sel(state=name).values,)
+    }
+    return spread[state] <= _SAME * max(spread.values())
 
 
 def _text(data: xr.Dataset, number: int, period: int | None) -> str:
