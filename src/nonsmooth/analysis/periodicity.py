@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["REPEATS", "primitive_period", "scales"]
+__all__ = ["REPEATS", "nearest_return", "primitive_period", "scales"]
 
 Floats = npt.NDArray[np.float64]
 REPEATS = 2  # times that a period must be seen to be believed
@@ -30,13 +30,28 @@ def primitive_period(
 
     shapes: points (K, n), drifting (n,), scale (n,)
     """
+    return nearest_return(points, drifting, scale, match)[0]
+
+
+def nearest_return(
+    points: Floats, drifting: npt.NDArray[np.bool_], scale: Floats, match: float
+) -> tuple[int, float]:
+    """The same with the residual: what is left of the scale after p steps.
+
+    Where no p is found it is the least over all p.
+    """
+    least = np.inf
     if not np.all(np.isfinite(points)):
-        return 0
+        return 0, least
     count = len(points)
     relative = points - np.where(drifting, points[0], 0.0)
+    unit = np.where(scale > 0.0, scale, 1.0)
     for p in range(1, (count - 1) // REPEATS + 1):
         change = relative[p:] - relative[:-p]
         change = np.where(drifting, change - change[0], change)
-        if np.all(np.abs(change).max(axis=0) <= match * scale):
-            return p
-    return 0
+        size = np.abs(change).max(axis=0)
+        residual = float((size / unit).max(initial=0.0))
+        if np.all(size <= match * scale):
+            return p, residual
+        least = min(least, residual)
+    return 0, least

@@ -1,0 +1,89 @@
+"""Labels of regimes, and the rules by which the evidence of a window becomes one."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from nonsmooth.engine.status import Status
+
+__all__ = [
+    "ABSORBED",
+    "CHAOTIC",
+    "EQUILIBRIUM",
+    "INADMISSIBLE",
+    "INTERRUPTED",
+    "LABELS",
+    "LIMIT_CYCLE",
+    "LOCKED",
+    "PERIODIC",
+    "QUASI_PERIODIC",
+    "REPEATING",
+    "UNSETTLED",
+    "contradicts",
+    "label_of_end",
+    "label_of_growth",
+]
+
+EQUILIBRIUM, LOCKED, PERIODIC = "equilibrium", "locked", "periodic"
+LIMIT_CYCLE, QUASI_PERIODIC, CHAOTIC = "limit-cycle", "quasi-periodic", "chaotic"
+ABSORBED, UNSETTLED = "absorbed", "unsettled"
+INADMISSIBLE, INTERRUPTED = Status.INADMISSIBLE.word, Status.INTERRUPTED.word
+
+REPEATING = (EQUILIBRIUM, LOCKED, PERIODIC)  # labels of motions that have a period
+
+# The number of a label in a map is its place here; new ones come last.
+LABELS = (
+    EQUILIBRIUM, LOCKED, PERIODIC, LIMIT_CYCLE, QUASI_PERIODIC, CHAOTIC, ABSORBED, UNSETTLED,
+    Status.DIVERGED.word, Status.UNDECIDED.word, Status.NONUNIQUE.word, INADMISSIBLE,
+    Status.STEP_LIMIT.word, Status.SINGULAR.word, Status.SLIDING.word, Status.REFUSED.word,
+    INTERRUPTED,
+)  # fmt: skip
+
+ERRORS = 3.0  # standard errors that an exponent must keep from zero
+LARGEST_GROWTH = 3.0  # logarithm of the growth in a window that may still be none
+FALLING = 0.75  # of an exponent is left in the next window where growth is linear
+ROUNDING = 1e-9  # of the growth in a window
+K_CHAOTIC, K_REGULAR = 0.2, 0.5  # below, and above, the 0-1 test contradicts the exponent
+
+
+def label_of_end(status: Status) -> str:
+    """Label of a motion that ended: impacts that accumulate, and exits to 'stop', absorb."""
+    if status in (Status.EVENT_LIMIT, Status.STOPPED):
+        return ABSORBED
+    return status.word
+
+
+def label_of_growth(
+    rates: tuple[float, float], errors: tuple[float, float], duration: float, autonomous: bool
+) -> str:
+    """Label that the exponents of two windows give, "" where they give none or differ.
+
+    No window tells an exponent better than to one over its duration. A motion that still settles
+    has a small exponent too: it is as steady as the damping, while that of quasi-periodic motion
+    comes and goes, or falls as neighbours part linearly.
+    """
+    least = LARGEST_GROWTH / duration
+    if autonomous and rates == (-np.inf, -np.inf):
+        return LIMIT_CYCLE
+    if not np.all(np.isfinite(errors)):
+        return ""
+    wide = [max(ERRORS * error, least) for error in errors]
+    together = max(ERRORS * float(np.hypot(*errors)), least)
+    if abs(rates[0] - rates[1]) > together:
+        return ""
+    if all(rate > width for rate, width in zip(rates, wide, strict=True)):
+        return CHAOTIC
+    if autonomous and all(rate < -width for rate, width in zip(rates, wide, strict=True)):
+        return LIMIT_CYCLE
+    if max(map(abs, rates)) > least:
+        return ""
+    rounding = ROUNDING / duration
+    zero = all(
+        abs(rate) <= ERRORS * error + rounding for rate, error in zip(rates, errors, strict=True)
+    )
+    return QUASI_PERIODIC if zero or abs(rates[1]) < FALLING * abs(rates[0]) else ""
+
+
+def contradicts(label: str, k: float) -> bool:
+    """Whether the 0-1 test contradicts what an exponent says."""
+    return (label == CHAOTIC and k < K_CHAOTIC) or (label == QUASI_PERIODIC and k > K_REGULAR)
