@@ -13,6 +13,7 @@ from nonsmooth.version import __version__
 if TYPE_CHECKING:
     from nonsmooth import models, plot
     from nonsmooth.analysis.bifurcation_diagram import bifurcation_diagram
+    from nonsmooth.analysis.ensemble import ensemble
     from nonsmooth.analysis.lyapunov_spectrum import lyapunov_spectrum
     from nonsmooth.analysis.poincare_section import poincare_section
     from nonsmooth.analysis.power_spectrum import power_spectrum
@@ -47,6 +48,7 @@ __all__ = [
     "System",
     "__version__",
     "bifurcation_diagram",
+    "ensemble",
     "lyapunov_spectrum",
     "models",
     "phase_word",
@@ -72,6 +74,7 @@ _HOME = {
     "Signal": "nonsmooth.system.signals",
     "System": "nonsmooth.system.system",
     "bifurcation_diagram": "nonsmooth.analysis.bifurcation_diagram",
+    "ensemble": "nonsmooth.analysis.ensemble",
     "lyapunov_spectrum": "nonsmooth.analysis.lyapunov_spectrum",
     "phase_word": "nonsmooth.simulation.words",
     "poincare_section": "nonsmooth.analysis.poincare_section",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,12 +12,14 @@ import numpy.typing as npt
 
 from nonsmooth.analysis.columns import Look, Protocol, run_chain
 from nonsmooth.analysis.diagram_dataset import diagram_dataset
+from nonsmooth.analysis.look_arrays import pack_looks, unpack_looks
 from nonsmooth.engine.layout import Tables
 from nonsmooth.errors import OptionError, unknown_name
-from nonsmooth.simulation.crew import check_threads, run_tasks
+from nonsmooth.simulation.crew import check_threads
 from nonsmooth.simulation.lane_runner import LaneRunner
 from nonsmooth.simulation.options import check_run_options, finite_number, whole_number
 from nonsmooth.simulation.start import resolve_start
+from nonsmooth.simulation.stored_tasks import run_stored_tasks
 from nonsmooth.simulation.stroboscopic import check_phase, require_period
 from nonsmooth.system.system import System
 
@@ -47,6 +50,7 @@ def bifurcation_diagram(
     tolerance: float = 1e-12,
     mode: str | None = None,
     threads: int | None = None,
+    store: str | Path | None = None,
 ) -> xr.Dataset:
     """Compute settled motions for many values of a parameter.
 
@@ -86,6 +90,10 @@ def bifurcation_diagram(
         Mode of the starts, as in `simulate`.
     threads : int, optional
         Threads to use; all processors without it. The result does not depend on it.
+    store : path, optional
+        A folder, made where it is missing, in which columns are kept as they are done: after an
+        interruption the same call goes on there. A followed diagram goes on from whole chains, one
+        for each initial state.
 
     Returns
     -------
@@ -101,8 +109,10 @@ def bifurcation_diagram(
     Raises
     ------
     OptionError
-        For an option out of its range, an unknown parameter or event, or a system without a
-        period.
+        For an option out of its range, an unknown parameter or event, a system without a
+        period, or a ``store`` that was begun with other options.
+    RunError
+        When the store could not be written, for want of room for one; what is done is kept there.
 
     See Also
     --------
@@ -149,8 +159,8 @@ def bifurcation_diagram(
     given = list(initial) if isinstance(initial, Sequence) else [initial]
     if not given:
         raise OptionError("initial= is an empty list; give at least one initial state")
-    for each in given:  # refuse here what no column could begin with
-        resolve_start(system, runner.tables, each, None, mode, repeated=True)
+    # refuse here what no column could begin with
+    begins = [resolve_start(system, runner.tables, each, None, mode, True) for each in given]
     looks: list[list[Look | None]] = [[None] * len(given) for _ in grid]
     tasks, places = [], []
     for lane, each in enumerate(given):
@@ -163,13 +173,6 @@ def bifurcation_diagram(
         for column, look in zip(links, found, strict=True):
             looks[column][lane] = look
 
-    complete = run_tasks(
-        tasks,
-        lambda: LaneRunner(system, tolerance),
-        threads=check_threads(threads),
-        label="bifurcation diagram",
-        keep=keep,
-    )
     options = {
         "start": start,
         "transient": protocol.transient,
@@ -182,6 +185,23 @@ def bifurcation_diagram(
         "changed_parameters": str(dict(parameters)) if parameters else "",
         "initial": str([_said(each) for each in given]),
     }
+    complete = run_stored_tasks(
+        tasks,
+        lambda: LaneRunner(system, tolerance),
+        store=store,
+        protocol={
+            "system": system.to_toml(),
+            "parameter": parameter,
+            "values": grid,
+            **options,
+            "initial_states": [[*one.state, *one.modes] for one in begins],
+        },
+        pack=pack_looks,
+        unpack=unpack_looks,
+        threads=check_threads(threads),
+        label="bifurcation diagram",
+        keep=keep,
+    )
     return diagram_dataset(protocol, grid, looks, options, complete)
 
 

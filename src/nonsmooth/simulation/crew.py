@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import os
 import threading
-from collections.abc import Callable
-from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
+from collections.abc import Callable, Collection
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from itertools import islice
 from typing import Any, TypeVar
 
 from nonsmooth.simulation.options import whole_number
@@ -19,6 +20,7 @@ __all__ = ["Stopped", "check_threads", "run_tasks"]
 
 T = TypeVar("T")
 _ATTENTION = 0.05  # seconds after which an interruption is noticed
+_AHEAD = 8  # tasks for each thread that are begun or have results which nobody took yet
 
 
 class Stopped(Exception):
@@ -41,11 +43,13 @@ def run_tasks(
     threads: int,
     label: str,
     keep: Callable[[int, T], None],
+    done: Collection[int] = (),
 ) -> bool:
     """Run all tasks; ``keep`` is told the number and result of each as it comes.
 
-    Every thread makes a worker of its own, which its tasks get with an event that is set when
-    they should stop. Returns False where the user interrupted; what was kept stays.
+    The tasks whose numbers are ``done`` are left out. Every thread makes a worker of its own,
+    which its tasks get with an event that is set when they should stop. Returns False where the
+    user interrupted; what was kept stays.
     """
     stop = threading.Event()
     local = threading.local()
@@ -57,17 +61,26 @@ def run_tasks(
             local.worker = make_worker()
         return i, tasks[i](local.worker, stop)
 
-    complete = True
+    complete, done_so_far = True, len(done)
+    remaining = iter([i for i in range(len(tasks)) if i not in done])
+    waiting: set[Future[tuple[int, T]]] = set()
+
+    def hand_out() -> None:
+        """Keep every thread busy; results that nobody has taken yet need memory."""
+        room = _AHEAD * threads - len(waiting)
+        waiting.update(pool.submit(run, i) for i in islice(remaining, room))
+
     with ThreadPoolExecutor(max_workers=threads) as pool, Progress(label, len(tasks)) as progress:
-        waiting = {pool.submit(run, i) for i in range(len(tasks))}
-        done_so_far = 0
         try:
+            hand_out()
             while waiting:
-                done, waiting = wait(waiting, timeout=_ATTENTION, return_when=FIRST_COMPLETED)
-                for future in done:
+                ended, _ = wait(waiting, timeout=_ATTENTION, return_when=FIRST_COMPLETED)
+                for future in ended:
                     keep(*future.result())
-                done_so_far += len(done)
+                    waiting.discard(future)
+                done_so_far += len(ended)
                 progress.update(done_so_far)
+                hand_out()
         except KeyboardInterrupt:
             complete = False
         finally:

@@ -17,7 +17,7 @@ from nonsmooth.simulation.clock import Instant, instants
 from nonsmooth.simulation.options import finite_number
 from nonsmooth.system.system import System
 
-__all__ = ["Start", "explain_misfit", "resolve_start", "start_at_end"]
+__all__ = ["Start", "explain_misfit", "mode_numbers", "resolve_start", "start_at_end"]
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ def resolve_start(
             f" {{{system.states[0]!r}: 0.1}}, a point of a dataset, or a run to go on from"
         )
     state = _from_mapping(system, initial or {})
-    return Start(state, _instant(tables, t_start or 0.0), _mode_numbers(system, mode))
+    return Start(state, _instant(tables, t_start or 0.0), mode_numbers(system, mode))
 
 
 def _from_mapping(system: System, initial: Mapping[str, Any]) -> npt.NDArray[np.float64]:
@@ -71,7 +71,7 @@ def _from_mapping(system: System, initial: Mapping[str, Any]) -> npt.NDArray[np.
     return np.array([values[name] for name in system.states])
 
 
-def _mode_numbers(system: System, mode: str | None) -> tuple[int, ...]:
+def mode_numbers(system: System, mode: str | None) -> tuple[int, ...]:
     """Modes that a name stands for: a cell, cells of one name, or all cells of a mode."""
     if mode is None:
         return (-1,)
@@ -107,7 +107,7 @@ def _from_point(
     names = data["mode"].attrs.get("flag_meanings", "").split() if "mode" in data else []
     if mode is None and names == list(system.mode_names):
         return Start(state, _instant(tables, time), (int(data["mode"]),))
-    return Start(state, _instant(tables, time), _mode_numbers(system, mode))
+    return Start(state, _instant(tables, time), mode_numbers(system, mode))
 
 
 def _from_run(

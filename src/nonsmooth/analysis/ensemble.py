@@ -1,0 +1,214 @@
+"""Many runs: initial states by parameter values, on all processors."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.analysis.ensemble_chunk import Protocol
+from nonsmooth.analysis.ensemble_dataset import Frame
+from nonsmooth.analysis.ensemble_members import members_of, split_parameters
+from nonsmooth.analysis.ensemble_work import Work
+from nonsmooth.errors import OptionError
+from nonsmooth.simulation.assemble import Columns
+from nonsmooth.simulation.clock import Instant, Plan, plan_run
+from nonsmooth.simulation.crew import check_threads
+from nonsmooth.simulation.labels import labels_of
+from nonsmooth.simulation.lane_runner import LaneRunner
+from nonsmooth.simulation.options import (
+    check_count,
+    check_run_options,
+    check_signals,
+    time_grid,
+    whole_number,
+)
+from nonsmooth.simulation.start import mode_numbers
+from nonsmooth.simulation.stroboscopic import check_phase, require_period, strobes
+from nonsmooth.system.system import System
+from nonsmooth.version import __version__
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["ensemble"]
+
+_BEGIN = Instant(0, 0.0)
+
+
+def ensemble(
+    system: System,
+    initial: Any = None,
+    *,
+    parameters: Mapping[str, Any] | None = None,
+    combine: str = "grid",
+    transient: int = 0,
+    record: int = 100,
+    phase: float = 0.0,
+    times: npt.ArrayLike | None = None,
+    tolerance: float = 1e-12,
+    mode: str | None = None,
+    threads: int | None = None,
+    store: str | Path | None = None,
+) -> xr.Dataset:
+    """Run a system from many initial states and for many parameter values.
+
+    Parameters
+    ----------
+    system : System
+        The system; without ``times`` it needs a period.
+    initial : mapping or list of mappings, optional
+        Numbers, or lists of numbers of one length, by the names of states: one initial state for
+        each place in the lists. Or a list with a mapping for each. States that are not given are
+        those at rest.
+    parameters : mapping of str to float or array_like, optional
+        Changed values of parameters; a list gives several.
+    combine : {"grid", "pairs"}, optional
+        With ``"grid"`` every initial state is run with every combination of the parameter values;
+        initial states follow each other, then the last parameter changes first. With ``"pairs"``
+        all lists have one length, and run i takes entry i of each.
+    transient : int, optional
+        Strobes left out at the beginning of each run; strobe 0 is at the start where ``phase`` is
+        0.
+    record : int, optional
+        Strobes kept after that; the run ends at the last of them.
+    phase : float, optional
+        Part of the period at which strobes are taken, from 0 to less than 1.
+    times : array_like, optional
+        Times to record instead of strobes, in order; runs start at time 0.
+    tolerance : float, optional
+        As in `simulate`.
+    mode : str, optional
+        Mode of the starts, as in `simulate`.
+    threads : int, optional
+        Threads to use; all processors without it. The result does not depend on it.
+    store : path, optional
+        A folder, made where it is missing. What is done is written there chunk by chunk, so that
+        the same call goes on after an interruption, and the dataset that comes back is read from
+        its file ``result.nc`` when it is needed: neither has to fit into memory.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``lane``, one for each run, and ``point`` (strobes, by number) or ``time``: states,
+        outputs and ``mode``, nan and -1 after a run has ended. Over ``lane``: ``status``,
+        ``n_uncertain``, ``end_time``, the parameters with several values as coordinates, and with
+        ``state`` also ``initial_state`` and ``end_state``. No run raises: what ended early says
+        so in its status, a start that no mode admits is ``inadmissible``, parameters that the
+        system refuses are ``refused``, and runs that an interruption left out ``interrupted``.
+
+    Raises
+    ------
+    OptionError
+        For an option out of its range, unknown names, lists of different lengths, a result that
+        does not fit into memory, or a ``store`` that was begun with other options.
+    RunError
+        When the store could not be written, for want of room for one; what is done is kept there.
+
+    See Also
+    --------
+    bifurcation_diagram : periods, words and drift over one parameter.
+    simulate : a single run with all its events.
+
+    Notes
+    -----
+    Runs are spread over threads in chunks that do not depend on their number, and each run is
+    computed by itself: digits depend neither on threads nor on the other runs.
+
+    References
+    ----------
+    M. Wiercigroch and E. Pavlovskaia, Engineering Applications of Non-smooth Dynamics, 2012,
+    section 2: coexisting attractors of impact oscillators.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import nonsmooth as ns
+    >>> runs = ns.ensemble(
+    ...     ns.models.soft_impact(),
+    ...     {"x": np.linspace(-0.5, 0.5, 10)},
+    ...     parameters={"omega": [0.7, 0.8, 0.9]},
+    ...     transient=100,
+    ...     record=1,
+    ... )
+    >>> dict(runs.sizes), runs.attrs["message"]
+    ({'lane': 30, 'point': 1, 'state': 2}, 'completed')
+    """
+    single, several = split_parameters(system, parameters)
+    system = check_run_options(system, single, mode, tolerance)
+    if system.slow:
+        raise OptionError(
+            "ensemble: the parameters in slow= change from period to period; simulate the system,"
+            " or leave slow= out"
+        )
+    plan, along, recorded = _plan(system, times, transient, record, phase)
+    protocol = Protocol(
+        system=system,
+        members=members_of(system, initial, several, combine),
+        plan=plan,
+        n_points=len(next(iter(along.values()))[1]),
+        modes=mode_numbers(system, mode),
+    )
+    options = {
+        "combine": combine,
+        **recorded,
+        "tolerance": float(tolerance),
+        "initial_mode": mode or "",
+        "changed_parameters": str(single) if single else "",
+    }
+    attrs = {
+        "system_name": system.name,
+        "system": labels_of(system).system,
+        "nonsmooth_version": __version__,
+    }
+    frame = Frame(protocol, along, attrs | options)
+    window = LaneRunner(system, tolerance).window
+    work = Work(protocol, plan(window).end.number + 1, tolerance, check_threads(threads))
+    if store is None:
+        return work.in_memory(frame)
+    asked = {
+        "system": attrs["system"],
+        "initial": protocol.members.starts,
+        "parameters": protocol.members.sets,
+        **options,
+        "times": along["time"][1] if "time" in along else [],
+    }
+    return work.in_store(frame, store, asked)
+
+
+def _plan(
+    system: System, times: Any, transient: Any, record: Any, phase: Any
+) -> tuple[Callable[[float], Plan], Columns, dict[str, Any]]:
+    """What is recorded: a plan for each length of the window, its coordinate, the options."""
+    part = check_phase(phase)
+    left_out = 0 if transient == 0 else whole_number("transient", transient)
+    count = check_count(whole_number("record", record))
+    if times is None:
+        require_period(system, "ensemble")
+
+        def of_strobes(window: float) -> Plan:
+            numbers, phases = strobes(window, _BEGIN, None, part, left_out, count)
+            return Plan(Instant(int(numbers[-1]), float(phases[-1])), numbers, phases)
+
+        numbers = np.arange(left_out, left_out + count)
+        along: Columns = {"point": (("point",), numbers, {"long_name": "strobe"})}
+        return of_strobes, along, {
+            "transient": left_out, "record": count, "phase_of_period": part,
+        }  # fmt: skip
+    if (left_out, count, part) != (0, 100, 0.0):
+        raise OptionError("give times=, or transient=, record= and phase=, not both")
+    grid = time_grid(times)
+    if grid[0] < 0.0:
+        raise OptionError(f"times[0] = {grid[0]:g} lies before the start, t = 0")
+    check_signals(system, 0.0, float(grid[-1]))
+    periodic = system.period_value is not None
+
+    def of_times(window: float) -> Plan:
+        return plan_run(
+            window, periodic, _BEGIN, periods=None, t_end=None, times=grid, samples_per_period=1
+        )
+
+    return of_times, {"time": (("time",), grid, labels_of(system).attributes("time"))}, {}
