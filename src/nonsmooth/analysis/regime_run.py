@@ -109,11 +109,14 @@ class _Motion:
         self.sizes = np.maximum(self.sizes, np.abs(states).max(axis=0))
         others = np.arange(-1 - len(between), -1)
         self.between, self.modes_between = states[others], modes[others]
-        points, modes, numbers, phases = (
-            np.delete(each, others, axis=0) for each in (states, modes, numbers, phases)
-        )
         windows = Windows(
-            points, modes, numbers, phases, rows, values[:, at.PHASE], self.runner.window
+            np.delete(states, others, axis=0),
+            np.delete(modes, others),
+            np.delete(numbers, others),
+            np.delete(phases, others),
+            rows,
+            values[:, at.PHASE],
+            self.runner.window,
         )
         before, now = windows.returns(self.drifting, self.sizes, protocol.match)
         seen = self._seen(windows, first, now)
