@@ -19,7 +19,7 @@ __all__ = [
     "QUASI_PERIODIC",
     "REPEATING",
     "UNSETTLED",
-    "contradicts",
+    "contradiction",
     "label_of_end",
     "label_of_growth",
 ]
@@ -41,7 +41,9 @@ LABELS = (
 
 ERRORS = 3.0  # standard errors that an exponent must keep from zero
 LARGEST_GROWTH = 3.0  # logarithm of the growth in a window that may still be none
+UNSURE = 2.0  # times that growth, as a standard error, tells no label
 FALLING = 0.75  # of an exponent is left in the next window where growth is linear
+NEARLY = 0.01  # of the scatter of strobes is left between those that repeat nearly
 ROUNDING = 1e-9  # of the growth in a window
 K_CHAOTIC, K_REGULAR = 0.2, 0.5  # below, and above, the 0-1 test contradicts the exponent
 
@@ -75,7 +77,7 @@ def label_of_growth(
         return CHAOTIC
     if autonomous and all(rate < -width for rate, width in zip(rates, wide, strict=True)):
         return LIMIT_CYCLE
-    if max(map(abs, rates)) > least:
+    if max(map(abs, rates)) > least or max(errors) > UNSURE * least:
         return ""
     rounding = ROUNDING / duration
     zero = all(
@@ -84,6 +86,15 @@ def label_of_growth(
     return QUASI_PERIODIC if zero or abs(rates[1]) < FALLING * abs(rates[0]) else ""
 
 
-def contradicts(label: str, k: float) -> bool:
-    """Whether the 0-1 test contradicts what an exponent says."""
-    return (label == CHAOTIC and k < K_CHAOTIC) or (label == QUASI_PERIODIC and k > K_REGULAR)
+def contradiction(label: str, k: float, nearest: float) -> str:
+    """How the strobes contradict what an exponent says, "" where they do not.
+
+    k: K of the 0-1 test; nearest: how near strobes come to repeating, in their scatter
+    """
+    if label == CHAOTIC and k < K_CHAOTIC:
+        return f"K = {k:.2f}"
+    if label == QUASI_PERIODIC and k > K_REGULAR:
+        return f"K = {k:.2f}"
+    if label == QUASI_PERIODIC and nearest < NEARLY:
+        return "strobes nearly repeat, as they do while a motion settles slowly"
+    return ""

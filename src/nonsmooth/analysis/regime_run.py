@@ -15,7 +15,7 @@ from nonsmooth.analysis.orbit_multipliers import OrbitTangent, is_forgetful, orb
 from nonsmooth.analysis.regime_verdict import Protocol, Verdict
 from nonsmooth.analysis.regime_window import Windows
 from nonsmooth.analysis.strobe_growth import Neighbours, is_autonomous, strobe_growth
-from nonsmooth.analysis.zero_one_test import correlations_of
+from nonsmooth.analysis.strobe_test import StrobeTest, strobe_test
 from nonsmooth.engine import records as at
 from nonsmooth.engine.status import Status
 from nonsmooth.simulation.clock import Instant, instants
@@ -29,7 +29,6 @@ __all__ = ["settled_regime"]
 
 _CLOSING = 0.5  # of the residual of a window is left in the next one while a motion settles
 _ROUNDING = 1e-9  # of a multiplier
-_FREQUENCIES = 50  # of the 0-1 test
 _BETWEEN = (0.25, 0.5, 0.75)  # parts of a period at which a motion is looked at once more
 _ELSEWHERE = (0.0, 0.382, 0.764)  # parts of a period at which derivatives may begin
 
@@ -252,11 +251,11 @@ class _Motion:
                 f" {second:.3g}, decide nothing; their errors are {first_error:.2g} and"
                 f" {second_error:.2g}"
             )
-        k = _agreeing_test(label, self._series(states))
-        seen = replace(seen, k=k)
-        if labels.contradicts(label, k):
-            return seen.unsettled(f"{told} is {label}, which K = {k:.2f} contradicts")
-        return _named(seen, label, f"{told}, K = {k:.2f}")
+        test, contradiction = _agreeing_test(label, self._series(states))
+        seen = replace(seen, k=test.k)
+        if contradiction:
+            return seen.unsettled(f"{told} is {label}, but {contradiction}")
+        return _named(seen, label, f"{told}, K = {test.k:.2f}")
 
     def _series(self, states: Floats) -> Floats:
         """Numbers for the 0-1 test: the states without drift, or else the steps of drifts."""
@@ -323,14 +322,15 @@ def _mean_rate(growth: Floats, length: float) -> tuple[float, float]:
     return float(growth.mean()) / length, error / length
 
 
-def _agreeing_test(label: str, series: Floats) -> float:
-    """K of the first state that does not contradict, or of the last one.
+def _agreeing_test(label: str, series: Floats) -> tuple[StrobeTest, str]:
+    """Test of the first state that does not contradict a label, or of the last one, and why.
 
-    Short series mislead where a state has a strong period, or jumps, and others do not.
+    Short series mislead where a state hardly moves, or jumps, and others do not.
     """
-    k = np.nan
+    test, contradiction = StrobeTest(np.nan, np.nan), ""
     for values in series.T:
-        k = float(np.median(correlations_of(values, _FREQUENCIES, 0)[1]))
-        if not labels.contradicts(label, k):
+        test = strobe_test(values)
+        contradiction = labels.contradiction(label, test.k, test.nearest)
+        if not contradiction:
             break
-    return k
+    return test, contradiction
