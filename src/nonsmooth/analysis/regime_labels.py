@@ -56,17 +56,20 @@ def label_of_end(status: Status) -> str:
 
 
 def label_of_growth(
-    rates: tuple[float, float], errors: tuple[float, float], duration: float, autonomous: bool
+    rates: tuple[float, float], errors: tuple[float, float], duration: float, attracting: str
 ) -> str:
     """Label that the exponents of two windows give, "" where they give none or differ.
 
     No window tells an exponent better than to one over its duration. A motion that still settles
     has a small exponent too: it is as steady as the damping, while that of quasi-periodic motion
     comes and goes, or falls as neighbours part linearly.
+
+    attracting: label of a motion that others approach although its strobes do not repeat, as a
+    direction without growth is left out; "" where there is none
     """
     least = LARGEST_GROWTH / duration
-    if autonomous and rates == (-np.inf, -np.inf):
-        return LIMIT_CYCLE
+    if rates == (-np.inf, -np.inf):
+        return attracting
     if not np.all(np.isfinite(errors)):
         return ""
     wide = [max(ERRORS * error, least) for error in errors]
@@ -75,8 +78,8 @@ def label_of_growth(
         return ""
     if all(rate > width for rate, width in zip(rates, wide, strict=True)):
         return CHAOTIC
-    if autonomous and all(rate < -width for rate, width in zip(rates, wide, strict=True)):
-        return LIMIT_CYCLE
+    if attracting and all(rate < -width for rate, width in zip(rates, wide, strict=True)):
+        return attracting
     if max(map(abs, rates)) > least or max(errors) > UNSURE * least:
         return ""
     rounding = ROUNDING / duration

@@ -14,7 +14,7 @@ from nonsmooth.analysis.block_averages import block_averages
 from nonsmooth.analysis.orbit_multipliers import OrbitTangent, is_forgetful, orbit_multipliers
 from nonsmooth.analysis.regime_verdict import Protocol, Verdict
 from nonsmooth.analysis.regime_window import Windows
-from nonsmooth.analysis.strobe_growth import Neighbours, is_autonomous, strobe_growth
+from nonsmooth.analysis.strobe_growth import Neighbours, is_autonomous, is_hidden, strobe_growth
 from nonsmooth.analysis.strobe_test import StrobeTest, strobe_test
 from nonsmooth.engine import records as at
 from nonsmooth.engine.status import Status
@@ -81,6 +81,11 @@ class _Motion:
         self.reached = 0  # strobes passed
         self.derivatives = build_derivatives(system, runner.tables, ())
         self.autonomous = is_autonomous(runner.tables)
+        hidden = is_hidden(runner.tables, self.length)
+        # a motion that others approach has a direction without growth where strobes do not repeat
+        self.attracting = (
+            labels.LIMIT_CYCLE if self.autonomous else labels.QUASI_PERIODIC if hidden else ""
+        )
         for mode in start.modes:
             self.lanes = runner.start(start.state[None], start.instant, mode)
             if len(start.modes) > 1:
@@ -240,7 +245,7 @@ class _Motion:
         windows = [_mean_rate(part, self.length) for part in (growth[:count], growth[count:])]
         (first, first_error), (second, second_error) = windows
         label = labels.label_of_growth(
-            (first, second), (first_error, second_error), count * self.length, self.autonomous
+            (first, second), (first_error, second_error), count * self.length, self.attracting
         )
         exponent, error = _mean_rate(growth, self.length)
         seen = replace(seen, exponent=exponent, error=error)

@@ -15,9 +15,10 @@ from nonsmooth.engine.status import Status
 from nonsmooth.simulation.clock import Instant
 from nonsmooth.simulation.runner import Derivatives, NoMode
 
-__all__ = ["Neighbours", "is_autonomous", "strobe_growth"]
+__all__ = ["Neighbours", "is_autonomous", "is_hidden", "strobe_growth"]
 
 _TOGETHER = 50  # strobes between which columns keep their length within the range of numbers
+_TURN = 1e-9  # of a forcing between strobes, within which it is a whole one
 _SEED = 0  # of the direction in which the neighbour begins
 
 Floats = npt.NDArray[np.float64]
@@ -50,6 +51,15 @@ class Neighbours:
 def is_autonomous(tables: Tables) -> bool:
     """Whether nothing drives a system: neither harmonics nor powers of time nor signals."""
     return not (tables.harmonics.shape[1] or tables.sizes[1] or tables.signals.shape[0])
+
+
+def is_hidden(tables: Tables, length: float) -> bool:
+    """Whether strobes see the forcing at different phases, for lack of a common period.
+
+    Those phases neither grow nor die away, and are no states.
+    """
+    turns = tables.harmonics[0] * length / (2.0 * np.pi)
+    return bool(np.any(np.abs(turns - np.rint(turns)) > _TURN * np.maximum(1.0, turns)))
 
 
 def strobe_growth(neighbours: Neighbours) -> tuple[Status, Floats]:

@@ -34,9 +34,9 @@ _OTHERS = {
 }
 _ENDED = "ended early"  # for other reasons than those of the words below
 _HATCHES = {
-    _ENDED: "////////", "inadmissible": "......", "refused": "xxxxxx", "interrupted": "------"
+    _ENDED: "//////", "inadmissible": "......", "refused": "xxxxx", "interrupted": "-----"
 }  # fmt: skip
-_WHITE = "#FFFFFF"
+_WHITE, _HATCHING = "#FFFFFF", "#666666"
 _LINE, _BELOW = 1.25, 4.0  # of the legend: a line, and the labels below the axes; in letters
 _SMALLEST = 5.5  # letters in points
 _DENSE = 10_000  # cells; more become an image within a PDF
@@ -99,9 +99,7 @@ def regime_map(grid: xr.Dataset, *, ax: Axes | None = None, legend: bool = True)
     )
     for number, name in enumerate(names):
         if name in _HATCHES:
-            cells = np.ma.masked_where(numbers != number, numbers)
-            edges = _edges(x), _edges(y)
-            ax.pcolor(*edges, cells, hatch=_HATCHES[name], alpha=0.0, rasterized=dense)
+            _hatch(ax, _edges(x), _edges(y), numbers == number, name)
     finish_axes(ax, axis_label(grid[first]), axis_label(grid[second]))
     ax.set_xlim(*_edges(x)[[0, -1]])
     ax.set_ylim(*_edges(y)[[0, -1]])
@@ -140,6 +138,21 @@ def _categories(grid: xr.Dataset) -> tuple[np.ndarray, list[str], list[str]]:
     return numbers, [name for name, _, _ in present], [colour for _, colour, _ in present]
 
 
+def _hatch(ax: Axes, x: np.ndarray, y: np.ndarray, where: np.ndarray, name: str) -> None:
+    """Hatch some cells, of which the edges are given."""
+    from matplotlib.collections import PolyCollection
+
+    i, j = np.nonzero(where)
+    corners = [(x[j], y[i]), (x[j + 1], y[i]), (x[j + 1], y[i + 1]), (x[j], y[i + 1])]
+    cells = np.array(corners).transpose(2, 0, 1)  # cell, corner, coordinate
+    ax.add_collection(
+        PolyCollection(
+            cells, facecolor="none", edgecolor=_HATCHING, linewidth=0.0, hatch=_HATCHES[name],
+            rasterized=where.size > _DENSE,
+        )
+    )  # fmt: skip
+
+
 def _edges(values: np.ndarray) -> np.ndarray:
     """Borders of the cells around values; of a width of one around a single value."""
     if values.size == 1:
@@ -156,8 +169,10 @@ def _name_colours(ax: Axes, names: list[str], colours: list[str]) -> None:
     figure = ax.get_figure(root=True)
     assert figure is not None
     handles = [
-        Patch(facecolor=colour, edgecolor="black", linewidth=0.4, label=name,
-              hatch=_HATCHES.get(name))
+        Patch(
+            facecolor=colour, edgecolor=_HATCHING if name in _HATCHES else "black", linewidth=0.4,
+            label=name, hatch=_HATCHES.get(name),
+        )
         for name, colour in zip(names, colours, strict=True)
     ]  # fmt: skip
     place = ax.get_subplotspec()
