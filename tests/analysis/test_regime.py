@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
+from scipy.integrate import solve_ivp
 
 import nonsmooth as ns
 from analysis.test_bifurcation_diagram import ball
@@ -68,17 +69,24 @@ def test_a_bouncing_ball_doubles_its_period():
     assert np.all(before["multiplier_imag"] == 0.0)
 
 
-def test_chaos_of_the_soft_impact_oscillator():
-    """The sum of both exponents is -2 zeta; the largest one is that of a long record."""
-    system = ns.models.soft_impact(omega=0.905)
-    found = ns.regime(system)
+def test_chaos_with_a_known_exponent():
+    """Once per period x becomes 1 - 2 x^2: the exponent is ln 2 per period (S. Ulam, J. Neumann)."""
+    half = Mode({"x": "0"}, exits=[Exit("sin(t)", to="second")])
+    second = Mode({"x": "0"}, exits=[Exit("-sin(t)", to="first", reset={"x": "1 - 2*x**2"})])
+    system = System(
+        states=["x"], period="2*pi", initial={"x": 0.3}, modes={"first": half, "second": second}
+    )
+    found = ns.regime(system, phase=0.25)
     assert label(found) == "chaotic"
-    assert found["period"].item() == 0
-    error = found["exponent_error"].item()
-    # two thousand periods by exact exponentials and bisection: 0.0379 +- 0.0008
-    assert abs(found["exponent"].item() - 0.0379) < 3 * np.hypot(error, 0.0008)
-    assert found["K"].item() > 0.5
+    assert (found["period"].item(), found["impacts"].item()) == (0, 1.0)
+    away = found["exponent"].item() - np.log(2) / (2 * np.pi)
+    assert abs(away) < 3 * found["exponent_error"].item() < 0.02
+    assert found["K"].item() > 0.9
     assert np.all(np.isnan(found["multiplier_modulus"]))
+
+
+def test_chaos_of_the_soft_impact_oscillator():
+    assert label(ns.regime(ns.models.soft_impact(omega=0.905))) == "chaotic"
 
 
 @pytest.mark.parametrize("system", [rigid_wall(), ns.models.duffing()], ids=["wall", "duffing"])
@@ -210,8 +218,12 @@ def test_limit_cycles(period):
     )
     found = ns.regime(system, period=period)
     assert label(found) == "limit-cycle"
-    # mean divergence of Van der Pol's cycle at mu = 1, see the tests of exponents
-    assert found["exponent"].item() == pytest.approx(-1.0594, abs=0.01)
+    # the other exponent is zero, so this one is the mean divergence, after twenty cycles
+    late = solve_ivp(
+        lambda t, z: [z[1], (1 - z[0] ** 2) * z[1] - z[0], 1 - z[0] ** 2],
+        (0, 1000), [2.0, 0.0, 0.0], rtol=1e-8, atol=1e-10, t_eval=[100, 1000],
+    ).y[2]  # fmt: skip
+    assert found["exponent"].item() == pytest.approx((late[1] - late[0]) / 900, abs=0.01)
     assert label(ns.regime(stick_and_slip(), period=period)) == "limit-cycle"
 
 
