@@ -35,7 +35,9 @@ def test_multipliers_of_a_linear_motion():
     expected = np.exp((-zeta + 1j * np.sqrt(1 - zeta**2)) * period)
     assert (label(found), found["period"].item(), found["word"].item()) == ("periodic", 1, "free")
     assert found["multiplier_real"].values == pytest.approx([expected.real] * 2, abs=1e-12)
-    assert np.abs(found["multiplier_imag"].values) == pytest.approx([abs(expected.imag)] * 2, abs=1e-12)
+    assert np.abs(found["multiplier_imag"].values) == pytest.approx(
+        [abs(expected.imag)] * 2, abs=1e-12
+    )
     assert found["exponent"].item() == pytest.approx(-zeta, abs=1e-12)
     assert found["residual"].item() < 1e-6
     assert found["events"].item() == found["impacts"].item() == 0.0
@@ -70,7 +72,7 @@ def test_a_bouncing_ball_doubles_its_period():
 
 
 def test_chaos_with_a_known_exponent():
-    """Once per period x becomes 1 - 2 x^2: the exponent is ln 2 per period (S. Ulam, J. Neumann)."""
+    """Once per period x becomes 1 - 2 x^2: the exponent is ln 2 per period."""
     half = Mode({"x": "0"}, exits=[Exit("sin(t)", to="second")])
     second = Mode({"x": "0"}, exits=[Exit("-sin(t)", to="first", reset={"x": "1 - 2*x**2"})])
     system = System(

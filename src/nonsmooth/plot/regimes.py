@@ -78,7 +78,7 @@ def regime_map(grid: xr.Dataset, *, ax: Axes | None = None, legend: bool = True)
     ... )
     >>> ax = ns.plot.regime_map(grid)
     >>> [text.get_text() for text in ax.get_legend().get_texts()]
-    ['period 2', 'period 3', 'chaotic']
+    ['period 1', 'period 2', 'chaotic']
     """
     from matplotlib.colors import BoundaryNorm, ListedColormap
 
@@ -140,14 +140,18 @@ def _categories(grid: xr.Dataset) -> tuple[np.ndarray, list[str], list[str]]:
 
 def _hatch(ax: Axes, x: np.ndarray, y: np.ndarray, where: np.ndarray, name: str) -> None:
     """Hatch some cells, of which the edges are given."""
-    from matplotlib.collections import PolyCollection
+    from matplotlib.patches import PathPatch
+    from matplotlib.path import Path
 
     i, j = np.nonzero(where)
     corners = [(x[j], y[i]), (x[j + 1], y[i]), (x[j + 1], y[i + 1]), (x[j], y[i + 1])]
-    cells = np.array(corners).transpose(2, 0, 1)  # cell, corner, coordinate
-    ax.add_collection(
-        PolyCollection(
-            cells, facecolor="none", edgecolor=_HATCHING, linewidth=0.0, hatch=_HATCHES[name],
+    points = np.array([*corners, corners[0]]).transpose(2, 0, 1)  # cell, corner, coordinate
+    codes = [Path.MOVETO, Path.LINETO, Path.LINETO, Path.LINETO, Path.CLOSEPOLY]
+    # one path for all cells: each by itself would be hatched anew
+    ax.add_patch(
+        PathPatch(
+            Path(points.reshape(-1, 2), codes * len(points)), facecolor="none",
+            edgecolor=_HATCHING, linewidth=0.0, hatch=_HATCHES[name],
             rasterized=where.size > _DENSE,
         )
     )  # fmt: skip
