@@ -77,7 +77,7 @@ def _drifts(system: System, verdicts: Sequence[Verdict | None], variable: Any) -
 
 def said_of_start(initial: Any) -> str:
     """An initial state as the protocol tells it."""
-    if initial is None:
+    if initial is None or (isinstance(initial, Mapping) and not initial):
         return "at rest"
     return str(dict(initial)) if isinstance(initial, Mapping) else "a point of a dataset"
 

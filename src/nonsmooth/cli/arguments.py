@@ -15,6 +15,8 @@ from typing import TYPE_CHECKING
 from nonsmooth.errors import OptionError, unknown_name
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from nonsmooth.system.system import System
 
 __all__ = [
@@ -25,8 +27,10 @@ __all__ = [
     "names",
     "settings",
     "time_range",
+    "value_range",
 ]
 
+_MOST = 1_000_000  # values of a range
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 
 
@@ -133,3 +137,18 @@ def time_range(text: str) -> tuple[float, float]:
         raise OptionError(f"--time-range: {text!r} is not two times, such as 800,1200")
     times = constants(dict(zip(("begin", "end"), parts, strict=True)), "--time-range")
     return times["begin"], times["end"]
+
+
+def value_range(text: str, option: str) -> tuple[str, np.ndarray]:
+    """Name and values of ``name=first:last:count``."""
+    import numpy as np
+
+    ((name, value),) = settings([text], option).items()
+    parts = [part.strip() for part in value.split(":")]
+    if len(parts) != 3 or not all(parts):
+        raise OptionError(f"{option}: {text!r} is not of the form name=first:last:count")
+    numbers = constants(dict(zip(("first", "last", "count"), parts, strict=True)), option)
+    count = numbers["count"]
+    if count != int(count) or not 1 <= count <= _MOST:
+        raise OptionError(f"{option}: the count {parts[2]} is not a whole number from 1 to {_MOST}")
+    return name, np.linspace(numbers["first"], numbers["last"], int(count))

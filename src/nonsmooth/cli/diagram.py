@@ -7,13 +7,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from nonsmooth.cli.arguments import build_system, constants, names, settings
+from nonsmooth.cli.arguments import build_system, constants, names, settings, value_range
 from nonsmooth.cli.console import ENDED_EARLY, INTERRUPTED, MODEL_HELP, PARAMETERS_HELP
 from nonsmooth.cli.output import check_files, save_dataset
 from nonsmooth.errors import OptionError, unknown_name
 
 if TYPE_CHECKING:
-    import numpy as np
     import xarray as xr
 
     from nonsmooth.system.system import System
@@ -21,7 +20,6 @@ if TYPE_CHECKING:
 __all__ = ["diagram"]
 
 _WIDTH, _HEIGHT = 12.0, 8.0  # centimetres, between one column and two
-_MOST = 1_000_000  # columns
 
 
 def diagram(
@@ -66,7 +64,7 @@ def diagram(
     if plot is None and variable is not None:
         raise OptionError("--variable is drawn into a file: name it with --plot FILE")
     system = build_system(model, settings(parameters or [], "NAME=VALUE"))
-    parameter, values = _range(over)
+    parameter, values = value_range(over, "--over")
     drawn = _variable(system, variable)
     starts = [constants(settings(names(text), "--initial"), "--initial") for text in initial or []]
     result = bifurcation_diagram(
@@ -92,21 +90,6 @@ def diagram(
         raise typer.Exit(INTERRUPTED)
     if result.attrs["message"] != "completed":
         raise typer.Exit(ENDED_EARLY)
-
-
-def _range(text: str) -> tuple[str, np.ndarray]:
-    """Name and values of ``name=first:last:count``."""
-    import numpy as np
-
-    ((name, value),) = settings([text], "--over").items()
-    parts = [part.strip() for part in value.split(":")]
-    if len(parts) != 3 or not all(parts):
-        raise OptionError(f"--over: {text!r} is not of the form name=first:last:count")
-    numbers = constants(dict(zip(("first", "last", "count"), parts, strict=True)), "--over")
-    count = numbers["count"]
-    if count != int(count) or not 1 <= count <= _MOST:
-        raise OptionError(f"--over: the count {parts[2]} is not a whole number from 1 to {_MOST}")
-    return name, np.linspace(numbers["first"], numbers["last"], int(count))
 
 
 def _variable(system: System, variable: str | None) -> str:
