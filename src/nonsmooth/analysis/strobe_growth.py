@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -45,7 +46,13 @@ class Neighbours:
     @property
     def begin(self) -> Instant:
         """Instant of the first strobe."""
-        return Instant(int(self.numbers[0]), float(self.phases[0]))
+        return self.ends[0]
+
+    @property
+    def ends(self) -> list[Instant]:
+        """Instants of all strobes."""
+        pairs = zip(self.numbers.tolist(), self.phases.tolist(), strict=True)
+        return [Instant(number, phase) for number, phase in pairs]
 
 
 def is_autonomous(tables: Tables) -> bool:
@@ -67,31 +74,49 @@ def strobe_growth(neighbours: Neighbours) -> tuple[Status, Floats]:
 
     returns: status, growth (intervals,); COMPLETED without growth where no mode takes the start
     """
-    exact = bool(np.all(neighbours.tables.kinds == layout.EXACT))
-    if exact and not is_autonomous(neighbours.tables):
-        return _one_column(neighbours)
-    return _several_columns(neighbours)
+    if is_autonomous(neighbours.tables):
+        return _several_columns(neighbours)
+    found = _one_column(neighbours)
+    return _several_columns(neighbours) if found is None else found
 
 
-def _one_column(given: Neighbours) -> tuple[Status, Floats]:
-    """One neighbour of a motion in closed form: it needs no look on the way.
+def _one_column(given: Neighbours) -> tuple[Status, Floats] | None:
+    """One neighbour of a motion that is driven; None where its columns have to be looked after.
 
-    Nothing depends on drifting states, so their part of the column is put to zero.
+    Modes in closed form need no look on the way. Those with series are watched during the turn,
+    which tells whether a direction is too fast for their steps.
     """
     flow = TangentFlow(given.tables, given.derivatives, 1, given.tolerance)
     try:
         status = flow.start(given.state, given.begin, given.mode)
     except NoMode:
         return Status.COMPLETED, np.zeros(0)
-    direction = np.random.default_rng(_SEED).standard_normal(flow.n)
-    flow.set_columns((direction @ flow.first_columns)[None])
-    sizes: list[Floats] = [np.zeros(1)]
+    growth = Growth(flow, 1, _SEED)
+    if np.any(given.tables.kinds != layout.EXACT):
+        for last, end in pairwise(given.ends[: given.turn + 1]):
+            if status == Status.COMPLETED:
+                status = advance(growth, end, flow.between(last, end))
+        if growth.length < np.inf or not growth.left:
+            return None
+    if status != Status.COMPLETED:
+        return status, np.zeros(0)
+    here = flow.here
+    first = next(k for k, end in enumerate(given.ends) if flow.between(here, end) >= 0.0)
+    return _sizes(given, flow, first)
+
+
+def _sizes(given: Neighbours, flow: TangentFlow, first: int) -> tuple[Status, Floats]:
+    """Growth of the column from some strobe on, in chunks between which it is divided by its size.
+
+    Nothing depends on drifting states, so their part of the column is put to zero.
+    """
+    sizes: list[Floats] = []
     lost = 0.0  # logarithm of what the column was divided by
-    for first in range(1, given.numbers.size, _TOGETHER):
-        part = slice(first, first + _TOGETHER)
+    for k in range(first, given.numbers.size, _TOGETHER):
+        part = slice(k, k + _TOGETHER)
+        status, _states, columns = flow.run_through(given.numbers[part], given.phases[part])
         if status != Status.COMPLETED:
             return status, np.zeros(0)
-        status, _states, columns = flow.run_through(given.numbers[part], given.phases[part])
         moving = columns[:, 0, ~given.drifting]
         with np.errstate(divide="ignore"):  # a column that is lost
             sizes.append(np.log(np.sqrt((moving * moving).sum(axis=1))) + lost)
@@ -100,10 +125,8 @@ def _one_column(given: Neighbours) -> tuple[Status, Floats]:
         if size > 0.0 and np.isfinite(size):
             lost += float(np.log(size))
             flow.set_columns((column / size)[None])
-    if status != Status.COMPLETED:
-        return status, np.zeros(0)
     with np.errstate(invalid="ignore"):
-        return status, np.diff(np.concatenate(sizes))[given.turn :]
+        return Status.COMPLETED, np.diff(np.concatenate(sizes)[given.turn - first :])
 
 
 def _several_columns(given: Neighbours) -> tuple[Status, Floats]:
@@ -120,10 +143,9 @@ def _several_columns(given: Neighbours) -> tuple[Status, Floats]:
         return Status.COMPLETED, np.zeros(0)
     growth = Growth(flow, count, _SEED)
     rows, last = [], given.begin
-    for k in range(1, given.numbers.size):
+    for end in given.ends[1:]:
         if status != Status.COMPLETED:
             return status, np.zeros(0)
-        end = Instant(int(given.numbers[k]), float(given.phases[k]))
         status = advance(growth, end, flow.between(last, end))
         rows.append(growth.at_end.copy())
         last = end

@@ -16,7 +16,7 @@ from nonsmooth.analysis.zero_one_test import correlations_of
 
 __all__ = ["StrobeTest", "strobe_test"]
 
-_FREQUENCIES = 50
+_FREQUENCIES = 25
 _LONGEST = 50  # period that is looked for
 
 Floats = npt.NDArray[np.float64]
