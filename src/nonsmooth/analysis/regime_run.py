@@ -231,6 +231,7 @@ class _Motion:
         neighbours = Neighbours(
             self.runner.tables, self.derivatives, self.runner.tolerance, windows.points[-1],
             int(windows.modes[-1]), numbers, phases, turn, self.drifting,
+            self.stop,
         )  # fmt: skip
         status, growth = strobe_growth(neighbours)
         if status != Status.COMPLETED:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -14,6 +15,7 @@ from nonsmooth.engine import layout
 from nonsmooth.engine.layout import Tables
 from nonsmooth.engine.status import Status
 from nonsmooth.simulation.clock import Instant
+from nonsmooth.simulation.crew import Stopped
 from nonsmooth.simulation.runner import Derivatives, NoMode
 
 __all__ = ["Neighbours", "is_autonomous", "is_hidden", "strobe_growth"]
@@ -42,6 +44,12 @@ class Neighbours:
     phases: Floats
     turn: int
     drifting: npt.NDArray[np.bool_]
+    stop: threading.Event | None = None
+
+    def attend(self) -> None:
+        """End the work where it is no longer wanted."""
+        if self.stop is not None and self.stop.is_set():
+            raise Stopped
 
     @property
     def begin(self) -> Instant:
@@ -94,6 +102,7 @@ def _one_column(given: Neighbours) -> tuple[Status, Floats] | None:
     growth = Growth(flow, 1, _SEED)
     if np.any(given.tables.kinds != layout.EXACT):
         for last, end in pairwise(given.ends[: given.turn + 1]):
+            given.attend()
             if status == Status.COMPLETED:
                 status = advance(growth, end, flow.between(last, end))
         if growth.length < np.inf or not growth.left:
@@ -113,6 +122,7 @@ def _sizes(given: Neighbours, flow: TangentFlow, first: int) -> tuple[Status, Fl
     sizes: list[Floats] = []
     lost = 0.0  # logarithm of what the column was divided by
     for k in range(first, given.numbers.size, _TOGETHER):
+        given.attend()
         part = slice(k, k + _TOGETHER)
         status, _states, columns = flow.run_through(given.numbers[part], given.phases[part])
         if status != Status.COMPLETED:
@@ -144,6 +154,7 @@ def _several_columns(given: Neighbours) -> tuple[Status, Floats]:
     growth = Growth(flow, count, _SEED)
     rows, last = [], given.begin
     for end in given.ends[1:]:
+        given.attend()
         if status != Status.COMPLETED:
             return status, np.zeros(0)
         status = advance(growth, end, flow.between(last, end))
