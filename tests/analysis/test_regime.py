@@ -9,6 +9,7 @@ import nonsmooth as ns
 from analysis.test_bifurcation_diagram import ball
 from analysis.walls import damped, kicked, rigid_wall, stick_and_slip
 from nonsmooth import Exit, Mode, OptionError, System
+from nonsmooth.analysis.regime_window import cyclic_word
 
 
 def label(found) -> str:
@@ -53,6 +54,23 @@ def test_damping_is_the_product_of_the_multipliers(omega):
     assert found["events"].item() * p >= 2
     expected = np.exp(-2 * 0.01 * p * 2 * np.pi / omega)
     assert float(found["multiplier_modulus"].prod()) == pytest.approx(expected, rel=1e-8)
+
+
+def test_a_period_that_does_not_divide_the_record():
+    """The words of both windows begin in different turns of the motion unless that is heeded."""
+    found = ns.regime(ns.models.gear_pair(Omega=0.96, zeta=0.08), record=100)
+    assert label(found) == "periodic"
+    assert 100 % found["period"].item() != 0
+    run = ns.simulate(ns.models.gear_pair(Omega=0.96, zeta=0.08), periods=400, samples_per_period=1)
+    events = np.count_nonzero(run["event_time"].values > 310 * run.attrs["period"]) / 90
+    assert found["events"].item() == pytest.approx(events, abs=0.02)
+
+
+def test_words_that_begin_elsewhere():
+    assert cyclic_word("free hit free out free") == cyclic_word("hit free out free hit")
+    assert cyclic_word("free hit free out free") != cyclic_word("free hit free hit free")
+    assert cyclic_word("free") == ("free",)
+    assert cyclic_word("") == ()
 
 
 def test_a_bouncing_ball_doubles_its_period():

@@ -72,13 +72,13 @@ def label_of_growth(
         return attracting
     if not np.all(np.isfinite(errors)):
         return ""
-    wide = [max(ERRORS * error, least) for error in errors]
-    together = max(ERRORS * float(np.hypot(*errors)), least)
-    if abs(rates[0] - rates[1]) > together:
+    both = float(np.hypot(*errors))
+    if abs(rates[0] - rates[1]) > max(ERRORS * both, least):
         return ""
-    if all(rate > width for rate, width in zip(rates, wide, strict=True)):
+    mean, enough = 0.5 * (rates[0] + rates[1]), max(0.5 * ERRORS * both, least)
+    if mean > enough and min(rates) > least:
         return CHAOTIC
-    if attracting and all(rate < -width for rate, width in zip(rates, wide, strict=True)):
+    if attracting and mean < -enough and max(rates) < -least:
         return attracting
     if max(map(abs, rates)) > least or max(errors) > UNSURE * least:
         return ""

@@ -118,8 +118,9 @@ def regime_map(
     Where several attractors coexist, a map shows those that the initial state leads to. Values
     that the system refuses have the regime ``refused``, starts that fit no mode ``inadmissible``.
 
-    Cells differ where label, period, word or number of impacts do. They are halved, and all their
-    points computed, until no cell of a level differs that has not been.
+    Cells differ where label, period, number of impacts or word do; the word may begin anywhere.
+    They are halved, and all their points computed, until no cell of a level differs that has not
+    been.
 
     References
     ----------

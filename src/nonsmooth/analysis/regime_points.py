@@ -16,6 +16,7 @@ from nonsmooth.analysis.regime_labels import LABELS, REPEATING
 from nonsmooth.analysis.regime_options import strobe_length
 from nonsmooth.analysis.regime_run import settled_regime
 from nonsmooth.analysis.regime_verdict import Protocol, Verdict
+from nonsmooth.analysis.regime_window import cyclic_word
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import ModelError
 from nonsmooth.simulation.lane_runner import LaneRunner
@@ -127,7 +128,7 @@ def _key(verdict: Verdict) -> tuple[Any, ...]:
     if verdict.label not in REPEATING:
         return (verdict.label,)
     count = round(verdict.impacts * verdict.period)
-    return verdict.label, verdict.period, verdict.word, count
+    return verdict.label, verdict.period, cyclic_word(verdict.word), count
 
 
 def _packed(found: list[Verdict]) -> dict[str, npt.NDArray[Any]]:

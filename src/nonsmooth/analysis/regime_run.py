@@ -13,7 +13,7 @@ from nonsmooth.analysis import regime_labels as labels
 from nonsmooth.analysis.block_averages import block_averages
 from nonsmooth.analysis.orbit_multipliers import OrbitTangent, is_forgetful, orbit_multipliers
 from nonsmooth.analysis.regime_verdict import Protocol, Verdict
-from nonsmooth.analysis.regime_window import Windows
+from nonsmooth.analysis.regime_window import Windows, cyclic_word
 from nonsmooth.analysis.strobe_growth import Neighbours, is_autonomous, is_hidden, strobe_growth
 from nonsmooth.analysis.strobe_test import StrobeTest, strobe_test
 from nonsmooth.engine import records as at
@@ -154,8 +154,11 @@ class _Motion:
 
     def _repeating(self, windows: Windows, seen: Verdict) -> Verdict:
         """Multipliers decide whether a motion that repeats is one to settle to."""
-        record, p = windows.record, seen.period
-        if windows.word(self.system.mode_names, record - p, record) != seen.word:
+        p = seen.period
+        # as many whole periods earlier as lead into the window before
+        earlier = 2 * windows.record - p * -(-windows.record // p)
+        word = windows.word(self.system.mode_names, earlier - p, earlier)
+        if cyclic_word(word) != cyclic_word(seen.word):
             return seen.unsettled("the words of two periods differ")
         self.reached += 2  # what follows looks into the next two intervals
         at_rest = p == 1 and seen.events == 0 and self._rests(windows)

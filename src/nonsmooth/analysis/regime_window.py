@@ -13,7 +13,7 @@ from nonsmooth.engine.status import EventKind
 from nonsmooth.simulation.clock import Instant
 from nonsmooth.simulation.words import word_of_modes
 
-__all__ = ["Windows"]
+__all__ = ["Windows", "cyclic_word"]
 
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
@@ -83,3 +83,14 @@ class Windows:
         """Time of every event since a strobe."""
         whole = (self.rows[:, at.NUMBER] - self.numbers[k]) * self.clock
         return np.asarray(whole + (self.event_phases - self.phases[k]))
+
+
+def cyclic_word(word: str) -> tuple[str, ...]:
+    """Modes of a period that begins anywhere: the first of its rotations in alphabetical order.
+
+    A strobe may lie on an event, or be moved across one by a parameter; the motion is the same.
+    """
+    modes = tuple(word.split())
+    if len(modes) > 1 and modes[0] == modes[-1]:
+        modes = modes[:-1]
+    return min((modes[k:] + modes[:k] for k in range(len(modes))), default=modes)
