@@ -12,7 +12,13 @@ from nonsmooth.version import __version__
 
 if TYPE_CHECKING:
     from nonsmooth import models, plot
+    from nonsmooth.analysis.attractors import attractors
+    from nonsmooth.analysis.basin_entropy import basin_entropy
+    from nonsmooth.analysis.basin_fractions import basin_fractions
+    from nonsmooth.analysis.basins_of_attraction import basins_of_attraction
     from nonsmooth.analysis.bifurcation_diagram import bifurcation_diagram
+    from nonsmooth.analysis.box_dimension import box_dimension
+    from nonsmooth.analysis.correlation_dimension import correlation_dimension
     from nonsmooth.analysis.ensemble import ensemble
     from nonsmooth.analysis.lyapunov_spectrum import lyapunov_spectrum
     from nonsmooth.analysis.poincare_section import poincare_section
@@ -20,6 +26,8 @@ if TYPE_CHECKING:
     from nonsmooth.analysis.regime import regime
     from nonsmooth.analysis.regime_map import regime_map
     from nonsmooth.analysis.stroboscopic_map import stroboscopic_map
+    from nonsmooth.analysis.uncertainty_exponent import uncertainty_exponent
+    from nonsmooth.analysis.wada_test import wada_test
     from nonsmooth.analysis.zero_one_test import zero_one_test
     from nonsmooth.errors import (
         ModelError,
@@ -29,6 +37,8 @@ if TYPE_CHECKING:
         RunError,
         RunWarning,
     )
+    from nonsmooth.maps.poincare import PoincareMap
+    from nonsmooth.maps.stroboscopic import StroboscopicMap
     from nonsmooth.simulation.simulate import simulate
     from nonsmooth.simulation.words import phase_word
     from nonsmooth.system.parts import Exit, Mode
@@ -41,13 +51,21 @@ __all__ = [
     "ModelError",
     "NonsmoothError",
     "OptionError",
+    "PoincareMap",
     "ResultWarning",
     "RunError",
     "RunWarning",
     "Signal",
+    "StroboscopicMap",
     "System",
     "__version__",
+    "attractors",
+    "basin_entropy",
+    "basin_fractions",
+    "basins_of_attraction",
     "bifurcation_diagram",
+    "box_dimension",
+    "correlation_dimension",
     "ensemble",
     "lyapunov_spectrum",
     "models",
@@ -59,6 +77,8 @@ __all__ = [
     "regime_map",
     "simulate",
     "stroboscopic_map",
+    "uncertainty_exponent",
+    "wada_test",
     "zero_one_test",
 ]
 
@@ -68,12 +88,20 @@ _HOME = {
     "ModelError": "nonsmooth.errors",
     "NonsmoothError": "nonsmooth.errors",
     "OptionError": "nonsmooth.errors",
+    "PoincareMap": "nonsmooth.maps.poincare",
     "ResultWarning": "nonsmooth.errors",
     "RunError": "nonsmooth.errors",
     "RunWarning": "nonsmooth.errors",
     "Signal": "nonsmooth.system.signals",
+    "StroboscopicMap": "nonsmooth.maps.stroboscopic",
     "System": "nonsmooth.system.system",
+    "attractors": "nonsmooth.analysis.attractors",
+    "basin_entropy": "nonsmooth.analysis.basin_entropy",
+    "basin_fractions": "nonsmooth.analysis.basin_fractions",
+    "basins_of_attraction": "nonsmooth.analysis.basins_of_attraction",
     "bifurcation_diagram": "nonsmooth.analysis.bifurcation_diagram",
+    "box_dimension": "nonsmooth.analysis.box_dimension",
+    "correlation_dimension": "nonsmooth.analysis.correlation_dimension",
     "ensemble": "nonsmooth.analysis.ensemble",
     "lyapunov_spectrum": "nonsmooth.analysis.lyapunov_spectrum",
     "phase_word": "nonsmooth.simulation.words",
@@ -83,6 +111,8 @@ _HOME = {
     "regime_map": "nonsmooth.analysis.regime_map",
     "simulate": "nonsmooth.simulation.simulate",
     "stroboscopic_map": "nonsmooth.analysis.stroboscopic_map",
+    "uncertainty_exponent": "nonsmooth.analysis.uncertainty_exponent",
+    "wada_test": "nonsmooth.analysis.wada_test",
     "zero_one_test": "nonsmooth.analysis.zero_one_test",
 }
 

@@ -8,12 +8,19 @@ import xarray as xr
 
 from nonsmooth.chapter import figure_ids, figure_summary, run_demo, run_figures
 from nonsmooth.chapter.files import save_data
+from nonsmooth.chapter.mole_diagrams import fig8
 from nonsmooth.errors import OptionError
 
 PNG = b"\x89PNG\r\n\x1a\n"
 
 
-@pytest.mark.parametrize("name", figure_ids())
+SHOWN = {"fig8": {"b", "y", "period", "per_period", "first_50"}}
+LABELLED = {"fig8": "y"}
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=pytest.mark.slow) if n in SHOWN else n for n in figure_ids()]
+)
 def test_figure_writes_picture_and_data(name, tmp_path):
     """A PNG that is not empty, netCDF that opens, and nothing left behind."""
     out = tmp_path / "new" / "folder"
@@ -25,9 +32,29 @@ def test_figure_writes_picture_and_data(name, tmp_path):
     with xr.open_dataset(paths[1]) as data:
         assert data.attrs["figure"] == name
         assert data.attrs["title"] == figure_summary(name)
-        assert {"x", "v", "mode"} <= set(data.data_vars)
-        assert data["x"].attrs["long_name"]
-        assert np.all(np.isfinite(data["x"].values))
+        assert SHOWN.get(name, {"x", "v", "mode"}) <= set(data.data_vars)
+        first = data[LABELLED.get(name, "x")]
+        assert first.attrs["long_name"]
+        assert np.all(np.isfinite(first.values))
+
+
+def test_diagrams_on_a_small_grid(tmp_path):
+    """Fig. 8: six panels with dots that become images in a PDF, and data that tell the protocol."""
+    figure, data = fig8(columns=15, transient=300, record=40)
+    assert [ax.get_title(loc="left")[:3] for ax in figure.axes] == [
+        "(a)", "(d)", "(b)", "(e)", "(c)", "(f)",
+    ]  # fmt: skip
+    assert all(ax.get_ylabel() for ax in figure.axes)
+    assert all(line.get_rasterized() for line in figure.axes[0].lines[:3])
+    assert list(data["start"].values) == ["restart", "follow up", "follow down"]
+    assert set(data["status"].values.ravel()) == {"completed"}
+    # b = 0.15 of Fig. 7(d): one velocity, the best progression, from rest and followed
+    here = data.sel(a=0.3).isel(column=int(np.abs(data["b"].sel(a=0.3).values - 0.15).argmin()))
+    assert set(here["period"].values) <= {1}
+    assert float(here["first_50"]) > 1000.0
+    low, high = data["window"].sel(a=0.3).values
+    assert low <= float(here["b"]) <= high
+    assert save_data(data, tmp_path / "fig8.nc").stat().st_size > 0
 
 
 def test_panels_hold_the_printed_forces(tmp_path):

@@ -50,3 +50,13 @@ def test_wrong_use(call, arguments, message):
     result = call("diagram", "soft_impact", *arguments)
     assert result.exit_code == 2
     assert message in result.stderr
+
+
+def test_a_section_in_place_of_strobes(call):
+    """Chua's circuit has no period; its return map has."""
+    arguments = ["chua", "--over", "alpha=7.9:8.1:3", "--initial", "x=0.1", "--transient", "400"]
+    result = call("diagram", *arguments, "--section", "y", "--record", "40")
+    assert result.exit_code == 0, result.stderr
+    assert "3 of period 1" in result.stdout
+    result = call("diagram", *arguments, "--direction", "1")
+    assert result.exit_code == 2 and "--section" in result.stderr

@@ -13,14 +13,19 @@ import numpy.typing as npt
 from nonsmooth.analysis.columns import Look, Protocol, run_chain
 from nonsmooth.analysis.diagram_dataset import diagram_dataset
 from nonsmooth.analysis.look_arrays import pack_looks, unpack_looks
+from nonsmooth.analysis.section_columns import run_section_chain
 from nonsmooth.engine.layout import Tables
 from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.maps.of_system import Map, map_of
+from nonsmooth.maps.poincare import PoincareMap
+from nonsmooth.maps.section_runner import SectionRunner
+from nonsmooth.maps.stroboscopic import StroboscopicMap
 from nonsmooth.simulation.crew import check_threads
 from nonsmooth.simulation.lane_runner import LaneRunner
-from nonsmooth.simulation.options import check_run_options, finite_number, whole_number
+from nonsmooth.simulation.options import finite_number, whole_number
+from nonsmooth.simulation.runner import build_tables
 from nonsmooth.simulation.start import resolve_start
 from nonsmooth.simulation.stored_tasks import run_stored_tasks
-from nonsmooth.simulation.stroboscopic import check_phase, require_period
 from nonsmooth.system.system import System
 
 if TYPE_CHECKING:
@@ -34,7 +39,7 @@ _TOGETHER = 4  # columns in a task: a few milliseconds of work
 
 
 def bifurcation_diagram(
-    system: System,
+    system: System | StroboscopicMap | PoincareMap,
     parameter: str,
     values: npt.ArrayLike,
     *,
@@ -56,8 +61,9 @@ def bifurcation_diagram(
 
     Parameters
     ----------
-    system : System
-        A system with a period.
+    system : System, StroboscopicMap or PoincareMap
+        A system with a period, or a map of any system: points are its iterates then, and what
+        counts periods below counts iterates.
     parameter : str
         The parameter that is changed.
     values : array_like
@@ -100,11 +106,11 @@ def bifurcation_diagram(
     xarray.Dataset
         Over ``parameter``, ``lane`` and ``point``: states, outputs and ``mode``, nan and -1 where
         there are no more points. Over ``parameter`` and ``lane``: ``period`` in periods of the
-        forcing (0: none up to half of ``record``), ``word`` (modes of that period), ``events`` and
-        ``impacts`` (events of that kind) per period, ``status``, ``n_uncertain``, and for every
-        drifting state
-        its change per period and per unit time, as in ``v_per_period``. After an interruption the
-        columns that are done are there, the others have the status ``interrupted``.
+        forcing, or in iterates of a map (0: none up to half of ``record``), ``word`` (modes of
+        that period), ``events`` and ``impacts`` (events of that kind) per period, ``status``,
+        ``n_uncertain``, and for every drifting state its change per period and per unit time, as
+        in ``v_per_period`` (of a map, per iterate, as in ``v_per_iterate``). After an interruption
+        the columns that are done are there, the others have the status ``interrupted``.
 
     Raises
     ------
@@ -116,10 +122,14 @@ def bifurcation_diagram(
 
     See Also
     --------
-    stroboscopic_map : one motion in more detail.
+    stroboscopic_map, poincare_section : one motion in more detail.
+    PoincareMap : the points of a system without a period.
 
     Notes
     -----
+    The motion of a system without a period is periodic where the points of its return map repeat,
+    with the same times between them.
+
     A value that the system refuses leaves an empty column with the status ``refused``.
 
     References
@@ -136,31 +146,30 @@ def bifurcation_diagram(
     >>> diagram["x"].shape, diagram["status"].values.ravel().tolist()
     ((2, 1, 20), ['completed', 'completed'])
     """
-    system = check_run_options(system, parameters, mode, tolerance)
-    require_period(system, "bifurcation_diagram")
+    chosen = map_of(system, parameters, tolerance, "bifurcation_diagram", phase=phase, mode=mode)
+    system = chosen.system
     grid = _check_values(system, parameter, values)
     if start not in _STARTS:
         raise OptionError(f"start = {start!r}: {unknown_name('way', str(start), _STARTS)}")
     if side not in _SIDES:
         raise OptionError(f"side = {side!r}: {unknown_name('side', str(side), _SIDES)}")
     protocol = Protocol(
-        system=system,
+        chosen=chosen,
         parameter=parameter,
         transient=0 if transient == 0 else whole_number("transient", transient),
         record=whole_number("record", record),
-        phase=check_phase(phase),
         match=_check_match(match),
-        exits=_exits(system, at),
+        exits=_exits(chosen, at, side),
         after=side == "after",
         drifting=np.array([name in system.drift_states for name in system.states]),
         outputs=bool(system.outputs),
     )
-    runner = LaneRunner(system, tolerance)
+    tables = build_tables(system)
     given = list(initial) if isinstance(initial, Sequence) else [initial]
     if not given:
         raise OptionError("initial= is an empty list; give at least one initial state")
     # refuse here what no column could begin with
-    begins = [resolve_start(system, runner.tables, each, None, mode, True) for each in given]
+    begins = [resolve_start(system, tables, each, None, mode, True) for each in given]
     looks: list[list[Look | None]] = [[None] * len(given) for _ in grid]
     tasks, places = [], []
     for lane, each in enumerate(given):
@@ -178,8 +187,7 @@ def bifurcation_diagram(
         "transient": protocol.transient,
         "record": protocol.record,
         "at": at,
-        "side": side,
-        "phase_of_period": protocol.phase,
+        **({"side": side} | chosen.protocol),
         "match": protocol.match,
         "tolerance": float(tolerance),
         "changed_parameters": str(dict(parameters)) if parameters else "",
@@ -187,7 +195,7 @@ def bifurcation_diagram(
     }
     complete = run_stored_tasks(
         tasks,
-        lambda: LaneRunner(system, tolerance),
+        lambda: _worker(chosen, tolerance),
         store=store,
         protocol={
             "system": system.to_toml(),
@@ -215,12 +223,21 @@ def _task(
         found = resolve_start(system, tables, initial, None, mode, repeated=True)
         return found.state, found.modes[0]
 
-    def run(runner: LaneRunner, stop: threading.Event) -> list[Look]:
+    chain: Any = run_section_chain if isinstance(protocol.chosen, PoincareMap) else run_chain
+
+    def run(runner: Any, stop: threading.Event) -> list[Look]:
         if start == "restart":
-            return [run_chain(protocol, runner, stop, [value], begin)[0] for value in values]
-        return run_chain(protocol, runner, stop, values, begin)
+            return [chain(protocol, runner, stop, [value], begin)[0] for value in values]
+        return list(chain(protocol, runner, stop, values, begin))
 
     return run
+
+
+def _worker(chosen: Map, tolerance: float) -> LaneRunner | SectionRunner:
+    """What one thread runs motions with."""
+    if isinstance(chosen, PoincareMap):
+        return chosen.runner(tolerance)
+    return LaneRunner(chosen.system, tolerance)
 
 
 def _said(initial: Any) -> str:
@@ -243,11 +260,6 @@ def _chains(grid: npt.NDArray[np.float64], start: str) -> list[list[int]]:
 def _check_values(system: System, parameter: Any, values: Any) -> npt.NDArray[np.float64]:
     if parameter not in system.parameters:
         raise OptionError(unknown_name("parameter", str(parameter), system.parameters))
-    if system.slow:
-        raise OptionError(
-            "bifurcation_diagram: the parameters in slow= change from period to period, so nothing"
-            " settles; leave slow= out"
-        )
     try:
         grid = np.atleast_1d(np.asarray(values, dtype=float))
     except (TypeError, ValueError):
@@ -267,8 +279,14 @@ def _check_match(match: Any) -> float:
     return number
 
 
-def _exits(system: System, at: Any) -> npt.NDArray[np.bool_] | None:
-    """Exits of each mode with a name; None for strobes."""
+def _exits(chosen: Map, at: Any, side: Any) -> npt.NDArray[np.bool_] | None:
+    """Exits of each mode with a name; None for the points of the map."""
+    system = chosen.system
+    if isinstance(chosen, PoincareMap) and (at, side) != ("strobe", "before"):
+        raise OptionError(
+            f"at = {at!r:.60}, side = {side!r:.60}: the map says itself where its points lie and on"
+            " which side of an event; give these to PoincareMap"
+        )
     if at == "strobe":
         return None
     names = system.compiled.exit_names

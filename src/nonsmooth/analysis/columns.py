@@ -15,6 +15,8 @@ from nonsmooth.engine.layout import Tables
 from nonsmooth.engine.loop import SAME
 from nonsmooth.engine.status import EventKind, Status
 from nonsmooth.errors import ModelError
+from nonsmooth.maps.of_system import Map
+from nonsmooth.maps.stroboscopic import StroboscopicMap
 from nonsmooth.simulation.clock import Instant
 from nonsmooth.simulation.lane_runner import LaneRunner, Lanes
 from nonsmooth.simulation.outputs import Clock, output_values
@@ -22,7 +24,7 @@ from nonsmooth.simulation.stroboscopic import strobes
 from nonsmooth.simulation.words import word_of_modes
 from nonsmooth.system.system import System
 
-__all__ = ["Look", "Protocol", "run_chain"]
+__all__ = ["Look", "Protocol", "nothing", "run_chain", "with_outputs"]
 
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
@@ -32,16 +34,28 @@ Integers = npt.NDArray[np.int64]
 class Protocol:
     """How every column is computed."""
 
-    system: System
+    chosen: Map
     parameter: str
     transient: int
     record: int
-    phase: float
     match: float
     exits: npt.NDArray[np.bool_] | None  # (m, e): events at which states are taken; None: strobes
     after: bool  # whether these are the states after the event
     drifting: npt.NDArray[np.bool_]  # (n,)
     outputs: bool  # whether outputs are worked out at the points
+
+    @property
+    def system(self) -> System:
+        """The system with the parameters of the call."""
+        return self.chosen.system
+
+    @property
+    def unit(self) -> str:
+        """What iterates of the map are called."""
+        chosen = self.chosen
+        if isinstance(chosen, StroboscopicMap) and (chosen.length, chosen.every) == (None, 1):
+            return "period"
+        return "iterate"
 
 
 @dataclass(frozen=True)
@@ -53,13 +67,13 @@ class Look:
     numbers: Integers  # (K,): window of each point
     phases: Floats  # (K,)
     modes: Integers  # (K,)
-    period: int  # in periods of the forcing; 0 where none was found
+    period: int  # in iterates of the map; 0 where none was found
     word: str
-    events: float  # per period
+    events: float  # per iterate
     impacts: float  # of these, with a reset
-    drift: Floats  # (n,): change of each state per period
+    drift: Floats  # (n,): change of each state per iterate
     uncertain: int
-    window: float
+    window: float  # mean time of an iterate
 
 
 def run_chain(
@@ -79,26 +93,33 @@ def run_chain(
     lanes: Lanes | None = None
     for value in values:
         try:
-            system = protocol.system.with_parameters(**{protocol.parameter: value})
-            runner.set_up(system.parameter_values)
+            chosen = protocol.chosen.with_parameters(**{protocol.parameter: value})
+            runner.set_up(chosen.system.parameter_values)
         except ModelError:
-            looks.append(_nothing(Status.REFUSED, len(protocol.system.states), np.nan))
+            looks.append(nothing(Status.REFUSED, len(protocol.system.states), np.nan))
             lanes = None
             continue
-        state, mode = start(system, runner.tables)
+        assert isinstance(chosen, StroboscopicMap)
+        state, mode = start(chosen.system, runner.tables)
         begin = Instant(0, 0.0)
         if lanes is not None and lanes.status[0] == Status.COMPLETED:
             state = np.where(protocol.drifting, state, lanes.end_state[0])
             mode = SAME - int(lanes.anchors.place[0, 1])
-            begin = Instant(0, protocol.phase * runner.window)
+            begin = _strobe(chosen, runner.window)
         lanes = runner.start(state[None], begin, mode)
-        looks.append(_look(protocol, system, runner, lanes, begin, stop))
+        looks.append(_look(protocol, chosen, runner, lanes, begin, stop))
     return looks
+
+
+def _strobe(chosen: StroboscopicMap, window: float) -> Instant:
+    """The first strobe."""
+    number, phase = strobes(window, Instant(0, 0.0), chosen.length, chosen.phase, 0, 1)
+    return Instant(int(number[0]), float(phase[0]))
 
 
 def _look(
     protocol: Protocol,
-    system: System,
+    chosen: StroboscopicMap,
     runner: LaneRunner,
     lanes: Lanes,
     begin: Instant,
@@ -106,18 +127,21 @@ def _look(
 ) -> Look:
     """Let a motion settle and record it."""
     n, window = lanes.end_state.shape[1], runner.window
+    every = chosen.every
     numbers, phases = strobes(
-        window, begin, None, protocol.phase, protocol.transient, protocol.record + 1
-    )
+        window, begin, chosen.length, chosen.phase,
+        protocol.transient * every, protocol.record * every + 1,
+    )  # fmt: skip
+    numbers, phases = numbers[::every].copy(), phases[::every].copy()
     if protocol.transient > 0:
         settled = Instant(int(numbers[0]), float(phases[0]))
         runner.run(lanes, settled, np.zeros(0, np.int64), np.zeros(0), stop)
     if lanes.status[0] != Status.COMPLETED:
-        return _nothing(Status(int(lanes.status[0])), n, window)
+        return nothing(Status(int(lanes.status[0])), n, window)
     points, modes, rows, values = runner.record(lanes, 0, numbers, phases)
     status = Status(int(lanes.status[0]))
     if status != Status.COMPLETED:
-        return _nothing(status, n, window)
+        return nothing(status, n, window)
     scale = scales(points, protocol.drifting)
     period = primitive_period(points, protocol.drifting, scale, protocol.match)
     word = ""
@@ -127,16 +151,18 @@ def _look(
     events = np.count_nonzero(kind != EventKind.GRAZE) / protocol.record
     impacts = np.count_nonzero(kind == EventKind.IMPACT) / protocol.record
     drift = (points[-1] - points[0]) / protocol.record
+    lasts = (numbers[-1] - numbers[0]) * window + (phases[-1] - phases[0])
+    lasts = float(lasts) / protocol.record
     if protocol.exits is None:
         # the last strobe closes the recorded time and belongs to the next period
         taken = points[:-1], numbers[:-1], phases[:-1], modes[:-1]
     else:
         taken = _at_events(protocol, rows, values, n)
     if protocol.outputs:
-        taken = _with_outputs(system, runner, *taken), *taken[1:]
+        taken = with_outputs(chosen.system, runner.tables, *taken), *taken[1:]
     return Look(
         status, *taken, period, word, events, impacts, drift,
-        int(lanes.uncertain[0]), window,
+        int(lanes.uncertain[0]), lasts,
     )  # fmt: skip
 
 
@@ -155,16 +181,16 @@ def _at_events(
     )
 
 
-def _with_outputs(
+def with_outputs(
     system: System,
-    runner: LaneRunner,
+    tables: Tables,
     points: Floats,
     numbers: Integers,
     phases: Floats,
     modes: Integers,
 ) -> Floats:
     """Points with the outputs as further columns."""
-    found = output_values(system, Clock(numbers, phases, runner.tables), points.T, modes)
+    found = output_values(system, Clock(numbers, phases, tables), points.T, modes)
     return np.column_stack([points, *found.values()])
 
 
@@ -185,7 +211,7 @@ def _word(
     return word_of_modes(protocol.system.mode_names, np.array(entered))
 
 
-def _nothing(status: Status, n: int, window: float) -> Look:
+def nothing(status: Status, n: int, window: float) -> Look:
     """A motion that left nothing to look at."""
     whole = np.zeros(0, np.int64)
     return Look(

@@ -80,19 +80,20 @@ def _of_lanes(
         events[i, j], impacts[i, j] = one.events, one.impacts
         window[i, j], drift[i, j] = one.window, one.drift
         word[i, j], status[i, j] = one.word, one.status.word
+    unit = "periods of the forcing" if protocol.unit == "period" else "iterates of the map"
     variables: dict[str, Any] = {
-        "period": (_LANES, period, {"long_name": "period in periods of the forcing, 0 for none"}),
+        "period": (_LANES, period, {"long_name": f"period in {unit}, 0 for none"}),
         "word": (_LANES, word.astype(str), {"long_name": "modes of one period"}),
-        "events": (_LANES, events, {"long_name": "events per period"}),
-        "impacts": (_LANES, impacts, {"long_name": "impacts per period"}),
+        "events": (_LANES, events, {"long_name": f"events per {protocol.unit}"}),
+        "impacts": (_LANES, impacts, {"long_name": f"impacts per {protocol.unit}"}),
         "n_uncertain": (_LANES, uncertain, {"long_name": "events that rounding leaves open"}),
         "status": (_LANES, status.astype(str), {"long_name": "how the motion ended"}),
     }
     for name in protocol.system.drift_states:
         k = protocol.system.states.index(name)
         label = labels_of(protocol.system).attributes(name)["long_name"]
-        variables[f"{name}_per_period"] = (
-            _LANES, drift[..., k], {"long_name": f"{label}, per period"},
+        variables[f"{name}_per_{protocol.unit}"] = (
+            _LANES, drift[..., k], {"long_name": f"{label}, per {protocol.unit}"},
         )  # fmt: skip
         variables[f"{name}_per_time"] = (
             _LANES, drift[..., k] / window, {"long_name": f"{label}, per unit time"},

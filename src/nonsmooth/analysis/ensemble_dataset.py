@@ -11,14 +11,16 @@ import xarray as xr
 
 from nonsmooth.analysis.ensemble_chunk import Chunk, Protocol, empty_chunk
 from nonsmooth.engine.status import Status
-from nonsmooth.errors import OptionError, RunError
+from nonsmooth.errors import OptionError
 from nonsmooth.files import replacing
 from nonsmooth.simulation.assemble import Columns
 from nonsmooth.simulation.labels import labels_of
-from nonsmooth.simulation.room import free_disk, size_text
+from nonsmooth.simulation.room import reserve
+from nonsmooth.simulation.store import trouble
 
 __all__ = ["Frame", "dataset_in_file", "dataset_in_memory"]
 
+_MARGIN, _OF_TEXT = 2**20, 64  # bytes that a file has more, in all and for each lane
 _OWN = ("mode", "status", "n_uncertain", "end_time", "initial_state", "end_state")
 _WORDS = np.array([status.word for status in Status if status < Status.BUFFER_FULL], object)
 _CODES = np.array([status for status in Status if status < Status.BUFFER_FULL], np.int64)
@@ -100,23 +102,13 @@ def dataset_in_file(
 
     ``chunks`` are all lanes in order, each chunk with the number of its first lane.
     """
-    free = free_disk(path.parent)
-    if size > free:
-        raise _no_room(path, f"it needs {size_text(size)}, and {size_text(free)} are free")
     try:
         with replacing(path) as draft:
+            reserve(draft, size + _MARGIN + _OF_TEXT * len(frame.coords["lane"][1]))
             _write(frame, chunks, complete, draft)
-    except (OSError, RuntimeError) as fault:  # h5py raises both
-        raise _no_room(path, str(fault)) from fault
+    except OSError as fault:
+        raise trouble(path.parent, path.name, fault) from fault
     return xr.open_dataset(path, engine="h5netcdf", decode_times=False)
-
-
-def _no_room(path: Path, reason: str) -> RunError:
-    return RunError(
-        f"{str(path)!r} could not be written: {reason}. All runs are kept: make room and repeat the"
-        " same call, and it goes on",
-        status="interrupted",
-    )
 
 
 def _write(frame: Frame, chunks: Iterator[tuple[int, Chunk]], complete: bool, path: Path) -> None:

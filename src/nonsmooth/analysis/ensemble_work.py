@@ -52,9 +52,7 @@ class Work:
         whole = empty_chunk(self.protocol, self.count, Status.INTERRUPTED)
 
         def keep(i: int, chunk: Chunk) -> None:
-            first, last = self._lanes(i)
-            for name, values in chunk.items():
-                whole[name][first:last] = values
+            _fill(whole, slice(*self._lanes(i)), chunk)
 
         return dataset_in_memory(frame, whole, self._run(keep, ()))
 
@@ -79,14 +77,26 @@ class Work:
         return lambda runner, stop: run_chunk(self.protocol, *self._lanes(i), runner, stop)
 
     def _chunks(self, store: Store) -> Iterator[tuple[int, Chunk]]:
-        """Chunks in the order of their lanes; those that were not run tell so."""
-        for i in range(self.n_tasks):
-            first, last = self._lanes(i)
-            if i in store.done:
-                yield first, store.get(i)
-            else:
-                yield first, empty_chunk(self.protocol, last - first, Status.INTERRUPTED)
+        """What a store holds, in the order of the lanes; those that were not run tell so.
+
+        Many small chunks are put together: each one that is written takes a while by itself.
+        """
+        together = max(1, _MOST_BYTES // (self.size * self.lane_bytes))
+        for begin in range(0, self.n_tasks, together):
+            tasks = range(begin, min(begin + together, self.n_tasks))
+            first, last = self._lanes(tasks[0])[0], self._lanes(tasks[-1])[1]
+            whole = empty_chunk(self.protocol, last - first, Status.INTERRUPTED)
+            for i in store.done.intersection(tasks):
+                low, high = self._lanes(i)
+                _fill(whole, slice(low - first, high - first), store.get(i))
+            yield first, whole
 
     def _lanes(self, i: int) -> tuple[int, int]:
         """First lane of a task, and the first one after it."""
         return i * self.size, min((i + 1) * self.size, self.count)
+
+
+def _fill(whole: Chunk, lanes: slice, chunk: Chunk) -> None:
+    """Put a chunk into its place in a larger one."""
+    for name, values in chunk.items():
+        whole[name][lanes] = values

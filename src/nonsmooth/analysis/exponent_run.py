@@ -10,7 +10,6 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.growth import Growth, advance
-from nonsmooth.analysis.tangent_flow import TangentFlow
 from nonsmooth.engine.layout import Tables
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import OptionError
@@ -18,6 +17,7 @@ from nonsmooth.simulation.clock import Instant
 from nonsmooth.simulation.progress import Progress
 from nonsmooth.simulation.runner import Derivatives, NoMode
 from nonsmooth.simulation.start import Start, explain_misfit
+from nonsmooth.simulation.tangent_flow import TangentFlow
 from nonsmooth.system.system import System
 
 __all__ = ["ExponentRun", "Protocol", "run_exponents"]

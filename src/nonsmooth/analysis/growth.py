@@ -18,9 +18,9 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.analysis.tangent_flow import Saved, TangentFlow
 from nonsmooth.engine.status import Status
 from nonsmooth.simulation.clock import Instant
+from nonsmooth.simulation.tangent_flow import Saved, TangentFlow
 
 __all__ = ["Growth", "advance"]
 

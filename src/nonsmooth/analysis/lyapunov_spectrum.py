@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import xarray as xr
@@ -12,10 +13,14 @@ from nonsmooth.analysis.exponent_dataset import exponent_dataset
 from nonsmooth.analysis.exponent_run import Protocol, run_exponents
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import OptionError, RunWarning
+from nonsmooth.maps.poincare import PoincareMap
+from nonsmooth.maps.stroboscopic import StroboscopicMap
+from nonsmooth.simulation.clock import Instant
 from nonsmooth.simulation.options import check_run_options, check_signals, finite_number
 from nonsmooth.simulation.options import whole_number as whole
 from nonsmooth.simulation.runner import build_derivatives, build_tables
 from nonsmooth.simulation.start import resolve_start, start_at_end
+from nonsmooth.simulation.stroboscopic import strobes
 from nonsmooth.system.system import System
 
 __all__ = ["lyapunov_spectrum"]
@@ -24,7 +29,7 @@ _PARTS = 256  # intervals of a record without a period, at least
 
 
 def lyapunov_spectrum(
-    system: System,
+    system: System | StroboscopicMap,
     initial: Mapping[str, float] | xr.Dataset | None = None,
     *,
     transient: float = 200.0,
@@ -45,8 +50,9 @@ def lyapunov_spectrum(
 
     Parameters
     ----------
-    system : System
-        The system.
+    system : System or StroboscopicMap
+        The system; or a map of it, whose iterates then take the place of periods below, and at
+        whose phase a mapping of states begins. Exponents are per unit time all the same.
     initial : mapping, xarray.Dataset, optional
         Start, as for `simulate`: state names to values, a point of a result, or a run.
 
@@ -133,6 +139,7 @@ def lyapunov_spectrum(
     >>> float(spectrum["exponent_sum"].round(9))
     -0.02
     """
+    strobe, system = _system_of(system)
     system = check_run_options(system, parameters, mode, tolerance)
     if system.slow:
         raise OptionError(
@@ -146,12 +153,18 @@ def lyapunov_spectrum(
         start = start_at_end(start)
     window = float(tables.clock[0])
     periodic = system.period_value is not None
-    protocol = _protocol(transient, record, interval, window, periodic)
+    unit = 1.0 if periodic else window
+    if strobe is not None:
+        strobe = strobe.with_parameters(**parameters) if parameters else strobe
+        periodic, unit = True, window / (strobe.every * (strobe.length or window))
+        if t_start is None and not hasattr(initial, "data_vars"):
+            number, phase = strobes(window, Instant(0, 0.0), strobe.length, strobe.phase, 0, 1)
+            start = replace(start, instant=Instant(int(number[0]), float(phase[0])))
+    protocol = _protocol(transient, record, interval, unit, periodic)
     first = start.instant.time(window)
     check_signals(system, first, first + (protocol.transient + protocol.record) * window)
     derivatives = build_derivatives(system, tables, ())
     run = run_exponents(system, tables, derivatives, start, protocol, count, tolerance, _seed(seed))
-    unit = 1.0 if periodic else window
     options: dict[str, Any] = {
         "transient": protocol.transient * unit,
         "record": protocol.record * unit,
@@ -159,11 +172,23 @@ def lyapunov_spectrum(
         "tolerance": float(tolerance),
         "seed": _seed(seed),
         "changed_parameters": str(dict(parameters)) if parameters else "",
+        **({} if strobe is None else strobe.protocol),
     }
     result = exponent_dataset(system, run, options)
     if run.status not in (Status.COMPLETED, Status.STOPPED):
         warnings.warn(f"{system.name}: {result.attrs['message']}", RunWarning, stacklevel=2)
     return result
+
+
+def _system_of(given: Any) -> tuple[StroboscopicMap | None, Any]:
+    """The strobe map that was given, if it was one, and the system."""
+    if isinstance(given, PoincareMap):
+        raise OptionError(
+            "lyapunov_spectrum: exponents are those of the motion between points; give the system"
+            " of the map. Per iterate they are larger by the mean time between points, and the"
+            " zero along the motion is none of the map"
+        )
+    return (given, given.system) if isinstance(given, StroboscopicMap) else (None, given)
 
 
 def _count(system: System, exponents: Any) -> int:
@@ -176,11 +201,12 @@ def _count(system: System, exponents: Any) -> int:
     return count
 
 
-def _protocol(
-    transient: Any, record: Any, interval: Any, window: float, periodic: bool
-) -> Protocol:
-    """Lengths in windows, the interval such that the record has a whole number of them."""
-    unit = 1.0 if periodic else window
+def _protocol(transient: Any, record: Any, interval: Any, unit: float, periodic: bool) -> Protocol:
+    """Lengths in windows, the interval such that the record has a whole number of them.
+
+    ``unit``: how much of what lengths are counted in makes a window; ``periodic``: whether that is
+    periods, one of which is an interval.
+    """
     lengths = {"transient": transient, "record": record}
     for name, value in lengths.items():
         if finite_number(name, value) < 0.0 or (name == "record" and value == 0):
@@ -188,7 +214,7 @@ def _protocol(
             raise OptionError(f"{name} = {value} {least}; it counts periods, or time without one")
     whole_record = float(record) / unit
     if interval is None:
-        wanted = 1.0 if periodic else min(1.0, whole_record / _PARTS)
+        wanted = 1.0 / unit if periodic else min(1.0, whole_record / _PARTS)
     else:
         wanted = finite_number("interval", interval) / unit
         if not wanted > 0.0:

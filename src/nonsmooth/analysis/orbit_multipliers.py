@@ -8,11 +8,11 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.growth import Growth, advance
-from nonsmooth.analysis.tangent_flow import TangentFlow
 from nonsmooth.engine.layout import Tables
 from nonsmooth.engine.status import Status
 from nonsmooth.simulation.clock import Instant
 from nonsmooth.simulation.runner import Derivatives, NoMode
+from nonsmooth.simulation.tangent_flow import TangentFlow
 
 __all__ = ["OrbitTangent", "is_forgetful", "orbit_multipliers"]
 

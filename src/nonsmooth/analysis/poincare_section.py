@@ -2,31 +2,16 @@
 
 from __future__ import annotations
 
-import math
-import warnings
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING
 
-import numpy as np
-import xarray as xr
-
-from nonsmooth.analysis.section_dataset import section_dataset
-from nonsmooth.analysis.section_options import (
-    check_side,
-    read_section,
-    refuse_slow,
-    set_limits,
-)
-from nonsmooth.analysis.section_rows import Crossings, NamedEvents
-from nonsmooth.analysis.section_search import Pick, search, to_begin
-from nonsmooth.engine.layout import Tables
-from nonsmooth.errors import ModelError, OptionError, RunWarning
-from nonsmooth.simulation.clock import Instant, instants
-from nonsmooth.simulation.options import check_run_options, whole_number
-from nonsmooth.simulation.runner import NoMode, build_tables
-from nonsmooth.simulation.start import Start, explain_misfit, resolve_start, start_at_end
-from nonsmooth.system.section import Section, with_section
+from nonsmooth.maps.poincare import PoincareMap
+from nonsmooth.maps.section_points import take_points
+from nonsmooth.simulation.options import check_run_options
 from nonsmooth.system.system import System
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["poincare_section"]
 
@@ -108,6 +93,7 @@ def poincare_section(
 
     See Also
     --------
+    PoincareMap : the map from one point to the next.
     simulate : the trajectory itself; ``section.isel(point=-1)`` is a start for it.
 
     Notes
@@ -135,76 +121,16 @@ def poincare_section(
     array([0.8626, 0.4587])
     """
     system = check_run_options(system, parameters, mode, tolerance)
-    refuse_slow(system)
-    crossing, way = read_section(system, section, direction)
-    check_side(side)
-    record = whole_number("record", record)
-    split = with_section(system, section) if crossing else None
-    tables = build_tables(system)
-    start = resolve_start(system, tables, initial, t_start, mode, parameters is not None)
-    window = float(tables.clock[0])
-    protocol: dict[str, Any] = {
-        "section": section,
-        "section_kind": "crossing" if crossing else "event",
-        "direction": way,
-        "side": side,
-        "transient": float(transient),
-        "record": record,
-        "tolerance": float(tolerance),
-        "mode": mode or "",
-        "t_start": start.instant.time(window),
-        "t_end": math.inf if t_end is None else float(t_end),
-        "changed_parameters": str(dict(parameters)) if parameters else "",
-    }
-    pick: Pick = NamedEvents(system, section)
-    used, begin = tables, start
-    if split is not None:
-        used = _tables_of(split)
-        begin = _on_either_side(start, split, window, float(used.clock[0]))
-        pick = Crossings(split, used, way)
-    limits = set_limits(system, used, begin.instant, transient, record, t_end)
-    try:
-        found = search(used, begin, limits, tolerance, pick)
-    except NoMode:
-        raise _misfit(system, tables, start, tolerance, section) from None
-    result = section_dataset(system, used, found, protocol)
-    if result.attrs["message"] != "completed":
-        warnings.warn(f"{system.name}: {result.attrs['message']}", RunWarning, stacklevel=2)
-    return result
-
-
-def _misfit(
-    system: System, tables: Tables, start: Start, tolerance: float, section: str
-) -> OptionError:
-    """Why no mode admits a start: the system, or a section that is not smooth there."""
-    try:
-        to_begin(tables, start, start.instant, tolerance)
-    except NoMode as misfit:
-        return OptionError(explain_misfit(system, tables, start, misfit.z))
-    return OptionError(
-        f"section = {section!r}: at the start it has no finite value or derivative; start a little"
-        " beside, or write it without what is singular there, such as x**2 + y**2 - 1 in place of"
-        " sqrt(x**2 + y**2) - 1"
+    chosen = PoincareMap(system, section, direction=direction, side=side)
+    return take_points(
+        chosen,
+        initial,
+        transient=transient,
+        record=record,
+        tolerance=tolerance,
+        mode=mode,
+        t_start=t_start,
+        t_end=t_end,
+        changed=str(dict(parameters)) if parameters else "",
+        repeated=parameters is not None,
     )
-
-
-def _tables_of(split: Section) -> Tables:
-    """Tables of a system with a section in it; errors speak of the system without."""
-    try:
-        return build_tables(split.system)
-    except ModelError as fault:
-        raise ModelError(split.folded(str(fault))) from None
-
-
-def _on_either_side(start: Start, split: Section, window: float, used: float) -> Start:
-    """The same start for the system with a section, where each mode may have become several."""
-    if start.anchor is not None:
-        start = start_at_end(start)
-    instant = start.instant
-    if used != window:
-        number, phase = instants([instant.time(window)], used)
-        instant = Instant(int(number[0]), float(phase[0]))
-    modes = start.modes
-    if modes != (-1,):
-        modes = tuple(int(i) for m in modes for i in np.flatnonzero(split.origin == m))
-    return Start(start.state, instant, modes)

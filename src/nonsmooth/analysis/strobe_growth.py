@@ -10,13 +10,13 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.growth import Growth, advance
-from nonsmooth.analysis.tangent_flow import TangentFlow
 from nonsmooth.engine import layout
 from nonsmooth.engine.layout import Tables
 from nonsmooth.engine.status import Status
 from nonsmooth.simulation.clock import Instant
 from nonsmooth.simulation.crew import Stopped
 from nonsmooth.simulation.runner import Derivatives, NoMode
+from nonsmooth.simulation.tangent_flow import TangentFlow
 
 __all__ = ["Neighbours", "is_autonomous", "is_hidden", "strobe_growth"]
 

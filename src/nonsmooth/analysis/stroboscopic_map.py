@@ -1,31 +1,13 @@
-"""Points of one motion, one per period."""
+"""`stroboscopic_map`: points of one motion, one per period."""
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from nonsmooth.engine.status import Status
-from nonsmooth.errors import ModelError, OptionError, RunWarning
-from nonsmooth.simulation.assemble import Columns, assemble
-from nonsmooth.simulation.clock import Instant, Plan
-from nonsmooth.simulation.dataset import run_dataset
-from nonsmooth.simulation.options import (
-    check_count,
-    check_run_options,
-    check_signals,
-    finite_number,
-    whole_number,
-)
-from nonsmooth.simulation.runner import Outcome, build_tables, run_plan
-from nonsmooth.simulation.simulate import in_first_mode
-from nonsmooth.simulation.start import resolve_start
-from nonsmooth.simulation.stroboscopic import check_phase, require_period, strobes
-from nonsmooth.system.evaluate import constant_value
-from nonsmooth.system.grammar import parse
+from nonsmooth.maps.strobe_points import Wanted, strobe_points
+from nonsmooth.maps.stroboscopic import StroboscopicMap
+from nonsmooth.simulation.options import check_run_options, whole_number
 from nonsmooth.system.system import System
 
 if TYPE_CHECKING:
@@ -93,6 +75,7 @@ def stroboscopic_map(
     See Also
     --------
     simulate : the whole motion.
+    StroboscopicMap : the map itself.
 
     Notes
     -----
@@ -112,76 +95,15 @@ def stroboscopic_map(
     ({'point': 50}, 'completed')
     """
     system = check_run_options(system, parameters, mode, tolerance)
-    if system.slow:
-        raise OptionError(
-            "stroboscopic_map: the parameters in slow= change from period to period, so there is no"
-            " map; simulate the system, or leave slow= out"
-        )
-    length = _period(system, period)
-    part = check_phase(phase)
-    left_out = 0 if transient == 0 else whole_number("transient", transient)
-    count = check_count(whole_number("record", record))
-    tables = build_tables(system)
-    window = float(tables.clock[0])
-    start = resolve_start(system, tables, initial, t_start, mode, parameters is not None)
-    numbers, phases = strobes(window, start.instant, length, part, left_out, count)
-    plan = Plan(Instant(int(numbers[-1]), float(phases[-1])), numbers, phases)
-    check_signals(system, start.instant.time(window), plan.end.time(window))
-
-    def run(first_mode: int) -> Outcome:
-        return run_plan(
-            tables, plan, tolerance, anchor=start.anchor, state=start.state, begin=start.instant,
-            mode=first_mode, keep_events=False,
-        )  # fmt: skip
-
-    outcome = in_first_mode(system, tables, start, run)
-    options = {
-        "transient": left_out,
-        "record": count,
-        "phase_of_period": part,
-        "strobe_period": window if length is None else length,
-        "tolerance": float(tolerance),
-        "changed_parameters": str(dict(parameters)) if parameters else "",
-    }
-    points = _over_points(system, run_dataset(system, outcome, options))
-    if outcome.status not in (Status.COMPLETED, Status.STOPPED):
-        warnings.warn(f"{system.name}: {points.attrs['message']}", RunWarning, stacklevel=2)
-    return points
-
-
-def _period(system: System, period: Any) -> float | None:
-    """Length of time between strobes; None for the period of the system."""
-    if period is None:
-        require_period(system, "stroboscopic_map")
-        return None
-    if isinstance(period, str):
-        try:
-            period = constant_value(parse(period, where="period"), system.parameter_values)
-        except KeyError as unknown:
-            raise ModelError(
-                f"period = {unknown.args[0]!r} is no parameter of {system.name!r}; known are"
-                f" {', '.join(system.parameters)}"
-            ) from None
-    length = finite_number("period", period)
-    if not length > 0.0:
-        raise OptionError(f"period = {length:g} must be positive")
-    return length
-
-
-def _over_points(system: System, run: xr.Dataset) -> xr.Dataset:
-    """The samples of a run as points of a map."""
-    names = (*system.states, *system.outputs, "mode")
-    variables: Columns = {
-        name: (("point",), run[name].values, dict(run[name].attrs)) for name in names
-    }
-    coords: Columns = {
-        "point": (("point",), np.arange(run.sizes["time"]), {"long_name": "strobe"}),
-        "time": (("point",), run["time"].values, dict(run["time"].attrs)),
-    }
-    kept = (
-        "system", "system_name", "nonsmooth_version", "status", "message", "certified",
-        "n_uncertain", "transient", "record", "phase_of_period", "strobe_period", "tolerance",
-        "changed_parameters",
-    )  # fmt: skip
-    attrs = {name: run.attrs[name] for name in kept if name in run.attrs}
-    return assemble(variables, coords, {}, attrs)
+    chosen = StroboscopicMap(system, phase=phase, period=period)
+    wanted = Wanted(
+        initial,
+        transient=0 if transient == 0 else whole_number("transient", transient),
+        record=whole_number("record", record),
+        from_start=True,
+        mode=mode,
+        t_start=t_start,
+        tolerance=tolerance,
+        repeated=parameters is not None,
+    )
+    return strobe_points(chosen, wanted, str(dict(parameters)) if parameters else "")

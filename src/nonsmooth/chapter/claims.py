@@ -17,11 +17,15 @@ __all__ = ["claim_ids", "evaluate_claims"]
 # Modules with a tuple CHECKS each, in the order of the chapter.
 _GROUPS = (
     "method_claims",
+    "drilling_claims",
     "mole_data_claims",
     "mole_model_claims",
     "mole_soil_claims",
     "mole_run_claims",
+    "mole_window_claims",
+    "mole_progression_claims",
     "mole_drift_claims",
+    "mole_frequency_claims",
 )
 
 

@@ -35,6 +35,9 @@ _FIGURES = {
         "mole_histories", "fig6", "mass and slider bottom from rest for six static forces"
     ),
     "fig7": _Entry("mole_histories", "fig7", "the same in the steady state, tau from 800 to 1200"),
+    "fig8": _Entry(
+        "mole_diagrams", "fig8", "velocity and progression over the static force, three amplitudes"
+    ),
     "fig11": _Entry(
         "mole_phases", "fig11", "drifting motion split into bounded oscillation and progression"
     ),
@@ -53,7 +56,7 @@ def figure_ids() -> list[str]:
     --------
     >>> from nonsmooth.chapter import figure_ids
     >>> figure_ids()
-    ['fig5b', 'fig5d', 'fig6', 'fig7', 'fig11', 'phases']
+    ['fig5b', 'fig5d', 'fig6', 'fig7', 'fig8', 'fig11', 'phases']
     """
     return list(_FIGURES)
 

@@ -9,6 +9,7 @@ import typer
 from nonsmooth.cli import chapter
 from nonsmooth.cli.console import Commands
 from nonsmooth.cli.diagram import diagram
+from nonsmooth.cli.ensemble import ensemble
 from nonsmooth.cli.explain import explain
 from nonsmooth.cli.lyapunov import lyapunov
 from nonsmooth.cli.models import models
@@ -58,6 +59,7 @@ app.command()(section)
 app.command()(diagram)
 app.command()(regime)
 app.command()(regimes)
+app.command()(ensemble)
 app.command()(models)
 app.command()(explain)
 

@@ -30,7 +30,7 @@ __all__ = [
     "value_range",
 ]
 
-_MOST = 1_000_000  # values of a range
+_MOST_VALUES = 1_000_000  # in a range
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 
 
@@ -139,16 +139,18 @@ def time_range(text: str) -> tuple[float, float]:
     return times["begin"], times["end"]
 
 
-def value_range(text: str, option: str) -> tuple[str, np.ndarray]:
+def value_range(text: str) -> tuple[str, np.ndarray]:
     """Name and values of ``name=first:last:count``."""
     import numpy as np
 
-    ((name, value),) = settings([text], option).items()
+    ((name, value),) = settings([text], "--over").items()
     parts = [part.strip() for part in value.split(":")]
     if len(parts) != 3 or not all(parts):
-        raise OptionError(f"{option}: {text!r} is not of the form name=first:last:count")
-    numbers = constants(dict(zip(("first", "last", "count"), parts, strict=True)), option)
+        raise OptionError(f"--over: {text!r} is not of the form name=first:last:count")
+    numbers = constants(dict(zip(("first", "last", "count"), parts, strict=True)), "--over")
     count = numbers["count"]
-    if count != int(count) or not 1 <= count <= _MOST:
-        raise OptionError(f"{option}: the count {parts[2]} is not a whole number from 1 to {_MOST}")
+    if count != int(count) or not 1 <= count <= _MOST_VALUES:
+        raise OptionError(
+            f"--over: the count {parts[2]} is not a whole number from 1 to {_MOST_VALUES}"
+        )
     return name, np.linspace(numbers["first"], numbers["last"], int(count))

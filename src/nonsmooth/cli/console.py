@@ -17,12 +17,14 @@ __all__ = [
     "MISUSE",
     "MODEL_HELP",
     "PARAMETERS_HELP",
+    "STORE_HELP",
     "Commands",
     "print_table",
 ]
 
 MODEL_HELP = "A name, see: nonsmooth models; or a file, see: nonsmooth models moling --toml."
 PARAMETERS_HELP = "Parameters; a value may be an expression like pi/2."
+STORE_HELP = "Keep what is done in a folder; the same command goes on there."
 
 ENDED_EARLY = 1  # the work was begun and could not be finished
 MISUSE = 2  # the command line or the model cannot be right

@@ -8,13 +8,20 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from nonsmooth.cli.arguments import build_system, constants, names, settings, value_range
-from nonsmooth.cli.console import ENDED_EARLY, INTERRUPTED, MODEL_HELP, PARAMETERS_HELP
+from nonsmooth.cli.console import (
+    ENDED_EARLY,
+    INTERRUPTED,
+    MODEL_HELP,
+    PARAMETERS_HELP,
+    STORE_HELP,
+)
 from nonsmooth.cli.output import check_files, save_dataset
 from nonsmooth.errors import OptionError, unknown_name
 
 if TYPE_CHECKING:
     import xarray as xr
 
+    from nonsmooth.maps.poincare import PoincareMap
     from nonsmooth.system.system import System
 
 __all__ = ["diagram"]
@@ -45,6 +52,15 @@ def diagram(
     at: Annotated[
         str, typer.Option(help="strobe, or the name of an event at which states are taken.")
     ] = "strobe",
+    section: Annotated[
+        str | None,
+        typer.Option(
+            metavar="EXPRESSION", help="Points where it vanishes, or at this event, not strobes."
+        ),
+    ] = None,
+    direction: Annotated[
+        int | None, typer.Option(help="Of the section: 1 where it grows, -1 falls, 0 both.")
+    ] = None,
     side: Annotated[str, typer.Option(help="States just before or just after events.")] = "before",
     threads: Annotated[int | None, typer.Option(help="Threads; all processors by default.")] = None,
     plot: Annotated[
@@ -56,6 +72,7 @@ def diagram(
     save: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Save the diagram as netCDF: .nc.")
     ] = None,
+    store: Annotated[Path | None, typer.Option(metavar="FOLDER", help=STORE_HELP)] = None,
 ) -> None:
     """Settled motions for many values of a parameter, by brute force."""
     from nonsmooth.analysis.bifurcation_diagram import bifurcation_diagram
@@ -64,11 +81,12 @@ def diagram(
     if plot is None and variable is not None:
         raise OptionError("--variable is drawn into a file: name it with --plot FILE")
     system = build_system(model, settings(parameters or [], "NAME=VALUE"))
-    parameter, values = value_range(over, "--over")
+    parameter, values = value_range(over)
     drawn = _variable(system, variable)
     starts = [constants(settings(names(text), "--initial"), "--initial") for text in initial or []]
+    target = _target(system, section, direction, side)
     result = bifurcation_diagram(
-        system,
+        target,
         parameter,
         values,
         initial=starts or None,
@@ -76,8 +94,9 @@ def diagram(
         transient=transient,
         record=record,
         at=at,
-        side=side,
+        side=side if target is system else "before",
         threads=threads,
+        store=store,
     )
     from nonsmooth.system.columns import harmless
 
@@ -90,6 +109,19 @@ def diagram(
         raise typer.Exit(INTERRUPTED)
     if result.attrs["message"] != "completed":
         raise typer.Exit(ENDED_EARLY)
+
+
+def _target(
+    system: System, section: str | None, direction: int | None, side: str
+) -> System | PoincareMap:
+    """The system, or its map from one point of a section to the next."""
+    from nonsmooth.maps.poincare import PoincareMap
+
+    if section is not None:
+        return PoincareMap(system, section, direction=direction, side=side)
+    if direction is not None:
+        raise OptionError("--direction is that of a section: name it with --section")
+    return system
 
 
 def _variable(system: System, variable: str | None) -> str:

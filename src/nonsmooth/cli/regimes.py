@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from nonsmooth.cli.arguments import build_system, constants, names, settings, value_range
-from nonsmooth.cli.console import MODEL_HELP, PARAMETERS_HELP
+from nonsmooth.cli.console import MODEL_HELP, PARAMETERS_HELP, STORE_HELP
 from nonsmooth.cli.output import check_files, exit_by_status, save_dataset, table
 from nonsmooth.errors import OptionError
 
@@ -48,9 +48,7 @@ def regimes(
         str | None, typer.Option(help="Time between strobes, for systems without a period.")
     ] = None,
     threads: Annotated[int | None, typer.Option(help="Threads; all processors by default.")] = None,
-    store: Annotated[
-        Path | None, typer.Option(metavar="FOLDER", help="Keep what is done, to go on later.")
-    ] = None,
+    store: Annotated[Path | None, typer.Option(metavar="FOLDER", help=STORE_HELP)] = None,
     plot: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Draw the map: .png or .pdf.")
     ] = None,
@@ -87,7 +85,7 @@ def regimes(
 
 def _grid(over: list[str]) -> dict[str, np.ndarray]:
     """Both parameters with their values."""
-    pairs = [value_range(text, "--over") for text in over]
+    pairs = [value_range(text) for text in over]
     if len(pairs) != 2 or pairs[0][0] == pairs[1][0]:
         given = ", ".join(name for name, _ in pairs)
         raise OptionError(

@@ -22,6 +22,7 @@ class Status(IntEnum):
     SINGULAR = 9
     SLIDING = 10
     REFUSED = 11
+    TIME_LIMIT = 12
     # inside the engine only
     BUFFER_FULL = 20
     PAUSED = 24
@@ -91,6 +92,10 @@ CURES: dict[Status, str] = {
     Status.REFUSED: (
         "a parameter of slow= takes a value that the system refuses; end the run before, or change"
         " its text"
+    ),
+    Status.TIME_LIMIT: (
+        "no point on the section for 10000 periods, or units of time without one; check that the"
+        " motion comes through it in the direction that counts"
     ),
     Status.INTERRUPTED: "by the user; what was computed is kept",
 }

@@ -9,6 +9,7 @@ from nonsmooth.models.duffing import duffing
 from nonsmooth.models.gear_pair import gear_pair
 from nonsmooth.models.moling import moling
 from nonsmooth.models.moling_si import MolingRig
+from nonsmooth.models.percussive_drilling import percussive_drilling
 from nonsmooth.models.progression import progression
 from nonsmooth.models.soft_impact import soft_impact
 from nonsmooth.models.trilinear import trilinear
@@ -21,6 +22,7 @@ __all__ = [
     "duffing",
     "gear_pair",
     "moling",
+    "percussive_drilling",
     "progression",
     "soft_impact",
     "trilinear",

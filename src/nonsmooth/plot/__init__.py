@@ -5,6 +5,8 @@ matplotlib is imported when something is drawn.
 
 from __future__ import annotations
 
+from nonsmooth.plot.attractor_sets import attractors
+from nonsmooth.plot.basin_cells import basins
 from nonsmooth.plot.diagrams import bifurcation
 from nonsmooth.plot.exponents import exponents
 from nonsmooth.plot.figures import print_figure, save_figure
@@ -17,10 +19,13 @@ from nonsmooth.plot.sections import section
 from nonsmooth.plot.spectrum import spectrum
 from nonsmooth.plot.style import PALETTE, axis_label, mode_colours
 from nonsmooth.plot.translation import translation
+from nonsmooth.plot.uncertainty_curve import uncertainty
 
 __all__ = [
     "PALETTE",
+    "attractors",
     "axis_label",
+    "basins",
     "bifurcation",
     "event_markers",
     "exponents",
@@ -34,4 +39,5 @@ __all__ = [
     "spectrum",
     "time_history",
     "translation",
+    "uncertainty",
 ]

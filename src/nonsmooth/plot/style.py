@@ -16,6 +16,7 @@ __all__ = [
     "PALETTE",
     "axis_label",
     "finish_axes",
+    "mixed",
     "mode_colours",
     "mode_numbers",
     "place_legend",
@@ -105,7 +106,7 @@ def mode_colours(run: xr.Dataset) -> dict[str, str]:
         raise OptionError("the dataset has no variable 'mode' with its names; give it a run")
     palette = list(PALETTE.values())
     # systems with many cells: the same hues darker, then paler, then darker still
-    colours = [_mixed(colour, *shade) for shade in _SHADES for colour in palette]
+    colours = [mixed(colour, *shade) for shade in _SHADES for colour in palette]
     names = run["mode"].attrs["flag_meanings"].split()
     distinct = dict.fromkeys(names)  # cells may share a name
     return {name: colours[i % len(colours)] for i, name in enumerate(distinct)}
@@ -117,7 +118,7 @@ def mode_numbers(run: xr.Dataset, name: str) -> list[int]:
     return [i for i, other in enumerate(names) if other == name]
 
 
-def _mixed(colour: str, target: int, twentieths: int) -> str:
+def mixed(colour: str, target: int, twentieths: int) -> str:
     """Colour with so many twentieths of black (0) or white (255)."""
     parts = (int(colour[i : i + 2], 16) for i in (1, 3, 5))
     return "#" + "".join(

@@ -45,6 +45,13 @@ class Lanes(NamedTuple):
     uncertain: Integers  # (L,): events that rounding leaves open
     since: Floats  # (L, 2): window and phase up to which these are counted
 
+    def select(self, chosen: Integers) -> Lanes:
+        """Copy of some of the lanes."""
+        return Lanes(
+            _of_lane(self.anchors, chosen), self.status[chosen], self.end_state[chosen],
+            self.mode[chosen], self.uncertain[chosen], self.since[chosen],
+        )  # fmt: skip
+
 
 class LaneRunner:
     """Runs lanes of a system; parameters are those of the last `set_up`."""

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import shutil
+import sys
 from pathlib import Path
 
-__all__ = ["free_disk", "free_memory", "size_text"]
+__all__ = ["free_memory", "reserve", "size_text"]
 
+_CANNOT = (errno.EINVAL, errno.ENOSYS, errno.EOPNOTSUPP)  # file systems that do not reserve
 _UNKNOWN = 4 * 2**30  # bytes, where the system does not tell
 
 
@@ -25,9 +28,22 @@ def free_memory() -> int:
         return _UNKNOWN
 
 
-def free_disk(folder: Path) -> int:
-    """Bytes that files in a folder may still take."""
-    return shutil.disk_usage(folder).free
+def reserve(path: Path, size: int) -> None:
+    """Take room on disk for a file that is written next; `OSError` where there is not enough.
+
+    For files whose writers do not survive a full disk, as HDF5 does not.
+    """
+    free = shutil.disk_usage(path.parent).free
+    if size > free:
+        need = f"{size_text(size)} are needed, and {size_text(free)} are free"
+        raise OSError(errno.ENOSPC, f"{os.strerror(errno.ENOSPC)}, {need}")
+    if sys.platform == "linux":  # the file system may have quotas as well
+        with path.open("wb") as file:
+            try:
+                os.posix_fallocate(file.fileno(), 0, size)
+            except OSError as fault:
+                if fault.errno not in _CANNOT:
+                    raise
 
 
 def size_text(size: float) -> str:

@@ -26,12 +26,12 @@ from nonsmooth.simulation.protocol import differences, plain
 from nonsmooth.simulation.store_lock import lock, unlock
 from nonsmooth.version import __version__
 
-__all__ = ["Store"]
+__all__ = ["Store", "trouble"]
 
 _FORMAT = 1
 _PROTOCOL, _LOCK = "protocol.json", "lock"
 _CHUNK = re.compile(r"(\d{6,})\.npz")
-_DRAFT = re.compile(r"\.(\d{6,}\.\d+\.npz|protocol\.\d+\.json)")  # see `replacing`
+_DRAFT = re.compile(r"\.(\d{6,}|protocol|result)\.\d+\.(npz|json|nc)")  # see `replacing`
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 _MOST_NAMED = 5  # damaged files in a message
 
@@ -63,7 +63,7 @@ class Store:
         try:
             store = cls(folder, lock(folder / _LOCK))
         except OSError as fault:
-            raise _trouble(folder, _LOCK, fault) from fault
+            raise trouble(folder, _LOCK, fault) from fault
         try:
             store._agree(whole)
             store._find(n_tasks)
@@ -78,7 +78,7 @@ class Store:
         try:
             write_arrays(path, arrays)
         except OSError as fault:
-            raise _trouble(self.folder, path.name, fault) from fault
+            raise trouble(self.folder, path.name, fault) from fault
         self.done.add(i)
 
     def get(self, i: int) -> dict[str, npt.NDArray[Any]]:
@@ -120,7 +120,7 @@ class Store:
                 with replacing(path) as draft:
                     draft.write_text(json.dumps(whole, indent=1), encoding="utf-8")
             except OSError as fault:
-                raise _trouble(self.folder, _PROTOCOL, fault) from fault
+                raise trouble(self.folder, _PROTOCOL, fault) from fault
             return
         try:
             before = json.loads(path.read_text(encoding="utf-8"))
@@ -181,7 +181,7 @@ def _folder(path: str | Path) -> Path:
             f"store = {str(path)!r} is a file, or lies in one; give the path of a folder"
         ) from None
     except OSError as fault:
-        raise _trouble(folder, "the folder", fault) from fault
+        raise trouble(folder, "the folder", fault) from fault
     return folder
 
 
@@ -197,7 +197,7 @@ def _refuse_strangers(folder: Path) -> None:
             )
 
 
-def _trouble(folder: Path, name: str, fault: OSError) -> OptionError | RunError:
+def trouble(folder: Path, name: str, fault: OSError) -> OptionError | RunError:
     """What to say of a file that could not be written."""
     what = f"the store {str(folder)!r}: {name} could not be written: {fault.strerror or fault}"
     if fault.errno in _FULL:

@@ -21,7 +21,7 @@ def require_period(system: System, verb: str) -> float:
     if period is None:
         raise OptionError(
             f"{verb}: {system.name!r} has no period to strobe at; give period= a length of time, or"
-            " the system one, or look at a section of it with poincare_section"
+            " the system one, or take a section of it (poincare_section, PoincareMap)"
         )
     return float(period)
 

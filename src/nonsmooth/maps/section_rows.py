@@ -5,24 +5,26 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.analysis.section_search import Points
 from nonsmooth.engine import records as at
 from nonsmooth.engine.layout import RESETTING, TARGET, Tables
 from nonsmooth.engine.status import EventKind
 from nonsmooth.engine.transitions import PATH_BITS, PATH_LENGTH
+from nonsmooth.maps.section_search import Pick, Points, some_points
+from nonsmooth.simulation.clock import Instant
 from nonsmooth.simulation.labels import labels_of
 from nonsmooth.simulation.outputs import Clock, output_values
 from nonsmooth.system.resolve import Resolver
 from nonsmooth.system.section import Section
 from nonsmooth.system.system import System
 
-__all__ = ["Crossings", "NamedEvents", "event_names"]
+__all__ = ["AT_ONCE", "BehindStart", "Crossings", "NamedEvents", "behind_start", "event_names"]
 
 Integers = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]
 
 _SMALL = 1e-9  # part of its terms, within which an expression is zero at an event
+AT_ONCE = 1e-12  # part of a window; a point so soon after a start is the start up to rounding
 _SHIFT = 1e-4  # relative change of a state that tells the size of the terms it stands in
 
 
@@ -143,6 +145,32 @@ class NamedEvents:
     def _is_meant(self, before: int, path: int, passes: int, after: int) -> bool:
         entered = bool(self.modes[after] and not self.modes[before])
         return entered or self.name in self.labels.path(before, path, passes).split(">")
+
+
+class BehindStart:
+    """Points that another pick finds, without the start itself."""
+
+    def __init__(self, pick: Pick, begin: Instant, window: float, within: float = AT_ONCE) -> None:
+        self.pick, self.begin, self.window, self.within = pick, begin, window, within
+
+    def __call__(self, rows: Integers, values: Floats) -> tuple[Points, Flags]:
+        """Points among rows of the event log, and which rows are open contacts."""
+        points, open_ = self.pick(rows, values)
+        return behind_start(points, self.begin, self.window, self.within), open_
+
+    def is_own(self, row: Integers) -> bool:
+        """Whether a row would not be there without the section."""
+        return self.pick.is_own(row)
+
+
+def behind_start(points: Points, begin: Instant, window: float, within: float = AT_ONCE) -> Points:
+    """Points without those that are the start up to rounding, from which a motion goes on.
+
+    ``within`` is the part of a window up to which they are.
+    """
+    since = (points.number - begin.number) * window + (points.phase - begin.phase)
+    late = since > within * window
+    return points if late.all() else some_points(points, np.flatnonzero(late))
 
 
 def event_names(system: System) -> set[str]:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from nonsmooth.analysis.section_rows import event_names
-from nonsmooth.analysis.section_search import Limits
 from nonsmooth.engine.layout import Tables
 from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.maps.section_rows import event_names
+from nonsmooth.maps.section_search import Limits
 from nonsmooth.simulation.clock import Instant, instants
 from nonsmooth.simulation.options import check_signals, finite_number
 from nonsmooth.system.grammar import is_name

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from nonsmooth.analysis.section_search import PATIENCE, Points, Search
 from nonsmooth.engine.layout import Tables
 from nonsmooth.engine.status import CURES, Status
+from nonsmooth.maps.section_search import PATIENCE, Search, joined_points
 from nonsmooth.simulation.labels import labels_of
 from nonsmooth.simulation.outputs import Clock, output_values
 from nonsmooth.system.system import System
@@ -25,7 +25,7 @@ def section_dataset(
 ) -> xr.Dataset:
     """Dataset over ``point`` from what a search has found."""
     labels = labels_of(system)
-    points = _joined(found, len(system.states))
+    points = joined_points(found.parts, len(system.states))
     side = 0 if protocol["side"] == "before" else 1
     states, modes = points.states[side].T.copy(), points.modes[side]
     clock = Clock(points.number, points.phase, tables)
@@ -48,29 +48,6 @@ def section_dataset(
         words = {"long_name": "time since the period began"}
         coords["phase"] = ("point", points.phase, words)
     return xr.Dataset(variables, coords, _attributes(system, tables, found, protocol))
-
-
-def _joined(found: Search, n: int) -> Points:
-    """Points of all parts, one after the other."""
-    empty = Points(
-        np.zeros(0, np.int64),
-        np.zeros(0, np.int64),
-        np.zeros(0),
-        np.zeros((2, 0), np.int64),
-        np.zeros((2, 0, n)),
-        np.zeros(0, np.int64),
-        np.zeros(0, bool),
-    )
-    parts = [empty, *found.parts]
-    return Points(
-        np.concatenate([part.row for part in parts]),
-        np.concatenate([part.number for part in parts]),
-        np.concatenate([part.phase for part in parts]),
-        np.concatenate([part.modes for part in parts], axis=1),
-        np.concatenate([part.states for part in parts], axis=1),
-        np.concatenate([part.direction for part in parts]),
-        np.concatenate([part.certified for part in parts]),
-    )
 
 
 def _attributes(

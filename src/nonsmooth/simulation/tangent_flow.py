@@ -74,11 +74,13 @@ class TangentFlow:
         `NoMode` where the mode does not fit.
         """
         whole = allocate_columns(self.tables.sizes, self.n, 1)
+        whole.columns[:, : self.n] = np.eye(self.n)  # also where parameters are taken as changed
         self.anchor.place[0], self.anchor.phase[0] = begin
         self.anchor.state[:] = state
         status = self._run(begin, mode, whole, one_event=False)
         if status == Status.INADMISSIBLE and self._many.cursor[at.EVENTS] == 0:
             raise NoMode(self.segment.z.copy())
+        self.passed_at_start = self.n_events > 0 and bool(self.last_event[at.PASSES] > 0)
         self.n_events = self.n_impacts = 0  # the start is none
         self.first_columns = whole.columns[:, : self.n].copy()
         return status
@@ -106,7 +108,24 @@ class TangentFlow:
     @property
     def columns_at_end(self) -> Matrix:
         """Columns at the instant to which the last piece was asked to run."""
-        return self._tangent.samples[0]
+        columns: Matrix = self._tangent.samples[0]
+        return columns
+
+    @property
+    def columns_before_event(self) -> Matrix:
+        """Columns just before the last event, at its time."""
+        return self._tangent.now[:, : self.n]
+
+    @property
+    def time_shifts(self) -> Matrix:
+        """How much earlier the last event comes, by each column."""
+        return self._tangent.shifts[: self.n]
+
+    @property
+    def last_rows(self) -> tuple[npt.NDArray[np.int64], Matrix]:
+        """Rows of the event log of the last piece, run with ``one_event``; numbers and values."""
+        count = int(self._one.cursor[at.EVENTS])
+        return self._one.event_integers[:count], self._one.event_floats[:count]
 
     def set_columns(self, columns: Matrix) -> None:
         """Exchange the columns at the anchor; those that are not given are zero."""

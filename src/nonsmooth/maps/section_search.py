@@ -16,14 +16,27 @@ from nonsmooth.simulation.progress import Progress
 from nonsmooth.simulation.runner import NoMode, Outcome, run_plan
 from nonsmooth.simulation.start import Start
 
-__all__ = ["PATIENCE", "Limits", "Pick", "Points", "Search", "search", "to_begin"]
+__all__ = [
+    "FIRST_PART",
+    "NO_SAMPLES",
+    "PATIENCE",
+    "Limits",
+    "Pick",
+    "Points",
+    "Search",
+    "joined_points",
+    "length_of_next",
+    "search",
+    "some_points",
+    "to_begin",
+]
 
 PATIENCE = 10_000  # windows without a point after which the search is given up
-_FIRST_PART = 8  # windows of the first part
+FIRST_PART = 8  # windows of the first part
 _MOST_EVENTS = 200_000  # that a part should have
 _SPARE = 1.1  # points come unevenly
 _STUCK = (Status.UNDECIDED, Status.STEP_LIMIT, Status.EVENT_LIMIT)
-_NO_SAMPLES = np.zeros(0, np.int64), np.zeros(0)
+NO_SAMPLES = np.zeros(0, np.int64), np.zeros(0)
 
 
 @dataclass(frozen=True)
@@ -86,7 +99,7 @@ def search(tables: Tables, start: Start, limits: Limits, tolerance: float, pick:
         found.status, found.instant = outcome.status, outcome.end
         found.n_uncertain = outcome.n_uncertain
         waited = windows = n_events = 0
-        length = _FIRST_PART
+        length = FIRST_PART
         with Progress("section", limits.record) as progress:
             while found.status == Status.COMPLETED and found.n_points < limits.record:
                 stop = Instant(found.instant.number + length, found.instant.phase)
@@ -102,7 +115,7 @@ def search(tables: Tables, start: Start, limits: Limits, tolerance: float, pick:
                 windows += length
                 n_events += outcome.n_events
                 waited = 0 if count else waited + length
-                length = _length_of_next(found.n_points, n_events, windows, length, limits.record)
+                length = length_of_next(found.n_points, n_events, windows, length, limits.record)
                 progress.update(found.n_points)
     except KeyboardInterrupt:
         found.status = Status.INTERRUPTED
@@ -120,7 +133,7 @@ def _take(found: Search, outcome: Outcome, record: int, pick: Pick) -> int:
         if outcome.status in _STUCK and len(rows):
             found.at_rest = pick.is_own(rows[-1]) and not rows[-1, at.IS_CERTIFIED]
     else:  # what lies behind the last point is not looked at, however far the part went
-        points = _first(points, wanted)
+        points = some_points(points, slice(wanted))
         last = int(points.row[-1]) + 1
         found.status = Status.COMPLETED
         found.instant = Instant(int(points.number[-1]), float(points.phase[-1]))
@@ -134,7 +147,7 @@ def _take(found: Search, outcome: Outcome, record: int, pick: Pick) -> int:
 
 def to_begin(tables: Tables, start: Start, begin: Instant, tolerance: float) -> Outcome:
     """Run to where points count from, in the first mode that admits the start."""
-    plan = Plan(begin, *_NO_SAMPLES)
+    plan = Plan(begin, *NO_SAMPLES)
     for mode in start.modes:
         try:
             return run_plan(
@@ -153,12 +166,12 @@ def to_begin(tables: Tables, start: Start, begin: Instant, tolerance: float) -> 
 
 
 def _next_part(tables: Tables, before: Outcome, stop: Instant, tolerance: float) -> Outcome:
-    plan = Plan(stop, *_NO_SAMPLES)
+    plan = Plan(stop, *NO_SAMPLES)
     state = before.records.end_state
     return run_plan(tables, plan, tolerance, anchor=before.anchor, state=state, begin=before.end)
 
 
-def _length_of_next(n_points: int, n_events: int, windows: int, length: int, record: int) -> int:
+def length_of_next(n_points: int, n_events: int, windows: int, length: int, record: int) -> int:
     """Windows of the next part: enough for the rest, as far as the points so far tell."""
     most = min(4 * length, PATIENCE)
     if n_points:
@@ -168,13 +181,37 @@ def _length_of_next(n_points: int, n_events: int, windows: int, length: int, rec
     return max(most, 1)
 
 
-def _first(points: Points, count: int) -> Points:
+def some_points(points: Points, chosen: slice | npt.NDArray[np.int64]) -> Points:
+    """Some of the points."""
     return Points(
-        points.row[:count],
-        points.number[:count],
-        points.phase[:count],
-        points.modes[:, :count],
-        points.states[:, :count],
-        points.direction[:count],
-        points.certified[:count],
+        points.row[chosen],
+        points.number[chosen],
+        points.phase[chosen],
+        points.modes[:, chosen],
+        points.states[:, chosen],
+        points.direction[chosen],
+        points.certified[chosen],
+    )
+
+
+def joined_points(parts: list[Points], n: int) -> Points:
+    """Points of all parts, one after the other, of n states; rows stay those of the parts."""
+    empty = Points(
+        np.zeros(0, np.int64),
+        np.zeros(0, np.int64),
+        np.zeros(0),
+        np.zeros((2, 0), np.int64),
+        np.zeros((2, 0, n)),
+        np.zeros(0, np.int64),
+        np.zeros(0, bool),
+    )
+    parts = [empty, *parts]
+    return Points(
+        np.concatenate([part.row for part in parts]),
+        np.concatenate([part.number for part in parts]),
+        np.concatenate([part.phase for part in parts]),
+        np.concatenate([part.modes for part in parts], axis=1),
+        np.concatenate([part.states for part in parts], axis=1),
+        np.concatenate([part.direction for part in parts]),
+        np.concatenate([part.certified for part in parts]),
     )

@@ -1,0 +1,158 @@
+"""Which attractors a system has in a region."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from nonsmooth.analysis.attractor import renumbered
+from nonsmooth.analysis.attractor_dataset import attractor_variables, common_attributes
+from nonsmooth.analysis.attractor_options import read_search
+from nonsmooth.analysis.attractor_search import ENDED, UNSETTLED
+from nonsmooth.analysis.attractor_words import with_words
+from nonsmooth.analysis.found_attractors import find_attractors
+from nonsmooth.analysis.region import read_box
+from nonsmooth.maps.of_system import map_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["attractors"]
+
+
+def attractors(
+    system: Any,
+    region: Mapping[str, Any],
+    *,
+    completion: Mapping[str, float | str] | None = None,
+    samples: int = 1000,
+    seed: int = 0,
+    cells: int = 64,
+    longest: int = 10_000,
+    record: int = 20_000,
+    match: float = 1e-6,
+    parameters: Mapping[str, float] | None = None,
+    tolerance: float = 1e-12,
+) -> xr.Dataset:
+    """Find the attractors of a region without knowing them before.
+
+    Starts drawn evenly from the region run until each has come to an attractor: one that is known
+    already, or a new one, told by the motion's own recurrences. Cycles are refined by Newton's
+    method on the exact map, with their multipliers.
+
+    Parameters
+    ----------
+    system : System or map
+        A system with a period, for its stroboscopic map, or a `StroboscopicMap` or `PoincareMap`.
+    region : mapping of str to (float, float)
+        For some states the range from which starts are drawn.
+    completion : mapping of str to float or str, optional
+        The other states: numbers, or expressions of the states of the region and of parameters,
+        such as ``{"q": "max(0, p - g)"}``. Those not given are at rest.
+    samples : int, optional
+        Number of admissible starts. An attractor whose basin has the share b of the region is
+        missed by random starts with probability (1 - b)**samples.
+    seed : int, optional
+        Of the scrambled Sobol sequence from which starts are drawn.
+    cells : int, optional
+        Cells across the spread of each state by which recurrences are told. Attractors that are
+        closer to each other than a cell, and no cycles, are not told apart.
+    longest : int, optional
+        Iterates after which a start that has come to nothing is left unsettled.
+    record : int, optional
+        Iterates of an attractor that does not repeat: so long it must stay without a period or
+        another attractor, and its points are kept.
+    match : float, optional
+        Points repeat that agree to this part of the spread of each state; what repeats is refined.
+    parameters : mapping of str to float, optional
+        Changed values of parameters.
+    tolerance : float, optional
+        As in `simulate`.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``attractor``, numbered from 1: ``kind`` ("periodic", "chaotic" where the largest
+        ``exponent`` per iterate is above three of its standard errors, else "aperiodic"),
+        ``period`` in iterates, ``points``
+        (over ``point`` and ``state``, nan behind the last one), ``multiplier_real`` and
+        ``multiplier_imag``, the ``residual`` of the cycle beside the spread, ``word``, ``fraction``
+        of the starts with its standard error, drift per iterate such as ``v_per_iterate``.
+        The attributes tell how many starts were unsettled, ended early or were inadmissible.
+
+    Raises
+    ------
+    OptionError
+        For an unknown state, an empty range, a region without admissible starts.
+
+    See Also
+    --------
+    basins_of_attraction : the attractor of every cell of a grid.
+    regime : one motion in more detail.
+
+    Notes
+    -----
+    A lane recurs when at most 5 of its last 100 images lie in cells where it has not been before
+    (G. Datseris and A. Wagemakers, Chaos 32, 023104, 2022). Its motion is then looked at: where
+    points repeat, Newton's method finds the cycle, and trial starts at radii from 0.02 of the
+    spread down tell a ball around its points from which motions converge. Later lanes belong to it
+    when they enter three of these balls in order. A motion that does not repeat in ``record``
+    iterates is a set; lanes belong to it after 100 visits to its cells, of which each miss takes
+    back ten. Sets that share half of their cells are one attractor. Longer transients than
+    ``record`` are taken for attractors.
+
+    References
+    ----------
+    G. Datseris and A. Wagemakers, Effortless estimation of basins of attraction, Chaos 32, 023104
+    (2022).
+
+    Examples
+    --------
+    An oscillator with a soft stop has one motion, or several:
+
+    >>> import nonsmooth as ns
+    >>> found = ns.attractors(
+    ...     ns.models.soft_impact(omega=0.85), {"x": (-2, 2), "v": (-2, 2)}, samples=50
+    ... )
+    >>> found["kind"].values.tolist(), found["period"].values.tolist()
+    (['periodic'], [1])
+    """
+    chosen = map_of(system, parameters, tolerance, "attractors", states_only=True)
+    box = read_box(chosen.system, region, completion)
+    how = read_search(samples, seed, cells, longest, record, match, tolerance)
+    found = find_attractors(chosen, box, how)
+    order, label = renumbered(found.known.attractors, found.settled.label)
+    order = with_words(chosen, order, tolerance)
+    variables, coords = attractor_variables(chosen.system, order, label)
+    import xarray as xr
+
+    counts = {
+        "drawn_starts": found.drawn,
+        "unsettled_starts": int(np.sum(label == UNSETTLED)),
+        "ended_starts": int(np.sum(label == ENDED)),
+    }
+    options = {
+        **{f"region_{name}": str((low, high)) for name, low, high in zip(
+            box.completion.given, box.low.tolist(), box.high.tolist(), strict=True)},
+        "completion": str(dict(box.completion.texts)),
+        **chosen.protocol,
+        **how.options,
+        "changed_parameters": str(dict(parameters)) if parameters else "",
+        **counts,
+    }  # fmt: skip
+    status = "completed" if found.complete else "interrupted"
+    message = _message(counts, found.complete)
+    return xr.Dataset(variables, coords, common_attributes(chosen.system, status, message, options))
+
+
+def _message(counts: dict[str, int], complete: bool) -> str:
+    if not complete:
+        return "interrupted by the user; the attractors found until then are kept"
+    if counts["unsettled_starts"]:
+        return (
+            f"{counts['unsettled_starts']} starts came to no attractor in the longest time;"
+            " raise longest="
+        )
+    return "completed"

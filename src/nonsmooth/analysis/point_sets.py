@@ -1,0 +1,108 @@
+"""A set of points out of whatever holds one: an array, points of a map, an attractor."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.simulation.options import whole_number
+from nonsmooth.system.system import System
+from nonsmooth.version import __version__
+
+__all__ = ["Points", "points_of", "scaled"]
+
+_CONSTANT = 1e-9  # of the size of a coordinate, an extent that is rounding
+
+Points = npt.NDArray[np.float64]
+
+
+def points_of(
+    data: Any, attractor: int | None, states: Sequence[str] | None
+) -> tuple[Points, dict[str, Any]]:
+    """Points (K, n) that are finite, in order of time, and attributes that say whence."""
+    attrs: dict[str, Any] = {"nonsmooth_version": __version__}
+    if isinstance(data, xr.Dataset):
+        attrs |= {key: data.attrs[key] for key in ("system", "system_name") if key in data.attrs}
+        if "points" in data:
+            values = _of_attractor(data, attractor, states)
+        else:
+            values = _of_states(data, states)
+    elif states is not None or attractor is not None:
+        raise OptionError("states= and attractor= choose from a dataset; leave them out")
+    else:
+        values = data.values if isinstance(data, xr.DataArray) else data
+    try:
+        numbers = np.asarray(values, dtype=float)
+    except (TypeError, ValueError):
+        raise OptionError(f"points = {data!r:.60}: give a dataset or an array (K, n)") from None
+    if numbers.ndim == 1:
+        numbers = numbers[:, None]
+    if numbers.ndim != 2 or numbers.size == 0:
+        raise OptionError(
+            f"points: an array of {numbers.ndim} dimensions with {numbers.size} values came; one"
+            " row per point is needed"
+        )
+    numbers = numbers[:, ~np.isnan(numbers).all(axis=0)]
+    return numbers[np.isfinite(numbers).all(axis=1)], attrs
+
+
+def scaled(points: Points) -> Points:
+    """Points with every coordinate from 0 to 1; those that are constant are left out."""
+    low, extent = points.min(axis=0), np.ptp(points, axis=0)
+    varies = extent > _CONSTANT * np.abs(points).max(axis=0)
+    result: Points = (points[:, varies] - low[varies]) / extent[varies]
+    return result
+
+
+def _of_attractor(data: xr.Dataset, attractor: int | None, states: Any) -> Any:
+    known = data["attractor"].values.tolist()
+    if attractor is None:
+        if len(known) != 1:
+            raise OptionError(f"attractor= is needed; the dataset has {len(known)} of them")
+        attractor = known[0]
+    if whole_number("attractor", attractor) not in known:
+        raise OptionError(
+            f"attractor = {attractor}: the dataset has {', '.join(map(str, known)) or 'none'}"
+        )
+    chosen = data["points"].sel(attractor=attractor).transpose("point", "state")
+    names = [str(name) for name in chosen["state"].values]
+    names = _without_drift(data, names) if states is None else _check_names(states, names)
+    return chosen.sel(state=names).values
+
+
+def _of_states(data: xr.Dataset, states: Any) -> Any:
+    known = [
+        str(name)
+        for name, values in data.data_vars.items()
+        if values.ndim == 1 and values.dtype.kind == "f"
+    ]
+    if not known:
+        raise OptionError("the dataset holds no points: no variable has one dimension")
+    names = _without_drift(data, known) if states is None else _check_names(states, known)
+    dims = {data[name].dims for name in names}
+    if len(dims) != 1:
+        raise OptionError(f"states = {names!r:.80} are not over the same points")
+    return np.stack([data[name].values for name in names], axis=1)
+
+
+def _without_drift(data: xr.Dataset, names: list[str]) -> list[str]:
+    """States among the names: outputs tell nothing new, and a drift has no end."""
+    if "system" not in data.attrs:
+        return names
+    system = System.from_toml(data.attrs["system"])
+    return [name for name in system.states if name in names and name not in system.drift_states]
+
+
+def _check_names(states: Any, known: list[str]) -> list[str]:
+    names = [states] if isinstance(states, str) else list(states)
+    for name in names:
+        if name not in known:
+            raise OptionError(f"states: {unknown_name('state', str(name), known)}")
+    if not names:
+        raise OptionError(f"states= is empty; name some of {', '.join(known)}")
+    return names

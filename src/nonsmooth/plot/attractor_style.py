@@ -1,0 +1,154 @@
+"""How attractors look: one hue each, pale for the basin and dark for the points."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.plot.style import PALETTE, axis_label, mixed
+from nonsmooth.simulation.labels import labels_of
+from nonsmooth.system.system import System
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+
+__all__ = [
+    "ENDED_EARLY",
+    "INADMISSIBLE",
+    "NOT_COMPUTED",
+    "UNSETTLED",
+    "AttractorStyle",
+    "attractor_points",
+    "attractor_styles",
+    "check_states",
+    "draw_points",
+    "percent",
+    "state_label",
+]
+
+UNSETTLED, ENDED_EARLY, INADMISSIBLE, NOT_COMPUTED = "#FFFFFF", "#5A5A5A", "#D4D4D4", "#A8A8A8"
+
+# Twentieths of white in a basin and of black in its points, for the first seven attractors, the
+# next seven, ...; further ones begin anew.
+_SHADES = ((11, 8), (5, 13), (15, 2))
+_SHAPES = "osD^v<>pPX"
+_DENSE = 20_000  # points that are drawn as curves in a PDF
+
+
+class AttractorStyle(NamedTuple):
+    """Colours and marker of one attractor, and what a legend says of it."""
+
+    basin: str
+    points: str
+    marker: str
+    size: float
+    text: str
+
+
+def attractor_styles(data: xr.Dataset, numbers: Sequence[int]) -> dict[int, AttractorStyle]:
+    """Styles by number; the marker tells the period, dots are motion without one."""
+    hues = list(PALETTE.values())
+    styles = {}
+    for number in numbers:
+        round_, hue = divmod(number - 1, len(hues))
+        white, black = _SHADES[round_ % len(_SHADES)]
+        period = _one(data, "period", number)
+        periodic = period is not None and int(period) > 0
+        shape = _SHAPES[(int(period) - 1) % len(_SHAPES)] if periodic else "."
+        styles[number] = AttractorStyle(
+            mixed(hues[hue], 255, white),
+            mixed(hues[hue], 0, black),
+            shape,
+            4.0 if periodic else 1.6,
+            _text(data, number, int(period) if periodic else None),
+        )
+    return styles
+
+
+def attractor_points(data: xr.Dataset, number: int, x: str, y: str) -> tuple[Any, Any]:
+    """Points of an attractor in two states; none where a coordinate is missing."""
+    if "points" not in data or "attractor" not in data.coords:
+        return np.empty(0), np.empty(0)
+    known = data["state"].values.tolist()
+    if number not in data["attractor"].values or x not in known or y not in known:
+        return np.empty(0), np.empty(0)
+    chosen = data["points"].sel(attractor=number)
+    across, up = chosen.sel(state=x).values, chosen.sel(state=y).values
+    there = np.isfinite(across) & np.isfinite(up)
+    return across[there], up[there]
+
+
+def draw_points(ax: Axes, across: Any, up: Any, style: AttractorStyle, **options: Any) -> None:
+    """Draw points so that they stand out before any basin."""
+    dots = style.marker == "."
+    ax.plot(
+        across,
+        up,
+        linestyle="none",
+        marker="o" if dots else style.marker,
+        markersize=min(style.size, 1.0) if dots and len(across) > 2_000 else style.size,
+        markerfacecolor=style.points,
+        markeredgecolor=style.points if dots else "white",
+        markeredgewidth=0.0 if dots else 0.5,
+        rasterized=len(across) > _DENSE,
+        **{"zorder": 3} | options,
+    )
+
+
+def state_label(data: xr.Dataset, name: str) -> str:
+    """Label of a state: from the coordinate of that name, or from the system."""
+    if name in data.coords and {"long_name", "units"} & set(data[name].attrs):
+        return axis_label(data[name])
+    if "system" in data.attrs:
+        import xarray as xr
+
+        system = System.from_toml(data.attrs["system"])
+        if name in system.states:
+            texts = labels_of(system).attributes(name)
+            return axis_label(xr.DataArray(0.0, name=name, attrs=texts))
+    return name
+
+
+def check_states(data: xr.Dataset, x: str | None, y: str | None) -> tuple[str, str]:
+    """Two states to draw: those named, else the first two with points that do not drift."""
+    if "points" not in data or "attractor" not in data.dims or "state" not in data.coords:
+        raise OptionError(
+            "the dataset has no points of attractors; give a result of attractors or of"
+            " basins_of_attraction"
+        )
+    known = [str(name) for name in data["state"].values]
+    drift = System.from_toml(data.attrs["system"]).drift_states if "system" in data.attrs else ()
+    there = [n for n in known if np.isfinite(data["points"].sel(state=n)).any() and n not in drift]
+    finite = there or known
+    chosen = [finite[0] if x is None else x, finite[min(1, len(finite) - 1)] if y is None else y]
+    for name in chosen:
+        if name not in known:
+            raise OptionError(unknown_name("state", str(name), known))
+    return chosen[0], chosen[1]
+
+
+def _text(data: xr.Dataset, number: int, period: int | None) -> str:
+    kind = _one(data, "kind", number)
+    what = f"period {period}" if period else str(kind or "")
+    share = _one(data, "fraction", number)
+    size = "" if share is None or not np.isfinite(share) else percent(float(share))
+    text = ", ".join(part for part in (what, size) if part)
+    return f"{number}: {text}" if text else f"{number}"
+
+
+def percent(share: float) -> str:
+    """Share in percent, with one digit more where it is small."""
+    return f"{100.0 * share:.{1 if share >= 0.0095 else 2}f} %"
+
+
+def _one(data: xr.Dataset, name: str, number: int) -> Any:
+    """Value of a variable for one attractor; None where there is no such thing."""
+    if name not in data or "attractor" not in data.coords:
+        return None
+    if data[name].dims != ("attractor",) or number not in data["attractor"].values:
+        return None
+    return data[name].sel(attractor=number).item()

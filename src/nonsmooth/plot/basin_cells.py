@@ -1,0 +1,194 @@
+"""`basins`: which starts lead to which attractor, in a plane of two states."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.errors import OptionError
+from nonsmooth.plot.attractor_key import attractor_entry, make_room, place_key
+from nonsmooth.plot.attractor_style import (
+    ENDED_EARLY,
+    INADMISSIBLE,
+    NOT_COMPUTED,
+    UNSETTLED,
+    AttractorStyle,
+    attractor_points,
+    attractor_styles,
+    draw_points,
+    percent,
+    state_label,
+)
+from nonsmooth.plot.figures import new_axes
+from nonsmooth.plot.style import finish_axes
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+
+__all__ = ["basins"]
+
+_OTHERS = {
+    0: (UNSETTLED, "unsettled"),
+    -1: (ENDED_EARLY, "ended early"),
+    -2: (INADMISSIBLE, "inadmissible"),
+    -3: (NOT_COMPUTED, "not computed"),
+}
+_EVEN = 1e-6  # of a step, between cells that count as equally wide
+
+
+def basins(
+    data: xr.Dataset,
+    *,
+    ax: Axes | None = None,
+    attractors: bool = True,
+    legend: bool = True,
+) -> Axes:
+    """Basins of attraction in pale colours, the attractors in them in dark ones.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Result of `basins_of_attraction`.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw; new axes of a column's width by default.
+    attractors : bool, optional
+        Whether to draw the points of the attractors. Their markers tell periods apart: circles
+        are of period one, squares of period two; dots are motion without a period.
+    legend : bool, optional
+        Whether to draw a legend with the kind of each attractor and the fraction of the starts
+        that lead to it.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes, with one image. Unsettled starts are white, those that ended early dark grey,
+        inadmissible ones light grey, those that an interruption left out grey.
+
+    Raises
+    ------
+    OptionError
+        For a dataset without labels in two dimensions.
+
+    Notes
+    -----
+    Cells are an image also within a PDF. Seven hues serve as many attractors, and further ones in
+    other shades; from the twenty-second on colours repeat.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import xarray as xr
+    >>> import nonsmooth as ns
+    >>> label = np.where(np.arange(20) < 8, 1, 2) * np.ones((10, 1), int)
+    >>> data = xr.Dataset(
+    ...     {"label": (("y", "p"), label)}, {"p": np.arange(20.0), "y": np.arange(10.0)}
+    ... )
+    >>> ax = ns.plot.basins(data)
+    >>> ax.get_xlabel(), [text.get_text() for text in ax.get_legend().get_texts()]
+    ('p', ['1: 40.0 %', '2: 60.0 %'])
+    """
+    if "label" not in data or data["label"].ndim != 2:
+        raise OptionError(
+            "the dataset has no 'label' over two states; give a result of basins_of_attraction"
+        )
+    up, across = (str(name) for name in data["label"].dims)
+    labels = data["label"].values.astype(int)
+    data = _with_fractions(data, labels)
+    numbers = sorted({int(k) for k in np.unique(labels) if k > 0} | _known(data))
+    styles = attractor_styles(data, numbers)
+    entries = _entries(styles, labels) if legend else []
+    if ax is None:
+        ax = new_axes()
+        make_room(ax, entries)
+    colours = {k: colour for k, (colour, _) in _OTHERS.items()}
+    colours |= {number: style.basin for number, style in styles.items()}
+    _draw_cells(ax, labels, colours, _edges(data, across), _edges(data, up))
+    if attractors:
+        for number, style in styles.items():
+            draw_points(ax, *attractor_points(data, number, across, up), style)
+    finish_axes(ax, state_label(data, across), state_label(data, up))
+    place_key(ax, entries)
+    return ax
+
+
+def _known(data: xr.Dataset) -> set[int]:
+    """Attractors of the dataset, also those to which no start leads."""
+    return {int(k) for k in data["attractor"].values} if "attractor" in data.coords else set()
+
+
+def _with_fractions(data: xr.Dataset, labels: npt.NDArray[np.int_]) -> xr.Dataset:
+    """The same with the fraction of the admissible cells, where the dataset has none."""
+    if "fraction" in data:
+        return data
+    numbers = sorted({int(k) for k in np.unique(labels) if k > 0} | _known(data))
+    total = max(1, int(np.count_nonzero(labels > -2)))
+    share = np.array([np.count_nonzero(labels == k) for k in numbers]) / total
+    if _known(data) != set(numbers):  # labels of unknown attractors have no points either
+        data = data[["label"]].drop_vars("attractor", errors="ignore")
+        data = data.assign_coords(attractor=numbers)
+    share = share[[numbers.index(int(k)) for k in data["attractor"].values]]
+    return data.assign(fraction=("attractor", share))
+
+
+def _draw_cells(
+    ax: Axes,
+    labels: npt.NDArray[np.int_],
+    colours: dict[int, str],
+    across: npt.NDArray[np.float64],
+    up: npt.NDArray[np.float64],
+) -> None:
+    from matplotlib.colors import ListedColormap
+
+    order = sorted(set(colours) | {int(k) for k in np.unique(labels)})
+    places = np.searchsorted(order, labels)
+    # labels that mean nothing to us look like unsettled ones
+    kinds: Any = {
+        "cmap": ListedColormap([colours.get(k, UNSETTLED) for k in order]),
+        "vmin": -0.5,
+        "vmax": len(order) - 0.5,
+        "rasterized": True,
+    }
+    if _even(across) and _even(up):
+        extent = (across[0], across[-1], up[0], up[-1])
+        ax.imshow(
+            places, origin="lower", extent=extent, aspect="auto", interpolation="nearest", **kinds
+        )
+    else:
+        ax.pcolormesh(across, up, places, **kinds)
+    ax.set_xlim(across[0], across[-1])
+    ax.set_ylim(up[0], up[-1])
+    ax.autoscale(False)  # attractors outside the region stay outside the picture
+
+
+def _edges(data: xr.Dataset, name: str) -> npt.NDArray[np.float64]:
+    """Edges of the cells around the grid values."""
+    if name in data.coords:
+        values = np.asarray(data[name].values, float)
+    else:
+        values = np.arange(data.sizes[name], dtype=float)
+    if values.size == 1:
+        return np.array([values[0] - 0.5, values[0] + 0.5])
+    middle = (values[1:] + values[:-1]) / 2.0
+    return np.concatenate([[2 * values[0] - middle[0]], middle, [2 * values[-1] - middle[-1]]])
+
+
+def _even(edges: npt.NDArray[np.float64]) -> bool:
+    steps = np.diff(edges)
+    return bool(np.ptp(steps) <= _EVEN * abs(steps.mean()))
+
+
+def _entries(styles: dict[int, AttractorStyle], labels: npt.NDArray[np.int_]) -> list[Any]:
+    """Entries of the key: attractors with their basins, then what is no basin."""
+    from matplotlib.patches import Patch
+
+    entries: list[Any] = [attractor_entry(style, basin=True) for style in styles.values()]
+    for k, (colour, text) in _OTHERS.items():
+        count = int(np.count_nonzero(labels == k))
+        if count and k > -2:
+            text += f", {percent(count / np.count_nonzero(labels > -2))}"
+        if count:
+            entries.append(Patch(facecolor=colour, edgecolor="0.4", linewidth=0.5, label=text))
+    return entries

@@ -1,0 +1,174 @@
+"""Attractors against closed forms and an independent iteration."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import nonsmooth as ns
+from analysis.wells import forced_wells, narrow_well, runaway
+
+SQUARE = {"x": (-2.0, 2.0), "y": (-2.0, 2.0)}
+
+
+def _steady(omega: float, zeta: float) -> tuple[float, float]:
+    """x and v at t = 0 of x'' + 2 zeta x' + x = cos(omega t) in its steady state."""
+    response = 1.0 / (1.0 - omega**2 + 2j * zeta * omega)
+    return response.real, (1j * omega * response).real
+
+
+def test_a_linear_oscillator_has_its_steady_state() -> None:
+    zeta, omega = 0.05, 0.7
+    linear = ns.System(
+        states=["x", "v"],
+        parameters={"zeta": zeta, "omega": omega},
+        period="2*pi/omega",
+        equations={"x": "v", "v": "cos(omega*t) - 2*zeta*v - x"},
+    )
+    found = ns.attractors(linear, {"x": (-2, 2), "v": (-2, 2)}, samples=64)
+    assert found["period"].values.tolist() == [1]
+    assert found["points"].values[0, 0] == pytest.approx(_steady(omega, zeta), abs=1e-12)
+    root = np.exp((-zeta + 1j * np.sqrt(1 - zeta**2)) * 2 * np.pi / omega)
+    multipliers = found["multiplier_real"].values[0] + 1j * found["multiplier_imag"].values[0]
+    assert sorted(multipliers, key=np.imag) == pytest.approx([root.conjugate(), root], abs=1e-12)
+    assert float(found["residual"][0]) < 1e-12
+    assert found["fraction"].values.tolist() == [1.0]
+
+
+def test_two_wells() -> None:
+    found = ns.attractors(forced_wells(), SQUARE, samples=256)
+    assert found["period"].values.tolist() == [1, 1]
+    # s = +-1, d = 2/5 at t = 0
+    expected = [[(s + 0.4) / 2, (s - 0.4) / 2] for s in (-1.0, 1.0)]
+    assert found["points"].values[:, 0] == pytest.approx(np.array(expected), abs=1e-12)
+    multipliers = np.abs(found["multiplier_real"].values)
+    decay = np.exp([-2 * np.pi, -4 * np.pi])
+    assert multipliers == pytest.approx(np.array([decay, decay]), abs=1e-13)
+    # half of an even sequence of points, each side of the diagonal
+    assert found["fraction"].values == pytest.approx([0.5, 0.5], abs=0.02)
+
+
+def test_a_forcing_with_half_the_frequency_gives_period_two() -> None:
+    """x' = -x + cos(t/2) strobed at 2 pi."""
+    slow = ns.System(states=["x"], period="4*pi", equations={"x": "-x + cos(t/2)"}, name="half")
+    strobe = ns.StroboscopicMap(slow, period="2*pi")
+    found = ns.attractors(strobe, {"x": (-3, 3)}, samples=16)
+    # x = (cos(t/2) + sin(t/2)/2)/(1 + 1/4)
+    assert found["period"].values.tolist() == [2]
+    assert found["points"].values[0, :, 0] == pytest.approx([-0.8, 0.8], abs=1e-12)
+
+
+def test_starts_that_end_early_are_counted() -> None:
+    found = ns.attractors(runaway(), {"x": (-2, 2), "y": (-1, 1)}, samples=256)
+    assert found["period"].values.tolist() == [1]
+    ended = found.attrs["ended_starts"]
+    assert found["fraction"].values[0] == pytest.approx(0.5, abs=0.02)
+    assert ended + found["fraction"].values[0] * 256 == pytest.approx(256)
+
+
+def test_the_chance_to_miss_a_small_basin_is_as_documented() -> None:
+    """One per cent of the region: found by 1000 starts, (1 - 0.01)**1000 = 4e-5."""
+    found = ns.attractors(narrow_well(0.02), SQUARE, samples=1000)
+    points = found["points"].values[:, 0, 0]
+    assert points == pytest.approx([0.0, 0.4, 1.0], abs=1e-12)
+    assert float(found["fraction"][1]) == pytest.approx(0.01, abs=0.003)
+
+
+def test_the_seed_changes_the_starts_and_not_the_attractors() -> None:
+    mole = ns.models.moling(a=0.3, b=0.1, xi=0.1, omega=1.45)
+    box, rest = {"p": (-3, 1), "y": (-1, 1)}, {"q": "max(0, p - g)"}
+    found = [
+        ns.attractors(mole, box, completion=rest, samples=300, seed=seed, record=4000)
+        for seed in (1, 2)
+    ]
+    assert [one["period"].values.tolist() for one in found] == [[4, 12, 0]] * 2
+    assert found[0]["points"][:2].values == pytest.approx(
+        found[1]["points"][:2].values, abs=1e-9, nan_ok=True
+    )
+    assert found[0]["kind"].values[2] == "chaotic"
+    assert float(found[0]["residual"][:2].max()) < 1e-10
+
+
+def test_cycles_of_the_mole_stay_where_they_are() -> None:
+    """A run from a point of a cycle, by `simulate`, comes back to it."""
+    mole = ns.models.moling(a=0.3, b=0.1, xi=0.1, omega=1.45)
+    found = ns.attractors(
+        mole, {"p": (-3, 1), "y": (-1, 1)}, completion={"q": "max(0, p - g)"}, samples=300,
+        record=2000,
+    )  # fmt: skip
+    cycle = found.sel(attractor=2)
+    start = dict(zip(found["state"].values, cycle["points"].values[0], strict=True))
+    run = ns.simulate(mole, start, periods=12, samples_per_period=1)
+    for name in "pyq":
+        expected = cycle["points"].sel(state=name).values[:12]
+        assert run[name].values[:12] == pytest.approx(expected, abs=1e-10)
+        assert float(run[name][12]) == pytest.approx(expected[0], abs=1e-10)
+
+
+def test_a_return_map_of_an_autonomous_system() -> None:
+    """A relay: x'' = -x - 0.2 x' + sgn(x'), whose only cycle has the amplitude A.
+
+    Half a turn from a maximum: x + 1 = -(A - ...) e^(-0.1 tau), about which 1 is the centre.
+    """
+    relay = ns.System(
+        name="relay", states=["x", "v"], equations={"x": "v", "v": "-x - 0.2*v + sign(v)"}
+    )
+    top = ns.PoincareMap(relay, "v", direction=-1)
+    found = ns.attractors(top, {"x": (1.0, 9.0), "v": (-1.0, 1.0)}, samples=32)
+    decay = np.exp(-0.1 * np.pi / np.sqrt(1 - 0.01))
+    # from a maximum A the way down swings around -1: -A' = -1 - (A + 1) decay; A' = A
+    amplitude = (1 + decay) / (1 - decay)
+    assert found["period"].values.tolist() == [1]
+    assert found["points"].values[0, 0, 0] == pytest.approx(amplitude, rel=1e-11)
+    assert np.abs(found["multiplier_real"].values[0]).max() == pytest.approx(decay**2, rel=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"region": {"z": (0, 1)}}, "'z'"),
+        ({"region": {"x": (1, 1)}}, "empty"),
+        ({"region": {}}, "mapping"),
+        ({"region": {"x": (0, np.nan)}}, "finite"),
+        ({"completion": {"x": 1.0}}, "in the region already"),
+        ({"completion": {"y": "q + 1"}, "region": {"x": (0, 1)}}, "'q'"),
+        ({"completion": {"y": "x +"}, "region": {"x": (0, 1)}}, "completion"),
+        ({"completion": {"y": "rate(x)"}, "region": {"x": (0, 1)}}, "rate"),
+        ({"samples": 0}, "samples"),
+        ({"match": 2.0}, "match"),
+        ({"seed": -1}, "seed"),
+        ({"cells": 0.5}, "cells"),
+        ({"parameters": {"nothing": 1.0}}, "nothing"),
+    ],
+)
+def test_bad_input_is_named(change: dict, message: str) -> None:
+    options = {"region": SQUARE, **change}
+    with pytest.raises((ns.OptionError, ns.ModelError), match=message):
+        ns.attractors(forced_wells(), **options)
+
+
+def test_a_region_that_no_mode_admits() -> None:
+    wall = ns.System(
+        states=["x", "v"],
+        period=1.0,
+        modes={"free": ns.Mode({"x": "v", "v": "-x"}, exits=[ns.Exit("1 - x", reset={"v": "-v"})])},
+    )
+    with pytest.raises(ns.OptionError, match="no mode admits"):
+        ns.attractors(wall, {"x": (2.0, 3.0)}, samples=16)
+
+
+def test_a_system_without_a_period_asks_for_a_map() -> None:
+    still = ns.System(states=["x"], equations={"x": "-x"})
+    with pytest.raises(ns.OptionError, match="period"):
+        ns.attractors(still, {"x": (-1, 1)})
+    found = ns.attractors(ns.StroboscopicMap(still, period=1.0), {"x": (-1, 1)}, samples=8)
+    assert found["points"].values[0, 0, 0] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_results_survive_a_file(tmp_path) -> None:
+    import xarray as xr
+
+    found = ns.attractors(forced_wells(), SQUARE, samples=32)
+    found.to_netcdf(tmp_path / "found.nc", engine="h5netcdf")
+    again = xr.load_dataset(tmp_path / "found.nc", engine="h5netcdf")
+    xr.testing.assert_identical(found, again)
