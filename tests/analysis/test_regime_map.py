@@ -169,7 +169,7 @@ def test_an_interruption_keeps_what_is_done(monkeypatch):
         ({"over": {"w": [1.0], "F": [1.0, np.nan]}}, "finite"),
         ({"over": {"w": [1.0], "F": "abc"}}, "no list of numbers"),
         ({"over": {"w": [1.0], "F": [2.0, 1.0]}}, "must grow"),
-        ({"over": {"w": np.arange(1, 5000), "F": np.arange(1, 5000)}}, "at most"),
+        ({"over": {"w": np.arange(1, 2000), "F": np.arange(1, 2000)}}, "at most"),
         ({"refine": -1}, "refine = -1"),
         ({"refine": 0.5}, "whole number"),
         ({"refine": 9}, "from 0 to 8"),

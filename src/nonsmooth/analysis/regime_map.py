@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 __all__ = ["regime_map"]
 
-_MOST = 10**7  # points
+_MOST = 2 * 10**6  # points; each computed one takes a kilobyte
 _LEVELS = 8
 
 

@@ -96,12 +96,14 @@ class Plane:
         for verdict in self.verdicts.ravel():
             if verdict is not None:
                 examples.setdefault(_key(verdict), verdict)
-        by_number = {number: examples[key] for key, number in self._known.items()}
-        for row, column in places:
-            like = by_number[int(self.keys[row, column])]
-            self.verdicts[row, column] = Verdict(
+        shared = {
+            self._known[key]: Verdict(
                 like.label, "", 0, np.nan, np.full_like(like.drift, np.nan), like.period, like.word
             )
+            for key, like in examples.items()
+        }
+        for row, column in places:
+            self.verdicts[row, column] = shared[int(self.keys[row, column])]
 
     def _task(self, places: Places) -> Callable[[LaneRunner, threading.Event], list[Verdict]]:
         def run(runner: LaneRunner, stop: threading.Event) -> list[Verdict]:
