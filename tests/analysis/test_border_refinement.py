@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from nonsmooth.analysis.border_refinement import UNKNOWN, refine_borders, refined_values
+from nonsmooth.analysis.regimes.border_refinement import UNKNOWN, refine_borders, refined_values
 
 
 def refined(label, shape, levels):

@@ -11,7 +11,6 @@ import xarray as xr
 
 import nonsmooth as ns
 from nonsmooth import Exit, Mode, ModelError, OptionError, System
-from nonsmooth.analysis import ensemble_work
 
 
 def linear():

@@ -9,7 +9,7 @@ import nonsmooth as ns
 from analysis.test_bifurcation_diagram import ball
 from analysis.walls import damped, kicked, rigid_wall, stick_and_slip
 from nonsmooth import Exit, Mode, OptionError, System
-from nonsmooth.analysis.regime_window import cyclic_word
+from nonsmooth.analysis.regimes.window import cyclic_word
 
 
 def label(found) -> str:

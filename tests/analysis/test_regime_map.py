@@ -6,7 +6,7 @@ import xarray as xr
 
 import nonsmooth as ns
 from nonsmooth import Exit, Mode, OptionError, System
-from nonsmooth.analysis.regime_labels import LABELS
+from nonsmooth.analysis.regimes.labels import LABELS
 
 
 def limited(level: float = 1.5) -> System:
@@ -122,7 +122,6 @@ def test_work_that_was_begun_goes_on(tmp_path, monkeypatch):
     removed = sorted(store.rglob("*.npz"))[::2]
     for path in removed:
         path.unlink()
-    from nonsmooth.analysis import regime_points
 
     judged = []
     judge = regime_points.settled_regime

@@ -4,7 +4,7 @@ import xarray as xr
 
 import nonsmooth as ns
 from nonsmooth import OptionError
-from nonsmooth.analysis.regime_labels import LABELS
+from nonsmooth.analysis.regimes.labels import LABELS
 
 
 def grid(codes, periods):

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from nonsmooth.analysis.regime_dataset import numbers_of, said_of_start
-from nonsmooth.analysis.regime_labels import INADMISSIBLE
-from nonsmooth.analysis.regime_options import check_system, make_protocol, strobe_length
-from nonsmooth.analysis.regime_run import settled_regime
-from nonsmooth.analysis.regime_verdict import Protocol, Verdict
+from nonsmooth.analysis.regimes.labels import INADMISSIBLE
+from nonsmooth.analysis.regimes.options import check_system, make_protocol, strobe_length
+from nonsmooth.analysis.regimes.regime_dataset import numbers_of, said_of_start
+from nonsmooth.analysis.regimes.regime_run import settled_regime
+from nonsmooth.analysis.regimes.verdict import Protocol, Verdict
 from nonsmooth.errors import OptionError
 from nonsmooth.simulation.labels import labels_of
 from nonsmooth.simulation.lane_runner import LaneRunner

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.analysis.border_refinement import refine_borders, refined_values
-from nonsmooth.analysis.regime_dataset import map_dataset, said_of_start
-from nonsmooth.analysis.regime_options import check_system, make_protocol
-from nonsmooth.analysis.regime_points import Plane
+from nonsmooth.analysis.regimes.border_refinement import refine_borders, refined_values
+from nonsmooth.analysis.regimes.options import check_system, make_protocol
+from nonsmooth.analysis.regimes.points import Plane
+from nonsmooth.analysis.regimes.regime_dataset import map_dataset, said_of_start
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.simulation.crew import check_threads
 from nonsmooth.simulation.options import check_run_options, finite_number
