@@ -6,6 +6,7 @@ import xarray as xr
 
 import nonsmooth as ns
 from nonsmooth import Exit, Mode, OptionError, System
+from nonsmooth.analysis.regimes import points
 from nonsmooth.analysis.regimes.labels import LABELS
 
 
@@ -124,13 +125,13 @@ def test_work_that_was_begun_goes_on(tmp_path, monkeypatch):
         path.unlink()
 
     judged = []
-    judge = regime_points.settled_regime
+    judge = points.settled_regime
 
     def counted(*arguments):
         judged.append(1)
         return judge(*arguments)
 
-    monkeypatch.setattr(regime_points, "settled_regime", counted)
+    monkeypatch.setattr(points, "settled_regime", counted)
     again = ns.regime_map(system, over, **options, store=store)
     assert again.identical(expected)
     assert 0 < len(judged) < int(expected["computed"].sum())

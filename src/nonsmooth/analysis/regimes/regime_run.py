@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.analysis import regime_labels as labels
 from nonsmooth.analysis.exponents.orbit_multipliers import (
     OrbitTangent,
     is_forgetful,
@@ -21,6 +20,7 @@ from nonsmooth.analysis.exponents.strobe_growth import (
     is_hidden,
     strobe_growth,
 )
+from nonsmooth.analysis.regimes import labels
 from nonsmooth.analysis.regimes.strobe_test import StrobeTest, strobe_test
 from nonsmooth.analysis.regimes.verdict import Protocol, Verdict
 from nonsmooth.analysis.regimes.window import Windows, cyclic_word
