@@ -8,7 +8,7 @@ from scipy import ndimage
 
 import nonsmooth as ns
 from analysis.wells import forced_wells, runaway
-from nonsmooth.analysis.cell_shares import closed_classes, end_shares, transitions
+from nonsmooth.analysis.basins.cell_shares import closed_classes, end_shares, transitions
 
 
 def _walk(count: int, up: float) -> tuple[np.ndarray, np.ndarray]:

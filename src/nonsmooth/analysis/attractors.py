@@ -7,17 +7,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from nonsmooth.analysis.attractor import renumbered
-from nonsmooth.analysis.attractor_dataset import (
+from nonsmooth.analysis.basins.attractor import renumbered
+from nonsmooth.analysis.basins.attractor_dataset import (
     attractor_variables,
     common_attributes,
     search_message,
 )
-from nonsmooth.analysis.attractor_options import read_search
-from nonsmooth.analysis.attractor_search import ENDED, UNSETTLED
-from nonsmooth.analysis.attractor_words import with_words
-from nonsmooth.analysis.found_attractors import find_attractors
-from nonsmooth.analysis.region import read_box
+from nonsmooth.analysis.basins.attractor_options import read_search
+from nonsmooth.analysis.basins.attractor_search import ENDED, UNSETTLED
+from nonsmooth.analysis.basins.attractor_words import with_words
+from nonsmooth.analysis.basins.found_attractors import find_attractors
+from nonsmooth.analysis.basins.region import read_box
 from nonsmooth.maps.of_system import map_of
 
 if TYPE_CHECKING:
@@ -114,11 +114,11 @@ def attractors(
 
     Examples
     --------
-    An oscillator with a soft stop has one motion, or several:
+    An oscillator with a soft stop has one motion here:
 
     >>> import nonsmooth as ns
     >>> found = ns.attractors(
-    ...     ns.models.soft_impact(omega=0.85), {"x": (-2, 2), "v": (-2, 2)}, samples=50
+    ...     ns.models.soft_impact(omega=0.78), {"x": (-2, 2), "v": (-2, 2)}, samples=50
     ... )
     >>> found["kind"].values.tolist(), found["period"].values.tolist()
     (['periodic'], [1])

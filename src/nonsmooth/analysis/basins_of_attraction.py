@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from nonsmooth.analysis.attractor_options import read_search
-from nonsmooth.analysis.basin_dataset import basin_dataset
-from nonsmooth.analysis.by_cell_mapping import by_cell_mapping
-from nonsmooth.analysis.by_cell_shares import by_cell_shares
-from nonsmooth.analysis.by_recurrences import by_recurrences
-from nonsmooth.analysis.region import read_grid
+from nonsmooth.analysis.basins.attractor_options import read_search
+from nonsmooth.analysis.basins.basin_dataset import basin_dataset
+from nonsmooth.analysis.basins.by_cell_mapping import by_cell_mapping
+from nonsmooth.analysis.basins.by_cell_shares import by_cell_shares
+from nonsmooth.analysis.basins.by_recurrences import by_recurrences
+from nonsmooth.analysis.basins.region import read_grid
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.maps.of_system import map_of
 from nonsmooth.simulation.crew import check_threads

@@ -16,6 +16,8 @@ from nonsmooth.cli.explain import explain
 from nonsmooth.cli.lyapunov import lyapunov
 from nonsmooth.cli.measures import measures
 from nonsmooth.cli.models import models
+from nonsmooth.cli.regime import regime
+from nonsmooth.cli.regimes import regimes
 from nonsmooth.cli.section import section
 from nonsmooth.cli.simulate import simulate
 from nonsmooth.cli.spectrum import spectrum
@@ -62,6 +64,8 @@ app.command()(zero_one)
 app.command()(section)
 app.command()(strobe)
 app.command()(diagram)
+app.command()(regime)
+app.command()(regimes)
 app.command()(ensemble)
 app.command()(attractors)
 app.command()(basins)

@@ -90,7 +90,7 @@ def _repeats(system: System, points: xr.Dataset) -> str:
     """After how many points the motion repeats, drifts apart."""
     import numpy as np
 
-    from nonsmooth.analysis.periodicity import primitive_period, scales
+    from nonsmooth.analysis.statistics.periodicity import primitive_period, scales
 
     states = np.column_stack([points[name].values for name in system.states])
     drifting = np.array([name in system.drift_states for name in system.states])
