@@ -79,8 +79,8 @@ def attractors(
     -------
     xarray.Dataset
         Over ``attractor``, numbered from 1: ``kind`` ("periodic", "chaotic" where the largest
-        ``exponent`` per iterate is above three of its standard errors, else "aperiodic"),
-        ``period`` in iterates, ``points``
+        ``exponent`` per iterate is above three of its standard errors, "quasi-periodic" where it is
+        within three of zero, else "aperiodic"), ``period`` in iterates, ``points``
         (over ``point`` and ``state``, nan behind the last one), ``multiplier_real`` and
         ``multiplier_imag``, the ``residual`` of the cycle beside the spread, ``word``, ``fraction``
         of the starts with its standard error, drift per iterate such as ``v_per_iterate``.

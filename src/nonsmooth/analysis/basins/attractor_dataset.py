@@ -35,7 +35,10 @@ def attractor_variables(
         points[i, : len(one.points)], modes[i, : len(one.points)] = one.points, one.modes
         if one.multipliers is not None:
             multipliers[i] = one.multipliers
-    share = np.array([np.mean(labels == i + 1) for i in range(len(attractors))]).reshape(-1)
+    # of no starts at all, after an interruption, there is no share
+    share = np.full(len(attractors), np.nan)
+    if labels.size:
+        share[:] = [np.mean(labels == i + 1) for i in range(len(attractors))]
     words = labels_of(system)
     variables: dict[str, Any] = {
         "points": (("attractor", "point", "state"), points, {"long_name": "points in order"}),

@@ -30,6 +30,7 @@ _TRANSIENT = 1e-3  # growth of starts before they shrink is made good by turns t
 _STANDARD_ERRORS = 3.0  # above which a largest exponent is taken to be positive
 _TOGETHER = 4  # iterates in a step of the exponent; more may span more digits than there are
 _EXPONENT_STEPS, _TURNING = 1000, 10
+_NEUTRAL = 1e-3  # exponent per iterate that is none: the record knows no smaller one
 _POINTS = 8  # of a long cycle that are tried
 
 
@@ -121,7 +122,11 @@ def kind_of_set(
         drift=np.where(drifting, (points[-1] - points[0]) / max(1, len(points) - 1), 0.0),
     )
     exponent, error = _largest_exponent(runner, points[-1], int(modes[-1]), drifting)
-    kind = "chaotic" if exponent > _STANDARD_ERRORS * error else "aperiodic"
+    kind = "aperiodic"
+    if exponent > _STANDARD_ERRORS * error:
+        kind = "chaotic"
+    elif abs(exponent) <= max(_STANDARD_ERRORS * error, _NEUTRAL):
+        kind = "quasi-periodic"
     return replace(found, kind=kind, exponent=exponent, exponent_error=error)
 
 
