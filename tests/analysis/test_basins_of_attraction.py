@@ -185,3 +185,11 @@ def test_bad_input_is_named(change: dict, message: str) -> None:
     options = {"region": SQUARE, **change}
     with pytest.raises(ns.OptionError, match=message):
         ns.basins_of_attraction(forced_wells(), **options)
+
+
+@pytest.mark.parametrize("name", ["label", "attractor", "multiplier", "fraction", "probability"])
+def test_states_called_like_parts_of_the_result(name: str) -> None:
+    pair = ns.System(states=[name, "y"], period=1.0, equations={name: f"-{name}", "y": "-y"})
+    with pytest.raises(ns.OptionError, match=f"{name}.*another name"):
+        ns.basins_of_attraction(pair, {name: SIDE, "y": SIDE})
+    assert ns.attractors(pair, {name: (-1, 1)}, samples=8).sizes["attractor"] == 1

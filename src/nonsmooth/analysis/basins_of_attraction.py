@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from nonsmooth.analysis.basins.attractor_options import read_search
-from nonsmooth.analysis.basins.basin_dataset import basin_dataset
+from nonsmooth.analysis.basins.basin_dataset import basin_dataset, check_names
 from nonsmooth.analysis.basins.by_cell_mapping import by_cell_mapping
 from nonsmooth.analysis.basins.by_cell_shares import by_cell_shares
 from nonsmooth.analysis.basins.by_recurrences import by_recurrences
@@ -126,6 +126,7 @@ def basins_of_attraction(
     """
     chosen = map_of(system, parameters, tolerance, "basins_of_attraction", states_only=True)
     grid = read_grid(chosen.system, region, completion)
+    check_names(chosen.system, region)
     if method not in _METHODS:
         raise OptionError(f"method = {method!r}: {unknown_name('method', str(method), _METHODS)}")
     free = [name for name in chosen.system.states if name not in chosen.system.drift_states]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -18,9 +19,25 @@ from nonsmooth.analysis.basins.attractor_words import with_words
 from nonsmooth.analysis.basins.basins import Basins
 from nonsmooth.analysis.basins.cell_labels import NOT_COMPUTED
 from nonsmooth.analysis.basins.region import Grid
+from nonsmooth.errors import OptionError
 from nonsmooth.simulation.labels import labels_of
+from nonsmooth.system.system import System
 
-__all__ = ["basin_dataset"]
+__all__ = ["basin_dataset", "check_names"]
+
+_OF_CELLS = ("label", "iterations", "probability")
+
+
+def check_names(system: System, region: Iterable[str]) -> None:
+    """Refuse states of a region, coordinates of the result, that are called like parts of it."""
+    variables, coords = attractor_variables(system, [], np.zeros(0, np.int64))
+    dims = {name for dims, *_ in variables.values() for name in dims}
+    for name in region:
+        if name in {*variables, *coords, *dims, *_OF_CELLS}:
+            raise OptionError(
+                f"region: {name!r} is also the name of a part of the result; give the state another"
+                " name"
+            )
 
 
 def basin_dataset(chosen: Any, grid: Grid, basins: Basins, options: dict[str, Any]) -> xr.Dataset:
