@@ -19,7 +19,7 @@ import column_truth
 import numpy as np
 import peer_rk4
 import taylor_reference
-from crowd import Clocks, spread
+from crowd import Clocks
 from hand_kernels import soft_impact
 from ours import VERSION
 from problems import SOFT_IMPACT
@@ -52,15 +52,13 @@ def ours(p, omegas):
 
 def hand(p, omegas):
     strobes = np.zeros((omegas.size, PERIODS + 1, 2))
+    fixed = tuple(p[name] for name in ("zeta", "e", "beta", "a"))
 
-    def column(i):
-        soft_impact.simulate(
-            strobes[i, 1:], p["zeta"], p["e"], p["beta"], p["a"], omegas[i], 0.0, 0.0
-        )
+    def run(_):
+        for own, omega in zip(strobes, omegas, strict=True):
+            soft_impact.simulate(own[1:], *fixed, omega, 0.0, 0.0)
 
-    return lambda threads: spread(column, omegas.size, threads), lambda _: labelled(
-        strobes[:, TRANSIENT:]
-    )
+    return run, lambda _: labelled(strobes[:, RECORDED])
 
 
 def rk4(steps, p, omegas):
