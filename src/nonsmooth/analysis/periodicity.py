@@ -34,9 +34,12 @@ def primitive_period(
         return 0
     count = len(points)
     relative = points - np.where(drifting, points[0], 0.0)
-    for p in range(1, (count - 1) // REPEATS + 1):
+    # most steps are ruled out by the last point alone
+    longest = (count - 1) // REPEATS
+    last = np.abs(points[count - 1 - longest : -1] - points[-1]) <= match * scale
+    for p in 1 + np.flatnonzero(np.all(last | drifting, axis=1)[::-1]):
         change = relative[p:] - relative[:-p]
         change = np.where(drifting, change - change[0], change)
         if np.all(np.abs(change).max(axis=0) <= match * scale):
-            return p
+            return int(p)
     return 0
