@@ -1,4 +1,4 @@
-"""`python benchmarks` runs all benchmarks: long runs, set-up, the stiff rig, Taylor steps, sweeps."""
+"""`python benchmarks` runs all: long runs, set-up, the stiff rig, Taylor steps, sweeps, basins."""
 
 import subprocess
 import sys
