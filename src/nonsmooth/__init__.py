@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from nonsmooth.analysis.lyapunov_spectrum import lyapunov_spectrum
     from nonsmooth.analysis.poincare_section import poincare_section
     from nonsmooth.analysis.power_spectrum import power_spectrum
+    from nonsmooth.analysis.regime import regime
+    from nonsmooth.analysis.regime_map import regime_map
     from nonsmooth.analysis.stroboscopic_map import stroboscopic_map
     from nonsmooth.analysis.uncertainty_exponent import uncertainty_exponent
     from nonsmooth.analysis.wada_test import wada_test
@@ -71,6 +73,8 @@ __all__ = [
     "plot",
     "poincare_section",
     "power_spectrum",
+    "regime",
+    "regime_map",
     "simulate",
     "stroboscopic_map",
     "uncertainty_exponent",
@@ -103,6 +107,8 @@ _HOME = {
     "phase_word": "nonsmooth.simulation.words",
     "poincare_section": "nonsmooth.analysis.poincare_section",
     "power_spectrum": "nonsmooth.analysis.power_spectrum",
+    "regime": "nonsmooth.analysis.regime",
+    "regime_map": "nonsmooth.analysis.regime_map",
     "simulate": "nonsmooth.simulation.simulate",
     "stroboscopic_map": "nonsmooth.analysis.stroboscopic_map",
     "uncertainty_exponent": "nonsmooth.analysis.uncertainty_exponent",

@@ -123,6 +123,30 @@ def test_a_return_map_of_an_autonomous_system() -> None:
     assert np.abs(found["multiplier_real"].values[0]).max() == pytest.approx(decay**2, rel=1e-8)
 
 
+def test_two_frequencies_are_quasi_periodic() -> None:
+    """A limit cycle strobed at a time of its own: points dense in a closed curve."""
+    circle = ns.System(
+        name="circle", states=["x", "y"], period=1.0,
+        equations={"x": "y + x*(1 - x**2 - y**2)", "y": "-x + y*(1 - x**2 - y**2)"},
+    )  # fmt: skip
+    found = ns.attractors(circle, {"x": (-2, 2), "y": (-2, 2)}, samples=16, record=2000)
+    assert found["kind"].values.tolist() == ["quasi-periodic"]
+    radius = np.hypot(*found["points"].values[0].T)
+    assert np.nanmax(np.abs(radius[-1000:] - 1.0)) < 1e-9
+
+
+def test_an_interruption_keeps_what_is_known(monkeypatch) -> None:
+    from nonsmooth.analysis.basins.attractor_search import AttractorSearch
+
+    def interrupted(*_arguments):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(AttractorSearch, "_recurs", interrupted)
+    found = ns.attractors(forced_wells(), SQUARE, samples=16)
+    assert found.attrs["status"] == "interrupted"
+    assert found.sizes["attractor"] == 0
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [

@@ -11,7 +11,7 @@ import xarray as xr
 
 import nonsmooth as ns
 from nonsmooth import Exit, Mode, ModelError, OptionError, System
-from nonsmooth.analysis import ensemble_work
+from nonsmooth.analysis.ensembles import work
 
 
 def linear():
@@ -123,7 +123,7 @@ def test_neither_threads_nor_files_nor_chunks_change_a_digit(model, tmp_path, mo
     with ns.ensemble(system, initial, store=tmp_path / "s", threads=2, **options) as stored:
         assert stored["x"].variable._in_memory is False  # read when needed
         xr.testing.assert_identical(stored.load(), one)
-    monkeypatch.setattr(ensemble_work, "_FEWEST", 3)
+    monkeypatch.setattr(work, "_FEWEST", 3)
     assert ns.ensemble(system, initial, threads=2, **options).identical(one)
     alone = ns.ensemble(system, {k: v[40] for k, v in initial.items()}, **options)
     assert alone["x"].values.tobytes() == one["x"].values[40].tobytes()

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from nonsmooth.analysis.periodicity import primitive_period, scales
+from nonsmooth.analysis.statistics.periodicity import primitive_period, scales
 
 NONE = np.zeros(2, bool)
 

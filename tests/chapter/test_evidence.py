@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import nonsmooth as ns
+from chapter.neighbours import neighbour_exponent
 from nonsmooth.chapter.absolute_mole import absolute_mole
 from nonsmooth.chapter.adaptive_mole import adaptive_mole_run
 from nonsmooth.chapter.mole_soil_claims import push, pushed_slider
@@ -73,8 +74,10 @@ def test_regimes(b, period):
     found = settled_regime(moling(b=b))
     assert found["period"] == period
     if period:
-        assert 0.0 < found["contraction"] < 1.0
+        assert 0.0 < found["multiplier"] < 1.0
     else:
+        expected, error = neighbour_exponent(moling(b=b), 600, 400)
+        assert found["exponent"] == pytest.approx(expected, abs=3 * error)
         assert found["exponent"] > 3.0 * found["exponent_error"] > 0.0
 
 

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from nonsmooth.analysis.attractor import renumbered
-from nonsmooth.analysis.attractor_dataset import attractor_variables, common_attributes
-from nonsmooth.analysis.attractor_options import read_search
-from nonsmooth.analysis.attractor_search import ENDED, UNSETTLED
-from nonsmooth.analysis.attractor_words import with_words
-from nonsmooth.analysis.found_attractors import find_attractors
-from nonsmooth.analysis.region import read_box
+from nonsmooth.analysis.basins.attractor import renumbered
+from nonsmooth.analysis.basins.attractor_dataset import attractor_variables, common_attributes
+from nonsmooth.analysis.basins.attractor_options import read_search
+from nonsmooth.analysis.basins.attractor_search import ENDED, UNSETTLED
+from nonsmooth.analysis.basins.attractor_words import with_words
+from nonsmooth.analysis.basins.found_attractors import find_attractors
+from nonsmooth.analysis.basins.region import read_box
 from nonsmooth.maps.of_system import map_of
 
 if TYPE_CHECKING:
@@ -75,8 +75,8 @@ def attractors(
     -------
     xarray.Dataset
         Over ``attractor``, numbered from 1: ``kind`` ("periodic", "chaotic" where the largest
-        ``exponent`` per iterate is above three of its standard errors, else "aperiodic"),
-        ``period`` in iterates, ``points``
+        ``exponent`` per iterate is above three of its standard errors, "quasi-periodic" where it is
+        within three of zero, else "aperiodic"), ``period`` in iterates, ``points``
         (over ``point`` and ``state``, nan behind the last one), ``multiplier_real`` and
         ``multiplier_imag``, the ``residual`` of the cycle beside the spread, ``word``, ``fraction``
         of the starts with its standard error, drift per iterate such as ``v_per_iterate``.
@@ -110,11 +110,11 @@ def attractors(
 
     Examples
     --------
-    An oscillator with a soft stop has one motion, or several:
+    An oscillator with a soft stop has one motion here:
 
     >>> import nonsmooth as ns
     >>> found = ns.attractors(
-    ...     ns.models.soft_impact(omega=0.85), {"x": (-2, 2), "v": (-2, 2)}, samples=50
+    ...     ns.models.soft_impact(omega=0.78), {"x": (-2, 2), "v": (-2, 2)}, samples=50
     ... )
     >>> found["kind"].values.tolist(), found["period"].values.tolist()
     (['periodic'], [1])

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from nonsmooth.analysis.outcomes import (
+from nonsmooth.analysis.measures.outcomes import (
     ENDED_EARLY,
     INADMISSIBLE,
     NOT_COMPUTED,

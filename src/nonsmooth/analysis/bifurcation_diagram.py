@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.analysis.columns import Look, Protocol, run_chain
-from nonsmooth.analysis.diagram_dataset import diagram_dataset
-from nonsmooth.analysis.look_arrays import pack_looks, unpack_looks
-from nonsmooth.analysis.section_columns import run_section_chain
+from nonsmooth.analysis.diagrams.columns import Look, Protocol, run_chain
+from nonsmooth.analysis.diagrams.diagram_dataset import diagram_dataset
+from nonsmooth.analysis.diagrams.look_arrays import pack_looks, unpack_looks
+from nonsmooth.analysis.diagrams.section_columns import run_section_chain
 from nonsmooth.engine.layout import Tables
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.maps.of_system import Map, map_of

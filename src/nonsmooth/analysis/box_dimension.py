@@ -9,8 +9,8 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from nonsmooth.analysis.point_sets import Points, points_of, scaled
-from nonsmooth.analysis.power_law import PowerLaw, fit_power_law
+from nonsmooth.analysis.measures.point_sets import Points, points_of, scaled
+from nonsmooth.analysis.statistics.power_law import PowerLaw, fit_power_law
 from nonsmooth.errors import OptionError
 from nonsmooth.simulation.options import whole_number
 

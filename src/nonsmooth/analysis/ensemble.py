@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.analysis.ensemble_chunk import Protocol
-from nonsmooth.analysis.ensemble_dataset import Frame
-from nonsmooth.analysis.ensemble_members import members_of, split_parameters
-from nonsmooth.analysis.ensemble_work import Work
+from nonsmooth.analysis.ensembles.chunk import Protocol
+from nonsmooth.analysis.ensembles.ensemble_dataset import Frame
+from nonsmooth.analysis.ensembles.members import members_of, split_parameters
+from nonsmooth.analysis.ensembles.work import Work
 from nonsmooth.errors import OptionError
 from nonsmooth.simulation.assemble import Columns
 from nonsmooth.simulation.clock import Instant, Plan, plan_run

@@ -9,8 +9,8 @@ from typing import Any
 
 import xarray as xr
 
-from nonsmooth.analysis.exponent_dataset import exponent_dataset
-from nonsmooth.analysis.exponent_run import Protocol, run_exponents
+from nonsmooth.analysis.exponents.exponent_dataset import exponent_dataset
+from nonsmooth.analysis.exponents.exponent_run import Protocol, run_exponents
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import OptionError, RunWarning
 from nonsmooth.maps.poincare import PoincareMap

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from nonsmooth.analysis.series import Series, drifts, series_of, uniform_step
+from nonsmooth.analysis.statistics.series import Series, drifts, series_of, uniform_step
 from nonsmooth.errors import OptionError
 from nonsmooth.simulation.options import whole_number
 

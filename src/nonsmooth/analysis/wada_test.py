@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from nonsmooth.analysis.outcomes import LEFT_OUT, Outcomes, outcomes_of
+from nonsmooth.analysis.measures.outcomes import LEFT_OUT, Outcomes, outcomes_of
 from nonsmooth.errors import OptionError
 from nonsmooth.simulation.options import whole_number
 

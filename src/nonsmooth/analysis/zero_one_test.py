@@ -9,17 +9,18 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from nonsmooth.analysis.series import Series, drifts, series_of, uniform_step
+from nonsmooth.analysis.statistics.series import Series, drifts, series_of, uniform_step
 from nonsmooth.errors import OptionError, ResultWarning
 from nonsmooth.simulation.options import whole_number
 
-__all__ = ["zero_one_test"]
+__all__ = ["correlations_of", "zero_one_test"]
 
 _LEAST = 200  # values; of fewer the test tells nothing
 _RANGE = (np.pi / 5, 4 * np.pi / 5)  # of c, away from the resonances at 0 and pi
 _CONSTANT = 1e-10  # scatter beside the values that is rounding
 _OVERSAMPLED = 0.9  # correlation of neighbours
 _PART = 10  # of the series is the longest lag
+_AT_ONCE = 2**18  # numbers in one go over several c
 
 Vector = npt.NDArray[np.float64]
 
@@ -111,13 +112,10 @@ def zero_one_test(
     series = _prepared(series_of(data, variable), transient, whole_number("every", every))
     count = whole_number("frequencies", frequencies)
     values = series.values
-    generator = np.random.default_rng(whole_number("seed", seed + 1) - 1)
-    c = np.sort(generator.uniform(*_RANGE, count))
     away = values - values.mean()
-    constant = float(np.abs(away).max()) <= _CONSTANT * max(float(np.abs(values).max()), 1e-300)
-    if not constant:
+    if not _is_constant(values, away):
         _warn_of_oversampling(away)
-    correlations = np.zeros(count) if constant else np.array([_correlation(away, x) for x in c])
+    c, correlations = correlations_of(values, count, whole_number("seed", seed + 1) - 1)
     middle = float(np.median(correlations))
     shown = float(c[np.argmin(np.abs(correlations - middle))])
     path = np.cumsum(away * np.exp(1j * shown * np.arange(1, values.size + 1)))
@@ -164,24 +162,43 @@ def _prepared(series: Series, transient: Any, every: int) -> Series:
     return series
 
 
-def _correlation(values: Vector, c: float) -> float:
-    """Correlation of the mean square displacement with the lag, for one c."""
+def correlations_of(values: Vector, count: int, seed: int) -> tuple[Vector, Vector]:
+    """Values of c, drawn at random, and K of each; all zero for a series that is constant."""
+    c = np.sort(np.random.default_rng(seed).uniform(*_RANGE, count))
+    away = values - values.mean()
+    if _is_constant(values, away):
+        return c, np.zeros(count)
+    rows = max(1, _AT_ONCE // values.size)
+    parts = [_correlations(away, c[first : first + rows]) for first in range(0, count, rows)]
+    return c, np.concatenate(parts)
+
+
+def _is_constant(values: Vector, away: Vector) -> bool:
+    return float(np.abs(away).max()) <= _CONSTANT * max(float(np.abs(values).max()), 1e-300)
+
+
+def _correlations(values: Vector, c: Vector) -> Vector:
+    """Correlation of the mean square displacement with the lag, for some c."""
     from scipy.signal import fftconvolve
 
     n = values.size
-    path = np.cumsum(values * np.exp(1j * c * np.arange(1, n + 1)))
-    path -= path.mean()
+    path = np.cumsum(values * np.exp(1j * c[:, None] * np.arange(1, n + 1)), axis=1)
+    path -= path.mean(axis=1, keepdims=True)
     longest = n // _PART
-    base = path[: n - longest]
+    base = path[:, : n - longest]
     # |z(j + k) - z(j)|^2 summed over j, for all lags k at once
-    squares = np.concatenate([[0.0], np.cumsum(np.abs(path) ** 2)])
+    squares = np.cumsum(np.abs(path) ** 2, axis=1)
+    squares = np.column_stack([np.zeros(c.size), squares])
     lags = np.arange(1, longest + 1)
-    later = squares[lags + base.size] - squares[lags]
-    product = fftconvolve(path, base[::-1].conj(), mode="valid")[1:].real
-    displacement = (later + squares[base.size] - 2.0 * product) / base.size
-    if displacement.std() <= 1e-13 * max(float(np.abs(path).max()) ** 2, 1e-300):
-        return 0.0
-    return float(np.corrcoef(lags, displacement)[0, 1])
+    size = base.shape[1]
+    later = squares[:, lags + size] - squares[:, lags]
+    product = fftconvolve(path, base[:, ::-1].conj(), mode="valid", axes=1)[:, 1:].real
+    displacement = (later + squares[:, size : size + 1] - 2.0 * product) / size
+    still = displacement.std(axis=1) <= 1e-13 * np.maximum(np.abs(path).max(axis=1) ** 2, 1e-300)
+    away = displacement - displacement.mean(axis=1, keepdims=True)
+    lag = lags - lags.mean()
+    power = np.sqrt((away * away).sum(axis=1) * (lag @ lag))
+    return np.where(still, 0.0, away @ lag / np.where(still, 1.0, power))
 
 
 def _warn_of_oversampling(away: Vector) -> None:

@@ -54,7 +54,7 @@ def distinct_attractors(diagram: xr.Dataset) -> list[Evidence]:
     periods = diagram["period"].values[0]
     points = np.stack([diagram[name].values[0] for name in "pyq"], axis=-1)
     found: list[tuple[int, np.ndarray, int]] = []
-    for period, lane in zip(periods.astype(int), points, strict=True):
+    for period, lane in zip(periods.astype(int).tolist(), points, strict=True):
         orbit = lane[: max(period, 1)]
         for i, (known, other, count) in enumerate(found):
             if known == period and (period == 0 or _same_set(orbit, other)):

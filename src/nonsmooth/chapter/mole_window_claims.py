@@ -84,7 +84,7 @@ def _small_forces(
     for row in found:
         top = row["main"]["low"] - row["step"]
         forces = even_forces(top, fine)
-        diagram = bifurcation_diagram(moling(a=row["a"]), "b", forces, transient=600, record=128)
+        diagram = bifurcation_diagram(moling(a=row["a"]), "b", forces, transient=300, record=128)
         periods = diagram["period"].values[:, 0]
         edges = np.diff(np.concatenate([[0], periods > 0, [0]]).astype(int))
         widths = np.flatnonzero(edges < 0) - np.flatnonzero(edges > 0)
@@ -213,7 +213,7 @@ CHECKS = (
     Check("M18", _PROTOCOL, _lowest, _judge_chaos),
     Check(
         "M19",
-        "main window as for M20, by restart; below it 600 columns of their own from rest, 600"
+        "main window as for M20, by restart; below it 600 columns of their own from rest, 300"
         " periods dropped, 128 kept; narrow: less than half of the main window's width",
         _small_forces,
         _judge_small_forces,

@@ -8,9 +8,8 @@ from itertools import product
 import numpy as np
 import xarray as xr
 
-from nonsmooth import System, simulate
+from nonsmooth import System, bifurcation_diagram, regime
 from nonsmooth.chapter.judgement import Evidence
-from nonsmooth.models import progression
 
 __all__ = [
     "REST",
@@ -29,8 +28,6 @@ STARTS: tuple[Start, ...] = tuple(
     for p, y in product((-3.0, -1.0, 0.0, 1.0), (-1.0, 0.0, 1.0))
 )
 _LONGEST, _CLOSE = 64, 1e-8
-# Neighbouring runs: the offset is far above rounding, and small after its growth.
-_PAIRS, _OFFSET, _TURNED, _GROWN = 60, 1e-10, 2, 3
 
 
 def bounded_states(run: xr.Dataset) -> np.ndarray:
@@ -108,11 +105,10 @@ def settled_regime(
     Returns
     -------
     dict
-        ``period`` (zero: none found), ``residual`` and ``per_period`` (mean progression over
-        the record). For a periodic motion ``contraction``: factor per period by which the
-        run nears it, an estimate of its largest multiplier, None where it was too quick to
-        be seen. For another one ``exponent`` per period with ``exponent_error``: largest
-        exponent and its standard error, from neighbouring runs.
+        ``regime``, ``period`` (zero: none found), ``residual`` and ``per_period`` (mean
+        progression over the record). For a periodic motion ``multiplier``, the size of the
+        largest. For another one ``exponent`` per period with ``exponent_error``: largest exponent
+        and its standard error.
 
     Examples
     --------
@@ -121,63 +117,20 @@ def settled_regime(
     >>> found["period"], round(found["per_period"], 3)
     (1, 31.345)
     """
-    run = _strobed(system, start, transient + record)
-    points = bounded_states(run)
-    period, residual, per_period = _settled(run, record)
-    found = {"period": period, "residual": residual, "per_period": per_period}
-    if period:
-        return found | {"contraction": _contraction(points, period)}
-    exponent, error = _exponent(system, run.isel(time=slice(transient, None)))
-    return found | {"exponent": exponent, "exponent_error": error}
-
-
-def _strobed(system: System, start: Start, periods: int) -> xr.Dataset:
-    return simulate(system, start, periods=periods, samples_per_period=1)
-
-
-def _settled(run: xr.Dataset, record: int) -> tuple[int, float, float]:
-    """Primitive period, its residual, and mean progression over the last periods."""
-    period, residual = primitive_period(bounded_states(run)[-record - 1 :])
-    return period, residual, float(progression(run, periods=record)["per_period"])
-
-
-def _exponent(system: System, strobes: xr.Dataset) -> tuple[float, float]:
-    """Mean growth of a small distance, per period, along the free flights of a motion."""
-    # the distance turns to the direction of growth within the first periods
-    flights = np.flatnonzero(strobes["mode"].values == 0)
-    growth = []
-    for k in flights[:: max(1, len(flights) // _PAIRS)]:
-        start = {name: float(strobes[name][k]) for name in "pyq"}
-        ends = [
-            bounded_states(
-                simulate(
-                    system,
-                    start | {"y": start["y"] + offset},
-                    periods=_TURNED + _GROWN,
-                    samples_per_period=1,
-                )
-            )
-            for offset in (0.0, _OFFSET)
-        ]
-        distance = np.abs(ends[1] - ends[0]).max(axis=1)
-        if distance[_TURNED] > 0.0 and distance[-1] > 0.0:
-            growth.append(np.log(distance[-1] / distance[_TURNED]) / _GROWN)
-    return float(np.mean(growth)), float(np.std(growth, ddof=1) / np.sqrt(len(growth)))
-
-
-def _contraction(points: np.ndarray, period: int) -> float | None:
-    """Slope of the logarithm of the distance from the final motion, between 1e-2 and 1e-9."""
-    final = points[-period:]
-    count = (len(points) // period) * period
-    turns = points[len(points) - count :].reshape(-1, period, points.shape[1])
-    distance = np.abs(turns - final).max(axis=(1, 2))
-    late = np.flatnonzero(distance > 1e-2)
-    first = int(late[-1]) + 1 if len(late) else 0
-    fitted = first + np.flatnonzero(distance[first:] > 1e-9)
-    if len(fitted) < 2:
-        return None
-    slope = np.polyfit(fitted, np.log(distance[fitted]), 1)[0]
-    return float(np.exp(slope / period))
+    one = regime(system, start, transient=transient, record=record)
+    found: Evidence = {
+        "regime": one["regime"].item(),
+        "period": int(one["period"]),
+        "residual": float(one["residual"]),
+        "per_period": float(one["v_per_period"]),
+    }
+    if found["period"]:
+        return found | {"multiplier": float(one["multiplier_modulus"].max())}
+    length = float(system.period_value or 1.0)
+    return found | {
+        "exponent": float(one["exponent"]) * length,
+        "exponent_error": float(one["exponent_error"]) * length,
+    }
 
 
 def regimes_from(system: System, starts: Sequence[Start] = STARTS) -> list[Evidence]:
@@ -202,9 +155,14 @@ def regimes_from(system: System, starts: Sequence[Start] = STARTS) -> list[Evide
     >>> [row["period"] for row in regimes_from(ns.models.moling(b=0.15), STARTS[:3])]
     [1]
     """
+    b = system.parameter_values["b"]
+    columns = bifurcation_diagram(
+        system, "b", [b], initial=[dict(start) for start in starts], transient=600, record=400
+    )
     found: dict[tuple[int, float], list[float]] = {}
-    for start in starts:
-        period, _, per_period = _settled(_strobed(system, start, 1000), 400)
+    for lane in columns["lane"].values:
+        period = int(columns["period"].sel(lane=lane)[0])
+        per_period = float(columns["v_per_period"].sel(lane=lane)[0])
         # progression of an aperiodic motion is an average that scatters
         key = (period, round(per_period, 5) if period else 0.0)
         found.setdefault(key, []).append(per_period)

@@ -13,6 +13,8 @@ from nonsmooth.cli.ensemble import ensemble
 from nonsmooth.cli.explain import explain
 from nonsmooth.cli.lyapunov import lyapunov
 from nonsmooth.cli.models import models
+from nonsmooth.cli.regime import regime
+from nonsmooth.cli.regimes import regimes
 from nonsmooth.cli.section import section
 from nonsmooth.cli.simulate import simulate
 from nonsmooth.cli.spectrum import spectrum
@@ -55,6 +57,8 @@ app.command()(lyapunov)
 app.command()(spectrum)
 app.command()(section)
 app.command()(diagram)
+app.command()(regime)
+app.command()(regimes)
 app.command()(ensemble)
 app.command()(models)
 app.command()(explain)

@@ -14,6 +14,7 @@ from nonsmooth.plot.histories import time_history
 from nonsmooth.plot.markers import event_markers
 from nonsmooth.plot.mode_spans import phases
 from nonsmooth.plot.portrait import phase_portrait
+from nonsmooth.plot.regimes import regime_map
 from nonsmooth.plot.sections import section
 from nonsmooth.plot.spectrum import spectrum
 from nonsmooth.plot.style import PALETTE, axis_label, mode_colours
@@ -32,6 +33,7 @@ __all__ = [
     "phase_portrait",
     "phases",
     "print_figure",
+    "regime_map",
     "save_figure",
     "section",
     "spectrum",

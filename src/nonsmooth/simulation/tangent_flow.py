@@ -161,6 +161,33 @@ class TangentFlow:
         """
         return self._run(end, GOES_ON, self._tangent, one_event=one_event)
 
+    def run_through(
+        self, numbers: npt.NDArray[np.int64], phases: Matrix
+    ) -> tuple[Status, Matrix, Matrix]:
+        """Run on to the last of some times in one go; states and columns at all of them.
+
+        Nothing looks after the columns on the way: that is for modes in closed form, and for
+        columns that cannot become parallel.
+
+        shapes: numbers, phases (K,); returns (K, n) and (K, C, n)
+        """
+        count = len(self._tangent.columns)
+        records = allocate_records(self.tables.sizes, numbers, phases, 0)._replace(
+            cursor=self._many.cursor, since=self._many.since
+        )
+        records.cursor[at.SAMPLES] = records.cursor[at.SEGMENTS] = records.cursor[at.EVENTS] = 0
+        tangent = self._tangent._replace(samples=np.full((numbers.size, count, self.n), np.nan))
+        status = Status.PAUSED
+        while status == Status.PAUSED:
+            status = Status(
+                run(
+                    self.tables, self.derivatives.rates, self.derivatives.scratch, self.anchor,
+                    self.segment, tangent, records, GOES_ON, int(numbers[-1]), float(phases[-1]),
+                    self.tolerance,
+                )
+            )  # fmt: skip
+        return status, records.sample_state, tangent.samples
+
     def move_to_end(self) -> None:
         """Move the anchor from the start of a segment to where the run ended in it.
 

@@ -1,0 +1,1 @@
+"""Attractors and their basins: how they are found, labelled and told as datasets."""

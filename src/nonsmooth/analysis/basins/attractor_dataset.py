@@ -1,0 +1,107 @@
+"""Attractors as an xarray dataset."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.analysis.basins.attractor import Attractor
+from nonsmooth.simulation.labels import labels_of
+from nonsmooth.system.system import System
+from nonsmooth.version import __version__
+
+__all__ = ["attractor_variables", "common_attributes", "share_error"]
+
+Integers = npt.NDArray[np.int64]
+
+_OF_EACH = ("attractor",)
+
+
+def attractor_variables(
+    system: System, attractors: list[Attractor], labels: Integers
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Variables and coordinates over ``attractor``, ``point`` and ``state``.
+
+    ``labels`` are those of the admissible starts, whose shares are the fractions.
+    """
+    n, most = len(system.states), max((len(a.points) for a in attractors), default=0)
+    free = n - len(system.drift_states)
+    points = np.full((len(attractors), most, n), np.nan)
+    modes = np.full((len(attractors), most), -1, np.int8)
+    multipliers = np.full((len(attractors), free), np.nan + 0j)
+    for i, one in enumerate(attractors):
+        points[i, : len(one.points)], modes[i, : len(one.points)] = one.points, one.modes
+        if one.multipliers is not None:
+            multipliers[i] = one.multipliers
+    # of no starts at all, after an interruption, there is no share
+    share = np.full(len(attractors), np.nan)
+    if labels.size:
+        share[:] = [np.mean(labels == i + 1) for i in range(len(attractors))]
+    words = labels_of(system)
+    variables: dict[str, Any] = {
+        "points": (("attractor", "point", "state"), points, {"long_name": "points in order"}),
+        "mode": (("attractor", "point"), modes, words.mode_flags("mode at the points")),
+        "period": _each(
+            [a.period for a in attractors], np.int64, "points of a cycle, 0 where none repeats"
+        ),
+        "kind": _each([a.kind for a in attractors], str, "kind of motion"),
+        "stable": _each(
+            [a.is_cycle for a in attractors], bool, "whether all multipliers are inside the circle"
+        ),
+        "word": _each([a.word for a in attractors], str, "modes of one turn"),
+        "fraction": _each(share, float, "share of the admissible starts"),
+        "fraction_error": _each(
+            share_error(share, labels.size), float, "standard error of that share"
+        ),
+        "multiplier_real": _of_multipliers(multipliers.real, "real part of the multipliers"),
+        "multiplier_imag": _of_multipliers(multipliers.imag, "imaginary part of the multipliers"),
+        "residual": _each(
+            [a.residual for a in attractors], float, "distance of a cycle from its image, scaled"
+        ),
+        "exponent": _each(
+            [a.exponent for a in attractors], float, "largest exponent per iterate, of no cycle"
+        ),
+        "exponent_error": _each(
+            [a.exponent_error for a in attractors], float, "standard error of the exponent"
+        ),
+    }
+    for name in system.drift_states:
+        k = system.states.index(name)
+        label = words.attributes(name)["long_name"]
+        variables[f"{name}_per_iterate"] = _each(
+            [a.drift[k] for a in attractors], float, f"{label}, per iterate"
+        )
+    coords = {
+        "attractor": (_OF_EACH, np.arange(1, len(attractors) + 1), {"long_name": "attractor"}),
+        "state": (("state",), list(system.states)),
+    }
+    return variables, coords
+
+
+def share_error(share: Any, count: int) -> Any:
+    """Standard error of a share of independent starts (Menck et al., Nature Physics 9, 2013)."""
+    return np.sqrt(share * (1.0 - share) / max(1, count))
+
+
+def common_attributes(
+    system: System, status: str, message: str, options: dict[str, Any]
+) -> dict[str, Any]:
+    """Attributes that tell what was computed, and how."""
+    return {
+        "system_name": system.name,
+        "system": labels_of(system).system,
+        "nonsmooth_version": __version__,
+        "status": status,
+        "message": message,
+        **options,
+    }
+
+
+def _each(values: Any, kind: Any, label: str) -> Any:
+    return (_OF_EACH, np.asarray(values, dtype=kind), {"long_name": label})
+
+
+def _of_multipliers(values: Any, label: str) -> Any:
+    return (("attractor", "multiplier"), values, {"long_name": label})

@@ -1,0 +1,96 @@
+"""Basins by mapping cells to cells."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from scipy import ndimage
+
+from nonsmooth.analysis.basins.attractor_options import Search
+from nonsmooth.analysis.basins.attractor_search import (
+    ENDED,
+    INADMISSIBLE,
+    UNSETTLED,
+    AttractorSearch,
+    Settled,
+)
+from nonsmooth.analysis.basins.basins import Basins, look_closer, search_from
+from nonsmooth.analysis.basins.cell_cycles import Cycles, cycles_of
+from nonsmooth.analysis.basins.cell_labels import NOT_COMPUTED
+from nonsmooth.analysis.basins.cell_mapping import ENDS, REFUSED, CellMap
+from nonsmooth.analysis.basins.region import Grid
+from nonsmooth.errors import OptionError
+
+__all__ = ["by_cell_mapping"]
+
+Integers = npt.NDArray[np.int64]
+
+_DOUBLINGS = 9  # of the iterates of a cell mapping: 256 at most
+_LEAST_ITERATES, _TWICE = 8, 2  # doublings in a row, since coarse pictures may agree by chance
+_SETTLED = 1e-3  # part of the cells that may still change by doubling
+_AWAY = 3  # cells from those of another label; nearer ones depend on the size of cells
+_FEW = 0.01  # part of all cells; of fewer that are away, all count
+
+
+def by_cell_mapping(
+    chosen: Any,
+    grid: Grid,
+    how: Search,
+    threads: int,
+    store: str | Path | None,
+    protocol: dict[str, Any],
+) -> Basins:
+    """Map cells to cells, and follow the cycles of that map by the exact one."""
+    if store is not None:
+        raise OptionError(
+            "store= is for method='recurrences'; a cell mapping takes a small part of its time"
+        )
+    cells = CellMap(grid, lambda: chosen.runner(how.tolerance), threads)
+    label, steps = np.full(grid.size, NOT_COMPUTED), np.zeros(grid.size, np.int64)
+    search, changed, settled_for = None, 1.0, 0
+    for _ in range(_DOUBLINGS):
+        if not cells.double():
+            return Basins(
+                [] if search is None else search.known.attractors, Settled(label, steps), False
+            )
+        if search is None:
+            search = search_from(chosen, cells.states[cells.image != REFUSED], how)
+        cycles = cycles_of(cells.image)
+        try:
+            before, label = label, _labels(search, cells, cycles)
+        except KeyboardInterrupt:
+            return Basins(search.known.attractors, Settled(label, steps), False)
+        steps = cycles.steps * cells.iterates
+        changed = _changed(before, label, grid)
+        settled_for = settled_for + 1 if changed <= _SETTLED else 0
+        if settled_for == _TWICE and cells.iterates >= _LEAST_ITERATES:
+            break
+    assert search is not None
+    settled = Settled(label, steps)
+    complete = look_closer(search, grid, settled)
+    notes = {"iterates_per_cell": cells.iterates, "changed_by_doubling": changed}
+    return Basins(search.known.attractors, settled, complete, notes=notes)
+
+
+def _labels(search: AttractorSearch, cells: CellMap, cycles: Cycles) -> Integers:
+    """Label of each cell: of the attractor to which a centre of its cycle comes."""
+    label = np.full(cells.image.size, UNSETTLED, np.int64)
+    if cycles.first.size:
+        reached = search.settle(cells.states[cycles.first]).label
+        label = np.where(cycles.of_cell >= 0, reached[cycles.of_cell], UNSETTLED)
+    label[cells.image == ENDS] = ENDED
+    label[cells.image == REFUSED] = INADMISSIBLE
+    return label
+
+
+def _changed(before: Integers, label: Integers, grid: Grid) -> float:
+    """Part of the cells away from others that have another label than before."""
+    picture = label.reshape(grid.shape)
+    width = 2 * _AWAY + 1
+    away = ndimage.maximum_filter(picture, width) == ndimage.minimum_filter(picture, width)
+    if np.count_nonzero(away) < _FEW * picture.size:
+        away = np.ones_like(away)
+    return float(np.mean((before != label)[away.ravel()]))

@@ -1,0 +1,147 @@
+"""Attractors by recurrences: what lanes come back to, and which attractor each one comes to.
+
+A lane that visits only cells of the state space in which it has been before, many times in a row,
+has found an attractor (G. Datseris and A. Wagemakers, Chaos 32, 023104, 2022). Here the cells are
+those of an exact map, cycles are refined by Newton's method and get a ball around each point in
+which motions are seen to converge; a lane that enters these balls in their order, or stays in the
+cells of a larger set, belongs to it. Lanes know nothing of each other but the attractors, so their
+order changes no label.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.analysis.basins.attractor import Attractor
+from nonsmooth.engine.recurrences import Landmarks, Visits, cell_keys, fill_cells, visit
+
+__all__ = ["IN_CYCLE", "IN_SET", "Known", "Measure", "new_visits", "share_of_new"]
+
+Floats = npt.NDArray[np.float64]
+Integers = npt.NDArray[np.int64]
+
+IN_CYCLE = 3  # visits in a row, in order: each ball is one of convergence already
+IN_SET = 100  # a lane that only passes leaves the cells earlier; more cost time alone
+_CELLS = 1 << 12  # places of the table of cells to begin with
+
+
+@dataclass(frozen=True)
+class Measure:
+    """How states are compared: which, in what units, and the width of a cell in them."""
+
+    columns: Integers  # (d,): states that do not drift
+    scale: Floats  # (n,): unit of each state
+    cell: float
+
+    def keys(self, states: Floats) -> Integers:
+        """Keys of the cells in which states lie; shapes: states (K, n), returns (K,)."""
+        keys = np.zeros(len(states), np.int64)
+        cell_keys(states, self.columns, self.scale[self.columns], self.cell, keys)
+        return keys
+
+    def scaled(self, states: Floats) -> Floats:
+        """Compared states in their units, (K, d)."""
+        return states[:, self.columns] / self.scale[self.columns]
+
+
+@dataclass
+class Known:
+    """The attractors that are known, and their points and cells as arrays for the kernel."""
+
+    measure: Measure
+    attractors: list[Attractor] = field(default_factory=list)
+    _keys: Integers = field(default_factory=lambda: np.zeros(_CELLS, np.int64))
+    _owner: Integers = field(default_factory=lambda: np.zeros(_CELLS, np.int64))
+    _n_cells: int = 0
+    _cycles: list[tuple[Floats, float, int]] = field(default_factory=list)
+
+    def add(self, attractor: Attractor) -> int:
+        """Add an attractor; returns its number, from 1 on."""
+        self.attractors.append(attractor)
+        number = len(self.attractors)
+        if attractor.is_cycle:
+            points = self.measure.scaled(attractor.points)
+            self._cycles.append((points, attractor.radius, number))
+        else:
+            self.add_cells(self.measure.keys(attractor.points), number)
+        return number
+
+    def add_cells(self, keys: Integers, number: int) -> int:
+        """Give cells to an attractor; returns how many are new."""
+        while 2 * (self._n_cells + keys.size) > self._keys.size:
+            old, owner = self._keys, self._owner
+            self._keys = np.zeros(2 * old.size, np.int64)
+            self._owner = np.zeros(2 * old.size, np.int64)
+            for each in np.unique(owner[owner > 0]):
+                fill_cells(old[owner == each], each, self._keys, self._owner)
+        new = int(fill_cells(keys, number, self._keys, self._owner))
+        self._n_cells += new
+        return new
+
+    def landmarks(self) -> Landmarks:
+        """What the kernel needs; a copy that later attractors do not change."""
+        d = self.measure.columns.size
+        points = [np.zeros((0, d))]
+        radius, label, following = [np.zeros(0)], [np.zeros(0, np.int64)], [np.zeros(0, np.int64)]
+        total = 0
+        for cycle, size, number in self._cycles:
+            p = len(cycle)
+            points.append(cycle)
+            radius.append(np.full(p, size))
+            label.append(np.full(p, number, np.int64))
+            following.append(total + (np.arange(p) + 1) % p)
+            total += p
+        return Landmarks(
+            columns=self.measure.columns,
+            scale=self.measure.scale[self.measure.columns],
+            cell=self.measure.cell,
+            points=np.concatenate(points),
+            radius=np.concatenate(radius),
+            label=np.concatenate(label),
+            following=np.concatenate(following),
+            keys=self._keys.copy(),
+            owner=self._owner.copy(),
+            in_cycle=IN_CYCLE,
+            in_set=IN_SET,
+        )
+
+    def same_cycle(self, attractor: Attractor, close: float) -> int:
+        """Number of the cycle that has the same points, 0 for none."""
+        points = self.measure.scaled(attractor.points)
+        for i, other in enumerate(self.attractors):
+            if other.period != attractor.period:
+                continue
+            theirs = self.measure.scaled(other.points)
+            distance = np.abs(points[:, None] - theirs[None]).max(axis=2)
+            if np.all(distance.min(axis=1) <= close):
+                return i + 1
+        return 0
+
+    def owners(self, states: Floats) -> Integers:
+        """Set to which the cell of each state belongs, 0 for none; (K,)."""
+        marks = self.landmarks()._replace(
+            points=np.zeros((0, self.measure.columns.size)), radius=np.zeros(0), in_set=1
+        )
+        visits = new_visits(len(states))
+        visit(np.ascontiguousarray(states[:, None, :]), 1, marks, visits)
+        return visits.label
+
+
+def new_visits(count: int) -> Visits:
+    """Lanes that have visited nothing yet."""
+    return Visits(
+        candidate=np.zeros(count, np.int64),
+        point=np.full(count, -1, np.int64),
+        score=np.zeros(count, np.int64),
+        label=np.zeros(count, np.int64),
+        needed=np.zeros(count, np.int64),
+    )
+
+
+def share_of_new(keys: Integers, last: int) -> float:
+    """Part of the last images that lie in cells where the lane has not been before; keys (K,)."""
+    _, first = np.unique(keys, return_index=True)
+    return float(np.count_nonzero(first >= keys.size - last)) / last

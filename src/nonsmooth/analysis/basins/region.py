@@ -1,0 +1,216 @@
+"""Regions of initial states: a box to sample, or a grid of cells, and how the rest is completed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.errors import ModelError, OptionError, unknown_name
+from nonsmooth.simulation.options import finite_number
+from nonsmooth.system.evaluate import evaluate
+from nonsmooth.system.expressions import Expression, names_in, to_text
+from nonsmooth.system.grammar import parse
+from nonsmooth.system.system import System
+
+__all__ = ["Box", "Completion", "Grid", "read_box", "read_completion", "read_grid"]
+
+Floats = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Completion:
+    """What the states outside a region are: functions of those inside, and of parameters."""
+
+    system: System
+    given: tuple[str, ...]  # states of the region
+    rules: Mapping[str, Expression | float]  # of the others
+    texts: Mapping[str, str]  # as they were written
+
+    def states(self, values: Floats) -> Floats:
+        """Whole states for values of those in the region.
+
+        shapes: values (N, d), returns (N, n)
+        """
+        known: dict[str, Any] = {
+            **self.system.parameter_values,
+            **{name: values[:, k] for k, name in enumerate(self.given)},
+        }
+        for name, rule in self.rules.items():
+            value = rule if isinstance(rule, float) else evaluate(rule, known)
+            known[name] = np.broadcast_to(np.asarray(value, float), len(values))
+        return np.column_stack([known[name] for name in self.system.states])
+
+
+@dataclass(frozen=True)
+class Box:
+    """Intervals from which starts are drawn."""
+
+    low: Floats  # (d,)
+    high: Floats
+    completion: Completion
+
+    def states(self, unit: Floats) -> Floats:
+        """States for points of the unit cube; shapes: unit (N, d), returns (N, n)."""
+        return self.completion.states(self.low + unit * (self.high - self.low))
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Values of some states, each combination a cell; the last state varies slowest."""
+
+    axes: tuple[Floats, ...]
+    completion: Completion
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Cells along each axis, the first one last, as pictures have it."""
+        return tuple(axis.size for axis in reversed(self.axes))
+
+    @property
+    def size(self) -> int:
+        """Number of cells."""
+        return int(np.prod(self.shape))
+
+    def values(self, cells: npt.NDArray[np.int64]) -> Floats:
+        """Values at the centres of cells given by number; returns (N, d)."""
+        places = np.unravel_index(cells, self.shape)
+        return np.column_stack([a[i] for a, i in zip(self.axes, reversed(places), strict=True)])
+
+    def inner_states(self, cells: npt.NDArray[np.int64], side: int) -> Floats:
+        """States at points spread evenly within cells, so many along each side; (N, P, n)."""
+        places = reversed(np.unravel_index(cells, self.shape))
+        along = []
+        for axis, place in zip(self.axes, places, strict=True):
+            middle = (axis[1:] + axis[:-1]) / 2.0
+            border = np.concatenate(
+                [[2 * axis[0] - middle[0]], middle, [2 * axis[-1] - middle[-1]]]
+            )
+            part = (np.arange(side) + 0.5) / side
+            along.append(border[place, None] + part * (border[place + 1] - border[place])[:, None])
+        number = np.indices((side,) * len(along)).reshape(len(along), -1)
+        values = np.stack([a[:, i] for a, i in zip(along, number, strict=True)], axis=2)
+        whole = self.completion.states(values.reshape(-1, len(along)))
+        return whole.reshape(len(cells), -1, whole.shape[1])
+
+    def cells(self, values: Floats) -> npt.NDArray[np.int64]:
+        """Numbers of the cells in which values lie, -1 outside; shapes: values (N, d).
+
+        Borders lie half way between centres; the outermost cells are as wide as their neighbours.
+        """
+        places, inside = [], np.ones(len(values), bool)
+        for axis, column in zip(self.axes, values.T, strict=True):
+            middle = (axis[1:] + axis[:-1]) / 2.0
+            place = np.searchsorted(middle, column, side="right")
+            inside &= (column >= 2.0 * axis[0] - middle[0]) & (column < 2.0 * axis[-1] - middle[-1])
+            places.append(np.where(inside, place, 0))
+        numbers = np.ravel_multi_index(tuple(reversed(places)), self.shape)
+        return np.where(inside, numbers, -1).astype(np.int64)
+
+    def states(self, cells: npt.NDArray[np.int64]) -> Floats:
+        """States at the centres of cells given by number; returns (N, n)."""
+        return self.completion.states(self.values(cells))
+
+
+def read_completion(system: System, given: tuple[str, ...], texts: Any) -> Completion:
+    """Rules for the states that a region leaves open; those without one are at rest."""
+    if texts is not None and not isinstance(texts, Mapping):
+        raise OptionError(
+            f"completion = {texts!r:.60}: give a mapping of states to numbers or expressions, such"
+            f" as {{{system.states[-1]!r}: 0.0}}"
+        )
+    rules: dict[str, Expression | float] = {}
+    known = [*system.parameter_values, *given]
+    for name, text in (texts or {}).items():
+        if name not in system.states:
+            raise OptionError(f"completion: {unknown_name('state', str(name), system.states)}")
+        if name in given:
+            raise OptionError(f"completion: {name!r} is in the region already; leave one out")
+        rules[name] = _rule(name, text, known)
+        known.append(name)
+    for name in system.states:
+        if name not in given and name not in rules:
+            rules[name] = float(system.rest_state[name])
+    return Completion(system, given, rules, {k: str(v) for k, v in (texts or {}).items()})
+
+
+def _rule(name: str, text: Any, known: list[str]) -> Expression | float:
+    place = f"completion[{name!r}]"
+    if not isinstance(text, str):
+        return finite_number(place, text)
+    try:
+        rule = parse(text, where=place)
+    except ModelError as fault:
+        raise OptionError(str(fault)) from None
+    for each in names_in(rule):
+        if each.name not in known and each.name != "pi":
+            raise OptionError(
+                f"{place} = {text!r:.60}: {unknown_name('name', each.name, known)}; states of the"
+                " region, parameters, and states completed before may stand here"
+            )
+    if "rate(" in to_text(rule):
+        raise OptionError(f"{place} = {text!r:.60}: a start has no rates yet; leave rate() out")
+    return rule
+
+
+def _check_names(system: System, region: Any, least: int) -> tuple[str, ...]:
+    if not isinstance(region, Mapping) or len(region) < least:
+        what = "one state" if least == 1 else "two states"
+        raise OptionError(
+            f"region = {region!r:.60}: give a mapping of at least {what} to ranges, such as"
+            f" {{{system.states[0]!r}: (-1.0, 1.0)}}"
+        )
+    for name in region:
+        if name not in system.states:
+            raise OptionError(f"region: {unknown_name('state', str(name), system.states)}")
+    return tuple(region)
+
+
+def read_box(system: System, region: Any, completion: Any) -> Box:
+    """Box of starts from a mapping of states to ranges or to values, whose ends count."""
+    names = _check_names(system, region, least=1)
+    ends = [_ends(name, region[name]) for name in names]
+    low, high = np.array(ends, float).T
+    return Box(low, high, read_completion(system, names, completion))
+
+
+def _ends(name: str, given: Any) -> tuple[float, float]:
+    values = _numbers(name, given)
+    low, high = float(values.min()), float(values.max())
+    if low == high:
+        raise OptionError(
+            f"region[{name!r}] = {given!r:.60} is empty; give two numbers, the lower one first, or"
+            " fix the state by completion="
+        )
+    return low, high
+
+
+def read_grid(system: System, region: Any, completion: Any, least: int = 2) -> Grid:
+    """Grid of cells from a mapping of states to increasing values."""
+    names = _check_names(system, region, least)
+    axes = []
+    for name in names:
+        values = _numbers(name, region[name])
+        if values.size < 2 or np.any(np.diff(values) <= 0.0):
+            raise OptionError(
+                f"region[{name!r}]: give at least two increasing values, one for each row of cells,"
+                " such as np.linspace(-1, 1, 200)"
+            )
+        axes.append(values)
+    return Grid(tuple(axes), read_completion(system, names, completion))
+
+
+def _numbers(name: str, given: Any) -> Floats:
+    try:
+        values = np.asarray(given, dtype=float)
+    except (TypeError, ValueError):
+        values = np.array(np.nan)
+    if values.ndim != 1 or values.size == 0 or not np.all(np.isfinite(values)):
+        raise OptionError(
+            f"region[{name!r}] = {given!r:.60}: give a range of finite numbers, such as"
+            " (-1.0, 1.0), or a list of values"
+        )
+    return values

@@ -1,0 +1,109 @@
+"""A bifurcation diagram as an xarray dataset."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from nonsmooth.analysis.diagrams.columns import Look, Protocol
+from nonsmooth.engine.status import Status
+from nonsmooth.simulation.labels import labels_of
+from nonsmooth.version import __version__
+
+__all__ = ["diagram_dataset"]
+
+_LANES = ("parameter", "lane")
+_POINTS = ("parameter", "lane", "point")
+
+
+def diagram_dataset(
+    protocol: Protocol,
+    grid: npt.NDArray[np.float64],
+    looks: list[list[Look | None]],
+    options: dict[str, Any],
+    complete: bool,
+) -> xr.Dataset:
+    """Dataset of what every column and lane showed; None where it was not computed."""
+    system, labels = protocol.system, labels_of(protocol.system)
+    shape = (grid.size, len(looks[0]))
+    most = max((len(one.points) for row in looks for one in row if one is not None), default=0)
+    names = [*system.states, *(system.outputs if protocol.outputs else ())]
+    points = np.full((*shape, most, len(names)), np.nan)
+    modes = np.full((*shape, most), -1, np.int8)
+    for i, j, one in _each(looks):
+        points[i, j, : len(one.points), : one.points.shape[1]] = one.points
+        modes[i, j, : len(one.modes)] = one.modes
+    variables: dict[str, Any] = {
+        name: (_POINTS, points[..., k], labels.attributes(name)) for k, name in enumerate(names)
+    }
+    variables["mode"] = (_POINTS, modes, labels.mode_flags("mode"))
+    variables |= _of_lanes(protocol, looks, shape)
+    label = system.describe.get(protocol.parameter, protocol.parameter)
+    coords = {
+        "parameter": (("parameter",), grid, {"long_name": label}),
+        "lane": (("lane",), np.arange(shape[1]), {"long_name": "initial state"}),
+    }
+    ended = {one.status.word for _, _, one in _each(looks)} - {Status.COMPLETED.word}
+    attrs = {
+        "system_name": system.name,
+        "system": labels.system,
+        "nonsmooth_version": __version__,
+        "status": "completed" if complete else "interrupted",
+        "message": _message(ended, complete),
+        "parameter": protocol.parameter,
+    }
+    return xr.Dataset(variables, coords, attrs | options)
+
+
+def _each(looks: list[list[Look | None]]) -> Any:
+    for i, row in enumerate(looks):
+        for j, one in enumerate(row):
+            if one is not None:
+                yield i, j, one
+
+
+def _of_lanes(
+    protocol: Protocol, looks: list[list[Look | None]], shape: tuple[int, int]
+) -> dict[str, Any]:
+    """Variables with one value for each column and lane."""
+    period = np.zeros(shape, np.int64)
+    uncertain = np.zeros(shape, np.int64)
+    events, impacts, window = (np.full(shape, np.nan) for _ in range(3))
+    drift = np.full((*shape, len(protocol.system.states)), np.nan)
+    word = np.full(shape, "", object)
+    status = np.full(shape, Status.INTERRUPTED.word, object)
+    for i, j, one in _each(looks):
+        period[i, j], uncertain[i, j] = one.period, one.uncertain
+        events[i, j], impacts[i, j] = one.events, one.impacts
+        window[i, j], drift[i, j] = one.window, one.drift
+        word[i, j], status[i, j] = one.word, one.status.word
+    unit = "periods of the forcing" if protocol.unit == "period" else "iterates of the map"
+    variables: dict[str, Any] = {
+        "period": (_LANES, period, {"long_name": f"period in {unit}, 0 for none"}),
+        "word": (_LANES, word.astype(str), {"long_name": "modes of one period"}),
+        "events": (_LANES, events, {"long_name": f"events per {protocol.unit}"}),
+        "impacts": (_LANES, impacts, {"long_name": f"impacts per {protocol.unit}"}),
+        "n_uncertain": (_LANES, uncertain, {"long_name": "events that rounding leaves open"}),
+        "status": (_LANES, status.astype(str), {"long_name": "how the motion ended"}),
+    }
+    for name in protocol.system.drift_states:
+        k = protocol.system.states.index(name)
+        label = labels_of(protocol.system).attributes(name)["long_name"]
+        variables[f"{name}_per_{protocol.unit}"] = (
+            _LANES, drift[..., k], {"long_name": f"{label}, per {protocol.unit}"},
+        )  # fmt: skip
+        variables[f"{name}_per_time"] = (
+            _LANES, drift[..., k] / window, {"long_name": f"{label}, per unit time"},
+        )  # fmt: skip
+    return variables
+
+
+def _message(ended: set[str], complete: bool) -> str:
+    if not complete:
+        return "interrupted by the user; the columns that are done are kept"
+    if ended:
+        return "some motions ended early, see status: " + ", ".join(sorted(ended))
+    return "completed"

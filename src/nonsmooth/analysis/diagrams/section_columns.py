@@ -1,0 +1,122 @@
+"""Columns of a bifurcation diagram over a return map: what its points do, once settled."""
+
+from __future__ import annotations
+
+import threading
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.analysis.diagrams.column_starts import Start
+from nonsmooth.analysis.diagrams.columns import Look, Protocol, nothing, with_outputs
+from nonsmooth.analysis.statistics.periodicity import primitive_period, scales
+from nonsmooth.engine import records as at
+from nonsmooth.engine.loop import SAME
+from nonsmooth.engine.status import EventKind, Status
+from nonsmooth.errors import ModelError
+from nonsmooth.maps.poincare import PoincareMap
+from nonsmooth.maps.section_runner import SectionLanes, SectionRunner
+from nonsmooth.maps.section_search import Points
+from nonsmooth.simulation.clock import Instant
+from nonsmooth.simulation.words import word_of_modes
+
+__all__ = ["run_section_chain"]
+
+Floats = npt.NDArray[np.float64]
+Integers = npt.NDArray[np.int64]
+
+
+def run_section_chain(
+    protocol: Protocol,
+    runner: SectionRunner,
+    stop: threading.Event,
+    values: list[float],
+    start: Start,
+    follow: bool,
+) -> list[Look]:
+    """Motions at several values of the parameter.
+
+    The same as `run_chain` does for strobes; a motion is followed from just behind its last point.
+    """
+    looks: list[Look] = []
+    last: tuple[Floats, int, float] | None = None  # state, mode and part of the window
+    for value in values:
+        try:
+            chosen = protocol.chosen.with_parameters(**{protocol.parameter: value})
+            assert isinstance(chosen, PoincareMap)
+            runner.set_up(chosen)
+        except ModelError:
+            looks.append(nothing(Status.REFUSED, len(protocol.system.states), np.nan))
+            last = None
+            continue
+        state, mode = start(chosen.system, runner.engine.tables)
+        begin = Instant(0, 0.0)
+        if follow and last is not None:
+            state = np.where(protocol.drifting, state, last[0])
+            mode = SAME - last[1]
+            begin = Instant(0, last[2] * runner.engine.window)
+        lanes = runner.start(state[None], mode, begin, behind=follow and last is not None)
+        look, points = _look(protocol, runner, lanes, stop)
+        looks.append(look)
+        last = None
+        if points is not None:
+            part = float(points.phase[-1]) / runner.engine.window
+            last = points.states[1, -1], int(points.modes[1, -1]), part
+    return looks
+
+
+def _look(
+    protocol: Protocol, runner: SectionRunner, lanes: SectionLanes, stop: threading.Event
+) -> tuple[Look, Points | None]:
+    """Let a motion settle and record it; its points too."""
+    n, window = lanes.lanes.end_state.shape[1], runner.engine.window
+    if protocol.transient:
+        runner.take(lanes, 0, protocol.transient, stop)
+    points, rows, _ = runner.take(lanes, 0, protocol.record + 1, stop)
+    status = Status(int(lanes.status[0]))
+    if status != Status.COMPLETED:
+        return nothing(status, n, np.nan), None
+    side = 0 if runner.chosen.side == "before" else 1
+    states, modes = points.states[side], points.modes[side]
+    since = (points.number - points.number[0]) * window + (points.phase - points.phase[0])
+    period = _period(protocol, states, since, lanes.ways[0].size)
+    kind = rows[points.row[0] + 1 : points.row[-1] + 1, at.KIND]
+    kind = kind[runner.is_event(rows)[points.row[0] + 1 : points.row[-1] + 1]]
+    # the last point closes the recorded time and belongs to the next iterate
+    taken = states[:-1], points.number[:-1], points.phase[:-1], modes[:-1]
+    if protocol.outputs:
+        found = with_outputs(runner.chosen.system, runner.engine.tables, *taken)
+        taken = found, *taken[1:]
+    look = Look(
+        status,
+        *taken,
+        period,
+        _word(runner, points, rows, period) if period else "",
+        kind.size / protocol.record,
+        np.count_nonzero(kind == EventKind.IMPACT) / protocol.record,
+        (states[-1] - states[0]) / protocol.record,
+        int(lanes.lanes.uncertain[0]),
+        float(since[-1]) / protocol.record,
+    )
+    return look, points
+
+
+def _period(protocol: Protocol, states: Floats, since: Floats, size: Floats) -> int:
+    """Primitive period of points, the times between which repeat as well.
+
+    A state that the section fixes is compared with its size elsewhere, not with its rounding.
+    """
+    drifting = np.append(protocol.drifting, True)
+    points = np.column_stack([states, since])
+    scale = scales(points, drifting)
+    scale[:-1] = np.where(protocol.drifting, scale[:-1], np.maximum(scale[:-1], size))
+    return primitive_period(points, drifting, scale, protocol.match)
+
+
+def _word(runner: SectionRunner, points: Points, rows: Integers, period: int) -> str:
+    """Modes of the last primitive period, in order."""
+    first = int(points.row[-1 - period])
+    between = slice(first + 1, int(points.row[-1]))
+    entered = rows[between][runner.is_event(rows)[between], at.TO]
+    modes = [int(points.modes[1, -1 - period]), *runner.origin[entered]]
+    return word_of_modes(runner.chosen.system.mode_names, np.array(modes))

@@ -1,0 +1,1 @@
+"""Many runs over states and parameters."""

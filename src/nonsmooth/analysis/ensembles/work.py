@@ -1,0 +1,102 @@
+"""The lanes of an ensemble as tasks, and where their results go."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Collection, Iterator, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from nonsmooth.analysis.ensembles.chunk import Chunk, Protocol, empty_chunk, run_chunk
+from nonsmooth.analysis.ensembles.ensemble_dataset import Frame, dataset_in_file, dataset_in_memory
+from nonsmooth.engine.status import Status
+from nonsmooth.errors import OptionError
+from nonsmooth.simulation.crew import run_tasks
+from nonsmooth.simulation.lane_runner import LaneRunner
+from nonsmooth.simulation.room import free_memory, size_text
+from nonsmooth.simulation.store import Store
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["Work"]
+
+_FEWEST = 64  # tasks, so that many processors have work
+_MOST_LANES, _MOST_WINDOWS, _MOST_BYTES = 4096, 50_000, 4 * 2**20  # in a task
+_MOST_MEMORY = 0.5  # part of the free memory that a result may take
+
+
+class Work:
+    """Lanes in tasks whose size depends on the ensemble only, not on the number of threads."""
+
+    def __init__(self, protocol: Protocol, windows: int, tolerance: float, threads: int) -> None:
+        self.protocol = protocol
+        self.tolerance = tolerance
+        self.threads = threads
+        self.count = protocol.members.count
+        lane = empty_chunk(protocol, 1, Status.INTERRUPTED)
+        self.lane_bytes = sum(part.nbytes for part in lane.values())
+        most = min(_MOST_LANES, _MOST_WINDOWS // windows, _MOST_BYTES // self.lane_bytes)
+        self.size = max(1, min(most, -(-self.count // _FEWEST)))
+        self.n_tasks = -(-self.count // self.size)
+
+    def in_memory(self, frame: Frame) -> xr.Dataset:
+        """Run all lanes; refused where the result is too large."""
+        size, free = self.count * self.lane_bytes, free_memory()
+        if size > _MOST_MEMORY * free:
+            raise OptionError(
+                f"the result of {self.count} runs takes {size_text(size)}, and {size_text(free)}"
+                " of memory are free: give store= a folder, from which it is read when needed, or"
+                " record less"
+            )
+        whole = empty_chunk(self.protocol, self.count, Status.INTERRUPTED)
+
+        def keep(i: int, chunk: Chunk) -> None:
+            _fill(whole, slice(*self._lanes(i)), chunk)
+
+        return dataset_in_memory(frame, whole, self._run(keep, ()))
+
+    def in_store(self, frame: Frame, path: str | Path, asked: Mapping[str, Any]) -> xr.Dataset:
+        """Run the lanes that a store has not yet; the result is read from a file in it."""
+        with Store.open(path, asked, self.n_tasks) as store:
+            complete = self._run(store.put, frozenset(store.done))
+            size, target = self.count * self.lane_bytes, store.folder / "result.nc"
+            return dataset_in_file(frame, self._chunks(store), size, complete, target)
+
+    def _run(self, keep: Callable[[int, Chunk], None], done: Collection[int]) -> bool:
+        return run_tasks(
+            [self._task(i) for i in range(self.n_tasks)],
+            lambda: LaneRunner(self.protocol.system, self.tolerance),
+            threads=self.threads,
+            label="ensemble",
+            keep=keep,
+            done=done,
+        )
+
+    def _task(self, i: int) -> Callable[[LaneRunner, threading.Event], Chunk]:
+        return lambda runner, stop: run_chunk(self.protocol, *self._lanes(i), runner, stop)
+
+    def _chunks(self, store: Store) -> Iterator[tuple[int, Chunk]]:
+        """What a store holds, in the order of the lanes; those that were not run tell so.
+
+        Many small chunks are put together: each one that is written takes a while by itself.
+        """
+        together = max(1, _MOST_BYTES // (self.size * self.lane_bytes))
+        for begin in range(0, self.n_tasks, together):
+            tasks = range(begin, min(begin + together, self.n_tasks))
+            first, last = self._lanes(tasks[0])[0], self._lanes(tasks[-1])[1]
+            whole = empty_chunk(self.protocol, last - first, Status.INTERRUPTED)
+            for i in store.done.intersection(tasks):
+                low, high = self._lanes(i)
+                _fill(whole, slice(low - first, high - first), store.get(i))
+            yield first, whole
+
+    def _lanes(self, i: int) -> tuple[int, int]:
+        """First lane of a task, and the first one after it."""
+        return i * self.size, min((i + 1) * self.size, self.count)
+
+
+def _fill(whole: Chunk, lanes: slice, chunk: Chunk) -> None:
+    """Put a chunk into its place in a larger one."""
+    for name, values in chunk.items():
+        whole[name][lanes] = values

@@ -1,0 +1,1 @@
+"""Growth of small deviations along a motion."""

@@ -1,0 +1,129 @@
+"""The run behind a spectrum of Lyapunov exponents: transient, then interval by interval."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.analysis.exponents.growth import Growth, advance
+from nonsmooth.engine.layout import Tables
+from nonsmooth.engine.status import Status
+from nonsmooth.errors import OptionError
+from nonsmooth.simulation.clock import Instant
+from nonsmooth.simulation.progress import Progress
+from nonsmooth.simulation.runner import Derivatives, NoMode
+from nonsmooth.simulation.start import Start, explain_misfit
+from nonsmooth.simulation.tangent_flow import TangentFlow
+from nonsmooth.system.system import System
+
+__all__ = ["ExponentRun", "Protocol", "run_exponents"]
+
+
+class Protocol(NamedTuple):
+    """Lengths in windows of the clock, and the number of intervals of the record."""
+
+    transient: float
+    record: float
+    interval: float
+    parts: int
+
+
+@dataclass(frozen=True)
+class ExponentRun:
+    """Growth of columns at the ends of intervals; the first row is the end of the transient."""
+
+    status: Status
+    times: npt.NDArray[np.float64]  # (N + 1,)
+    growth: npt.NDArray[np.float64]  # (N + 1, k) logarithms, minus infinity for lost columns
+    n_states: int
+    n_events: int
+    n_impacts: int
+    n_uncertain: int
+    end_time: float  # of the run, which may have ended early
+
+
+def run_exponents(
+    system: System,
+    tables: Tables,
+    derivatives: Derivatives,
+    start: Start,
+    protocol: Protocol,
+    count: int,
+    tolerance: float,
+    seed: int,
+) -> ExponentRun:
+    """Run the transient and the record from a start; what an interruption leaves is kept."""
+    flow, status = _started(system, tables, derivatives, start, count, tolerance)
+    growth = Growth(flow, count, seed)
+    rows, ends, counts = [], [], []
+    steps = _ends(flow, start.instant, protocol)
+    n_transient = len(steps) - protocol.parts
+    interval = protocol.interval * flow.window
+    if n_transient == 0:
+        rows.append(growth.at_end.copy())
+        ends.append(start.instant)
+        counts.append(flow.counts)
+    try:
+        with Progress("exponents", len(steps)) as progress:
+            for k, end in enumerate(steps):
+                if status != Status.COMPLETED:
+                    break
+                status = advance(growth, end, interval)
+                if status != Status.COMPLETED:
+                    break
+                if k + 1 >= n_transient:
+                    rows.append(growth.at_end.copy())
+                    ends.append(end)
+                    counts.append(flow.counts)
+                progress.update(k + 1)
+    except KeyboardInterrupt:
+        status = Status.INTERRUPTED
+    last, first = (counts[-1], counts[0]) if counts else ((0, 0, 0), (0, 0, 0))
+    return ExponentRun(
+        status=status,
+        times=np.array([end.time(flow.window) for end in ends]),
+        growth=np.array(rows).reshape(-1, count),
+        n_states=flow.n,
+        n_events=last[0] - first[0],
+        n_impacts=last[1] - first[1],
+        n_uncertain=last[2] - first[2],
+        end_time=flow.here.time(flow.window),
+    )
+
+
+def _started(
+    system: System,
+    tables: Tables,
+    derivatives: Derivatives,
+    start: Start,
+    count: int,
+    tolerance: float,
+) -> tuple[TangentFlow, Status]:
+    """Flow at its start, in the first of the modes that admits it."""
+    for mode in start.modes:
+        flow = TangentFlow(tables, derivatives, count, tolerance)
+        try:
+            return flow, flow.start(start.state, start.instant, mode)
+        except NoMode as fault:
+            misfit = fault
+    raise OptionError(explain_misfit(system, tables, start, misfit.z))
+
+
+def _ends(flow: TangentFlow, start: Instant, protocol: Protocol) -> list[Instant]:
+    """Ends of the intervals of transient and record, at phases without rounding."""
+    first = protocol.transient
+    n_first = math.ceil(first / protocol.interval - 1e-9)
+    lengths = [first * (k + 1) / n_first for k in range(n_first)]
+    lengths += [first + protocol.record * (k + 1) / protocol.parts for k in range(protocol.parts)]
+    ends = []
+    for length in lengths:
+        whole = math.floor(length + 1e-12 * max(1.0, length))
+        rest = max(0.0, length - whole)
+        rest = 0.0 if rest < 1e-12 * max(1.0, length) else rest
+        end = flow.after(start, rest * flow.window)
+        ends.append(Instant(end.number + whole, end.phase))
+    return ends

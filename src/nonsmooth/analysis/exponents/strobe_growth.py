@@ -1,0 +1,171 @@
+"""How fast neighbours part from strobe to strobe of a motion that does not repeat."""
+
+from __future__ import annotations
+
+import threading
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.analysis.exponents.growth import Growth, advance
+from nonsmooth.engine import layout
+from nonsmooth.engine.layout import Tables
+from nonsmooth.engine.status import Status
+from nonsmooth.simulation.clock import Instant
+from nonsmooth.simulation.crew import Stopped
+from nonsmooth.simulation.runner import Derivatives, NoMode
+from nonsmooth.simulation.tangent_flow import TangentFlow
+
+__all__ = ["Neighbours", "is_autonomous", "is_hidden", "strobe_growth"]
+
+_TOGETHER = 50  # strobes between which columns keep their length within the range of numbers
+_TURN = 1e-9  # of a forcing between strobes, within which it is a whole one
+_SEED = 0  # of the direction in which the neighbour begins
+
+Floats = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Neighbours:
+    """From where neighbours are followed, and at which strobes they are looked at.
+
+    The first strobe is the start; ``turn`` more pass until the neighbour has turned to where it
+    parts fastest.
+    """
+
+    tables: Tables
+    derivatives: Derivatives
+    tolerance: float
+    state: Floats
+    mode: int
+    numbers: npt.NDArray[np.int64]
+    phases: Floats
+    turn: int
+    drifting: npt.NDArray[np.bool_]
+    stop: threading.Event | None = None
+
+    def attend(self) -> None:
+        """End the work where it is no longer wanted."""
+        if self.stop is not None and self.stop.is_set():
+            raise Stopped
+
+    @property
+    def begin(self) -> Instant:
+        """Instant of the first strobe."""
+        return self.ends[0]
+
+    @property
+    def ends(self) -> list[Instant]:
+        """Instants of all strobes."""
+        pairs = zip(self.numbers.tolist(), self.phases.tolist(), strict=True)
+        return [Instant(number, phase) for number, phase in pairs]
+
+
+def is_autonomous(tables: Tables) -> bool:
+    """Whether nothing drives a system: neither harmonics nor powers of time nor signals."""
+    return not (tables.harmonics.shape[1] or tables.sizes[1] or tables.signals.shape[0])
+
+
+def is_hidden(tables: Tables, length: float) -> bool:
+    """Whether strobes see the forcing at different phases, for lack of a common period.
+
+    Those phases neither grow nor die away, and are no states.
+    """
+    turns = tables.harmonics[0] * length / (2.0 * np.pi)
+    return bool(np.any(np.abs(turns - np.rint(turns)) > _TURN * np.maximum(1.0, turns)))
+
+
+def strobe_growth(neighbours: Neighbours) -> tuple[Status, Floats]:
+    """Logarithmic growth of a neighbour in each interval behind the turn, drifts left out.
+
+    returns: status, growth (intervals,); COMPLETED without growth where no mode takes the start
+    """
+    if is_autonomous(neighbours.tables):
+        return _several_columns(neighbours)
+    found = _one_column(neighbours)
+    return _several_columns(neighbours) if found is None else found
+
+
+def _one_column(given: Neighbours) -> tuple[Status, Floats] | None:
+    """One neighbour of a motion that is driven; None where its columns have to be looked after.
+
+    Modes in closed form need no look on the way. Those with series are watched during the turn,
+    which tells whether a direction is too fast for their steps.
+    """
+    flow = TangentFlow(given.tables, given.derivatives, 1, given.tolerance)
+    try:
+        status = flow.start(given.state, given.begin, given.mode)
+    except NoMode:
+        return Status.COMPLETED, np.zeros(0)
+    growth = Growth(flow, 1, _SEED)
+    if np.any(given.tables.kinds != layout.EXACT):
+        for last, end in pairwise(given.ends[: given.turn + 1]):
+            given.attend()
+            if status == Status.COMPLETED:
+                status = advance(growth, end, flow.between(last, end))
+        if growth.length < np.inf or not growth.left:
+            return None
+    if status != Status.COMPLETED:
+        return status, np.zeros(0)
+    here = flow.here
+    first = next(k for k, end in enumerate(given.ends) if flow.between(here, end) >= 0.0)
+    return _sizes(given, flow, first)
+
+
+def _sizes(given: Neighbours, flow: TangentFlow, first: int) -> tuple[Status, Floats]:
+    """Growth of the column from some strobe on, in chunks between which it is divided by its size.
+
+    Nothing depends on drifting states, so their part of the column is put to zero.
+    """
+    sizes: list[Floats] = []
+    lost = 0.0  # logarithm of what the column was divided by
+    for k in range(first, given.numbers.size, _TOGETHER):
+        given.attend()
+        part = slice(k, k + _TOGETHER)
+        status, _states, columns = flow.run_through(given.numbers[part], given.phases[part])
+        if status != Status.COMPLETED:
+            return status, np.zeros(0)
+        moving = columns[:, 0, ~given.drifting]
+        with np.errstate(divide="ignore"):  # a column that is lost
+            sizes.append(np.log(np.sqrt((moving * moving).sum(axis=1))) + lost)
+        column = np.where(given.drifting, 0.0, flow.columns[0])
+        size = float(np.sqrt(column @ column))
+        if size > 0.0 and np.isfinite(size):
+            lost += float(np.log(size))
+            flow.set_columns((column / size)[None])
+    with np.errstate(invalid="ignore"):
+        return Status.COMPLETED, np.diff(np.concatenate(sizes)[given.turn - first :])
+
+
+def _several_columns(given: Neighbours) -> tuple[Status, Floats]:
+    """The largest exponent of several, those nearest zero left out for drifts and for time.
+
+    Columns are made orthonormal, and their series looked after, from interval to interval.
+    """
+    neutral = int(np.count_nonzero(given.drifting)) + int(is_autonomous(given.tables))
+    count = min(given.drifting.size, neutral + 1)
+    flow = TangentFlow(given.tables, given.derivatives, count, given.tolerance)
+    try:
+        status = flow.start(given.state, given.begin, given.mode)
+    except NoMode:
+        return Status.COMPLETED, np.zeros(0)
+    growth = Growth(flow, count, _SEED)
+    rows, last = [], given.begin
+    for end in given.ends[1:]:
+        given.attend()
+        if status != Status.COMPLETED:
+            return status, np.zeros(0)
+        status = advance(growth, end, flow.between(last, end))
+        rows.append(growth.at_end.copy())
+        last = end
+    if status != Status.COMPLETED:
+        return status, np.zeros(0)
+    logarithms = np.array(rows)[given.turn - 1 :]
+    with np.errstate(invalid="ignore"):  # a column that was lost from the beginning
+        order = np.argsort(np.abs(logarithms[-1] - logarithms[0]), kind="stable")
+        left = logarithms[:, order[neutral:]]
+        if left.shape[1] == 0:  # there is no other direction
+            return status, np.full(len(logarithms) - 1, -np.inf)
+        return status, np.diff(left[:, 0])

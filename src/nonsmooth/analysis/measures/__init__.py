@@ -1,0 +1,1 @@
+"""What the measures of basins and of sets of points share."""

@@ -1,0 +1,215 @@
+"""`regime`: what a motion settles to, with the evidence for it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from nonsmooth.analysis.regimes.labels import INADMISSIBLE
+from nonsmooth.analysis.regimes.options import check_system, make_protocol, strobe_length
+from nonsmooth.analysis.regimes.regime_dataset import numbers_of, said_of_start
+from nonsmooth.analysis.regimes.regime_run import settled_regime
+from nonsmooth.analysis.regimes.verdict import Protocol, Verdict
+from nonsmooth.errors import OptionError
+from nonsmooth.simulation.labels import labels_of
+from nonsmooth.simulation.lane_runner import LaneRunner
+from nonsmooth.simulation.options import check_run_options
+from nonsmooth.simulation.start import explain_misfit, resolve_start, start_at_end
+from nonsmooth.system.system import System
+from nonsmooth.version import __version__
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["regime"]
+
+
+def regime(
+    system: System,
+    initial: Any = None,
+    *,
+    transient: int = 200,
+    record: int = 100,
+    evidence: int = 500,
+    longest: int | None = None,
+    phase: float = 0.0,
+    period: float | str | None = None,
+    match: float = 1e-6,
+    parameters: Mapping[str, float] | None = None,
+    tolerance: float = 1e-12,
+    mode: str | None = None,
+    t_start: float | None = None,
+) -> xr.Dataset:
+    """Tell what a motion settles to, and on what evidence.
+
+    Parameters
+    ----------
+    system : System
+        The system; it needs a period, or ``period``.
+    initial : mapping, dataset or run, optional
+        Initial state as in `simulate`; the rest state without it.
+    transient : int, optional
+        Periods left out at the beginning, at first.
+
+    Other Parameters
+    ----------------
+    record : int, optional
+        Periods of a window in which strobes may repeat; half of it is the longest period that is
+        found.
+    evidence : int, optional
+        Periods of a window for exponent and 0-1 test of a motion that does not repeat, 200 at
+        least.
+    longest : int, optional
+        Up to where the transient is doubled, at least, while the motion has not settled; 16 times
+        the transient (or the record, if that is longer) without it.
+    phase : float, optional
+        Part of the period at which strobes are taken, from 0 to less than 1.
+    period : float or str, optional
+        Another time between strobes than the period of the system, as in `stroboscopic_map`: for
+        systems with several frequencies or none.
+    match : float, optional
+        Strobes repeat when they do to this part of the size of each state.
+    parameters : mapping of str to float, optional
+        Changed values of parameters.
+    tolerance : float, optional
+        As in `simulate`.
+    mode : str, optional
+        Mode of the start, as in `simulate`.
+    t_start : float, optional
+        Time of the start, 0 without it.
+
+    Returns
+    -------
+    xarray.Dataset
+        Scalars: ``regime``, ``period`` (in strobes, 0 where none was found), ``word`` (modes of one
+        period), ``events`` and ``impacts`` per strobe interval, ``residual`` (what is left between
+        strobes a period apart, as a part of the size of the states; the least where there is no
+        period), ``exponent`` with ``exponent_error``, ``K``, ``transient_used`` (in strobes),
+        ``n_uncertain``, and for every drifting state its change per period and per unit time, as
+        in ``v_per_period``. Over ``multiplier``: ``multiplier_real``, ``multiplier_imag`` and
+        ``multiplier_modulus`` of a motion that repeats, the largest first. nan is what was not
+        needed for the label. The attribute ``message`` tells the reason for the label.
+
+    Raises
+    ------
+    OptionError
+        When the start fits no mode, for an option out of its range, or a system that has no period
+        and gets none.
+
+    See Also
+    --------
+    regime_map : the same over two parameters.
+    bifurcation_diagram : states over one parameter.
+    lyapunov_spectrum : all exponents.
+
+    Notes
+    -----
+    Two windows follow the transient, and a label holds when both give it, with the same period and
+    word, or with exponents that agree within three standard errors. If they do not, the transient
+    is doubled. The labels and their rules:
+
+    ``periodic``
+        Strobes repeat, but for drifts, and all multipliers lie inside the unit circle.
+    ``locked``
+        So they do, and every perturbation is lost within one period, by rank, as where a mass
+        rests for a while. The exponent is minus infinity.
+    ``equilibrium``
+        So they do, and between strobes nothing changes either.
+    ``chaotic``
+        Strobes do not repeat, the largest exponent is more than three standard errors above zero,
+        and K of the 0-1 test is not below 0.2.
+    ``quasi-periodic``
+        Strobes do not repeat, the exponent is within three standard errors of zero and less than
+        3 over the duration of a window in size, K is not above 0.5, and strobes do not nearly
+        repeat, as those of motions that settle slowly do. Where neighbours part linearly, the
+        exponent may fall by a quarter from window to window instead. Where strobes see the forcing
+        at different phases, as with two frequencies, it may also be below zero.
+    ``limit-cycle``
+        Nothing drives the system, strobes do not repeat as the motion has a period of its own, and
+        neighbours approach the closed orbit: the exponent is below zero.
+    ``absorbed``
+        Impacts accumulate, or an exit to 'stop' ends the run. However chaotic the motion was
+        before, it has no exponent.
+    ``diverged`` and other words of `simulate`
+        The run ended early in that way.
+    ``unsettled``
+        The windows disagree up to ``longest``, or the rules do. A motion that repeats with
+        multipliers on the unit circle, as without damping, is none that others settle to.
+
+    No window tells an exponent better than to one over its duration, so a standard error counts
+    that much at least. K is that of the first state that does not contradict the label, or of the
+    last one, after the strongest period up to 50 is taken off, as chaos in bands would need very
+    long series otherwise. Exponents are per unit time. Left out are those of drifts, and along the
+    motion of a system that nothing drives; likewise multipliers, which are one for a drift.
+    Exponents of motions that repeat are those of their multipliers, without an error.
+
+    References
+    ----------
+    G. A. Gottwald and I. Melbourne, On the implementation of the 0-1 test for chaos, SIAM
+    Journal on Applied Dynamical Systems 8, 129-145 (2009).
+
+    Examples
+    --------
+    >>> import nonsmooth as ns
+    >>> found = ns.regime(ns.models.soft_impact())
+    >>> found["regime"].item(), found["period"].item(), found["events"].item()
+    ('periodic', 5, 1.2)
+
+    The product of the multipliers is what the damping leaves, exp(-2 zeta 5 T).
+
+    >>> float(found["multiplier_modulus"].prod().round(4))
+    0.4775
+    """
+    system = check_run_options(system, parameters, mode, tolerance)
+    check_system(system, period, "regime")
+    protocol = make_protocol(transient, record, evidence, longest, phase, match)
+    length = strobe_length(system, period)
+    runner = LaneRunner(system, tolerance)
+    start = resolve_start(system, runner.tables, initial, t_start, mode, parameters is not None)
+    if start.anchor is not None:
+        start = start_at_end(start)
+    verdict = settled_regime(protocol, system, runner, start, length)
+    if verdict.label == INADMISSIBLE and verdict.transient_used == 0:
+        raise OptionError(explain_misfit(system, runner.tables, start, runner.segment.z))
+    options = {
+        "tolerance": float(tolerance),
+        "changed_parameters": str(dict(parameters)) if parameters else "",
+        "initial": said_of_start(initial),
+    }
+    return _dataset(system, protocol, verdict, options)
+
+
+def _dataset(
+    system: System, protocol: Protocol, verdict: Verdict, options: dict[str, Any]
+) -> xr.Dataset:
+    import xarray as xr
+
+    variables: dict[str, Any] = {
+        "regime": ((), verdict.label, {"long_name": "regime"}),
+        **numbers_of(system, [verdict], (), ()),
+    }
+    multipliers = np.full(len(system.states) - len(system.drift_states), np.nan, complex)
+    multipliers[: verdict.multipliers.size] = verdict.multipliers
+    parts = {"real": multipliers.real, "imag": multipliers.imag, "modulus": np.abs(multipliers)}
+    for name, values in parts.items():
+        variables[f"multiplier_{name}"] = (
+            ("multiplier",), values.copy(), {"long_name": f"multiplier, {name}"},
+        )  # fmt: skip
+    coords = {"multiplier": ("multiplier", np.arange(1, multipliers.size + 1))}
+    attrs = {
+        "system_name": system.name,
+        "system": labels_of(system).system,
+        "nonsmooth_version": __version__,
+        "status": "completed",
+        "message": f"{verdict.label}: {verdict.reason}",
+        "transient": protocol.transient,
+        "record": protocol.record,
+        "evidence": protocol.evidence,
+        "longest": protocol.longest,
+        "phase_of_period": protocol.phase,
+        "strobe_period": verdict.length,
+        "match": protocol.match,
+    }
+    return xr.Dataset(variables, coords, attrs | options)

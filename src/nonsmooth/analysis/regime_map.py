@@ -1,0 +1,225 @@
+"""`regime_map`: what motions settle to over two parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.analysis.regimes.border_refinement import refine_borders, refined_values
+from nonsmooth.analysis.regimes.options import check_system, make_protocol
+from nonsmooth.analysis.regimes.points import Plane
+from nonsmooth.analysis.regimes.regime_dataset import map_dataset, said_of_start
+from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.simulation.crew import check_threads
+from nonsmooth.simulation.options import check_run_options, finite_number
+from nonsmooth.simulation.runner import build_tables
+from nonsmooth.simulation.start import resolve_start
+from nonsmooth.system.system import System
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["regime_map"]
+
+_MOST = 2 * 10**6  # points; each computed one takes a kilobyte
+_LEVELS = 8
+
+
+def regime_map(
+    system: System,
+    over: Mapping[str, npt.ArrayLike],
+    *,
+    initial: Any = None,
+    refine: int = 0,
+    transient: int = 200,
+    record: int = 100,
+    evidence: int = 500,
+    longest: int | None = None,
+    phase: float = 0.0,
+    period: float | str | None = None,
+    match: float = 1e-6,
+    parameters: Mapping[str, float] | None = None,
+    tolerance: float = 1e-12,
+    mode: str | None = None,
+    threads: int | None = None,
+    store: str | Path | None = None,
+) -> xr.Dataset:
+    """Tell what motions settle to, for many values of two parameters.
+
+    Parameters
+    ----------
+    system : System
+        The system; it needs a period, or ``period``.
+    over : mapping of str to array_like
+        Two parameters and their values, which grow: the first one is the horizontal axis of a
+        picture.
+    initial : mapping or dataset, optional
+        Initial state as in `simulate`, the same everywhere. States that are not given are those at
+        rest, for each point anew.
+    refine : int, optional
+        How often cells are halved where the labels of their corners differ. What then lies among
+        equal labels is filled and not computed, so an island smaller than a cell of the grid that
+        is given may be missed.
+
+    Other Parameters
+    ----------------
+    transient, record, evidence : int, optional
+        As in `regime`.
+    longest : int, optional
+        As in `regime`.
+    phase : float, optional
+        As in `regime`.
+    period : float or str, optional
+        As in `regime`; an expression is evaluated at each point.
+    match : float, optional
+        As in `regime`.
+    parameters : mapping of str to float, optional
+        Changed values of other parameters.
+    tolerance : float, optional
+        As in `simulate`.
+    mode : str, optional
+        Mode of the starts, as in `simulate`.
+    threads : int, optional
+        Threads to use; all processors without it. The result does not depend on it.
+    store : path, optional
+        Folder in which results are kept as they come. The same call goes on where an earlier one
+        ended.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over the second and the first parameter: ``regime``, numbers whose names are CF flags in its
+        attributes, ``period`` and ``word`` as in `regime`, and ``computed``, 0 where these were
+        filled. Where computed, else nan: ``events``, ``impacts``, ``exponent``,
+        ``exponent_error``, ``K``, ``residual``, ``multiplier`` (the largest modulus), changes of
+        drifting states per period and per unit time, ``transient_used``, ``n_uncertain``. A
+        variable that has the name of a parameter gets ``_of_motion`` behind its name. After an
+        interruption the points that are missing have the regime ``interrupted``.
+
+    Raises
+    ------
+    OptionError
+        For parameters that are not two, unknown, or without values, for an option out of its
+        range, a system without a period, or a ``store`` that was begun with other options.
+    RunError
+        When the store could not be written, for want of room for one; what is done is kept there.
+
+    See Also
+    --------
+    regime : one motion, with the labels and their rules.
+    bifurcation_diagram : states over one parameter.
+
+    Notes
+    -----
+    Where several attractors coexist, a map shows those that the initial state leads to. Values
+    that the system refuses have the regime ``refused``, starts that fit no mode ``inadmissible``.
+
+    Cells differ where label, period, number of impacts or word do; the word may begin anywhere.
+    They are halved, and all their points computed, until no cell of a level differs that has not
+    been.
+
+    References
+    ----------
+    M. Wiercigroch and E. Pavlovskaia, Engineering Applications of Non-smooth Dynamics, 2012,
+    section 2: regions of progression of the mole.
+
+    Examples
+    --------
+    >>> import nonsmooth as ns
+    >>> grid = ns.regime_map(
+    ...     ns.models.soft_impact(), {"omega": [0.8, 0.905], "zeta": [0.01, 0.05]}, transient=300
+    ... )
+    >>> names = grid["regime"].attrs["flag_meanings"].split()
+    >>> [[names[code] for code in row] for row in grid["regime"].values]
+    [['periodic', 'chaotic'], ['periodic', 'periodic']]
+    """
+    system = check_run_options(system, parameters, mode, tolerance)
+    check_system(system, period, "regime_map")
+    names, values = _check_grid(system, over)
+    levels = _check_refine(refine)
+    protocol = make_protocol(transient, record, evidence, longest, phase, match)
+    fine = (refined_values(values[0], levels), refined_values(values[1], levels))
+    if fine[0].size * fine[1].size > _MOST:
+        raise OptionError(
+            f"over: {fine[0].size} times {fine[1].size} points are asked for, at most {_MOST:g};"
+            " take fewer values, or a smaller refine="
+        )
+    # refuse here what no point could begin with
+    resolve_start(system, build_tables(system), initial, None, mode, repeated=True)
+    options = {
+        "initial": said_of_start(initial),
+        "refine": levels,
+        "transient": protocol.transient,
+        "record": protocol.record,
+        "evidence": protocol.evidence,
+        "longest": protocol.longest,
+        "phase_of_period": protocol.phase,
+        "strobe_period": "the period of the system" if period is None else str(period),
+        "match": protocol.match,
+        "tolerance": float(tolerance),
+        "mode_of_start": mode or "",
+        "changed_parameters": str(dict(parameters)) if parameters else "",
+    }
+    told = options | {
+        "system": system.to_toml(),
+        "over": {name: array for name, array in zip(names, values, strict=True)},
+        "initial": _start_of(system, initial),
+    }
+    plane = Plane(
+        protocol, system, names, fine, initial, mode, period, tolerance, check_threads(threads),
+        store, told,
+    )  # fmt: skip
+    filled = refine_borders(plane.keys, levels, plane.compute)
+    plane.fill(filled)
+    return map_dataset(system, names, fine, plane.verdicts, filled, options)
+
+
+def _check_grid(
+    system: System, over: Any
+) -> tuple[tuple[str, str], tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]]:
+    """Names and values of the two parameters."""
+    if not isinstance(over, Mapping) or len(over) != 2:
+        given = f"{len(over)} given" if isinstance(over, Mapping) else f"{over!r:.60}"
+        raise OptionError(
+            f"over = {given}: give two different parameters and their values, such as"
+            ' {"omega": np.linspace(0.5, 1, 50), "zeta": np.linspace(0.01, 0.1, 40)}'
+        )
+    values = []
+    for name, each in over.items():
+        if name not in system.parameters:
+            raise OptionError(f"over: {unknown_name('parameter', str(name), system.parameters)}")
+        try:
+            array = np.atleast_1d(np.asarray(each, dtype=float))
+        except (TypeError, ValueError):
+            raise OptionError(f"over: {name!r}: {each!r:.60} is no list of numbers") from None
+        if array.ndim != 1 or array.size == 0 or not np.all(np.isfinite(array)):
+            raise OptionError(
+                f"over: {name!r} takes a one-dimensional, non-empty list of finite numbers, such as"
+                " np.linspace(0.5, 1, 50)"
+            )
+        if np.any(np.diff(array) <= 0.0):
+            raise OptionError(f"over: the values of {name!r} must grow; sort them, each once")
+        values.append(array)
+    first, second = (str(name) for name in over)
+    return (first, second), (values[0], values[1])
+
+
+def _check_refine(refine: Any) -> int:
+    number = finite_number("refine", refine)
+    if number != int(number) or not 0 <= number <= _LEVELS:
+        raise OptionError(
+            f"refine = {refine!r:.60}: give how often cells are halved, a whole number from 0 to"
+            f" {_LEVELS}"
+        )
+    return int(number)
+
+
+def _start_of(system: System, initial: Any) -> Any:
+    """An initial state in numbers, for comparison with that of an earlier call."""
+    if initial is None or isinstance(initial, Mapping):
+        return {str(name): float(value) for name, value in (initial or {}).items()}
+    return [float(initial[name]) for name in system.states]

@@ -1,0 +1,1 @@
+"""What a motion settles to: windows, rules and evidence."""

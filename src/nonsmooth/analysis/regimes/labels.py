@@ -1,0 +1,103 @@
+"""Labels of regimes, and the rules by which the evidence of a window becomes one."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from nonsmooth.engine.status import Status
+
+__all__ = [
+    "ABSORBED",
+    "CHAOTIC",
+    "EQUILIBRIUM",
+    "INADMISSIBLE",
+    "INTERRUPTED",
+    "LABELS",
+    "LIMIT_CYCLE",
+    "LOCKED",
+    "PERIODIC",
+    "QUASI_PERIODIC",
+    "REPEATING",
+    "UNSETTLED",
+    "contradiction",
+    "label_of_end",
+    "label_of_growth",
+]
+
+EQUILIBRIUM, LOCKED, PERIODIC = "equilibrium", "locked", "periodic"
+LIMIT_CYCLE, QUASI_PERIODIC, CHAOTIC = "limit-cycle", "quasi-periodic", "chaotic"
+ABSORBED, UNSETTLED = "absorbed", "unsettled"
+INADMISSIBLE, INTERRUPTED = Status.INADMISSIBLE.word, Status.INTERRUPTED.word
+
+REPEATING = (EQUILIBRIUM, LOCKED, PERIODIC)  # labels of motions that have a period
+
+# The number of a label in a map is its place here; new ones come last.
+LABELS = (
+    EQUILIBRIUM, LOCKED, PERIODIC, LIMIT_CYCLE, QUASI_PERIODIC, CHAOTIC, ABSORBED, UNSETTLED,
+    Status.DIVERGED.word, Status.UNDECIDED.word, Status.NONUNIQUE.word, INADMISSIBLE,
+    Status.STEP_LIMIT.word, Status.SINGULAR.word, Status.SLIDING.word, Status.REFUSED.word,
+    INTERRUPTED,
+)  # fmt: skip
+
+ERRORS = 3.0  # standard errors that an exponent must keep from zero
+LARGEST_GROWTH = 3.0  # logarithm of the growth in a window that may still be none
+UNSURE = 2.0  # times that growth, as a standard error, tells no label
+FALLING = 0.75  # of an exponent is left in the next window where growth is linear
+NEARLY = 0.01  # of the scatter of strobes is left between those that repeat nearly
+ROUNDING = 1e-9  # of the growth in a window
+K_CHAOTIC, K_REGULAR = 0.2, 0.5  # below, and above, the 0-1 test contradicts the exponent
+
+
+def label_of_end(status: Status) -> str:
+    """Label of a motion that ended: impacts that accumulate, and exits to 'stop', absorb."""
+    if status in (Status.EVENT_LIMIT, Status.STOPPED):
+        return ABSORBED
+    return status.word
+
+
+def label_of_growth(
+    rates: tuple[float, float], errors: tuple[float, float], duration: float, attracting: str
+) -> str:
+    """Label that the exponents of two windows give, "" where they give none or differ.
+
+    No window tells an exponent better than to one over its duration. A motion that still settles
+    has a small exponent too: it is as steady as the damping, while that of quasi-periodic motion
+    comes and goes, or falls as neighbours part linearly.
+
+    attracting: label of a motion that others approach although its strobes do not repeat, as a
+    direction without growth is left out; "" where there is none
+    """
+    least = LARGEST_GROWTH / duration
+    if rates == (-np.inf, -np.inf):
+        return attracting
+    if not np.all(np.isfinite(errors)):
+        return ""
+    both = float(np.hypot(*errors))
+    if abs(rates[0] - rates[1]) > max(ERRORS * both, least):
+        return ""
+    mean, enough = 0.5 * (rates[0] + rates[1]), max(0.5 * ERRORS * both, least)
+    if mean > enough and min(rates) > least:
+        return CHAOTIC
+    if attracting and mean < -enough and max(rates) < -least:
+        return attracting
+    if max(map(abs, rates)) > least or max(errors) > UNSURE * least:
+        return ""
+    rounding = ROUNDING / duration
+    zero = all(
+        abs(rate) <= ERRORS * error + rounding for rate, error in zip(rates, errors, strict=True)
+    )
+    return QUASI_PERIODIC if zero or abs(rates[1]) < FALLING * abs(rates[0]) else ""
+
+
+def contradiction(label: str, k: float, nearest: float) -> str:
+    """How the strobes contradict what an exponent says, "" where they do not.
+
+    k: K of the 0-1 test; nearest: how near strobes come to repeating, in their scatter
+    """
+    if label == CHAOTIC and k < K_CHAOTIC:
+        return f"K = {k:.2f}"
+    if label == QUASI_PERIODIC and k > K_REGULAR:
+        return f"K = {k:.2f}"
+    if label == QUASI_PERIODIC and nearest < NEARLY:
+        return "strobes nearly repeat, as they do while a motion settles slowly"
+    return ""

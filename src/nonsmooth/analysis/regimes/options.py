@@ -1,0 +1,80 @@
+"""Options of a regime: how long a motion is followed, and when it is looked at."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from nonsmooth.analysis.regimes.verdict import Protocol
+from nonsmooth.errors import ModelError, OptionError
+from nonsmooth.simulation.options import check_count, finite_number, whole_number
+from nonsmooth.simulation.stroboscopic import check_phase, require_period
+from nonsmooth.system.evaluate import constant_value
+from nonsmooth.system.grammar import parse
+from nonsmooth.system.system import System
+
+__all__ = ["check_system", "make_protocol", "strobe_length"]
+
+_LEAST_EVIDENCE = 200  # values that the 0-1 test needs
+_DOUBLINGS = 16  # of the transient, as a factor, where no longest one is given
+
+
+def make_protocol(
+    transient: Any, record: Any, evidence: Any, longest: Any, phase: Any, match: Any
+) -> Protocol:
+    """Protocol of these options, all of them checked."""
+    left_out = 0 if transient == 0 else whole_number("transient", transient)
+    kept = whole_number("record", record)
+    if kept < 2:
+        raise OptionError("record = 1: a period has to be seen twice; give 2 strobes at least")
+    window = whole_number("evidence", evidence)
+    if window < _LEAST_EVIDENCE:
+        raise OptionError(
+            f"evidence = {window}: the 0-1 test needs {_LEAST_EVIDENCE} strobes at least"
+        )
+    most = _DOUBLINGS * max(left_out, kept) if longest is None else whole_number("longest", longest)
+    if most < left_out:
+        raise OptionError(
+            f"longest = {most} is less than transient = {left_out}, from which the transient is"
+            " doubled"
+        )
+    check_count(most + 4 * window)
+    number = finite_number("match", match)
+    if not 0.0 < number < 1.0:
+        raise OptionError(f"match = {number:g} must lie between 0 and 1; 1e-6 is usual")
+    return Protocol(left_out, kept, window, most, check_phase(phase), number)
+
+
+def check_system(system: System, period: Any, verb: str) -> None:
+    """Refuse what cannot settle, and systems that nobody says when to look at."""
+    if system.slow:
+        raise OptionError(
+            f"{verb}: the parameters in slow= change from period to period, so nothing settles;"
+            " leave slow= out"
+        )
+    if system.signals:
+        raise OptionError(
+            f"{verb}: {next(iter(system.signals))!r} is measured input, which does not repeat, so"
+            " nothing settles; leave signals= out"
+        )
+    if period is None:
+        require_period(system, verb)
+    elif not isinstance(period, str):
+        strobe_length(system, period)
+
+
+def strobe_length(system: System, period: Any) -> float | None:
+    """Length of time between strobes; None for the period of the system."""
+    if period is None:
+        return None
+    if isinstance(period, str):
+        try:
+            period = constant_value(parse(period, where="period"), system.parameter_values)
+        except KeyError as unknown:
+            raise ModelError(
+                f"period = {unknown.args[0]!r} is no parameter of {system.name!r}; known are"
+                f" {', '.join(system.parameters)}"
+            ) from None
+    length = finite_number("period", period)
+    if not length > 0.0:
+        raise OptionError(f"period = {length:g} must be positive")
+    return length

@@ -1,0 +1,162 @@
+"""Regimes of points of a parameter plane, spread over threads and kept in a folder."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.analysis.regimes.border_refinement import UNKNOWN
+from nonsmooth.analysis.regimes.labels import LABELS, REPEATING
+from nonsmooth.analysis.regimes.options import strobe_length
+from nonsmooth.analysis.regimes.regime_run import settled_regime
+from nonsmooth.analysis.regimes.verdict import Protocol, Verdict
+from nonsmooth.analysis.regimes.window import cyclic_word
+from nonsmooth.engine.status import Status
+from nonsmooth.errors import ModelError
+from nonsmooth.simulation.lane_runner import LaneRunner
+from nonsmooth.simulation.start import resolve_start
+from nonsmooth.simulation.stored_tasks import run_stored_tasks
+from nonsmooth.system.system import System
+
+__all__ = ["Plane"]
+
+_TOGETHER = 16  # points in a task: some hundredths of a second
+_NUMBERS = (
+    "transient_used", "length", "period", "events", "impacts", "exponent", "error", "k",
+    "residual", "uncertain",
+)  # fmt: skip
+_WHOLE = ("transient_used", "period", "uncertain")
+
+Places = npt.NDArray[np.int64]
+
+
+@dataclass
+class Plane:
+    """Verdicts over two parameters; places are (number of the second, number of the first)."""
+
+    protocol: Protocol
+    system: System
+    names: tuple[str, str]
+    values: tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]
+    initial: Any
+    mode: str | None
+    period: Any
+    tolerance: float
+    threads: int
+    store: str | Path | None
+    told: Mapping[str, Any]  # all that the results depend on, for the store
+
+    def __post_init__(self) -> None:
+        shape = (self.values[1].size, self.values[0].size)
+        self.verdicts = np.full(shape, None, object)
+        self.keys = np.full(shape, UNKNOWN, np.int64)
+        self._known: dict[tuple[Any, ...], int] = {}
+        self._step = 0
+
+    def compute(self, places: Places) -> bool:
+        """Verdicts of some places; False where the user interrupted."""
+        # places are in order, so that equal work has equal tasks whenever it is done again
+        parts = [places[i : i + _TOGETHER] for i in range(0, len(places), _TOGETHER)]
+
+        def keep(i: int, found: list[Verdict]) -> None:
+            for (row, column), verdict in zip(parts[i], found, strict=True):
+                self.verdicts[row, column] = verdict
+
+        store = self.store
+        if store is not None and self._step:
+            store = Path(store) / f"step-{self._step:03d}"
+        self._step += 1
+        complete = run_stored_tasks(
+            [self._task(part) for part in parts],
+            lambda: LaneRunner(self.system, self.tolerance),
+            store=store,
+            protocol=self.told,
+            pack=_packed,
+            unpack=_unpacked,
+            threads=self.threads,
+            label="regime map" if self._step == 1 else "regime map, borders",
+            keep=keep,
+        )
+        for row, column in places:  # in order: the number of a key does not depend on threads
+            verdict = self.verdicts[row, column]
+            if verdict is not None:
+                key = _key(verdict)
+                self.keys[row, column] = self._known.setdefault(key, len(self._known) + 1)
+        return complete
+
+    def fill(self, places: Places) -> None:
+        """Give places the label that has been found all around them, and no evidence."""
+        examples: dict[tuple[Any, ...], Verdict] = {}
+        for verdict in self.verdicts.ravel():
+            if verdict is not None:
+                examples.setdefault(_key(verdict), verdict)
+        shared = {
+            self._known[key]: Verdict(
+                like.label, "", 0, np.nan, np.full_like(like.drift, np.nan), like.period, like.word
+            )
+            for key, like in examples.items()
+        }
+        for row, column in places:
+            self.verdicts[row, column] = shared[int(self.keys[row, column])]
+
+    def _task(self, places: Places) -> Callable[[LaneRunner, threading.Event], list[Verdict]]:
+        def run(runner: LaneRunner, stop: threading.Event) -> list[Verdict]:
+            return [self._verdict(runner, stop, row, column) for row, column in places]
+
+        return run
+
+    def _verdict(self, runner: LaneRunner, stop: threading.Event, row: int, column: int) -> Verdict:
+        here = dict(zip(self.names, (self.values[0][column], self.values[1][row]), strict=True))
+        try:
+            system = self.system.with_parameters(**{k: float(v) for k, v in here.items()})
+            runner.set_up(system.parameter_values)
+            length = strobe_length(system, self.period)
+        except ModelError as fault:
+            nothing = np.full(len(self.system.states), np.nan)
+            return Verdict(Status.REFUSED.word, str(fault), 0, np.nan, nothing)
+        # states that are not given are those at rest, which may depend on the parameters
+        start = resolve_start(system, runner.tables, self.initial, None, self.mode, repeated=True)
+        return settled_regime(self.protocol, system, runner, start, length, stop)
+
+
+def _key(verdict: Verdict) -> tuple[Any, ...]:
+    """What neighbours have in common."""
+    if verdict.label not in REPEATING:
+        return (verdict.label,)
+    count = round(verdict.impacts * verdict.period)
+    return verdict.label, verdict.period, cyclic_word(verdict.word), count
+
+
+def _packed(found: list[Verdict]) -> dict[str, npt.NDArray[Any]]:
+    """Verdicts as arrays; what stands in a map, and no reasons."""
+    arrays = {name: np.array([getattr(v, name) for v in found]) for name in _NUMBERS}
+    most = max(v.multipliers.size for v in found)
+    multipliers = np.full((len(found), most), np.nan, complex)
+    for i, verdict in enumerate(found):
+        multipliers[i, : verdict.multipliers.size] = verdict.multipliers
+    return arrays | {
+        "label": np.array([LABELS.index(v.label) for v in found], np.int64),
+        "word": np.array([v.word for v in found], str),
+        "drift": np.array([v.drift for v in found]),
+        "multipliers": multipliers,
+    }
+
+
+def _unpacked(arrays: dict[str, npt.NDArray[Any]]) -> list[Verdict]:
+    found = []
+    for i, label in enumerate(arrays["label"]):
+        numbers = {name: arrays[name][i].item() for name in _NUMBERS}
+        numbers |= {name: int(numbers[name]) for name in _WHOLE}
+        multipliers = arrays["multipliers"][i]
+        verdict = Verdict(
+            label=LABELS[label], reason="", drift=arrays["drift"][i], word=str(arrays["word"][i]),
+            multipliers=multipliers[~np.isnan(multipliers)], **numbers,
+        )  # fmt: skip
+        found.append(verdict)
+    return found

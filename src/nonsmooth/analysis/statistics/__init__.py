@@ -1,0 +1,1 @@
+"""Averages, periods and fits of series of numbers."""

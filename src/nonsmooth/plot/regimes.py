@@ -1,0 +1,198 @@
+"""`regime_map`: what motions settle to over two parameters."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from nonsmooth.errors import OptionError
+from nonsmooth.plot.figures import new_axes
+from nonsmooth.plot.style import axis_label, finish_axes
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+
+__all__ = ["regime_map"]
+
+# P. Tol, Colour schemes, SRON/EPS/TN/09-002: the scheme "muted", told apart with every kind of
+# colour vision. Ordered so that periods that often meet, n and 2n, differ most.
+_PERIODS = {
+    1: "#88CCEE", 2: "#332288", 3: "#DDCC77", 4: "#CC6677", 5: "#117733", 6: "#882255",
+    7: "#44AA99", 8: "#999933",
+}  # fmt: skip
+_LONGER = "#AA4499"
+_OTHERS = {
+    "equilibrium": "#EEEEBB",
+    "locked": "#661100",
+    "limit-cycle": "#6699CC",
+    "quasi-periodic": "#888888",
+    "chaotic": "#000000",
+    "absorbed": "#DDDDDD",
+    "unsettled": "#FFFFFF",
+}
+_ENDED = "ended early"  # for other reasons than those of the words below
+_HATCHES = {
+    _ENDED: "//////", "inadmissible": "......", "refused": "xxxxx", "interrupted": "-----"
+}  # fmt: skip
+_WHITE, _HATCHING = "#FFFFFF", "#666666"
+_LINE, _BELOW = 1.25, 4.0  # of the legend: a line, and the labels below the axes; in letters
+_SMALLEST = 5.5  # letters in points
+_DENSE = 10_000  # cells; more become an image within a PDF
+
+
+def regime_map(grid: xr.Dataset, *, ax: Axes | None = None, legend: bool = True) -> Axes:
+    """Regimes over two parameters, one colour each, and one for each period up to eight.
+
+    Parameters
+    ----------
+    grid : xarray.Dataset
+        Result of `regime_map`.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw; new axes of a column's width by default.
+    legend : bool, optional
+        Whether to name the colours beside the axes.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes, with one mesh of colours.
+
+    Raises
+    ------
+    OptionError
+        For a dataset that is no regime map.
+
+    Notes
+    -----
+    Colours are the same in every picture, and only those that occur stand in the legend. Longer
+    periods share one. Motions that ended early for other reasons than absorption, and what is
+    missing, are white and hatched. A map of more than 10000 points becomes an image within a PDF.
+
+    Examples
+    --------
+    >>> import nonsmooth as ns
+    >>> grid = ns.regime_map(
+    ...     ns.models.soft_impact(), {"omega": [0.8, 0.905], "zeta": [0.01, 0.05]}, transient=300
+    ... )
+    >>> ax = ns.plot.regime_map(grid)
+    >>> [text.get_text() for text in ax.get_legend().get_texts()]
+    ['period 1', 'period 2', 'chaotic']
+    """
+    from matplotlib.colors import BoundaryNorm, ListedColormap
+
+    numbers, names, colours = _categories(grid)
+    ax = new_axes() if ax is None else ax
+    second, first = grid["regime"].dims
+    x, y = grid[first].values, grid[second].values
+    here = np.arange(len(names) + 1) - 0.5
+    dense = numbers.size > _DENSE
+    ax.pcolormesh(
+        _edges(x),
+        _edges(y),
+        numbers,
+        cmap=ListedColormap(colours),
+        norm=BoundaryNorm(here, len(names)),
+        rasterized=dense,
+        linewidth=0.0,
+    )
+    for number, name in enumerate(names):
+        if name in _HATCHES:
+            _hatch(ax, _edges(x), _edges(y), numbers == number, name)
+    finish_axes(ax, axis_label(grid[first]), axis_label(grid[second]))
+    ax.set_xlim(*_edges(x)[[0, -1]])
+    ax.set_ylim(*_edges(y)[[0, -1]])
+    if legend:
+        _name_colours(ax, names, colours)
+    return ax
+
+
+def _categories(grid: xr.Dataset) -> tuple[np.ndarray, list[str], list[str]]:
+    """Number of the category of each point, and names and colours of those that occur."""
+    if "regime" not in grid or grid["regime"].ndim != 2:
+        raise OptionError(
+            "the dataset has no variable 'regime' over two parameters; give it a regime map"
+        )
+    words = grid["regime"].attrs.get("flag_meanings", "").split()
+    if not words:
+        raise OptionError(
+            "the variable 'regime' has lost its attribute 'flag_meanings', the names of the labels;"
+            " keep the attributes of the map"
+        )
+    variable = "period" if "period" in grid.data_vars else "period_of_motion"
+    codes, periods = grid["regime"].values, grid[variable].values
+    periodic = codes == words.index("periodic")
+    # in the order of the legend: periods, longer ones, the other labels
+    order = [(f"period {n}", colour, periodic & (periods == n)) for n, colour in _PERIODS.items()]
+    order.append((f"period > {len(_PERIODS)}", _LONGER, periodic & (periods > len(_PERIODS))))
+    others = np.select([codes == code for code in range(len(words))], words, "")
+    ended = ~np.isin(others, ["periodic", *_OTHERS, *_HATCHES])
+    order += [(word, colour, others == word) for word, colour in _OTHERS.items()]
+    order.append((_ENDED, _WHITE, ended))
+    order += [(word, _WHITE, others == word) for word in _HATCHES if word != _ENDED]
+    present = [entry for entry in order if np.any(entry[2])]
+    numbers = np.zeros(codes.shape, int)
+    for number, (_, _, where) in enumerate(present):
+        numbers[where] = number
+    return numbers, [name for name, _, _ in present], [colour for _, colour, _ in present]
+
+
+def _hatch(ax: Axes, x: np.ndarray, y: np.ndarray, where: np.ndarray, name: str) -> None:
+    """Hatch some cells, of which the edges are given."""
+    from matplotlib.patches import PathPatch
+    from matplotlib.path import Path
+
+    i, j = np.nonzero(where)
+    corners = [(x[j], y[i]), (x[j + 1], y[i]), (x[j + 1], y[i + 1]), (x[j], y[i + 1])]
+    points = np.array([*corners, corners[0]]).transpose(2, 0, 1)  # cell, corner, coordinate
+    codes = [Path.MOVETO, Path.LINETO, Path.LINETO, Path.LINETO, Path.CLOSEPOLY]
+    # one path for all cells: each by itself would be hatched anew
+    ax.add_patch(
+        PathPatch(
+            Path(points.reshape(-1, 2), codes * len(points)), facecolor="none",
+            edgecolor=_HATCHING, linewidth=0.0, hatch=_HATCHES[name],
+            rasterized=where.size > _DENSE,
+        )
+    )  # fmt: skip
+
+
+def _edges(values: np.ndarray) -> np.ndarray:
+    """Borders of the cells around values; of a width of one around a single value."""
+    if values.size == 1:
+        return np.array([values[0] - 0.5, values[0] + 0.5])
+    middle = 0.5 * (values[1:] + values[:-1])
+    first, last = 2.0 * values[0] - middle[0], 2.0 * values[-1] - middle[-1]
+    return np.concatenate([[first], middle, [last]])
+
+
+def _name_colours(ax: Axes, names: list[str], colours: list[str]) -> None:
+    """Legend beside the axes, where it hides nothing; of many entries with smaller letters."""
+    from matplotlib.patches import Patch
+
+    figure = ax.get_figure(root=True)
+    assert figure is not None
+    handles = [
+        Patch(
+            facecolor=colour, edgecolor=_HATCHING if name in _HATCHES else "black", linewidth=0.4,
+            label=name, hatch=_HATCHES.get(name),
+        )
+        for name, colour in zip(names, colours, strict=True)
+    ]  # fmt: skip
+    place = ax.get_subplotspec()
+    rows = 1 if place is None else place.get_gridspec().nrows
+    height = figure.get_figheight() * 72.0 / rows
+    fitting = height / (_LINE * len(names) + _BELOW)
+    size = max(_SMALLEST, min(float(ax.xaxis.label.get_fontsize()), fitting))
+    ax.legend(
+        handles=handles,
+        fontsize=size,
+        loc="upper left",
+        bbox_to_anchor=(1.0, 1.0),
+        borderaxespad=0.0,
+        frameon=False,
+        labelspacing=_LINE - 1.0,
+        handlelength=1.2,
+        handleheight=0.8,
+        handletextpad=0.5,
+    )

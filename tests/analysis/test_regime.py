@@ -1,0 +1,349 @@
+"""What motions settle to, beside closed forms."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.integrate import solve_ivp
+
+import nonsmooth as ns
+from analysis.test_bifurcation_diagram import ball
+from analysis.walls import damped, kicked, rigid_wall, stick_and_slip
+from nonsmooth import Exit, Mode, OptionError, System
+from nonsmooth.analysis.regimes.window import cyclic_word
+
+
+def label(found) -> str:
+    return found["regime"].item()
+
+
+def free(zeta: float, **options) -> System:
+    """Linear oscillator that nothing drives."""
+    return System(
+        name="free",
+        states=["x", "v"],
+        parameters={"zeta": zeta},
+        initial={"x": 1.0},
+        equations={"x": "v", "v": "-x - 2*zeta*v"},
+        **options,
+    )
+
+
+def test_multipliers_of_a_linear_motion():
+    """Below the stop the soft impact oscillator is linear: exp((-zeta +- i omega_d) T)."""
+    zeta, omega = 0.03, 0.4
+    found = ns.regime(ns.models.soft_impact(omega=omega, zeta=zeta, a=0.5), transient=300)
+    period = 2 * np.pi / omega
+    expected = np.exp((-zeta + 1j * np.sqrt(1 - zeta**2)) * period)
+    assert (label(found), found["period"].item(), found["word"].item()) == ("periodic", 1, "free")
+    assert found["multiplier_real"].values == pytest.approx([expected.real] * 2, abs=1e-12)
+    assert np.abs(found["multiplier_imag"].values) == pytest.approx(
+        [abs(expected.imag)] * 2, abs=1e-12
+    )
+    assert found["exponent"].item() == pytest.approx(-zeta, abs=1e-12)
+    assert found["residual"].item() < 1e-6
+    assert found["events"].item() == found["impacts"].item() == 0.0
+    assert np.isnan(found["K"].item())
+
+
+@pytest.mark.parametrize("omega", [0.83, 0.87, 0.95])
+def test_damping_is_the_product_of_the_multipliers(omega):
+    """Through any number of contacts: nothing jumps, so the area shrinks by the damping."""
+    found = ns.regime(ns.models.soft_impact(omega=omega))
+    assert label(found) == "periodic"
+    p = found["period"].item()
+    assert found["events"].item() * p >= 2
+    expected = np.exp(-2 * 0.01 * p * 2 * np.pi / omega)
+    assert float(found["multiplier_modulus"].prod()) == pytest.approx(expected, rel=1e-8)
+
+
+def test_a_period_that_does_not_divide_the_record():
+    """The words of both windows begin in different turns of the motion unless that is heeded."""
+    found = ns.regime(ns.models.gear_pair(Omega=0.96, zeta=0.08), record=100)
+    assert label(found) == "periodic"
+    assert 100 % found["period"].item() != 0
+    run = ns.simulate(ns.models.gear_pair(Omega=0.96, zeta=0.08), periods=400, samples_per_period=1)
+    events = np.count_nonzero(run["event_time"].values > 310 * run.attrs["period"]) / 90
+    assert found["events"].item() == pytest.approx(events, abs=0.02)
+
+
+def test_words_that_begin_elsewhere():
+    assert cyclic_word("free hit free out free") == cyclic_word("hit free out free hit")
+    assert cyclic_word("free hit free out free") != cyclic_word("free hit free hit free")
+    assert cyclic_word("free") == ("free",)
+    assert cyclic_word("") == ()
+
+
+def test_a_bouncing_ball_doubles_its_period():
+    """At the doubling of one impact per period the multipliers are -1 and -r^2."""
+    r = 0.8
+    doubling = np.hypot(np.pi * (1 - r) / (1 + r), 2 * (1 + r**2) / (1 + r) ** 2)
+    before, after = (ns.regime(ball(doubling + d), transient=800) for d in (-0.005, 0.02))
+    assert (label(before), before["period"].item()) == ("periodic", 1)
+    assert (label(after), after["period"].item()) == ("periodic", 2)
+    for found in (before, after):
+        assert found["impacts"].item() == 1.0
+        p = found["period"].item()
+        assert float(found["multiplier_modulus"].prod()) == pytest.approx(r ** (2 * p), rel=1e-7)
+    largest = before["multiplier_real"].values[0]
+    assert -1.0 < largest < -0.9
+    assert np.all(before["multiplier_imag"] == 0.0)
+
+
+def test_chaos_with_a_known_exponent():
+    """Once per period x becomes 1 - 2 x^2: the exponent is ln 2 per period."""
+    half = Mode({"x": "0"}, exits=[Exit("sin(t)", to="second")])
+    second = Mode({"x": "0"}, exits=[Exit("-sin(t)", to="first", reset={"x": "1 - 2*x**2"})])
+    system = System(
+        states=["x"], period="2*pi", initial={"x": 0.3}, modes={"first": half, "second": second}
+    )
+    found = ns.regime(system, phase=0.25)
+    assert label(found) == "chaotic"
+    assert (found["period"].item(), found["impacts"].item()) == (0, 1.0)
+    away = found["exponent"].item() - np.log(2) / (2 * np.pi)
+    assert abs(away) < 3 * found["exponent_error"].item() < 0.02
+    assert found["K"].item() > 0.9
+    assert np.all(np.isnan(found["multiplier_modulus"]))
+
+
+def test_chaos_of_the_soft_impact_oscillator():
+    assert label(ns.regime(ns.models.soft_impact(omega=0.905))) == "chaotic"
+
+
+@pytest.mark.parametrize("system", [rigid_wall(), ns.models.duffing()], ids=["wall", "duffing"])
+def test_other_chaos(system):
+    found = ns.regime(system)
+    assert label(found) == "chaotic"
+    assert found["exponent"].item() > 10 * found["exponent_error"].item()
+
+
+def test_weak_chaos_in_narrow_bands():
+    """Four bands of a fiftieth of the motion; a plain 0-1 test of their strobes finds nothing."""
+    system = ns.models.soft_impact(omega=0.8842, a=0.6684)
+    found = ns.regime(system)
+    assert label(found) == "chaotic"
+    assert found["residual"].item() < 0.05
+    points = ns.stroboscopic_map(system, transient=1500, record=1000)
+    assert ns.zero_one_test(points["x"].values)["K"].item() < 0.1
+
+
+def test_a_ball_that_comes_to_rest_is_absorbed():
+    """On a table at half the acceleration of gravity it cannot leave the table again."""
+    found = ns.regime(ball(0.9).with_parameters(gamma=0.5), {"x": 1.0, "v": 0.0})
+    assert label(found) == "absorbed"
+    assert "event_limit" in found.attrs["message"]
+    for name in ("exponent", "exponent_error", "K", "impacts"):
+        assert np.isnan(found[name].item())
+
+
+def test_a_motion_that_stops_is_absorbed():
+    """The speed of v' = 1 + cos t passes 100 within the sixteenth period."""
+    system = System(
+        states=["v"],
+        period="2*pi",
+        modes={"m": Mode({"v": "1 + cos(t)"}, exits=[Exit("100 - v", to="stop")])},
+    )
+    found = ns.regime(system)
+    assert label(found) == "absorbed"
+    assert found["transient_used"].item() == 15
+
+
+def test_a_motion_that_diverges():
+    system = System(states=["x"], period="2*pi", equations={"x": "x + cos(t)"})
+    assert label(ns.regime(system)) == "diverged"
+
+
+def test_undamped_motion_is_quasi_periodic():
+    """Strobes of x = cos t at multiples of sqrt(2) never repeat."""
+    found = ns.regime(free(0.0), period="sqrt(2)")
+    assert label(found) == "quasi-periodic"
+    assert abs(found["exponent"].item()) < 1e-12
+    assert found["K"].item() < 0.1
+    assert found.attrs["strobe_period"] == np.sqrt(2)
+
+
+def test_two_frequencies_are_quasi_periodic():
+    """The phase of the second force is no state: exponents are those of the damping."""
+    system = System(
+        states=["x", "v"],
+        equations={"x": "v", "v": "-2*x - 0.2*v + cos(t) + cos(sqrt(3)*t)"},
+    )
+    found = ns.regime(system, period="2*pi")
+    assert label(found) == "quasi-periodic"
+    assert found["exponent"].item() == pytest.approx(-0.1, abs=1e-4)
+
+
+def test_a_torus_that_attracts_is_quasi_periodic():
+    """Van der Pol's oscillator beats with a force off its resonance."""
+    system = System(
+        states=["x", "v"],
+        initial={"x": 1.0},
+        period="2*pi/1.7",
+        equations={"x": "v", "v": "0.5*(1 - x**2)*v - x + 0.3*cos(1.7*t)"},
+    )
+    assert label(ns.regime(system)) == "quasi-periodic"
+
+
+def test_a_rotation_number_is_quasi_periodic():
+    """A wall that throws back at a speed of its own leaves one direction, a circle map."""
+    assert label(ns.regime(kicked())) == "quasi-periodic"
+
+
+def test_a_motion_that_forgets_is_locked():
+    """A mass rests until sin t = 0.9, is thrown up, and lands two units of time later."""
+    system = System(
+        states=["x", "v"],
+        period="2*pi",
+        modes={
+            "flight": Mode(
+                {"x": "v", "v": "-1"},
+                exits=[Exit("x", to="rest", reset={"x": "0", "v": "0"}, name="landing")],
+            ),
+            "rest": Mode(
+                {"x": "0", "v": "0"},
+                exits=[Exit("0.9 - sin(t)", to="flight", reset={"v": "1"}, name="launch")],
+            ),
+        },
+    )
+    found = ns.regime(system, {"x": 0.5})
+    assert (label(found), found["period"].item()) == ("locked", 1)
+    assert found["word"].item() == "rest flight rest"
+    assert found["impacts"].item() == 2.0
+    assert found["exponent"].item() == -np.inf
+    assert np.all(found["multiplier_modulus"] == 0.0)
+
+
+def test_strong_damping_is_not_locked():
+    """exp(-30 T) is below every rounding, and still a number."""
+    system = System(
+        states=["x"], period="2*pi", equations={"x": "-30*x + cos(t)"}, initial={"x": 1.0}
+    )
+    found = ns.regime(system)
+    assert label(found) == "periodic"
+    assert found["exponent"].item() == pytest.approx(-30.0, rel=1e-9)
+
+
+def test_equilibria():
+    found = ns.regime(free(0.1, period="2*pi"))
+    assert (label(found), found["period"].item()) == ("equilibrium", 1)
+    assert found["exponent"].item() == pytest.approx(-0.1, abs=1e-9)
+    # x = 0 at the strobes of this one is no rest
+    system = System(states=["x"], period="2*pi", equations={"x": "-x + cos(t) + sin(t)"})
+    assert label(ns.regime(system, {"x": 1.0})) == "periodic"
+
+
+@pytest.mark.parametrize("period", [1.0, "sqrt(2)"])
+def test_limit_cycles(period):
+    system = System(
+        states=["x", "v"], initial={"x": 1.0}, equations={"x": "v", "v": "(1 - x**2)*v - x"}
+    )
+    found = ns.regime(system, period=period)
+    assert label(found) == "limit-cycle"
+    # the other exponent is zero, so this one is the mean divergence, after twenty cycles
+    late = solve_ivp(
+        lambda t, z: [z[1], (1 - z[0] ** 2) * z[1] - z[0], 1 - z[0] ** 2],
+        (0, 1000), [2.0, 0.0, 0.0], rtol=1e-8, atol=1e-10, t_eval=[100, 1000],
+    ).y[2]  # fmt: skip
+    assert found["exponent"].item() == pytest.approx((late[1] - late[0]) / 900, abs=0.01)
+    assert label(ns.regime(stick_and_slip(), period=period)) == "limit-cycle"
+
+
+def test_a_cycle_strobed_at_its_own_period():
+    """r' = r (1 - r^2) on a circle passed in 2 pi: the multiplier across is exp(-4 pi)."""
+    system = System(
+        states=["x", "y"],
+        initial={"x": 0.5},
+        equations={"x": "x*(1 - x*x - y*y) - y", "y": "y*(1 - x*x - y*y) + x"},
+    )
+    found = ns.regime(system, period="2*pi")
+    assert (label(found), found["period"].item()) == ("periodic", 1)
+    assert found["multiplier_modulus"].values[0] == pytest.approx(np.exp(-4 * np.pi), rel=1e-6)
+
+
+def test_the_transient_is_doubled_until_it_is_over():
+    """exp(-0.01 t) of the start is left; it has to fall to a millionth of the motion."""
+    found = ns.regime(damped(0.01), {"x": 1.0}, transient=5, record=20, longest=1000)
+    assert label(found) == "periodic"
+    used = found["transient_used"].item()
+    assert used > 220  # ln(1e6) / 0.0628
+    assert found["multiplier_modulus"].values == pytest.approx(
+        [np.exp(-0.01 * 2 * np.pi / np.sqrt(1 - 1e-4))] * 2, abs=1e-9
+    )
+
+
+@pytest.mark.parametrize("zeta", [1e-3, 1e-4, 1e-5])
+def test_a_transient_that_is_not_over_is_unsettled(zeta):
+    found = ns.regime(damped(zeta), {"x": 30.0}, transient=10, longest=80)
+    assert label(found) == "unsettled"
+    assert found["transient_used"].item() <= 80
+
+
+def test_a_motion_without_damping_that_repeats_attracts_nothing():
+    found = ns.regime(free(0.0), period="2*pi", transient=20, longest=40)
+    assert label(found) == "unsettled"
+    assert "unit circle" in found.attrs["message"]
+
+
+def test_the_mole_drifts():
+    found = ns.regime(ns.models.moling())
+    run = ns.simulate(ns.models.moling(), periods=220, samples_per_period=1)
+    way = float(run["v"][220] - run["v"][200]) / 20
+    assert (label(found), found["period"].item()) == ("periodic", 1)
+    assert found["v_per_period"].item() == pytest.approx(way, abs=1e-9)
+    assert found["v_per_time"].item() == pytest.approx(way / run.attrs["period"], abs=1e-12)
+    assert found.sizes["multiplier"] == 3  # that of the drift, one, is left out
+    assert found["multiplier_modulus"].values[2] == 0.0  # the slaved state
+
+
+def test_starts_and_files(tmp_path):
+    """A run, a point of it, and the same start in words lead to the same motion."""
+    system = ns.models.soft_impact()
+    run = ns.simulate(system, {"x": 0.2}, periods=3)
+    words = {name: float(run[name][-1]) for name in ("x", "v")}
+    found = [ns.regime(system, start) for start in (run, run.isel(time=-1), words)]
+    for each in found:
+        assert label(each) == label(found[0])
+        assert each["period"].item() == found[0]["period"].item()
+    found[0].to_netcdf(tmp_path / "r.nc", engine="h5netcdf")
+    with xr.open_dataset(tmp_path / "r.nc", engine="h5netcdf") as again:
+        xr.testing.assert_identical(again.load(), found[0])
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"transient": -1}, "transient"),
+        ({"record": 1}, "seen twice"),
+        ({"evidence": 100}, "200 strobes"),
+        ({"longest": 10}, "less than transient"),
+        ({"phase": 1.0}, "phase = 1"),
+        ({"match": 1.0}, "match = 1"),
+        ({"period": -1.0}, "must be positive"),
+        ({"period": "q"}, "no parameter"),
+        ({"initial": {"y": 1.0}}, "unknown state 'y'"),
+        ({"mode": "rub"}, "unknown mode 'rub'"),
+        ({"parameters": {"q": 1.0}}, "q"),
+    ],
+)
+def test_wrong_use(options, message):
+    with pytest.raises((OptionError, ns.ModelError), match=message):
+        ns.regime(damped(0.1), **options)
+
+
+def test_systems_that_cannot_settle():
+    with pytest.raises(OptionError, match="has no period"):
+        ns.regime(free(0.1))
+    with pytest.raises(OptionError, match="fits no mode"):
+        ns.regime(rigid_wall(), {"x": 5.0})
+    slow = System(
+        states=["x"], parameters={"k": 1.0}, period="2*pi", slow={"k": "1 + 0.1*t"},
+        equations={"x": "-k*x + cos(t)"},
+    )  # fmt: skip
+    with pytest.raises(OptionError, match="slow="):
+        ns.regime(slow)
+    measured = System(
+        states=["x"],
+        signals={"u": ns.Signal([0.0, 1.0, 2.0, 3.0], [0.0, 1.0, 0.0, 1.0])},
+        equations={"x": "-x + u"},
+    )
+    with pytest.raises(OptionError, match="measured input"):
+        ns.regime(measured, period=1.0)
