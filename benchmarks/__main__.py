@@ -1,12 +1,25 @@
-"""`python benchmarks` runs all benchmarks: long runs, set-up, the stiff rig, Taylor steps."""
+"""`python benchmarks` runs all: long runs, set-up, the stiff rig, Taylor steps, sweeps, basins."""
 
+import subprocess
 import sys
+from os import environ
+from pathlib import Path
 
-import bench_rig
-import bench_setup
-import bench_simulate
-import bench_taylor
+# before the benchmarks of one run change it: sweeps take as many threads as there are processors
+AS_FOUND = dict(environ)
 
-sys.exit(
-    max([bench_simulate.main(), bench_setup.main(), bench_rig.main([]), bench_taylor.main([])])
-)
+import bench_rig  # noqa: E402
+import bench_setup  # noqa: E402
+import bench_simulate  # noqa: E402
+import bench_taylor  # noqa: E402
+
+
+def alone(name):
+    """Exit status of a benchmark in a process of its own."""
+    command = [sys.executable, str(Path(__file__).with_name(name))]
+    sys.stdout.flush()
+    return subprocess.run(command, env=AS_FOUND, check=False).returncode
+
+
+runs = [bench_simulate.main(), bench_setup.main(), bench_rig.main([]), bench_taylor.main([])]
+sys.exit(max(*runs, alone("bench_ensembles.py"), alone("bench_basins.py")))

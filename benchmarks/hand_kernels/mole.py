@@ -25,7 +25,8 @@ from .first_crossing import (
 )
 
 NO_CONTACT, CONTACT, PROGRESSION = 0, 1, 2
-NOTHING, UPPER, LOWER = 0, 1, 2  # which guard is zero at the start of a segment
+NOTHING, UPPER, LOWER, OPENING = 0, 1, 2, 3  # which guard is zero at the start of a segment
+TOUCHING = 1e-12  # a gap as small as this is none
 REACH = 1.25  # longest step tried at once; tuned, any value is correct
 
 
@@ -33,7 +34,7 @@ REACH = 1.25  # longest step tried at once; tuned, any value is correct
 def simulate(strobes, a, b, xi, omega, g, p, y, q, v):
     """Fill strobes[i] = (p, y, q, v) at the end of period i; count events and evaluations.
 
-    Starts inside the gap (p < q + g).
+    Starts inside the gap (p < q + g), or where it is closed (p = q + g).
     """
     period = 2.0 * pi / omega
     rate = 1.0 / (2.0 * xi)
@@ -61,6 +62,21 @@ def simulate(strobes, a, b, xi, omega, g, p, y, q, v):
     U = y - a1 * s
     P = p + a2 * c
     pushed = 0.0  # q at the start of the progression, or at the last strobe in it
+    if p - q - g > -TOUCHING:
+        F = 2.0 * xi * y + q
+        if F < 0.0:
+            at_zero = OPENING
+        elif F > 1.0:
+            mode = PROGRESSION
+            P = 0.0
+            pushed = q
+            q -= 1.0
+        else:
+            mode = CONTACT
+            wr = q - B - b
+            wi = -(y + omega * A + xi * wr) / W
+            wr, wi = turn_r * wr - turn_i * wi, turn_r * wi + turn_i * wr
+            M = sqrt(wr * wr + wi * wi)
     events = evaluations = 0
     done = 0
     while done < strobes.shape[0]:
@@ -75,6 +91,8 @@ def simulate(strobes, a, b, xi, omega, g, p, y, q, v):
             bound = a * omega + max(0.0, rate3 * q)
             if at_zero == NOTHING:
                 h = safe_step(g0, g1, g2, bound, reach)
+            elif at_zero == OPENING:
+                h = safe_step_from_zero(g1, g2, bound, reach)
             else:
                 h = safe_step_from_double_zero(g2, bound, reach)
             if at_zero == NOTHING and h < room and zero_is_near(g0, g1, g2, h):

@@ -176,6 +176,37 @@ def test_a_value_that_the_system_refuses():
         assert found["status"].values.ravel().tolist() == ["completed", "refused", "completed"]
 
 
+def test_outputs_take_the_parameter_of_their_column():
+    """Of a motion that is sampled at times of its own: x + cos(w*t) at t = 20, 21, ..."""
+    system = ns.System(
+        states=["x"],
+        parameters={"w": 1.0},
+        equations={"x": "-w*x"},
+        outputs={"sum": "x + cos(w*t)", "slope": "rate(x)"},
+    )
+    w = np.linspace(0.1, 0.9, 5)
+    found = ns.bifurcation_diagram(
+        ns.StroboscopicMap(system, period=1.0), "w", w, initial={"x": 1.0}, transient=20, record=10
+    )
+    x = np.exp(-np.outer(w, 20 + np.arange(10)))
+    assert np.abs(found["x"].values[:, 0] - x).max() < 1e-12
+    expected = x + np.cos(np.outer(w, 20 + np.arange(10)))
+    assert np.abs(found["sum"].values[:, 0] - expected).max() < 1e-12
+    assert np.abs(found["slope"].values[:, 0] + w[:, None] * x).max() < 1e-12
+
+
+def test_columns_start_at_their_own_rest_state():
+    system = ns.System(
+        states=["x"],
+        parameters={"k": 1.0, "T": 1.0},
+        period="T",
+        equations={"x": "0"},
+        initial={"x": "2*k"},
+    )
+    found = ns.bifurcation_diagram(system, "k", [1.0, 3.0], transient=1, record=4)
+    assert found["x"].values[:, 0].tolist() == [[2.0] * 4, [6.0] * 4]
+
+
 def test_an_interruption_keeps_what_is_done(monkeypatch):
     from nonsmooth.simulation import crew
 

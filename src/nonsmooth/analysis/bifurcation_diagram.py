@@ -35,7 +35,7 @@ __all__ = ["bifurcation_diagram"]
 
 _STARTS = ("restart", "follow up", "follow down")
 _SIDES = ("before", "after")
-_TOGETHER = 4  # columns in a task: a few milliseconds of work
+_TOGETHER = 16  # columns in a task: a few milliseconds of work
 
 
 def bifurcation_diagram(
@@ -226,9 +226,7 @@ def _task(
     chain: Any = run_section_chain if isinstance(protocol.chosen, PoincareMap) else run_chain
 
     def run(runner: Any, stop: threading.Event) -> list[Look]:
-        if start == "restart":
-            return [chain(protocol, runner, stop, [value], begin)[0] for value in values]
-        return list(chain(protocol, runner, stop, values, begin))
+        return list(chain(protocol, runner, stop, values, begin, follow=start != "restart"))
 
     return run
 

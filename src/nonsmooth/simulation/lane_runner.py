@@ -31,6 +31,7 @@ __all__ = ["LaneRunner", "Lanes"]
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
 
+_ALL = slice(None)
 _FIRST_EVENTS = 256  # rows of an event log to begin with
 _TOGETHER = 4096  # windows in one call of a kernel, over all its lanes
 
@@ -111,28 +112,31 @@ class LaneRunner:
         where a lane has ended before
         """
         count, n = lanes.end_state.shape
+        alive = np.flatnonzero(lanes.status == Status.COMPLETED)
+        if count == alive.size == 1:  # as in a diagram: nothing to pick and to put together
+            return self._run_some(lanes, _ALL, 1, end, numbers, phases, stop)
         states = np.full((count, numbers.size, n), np.nan)
         modes = np.full((count, numbers.size), -1, np.int64)
-        alive = np.flatnonzero(lanes.status == Status.COMPLETED)
         windows = max(1, end.number - int(lanes.anchors.place[:, 0].min(initial=end.number)))
         size = max(1, _TOGETHER // windows)
         for first in range(0, alive.size, size):
             chosen = alive[first : first + size]
-            self._run_some(lanes, chosen, end, numbers, phases, states, modes, stop)
+            states[chosen], modes[chosen] = self._run_some(
+                lanes, chosen, chosen.size, end, numbers, phases, stop
+            )
         return states, modes
 
     def _run_some(
         self,
         lanes: Lanes,
-        chosen: Integers,
+        chosen: Integers | slice,
+        count: int,
         end: Instant,
         numbers: Integers,
         phases: Floats,
-        states: Floats,
-        modes: Integers,
         stop: threading.Event | None,
-    ) -> None:
-        count = chosen.size
+    ) -> tuple[Floats, Integers]:
+        """Run the chosen lanes, so many of them; their states and modes at the times."""
         anchors = _of_lane(lanes.anchors, chosen)
         records = self._records(count, numbers, phases)
         records.since[:] = lanes.since[chosen]
@@ -154,7 +158,7 @@ class LaneRunner:
         lanes.end_state[chosen] = records.end_state
         lanes.uncertain[chosen] += records.cursor[:, at.UNCERTAIN]
         lanes.since[chosen] = records.since
-        states[chosen], modes[chosen] = records.sample_state, records.sample_mode
+        return records.sample_state, records.sample_mode
 
     def record(
         self, lanes: Lanes, i: int, numbers: Integers, phases: Floats
@@ -202,6 +206,6 @@ class LaneRunner:
         return self.tangent._replace(columns=columns, samples=samples)
 
 
-def _of_lane(anchors: Anchor, i: int | Integers) -> Anchor:
-    """Anchor of one lane, or a copy of those of some lanes."""
+def _of_lane(anchors: Anchor, i: int | Integers | slice) -> Anchor:
+    """Anchor of one lane, or a copy of those of some lanes; a slice gives no copy."""
     return Anchor(anchors.place[i], anchors.phase[i], anchors.state[i], anchors.order[i])

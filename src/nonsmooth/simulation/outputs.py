@@ -20,7 +20,7 @@ from nonsmooth.system.mode_forms import ModeForms
 from nonsmooth.system.signals import Signal, values_of
 from nonsmooth.system.system import System
 
-__all__ = ["Clock", "output_values", "sample_clock"]
+__all__ = ["Clock", "SweptClock", "output_values", "sample_clock"]
 
 Array = npt.NDArray[np.float64]
 
@@ -97,6 +97,48 @@ class FrozenClock(Clock):
         part._time, part.windows = self._time.take(here), self.windows.take(here)
         part.parameters = {name: values.take(here) for name, values in self.parameters.items()}
         return part
+
+
+class SweptClock(Clock):
+    """Clock of samples with a parameter, and a period, of their own each."""
+
+    def __init__(
+        self,
+        number: npt.NDArray[np.int64],
+        phase: Array,
+        windows: Array,
+        parameters: dict[str, Array],
+    ) -> None:
+        self.number, self.phase, self.windows = number, phase, windows
+        self.parameters = parameters
+
+    @property
+    def time(self) -> Array:
+        """Times as single numbers."""
+        time: Array = self.number * self.windows + self.phase
+        return time
+
+    def angle(self, frequency: Any) -> Array:
+        """Angle of a harmonic, up to whole turns."""
+        turns = frequency * self.windows / (2.0 * np.pi)
+        whole = np.abs(turns - np.rint(turns)) <= 1e-14 * np.maximum(1.0, turns)
+        before = np.where(whole, 0.0, 2.0 * np.pi * np.mod(turns * self.number, 1.0))
+        angle: Array = before + frequency * self.phase
+        return angle
+
+    def signal(self, signal: Signal, order: int) -> Array:
+        """Values of a signal or of a derivative of it."""
+        before = self.number * self.windows
+        return values_of(signal, self.time, order, lambda start: (before - start) + self.phase)
+
+    def at(self, here: npt.NDArray[np.int64]) -> SweptClock:
+        """Clock of some of the samples."""
+        return SweptClock(
+            self.number.take(here),
+            self.phase.take(here),
+            self.windows.take(here),
+            {name: values.take(here) for name, values in self.parameters.items()},
+        )
 
 
 def sample_clock(outcome: Outcome, number: npt.NDArray[np.int64], phase: Array) -> Clock:

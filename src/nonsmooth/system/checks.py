@@ -30,10 +30,13 @@ __all__ = [
     "MOST_STATES",
     "ONE_MODE",
     "UNSUPPORTED",
+    "angle_periods",
     "check_kinds",
     "check_structure",
     "check_values",
     "check_words",
+    "coefficients",
+    "condition_of",
     "first_unmet",
     "modes_of",
     "parameter_values",
@@ -279,7 +282,7 @@ def check_values(system: System) -> None:
 
 def _check_finite(system: System) -> None:
     """Every coefficient is a finite number for the present parameters."""
-    for where, coefficient in _coefficients(system.structure):
+    for where, coefficient in coefficients(system.structure):
         value = constant_value(coefficient, system.parameter_values)
         if not math.isfinite(value):
             raise ModelError(
@@ -288,7 +291,8 @@ def _check_finite(system: System) -> None:
             )
 
 
-def _coefficients(structure: Structure) -> Iterator[tuple[str, Expression]]:
+def coefficients(structure: Structure) -> Iterator[tuple[str, Expression]]:
+    """Where each coefficient of the equations stands, and its expression of parameters."""
     for name, forms in structure.modes.items():
         if forms.linear is not None:
             for where, form, _ in forms.linear.with_place(name):
@@ -300,14 +304,19 @@ def _coefficients(structure: Structure) -> Iterator[tuple[str, Expression]]:
 
 def _check_angles(system: System) -> None:
     """Periods of angles in ``drift`` are positive."""
+    for where, text, form in angle_periods(system):
+        if not static_value(form, system.parameter_values, where) > 0.0:
+            raise ModelError(f"{where} = {text!r}: the period of an angle is positive")
+
+
+def angle_periods(system: System) -> Iterator[tuple[str, Text, LinearForm]]:
+    """Where the period of each angle in ``drift`` stands, its text, and what it means."""
     if not isinstance(system.drift, Mapping):
         return
     known = {*system.parameters, *system.definitions, "pi"}
     for state, text in system.drift.items():
         where = f"drift[{state!r}]"
-        form = system.structure.static_form.form(Equation.read(text, where, known))
-        if not static_value(form, system.parameter_values, where) > 0.0:
-            raise ModelError(f"{where} = {text!r}: the period of an angle is positive")
+        yield where, text, system.structure.static_form.form(Equation.read(text, where, known))
 
 
 def parameter_values(parameters: Mapping[str, Text]) -> dict[str, float]:
@@ -372,16 +381,17 @@ def first_unmet(require: Mapping[str, str], values: Mapping[str, float]) -> str:
 
 
 def _holds(condition: str, values: Mapping[str, float]) -> bool:
-    return bool(constant_value(_condition(condition), values))
+    return bool(constant_value(condition_of(condition), values))
 
 
 @lru_cache(maxsize=1024)
-def _condition(text: str) -> Expression:
+def condition_of(text: str) -> Expression:
+    """Expression of a condition in ``require``."""
     return parse_condition(text, where=f"require[{text!r}]")
 
 
 def _condition_names(text: str) -> list[Name]:
-    return list({node.name: node for node in names_in(_condition(text))}.values())
+    return list({node.name: node for node in names_in(condition_of(text))}.values())
 
 
 def _check_guard(where: str, guard: Expression, values: Mapping[str, float]) -> None:

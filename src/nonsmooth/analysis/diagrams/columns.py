@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.analysis.diagrams.column_starts import ColumnStarts, Start
 from nonsmooth.analysis.statistics.periodicity import primitive_period, scales
 from nonsmooth.engine import records as at
 from nonsmooth.engine.layout import Tables
@@ -19,7 +19,7 @@ from nonsmooth.maps.of_system import Map
 from nonsmooth.maps.stroboscopic import StroboscopicMap
 from nonsmooth.simulation.clock import Instant
 from nonsmooth.simulation.lane_runner import LaneRunner, Lanes
-from nonsmooth.simulation.outputs import Clock, output_values
+from nonsmooth.simulation.outputs import Clock, SweptClock, output_values
 from nonsmooth.simulation.stroboscopic import strobes
 from nonsmooth.simulation.words import word_of_modes
 from nonsmooth.system.system import System
@@ -48,6 +48,12 @@ class Protocol:
     def system(self) -> System:
         """The system with the parameters of the call."""
         return self.chosen.system
+
+    @property
+    def strobed(self) -> StroboscopicMap:
+        """The map, where it is one of strobes."""
+        assert isinstance(self.chosen, StroboscopicMap)
+        return self.chosen
 
     @property
     def unit(self) -> str:
@@ -81,45 +87,58 @@ def run_chain(
     runner: LaneRunner,
     stop: threading.Event,
     values: list[float],
-    start: Callable[[System, Tables], tuple[Floats, int]],
+    start: Start,
+    follow: bool,
 ) -> list[Look]:
-    """One motion through several values, each from where the last one ended.
+    """Motions at several values of the parameter.
 
-    ``start`` gives the initial state and the mode, see `run_lane`, for a value. Drifting states
-    begin at their initial value everywhere. After a value at which the motion ended early, or that
-    the system refuses, it begins anew.
+    ``start`` gives the initial state and the mode, see `run_lane`, for a value. A motion that is to
+    ``follow`` begins where the last one ended; drifting states begin at their initial value
+    everywhere. After a value at which the motion ended early, or that the system refuses, it begins
+    anew.
     """
     looks: list[Look] = []
     lanes: Lanes | None = None
-    for value in values:
+    windows = np.full(len(values), np.nan)
+    chosen = protocol.strobed
+    columns = ColumnStarts(chosen, protocol.parameter, values, runner, start)
+    for i in range(len(values)):
         try:
-            chosen = protocol.chosen.with_parameters(**{protocol.parameter: value})
-            runner.set_up(chosen.system.parameter_values)
+            state, mode, length = columns.set_up(runner, i)
         except ModelError:
             looks.append(nothing(Status.REFUSED, len(protocol.system.states), np.nan))
             lanes = None
             continue
-        assert isinstance(chosen, StroboscopicMap)
-        state, mode = start(chosen.system, runner.tables)
-        begin = Instant(0, 0.0)
-        if lanes is not None and lanes.status[0] == Status.COMPLETED:
+        begin, windows[i] = Instant(0, 0.0), runner.window
+        if follow and lanes is not None and lanes.status[0] == Status.COMPLETED:
             state = np.where(protocol.drifting, state, lanes.end_state[0])
             mode = SAME - int(lanes.anchors.place[0, 1])
-            begin = _strobe(chosen, runner.window)
+            number, phase = strobes(runner.window, begin, length, chosen.phase, 0, 1)
+            begin = Instant(int(number[0]), float(phase[0]))
         lanes = runner.start(state[None], begin, mode)
-        looks.append(_look(protocol, chosen, runner, lanes, begin, stop))
-    return looks
+        looks.append(_look(protocol, length, runner, lanes, begin, stop))
+    return _with_outputs(protocol, values, windows, looks) if protocol.outputs else looks
 
 
-def _strobe(chosen: StroboscopicMap, window: float) -> Instant:
-    """The first strobe."""
-    number, phase = strobes(window, Instant(0, 0.0), chosen.length, chosen.phase, 0, 1)
-    return Instant(int(number[0]), float(phase[0]))
+def _with_outputs(
+    protocol: Protocol, values: list[float], windows: Floats, looks: list[Look]
+) -> list[Look]:
+    """Looks with the outputs at their points as further columns, all worked out together."""
+    counts = [len(look.points) for look in looks]
+    points, numbers, phases, modes = (
+        np.concatenate([getattr(look, name) for look in looks])
+        for name in ("points", "numbers", "phases", "modes")
+    )
+    parameters = {protocol.parameter: np.repeat(values, counts)}
+    clock = SweptClock(numbers, phases, np.repeat(windows, counts), parameters)
+    found = output_values(protocol.system, clock, points.T, modes)
+    parts = np.split(np.column_stack([points, *found.values()]), np.cumsum(counts)[:-1])
+    return [replace(look, points=part) for look, part in zip(looks, parts, strict=True)]
 
 
 def _look(
     protocol: Protocol,
-    chosen: StroboscopicMap,
+    length: float | None,
     runner: LaneRunner,
     lanes: Lanes,
     begin: Instant,
@@ -127,9 +146,9 @@ def _look(
 ) -> Look:
     """Let a motion settle and record it."""
     n, window = lanes.end_state.shape[1], runner.window
-    every = chosen.every
+    every = protocol.strobed.every
     numbers, phases = strobes(
-        window, begin, chosen.length, chosen.phase,
+        window, begin, length, protocol.strobed.phase,
         protocol.transient * every, protocol.record * every + 1,
     )  # fmt: skip
     numbers, phases = numbers[::every].copy(), phases[::every].copy()
@@ -158,8 +177,6 @@ def _look(
         taken = points[:-1], numbers[:-1], phases[:-1], modes[:-1]
     else:
         taken = _at_events(protocol, rows, values, n)
-    if protocol.outputs:
-        taken = with_outputs(chosen.system, runner.tables, *taken), *taken[1:]
     return Look(
         status, *taken, period, word, events, impacts, drift,
         int(lanes.uncertain[0]), lasts,

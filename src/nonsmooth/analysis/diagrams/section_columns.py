@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
 
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.analysis.diagrams.column_starts import Start
 from nonsmooth.analysis.diagrams.columns import Look, Protocol, nothing, with_outputs
 from nonsmooth.analysis.statistics.periodicity import primitive_period, scales
 from nonsmooth.engine import records as at
-from nonsmooth.engine.layout import Tables
 from nonsmooth.engine.loop import SAME
 from nonsmooth.engine.status import EventKind, Status
 from nonsmooth.errors import ModelError
@@ -20,7 +19,6 @@ from nonsmooth.maps.section_runner import SectionLanes, SectionRunner
 from nonsmooth.maps.section_search import Points
 from nonsmooth.simulation.clock import Instant
 from nonsmooth.simulation.words import word_of_modes
-from nonsmooth.system.system import System
 
 __all__ = ["run_section_chain"]
 
@@ -33,9 +31,10 @@ def run_section_chain(
     runner: SectionRunner,
     stop: threading.Event,
     values: list[float],
-    start: Callable[[System, Tables], tuple[Floats, int]],
+    start: Start,
+    follow: bool,
 ) -> list[Look]:
-    """One motion through several values, each from where the last one ended.
+    """Motions at several values of the parameter.
 
     The same as `run_chain` does for strobes; a motion is followed from just behind its last point.
     """
@@ -52,11 +51,11 @@ def run_section_chain(
             continue
         state, mode = start(chosen.system, runner.engine.tables)
         begin = Instant(0, 0.0)
-        if last is not None:
+        if follow and last is not None:
             state = np.where(protocol.drifting, state, last[0])
             mode = SAME - last[1]
             begin = Instant(0, last[2] * runner.engine.window)
-        lanes = runner.start(state[None], mode, begin, behind=last is not None)
+        lanes = runner.start(state[None], mode, begin, behind=follow and last is not None)
         look, points = _look(protocol, runner, lanes, stop)
         looks.append(look)
         last = None

@@ -30,7 +30,16 @@ def primitive_period(
 
     shapes: points (K, n), drifting (n,), scale (n,)
     """
-    return nearest_return(points, drifting, scale, match)[0]
+    if not np.all(np.isfinite(points)):
+        return 0
+    relative = points - np.where(drifting, points[0], 0.0)
+    # most steps are ruled out by the last point alone
+    longest = (len(points) - 1) // REPEATS
+    last = np.abs(points[len(points) - 1 - longest : -1] - points[-1]) <= match * scale
+    for p in (1 + np.flatnonzero(np.all(last | drifting, axis=1)[::-1])).tolist():
+        if np.all(_largest_changes(relative, drifting, p) <= match * scale):
+            return p
+    return 0
 
 
 def nearest_return(
@@ -47,11 +56,16 @@ def nearest_return(
     relative = points - np.where(drifting, points[0], 0.0)
     unit = np.where(scale > 0.0, scale, 1.0)
     for p in range(1, (count - 1) // REPEATS + 1):
-        change = relative[p:] - relative[:-p]
-        change = np.where(drifting, change - change[0], change)
-        size = np.abs(change).max(axis=0)
+        size = _largest_changes(relative, drifting, p)
         residual = float((size / unit).max(initial=0.0))
         if np.all(size <= match * scale):
             return p, residual
         least = min(least, residual)
     return 0, least
+
+
+def _largest_changes(relative: Floats, drifting: npt.NDArray[np.bool_], p: int) -> Floats:
+    """Largest change of each state over p steps, of a drifting one from its first change."""
+    change = relative[p:] - relative[:-p]
+    change = np.where(drifting, change - change[0], change)
+    return np.asarray(np.abs(change).max(axis=0))
