@@ -141,7 +141,7 @@ def test_the_number_of_threads_changes_nothing() -> None:
 
 
 def test_a_store_goes_on_where_it_was(tmp_path, monkeypatch) -> None:
-    from nonsmooth.analysis.basins.basins import cell_labels
+    from nonsmooth.analysis.basins import cell_labels
 
     region = {"x": np.linspace(-2, 2, 64), "y": np.linspace(-2, 2, 64)}
     whole = ns.basins_of_attraction(forced_wells(), region, samples=64)

@@ -16,8 +16,8 @@ from nonsmooth.analysis.basins.attractor_dataset import (
 )
 from nonsmooth.analysis.basins.attractor_search import ENDED, INADMISSIBLE, UNSETTLED
 from nonsmooth.analysis.basins.attractor_words import with_words
-from nonsmooth.analysis.basins.basins import Basins
 from nonsmooth.analysis.basins.cell_labels import NOT_COMPUTED
+from nonsmooth.analysis.basins.found_basins import Basins
 from nonsmooth.analysis.basins.region import Grid
 from nonsmooth.errors import OptionError
 from nonsmooth.simulation.labels import labels_of

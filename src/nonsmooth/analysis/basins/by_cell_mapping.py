@@ -17,10 +17,10 @@ from nonsmooth.analysis.basins.attractor_search import (
     AttractorSearch,
     Settled,
 )
-from nonsmooth.analysis.basins.basins import Basins, look_closer, search_from
 from nonsmooth.analysis.basins.cell_cycles import Cycles, cycles_of
 from nonsmooth.analysis.basins.cell_labels import NOT_COMPUTED
 from nonsmooth.analysis.basins.cell_mapping import ENDS, REFUSED, CellMap
+from nonsmooth.analysis.basins.found_basins import Basins, look_closer, search_from
 from nonsmooth.analysis.basins.region import Grid
 from nonsmooth.errors import OptionError
 

@@ -16,10 +16,10 @@ from nonsmooth.analysis.basins.attractor_search import (
     AttractorSearch,
     Settled,
 )
-from nonsmooth.analysis.basins.basins import Basins, search_from
 from nonsmooth.analysis.basins.cell_labels import NOT_COMPUTED
 from nonsmooth.analysis.basins.cell_mapping import ENDS, NOWHERE, REFUSED, Part, map_points
 from nonsmooth.analysis.basins.cell_shares import closed_classes, end_shares, transitions
+from nonsmooth.analysis.basins.found_basins import Basins, search_from
 from nonsmooth.analysis.basins.region import Grid
 from nonsmooth.engine.loop import ANY
 from nonsmooth.errors import OptionError

@@ -9,9 +9,9 @@ import numpy as np
 
 from nonsmooth.analysis.basins.attractor_options import Search
 from nonsmooth.analysis.basins.attractor_search import Settled
-from nonsmooth.analysis.basins.basins import Basins, look_closer
 from nonsmooth.analysis.basins.cell_labels import NOT_COMPUTED, label_starts
 from nonsmooth.analysis.basins.found_attractors import find_attractors
+from nonsmooth.analysis.basins.found_basins import Basins, look_closer
 from nonsmooth.analysis.basins.region import Box, Grid
 
 __all__ = ["by_recurrences"]
