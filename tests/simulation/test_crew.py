@@ -8,23 +8,31 @@ import pytest
 
 from nonsmooth.simulation.crew import run_tasks
 
-# A user who presses Ctrl-C, at a hundred moments of the work.
+# A user who presses Ctrl-C at one step of this thread after the other.
 INTERRUPTED = """
-from _thread import interrupt_main
-from threading import Timer
+import sys, time
 from nonsmooth.simulation.crew import run_tasks
 
-for k in range(100):
-    kept = []
-    tasks = [lambda worker, stop: sum(k for k in range(2000))] * 50_000
-    Timer(0.02 + 0.0007 * k, interrupt_main).start()
+steps = 0
+
+def interrupt(frame, event, argument):
+    global steps
+    steps -= bool(kept)  # counted once the work is under way
+    if steps == 0:
+        sys.settrace(None)
+        raise KeyboardInterrupt
+    return interrupt
+
+for k in range(1, 1500, 3):
+    steps, kept = k, []
+    tasks = [lambda worker, stop: time.sleep(2e-4)] * 8
+    sys.settrace(interrupt)
     try:
-        whole = run_tasks(
-            tasks, lambda: 1, threads=4, label="", keep=lambda i, result: kept.append(i)
-        )
-    except KeyboardInterrupt:  # before the work began, or after it
-        continue
-    assert not whole and len(kept) == len(set(kept))
+        run_tasks(tasks, int, threads=2, label="", keep=lambda i, result: kept.append(i))
+    except KeyboardInterrupt:  # outside the work
+        pass
+    sys.settrace(None)
+    assert len(kept) == len(set(kept))
 """
 
 
