@@ -9,8 +9,7 @@ from __future__ import annotations
 import os
 import threading
 from collections.abc import Callable, Collection
-from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
-from itertools import islice
+from queue import Empty, SimpleQueue
 from typing import Any, TypeVar
 
 from nonsmooth.simulation.options import whole_number
@@ -52,42 +51,57 @@ def run_tasks(
     user interrupted; what was kept stays.
     """
     stop = threading.Event()
-    local = threading.local()
+    # An interruption may come between any two steps of this thread. Queues that are C throughout
+    # are whole then, while futures may be left locked, with the crew waiting for ever.
+    todo: SimpleQueue[int | None] = SimpleQueue()
+    results: SimpleQueue[tuple[int, Any, BaseException | None]] = SimpleQueue()
 
-    def run(i: int) -> tuple[int, T]:
-        if stop.is_set():
-            raise Stopped
-        if not hasattr(local, "worker"):
-            local.worker = make_worker()
-        return i, tasks[i](local.worker, stop)
+    def work() -> None:
+        worker = None
+        while (i := todo.get()) is not None:
+            try:
+                if stop.is_set():
+                    raise Stopped
+                worker = make_worker() if worker is None else worker
+                results.put((i, tasks[i](worker, stop), None))
+            except BaseException as fault:
+                results.put((i, None, fault))
 
-    complete, done_so_far = True, len(done)
+    crew = [threading.Thread(target=work, daemon=True) for _ in range(threads)]
+    complete, done_so_far, under_way = True, len(done), 0
     remaining = iter([i for i in range(len(tasks)) if i not in done])
-    waiting: set[Future[tuple[int, T]]] = set()
-
-    def hand_out() -> None:
-        """Keep every thread busy; results that nobody has taken yet need memory."""
-        room = _AHEAD * threads - len(waiting)
-        waiting.update(pool.submit(run, i) for i in islice(remaining, room))
-
-    with ThreadPoolExecutor(max_workers=threads) as pool, Progress(label, len(tasks)) as progress:
+    with Progress(label, len(tasks)) as progress:
         try:
-            hand_out()
-            while waiting:
-                ended, _ = wait(waiting, timeout=_ATTENTION, return_when=FIRST_COMPLETED)
-                for future in ended:
-                    keep(*future.result())
-                    waiting.discard(future)
-                done_so_far += len(ended)
+            for thread in crew:
+                thread.start()
+            while True:
+                # keep every thread busy; results that nobody has taken yet need memory
+                while under_way < _AHEAD * threads and (i := next(remaining, None)) is not None:
+                    todo.put(i)
+                    under_way += 1
+                if under_way == 0:
+                    break
+                try:
+                    i, result, fault = results.get(timeout=_ATTENTION)
+                except Empty:
+                    continue
+                under_way -= 1
+                if fault is not None:
+                    raise fault
+                keep(i, result)
+                done_so_far += 1
                 progress.update(done_so_far)
-                hand_out()
         except KeyboardInterrupt:
             complete = False
         finally:
             stop.set()
-            for future in waiting:
-                future.cancel()
-    for future in waiting:  # what was under way came to its end, or stopped
-        if not complete and not future.cancelled() and future.exception() is None:
-            keep(*future.result())
+            for _ in crew:
+                todo.put(None)
+            for thread in crew:
+                if thread.ident is not None:
+                    thread.join()
+    while not complete and not results.empty():  # what was under way came to its end, or stopped
+        i, result, fault = results.get()
+        if fault is None:
+            keep(i, result)
     return complete
