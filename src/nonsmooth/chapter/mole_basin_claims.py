@@ -23,8 +23,8 @@ _CLOSES = 1e-10  # residual of a cycle
 _ERRORS = 3.0  # standard errors
 _SAMPLES, _RUNS, _DROPPED = 1000, 2000, 4000
 _TRIED = (
-    "strobe phases 0, .25, .5, .75 with p -3..1, y -1..1, q = max(0, p - g); q = that + .5; p -6..2,"
-    " y -2..2; all of (p, y, q) with q 0..1"
+    "strobe phases 0, .25, .5, .75 with p -3..1, y -1..1, q = max(0, p - g); q = that + .5;"
+    " p -6..2, y -2..2; all of (p, y, q) with q 0..1"
 )
 
 
@@ -126,7 +126,7 @@ def _judge_strange_and_four(evidence: Evidence) -> Finding:
         for row in rows
     )
     text = (
-        f"a strange attractor in {sum(strange)} of {len(rows)} panels, together with period four in:"
+        f"a strange attractor in {sum(strange)} of {len(rows)} panels, with period four in:"
         f" {where or 'none'}; {listed}. Read as some panel: {_yes(any(both))}; as every panel:"
         f" {_yes(all(both))}; the text names none"
     )
@@ -195,8 +195,8 @@ CHECKS = (
     ),
     Check(
         "M54",
-        "a panel has a fractal boundary where the exponent is below 1 by 3 standard errors both on a"
-        " grid of 96 x 96 cells round a point of the largest periodic basin (p +- .25, y +- .125)"
+        "a panel has a fractal boundary where the exponent is below 1 by 3 standard errors both on"
+        " a grid of 96 x 96 cells round a point of the largest periodic basin (p +- .25, y +- .125)"
         " and from pairs over the section, 50 x 50 starts, 1e-2 to 1e-5 apart in p",
         _boundaries,
         _judge_boundaries,

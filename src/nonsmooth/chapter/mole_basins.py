@@ -99,8 +99,8 @@ def fig12(cells: int = 300) -> tuple[Figure, xr.Dataset]:
         period four, green and purple another period.
     data : xarray.Dataset
         Over ``omega``: ``label`` (over ``y`` and ``p``), and ``period``, ``kind``, ``fraction`` and
-        ``points`` over ``attractor``, whose numbers are 2 for chaos, 1 for period four, and 3 and 12
-        for others, the larger basin first.
+        ``points`` over ``attractor``, whose numbers are 2 for chaos, 1 for period four, 3 and 12
+        for others, the larger basin first; period -1 where a panel has no such motion.
 
     Examples
     --------
@@ -117,7 +117,8 @@ def fig12(cells: int = 300) -> tuple[Figure, xr.Dataset]:
             0.02, 0.03, f"({'abcdef'[k]}) $\\omega$ = {omega:.2f}", transform=ax.transAxes,
             fontsize=_TEXT, bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.5},
         )  # fmt: skip
-        for text in ax.get_legend().get_texts():  # numbers mean nothing to a reader here
+        key = ax.get_legend()
+        for text in key.get_texts() if key else ():  # numbers mean nothing to a reader here
             text.set_text(text.get_text().partition(": ")[2])
         ax.set_xlabel("displacement, p" if k >= 4 else "")
         ax.set_ylabel("velocity, y" if k % 2 == 0 else "")
@@ -131,15 +132,17 @@ def fig12(cells: int = 300) -> tuple[Figure, xr.Dataset]:
 
 def _numbered_by_kind(data: xr.Dataset) -> xr.Dataset:
     """The same with one number for one kind of motion, whatever the panel."""
-    others = list(_OTHERS)
-    numbers = {}
-    for one in data["attractor"].values[np.argsort(-data["fraction"].values, kind="stable")]:
+    order = data["attractor"].values[np.argsort(-data["fraction"].values, kind="stable")]
+    spare = [*_OTHERS, *range(max(_KINDS) + 1, max(_KINDS) + 1 + len(order))]
+    numbers: dict[int, int] = {}
+    for one in order:
         period = int(data["period"].sel(attractor=one))
-        fixed = {0: _CHAOS, 4: _PERIOD_FOUR}.get(period)
-        # beyond what the chapter shows numbers go on
-        numbers[int(one)] = fixed if fixed not in (None, *numbers.values()) else (
-            others.pop(0) if others else max(*numbers.values(), *_KINDS) + 1
-        )  # fmt: skip
+        number = {0: _CHAOS, 4: _PERIOD_FOUR}.get(period, spare[0])
+        if number in numbers.values():  # a second one of its kind
+            number = spare[0]
+        if number == spare[0]:
+            spare.pop(0)
+        numbers[int(one)] = number
     label = data["label"].copy()
     for one, number in numbers.items():
         label.values[data["label"].values == one] = number
