@@ -52,7 +52,10 @@ def oscillator(omega: float) -> System:
 
 
 def section_basins(
-    omega: float, cells: int, window: Mapping[str, tuple[float, float]] = WINDOW
+    omega: float,
+    cells: int,
+    window: Mapping[str, tuple[float, float]] = WINDOW,
+    samples: int = 1000,
 ) -> xr.Dataset:
     """Basins on the section, on a square grid of cells.
 
@@ -64,6 +67,8 @@ def section_basins(
         Cells along p and along y.
     window : mapping of str to (float, float), optional
         Range of p and of y.
+    samples : int, optional
+        Starts from which attractors are sought.
 
     Returns
     -------
@@ -72,25 +77,27 @@ def section_basins(
 
     Examples
     --------
-    >>> basins = section_basins(1.4, 4)
+    >>> basins = section_basins(1.4, 4, samples=100)
     >>> sorted(basins["period"].values.tolist())
     [0, 4]
     """
     grid = {name: _centres(*ends, cells) for name, ends in window.items()}
-    return basins_of_attraction(oscillator(omega), grid, completion=SECTION)
+    return basins_of_attraction(oscillator(omega), grid, completion=SECTION, samples=samples)
 
 
 def _centres(low: float, high: float, cells: int) -> np.ndarray:
     return low + (high - low) * (np.arange(cells) + 0.5) / cells
 
 
-def fig12(cells: int = 300) -> tuple[Figure, xr.Dataset]:
+def fig12(cells: int = 300, samples: int = 1000) -> tuple[Figure, xr.Dataset]:
     """Fig. 12: basins of attraction for six frequencies.
 
     Parameters
     ----------
     cells : int, optional
         Cells of each panel along p and along y.
+    samples : int, optional
+        Starts from which the attractors of each panel are sought.
 
     Returns
     -------
@@ -104,14 +111,14 @@ def fig12(cells: int = 300) -> tuple[Figure, xr.Dataset]:
 
     Examples
     --------
-    >>> figure, data = fig12(cells=4)
+    >>> figure, data = fig12(cells=4, samples=60)
     >>> data["label"].dims, len(figure.axes)
     (('omega', 'y', 'p'), 6)
     """
     figure, axes = print_figure(3, 2, width=16.0, height=18.0)
     kept = []
     for k, (omega, ax) in enumerate(zip(OMEGAS, axes, strict=True)):
-        data = _numbered_by_kind(section_basins(omega, cells))
+        data = _numbered_by_kind(section_basins(omega, cells, samples=samples))
         basins(data, ax=ax)
         ax.text(
             0.02, 0.03, f"({'abcdef'[k]}) $\\omega$ = {omega:.2f}", transform=ax.transAxes,
@@ -125,8 +132,10 @@ def fig12(cells: int = 300) -> tuple[Figure, xr.Dataset]:
         kept.append(_all_kinds(data))
     data = xr.concat(kept, xr.DataArray(list(OMEGAS), dims="omega", name="omega"))
     data["points"].encoding = {"zlib": True}  # mostly padding
-    data.attrs["section"] = "tau = 0, q = max(0, p - g)"
-    data.attrs["nonsmooth_version"] = kept[0].attrs["nonsmooth_version"]
+    # systems differ between panels
+    first = kept[0].attrs
+    data.attrs = {name: first[name] for name in ("system_name", "completion", "nonsmooth_version")}
+    data.attrs |= {"a": 0.3, "b": 0.1, "xi": 0.1, "phase": 0.0, "samples": samples}
     return figure, data
 
 
