@@ -14,8 +14,11 @@ from nonsmooth.errors import OptionError
 PNG = b"\x89PNG\r\n\x1a\n"
 
 
-SHOWN = {"fig8": {"b", "y", "period", "per_period", "first_50"}}
-LABELLED = {"fig8": "y"}
+SHOWN = {
+    "fig8": {"b", "y", "period", "per_period", "first_50"},
+    "fig12": {"label", "period", "kind", "fraction", "points"},
+}
+LABELLED = {"fig8": "y", "fig12": "label"}
 
 
 @pytest.mark.parametrize(

@@ -25,6 +25,7 @@ _GROUPS = (
     "mole_window_claims",
     "mole_progression_claims",
     "mole_drift_claims",
+    "mole_basin_claims",
     "mole_frequency_claims",
 )
 

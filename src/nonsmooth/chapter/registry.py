@@ -41,6 +41,7 @@ _FIGURES = {
     "fig11": _Entry(
         "mole_phases", "fig11", "drifting motion split into bounded oscillation and progression"
     ),
+    "fig12": _Entry("mole_basins", "fig12", "basins of attraction of the mole, six frequencies"),
     "phases": _Entry("mole_phases", "period_one_phases", "four phases of a period-one motion"),
 }
 
@@ -56,7 +57,7 @@ def figure_ids() -> list[str]:
     --------
     >>> from nonsmooth.chapter import figure_ids
     >>> figure_ids()
-    ['fig5b', 'fig5d', 'fig6', 'fig7', 'fig8', 'fig11', 'phases']
+    ['fig5b', 'fig5d', 'fig6', 'fig7', 'fig8', 'fig11', 'fig12', 'phases']
     """
     return list(_FIGURES)
 
