@@ -164,8 +164,8 @@ def main(given=None):
         f" {true.chaotic.sum()} chaotic, the others a matter of rounding"
     )
     print(table(clocks, verdicts))
-    print("wrong columns: with another period, with points off by 1e-3 of their size; chaos called")
-    print("periodic; median error of the decided columns, of the size of a state")
+    print("wrong columns: another period, points off by 1e-3 of their size, a period in chaos (a")
+    print("transient may have ended); median error of the decided columns, relative")
     print(clocks.report([n for n in results if len(IMPLEMENTATIONS[n][1]) == 2]))
     faults = check_digits(p, omegas, disputed(true, results, verdicts, options.digits), true)
     if verdicts["nonsmooth"].wrong.size:

@@ -3,7 +3,8 @@
 The truth comes from `hand_kernels.soft_impact_scan`, an exact solution that shares nothing with
 those it judges, from rest and from starts next to it. A column is decided where all these come to
 the same points; where they do not, rounding decides and no program can be right. Among those,
-columns in which all starts stay aperiodic are called chaotic: finding a period there is wrong.
+columns in which all starts stay aperiodic are called chaotic. A period found there is counted,
+though it may be the end of a chaotic transient.
 """
 
 from typing import NamedTuple
