@@ -1,7 +1,5 @@
 """Bifurcation diagrams beside closed forms, and what they promise about protocols."""
 
-import threading
-
 import numpy as np
 import pytest
 import xarray as xr
@@ -208,18 +206,16 @@ def test_columns_start_at_their_own_rest_state():
 
 
 def test_an_interruption_keeps_what_is_done(monkeypatch):
-    from nonsmooth.simulation import crew
+    from nonsmooth.simulation.progress import Progress
 
     calls = []
-    wait = crew.wait
 
-    def interrupted(*arguments, **options):
-        calls.append(threading.current_thread())
+    def interrupted(self, done):
+        calls.append(done)
         if len(calls) == 4:
             raise KeyboardInterrupt
-        return wait(*arguments, **options)
 
-    monkeypatch.setattr(crew, "wait", interrupted)
+    monkeypatch.setattr(Progress, "update", interrupted)
     found = ns.bifurcation_diagram(
         ns.models.soft_impact(), "omega", np.linspace(0.7, 0.9, 400), transient=400, threads=1
     )

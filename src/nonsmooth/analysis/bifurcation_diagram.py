@@ -2,40 +2,32 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.analysis.diagrams.columns import Look, Protocol, run_chain
+from nonsmooth.analysis.diagrams.columns import Look
 from nonsmooth.analysis.diagrams.diagram_dataset import diagram_dataset
+from nonsmooth.analysis.diagrams.diagram_options import check_values, check_way, read_protocol
+from nonsmooth.analysis.diagrams.diagram_tasks import diagram_tasks, make_worker
 from nonsmooth.analysis.diagrams.look_arrays import pack_looks, unpack_looks
-from nonsmooth.analysis.diagrams.section_columns import run_section_chain
-from nonsmooth.engine.layout import Tables
-from nonsmooth.errors import OptionError, unknown_name
-from nonsmooth.maps.of_system import Map, map_of
-from nonsmooth.maps.poincare import PoincareMap
-from nonsmooth.maps.section_runner import SectionRunner
-from nonsmooth.maps.stroboscopic import StroboscopicMap
+from nonsmooth.errors import OptionError
+from nonsmooth.maps.of_system import map_of
 from nonsmooth.simulation.crew import check_threads
-from nonsmooth.simulation.lane_runner import LaneRunner
-from nonsmooth.simulation.options import finite_number, whole_number
 from nonsmooth.simulation.runner import build_tables
 from nonsmooth.simulation.start import resolve_start
 from nonsmooth.simulation.stored_tasks import run_stored_tasks
-from nonsmooth.system.system import System
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["bifurcation_diagram"]
+    from nonsmooth.maps.poincare import PoincareMap
+    from nonsmooth.maps.stroboscopic import StroboscopicMap
+    from nonsmooth.system.system import System
 
-_STARTS = ("restart", "follow up", "follow down")
-_SIDES = ("before", "after")
-_TOGETHER = 16  # columns in a task: a few milliseconds of work
+__all__ = ["bifurcation_diagram"]
 
 
 def bifurcation_diagram(
@@ -148,34 +140,17 @@ def bifurcation_diagram(
     """
     chosen = map_of(system, parameters, tolerance, "bifurcation_diagram", phase=phase, mode=mode)
     system = chosen.system
-    grid = _check_values(system, parameter, values)
-    if start not in _STARTS:
-        raise OptionError(f"start = {start!r}: {unknown_name('way', str(start), _STARTS)}")
-    if side not in _SIDES:
-        raise OptionError(f"side = {side!r}: {unknown_name('side', str(side), _SIDES)}")
-    protocol = Protocol(
-        chosen=chosen,
-        parameter=parameter,
-        transient=0 if transient == 0 else whole_number("transient", transient),
-        record=whole_number("record", record),
-        match=_check_match(match),
-        exits=_exits(chosen, at, side),
-        after=side == "after",
-        drifting=np.array([name in system.drift_states for name in system.states]),
-        outputs=bool(system.outputs),
-    )
-    tables = build_tables(system)
+    grid = check_values(system, parameter, values)
+    way = check_way(start)
+    protocol = read_protocol(chosen, parameter, transient, record, match, at, side)
     given = list(initial) if isinstance(initial, Sequence) else [initial]
     if not given:
         raise OptionError("initial= is an empty list; give at least one initial state")
     # refuse here what no column could begin with
+    tables = build_tables(system)
     begins = [resolve_start(system, tables, each, None, mode, True) for each in given]
     looks: list[list[Look | None]] = [[None] * len(given) for _ in grid]
-    tasks, places = [], []
-    for lane, each in enumerate(given):
-        for links in _chains(grid, start):
-            tasks.append(_task(protocol, grid[links].tolist(), each, mode, start))
-            places.append((lane, links))
+    tasks, places = diagram_tasks(protocol, grid, given, mode, way)
 
     def keep(i: int, found: list[Look]) -> None:
         lane, links = places[i]
@@ -183,7 +158,7 @@ def bifurcation_diagram(
             looks[column][lane] = look
 
     options = {
-        "start": start,
+        "start": way,
         "transient": protocol.transient,
         "record": protocol.record,
         "at": at,
@@ -195,7 +170,7 @@ def bifurcation_diagram(
     }
     complete = run_stored_tasks(
         tasks,
-        lambda: _worker(chosen, tolerance),
+        lambda: make_worker(chosen, tolerance),
         store=store,
         protocol={
             "system": system.to_toml(),
@@ -213,86 +188,8 @@ def bifurcation_diagram(
     return diagram_dataset(protocol, grid, looks, options, complete)
 
 
-def _task(
-    protocol: Protocol, values: list[float], initial: Any, mode: str | None, start: str
-) -> Any:
-    """Some columns of one lane, each by itself or one after the other."""
-
-    def begin(system: System, tables: Tables) -> tuple[npt.NDArray[np.float64], int]:
-        # states that are not given are those at rest, which may depend on the parameter
-        found = resolve_start(system, tables, initial, None, mode, repeated=True)
-        return found.state, found.modes[0]
-
-    chain: Any = run_section_chain if isinstance(protocol.chosen, PoincareMap) else run_chain
-
-    def run(runner: Any, stop: threading.Event) -> list[Look]:
-        return list(chain(protocol, runner, stop, values, begin, follow=start != "restart"))
-
-    return run
-
-
-def _worker(chosen: Map, tolerance: float) -> LaneRunner | SectionRunner:
-    """What one thread runs motions with."""
-    if isinstance(chosen, PoincareMap):
-        return chosen.runner(tolerance)
-    return LaneRunner(chosen.system, tolerance)
-
-
 def _said(initial: Any) -> str:
     """An initial state as the protocol tells it."""
     if initial is None:
         return "at rest"
     return str(dict(initial)) if isinstance(initial, Mapping) else "a point of a dataset"
-
-
-def _chains(grid: npt.NDArray[np.float64], start: str) -> list[list[int]]:
-    """Columns that one task computes, in order."""
-    if start == "restart":
-        return [
-            list(range(i, min(i + _TOGETHER, grid.size))) for i in range(0, grid.size, _TOGETHER)
-        ]
-    order = np.argsort(grid, kind="stable")
-    return [(order if start == "follow up" else order[::-1]).tolist()]
-
-
-def _check_values(system: System, parameter: Any, values: Any) -> npt.NDArray[np.float64]:
-    if parameter not in system.parameters:
-        raise OptionError(unknown_name("parameter", str(parameter), system.parameters))
-    try:
-        grid = np.atleast_1d(np.asarray(values, dtype=float))
-    except (TypeError, ValueError):
-        raise OptionError(f"values = {values!r:.60}: give a list of numbers") from None
-    if grid.ndim != 1 or grid.size == 0 or not np.all(np.isfinite(grid)):
-        raise OptionError(
-            "values= takes a one-dimensional, non-empty list of finite numbers, such as"
-            " np.linspace(0.5, 1.0, 400)"
-        )
-    return grid
-
-
-def _check_match(match: Any) -> float:
-    number = finite_number("match", match)
-    if not 0.0 < number < 1.0:
-        raise OptionError(f"match = {number:g} must lie between 0 and 1; 1e-6 is usual")
-    return number
-
-
-def _exits(chosen: Map, at: Any, side: Any) -> npt.NDArray[np.bool_] | None:
-    """Exits of each mode with a name; None for the points of the map."""
-    system = chosen.system
-    if isinstance(chosen, PoincareMap) and (at, side) != ("strobe", "before"):
-        raise OptionError(
-            f"at = {at!r:.60}, side = {side!r:.60}: the map says itself where its points lie and on"
-            " which side of an event; give these to PoincareMap"
-        )
-    if at == "strobe":
-        return None
-    names = system.compiled.exit_names
-    known = dict.fromkeys(name for of_mode in names for name in of_mode)
-    if at not in known:
-        raise OptionError(f"at: {unknown_name('event', str(at), ['strobe', *known])}")
-    most = max(len(of_mode) for of_mode in names)
-    found = np.zeros((len(names), most), bool)
-    for m, of_mode in enumerate(names):
-        found[m, : len(of_mode)] = [name == at for name in of_mode]
-    return found

@@ -1,0 +1,74 @@
+"""A diagram as tasks: chains of columns for one initial state each."""
+
+from __future__ import annotations
+
+import threading
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.analysis.diagrams.columns import Look, Protocol, run_chain
+from nonsmooth.analysis.diagrams.section_columns import run_section_chain
+from nonsmooth.engine.layout import Tables
+from nonsmooth.maps.of_system import Map
+from nonsmooth.maps.poincare import PoincareMap
+from nonsmooth.maps.section_runner import SectionRunner
+from nonsmooth.simulation.lane_runner import LaneRunner
+from nonsmooth.simulation.start import resolve_start
+from nonsmooth.system.system import System
+
+__all__ = ["diagram_tasks", "make_worker"]
+
+_TOGETHER = 16  # columns in a task: a few milliseconds of work
+
+
+def diagram_tasks(
+    protocol: Protocol,
+    grid: npt.NDArray[np.float64],
+    given: list[Any],
+    mode: str | None,
+    start: str,
+) -> tuple[list[Any], list[tuple[int, list[int]]]]:
+    """Tasks, and the lane and the columns that each one computes."""
+    tasks, places = [], []
+    for lane, each in enumerate(given):
+        for links in _chains(grid, start):
+            tasks.append(_task(protocol, grid[links].tolist(), each, mode, start))
+            places.append((lane, links))
+    return tasks, places
+
+
+def _task(
+    protocol: Protocol, values: list[float], initial: Any, mode: str | None, start: str
+) -> Any:
+    """Some columns of one lane, each by itself or one after the other."""
+
+    def begin(system: System, tables: Tables) -> tuple[npt.NDArray[np.float64], int]:
+        # states that are not given are those at rest, which may depend on the parameter
+        found = resolve_start(system, tables, initial, None, mode, repeated=True)
+        return found.state, found.modes[0]
+
+    chain: Any = run_section_chain if isinstance(protocol.chosen, PoincareMap) else run_chain
+
+    def run(runner: Any, stop: threading.Event) -> list[Look]:
+        return list(chain(protocol, runner, stop, values, begin, follow=start != "restart"))
+
+    return run
+
+
+def make_worker(chosen: Map, tolerance: float) -> LaneRunner | SectionRunner:
+    """What one thread runs motions with."""
+    if isinstance(chosen, PoincareMap):
+        return chosen.runner(tolerance)
+    return LaneRunner(chosen.system, tolerance)
+
+
+def _chains(grid: npt.NDArray[np.float64], start: str) -> list[list[int]]:
+    """Columns that one task computes, in order."""
+    if start == "restart":
+        return [
+            list(range(i, min(i + _TOGETHER, grid.size))) for i in range(0, grid.size, _TOGETHER)
+        ]
+    order = np.argsort(grid, kind="stable")
+    return [(order if start == "follow up" else order[::-1]).tolist()]
