@@ -96,6 +96,8 @@ def by_recurrences(omega: float, section: Section, samples: int = 1000, seed: in
 def by_cells(omega: float, cells: tuple[int, int, int]) -> Evidence:
     """Attractors by cell mapping in all three states, over the window and q from 0 to 1.
 
+    Attractors whose basins are thinner than the cells may be missed.
+
     Parameters
     ----------
     omega : float
