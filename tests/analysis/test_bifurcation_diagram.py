@@ -211,15 +211,16 @@ def test_an_interruption_keeps_what_is_done(monkeypatch):
     from nonsmooth.simulation import crew
 
     calls = []
-    wait = crew.wait
+    take = crew.take
 
     def interrupted(*arguments, **options):
+        result = take(*arguments, **options)
         calls.append(threading.current_thread())
         if len(calls) == 4:
             raise KeyboardInterrupt
-        return wait(*arguments, **options)
+        return result
 
-    monkeypatch.setattr(crew, "wait", interrupted)
+    monkeypatch.setattr(crew, "take", interrupted)
     found = ns.bifurcation_diagram(
         ns.models.soft_impact(), "omega", np.linspace(0.7, 0.9, 400), transient=400, threads=1
     )
