@@ -1,5 +1,7 @@
 """Bifurcation diagrams beside closed forms, and what they promise about protocols."""
 
+import threading
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -206,16 +208,19 @@ def test_columns_start_at_their_own_rest_state():
 
 
 def test_an_interruption_keeps_what_is_done(monkeypatch):
-    from nonsmooth.simulation.progress import Progress
+    from nonsmooth.simulation import crew
 
     calls = []
+    take = crew.take
 
-    def interrupted(self, done):
-        calls.append(done)
+    def interrupted(*arguments, **options):
+        result = take(*arguments, **options)
+        calls.append(threading.current_thread())
         if len(calls) == 4:
             raise KeyboardInterrupt
+        return result
 
-    monkeypatch.setattr(Progress, "update", interrupted)
+    monkeypatch.setattr(crew, "take", interrupted)
     found = ns.bifurcation_diagram(
         ns.models.soft_impact(), "omega", np.linspace(0.7, 0.9, 400), transient=400, threads=1
     )

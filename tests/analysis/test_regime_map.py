@@ -142,15 +142,16 @@ def test_work_that_was_begun_goes_on(tmp_path, monkeypatch):
 def test_an_interruption_keeps_what_is_done(monkeypatch):
     from nonsmooth.simulation import crew
 
-    calls, wait = [], crew.wait
+    calls, take = [], crew.take
 
     def interrupted(*arguments, **options):
+        result = take(*arguments, **options)
         calls.append(1)
         if len(calls) == 3:
             raise KeyboardInterrupt
-        return wait(*arguments, **options)
+        return result
 
-    monkeypatch.setattr(crew, "wait", interrupted)
+    monkeypatch.setattr(crew, "take", interrupted)
     over = {"omega": np.linspace(0.8, 0.9, 30), "a": np.linspace(0.5, 0.9, 30)}
     grid = ns.regime_map(ns.models.soft_impact(), over, threads=1, refine=1)
     assert grid.attrs["status"] == "interrupted"

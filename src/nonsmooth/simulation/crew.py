@@ -82,7 +82,7 @@ def run_tasks(
                 if under_way == 0:
                     break
                 try:
-                    i, result, fault = results.get(timeout=_ATTENTION)
+                    i, result, fault = take(results)
                 except Empty:
                     continue
                 under_way -= 1
@@ -105,3 +105,8 @@ def run_tasks(
         if fault is None:
             keep(i, result)
     return complete
+
+
+def take(results: SimpleQueue[T]) -> T:
+    """The next result; `Empty` where none comes in a moment."""
+    return results.get(timeout=_ATTENTION)

@@ -45,9 +45,7 @@ def by_cell_mapping(
 ) -> Basins:
     """Map cells to cells, and follow the cycles of that map by the exact one."""
     if store is not None:
-        raise OptionError(
-            "store= is for method='recurrences'; a cell mapping takes a small part of its time"
-        )
+        raise OptionError("store= is for method='recurrences' alone; leave it out")
     cells = CellMap(grid, lambda: chosen.runner(how.tolerance), threads)
     label, steps = np.full(grid.size, NOT_COMPUTED), np.zeros(grid.size, np.int64)
     search, changed, settled_for = None, 1.0, 0

@@ -43,9 +43,7 @@ def by_cell_shares(
 ) -> Basins:
     """Map points of every cell once, and follow the chain of cells that this makes."""
     if store is not None:
-        raise OptionError(
-            "store= is for method='recurrences'; a cell mapping takes a small part of its time"
-        )
+        raise OptionError("store= is for method='recurrences' alone; leave it out")
     source, image, states, complete = _images(chosen, grid, how, threads)
     count = grid.size
     if not complete:
