@@ -9,10 +9,10 @@ import xarray as xr
 from nonsmooth.chapter import evaluate_claims
 from nonsmooth.chapter.claims import _checks, _table
 from nonsmooth.chapter.judgement import DIFFERS, HOLDS, OPEN, verdict
-from nonsmooth.chapter.mole_basins import OMEGAS, _numbered_by_kind, fig12
-from nonsmooth.chapter.mole_boundaries import _law, exponents_of_pairs
-from nonsmooth.chapter.mole_coexistence import MORE_SECTIONS, by_cells
-from nonsmooth.chapter.mole_long_runs import _distinct_sets, _periods, newton_residual
+from nonsmooth.chapter.mole.basins import OMEGAS, _numbered_by_kind, fig12
+from nonsmooth.chapter.mole.boundaries import _law, exponents_of_pairs
+from nonsmooth.chapter.mole.coexistence import MORE_SECTIONS, by_cells
+from nonsmooth.chapter.mole.long_runs import _distinct_sets, _periods, newton_residual
 
 COUNTED = [f"M{n}" for n in range(47, 53)]
 SLOW = [*COUNTED, "M53", "M54"]

@@ -8,7 +8,7 @@ import xarray as xr
 
 from nonsmooth.chapter import figure_ids, figure_summary, run_demo, run_figures
 from nonsmooth.chapter.files import save_data
-from nonsmooth.chapter.mole_diagrams import fig8
+from nonsmooth.chapter.mole.diagrams import fig8
 from nonsmooth.errors import OptionError
 
 PNG = b"\x89PNG\r\n\x1a\n"

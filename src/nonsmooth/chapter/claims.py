@@ -17,16 +17,16 @@ __all__ = ["claim_ids", "evaluate_claims"]
 # Modules with a tuple CHECKS each, in the order of the chapter.
 _GROUPS = (
     "method_claims",
-    "drilling_claims",
-    "mole_data_claims",
-    "mole_model_claims",
-    "mole_soil_claims",
-    "mole_run_claims",
-    "mole_window_claims",
-    "mole_progression_claims",
-    "mole_drift_claims",
-    "mole_basin_claims",
-    "mole_frequency_claims",
+    "mole.drilling_claims",
+    "mole.data_claims",
+    "mole.model_claims",
+    "mole.soil_claims",
+    "mole.run_claims",
+    "mole.window_claims",
+    "mole.progression_claims",
+    "mole.drift_claims",
+    "mole.basin_claims",
+    "mole.frequency_claims",
 )
 
 

@@ -61,7 +61,7 @@ def progression_table() -> list[dict[str, Any]]:
     [14.04, 31.35]
     """
     from nonsmooth import simulate
-    from nonsmooth.chapter.regime import bounded_states, primitive_period
+    from nonsmooth.chapter.mole.regime import bounded_states, primitive_period
     from nonsmooth.models import moling, progression
 
     rows = []

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from nonsmooth import simulate
-from nonsmooth.chapter.adaptive_mole import adaptive_mole_run
 from nonsmooth.chapter.judgement import Check, Evidence, Finding
-from nonsmooth.chapter.stitched_mole import solve_switching_times, stitched_states
+from nonsmooth.chapter.mole.adaptive_mole import adaptive_mole_run
+from nonsmooth.chapter.mole.stitched_mole import solve_switching_times, stitched_states
 from nonsmooth.models import moling
 
 __all__ = ["CHECKS"]

@@ -26,23 +26,23 @@ class _Entry(NamedTuple):
 
 _FIGURES = {
     "fig5b": _Entry(
-        "mole_histories", "fig5b", "history of the mole with the data of the first test"
+        "mole.histories", "fig5b", "history of the mole with the data of the first test"
     ),
     "fig5d": _Entry(
-        "mole_histories", "fig5d", "history of the mole with the data of the second test"
+        "mole.histories", "fig5d", "history of the mole with the data of the second test"
     ),
     "fig6": _Entry(
-        "mole_histories", "fig6", "mass and slider bottom from rest for six static forces"
+        "mole.histories", "fig6", "mass and slider bottom from rest for six static forces"
     ),
-    "fig7": _Entry("mole_histories", "fig7", "the same in the steady state, tau from 800 to 1200"),
+    "fig7": _Entry("mole.histories", "fig7", "the same in the steady state, tau from 800 to 1200"),
     "fig8": _Entry(
-        "mole_diagrams", "fig8", "velocity and progression over the static force, three amplitudes"
+        "mole.diagrams", "fig8", "velocity and progression over the static force, three amplitudes"
     ),
     "fig11": _Entry(
-        "mole_phases", "fig11", "drifting motion split into bounded oscillation and progression"
+        "mole.phases", "fig11", "drifting motion split into bounded oscillation and progression"
     ),
-    "fig12": _Entry("mole_basins", "fig12", "basins of attraction of the mole, six frequencies"),
-    "phases": _Entry("mole_phases", "period_one_phases", "four phases of a period-one motion"),
+    "fig12": _Entry("mole.basins", "fig12", "basins of attraction of the mole, six frequencies"),
+    "phases": _Entry("mole.phases", "period_one_phases", "four phases of a period-one motion"),
 }
 
 

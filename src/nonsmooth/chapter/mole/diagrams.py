@@ -13,7 +13,7 @@ import numpy as np
 import xarray as xr
 
 from nonsmooth import bifurcation_diagram
-from nonsmooth.chapter.static_force_sweeps import (
+from nonsmooth.chapter.mole.static_force_sweeps import (
     AMPLITUDES,
     PROTOCOLS,
     Sweep,
@@ -21,7 +21,7 @@ from nonsmooth.chapter.static_force_sweeps import (
     first_fifty,
     settled_labels,
 )
-from nonsmooth.chapter.windows import stretches, widest
+from nonsmooth.chapter.mole.windows import stretches, widest
 from nonsmooth.models import moling
 from nonsmooth.plot import PALETTE, print_figure
 

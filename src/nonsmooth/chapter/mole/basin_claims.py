@@ -9,11 +9,11 @@ import numpy as np
 
 from nonsmooth import lyapunov_spectrum
 from nonsmooth.chapter.judgement import Check, Evidence, Finding
-from nonsmooth.chapter.mole_basins import OMEGAS, oscillator
-from nonsmooth.chapter.mole_boundaries import DISTANCES, exponent_on_grid, exponents_of_pairs
-from nonsmooth.chapter.mole_coexistence import SECTIONS, Section, by_recurrences
-from nonsmooth.chapter.mole_long_runs import by_runs
-from nonsmooth.chapter.windows import agreed
+from nonsmooth.chapter.mole.basins import OMEGAS, oscillator
+from nonsmooth.chapter.mole.boundaries import DISTANCES, exponent_on_grid, exponents_of_pairs
+from nonsmooth.chapter.mole.coexistence import SECTIONS, Section, by_recurrences
+from nonsmooth.chapter.mole.long_runs import by_runs
+from nonsmooth.chapter.mole.windows import agreed
 
 __all__ = ["CHECKS"]
 

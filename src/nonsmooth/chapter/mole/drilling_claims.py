@@ -8,7 +8,7 @@ import numpy as np
 
 from nonsmooth import bifurcation_diagram
 from nonsmooth.chapter.judgement import Check, Evidence, Finding
-from nonsmooth.chapter.static_force_sweeps import PROTOCOLS
+from nonsmooth.chapter.mole.static_force_sweeps import PROTOCOLS
 from nonsmooth.models import percussive_drilling
 
 __all__ = ["CHECKS"]

@@ -9,7 +9,7 @@ import xarray as xr
 
 from nonsmooth import System, simulate
 from nonsmooth.chapter.judgement import Check, Evidence, Finding
-from nonsmooth.chapter.mole_model_claims import STATIC_FORCES
+from nonsmooth.chapter.mole.model_claims import STATIC_FORCES
 from nonsmooth.models import drift_reconstruction, moling
 
 __all__ = ["CHECKS"]

@@ -8,14 +8,14 @@ import numpy as np
 
 from nonsmooth import bifurcation_diagram
 from nonsmooth.chapter.judgement import Check, Evidence, Finding, agrees
-from nonsmooth.chapter.static_force_sweeps import (
+from nonsmooth.chapter.mole.static_force_sweeps import (
     AMPLITUDES,
     CHAOTIC,
     PROTOCOLS,
     even_forces,
     force_sweep,
 )
-from nonsmooth.chapter.windows import agreed, order_of_labels, stretches, widest
+from nonsmooth.chapter.mole.windows import agreed, order_of_labels, stretches, widest
 from nonsmooth.models import moling
 
 __all__ = ["CHECKS"]

@@ -10,9 +10,9 @@ import xarray as xr
 
 from nonsmooth import bifurcation_diagram
 from nonsmooth.chapter.judgement import Check, Evidence, Finding
-from nonsmooth.chapter.mole_model_claims import STATIC_FORCES
-from nonsmooth.chapter.static_force_sweeps import PROTOCOLS
-from nonsmooth.chapter.windows import agreed
+from nonsmooth.chapter.mole.model_claims import STATIC_FORCES
+from nonsmooth.chapter.mole.static_force_sweeps import PROTOCOLS
+from nonsmooth.chapter.mole.windows import agreed
 from nonsmooth.models import moling
 
 __all__ = ["CHECKS", "distinct_attractors"]

@@ -10,7 +10,7 @@ import xarray as xr
 
 from nonsmooth import StroboscopicMap, attractors, basins_of_attraction
 from nonsmooth.chapter.judgement import Evidence
-from nonsmooth.chapter.mole_basins import SECTION, WINDOW, oscillator
+from nonsmooth.chapter.mole.basins import SECTION, WINDOW, oscillator
 
 __all__ = ["MORE_SECTIONS", "SECTIONS", "Section", "by_cells", "by_recurrences"]
 

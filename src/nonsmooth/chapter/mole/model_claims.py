@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from nonsmooth import OptionError, simulate
-from nonsmooth.chapter.absolute_mole import absolute_mole
 from nonsmooth.chapter.judgement import Check, Evidence, Finding
+from nonsmooth.chapter.mole.absolute_mole import absolute_mole
 from nonsmooth.models import MolingRig, moling
 
 __all__ = ["CHECKS", "STATIC_FORCES"]

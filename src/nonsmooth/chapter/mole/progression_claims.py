@@ -8,7 +8,7 @@ import numpy as np
 
 from nonsmooth import bifurcation_diagram
 from nonsmooth.chapter.judgement import Check, Evidence, Finding
-from nonsmooth.chapter.static_force_sweeps import (
+from nonsmooth.chapter.mole.static_force_sweeps import (
     AMPLITUDES,
     CHAOTIC,
     PROTOCOLS,
@@ -16,7 +16,7 @@ from nonsmooth.chapter.static_force_sweeps import (
     first_fifty,
     force_sweep,
 )
-from nonsmooth.chapter.windows import agreed, at_the_end, stretches, widest
+from nonsmooth.chapter.mole.windows import agreed, at_the_end, stretches, widest
 from nonsmooth.models import moling
 
 __all__ = ["CHECKS"]

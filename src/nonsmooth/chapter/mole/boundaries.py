@@ -12,7 +12,7 @@ import numpy as np
 
 from nonsmooth import attractors, basins_of_attraction, uncertainty_exponent
 from nonsmooth.chapter.judgement import Evidence
-from nonsmooth.chapter.mole_basins import SECTION, WINDOW, oscillator, section_basins
+from nonsmooth.chapter.mole.basins import SECTION, WINDOW, oscillator, section_basins
 
 __all__ = ["DISTANCES", "exponent_on_grid", "exponents_of_pairs"]
 

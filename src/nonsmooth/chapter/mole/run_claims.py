@@ -8,8 +8,8 @@ import numpy as np
 
 from nonsmooth import simulate
 from nonsmooth.chapter.judgement import Check, Evidence, Finding
-from nonsmooth.chapter.mole_model_claims import STATIC_FORCES
-from nonsmooth.chapter.regime import (
+from nonsmooth.chapter.mole.model_claims import STATIC_FORCES
+from nonsmooth.chapter.mole.regime import (
     STARTS,
     bounded_states,
     primitive_period,

@@ -8,7 +8,7 @@ import numpy as np
 
 from nonsmooth import StroboscopicMap, ensemble
 from nonsmooth.chapter.judgement import Evidence
-from nonsmooth.chapter.mole_basins import WINDOW, oscillator
+from nonsmooth.chapter.mole.basins import WINDOW, oscillator
 
 __all__ = ["by_runs", "newton_residual"]
 

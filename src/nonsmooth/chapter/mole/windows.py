@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from itertools import groupby
 
 from nonsmooth.chapter.judgement import Evidence
-from nonsmooth.chapter.static_force_sweeps import CHAOTIC, UNSETTLED, Sweep
+from nonsmooth.chapter.mole.static_force_sweeps import CHAOTIC, UNSETTLED, Sweep
 
 __all__ = ["agreed", "at_the_end", "order_of_labels", "stretches", "widest"]
 
