@@ -52,7 +52,8 @@ def test_a_forcing_with_half_the_frequency_gives_period_two() -> None:
     """x' = -x + cos(t/2) strobed at 2 pi."""
     slow = ns.System(states=["x"], period="4*pi", equations={"x": "-x + cos(t/2)"}, name="half")
     strobe = ns.StroboscopicMap(slow, period="2*pi")
-    found = ns.attractors(strobe, {"x": (-3, 3)}, samples=16)
+    with pytest.warns(ns.ResultWarning, match="another phase"):  # here it alternates
+        found = ns.attractors(strobe, {"x": (-3, 3)}, samples=16)
     # x = (cos(t/2) + sin(t/2)/2)/(1 + 1/4)
     assert found["period"].values.tolist() == [2]
     assert found["points"].values[0, :, 0] == pytest.approx([-0.8, 0.8], abs=1e-12)
@@ -147,11 +148,79 @@ def test_an_interruption_keeps_what_is_known(monkeypatch) -> None:
     assert found.sizes["attractor"] == 0
 
 
+def _spiral(rate: float, turn: float) -> ns.System:
+    """Every unit of time z is turned, and grows by ``rate``."""
+    return ns.System(
+        name="spiral",
+        states=["x", "y"],
+        parameters={"g": float(np.log(rate)), "w": turn},
+        period=1.0,
+        equations={"x": "g*x - w*y", "y": "w*x + g*y"},
+    )
+
+
+@pytest.mark.parametrize(("rate", "turn"), [(0.9999, 0.7), (0.9999, 2 * np.pi / 7)])
+def test_the_slow_way_to_a_fixed_point_is_no_attractor(rate: float, turn: float) -> None:
+    found = ns.attractors(
+        _spiral(rate, turn), {"x": (-1, 1), "y": (-1, 1)}, samples=12, record=4000, longest=4000
+    )
+    assert set(found["kind"].values) <= {"periodic"}
+    assert found.sizes["attractor"] <= 1
+    assert found.attrs["unsettled_starts"] + 12 * found["fraction"].sum() == pytest.approx(12)
+    if found.sizes["attractor"]:
+        assert found["points"].values[0, 0] == pytest.approx([0.0, 0.0], abs=1e-9)
+    else:
+        assert "record=" in found.attrs["message"]
+
+
+def test_a_torus_is_not_chaotic() -> None:
+    """Two limit cycles beside each other, on the section of one."""
+    torus = ns.System(
+        name="torus",
+        states=["x", "y", "p", "q"],
+        equations={
+            "x": "x*(1 - x*x - y*y) - y",
+            "y": "y*(1 - x*x - y*y) + x",
+            "p": "p*(1 - p*p - q*q) - sqrt(2)*q",
+            "q": "q*(1 - p*p - q*q) + sqrt(2)*p",
+        },
+    )
+    found = ns.attractors(
+        ns.PoincareMap(torus, "y"), {"x": (0.2, 2), "p": (0.2, 2)}, completion={"q": 0.1},
+        samples=4, record=3000,
+    )  # fmt: skip
+    assert found["kind"].values.tolist() == ["quasi-periodic"]
+
+
+def test_a_family_of_cycles_takes_no_time_and_is_none() -> None:
+    """Strobed at a fifth of its period, every point of a limit cycle is one of five."""
+    ring = "(1 - x*x - y*y)*(4 - x*x - y*y)*0.1"
+    rings = ns.System(
+        name="rings", states=["x", "y"], equations={"x": f"{ring}*x - y", "y": f"{ring}*y + x"}
+    )
+    strobe = ns.StroboscopicMap(rings, period="2*pi/5")
+    found = ns.attractors(strobe, {"x": (-1.5, 1.5), "y": (-1.5, 1.5)}, samples=4, record=2000)
+    assert found.sizes["attractor"] == 0
+    assert found.attrs["unsettled_starts"] == 4
+
+
+def test_a_hidden_phase_is_told() -> None:
+    two = ns.System(
+        name="two",
+        states=["x", "v"],
+        equations={"x": "v", "v": "-2*x - 0.2*v + cos(t) + 0.5*cos(sqrt(2)*t)"},
+    )
+    with pytest.warns(ns.ResultWarning, match="another phase"):
+        ns.attractors(ns.StroboscopicMap(two, period="2*pi"), {"x": (-1, 1)}, samples=4, record=600)
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
         ({"region": {"z": (0, 1)}}, "'z'"),
         ({"region": {"x": (1, 1)}}, "empty"),
+        ({"region": {"x": (1, -1)}}, "lower one first"),
+        ({"completion": {"y": "sqrt(-2 - x)"}, "region": {"x": (0, 1)}}, "is nan"),
         ({"region": {}}, "mapping"),
         ({"region": {"x": (0, np.nan)}}, "finite"),
         ({"completion": {"x": 1.0}}, "in the region already"),

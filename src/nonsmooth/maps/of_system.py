@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from typing import Any, TypeAlias
 
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import OptionError, ResultWarning
 from nonsmooth.maps.poincare import PoincareMap
 from nonsmooth.maps.stroboscopic import StroboscopicMap
 from nonsmooth.simulation.options import check_run_options
@@ -44,7 +45,8 @@ def map_of(
                 f"{verb}: the motion of {given.system.name!r} depends on time, so that it also"
                 f" matters when it comes to section = {given.section!r}; take its StroboscopicMap"
             )
-        return given.with_parameters(**parameters) if parameters else given
+        chosen = given.with_parameters(**parameters) if parameters else given
+        return _told(chosen, verb) if states_only else chosen
     if not isinstance(given, System):
         raise OptionError(
             f"system = {given!r:.60} is neither a System nor a map; write one, take one from"
@@ -53,4 +55,20 @@ def map_of(
     system = check_run_options(given, parameters, mode, tolerance)
     if not system.slow:  # about which the map has more to say
         require_period(system, verb)
-    return StroboscopicMap(system, phase=phase)
+    chosen = StroboscopicMap(system, phase=phase)
+    return _told(chosen, verb) if states_only else chosen
+
+
+def _told(chosen: Map, verb: str) -> Map:
+    """The map, with a warning where its points do not say all."""
+    if isinstance(chosen, StroboscopicMap) and chosen.hides_phase:
+        # told where the user calls the verb
+        warnings.warn(
+            f"{verb}: {chosen.system.name!r} has a frequency that is at another phase at each"
+            " strobe. All starts begin at the same phases, and later points differ by more than"
+            " their states: closed curves may be called aperiodic, and basins belong to this start"
+            " alone. Take a period that holds whole turns of every frequency, where there is one",
+            ResultWarning,
+            stacklevel=4,
+        )
+    return chosen

@@ -87,14 +87,17 @@ def share_error(share: Any, count: int) -> Any:
 
 def search_message(what: str, unsettled: int, ended: int, found: int) -> str:
     """What a finished search has to say of its starts or cells."""
+    said = []
     if unsettled:
-        return (
-            f"{unsettled} {what} came to no attractor in the longest time, or stay on a motion"
-            " that is not stable; for the first, raise longest="
+        said.append(
+            f"{unsettled} {what} came to no attractor: they stay on a motion that is not stable, or"
+            " come near one too slowly; for the second, raise longest= and record="
         )
     if ended and not found:
-        return f"no attractors: all {what} ended early; simulate one of them to see why"
-    return "completed"
+        said.append(f"no attractors: all {what} ended early; simulate one of them to see why")
+    elif ended:
+        said.append(f"{ended} {what} ended early, as their motions diverge or come to rest")
+    return "; ".join(said) or "completed"
 
 
 def common_attributes(

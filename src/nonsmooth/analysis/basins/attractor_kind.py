@@ -23,15 +23,16 @@ Integers = npt.NDArray[np.int64]
 _WIDEST, _NARROWEST = 0.02, 1e-6  # radius of a ball of convergence, beside the scale
 _SAME_POINT = 1e-9  # beside the scale
 _PLACED = 1e-6  # beside the scale, to which the place of a cycle must be known
-_DIRECTIONS = 16  # in which it is tried, beside the axes
-_NEARER = 0.5  # of the radius, to which all starts must have come
-_MOST_TURNS = 2000  # around the cycle until then
+_DIRECTIONS = 8  # in which it is tried, beside the axes
+_NEARER, _BARELY = 0.5, 0.99  # of the radius, to which all starts must have come
+_MOST_ITERATES = 200_000  # of all starts of a trial
 _TRANSIENT = 1e-3  # growth of starts before they shrink is made good by turns that shrink them so
 _STANDARD_ERRORS = 3.0  # above which a largest exponent is taken to be positive
 _TOGETHER = 4  # iterates in a step of the exponent; more may span more digits than there are
 _EXPONENT_STEPS, _TURNING = 1000, 10
-_NEUTRAL = 1e-3  # exponent per iterate that is none: the record knows no smaller one
-_POINTS = 8  # of a long cycle that are tried
+# A smaller exponent is none: its growth over all steps, e**3, may come from a torus as well.
+_NEUTRAL = 3.0 / (_TOGETHER * _EXPONENT_STEPS)
+_POINTS = 3  # of a long cycle that are tried
 
 
 def cycle_from(
@@ -72,7 +73,10 @@ def cycle_from(
 
 
 def _radius(runner: Any, measure: Measure, cycle: Cycle, drifting: npt.NDArray[np.bool_]) -> float:
-    """Largest tried radius from which all starts around the cycle come nearer to it."""
+    """Largest tried radius from which all starts around the cycle come nearer to it.
+
+    By half the radius, or less where that takes too long.
+    """
     d, period = measure.columns.size, len(cycle.points)
     generator = np.random.default_rng(0)
     mixed = generator.standard_normal((_DIRECTIONS, d))
@@ -80,35 +84,34 @@ def _radius(runner: Any, measure: Measure, cycle: Cycle, drifting: npt.NDArray[n
     directions = np.vstack([np.eye(d), -np.eye(d), mixed])
     chosen = np.unique(np.linspace(0, period - 1, min(period, _POINTS)).astype(int))
     rate = np.abs(cycle.multipliers).max(initial=0.0)
-    turns = 10 if rate < 0.7 else min(_MOST_TURNS, int(np.log(_TRANSIENT) / np.log(rate)) + 10)
+    turns = 10 if rate < 0.7 else int(np.log(_TRANSIENT) / np.log(rate)) + 10
+    turns = max(1, min(turns, _MOST_ITERATES // (period * len(directions) * chosen.size)))
+    nearer = max(_NEARER, min(_BARELY, 2.0 * rate**turns))
     radius = _WIDEST
     while radius > _NARROWEST:
-        if _converges(runner, measure, cycle, directions * radius, chosen, turns, radius):
+        ends = _ends(runner, measure, cycle, directions * radius, chosen, turns)
+        if np.all(ends <= nearer * radius):
             return radius
-        radius /= 2.0
+        radius /= 4.0
     return _NARROWEST
 
 
-def _converges(
-    runner: Any,
-    measure: Measure,
-    cycle: Cycle,
-    steps: Floats,
-    chosen: Integers,
-    turns: int,
-    radius: float,
-) -> bool:
-    period = len(cycle.points)
+def _ends(
+    runner: Any, measure: Measure, cycle: Cycle, steps: Floats, chosen: Integers, turns: int
+) -> Floats:
+    """Distances from the cycle at which starts beside it end, scaled; inadmissible ones left out.
+
+    From any of its points: off a section, a start may be one point ahead of its neighbours.
+    """
     scale = measure.scale[measure.columns]
     starts = np.repeat(cycle.points[chosen], len(steps), axis=0)
     starts[:, measure.columns] += np.tile(steps * scale, (len(chosen), 1))
     lanes = runner.start(starts, ANY)
-    ends, _ = runner.last(lanes, period * turns)
-    # from any of its points: off a section, a start may be one point ahead of its neighbours
+    ends, _ = runner.last(lanes, len(cycle.points) * turns)
     points = measure.scaled(cycle.points)
     distance = np.linalg.norm(measure.scaled(ends)[:, None] - points[None], axis=2).min(axis=1)
-    inside = lanes.status != Status.INADMISSIBLE  # what no motion can be needs not converge
-    return bool(np.all(distance[inside] <= _NEARER * radius))
+    found: Floats = distance[lanes.status != Status.INADMISSIBLE]
+    return np.where(np.isnan(found), np.inf, found)
 
 
 def kind_of_set(
@@ -123,9 +126,9 @@ def kind_of_set(
     )
     exponent, error = _largest_exponent(runner, points[-1], int(modes[-1]), drifting)
     kind = "aperiodic"
-    if exponent > _STANDARD_ERRORS * error:
+    if exponent > max(_STANDARD_ERRORS * error, _NEUTRAL):
         kind = "chaotic"
-    elif abs(exponent) <= max(_STANDARD_ERRORS * error, _NEUTRAL):
+    elif abs(exponent) <= _NEUTRAL:
         kind = "quasi-periodic"
     return replace(found, kind=kind, exponent=exponent, exponent_error=error)
 

@@ -29,6 +29,7 @@ _FIRST, _LARGEST = 64, 512  # images in a block
 _RETURNS, _NEW = 100, 0.05  # a lane recurs where at most this part of its last images is new
 _LOOK = 2048  # images among which a period is looked for
 _SAME_SET = 0.5  # part of the points of a set in the cells of another: sets that differ have none
+_INNER, _STILL = 5.0, 0.99  # percentile; spread of points that stay, beside that before
 _SAME_CYCLE = 1e-5  # beside the scale
 _LOW, _HIGH = 1.0, 99.0  # percentiles between which states spread; single lanes may be far off
 _GROWS = 2.0  # factor by which lanes on their way to infinity grow at least
@@ -189,4 +190,15 @@ class AttractorSearch:
             self.known.add_cells(self.known.measure.keys(points[half:]), number)
             return number, False
         found = kind_of_set(self.runner, points, modes, self.drifting)
+        if found.kind != "chaotic" and self._shrinks(points):
+            return UNSETTLED, False
         return self.known.add(found), True
+
+    def _shrinks(self, points: Floats) -> bool:
+        """Whether points still draw together, as on the slow way to a cycle."""
+        scaled = self.known.measure.scaled(points)
+        third, last = (
+            np.ptp(np.percentile(part, [_INNER, 100.0 - _INNER], axis=0), axis=0)
+            for part in np.array_split(scaled, 4)[2:]
+        )
+        return bool(np.all(last < _STILL * third))

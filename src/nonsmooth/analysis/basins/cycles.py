@@ -15,6 +15,7 @@ Integers = npt.NDArray[np.int64]
 
 _MOST_STEPS = 12  # Newton doubles the digits in each
 _EXACT = 1e-13  # residual, beside the scale, that rounding reaches
+_ON_CIRCLE = 1e-6  # beside a multiplier: nearer to the circle it is one of a family of cycles
 _FAR = 0.05  # a step longer than this, beside the scale, leaves the cycle that was meant
 
 
@@ -43,8 +44,8 @@ class Cycle:
 
     @property
     def stable(self) -> bool:
-        """Whether all multipliers lie inside the unit circle."""
-        return bool(np.all(np.abs(self.multipliers) < 1.0))
+        """Whether all multipliers lie inside the unit circle, and not next to it."""
+        return bool(np.all(np.abs(self.multipliers) < 1.0 - _ON_CIRCLE))
 
 
 def refine(

@@ -20,6 +20,8 @@ __all__ = ["Box", "Completion", "Grid", "read_box", "read_completion", "read_gri
 
 Floats = npt.NDArray[np.float64]
 
+_MOST_CELLS = 5e7  # some tens of bytes each
+
 
 @dataclass(frozen=True)
 class Completion:
@@ -42,7 +44,16 @@ class Completion:
         for name, rule in self.rules.items():
             value = rule if isinstance(rule, float) else evaluate(rule, known)
             known[name] = np.broadcast_to(np.asarray(value, float), len(values))
-        return np.column_stack([known[name] for name in self.system.states])
+        whole = np.column_stack([known[name] for name in self.system.states])
+        if not np.all(np.isfinite(whole)):
+            row, column = np.argwhere(~np.isfinite(whole))[0]
+            name = self.system.states[column]
+            given = ", ".join(f"{n} = {v:g}" for n, v in zip(self.given, values[row], strict=True))
+            raise OptionError(
+                f"completion[{name!r}] = {self.texts.get(name)!r:.60} is {whole[row, column]} at"
+                f" {given}; write it so that it is finite in the whole region"
+            )
+        return whole
 
 
 @dataclass(frozen=True)
@@ -179,11 +190,11 @@ def read_box(system: System, region: Any, completion: Any) -> Box:
 
 def _ends(name: str, given: Any) -> tuple[float, float]:
     values = _numbers(name, given)
-    low, high = float(values.min()), float(values.max())
-    if low == high:
+    low, high = float(values[0]), float(values[-1])
+    if values.size < 2 or np.any(np.diff(values) < 0.0) or low == high:
         raise OptionError(
-            f"region[{name!r}] = {given!r:.60} is empty; give two numbers, the lower one first, or"
-            " fix the state by completion="
+            f"region[{name!r}] = {given!r:.60} is empty or not in order; give two numbers, the"
+            " lower one first, or fix the state by completion="
         )
     return low, high
 
@@ -200,6 +211,12 @@ def read_grid(system: System, region: Any, completion: Any, least: int = 2) -> G
                 " such as np.linspace(-1, 1, 200)"
             )
         axes.append(values)
+    count = np.prod([float(axis.size) for axis in axes])
+    if count > _MOST_CELLS:
+        raise OptionError(
+            f"region: {' x '.join(str(axis.size) for axis in axes)} are {count:.3g} cells; at most"
+            f" {_MOST_CELLS:.0e} fit; take fewer values, or a part of the region"
+        )
     return Grid(tuple(axes), read_completion(system, names, completion))
 
 
