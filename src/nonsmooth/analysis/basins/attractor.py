@@ -7,6 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.analysis.basins.cycles import inside_circle
+
 __all__ = ["Attractor", "canonical", "in_order", "renumbered"]
 
 Floats = npt.NDArray[np.float64]
@@ -36,8 +38,8 @@ class Attractor:
 
     @property
     def stable(self) -> bool:
-        """Whether it is a cycle with all multipliers inside the unit circle."""
-        return self.multipliers is not None and bool(np.all(np.abs(self.multipliers) < 1.0))
+        """Whether it is a cycle, and a stable one."""
+        return self.multipliers is not None and inside_circle(self.multipliers)
 
 
 def canonical(attractor: Attractor) -> Attractor:

@@ -8,7 +8,7 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["Cycle", "TangentMap", "refine"]
+__all__ = ["Cycle", "TangentMap", "inside_circle", "refine"]
 
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
@@ -31,6 +31,11 @@ class TangentMap(Protocol):
         """
 
 
+def inside_circle(multipliers: npt.NDArray[np.complex128]) -> bool:
+    """Whether all multipliers lie inside the unit circle, and not next to it."""
+    return bool(np.all(np.abs(multipliers) < 1.0 - _ON_CIRCLE))
+
+
 @dataclass(frozen=True)
 class Cycle:
     """Points that a map takes to each other."""
@@ -45,7 +50,7 @@ class Cycle:
     @property
     def stable(self) -> bool:
         """Whether all multipliers lie inside the unit circle, and not next to it."""
-        return bool(np.all(np.abs(self.multipliers) < 1.0 - _ON_CIRCLE))
+        return inside_circle(self.multipliers)
 
 
 def refine(
