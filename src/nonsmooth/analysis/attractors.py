@@ -79,8 +79,9 @@ def attractors(
     -------
     xarray.Dataset
         Over ``attractor``, numbered from 1: ``kind`` ("periodic", "chaotic" where the largest
-        ``exponent`` per iterate is above three of its standard errors, "quasi-periodic" where it is
-        within three of zero, else "aperiodic"), ``period`` in iterates, ``points``
+        ``exponent`` per iterate is above three of its standard errors and adds up to more than 3
+        over the 4000 iterates that it is taken over, "quasi-periodic" where it adds up to less, of
+        either sign, else "aperiodic"), ``period`` in iterates, ``points``
         (over ``point`` and ``state``, nan behind the last one), ``multiplier_real`` and
         ``multiplier_imag``, the ``residual`` of the cycle beside the spread, ``word``, ``fraction``
         of the starts with its standard error, drift per iterate such as ``v_per_iterate``.
@@ -105,7 +106,8 @@ def attractors(
     when they enter three of these balls in order. A motion that does not repeat in ``record``
     iterates is a set; lanes belong to it after 100 visits to its cells, of which each miss takes
     back ten. Sets that share half of their cells are one attractor. Longer transients than
-    ``record`` are taken for attractors.
+    ``record`` are taken for attractors. A cycle with a multiplier next to the unit circle, and a
+    motion whose points still draw together in the last quarter of ``record``, are none.
 
     References
     ----------
