@@ -111,10 +111,10 @@ def lyapunov_spectrum(
     -----
     A forced system has as many exponents as states; that of time itself, zero, is not among
     them. A system without a period has a zero exponent along its motion, and one for each
-    symmetry such as a drift, which forced systems that drift have too: ``exponents=1`` gives that
-    zero on their periodic motions, so ask for one more. A direction that is lost at an event has the exponent minus
-    infinity exactly: a state becomes slaved, or a mass sticks. Strong contraction alone stays
-    a number, however fast.
+    symmetry such as a drift, which forced systems may have too: on their periodic motions
+    ``exponents=1`` gives that zero, so ask for one more. A direction that is lost at an event
+    has the exponent minus infinity exactly: a state becomes slaved, or a mass sticks. Strong
+    contraction alone stays a number, however fast.
 
     Standard errors come from the averages of 32 blocks of the record, or a few more, each a
     whole number of intervals; ``blocks_independent`` says whether neighbouring blocks are
