@@ -1,7 +1,8 @@
 """Whether a motion that does not repeat comes back to where it was, or goes elsewhere.
 
 A neighbour that approaches a motion tells nothing of where that motion goes: next to one that
-creeps towards a point, or runs away, others close in too. So two windows of its states are compared.
+creeps towards a point, or runs away, others close in too. So two windows of its states are
+compared.
 """
 
 from __future__ import annotations
