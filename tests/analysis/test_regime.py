@@ -247,6 +247,112 @@ def test_limit_cycles(period):
     assert label(ns.regime(stick_and_slip(), period=period)) == "limit-cycle"
 
 
+def flow(**equations: str) -> System:
+    return System(states=list(equations), equations=equations)
+
+
+@pytest.mark.parametrize("period", [1.0, "sqrt(2)"])
+@pytest.mark.parametrize(
+    ("equations", "initial", "expected"),
+    [
+        ({"x": "-0.01*x"}, {"x": 0.1}, "equilibrium"),  # exp(-32) is left of the start
+        ({"x": "-0.001*x"}, {"x": 0.1}, "unsettled"),
+        ({"x": "0.001*x"}, {"x": 0.1}, "unsettled"),
+        ({"x": "0.01*x"}, {"x": 0.1}, "unsettled"),
+        ({"x": "1"}, {"x": 0.1}, "unsettled"),
+        ({"x": "1/(1 + x**2)"}, {"x": 0.1}, "unsettled"),
+        ({"x": "-x**3"}, {"x": 1.0}, "unsettled"),
+        ({"x": "-0.01*x", "y": "-y"}, {"x": 1.0, "y": 1.0}, "equilibrium"),
+        ({"x": "-0.001*x", "y": "-y"}, {"x": 1.0, "y": 1.0}, "unsettled"),
+        ({"x": "0.01*x", "y": "-y"}, {"x": 1.0, "y": 1.0}, "unsettled"),
+        ({"x": "1", "y": "-y"}, {"y": 1.0}, "unsettled"),
+        ({"x": "v", "v": "-x - 0.002*v"}, {"x": 1.0}, "unsettled"),
+    ],
+)
+def test_motions_without_a_cycle_are_no_limit_cycles(equations, initial, expected, period):
+    """Linear flows and scalar ones, whose motions are known; neighbours approach most of them."""
+    found = ns.regime(flow(**equations), initial, period=period)
+    # with the longer steps more of them get to their end
+    ends = (expected,) if period == 1.0 else (expected, "equilibrium", "diverged")
+    assert label(found) in ends
+    if label(found) == "unsettled" and len(equations) == 1:
+        assert "has no cycle" in found.attrs["message"]
+        assert np.isnan(found["exponent"].item())
+
+
+def test_growth_without_bound_is_not_chaotic():
+    found = ns.regime(flow(x="0.005*x", y="0.01*y"), {"x": 1.0, "y": 1.0}, period=1.0)
+    assert label(found) == "unsettled"
+    assert "grows" in found.attrs["message"]
+
+
+def test_a_torus_that_travels_is_not_quasi_periodic():
+    """The angle z of a cycle goes on for ever; declared as a drift it leaves the cycle."""
+    circle = {"x": "x*(1 - x*x - y*y) - y", "y": "y*(1 - x*x - y*y) + x", "z": "1 + x"}
+    found = ns.regime(flow(**circle), {"x": 1.2}, period=1.0)
+    assert label(found) == "unsettled"
+    assert "z travels" in found.attrs["message"]
+    declared = System(states=list(circle), equations=circle, drift=["z"])
+    assert label(ns.regime(declared, {"x": 1.2}, period=1.0)) == "limit-cycle"
+
+
+@pytest.mark.parametrize("period", [0.3, 1.0, 6.66])
+@pytest.mark.parametrize("mu", [0.1, 3.0])
+def test_slow_and_stiff_cycles(mu, period):
+    """Strobes at 6.66 creep along the cycle of mu = 0.1, whose period is 2 pi (1 + mu^2 / 16)."""
+    system = flow(x="v", v=f"{mu}*(1 - x**2)*v - x")
+    assert label(ns.regime(system, {"x": 1.0}, period=period)) == "limit-cycle"
+
+
+def test_strobes_that_creep_along_a_cycle():
+    """Angular speed one: 500 strobes at 2 pi + 0.001 pass a twelfth of the circle."""
+    system = flow(x="x*(1 - x*x - y*y) - y", y="y*(1 - x*x - y*y) + x")
+    found = ns.regime(system, {"x": 1.2}, period="2*pi + 0.001", longest=200)
+    assert label(found) == "limit-cycle"
+
+
+@pytest.mark.parametrize("period", [1.0, "sqrt(2)"])
+def test_cycles_of_relays(period):
+    """A thermostat with one state, whose half cycles last ln 3, and an oscillator with a relay."""
+    heater = System(
+        states=["x"],
+        modes={
+            "on": Mode({"x": "2 - x"}, exits=[Exit("1.5 - x", to="off")]),
+            "off": Mode({"x": "-x"}, exits=[Exit("x - 0.5", to="on")]),
+        },
+    )
+    found = ns.regime(heater, {"x": 1.0}, mode="on", period=period)
+    assert label(found) == "limit-cycle"
+    # the mean over a window of a hundred intervals
+    length = found.attrs["strobe_period"]
+    assert found["events"].item() == pytest.approx(length / np.log(3), abs=0.011)
+    relay = System(
+        states=["x", "v"],
+        modes={
+            "up": Mode({"x": "v", "v": "1 - x - 0.2*v"}, exits=[Exit("0.5 - x", to="down")]),
+            "down": Mode({"x": "v", "v": "-1 - x - 0.2*v"}, exits=[Exit("x + 0.5", to="up")]),
+        },
+    )
+    assert label(ns.regime(relay, {"x": 0.1}, mode="up", period=period)) == "limit-cycle"
+
+
+@pytest.mark.parametrize(
+    ("equations", "initial", "expected"),
+    [
+        ({"x": "1"}, {"x": 0.1}, ("periodic", 1.0)),
+        ({"x": "v", "v": "1 - v"}, {}, ("periodic", 1.0)),
+        ({"x": "v", "v": "-0.1*v"}, {"v": 1.0}, ("equilibrium", 0.0)),
+        ({"x": "0"}, {"x": 0.1}, ("equilibrium", 0.0)),
+    ],
+)
+def test_a_drift_at_constant_speed_is_no_equilibrium(equations, initial, expected):
+    system = System(states=list(equations), equations=equations, drift=["x"])
+    found = ns.regime(system, initial, period=1.0)
+    assert (label(found), found["period"].item()) == (expected[0], 1)
+    assert found["x_per_time"].item() == pytest.approx(expected[1], abs=1e-12)
+    assert ("travels in x" in found.attrs["message"]) == (expected[0] == "periodic")
+
+
 def test_a_cycle_strobed_at_its_own_period():
     """r' = r (1 - r^2) on a circle passed in 2 pi: the multiplier across is exp(-4 pi)."""
     system = System(

@@ -48,6 +48,17 @@ def test_a_border_in_closed_form():
     assert np.all(np.isnan(grid["exponent"].values[~settled]))
 
 
+def test_maps_tell_no_cycle_where_there_is_none():
+    """x' = -a x: at rest, or on the way to or from it; the second parameter does nothing."""
+    system = System(
+        states=["x"], period="1", parameters={"a": 1.0, "b": 1.0}, initial={"x": 0.1},
+        equations={"x": "-a*x"},
+    )  # fmt: skip
+    grid = ns.regime_map(system, {"a": [-1.0, -0.001, 0.001, 1.0], "b": [0.0, 1.0]})
+    expected = ["diverged", "unsettled", "unsettled", "equilibrium"]
+    assert np.array_equal(names(grid), [expected] * 2)
+
+
 def test_points_are_those_of_single_motions():
     grid = ns.regime_map(
         ns.models.soft_impact(), {"omega": [0.8, 0.83, 0.905], "zeta": [0.01, 0.03]}

@@ -21,6 +21,7 @@ from nonsmooth.analysis.exponents.strobe_growth import (
     strobe_growth,
 )
 from nonsmooth.analysis.regimes import labels
+from nonsmooth.analysis.regimes.recurrence import no_closed_orbit, runs_away, travels
 from nonsmooth.analysis.regimes.strobe_test import StrobeTest, strobe_test
 from nonsmooth.analysis.regimes.verdict import Protocol, Verdict
 from nonsmooth.analysis.regimes.window import Windows, cyclic_word
@@ -39,6 +40,7 @@ __all__ = ["settled_regime"]
 _CLOSING = 0.5  # of the residual of a window is left in the next one while a motion settles
 _ROUNDING = 1e-9  # of a multiplier
 _BETWEEN = (0.25, 0.5, 0.75)  # parts of a period at which a motion is looked at once more
+_GOLDEN = 0.5 * (5.0**0.5 - 1.0)  # its multiples fall evenly into an interval, whatever the motion
 _ELSEWHERE = (0.0, 0.382, 0.764)  # parts of a period at which derivatives may begin
 
 Floats = npt.NDArray[np.float64]
@@ -82,7 +84,7 @@ class _Motion:
         stop: threading.Event | None,
     ) -> None:
         self.protocol, self.system, self.runner, self.stop = protocol, system, runner, stop
-        self.begin = start.instant
+        self.begin, self.first_state = start.instant, start.state
         self.period = length
         self.length = runner.window if length is None else length
         self.drifting = np.array([name in system.drift_states for name in system.states])
@@ -170,8 +172,9 @@ class _Motion:
         if cyclic_word(word) != cyclic_word(seen.word):
             return seen.unsettled("the words of two periods differ")
         self.reached += 2  # what follows looks into the next two intervals
-        at_rest = p == 1 and seen.events == 0 and self._rests(windows)
-        found = self._multipliers(windows, p, self.autonomous and not at_rest)
+        steady = p == 1 and seen.events == 0 and self._rests(windows)
+        # along a motion in which drifts alone change no other direction is neutral
+        found = self._multipliers(windows, p, self.autonomous and not steady)
         if self._has_ended:
             return self._ended(self.reached)
         if found is None:
@@ -180,7 +183,7 @@ class _Motion:
         duration = p * self.length
         modulus = float(np.abs(multipliers).max(initial=0.0))
         with np.errstate(divide="ignore"):  # all multipliers are zero
-            exponent = float(np.log(modulus)) / duration
+            exponent = float(np.log(modulus)) / duration if multipliers.size else np.nan
         known: dict[str, Any] = {"multipliers": multipliers, "exponent": exponent}
         seen = replace(seen, **known)
         if modulus > 1.0 - _ROUNDING:
@@ -188,9 +191,14 @@ class _Motion:
                 f"strobes repeat, but the largest multiplier has the modulus {modulus:.9g}, which"
                 " does not lie inside the unit circle"
             )
-        told = f"strobes repeat to {seen.residual:.2g}; largest multiplier {modulus:.3g}"
-        if at_rest:
+        told = f"strobes repeat to {seen.residual:.2g}" + (
+            f"; largest multiplier {modulus:.3g}" if multipliers.size else ""
+        )
+        if steady and self._drifts_rest(windows):
             return _named(seen, labels.EQUILIBRIUM, f"nothing changes; {told}")
+        if steady:
+            which = ", ".join(self.system.drift_states)
+            return _named(seen, labels.PERIODIC, f"travels in {which}, and nothing else; {told}")
         if is_forgetful(orbit, multipliers, self.drifting):
             lost: dict[str, Any] = {"multipliers": np.zeros_like(multipliers), "exponent": -np.inf}
             seen = replace(seen, **lost)
@@ -205,6 +213,14 @@ class _Motion:
         return bool(
             np.all(close | self.drifting) and np.all(self.modes_between == windows.modes[-1])
         )
+
+    def _drifts_rest(self, windows: Windows) -> bool:
+        """Whether drifts have come to rest: hardly a step is left of the way since the start."""
+        here, before = windows.points[-1], windows.points[-2]
+        way = np.abs(here - self.first_state) * self.protocol.match
+        rounding = 16.0 * np.finfo(float).eps * np.abs(here)
+        step = np.maximum(np.abs(self.between - here).max(axis=0), np.abs(here - before))
+        return bool(np.all((step <= way + rounding)[self.drifting]))
 
     def _multipliers(
         self, windows: Windows, p: int, autonomous: bool
@@ -236,7 +252,8 @@ class _Motion:
         turn, count = self.protocol.record, self.protocol.evidence
         numbers, phases = self._strobes(self.reached, turn + 2 * count + 1)
         end = _instant(numbers, phases, -1)
-        states, _ = self.runner.run(self.lanes, end, numbers[1:], phases[1:], self.stop)
+        looked = self._looks(numbers, phases, turn) if self.autonomous else (numbers, phases)
+        states, _ = self.runner.run(self.lanes, end, looked[0][1:], looked[1][1:], self.stop)
         if self._has_ended:
             return self._ended(self.reached)
         self.reached += turn + 2 * count
@@ -250,10 +267,27 @@ class _Motion:
             return _named(seen, labels.label_of_end(status), f"ended early: {status.word}")
         if growth.size == 0:
             return seen.unsettled("no mode takes the last strobe as a start of derivatives")
-        return self._by_growth(seen, growth, states[0, turn - 1 :])
+        evidence = states[0, turn - 1 :]
+        if not self.autonomous:
+            return self._by_growth(seen, growth, evidence, evidence[1:])
+        return self._by_growth(seen, growth, evidence[::2], evidence[1::2])
 
-    def _by_growth(self, seen: Verdict, growth: Floats, states: Floats) -> Verdict:
-        """Label by the growth in each interval and the states at the strobes between them."""
+    def _looks(self, numbers: Integers, phases: Floats, turn: int) -> tuple[Integers, Floats]:
+        """Strobes, and behind the turn one more look within every interval, ever elsewhere in it.
+
+        Strobes alone may creep along a cycle that has nearly their period.
+        """
+        first = np.arange(turn, numbers.size - 1)
+        parts = (1.0 + np.arange(first.size)) * _GOLDEN % 1.0
+        window = self.runner.window
+        more, inside = instants(phases[first] + parts * self.length, window)
+        return (
+            np.insert(numbers, first + 1, numbers[first] + more),
+            np.insert(phases, first + 1, inside),
+        )
+
+    def _by_growth(self, seen: Verdict, growth: Floats, states: Floats, looks: Floats) -> Verdict:
+        """Label by the growth in each interval, the states at the strobes, and one in each."""
         count = self.protocol.evidence
         windows = [_mean_rate(part, self.length) for part in (growth[:count], growth[count:])]
         (first, first_error), (second, second_error) = windows
@@ -263,6 +297,13 @@ class _Motion:
         exponent, error = _mean_rate(growth, self.length)
         seen = replace(seen, exponent=exponent, error=error)
         told = f"exponent {exponent:.3g} +- {error:.2g}"
+        if self.autonomous and np.count_nonzero(~self.drifting) < 2:
+            seen, told = replace(seen, exponent=np.nan), "one state, and no direction across it"
+        elif label == labels.LIMIT_CYCLE and not np.isfinite(error):
+            told = "no perturbation across the cycle outlives its events"
+        why = self._unbounded(label, seen, looks)
+        if why:
+            return seen.unsettled(f"strobes do not repeat, and {why}")
         if not label:
             return seen.unsettled(
                 f"strobes do not repeat, and exponents of two windows, {first:.3g} and"
@@ -274,6 +315,24 @@ class _Motion:
         if contradiction:
             return seen.unsettled(f"{told} is {label}, but {contradiction}")
         return _named(seen, label, f"{told}, K = {test.k:.2f}")
+
+    def _unbounded(self, label: str, seen: Verdict, looks: Floats) -> str:
+        """Why two windows of states contradict a label, "" where they do not."""
+        moving = looks[:, ~self.drifting]
+        if moving.shape[1] == 0:
+            return ""
+        earlier, later = np.array_split(moving, 2)
+        if label == labels.CHAOTIC:
+            return runs_away(earlier, later)
+        names = tuple(name for name in self.system.states if name not in self.system.drift_states)
+        if label == labels.QUASI_PERIODIC and self.autonomous:
+            return travels(earlier, later, names)
+        if label != labels.LIMIT_CYCLE:
+            return ""
+        return no_closed_orbit(
+            earlier, later, names, self.sizes[~self.drifting], seen.events > 0,
+            self.protocol.match,
+        )  # fmt: skip
 
     def _series(self, states: Floats) -> Floats:
         """Numbers for the 0-1 test: the states without drift, or else the steps of drifts."""
