@@ -22,6 +22,7 @@ _MIXED = 0.5  # of the fraction for labels without any order; above, it saturate
 _ERRORS = 2.0  # standard errors within which a boundary counts as smooth
 
 _FEWEST = 3  # distances through which a line is fitted
+_ENOUGH = 5  # distances; of fewer the message tells
 
 Floats = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
@@ -73,8 +74,8 @@ def uncertainty_exponent(
     xarray.Dataset
         ``uncertainty_exponent``, its ``standard_error``, ``boundary_dimension``; over ``distance``
         the ``uncertain_fraction``, the ``fit``, and ``fitted``, which is true where the line is
-        fitted. Attributes: ``message`` says when the boundary looks smooth or there is none, or the grid is coarse,
-        ``n_cells`` how many cells count.
+        fitted. Attributes: ``message`` says when the boundary looks smooth or there is none, or
+        the grid is coarse, ``n_cells`` how many cells count.
 
     Raises
     ------

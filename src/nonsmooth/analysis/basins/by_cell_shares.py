@@ -39,6 +39,7 @@ Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
 
 _MEMBERS = 16  # cells of a class, or that go nowhere, that are followed by the exact map
+_ROUNDS = 4  # of looking for attractors outside the grid, after each doubling
 _FIRST_CHAIN = 4  # iterates of a cell; chains of fewer are only looked at for attractors
 _AT_ONCE = 256  # starts that are followed together
 
@@ -95,7 +96,7 @@ class _Shares:
         """Look for attractors after a doubling, and label the cells."""
         cells = self.cells
         self._search()
-        cells.recognise(self.search.known)
+        self._recognise()
         if cells.iterates < _FIRST_CHAIN:
             return
         before = self.label
@@ -111,7 +112,7 @@ class _Shares:
             for i in range(0, left.size, _AT_ONCE):
                 self._settle(left[i : i + _AT_ONCE])
                 progress.update(min(i + _AT_ONCE, left.size))
-        self.cells.recognise(self.search.known)
+        self._recognise()
         self._follow()
 
     def basins(self, complete: bool) -> Basins:
@@ -152,8 +153,20 @@ class _Shares:
         classes = closed_classes(self._matrix(np.zeros(len(cells.source), np.int64), 0))[:count]
         for number in range(int(classes.max(initial=-1)) + 1):
             some.append(_few(np.flatnonzero(classes == number)))
-        some.append(_few(np.flatnonzero(has & (centre < 0) & (centre != ENDS))))
         self._settle(np.unique(np.concatenate(some)))
+
+    def _recognise(self) -> None:
+        """See who is at an attractor, among them those that lie outside the grid."""
+        known = self.search.known
+        for _ in range(_ROUNDS):
+            before = len(known.attractors)
+            self.cells.recognise(known)
+            some = _few(self.cells.lost())
+            if some.size:
+                self.search.settle(*self.cells.come_to(some))
+            if len(known.attractors) == before:
+                return
+        self.cells.recognise(known)
 
     def _settle(self, cells: Integers) -> None:
         new = cells[self._exact[cells] == NOT_COMPUTED]

@@ -62,6 +62,14 @@ class CellPoints:
         visit(np.ascontiguousarray(self._points[:, None, :]), 1, marks, visits)
         self.owner = np.where(self._modes >= 0, visits.label, 0)
 
+    def lost(self) -> Integers:
+        """Numbers of points outside the grid that are at no known attractor."""
+        return np.flatnonzero((self.image == NOWHERE) & (self._modes >= 0) & (self.owner == 0))
+
+    def come_to(self, some: Integers) -> tuple[Floats, Integers]:
+        """Where some points are now, and the modes from which they go on."""
+        return self._points[some], SAME - self._modes[some]
+
     def _begin(self) -> bool:
         self.iterates, count = 1, self.grid.size
         inner = self.grid.inner_states(np.arange(count), _SIDE)
