@@ -1,3 +1,5 @@
+from itertools import pairwise
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -255,5 +257,5 @@ def test_distances_are_written_out_and_do_not_collide(side):
     assert not any(label.get_text() for label in ax.get_xticklabels(minor=True))
     boxes = [label.get_window_extent() for label in labels]
     assert len(boxes) >= 2
-    assert all(a.x1 < b.x0 for a, b in zip(boxes, boxes[1:], strict=False))
+    assert all(a.x1 < b.x0 for a, b in pairwise(boxes))
     assert ("points only" in ax.get_legend().get_texts()[0].get_text()) == (side <= 40)

@@ -39,7 +39,7 @@ Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
 
 _MEMBERS = 16  # cells of a class, or that go nowhere, that are followed by the exact map
-_ROUNDS = 4  # of looking for attractors outside the grid, after each doubling
+_ROUNDS = 4  # of looking for attractors where points have come to, after each doubling
 _FIRST_CHAIN = 4  # iterates of a cell; chains of fewer are only looked at for attractors
 _AT_ONCE = 256  # starts that are followed together
 
@@ -156,12 +156,15 @@ class _Shares:
         self._settle(np.unique(np.concatenate(some)))
 
     def _recognise(self) -> None:
-        """See who is at an attractor, among them those that lie outside the grid."""
+        """See who is at an attractor, and follow some of those who are not.
+
+        Cells may be too coarse for an attractor to have one of its own, or lie elsewhere.
+        """
         known = self.search.known
         for _ in range(_ROUNDS):
             before = len(known.attractors)
             self.cells.recognise(known)
-            some = _few(self.cells.lost())
+            some = np.concatenate([_few(part) for part in self.cells.lost()])
             if some.size:
                 self.search.settle(*self.cells.come_to(some))
             if len(known.attractors) == before:

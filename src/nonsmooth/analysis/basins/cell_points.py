@@ -62,9 +62,10 @@ class CellPoints:
         visit(np.ascontiguousarray(self._points[:, None, :]), 1, marks, visits)
         self.owner = np.where(self._modes >= 0, visits.label, 0)
 
-    def lost(self) -> Integers:
-        """Numbers of points outside the grid that are at no known attractor."""
-        return np.flatnonzero((self.image == NOWHERE) & (self._modes >= 0) & (self.owner == 0))
+    def lost(self) -> tuple[Integers, Integers]:
+        """Numbers of points at no known attractor, outside the grid and in it."""
+        left, outside = (self._modes >= 0) & (self.owner == 0), self.image == NOWHERE
+        return np.flatnonzero(left & outside), np.flatnonzero(left & ~outside)
 
     def come_to(self, some: Integers) -> tuple[Floats, Integers]:
         """Where some points are now, and the modes from which they go on."""
