@@ -251,3 +251,21 @@ def test_wrong_options_of_the_exponent(options, message):
 def test_wrong_boxes(box):
     with pytest.raises(OptionError, match="box"):
         ns.basin_entropy(halves(), box=box)
+
+
+def test_truth_values_are_two_outcomes():
+    lower = np.arange(4096).reshape(64, 64) % 64 < 20
+    asked = ns.uncertainty_exponent(lower)
+    numbered = ns.uncertainty_exponent(np.where(lower, 2, 1))
+    assert asked.attrs["n_cells"] == 4096
+    assert asked.identical(numbered)
+
+
+def test_a_coarse_grid_is_told():
+    """An eighth of 32 cells leaves the distances 1, 2, 3 and 4."""
+    found = ns.uncertainty_exponent(halves(32, 16, 2))
+    assert found["distance"].values.tolist() == [1, 2, 3, 4]
+    assert found.attrs["message"].endswith("fitted to 4 distances only; refine the grid")
+    assert "coarse" not in ns.uncertainty_exponent(halves(128, 64, 2)).attrs["message"]
+    chosen = ns.uncertainty_exponent(halves(32, 16, 2), distances=(1, 2, 4))
+    assert "coarse" not in chosen.attrs["message"]

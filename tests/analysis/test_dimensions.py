@@ -177,3 +177,16 @@ def test_wrong_boxes(boxes):
 def test_wrong_windows(window):
     with pytest.raises(OptionError, match="window"):
         ns.correlation_dimension(henon(1000), window=window)
+
+
+@pytest.mark.parametrize("verb", [ns.box_dimension, ns.correlation_dimension])
+@pytest.mark.parametrize("wrong", [np.nan, np.inf])
+def test_points_that_are_not_finite_are_refused(verb, wrong):
+    points = np.random.default_rng(0).random((500, 2))
+    points[[7, 9], 1] = wrong
+    with pytest.raises(OptionError, match=r"2 of 500 have a coordinate .* row 7"):
+        verb(points)
+    with pytest.raises(OptionError, match="500 of 500"):
+        verb(np.full((500, 2), wrong))
+    with pytest.raises(OptionError, match=r"all of them are nan|500 of 500"):
+        verb(xr.Dataset({"x": ("point", np.full(500, wrong))}))

@@ -1,3 +1,5 @@
+from itertools import pairwise
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -242,3 +244,18 @@ def test_what_is_no_result():
             draw(data)
     with pytest.raises(OptionError, match="unknown state 'z'"):
         ns.plot.attractors(example(), "z")
+
+
+@pytest.mark.parametrize("side", [16, 40, 200, 1000])
+def test_distances_are_written_out_and_do_not_collide(side):
+    halves = np.ones((side, side), int)
+    halves[:, side // 2 :] = 2
+    ax = ns.plot.uncertainty(ns.uncertainty_exponent(halves))
+    ax.figure.canvas.draw()
+    labels = [label for label in ax.get_xticklabels() if label.get_text()]
+    assert [label.get_text() for label in labels][:2] == ["1", "2"]
+    assert not any(label.get_text() for label in ax.get_xticklabels(minor=True))
+    boxes = [label.get_window_extent() for label in labels]
+    assert len(boxes) >= 2
+    assert all(a.x1 < b.x0 for a, b in pairwise(boxes))
+    assert ("points only" in ax.get_legend().get_texts()[0].get_text()) == (side <= 40)

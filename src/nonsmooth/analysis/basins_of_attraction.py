@@ -16,6 +16,7 @@ from nonsmooth.analysis.basins.by_recurrences import by_recurrences
 from nonsmooth.analysis.basins.region import read_grid
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.maps.of_system import map_of
+from nonsmooth.maps.poincare import PoincareMap
 from nonsmooth.simulation.crew import check_threads
 
 if TYPE_CHECKING:
@@ -59,7 +60,8 @@ def basins_of_attraction(
         Whether each centre is run until it has come to an attractor, or cells are mapped to cells
         and their chains followed, or each cell is shared among the cells to which nine of its
         points go (three along each state), which gives probabilities. The last two need all states
-        that do not drift in the region, and are as exact as its cells are small.
+        that do not drift in the region, are as exact as its cells are small, and do not go with a
+        `PoincareMap`.
     completion : mapping of str to float or str, optional
         States that are not in the region, as in `attractors`: a section of the state space that
         all starts lie on. Those not given are at rest.
@@ -83,8 +85,13 @@ def basins_of_attraction(
         ``label``, the number of the attractor, 0 where a start came to none in the longest time,
         -1 where it ended early (as it diverges), -2 where no mode admits it, -3 where an
         interruption left it out; and ``iterations`` until that was known. ``fraction`` is the share
-        of the admissible cells. The generalised cell mapping gives ``probability`` in place of
-        ``iterations``: that of the attractor with which the cell is labelled.
+        of the admissible cells. The generalised cell mapping labels a cell by the attractor to
+        which most of it goes, and gives ``probability`` in place of ``iterations``: the share of
+        the cell that goes there, by the chain of cells. It tells how a cell is divided, not how
+        certain the label is: cells that are too coarse may be wrong together. The attribute
+        ``iterates_per_cell`` tells how often cells were mapped, ``changed_by_doubling`` which part
+        of the labels the last doubling changed, and ``cells_of_several_attractors`` how many
+        cells are too coarse to tell attractors apart; then the message says so too.
 
     Raises
     ------
@@ -105,7 +112,7 @@ def basins_of_attraction(
     grid and do not return are followed so too. Images are those after 1, 2, 4, ... iterates, until
     a doubling changes the label of at most 1 in 1000 cells more than three cells away from others,
     twice: each image is rounded to a cell, and so there are fewer roundings. The generalised one
-    takes single iterates; give it a map applied several times, such as ``map**8``.
+    does the same with all its points; those that have come to an attractor go no further.
 
     References
     ----------
@@ -129,6 +136,12 @@ def basins_of_attraction(
     check_names(chosen.system, region)
     if method not in _METHODS:
         raise OptionError(f"method = {method!r}: {unknown_name('method', str(method), _METHODS)}")
+    if method != "recurrences" and isinstance(chosen, PoincareMap):
+        raise OptionError(
+            f"method = {method!r} needs a map of cells along every state, and points of a section"
+            f" lie on a surface, here {chosen.section!r}, that cells cut at any angle; take"
+            " method='recurrences'"
+        )
     free = [name for name in chosen.system.states if name not in chosen.system.drift_states]
     if method != "recurrences" and not set(free) <= set(region):
         missing = ", ".join(name for name in free if name not in region)

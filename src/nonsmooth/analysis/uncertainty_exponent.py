@@ -22,6 +22,7 @@ _MIXED = 0.5  # of the fraction for labels without any order; above, it saturate
 _ERRORS = 2.0  # standard errors within which a boundary counts as smooth
 
 _FEWEST = 3  # distances through which a line is fitted
+_ENOUGH = 5  # distances; of fewer the message tells
 
 Floats = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
@@ -54,7 +55,7 @@ def uncertainty_exponent(
     ----------
     basins : xarray.Dataset, xarray.DataArray, array_like of int
         Result of `basins_of_attraction`, its ``label``, or any array of labels in one or more
-        dimensions.
+        dimensions. Of truth values, false is outcome 1 and true outcome 2.
 
     Other Parameters
     ----------------
@@ -73,8 +74,8 @@ def uncertainty_exponent(
     xarray.Dataset
         ``uncertainty_exponent``, its ``standard_error``, ``boundary_dimension``; over ``distance``
         the ``uncertain_fraction``, the ``fit``, and ``fitted``, which is true where the line is
-        fitted. Attributes: ``message`` says when the boundary looks smooth or there is none,
-        ``n_cells`` how many cells count.
+        fitted. Attributes: ``message`` says when the boundary looks smooth or there is none, or
+        the grid is coarse, ``n_cells`` how many cells count.
 
     Raises
     ------
@@ -133,7 +134,8 @@ def uncertainty_exponent(
     attrs = outcomes.attrs | {
         "n_cells": int(cells.sum()),
         "between": "" if pair is None else f"{pair[0]} {pair[1]}",
-        "message": _message(law, error, fraction, bool(saturated)),
+        "message": _message(law, error, fraction, bool(saturated))
+        + _coarse(int(np.count_nonzero(used & (fraction > 0.0))), saturated, distances),
     }
     return _dataset(Curve(sizes, fraction, used), law, error, outcomes.labels.ndim, attrs)
 
@@ -191,6 +193,13 @@ def _message(law: PowerLaw, error: float, fraction: Floats, saturated: bool) -> 
     if abs(law.exponent - 1.0) <= max(_ERRORS * error, 1e-9):
         return "the boundary looks smooth: the exponent is 1 within two standard errors"
     return "fitted"
+
+
+def _coarse(n_fitted: int, saturated: Any, distances: Any) -> str:
+    """Warn of a line through few distances, unless they were chosen or the message says why."""
+    if saturated or distances is not None or not 1 < n_fitted < _ENOUGH:
+        return ""
+    return f"; the grid is coarse, the line is fitted to {n_fitted} distances only; refine the grid"
 
 
 def _dataset(

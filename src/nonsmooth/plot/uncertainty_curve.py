@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import numpy.typing as npt
 
 from nonsmooth.errors import OptionError
 from nonsmooth.plot.figures import new_axes
@@ -22,6 +23,10 @@ _CURVES = (
     ("box_dimension", "$D$", "boxes", "boxes_per_side"),
     ("correlation_dimension", "$D_2$", "correlation_sum", "distance"),
 )
+
+_ENOUGH = 5  # points of a line; of fewer the legend tells
+_PER_DIGIT = 0.035  # of the width of axes, with space on either side of a label
+_LARGEST = 2000.0  # number of cells that is written out
 
 
 def uncertainty(data: xr.Dataset, *, ax: Axes | None = None, legend: bool = True) -> Axes:
@@ -82,9 +87,27 @@ def uncertainty(data: xr.Dataset, *, ax: Axes | None = None, legend: bool = True
     exponent, error = float(data[name]), float(data["standard_error"])
     if np.isfinite(exponent):
         text = f"{letter} = {exponent:.3f} ± {error:.2g}"
+        count = np.count_nonzero(fitted)
+        if count < _ENOUGH:
+            text += f", {count} points only"
         line = LINES[1] | {"linestyle": "-"}
         ax.plot(sizes[fitted], data["fit"].values[fitted], **line, label=text, zorder=4)
+    _whole_ticks(ax, sizes)
     finish_axes(ax, axis_label(data[over]), axis_label(data[values]))
     if legend:
         place_legend(ax)
     return ax
+
+
+def _whole_ticks(ax: Axes, sizes: npt.NDArray[np.float64]) -> None:
+    """Write whole sizes out as they are, as many as have room."""
+    if np.any(sizes != np.round(sizes)) or sizes.min() < 1.0 or sizes.max() > _LARGEST:
+        return
+    width = max(np.log(sizes.max() / sizes.min()), np.log(2.0))
+    shown: list[float] = []
+    for size in np.sort(sizes):
+        room = _PER_DIGIT * (len(f"{size:.0f}") + 1) * width
+        if not shown or np.log(size / shown[-1]) >= room:
+            shown.append(float(size))
+    ax.set_xticks(shown, [f"{size:.0f}" for size in shown])
+    ax.set_xticks([], minor=True)

@@ -81,5 +81,7 @@ def basin_dataset(chosen: Any, grid: Grid, basins: Basins, options: dict[str, An
         message = search_message(
             "cells", counts["unsettled_cells"], counts["ended_cells"], len(order)
         )
+    if basins.remark:
+        message = f"{message}; {basins.remark}"
     attrs = common_attributes(system, status, message, options | counts | dict(basins.notes))
     return xr.Dataset(variables, coords, attrs)

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from scipy import ndimage
 
 from nonsmooth.analysis.basins.attractor_options import Search
 from nonsmooth.analysis.basins.attractor_search import (
@@ -20,6 +19,13 @@ from nonsmooth.analysis.basins.attractor_search import (
 from nonsmooth.analysis.basins.cell_cycles import Cycles, cycles_of
 from nonsmooth.analysis.basins.cell_labels import NOT_COMPUTED
 from nonsmooth.analysis.basins.cell_mapping import ENDS, REFUSED, CellMap
+from nonsmooth.analysis.basins.changed_labels import (
+    DOUBLINGS,
+    LEAST_ITERATES,
+    SETTLED,
+    TWICE,
+    changed_by,
+)
 from nonsmooth.analysis.basins.found_basins import Basins, look_closer, search_from
 from nonsmooth.analysis.basins.region import Grid
 from nonsmooth.errors import OptionError
@@ -27,12 +33,6 @@ from nonsmooth.errors import OptionError
 __all__ = ["by_cell_mapping"]
 
 Integers = npt.NDArray[np.int64]
-
-_DOUBLINGS = 9  # of the iterates of a cell mapping: 256 at most
-_LEAST_ITERATES, _TWICE = 8, 2  # doublings in a row, since coarse pictures may agree by chance
-_SETTLED = 1e-3  # part of the cells that may still change by doubling
-_AWAY = 3  # cells from those of another label; nearer ones depend on the size of cells
-_FEW = 0.01  # part of all cells; of fewer that are away, all count
 
 
 def by_cell_mapping(
@@ -49,7 +49,7 @@ def by_cell_mapping(
     cells = CellMap(grid, lambda: chosen.runner(how.tolerance), threads)
     label, steps = np.full(grid.size, NOT_COMPUTED), np.zeros(grid.size, np.int64)
     search, changed, settled_for = None, 1.0, 0
-    for _ in range(_DOUBLINGS):
+    for _ in range(DOUBLINGS):
         if not cells.double():
             return Basins(
                 [] if search is None else search.known.attractors, Settled(label, steps), False
@@ -62,9 +62,9 @@ def by_cell_mapping(
         except KeyboardInterrupt:
             return Basins(search.known.attractors, Settled(label, steps), False)
         steps = cycles.steps * cells.iterates
-        changed = _changed(before, label, grid)
-        settled_for = settled_for + 1 if changed <= _SETTLED else 0
-        if settled_for == _TWICE and cells.iterates >= _LEAST_ITERATES:
+        changed = changed_by(before, label, grid)
+        settled_for = settled_for + 1 if changed <= SETTLED else 0
+        if settled_for == TWICE and cells.iterates >= LEAST_ITERATES:
             break
     assert search is not None
     settled = Settled(label, steps)
@@ -82,13 +82,3 @@ def _labels(search: AttractorSearch, cells: CellMap, cycles: Cycles) -> Integers
     label[cells.image == ENDS] = ENDED
     label[cells.image == REFUSED] = INADMISSIBLE
     return label
-
-
-def _changed(before: Integers, label: Integers, grid: Grid) -> float:
-    """Part of the cells away from others that have another label than before."""
-    picture = label.reshape(grid.shape)
-    width = 2 * _AWAY + 1
-    away = ndimage.maximum_filter(picture, width) == ndimage.minimum_filter(picture, width)
-    if np.count_nonzero(away) < _FEW * picture.size:
-        away = np.ones_like(away)
-    return float(np.mean((before != label)[away.ravel()]))

@@ -16,21 +16,32 @@ from nonsmooth.analysis.basins.attractor_search import (
     AttractorSearch,
     Settled,
 )
+from nonsmooth.analysis.basins.cell_cycles import cycles_of
 from nonsmooth.analysis.basins.cell_labels import NOT_COMPUTED
-from nonsmooth.analysis.basins.cell_mapping import ENDS, NOWHERE, REFUSED, Part, map_points
+from nonsmooth.analysis.basins.cell_mapping import ENDS
+from nonsmooth.analysis.basins.cell_points import CellPoints
 from nonsmooth.analysis.basins.cell_shares import closed_classes, end_shares, transitions
+from nonsmooth.analysis.basins.changed_labels import (
+    DOUBLINGS,
+    LEAST_ITERATES,
+    SETTLED,
+    TWICE,
+    changed_by,
+)
 from nonsmooth.analysis.basins.found_basins import Basins, search_from
 from nonsmooth.analysis.basins.region import Grid
-from nonsmooth.engine.loop import ANY
 from nonsmooth.errors import OptionError
+from nonsmooth.simulation.progress import Progress
 
 __all__ = ["by_cell_shares"]
 
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
 
-_SIDE = 3  # points along each state of a cell
-_MOST_MEMBERS = 64  # cells of a class that are followed by the exact map
+_MEMBERS = 16  # cells of a class, or that go nowhere, that are followed by the exact map
+_ROUNDS = 4  # of looking for attractors where points have come to, after each doubling
+_FIRST_CHAIN = 4  # iterates of a cell; chains of fewer are only looked at for attractors
+_AT_ONCE = 256  # starts that are followed together
 
 
 def by_cell_shares(
@@ -41,85 +52,166 @@ def by_cell_shares(
     store: str | Path | None,
     protocol: dict[str, Any],
 ) -> Basins:
-    """Map points of every cell once, and follow the chain of cells that this makes."""
+    """Map points of every cell, and follow the chain of cells that this makes."""
     if store is not None:
         raise OptionError("store= is for method='recurrences' alone; leave it out")
-    source, image, states, complete = _images(chosen, grid, how, threads)
-    count = grid.size
-    if not complete:
-        nothing = np.full(count, NOT_COMPUTED)
-        return Basins([], Settled(nothing, np.zeros_like(nothing)), False)
-    # two more cells that nothing leaves: motions that end, and those that do not come back
-    image = np.where(image == ENDS, count, np.where(image == NOWHERE, count + 1, image))
-    sinks = np.array([count, count + 1])
-    matrix = transitions(np.append(source, sinks), np.append(image, sinks), count + 2)
-    search = search_from(chosen, states[np.unique(source)], how)
-    classes = closed_classes(matrix)
-    reached, several = _attractors_of(search, classes[:count], states)
-    found = search.known.attractors
-    ends = np.zeros((count + 2, len(found) + 2))
-    inside = np.flatnonzero(classes[:count] >= 0)
-    ends[inside, reached[classes[inside]]] = 1.0
-    ends[count, -1] = ends[count + 1, 0] = 1.0
-    shares = end_shares(matrix, ends)[:count]
-    label = np.argmax(shares, axis=1)
-    label = np.where(label == len(found) + 1, ENDED, label)
-    empty = ~np.isin(np.arange(count), source)
-    label[empty] = INADMISSIBLE
-    probability = np.where(empty, np.nan, shares.max(axis=1))
-    notes = {"classes_of_several_attractors": several}
-    return Basins(found, Settled(label, np.zeros(count, np.int64)), True, probability, notes)
+    cells = CellPoints(grid, lambda: chosen.runner(how.tolerance), threads)
+    shared: _Shares | None = None
+    try:
+        for _ in range(DOUBLINGS):
+            if not cells.double():
+                raise KeyboardInterrupt
+            if shared is None:
+                search = search_from(chosen, cells.states[cells.centre >= 0], how)
+                shared = _Shares(cells, search)
+            shared.update()
+            if shared.is_settled:
+                break
+        assert shared is not None
+        shared.look_closer()
+    except KeyboardInterrupt:
+        if shared is None:
+            nothing = np.full(grid.size, NOT_COMPUTED)
+            return Basins([], Settled(nothing, np.zeros_like(nothing)), False)
+        return shared.basins(complete=False)
+    return shared.basins(complete=True)
 
 
-def _images(
-    chosen: Any, grid: Grid, how: Search, threads: int
-) -> tuple[Integers, Integers, Floats, bool]:
-    """Cells of points and of their images, and a state for every cell.
+class _Shares:
+    """Share of each cell that goes to each attractor, and the labels that follow."""
 
-    A cell none of whose points is admissible has the image that first lies in it as its point.
-    """
-    count = grid.size
-    inner = grid.inner_states(np.arange(count), _SIDE)
-    states = grid.states(np.arange(count))
-    points, source = inner.reshape(-1, inner.shape[2]), np.repeat(np.arange(count), inner.shape[1])
-    sources, images, complete = [], [], True
-    while len(points) and complete:
-        image = np.full(len(points), REFUSED, np.int64)
-        landing = np.empty_like(points)
+    def __init__(self, cells: CellPoints, search: AttractorSearch) -> None:
+        self.cells, self.search, count = cells, search, cells.grid.size
+        self.label = np.full(count, NOT_COMPUTED)
+        self.probability = np.full(count, np.nan)
+        self.changed, self._settled_for = 1.0, 0
+        self._exact = np.full(count, NOT_COMPUTED)  # labels of the states that stand for cells
 
-        def keep(
-            places: Integers, part: Part, image: Integers = image, landing: Floats = landing
-        ) -> None:
-            image[places], landing[places] = part.image, part.landing
+    @property
+    def is_settled(self) -> bool:
+        """Whether further iterates would change little."""
+        return self._settled_for >= TWICE and self.cells.iterates >= LEAST_ITERATES
 
-        complete = map_points(
-            grid, points, np.full(len(points), ANY), 1, lambda: chosen.runner(how.tolerance),
-            threads, keep, "points of cells",
-        )  # fmt: skip
-        admitted = image != REFUSED
-        cells, first = np.unique(source[admitted], return_index=True)
-        states[cells] = points[admitted][first]
-        sources.append(source[admitted])
-        images.append(image[admitted])
-        to = np.flatnonzero(image >= 0)
-        entered, which = np.unique(image[to], return_index=True)
-        new = ~np.isin(entered, np.concatenate(sources))
-        points, source = landing[to[which[new]]], entered[new]
-    return np.concatenate(sources), np.concatenate(images), states, complete
+    def update(self) -> None:
+        """Look for attractors after a doubling, and label the cells."""
+        cells = self.cells
+        self._search()
+        self._recognise()
+        if cells.iterates < _FIRST_CHAIN:
+            return
+        before = self.label
+        self._follow()
+        self.changed = changed_by(before, self.label, cells.grid)
+        few = np.mean(self.label == UNSETTLED) <= SETTLED
+        self._settled_for = self._settled_for + 1 if self.changed <= SETTLED and few else 0
+
+    def look_closer(self) -> None:
+        """Follow the states of cells that go nowhere, and see who else goes where they go."""
+        left = np.flatnonzero(self.label == UNSETTLED)
+        with Progress("cells that take longer", left.size) as progress:
+            for i in range(0, left.size, _AT_ONCE):
+                self._settle(left[i : i + _AT_ONCE])
+                progress.update(min(i + _AT_ONCE, left.size))
+        self._recognise()
+        self._follow()
+
+    def basins(self, complete: bool) -> Basins:
+        """What was found."""
+        found, cells = self.search.known.attractors, self.cells
+        columns = [
+            cells.grid.completion.system.states.index(n) for n in cells.grid.completion.given
+        ]
+        held = [np.unique(cells.grid.cells(one.points[:, columns])) for one in found]
+        inside, times = np.unique(
+            np.concatenate([np.zeros(0, np.int64), *held]), return_counts=True
+        )
+        several = int(np.count_nonzero(times[inside >= 0] > 1))
+        notes = {
+            "iterates_per_cell": cells.iterates,
+            "changed_by_doubling": self.changed,
+            "cells_of_several_attractors": several,
+        }
+        remarks = []
+        if several:
+            remarks.append(
+                f"cells that hold points of several attractors: {several}; take finer cells"
+            )
+        if complete and not self.is_settled:
+            remarks.append(
+                f"labels may still change after {cells.iterates} iterates per cell, as"
+                " changed_by_doubling tells; take finer cells, or method='recurrences'"
+            )
+        settled = Settled(self.label, np.zeros(self.label.size, np.int64))
+        return Basins(found, settled, complete, self.probability, notes, "; ".join(remarks))
+
+    def _search(self) -> None:
+        """Follow cells of cycles of centres, of closed classes, and some that go nowhere."""
+        cells, count = self.cells, self.cells.grid.size
+        has = cells.centre >= 0
+        centre = np.where(has, cells.image[cells.centre], -1)
+        some = [cycles_of(centre).first]
+        classes = closed_classes(self._matrix(np.zeros(len(cells.source), np.int64), 0))[:count]
+        for number in range(int(classes.max(initial=-1)) + 1):
+            some.append(_few(np.flatnonzero(classes == number)))
+        self._settle(np.unique(np.concatenate(some)))
+
+    def _recognise(self) -> None:
+        """See who is at an attractor, and follow some of those who are not.
+
+        Cells may be too coarse for an attractor to have one of its own, or lie elsewhere.
+        """
+        known = self.search.known
+        for _ in range(_ROUNDS):
+            before = len(known.attractors)
+            self.cells.recognise(known)
+            some = np.concatenate([_few(part) for part in self.cells.lost()])
+            if some.size:
+                self.search.settle(*self.cells.come_to(some))
+            if len(known.attractors) == before:
+                return
+        self.cells.recognise(known)
+
+    def _settle(self, cells: Integers) -> None:
+        new = cells[self._exact[cells] == NOT_COMPUTED]
+        if new.size:
+            self._exact[new] = self.search.settle(self.cells.states[new]).label
+
+    def _matrix(self, owner: Integers, found: int) -> Any:
+        """Chain of the cells, with more cells that nothing leaves: see `_follow`."""
+        count, image = self.cells.grid.size, self.cells.image
+        image = np.where(image == ENDS, count + found + 1, np.where(image < 0, count, image))
+        image = np.where(owner > 0, count + owner, image)
+        sinks = count + np.arange(found + 2)
+        return transitions(
+            np.append(self.cells.source, sinks), np.append(image, sinks), count + found + 2
+        )
+
+    def _follow(self) -> None:
+        """Shares of the ends of all chains: nowhere, each attractor, motions that end."""
+        cells, count, found = self.cells, self.cells.grid.size, len(self.search.known.attractors)
+        matrix = self._matrix(cells.owner, found)
+        classes = closed_classes(matrix)[:count]
+        ends = np.zeros((count + found + 2, found + 2))
+        ends[count:] = np.eye(found + 2)
+        closed = np.flatnonzero(classes >= 0)
+        if closed.size:
+            # members that were not followed have the label of the most of those that were
+            votes = np.zeros((int(classes.max()) + 1, found + 2))
+            known = closed[self._exact[closed] >= ENDED]
+            votes[:, 0] = 0.5  # less than any
+            np.add.at(votes, (classes[known], self._exact[known] % (found + 2)), 1.0)
+            ends[closed, votes.argmax(axis=1)[classes[closed]]] = 1.0
+        shares = end_shares(matrix, ends)[:count]
+        label = np.argmax(shares, axis=1)
+        # a cell that goes nowhere has the label of its own state where that is known
+        own = (label == UNSETTLED) & (self._exact >= ENDED)
+        label[own] = self._exact[own] % (found + 2)
+        probability = np.take_along_axis(shares, label[:, None], axis=1)[:, 0]
+        empty = cells.centre < 0
+        self.probability = np.where(empty, np.nan, np.clip(probability, 0.0, 1.0))
+        self.label = np.where(label == found + 1, ENDED, label)
+        self.label[empty] = INADMISSIBLE
 
 
-def _attractors_of(
-    search: AttractorSearch, classes: Integers, states: Floats
-) -> tuple[Integers, int]:
-    """Attractor of each closed class of cells, and how many classes hold more than one."""
-    count = int(classes.max(initial=-1)) + 1
-    reached, several = np.full(count, UNSETTLED, np.int64), 0
-    for number in range(count):
-        members = np.flatnonzero(classes == number)
-        some = members[:: max(1, members.size // _MOST_MEMBERS)]
-        label = search.settle(states[some]).label
-        values, times = np.unique(label[label > 0], return_counts=True)
-        if values.size:
-            reached[number] = values[times.argmax()]
-        several += int(values.size > 1)
-    return reached, several
+def _few(cells: Integers) -> Integers:
+    return cells[:: max(1, cells.size // _MEMBERS)][:_MEMBERS]

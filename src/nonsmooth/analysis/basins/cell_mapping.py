@@ -100,15 +100,17 @@ def map_points(
     threads: int,
     keep: Callable[[Integers, Part], None],
     label: str,
+    outside: int = _OUTSIDE,
 ) -> bool:
     """Map points on; ``keep`` is told the numbers of some and where they came.
 
+    Those outside the grid are mapped on until they come back, ``outside`` times at most.
     False after an interruption.
     """
     everything = np.arange(len(points))
     chunks = [everything[i : i + _TOGETHER] for i in range(0, len(points), _TOGETHER)]
     return run_tasks(
-        [_task(grid, points[c], modes[c], count) for c in chunks],
+        [_task(grid, points[c], modes[c], count, outside) for c in chunks],
         make_runner,
         threads=threads,
         label=label,
@@ -117,16 +119,22 @@ def map_points(
 
 
 def _task(
-    grid: Grid, points: Floats, modes: Integers, count: int
+    grid: Grid, points: Floats, modes: Integers, count: int, outside: int
 ) -> Callable[[Any, threading.Event], Part]:
     def run(runner: Any, stop: threading.Event) -> Part:
-        return _part(grid, runner, points, modes, count, stop)
+        return _part(grid, runner, points, modes, count, stop, outside)
 
     return run
 
 
 def _part(
-    grid: Grid, runner: Any, points: Floats, modes: Integers, count: int, stop: threading.Event
+    grid: Grid,
+    runner: Any,
+    points: Floats,
+    modes: Integers,
+    count: int,
+    stop: threading.Event,
+    most: int,
 ) -> Part:
     """Map some points on, and find the cells in which they come to lie."""
     lanes = runner.start(points, modes)
@@ -138,7 +146,7 @@ def _part(
     image[going_on] = grid.cells(images[going_on][:, columns])
     landing, outside = images.copy(), np.flatnonzero(going_on & (image == NOWHERE))
     lanes = lanes.select(outside)
-    for _ in range(_OUTSIDE):
+    for _ in range(most):
         if not outside.size:
             break
         if stop.is_set():

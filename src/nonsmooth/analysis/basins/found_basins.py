@@ -39,6 +39,7 @@ class Basins:
     complete: bool
     probability: Floats | None = None  # of the label, where the method tells
     notes: Mapping[str, Any] = field(default_factory=dict)  # what the method tells beside
+    remark: str = ""  # that the message ends with
 
 
 def look_closer(search: AttractorSearch, grid: Grid, settled: Settled) -> bool:

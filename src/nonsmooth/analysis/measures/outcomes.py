@@ -46,7 +46,10 @@ class Outcomes:
 
 
 def outcomes_of(basins: Any, leave_out: Iterable[int] = LEFT_OUT) -> Outcomes:
-    """Labels in a dataset of basins, in a variable of it, or in any array of whole numbers."""
+    """Labels in a dataset of basins, in a variable of it, or in any array of whole numbers.
+
+    Truth values stand for two outcomes: 1 where they are false, 2 where they are true.
+    """
     attrs: dict[str, Any] = {}
     known = 0
     array = basins
@@ -60,6 +63,8 @@ def outcomes_of(basins: Any, leave_out: Iterable[int] = LEFT_OUT) -> Outcomes:
         known = basins.sizes.get("attractor", 0)
         array = basins["label"]
     labels = np.asarray(array.values if isinstance(array, xr.DataArray) else array)
+    if labels.dtype.kind == "b":  # two outcomes; 0 would stand for none
+        labels = labels.astype(np.int64) + 1
     if labels.ndim == 0 or labels.size == 0 or labels.dtype.kind not in "iu":
         raise OptionError(
             f"basins: an array of whole numbers is needed, one label per start, not"

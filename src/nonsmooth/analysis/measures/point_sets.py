@@ -47,8 +47,23 @@ def points_of(
             f"points: an array of {numbers.ndim} dimensions with {numbers.size} values came; one"
             " row per point is needed"
         )
-    numbers = numbers[:, ~np.isnan(numbers).all(axis=0)]
-    return numbers[np.isfinite(numbers).all(axis=1)], attrs
+    return _finite(numbers, padded=isinstance(data, xr.Dataset)), attrs
+
+
+def _finite(numbers: Points, padded: bool) -> Points:
+    """The points, where all are finite; nan after the points of a dataset is left out."""
+    if padded:
+        numbers = numbers[:, ~np.isnan(numbers).all(axis=0)]
+        numbers = numbers[~np.isnan(numbers).any(axis=1)]
+    wrong = np.flatnonzero(~np.isfinite(numbers).all(axis=1))
+    if wrong.size:
+        raise OptionError(
+            f"points: {wrong.size} of {len(numbers)} have a coordinate that is nan or infinite,"
+            f" the first one in row {wrong[0]}; leave them out, or see why the motion diverged"
+        )
+    if numbers.size == 0:
+        raise OptionError("points: all of them are nan; simulate the motion to see why")
+    return numbers
 
 
 def scaled(points: Points) -> Points:

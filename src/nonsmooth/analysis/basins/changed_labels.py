@@ -1,0 +1,27 @@
+"""When a cell mapping has taken enough iterates: labels that stay after a doubling."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+from scipy import ndimage
+
+from nonsmooth.analysis.basins.region import Grid
+
+__all__ = ["DOUBLINGS", "LEAST_ITERATES", "SETTLED", "TWICE", "changed_by"]
+
+DOUBLINGS = 9  # of the iterates of a cell mapping: 256 at most
+LEAST_ITERATES, TWICE = 8, 2  # doublings in a row, since coarse pictures may agree by chance
+SETTLED = 1e-3  # part of the cells that may still change by doubling
+_AWAY = 3  # cells from those of another label; nearer ones depend on the size of cells
+_FEW = 0.01  # part of all cells; of fewer that are away, all count
+
+
+def changed_by(before: npt.NDArray[np.int64], label: npt.NDArray[np.int64], grid: Grid) -> float:
+    """Part of the cells away from others that have another label than before."""
+    picture = label.reshape(grid.shape)
+    width = 2 * _AWAY + 1
+    away = ndimage.maximum_filter(picture, width) == ndimage.minimum_filter(picture, width)
+    if np.count_nonzero(away) < _FEW * picture.size:
+        away = np.ones_like(away)
+    return float(np.mean((before != label)[away.ravel()]))
