@@ -140,7 +140,7 @@ class _Shares:
             )
         if complete and max(self.changed, self._nowhere) > SETTLED:
             remarks.append(
-                f"after {cells.iterates} iterates per cell {self._nowhere:.2%} of the cells had come"
+                f"after {cells.iterates} iterates per cell {self._nowhere:.2%} of the cells came"
                 f" to no attractor, and the last doubling changed {self.changed:.2%} of the labels"
                 " away from borders; take finer cells, or method='recurrences'"
             )
