@@ -14,7 +14,7 @@ SIDE = np.linspace(-2.0, 2.0, 40)
 SQUARE = {"x": SIDE, "y": SIDE}
 
 
-@pytest.mark.parametrize("method", ["recurrences", "cell mapping"])
+@pytest.mark.parametrize("method", ["recurrences", "cell mapping", "generalised cell mapping"])
 def test_wells_are_told_apart_by_their_line(method: str) -> None:
     basins = ns.basins_of_attraction(forced_wells(), SQUARE, method=method, samples=64)
     assert basins["label"].dims == ("y", "x")
@@ -38,7 +38,7 @@ def test_a_basin_of_a_single_row_of_cells_is_found() -> None:
     assert np.array_equal(basins["label"].values, np.broadcast_to(expected, (3, 401)))
 
 
-@pytest.mark.parametrize("method", ["recurrences", "cell mapping"])
+@pytest.mark.parametrize("method", ["recurrences", "cell mapping", "generalised cell mapping"])
 def test_starts_that_run_away_are_labelled(method: str) -> None:
     side = np.linspace(-1.9, 1.9, 20)
     basins = ns.basins_of_attraction(runaway(), {"x": side, "y": side}, method=method, samples=64)
@@ -48,7 +48,7 @@ def test_starts_that_run_away_are_labelled(method: str) -> None:
     assert float(basins["fraction"][0]) == pytest.approx(np.mean(expected == 1))
 
 
-@pytest.mark.parametrize("method", ["recurrences", "cell mapping"])
+@pytest.mark.parametrize("method", ["recurrences", "cell mapping", "generalised cell mapping"])
 def test_cells_behind_a_wall_are_inadmissible(method: str) -> None:
     wall = ns.System(
         states=["x", "v"],
@@ -111,13 +111,14 @@ def test_the_mole_has_a_section_with_a_completion() -> None:
         ns.basins_of_attraction(mole, region, method="cell mapping")
 
 
-def test_cells_on_a_slaved_surface_stand_for_points_on_it() -> None:
+@pytest.mark.parametrize("method", ["cell mapping", "generalised cell mapping"])
+def test_cells_on_a_slaved_surface_stand_for_points_on_it(method: str) -> None:
     """The mole in three dimensions: q has cells, and contact lives on p = q + g."""
     mole = ns.models.moling(a=0.3, b=0.15, xi=0.1, omega=0.5)
     region = {
         "p": np.linspace(-2, 1, 20), "y": np.linspace(-1, 1, 12), "q": np.linspace(-0.2, 1.2, 12),
     }  # fmt: skip
-    mapped = ns.basins_of_attraction(mole, region, method="cell mapping", record=2000)
+    mapped = ns.basins_of_attraction(mole, region, method=method, record=2000)
     followed = ns.basins_of_attraction(mole, region, samples=100, record=2000)
     assert mapped["label"].dims == ("q", "y", "p")
     assert mapped["period"].values.tolist() == followed["period"].values.tolist()

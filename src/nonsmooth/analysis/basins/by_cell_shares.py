@@ -85,6 +85,7 @@ class _Shares:
         self.label = np.full(count, NOT_COMPUTED)
         self.probability = np.full(count, np.nan)
         self.changed, self._settled_for = 1.0, 0
+        self._nowhere = 1.0  # part of the cells that come to no attractor yet
         self._exact = np.full(count, NOT_COMPUTED)  # labels of the states that stand for cells
 
     @property
@@ -102,8 +103,9 @@ class _Shares:
         before = self.label
         self._follow()
         self.changed = changed_by(before, self.label, cells.grid)
-        few = np.mean(self.label == UNSETTLED) <= SETTLED
-        self._settled_for = self._settled_for + 1 if self.changed <= SETTLED and few else 0
+        self._nowhere = float(np.mean(self.label == UNSETTLED))
+        stays = self.changed <= SETTLED and self._nowhere <= SETTLED
+        self._settled_for = self._settled_for + 1 if stays else 0
 
     def look_closer(self) -> None:
         """Follow the states of cells that go nowhere, and see who else goes where they go."""
@@ -136,10 +138,11 @@ class _Shares:
             remarks.append(
                 f"cells that hold points of several attractors: {several}; take finer cells"
             )
-        if complete and not self.is_settled:
+        if complete and max(self.changed, self._nowhere) > SETTLED:
             remarks.append(
-                f"labels may still change after {cells.iterates} iterates per cell, as"
-                " changed_by_doubling tells; take finer cells, or method='recurrences'"
+                f"after {cells.iterates} iterates per cell {self._nowhere:.2%} of the cells came"
+                f" to no attractor, and the last doubling changed {self.changed:.2%} of the labels"
+                " away from borders; take finer cells, or method='recurrences'"
             )
         settled = Settled(self.label, np.zeros(self.label.size, np.int64))
         return Basins(found, settled, complete, self.probability, notes, "; ".join(remarks))
