@@ -15,7 +15,7 @@ from nonsmooth.analysis.basins.by_cell_shares import by_cell_shares
 from nonsmooth.analysis.basins.by_recurrences import by_recurrences
 from nonsmooth.analysis.basins.region import read_grid
 from nonsmooth.errors import OptionError, unknown_name
-from nonsmooth.maps.of_system import map_of
+from nonsmooth.maps.of_system import Map, map_of
 from nonsmooth.maps.poincare import PoincareMap
 from nonsmooth.simulation.crew import check_threads
 
@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 
 __all__ = ["basins_of_attraction"]
 
-_METHODS = {
-    "recurrences": by_recurrences,
+_FOLLOWED = "recurrences"
+_MAPPINGS = {
     "cell mapping": by_cell_mapping,
     "generalised cell mapping": by_cell_shares,
 }
@@ -134,21 +134,8 @@ def basins_of_attraction(
     chosen = map_of(system, parameters, tolerance, "basins_of_attraction", states_only=True)
     grid = read_grid(chosen.system, region, completion)
     check_names(chosen.system, region)
-    if method not in _METHODS:
-        raise OptionError(f"method = {method!r}: {unknown_name('method', str(method), _METHODS)}")
-    if method != "recurrences" and isinstance(chosen, PoincareMap):
-        raise OptionError(
-            f"method = {method!r} needs a map of cells along every state, and points of a section"
-            f" lie on a surface, here {chosen.section!r}, that cells cut at any angle; take"
-            " method='recurrences'"
-        )
-    free = [name for name in chosen.system.states if name not in chosen.system.drift_states]
-    if method != "recurrences" and not set(free) <= set(region):
-        missing = ", ".join(name for name in free if name not in region)
-        raise OptionError(
-            f"a cell mapping needs cells along every state, and {missing} is not in the region;"
-            " add it, or take method='recurrences'"
-        )
+    if method != _FOLLOWED:
+        _check_mapping(chosen, region, method, store)
     how = read_search(samples, seed, cells, longest, record, match, tolerance)
     options = {
         "method": method,
@@ -164,5 +151,36 @@ def basins_of_attraction(
         },
         **options,
     }
-    found = _METHODS[method](chosen, grid, how, check_threads(threads), store, protocol)
+    workers = check_threads(threads)
+    if method == _FOLLOWED:
+        found = by_recurrences(chosen, grid, how, workers, store, protocol)
+    else:
+        found = _MAPPINGS[method](chosen, grid, how, workers)
     return basin_dataset(chosen, grid, found, options)
+
+
+def _check_mapping(
+    chosen: Map, region: Mapping[str, Any], method: Any, store: str | Path | None
+) -> None:
+    """Refuse what a map of cells cannot do."""
+    if method not in _MAPPINGS:
+        known = [_FOLLOWED, *_MAPPINGS]
+        raise OptionError(f"method = {method!r}: {unknown_name('method', str(method), known)}")
+    if isinstance(chosen, PoincareMap):
+        raise OptionError(
+            f"method = {method!r} needs a map of cells along every state, and points of a section"
+            f" lie on a surface, here {chosen.section!r}, that cells cut at any angle; take"
+            f" method={_FOLLOWED!r}"
+        )
+    missing = [
+        name
+        for name in chosen.system.states
+        if name not in chosen.system.drift_states and name not in region
+    ]
+    if missing:
+        raise OptionError(
+            f"a cell mapping needs cells along every state, and {', '.join(missing)} is not in the"
+            f" region; add it, or take method={_FOLLOWED!r}"
+        )
+    if store is not None:
+        raise OptionError(f"store= is for method={_FOLLOWED!r} alone; leave it out")

@@ -36,7 +36,10 @@ def basins(
     ],
     complete: options.Complete = None,
     method: Annotated[
-        str, typer.Option(help="recurrences: follow each start; or 'cell mapping'.")
+        str,
+        typer.Option(
+            help="recurrences: follow each start; 'cell mapping' or 'generalised cell mapping'."
+        ),
     ] = "recurrences",
     samples: options.Samples = 1000,
     seed: options.Seed = 0,

@@ -6,10 +6,11 @@ from dataclasses import KW_ONLY, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from nonsmooth.maps.power import raised
-from nonsmooth.maps.return_tangent import reads_time, return_tangent
+from nonsmooth.maps.return_tangent import return_tangent
 from nonsmooth.maps.section_options import check_side, read_section, refuse_slow
 from nonsmooth.maps.section_points import folded_tables, take_points
 from nonsmooth.maps.section_runner import SectionRunner
+from nonsmooth.simulation.driving import is_driven
 from nonsmooth.simulation.options import check_run_options, whole_number
 from nonsmooth.simulation.runner import build_tables
 from nonsmooth.system.section import Section, with_section
@@ -291,7 +292,7 @@ class PoincareMap:
     def reads_time(self) -> bool:
         """Whether time, or what depends on it, stands in the system or in the section."""
         split = self.split
-        return reads_time(build_tables(self.system) if split is None else folded_tables(split))
+        return is_driven(build_tables(self.system) if split is None else folded_tables(split))
 
     @property
     def protocol(self) -> dict[str, Any]:

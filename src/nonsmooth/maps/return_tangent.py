@@ -10,13 +10,13 @@ import numpy.typing as npt
 import xarray as xr
 
 from nonsmooth.engine import records as at
-from nonsmooth.engine.layout import Tables
 from nonsmooth.engine.status import CURES, Status
 from nonsmooth.errors import RunError
 from nonsmooth.maps.rates import Rates
 from nonsmooth.maps.section_points import SectionStart, misfit, start_on_section
 from nonsmooth.maps.section_search import PATIENCE
 from nonsmooth.simulation.clock import Instant
+from nonsmooth.simulation.driving import is_driven
 from nonsmooth.simulation.runner import NoMode, build_derivatives
 from nonsmooth.simulation.start import start_at_end
 from nonsmooth.simulation.tangent_flow import TangentFlow
@@ -25,7 +25,7 @@ from nonsmooth.system.system import System
 if TYPE_CHECKING:
     from nonsmooth.maps.poincare import PoincareMap
 
-__all__ = ["images_of_point", "reads_time", "return_tangent", "tangent_array"]
+__all__ = ["images_of_point", "return_tangent", "tangent_array"]
 
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
@@ -52,7 +52,7 @@ def return_tangent(
             raise _too_few(chosen, path.flow, path.status, k, crossings)
     matrix = path.on_section()
     states = chosen.system.states
-    if not reads_time(motion.tables):
+    if not is_driven(motion.tables):
         return tangent_array(chosen.system, matrix[:-1] @ path.entry, states)
     # the motion from a later start is that from a start as much behind on the way
     matrix = np.column_stack([matrix @ path.entry, -matrix @ path.first])
@@ -169,12 +169,6 @@ class _Path:
         here = Instant(int(row[at.NUMBER]), float(value[at.PHASE]))
         rate = self._rates.at(here, int(row[(at.FROM, at.TO)[self._side]]), state)
         return np.vstack([columns.T + np.outer(rate, shift), shift])
-
-
-def reads_time(tables: Tables) -> bool:
-    """Whether the system, or the section, depends on time."""
-    _, powers, frequencies, *_ = (int(size) for size in tables.sizes)
-    return powers > 0 or frequencies > 0 or tables.signals.shape[0] > 0
 
 
 def _too_few(

@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import KW_ONLY, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from nonsmooth.errors import ModelError, OptionError
 from nonsmooth.maps.power import raised
 from nonsmooth.maps.strobe_points import Wanted, strobe_points, strobe_tangent
 from nonsmooth.maps.strobe_runner import StrobeRunner
+from nonsmooth.simulation.driving import hides_phase
 from nonsmooth.simulation.options import check_run_options, finite_number, whole_number
 from nonsmooth.simulation.runner import build_tables
 from nonsmooth.simulation.stroboscopic import check_phase, require_period
@@ -22,8 +21,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["StroboscopicMap"]
-
-_TURN = 1e-9  # of a turn, beside the number of turns, by which a phase is the same
 
 
 @dataclass(frozen=True)
@@ -274,8 +271,7 @@ class StroboscopicMap:
         """Whether points meet the forcing at different phases, which their states do not tell."""
         tables = build_tables(self.system)
         length = float(tables.clock[0]) if self.length is None else self.length
-        turns = tables.harmonics[0] * length * self.every / (2.0 * np.pi)
-        return bool(np.any(np.abs(turns - np.rint(turns)) > _TURN * np.maximum(1.0, turns)))
+        return hides_phase(tables, length * self.every)
 
     @property
     def protocol(self) -> dict[str, Any]:

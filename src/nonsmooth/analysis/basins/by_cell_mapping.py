@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,16 +18,9 @@ from nonsmooth.analysis.basins.attractor_search import (
 from nonsmooth.analysis.basins.cell_cycles import Cycles, cycles_of
 from nonsmooth.analysis.basins.cell_labels import NOT_COMPUTED
 from nonsmooth.analysis.basins.cell_mapping import ENDS, REFUSED, CellMap
-from nonsmooth.analysis.basins.changed_labels import (
-    DOUBLINGS,
-    LEAST_ITERATES,
-    SETTLED,
-    TWICE,
-    changed_by,
-)
+from nonsmooth.analysis.basins.changed_labels import DOUBLINGS, SETTLED, Changes
 from nonsmooth.analysis.basins.found_basins import Basins, look_closer, search_from
 from nonsmooth.analysis.basins.region import Grid
-from nonsmooth.errors import OptionError
 
 __all__ = ["by_cell_mapping"]
 
@@ -40,15 +32,11 @@ def by_cell_mapping(
     grid: Grid,
     how: Search,
     threads: int,
-    store: str | Path | None,
-    protocol: dict[str, Any],
 ) -> Basins:
     """Map cells to cells, and follow the cycles of that map by the exact one."""
-    if store is not None:
-        raise OptionError("store= is for method='recurrences' alone; leave it out")
     cells = CellMap(grid, lambda: chosen.runner(how.tolerance), threads)
     label, steps = np.full(grid.size, NOT_COMPUTED), np.zeros(grid.size, np.int64)
-    search, changed, settled_for = None, 1.0, 0
+    search, changes = None, Changes(grid)
     for _ in range(DOUBLINGS):
         if not cells.double():
             return Basins(
@@ -62,15 +50,21 @@ def by_cell_mapping(
         except KeyboardInterrupt:
             return Basins(search.known.attractors, Settled(label, steps), False)
         steps = cycles.steps * cells.iterates
-        changed = changed_by(before, label, grid)
-        settled_for = settled_for + 1 if changed <= SETTLED else 0
-        if settled_for == TWICE and cells.iterates >= LEAST_ITERATES:
+        changes.note(before, label)
+        if changes.have_ended(cells.iterates):
             break
     assert search is not None
     settled = Settled(label, steps)
     complete = look_closer(search, grid, settled)
-    notes = {"iterates_per_cell": cells.iterates, "changed_by_doubling": changed}
-    return Basins(search.known.attractors, settled, complete, notes=notes)
+    notes = {"iterates_per_cell": cells.iterates, "changed_by_doubling": changes.last}
+    remark = ""
+    if complete and changes.last > SETTLED:
+        remark = (
+            f"after {cells.iterates} iterates per cell the last doubling still changed"
+            f" {changes.last:.2%} of the labels away from borders; take finer cells, or"
+            " method='recurrences'"
+        )
+    return Basins(search.known.attractors, settled, complete, notes=notes, remark=remark)
 
 
 def _labels(search: AttractorSearch, cells: CellMap, cycles: Cycles) -> Integers:

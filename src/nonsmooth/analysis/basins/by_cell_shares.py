@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -21,16 +20,9 @@ from nonsmooth.analysis.basins.cell_labels import NOT_COMPUTED
 from nonsmooth.analysis.basins.cell_mapping import ENDS
 from nonsmooth.analysis.basins.cell_points import CellPoints
 from nonsmooth.analysis.basins.cell_shares import closed_classes, end_shares, transitions
-from nonsmooth.analysis.basins.changed_labels import (
-    DOUBLINGS,
-    LEAST_ITERATES,
-    SETTLED,
-    TWICE,
-    changed_by,
-)
+from nonsmooth.analysis.basins.changed_labels import DOUBLINGS, SETTLED, Changes
 from nonsmooth.analysis.basins.found_basins import Basins, search_from
 from nonsmooth.analysis.basins.region import Grid
-from nonsmooth.errors import OptionError
 from nonsmooth.simulation.progress import Progress
 
 __all__ = ["by_cell_shares"]
@@ -49,12 +41,8 @@ def by_cell_shares(
     grid: Grid,
     how: Search,
     threads: int,
-    store: str | Path | None,
-    protocol: dict[str, Any],
 ) -> Basins:
     """Map points of every cell, and follow the chain of cells that this makes."""
-    if store is not None:
-        raise OptionError("store= is for method='recurrences' alone; leave it out")
     cells = CellPoints(grid, lambda: chosen.runner(how.tolerance), threads)
     shared: _Shares | None = None
     try:
@@ -84,14 +72,14 @@ class _Shares:
         self.cells, self.search, count = cells, search, cells.grid.size
         self.label = np.full(count, NOT_COMPUTED)
         self.probability = np.full(count, np.nan)
-        self.changed, self._settled_for = 1.0, 0
+        self.changes = Changes(cells.grid)
         self._nowhere = 1.0  # part of the cells that come to no attractor yet
         self._exact = np.full(count, NOT_COMPUTED)  # labels of the states that stand for cells
 
     @property
     def is_settled(self) -> bool:
         """Whether further iterates would change little."""
-        return self._settled_for >= TWICE and self.cells.iterates >= LEAST_ITERATES
+        return self.changes.have_ended(self.cells.iterates)
 
     def update(self) -> None:
         """Look for attractors after a doubling, and label the cells."""
@@ -102,10 +90,8 @@ class _Shares:
             return
         before = self.label
         self._follow()
-        self.changed = changed_by(before, self.label, cells.grid)
         self._nowhere = float(np.mean(self.label == UNSETTLED))
-        stays = self.changed <= SETTLED and self._nowhere <= SETTLED
-        self._settled_for = self._settled_for + 1 if stays else 0
+        self.changes.note(before, self.label, self._nowhere)
 
     def look_closer(self) -> None:
         """Follow the states of cells that go nowhere, and see who else goes where they go."""
@@ -130,7 +116,7 @@ class _Shares:
         several = int(np.count_nonzero(times[inside >= 0] > 1))
         notes = {
             "iterates_per_cell": cells.iterates,
-            "changed_by_doubling": self.changed,
+            "changed_by_doubling": self.changes.last,
             "cells_of_several_attractors": several,
         }
         remarks = []
@@ -138,11 +124,11 @@ class _Shares:
             remarks.append(
                 f"cells that hold points of several attractors: {several}; take finer cells"
             )
-        if complete and max(self.changed, self._nowhere) > SETTLED:
+        if complete and max(self.changes.last, self._nowhere) > SETTLED:
             remarks.append(
                 f"after {cells.iterates} iterates per cell {self._nowhere:.2%} of the cells came"
-                f" to no attractor, and the last doubling changed {self.changed:.2%} of the labels"
-                " away from borders; take finer cells, or method='recurrences'"
+                f" to no attractor, and the last doubling changed {self.changes.last:.2%} of the"
+                " labels away from borders; take finer cells, or method='recurrences'"
             )
         settled = Settled(self.label, np.zeros(self.label.size, np.int64))
         return Basins(found, settled, complete, self.probability, notes, "; ".join(remarks))

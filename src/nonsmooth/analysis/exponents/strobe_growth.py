@@ -15,13 +15,13 @@ from nonsmooth.engine.layout import Tables
 from nonsmooth.engine.status import Status
 from nonsmooth.simulation.clock import Instant
 from nonsmooth.simulation.crew import Stopped
+from nonsmooth.simulation.driving import is_driven
 from nonsmooth.simulation.runner import Derivatives, NoMode
 from nonsmooth.simulation.tangent_flow import TangentFlow
 
-__all__ = ["Neighbours", "is_autonomous", "is_hidden", "strobe_growth"]
+__all__ = ["Neighbours", "strobe_growth"]
 
 _TOGETHER = 50  # strobes between which columns keep their length within the range of numbers
-_TURN = 1e-9  # of a forcing between strobes, within which it is a whole one
 _SEED = 0  # of the direction in which the neighbour begins
 
 Floats = npt.NDArray[np.float64]
@@ -63,26 +63,12 @@ class Neighbours:
         return [Instant(number, phase) for number, phase in pairs]
 
 
-def is_autonomous(tables: Tables) -> bool:
-    """Whether nothing drives a system: neither harmonics nor powers of time nor signals."""
-    return not (tables.harmonics.shape[1] or tables.sizes[1] or tables.signals.shape[0])
-
-
-def is_hidden(tables: Tables, length: float) -> bool:
-    """Whether strobes see the forcing at different phases, for lack of a common period.
-
-    Those phases neither grow nor die away, and are no states.
-    """
-    turns = tables.harmonics[0] * length / (2.0 * np.pi)
-    return bool(np.any(np.abs(turns - np.rint(turns)) > _TURN * np.maximum(1.0, turns)))
-
-
 def strobe_growth(neighbours: Neighbours) -> tuple[Status, Floats]:
     """Logarithmic growth of a neighbour in each interval behind the turn, drifts left out.
 
     returns: status, growth (intervals,); COMPLETED without growth where no mode takes the start
     """
-    if is_autonomous(neighbours.tables):
+    if not is_driven(neighbours.tables):
         return _several_columns(neighbours)
     found = _one_column(neighbours)
     return _several_columns(neighbours) if found is None else found
@@ -144,7 +130,7 @@ def _several_columns(given: Neighbours) -> tuple[Status, Floats]:
 
     Columns are made orthonormal, and their series looked after, from interval to interval.
     """
-    neutral = int(np.count_nonzero(given.drifting)) + int(is_autonomous(given.tables))
+    neutral = int(np.count_nonzero(given.drifting)) + int(not is_driven(given.tables))
     count = min(given.drifting.size, neutral + 1)
     flow = TangentFlow(given.tables, given.derivatives, count, given.tolerance)
     try:

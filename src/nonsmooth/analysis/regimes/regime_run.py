@@ -16,8 +16,6 @@ from nonsmooth.analysis.exponents.orbit_multipliers import (
 )
 from nonsmooth.analysis.exponents.strobe_growth import (
     Neighbours,
-    is_autonomous,
-    is_hidden,
     strobe_growth,
 )
 from nonsmooth.analysis.regimes import labels
@@ -29,6 +27,7 @@ from nonsmooth.analysis.statistics.block_averages import block_averages
 from nonsmooth.engine import records as at
 from nonsmooth.engine.status import Status
 from nonsmooth.simulation.clock import Instant, instants
+from nonsmooth.simulation.driving import hides_phase, is_driven
 from nonsmooth.simulation.lane_runner import LaneRunner
 from nonsmooth.simulation.runner import build_derivatives
 from nonsmooth.simulation.start import Start
@@ -91,8 +90,8 @@ class _Motion:
         self.sizes = np.abs(start.state)  # of the states since the start
         self.reached = 0  # strobes passed
         self.derivatives = build_derivatives(system, runner.tables, ())
-        self.autonomous = is_autonomous(runner.tables)
-        hidden = is_hidden(runner.tables, self.length)
+        self.autonomous = not is_driven(runner.tables)
+        hidden = hides_phase(runner.tables, self.length)
         # a motion that others approach has a direction without growth where strobes do not repeat
         self.attracting = (
             labels.LIMIT_CYCLE if self.autonomous else labels.QUASI_PERIODIC if hidden else ""
