@@ -81,18 +81,18 @@ def basins_of_attraction(
     Returns
     -------
     xarray.Dataset
-        What `attractors` gives, and over the states of the region, the last one first:
-        ``label``, the number of the attractor, 0 where a start came to none in the longest time,
-        -1 where it ended early (as it diverges), -2 where no mode admits it, -3 where an
-        interruption left it out; and ``iterations`` until that was known. ``fraction`` is the share
-        of the admissible cells, ``fraction_error`` its error for independent starts. The generalised cell mapping labels a cell by the attractor to
-        which most of it goes, and gives ``probability`` in place of ``iterations``: the share of
-        the cell that goes there, by the chain of cells. It tells how a cell is divided, not how
-        certain the label is: cells that are too coarse may be wrong together, and basins thinner
-        than a cell get too small a ``fraction``. The attribute
+        What `attractors` gives, and over the states of the region, the last one first: ``label``,
+        the number of the attractor, 0 where a start came to none in the longest time, -1 where it
+        ended early (as it diverges), -2 where no mode admits it, -3 where an interruption left it
+        out; and ``iterations`` until that was known. ``fraction`` is the share of the admissible
+        cells, ``fraction_error`` its error for independent starts. The generalised cell mapping
+        labels a cell by the attractor to which most of it goes, and gives ``probability`` in place
+        of ``iterations``: the share of the cell that goes there, by the chain of cells. It tells
+        how a cell is divided, not how certain the label is: cells that are too coarse may be wrong
+        together, and basins thinner than a cell get too small a ``fraction``. The attribute
         ``iterates_per_cell`` tells how often cells were mapped, ``changed_by_doubling`` which part
-        of the labels the last doubling changed, and ``cells_of_several_attractors`` how many
-        cells are too coarse to tell attractors apart; then the message says so too.
+        of the labels the last doubling changed, and ``cells_of_several_attractors`` how many cells
+        are too coarse to tell attractors apart; then the message says so too.
 
     Raises
     ------
