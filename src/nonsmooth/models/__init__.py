@@ -11,6 +11,8 @@ from nonsmooth.models.moling import moling
 from nonsmooth.models.moling_si import MolingRig
 from nonsmooth.models.percussive_drilling import percussive_drilling
 from nonsmooth.models.progression import progression
+from nonsmooth.models.snubber_boundaries import snubber_boundaries
+from nonsmooth.models.snubber_ring import snubber_ring
 from nonsmooth.models.soft_impact import soft_impact
 from nonsmooth.models.trilinear import trilinear
 
@@ -24,6 +26,8 @@ __all__ = [
     "moling",
     "percussive_drilling",
     "progression",
+    "snubber_boundaries",
+    "snubber_ring",
     "soft_impact",
     "trilinear",
 ]
