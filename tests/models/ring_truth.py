@@ -51,8 +51,7 @@ def radial(x, y, vx, vy):
 def one_spring_in_x(x, y, delta, vx, vy):
     """Third row of Table 6, corrected: the quartic for y_s, then x_s."""
     shifted = x + delta
-    if y == 0:  # by symmetry the ring is pushed straight; d_y' = 0 * ... with a side motion left
-        # d_y = 2y/(2 + mu) with 1 + mu = X
+    if y == 0:  # the limit of y_s / y is mu/(2 + mu), with 1 + mu = X
         mu = arb(shifted) - 1
         return [arb(x) - 1, arb(0), vx, vy * mu / (2 + mu)]
     t, X, Y = wanted_root(y, shifted), arb(shifted), arb(y)
@@ -75,6 +74,11 @@ def candidates(x, y, delta_x, delta_y, vx, vy):
     yield 5, [sx - delta_x, sy - delta_y, rate_x, rate_y]
 
 
+def agrees(s, delta, beyond):
+    """Without preload there is one spring at a time; else one beyond it and two within."""
+    return beyond if delta == 0 else (s > delta) == beyond
+
+
 def ring(x, y, delta_x, delta_y, vx=0.0, vy=0.0):
     """Regime, position and velocity of the ring for one rotor position."""
     ctx.dps = DIGITS
@@ -87,10 +91,8 @@ def ring(x, y, delta_x, delta_y, vx=0.0, vy=0.0):
         flip_x * x, flip_y * y, delta_x, delta_y, arb(flip_x * vx), arb(flip_y * vy)
     ):
         beyond_x, beyond_y = regime in (3, 5), regime in (4, 5)
-        agrees = (values[0] > delta_x) == beyond_x or (delta_x == 0 and beyond_x)
-        if agrees and ((values[1] > delta_y) == beyond_y or (delta_y == 0 and beyond_y)):
-            if (delta_x == 0) <= beyond_x and (delta_y == 0) <= beyond_y:
-                fitting.append((regime, values))
+        if agrees(values[0], delta_x, beyond_x) and agrees(values[1], delta_y, beyond_y):
+            fitting.append((regime, values))
     ((regime, (sx, sy, rate_x, rate_y)),) = fitting
     return Ring(regime, flip_x * sx, flip_y * sy, flip_x * rate_x, flip_y * rate_y)
 

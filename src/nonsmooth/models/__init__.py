@@ -11,6 +11,7 @@ from nonsmooth.models.moling import moling
 from nonsmooth.models.moling_si import MolingRig
 from nonsmooth.models.percussive_drilling import percussive_drilling
 from nonsmooth.models.progression import progression
+from nonsmooth.models.rotor import rotor
 from nonsmooth.models.snubber_boundaries import snubber_boundaries
 from nonsmooth.models.snubber_ring import snubber_ring
 from nonsmooth.models.soft_impact import soft_impact
@@ -26,6 +27,7 @@ __all__ = [
     "moling",
     "percussive_drilling",
     "progression",
+    "rotor",
     "snubber_boundaries",
     "snubber_ring",
     "soft_impact",

@@ -99,11 +99,11 @@ def snubber_ring(
     Examples
     --------
     >>> import nonsmooth as ns
-    >>> ring = ns.models.snubber_ring([0.5, 1.05, 1.5], [0.0, 0.0, 0.4])
+    >>> ring = ns.models.snubber_ring([0.5, 1.05, 1.5], [0.0, 0.0, 0.2])
     >>> ring["regime"].values
     array([1, 2, 3], dtype=int8)
     >>> [round(float(value), 6) for value in ring["force"]]
-    [0.0, 3.0, 20.143938]
+    [0.0, 3.0, 18.569826]
     """
     check_ring(K, nu2)
     check_preload(delta_x, delta_y)

