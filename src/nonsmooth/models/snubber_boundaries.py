@@ -85,7 +85,7 @@ def snubber_boundaries(
     >>> ns.models.snubber_boundaries(delta_x=0.0, delta_y=0.0).sizes["curve"]
     1
     """
-    check_preload(delta_x, delta_y)
+    delta_x, delta_y = check_preload(delta_x, delta_y)
     corner = 1.0 + math.hypot(delta_x, delta_y)
     if not (math.isfinite(extent) and extent >= corner):
         raise OptionError(
@@ -113,7 +113,7 @@ def snubber_boundaries(
             "side_x": ("curve", [c.side_x for c in curves], {"long_name": "sign of sx, or 0"}),
             "side_y": ("curve", [c.side_y for c in curves], {"long_name": "sign of sy, or 0"}),
         },
-        {"delta_x": float(delta_x), "delta_y": float(delta_y), "extent": float(extent)},
+        {"delta_x": delta_x, "delta_y": delta_y, "extent": float(extent)},
     )
 
 

@@ -105,8 +105,8 @@ def snubber_ring(
     >>> [round(float(value), 6) for value in ring["force"]]
     [0.0, 3.0, 18.569826]
     """
-    check_ring(K, nu2)
-    check_preload(delta_x, delta_y)
+    K, nu2 = check_ring(K, nu2)
+    delta_x, delta_y = check_preload(delta_x, delta_y)
     if (vx is None) != (vy is None):
         raise OptionError("one velocity only: give vx and vy, or neither")
     given = {"x": x, "y": y} if vx is None or vy is None else {"x": x, "y": y, "vx": vx, "vy": vy}
@@ -123,7 +123,7 @@ def snubber_ring(
     data = xr.Dataset(
         {name: (dims, values, _attributes(name)) for name, values in variables.items()},
         coords,
-        {"K": K, "nu2": nu2, "delta_x": delta_x, "delta_y": delta_y},
+        {"K": K, "delta_x": delta_x, "delta_y": delta_y} | ({} if vx is None else {"nu2": nu2}),
     )
     data["regime"] = (dims, ring.regime, regime_flags())
     return data.assign_coords({n: (dims, arrays[n], _attributes(n)) for n in ("x", "y")})
@@ -152,22 +152,36 @@ def regime_flags() -> dict[str, Any]:
     }
 
 
-def check_ring(K: float, nu2: float = 0.0) -> None:
-    """Refuse stiffness and damping that no ring has."""
-    if not (math.isfinite(K) and K > 0.0):
-        raise ModelError(f"K = {K:g} must be positive and finite: the ring stands on springs")
-    if not (math.isfinite(nu2) and nu2 >= 0.0):
-        raise ModelError(f"nu2 = {nu2:g} must be finite and not negative: dampers take energy out")
+def check_ring(K: float, nu2: float = 0.0) -> tuple[float, float]:
+    """Stiffness and damping as numbers; those that no ring has are refused."""
+    stiffness, damping = _number("K", K), _number("nu2", nu2)
+    if stiffness <= 0.0:
+        raise ModelError(f"K = {stiffness:g} must be positive: the ring stands on springs")
+    if damping < 0.0:
+        raise ModelError(f"nu2 = {damping:g} must not be negative: a damper takes energy out")
+    return stiffness, damping
 
 
-def check_preload(delta_x: float, delta_y: float) -> None:
-    """Refuse preloads that the formulas do not cover."""
-    for name, value in (("delta_x", delta_x), ("delta_y", delta_y)):
-        if not (math.isfinite(value) and value >= 0.0):
+def check_preload(delta_x: float, delta_y: float) -> tuple[float, float]:
+    """Preloads as numbers; those that the formulas do not cover are refused."""
+    x, y = _number("delta_x", delta_x), _number("delta_y", delta_y)
+    for name, value in (("delta_x", x), ("delta_y", y)):
+        if value < 0.0:
             raise ModelError(
-                f"{name} = {value:g} must be finite and not negative: a preload presses the springs"
-                " on the ring; 0 is a ring that just touches them"
+                f"{name} = {value:g} must not be negative: a preload presses the springs on the"
+                " ring; with 0 they just touch it"
             )
+    return x, y
+
+
+def _number(name: str, value: object) -> float:
+    try:
+        number = float(value)  # type: ignore[arg-type] # whatever else comes is refused
+    except (TypeError, ValueError):
+        number = math.nan
+    if not math.isfinite(number):
+        raise ModelError(f"{name} = {value!r:.60} is not a finite number")
+    return number
 
 
 def _attributes(name: str) -> dict[str, str]:

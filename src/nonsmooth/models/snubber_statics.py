@@ -98,7 +98,7 @@ def _springs(p: Array, q: Array, delta: float, other: float) -> Array:
     """
     if delta == 0.0:
         return np.ones(p.shape, np.int8)  # a spring without preload leaves the ring at once
-    with np.errstate(invalid="ignore", divide="ignore"):
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):  # no slope: p is zero
         slope = np.minimum(q / p, (q + other) / (p + delta))
         beyond = (p > delta) & ((p - delta) * np.hypot(1.0, slope) > 1.0)
     return np.where(beyond, 1, 2).astype(np.int8)

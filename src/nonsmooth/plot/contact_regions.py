@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -165,7 +165,7 @@ def _write(
     size = float(ax.xaxis.label.get_fontsize())
     low, high = ax.get_ylim()
     letter = size / 72.0 * figure.dpi / ax.get_window_extent().height * (high - low)
-    style = {"ha": "center", "va": "center", "fontsize": size, "zorder": 4}
+    style: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": size, "zorder": 4}
     point = (float(at[0]), float(at[1]))
     if beside is None or room >= _LETTER * letter:
         ax.text(*point, name, **style)
@@ -193,5 +193,12 @@ def _name_equations(ax: Axes, boundaries: xr.Dataset) -> None:
         place = curve[int(share * (len(curve) - 1))] if share else curve[int(0.8 * len(curve))]
         box = {"boxstyle": "round,pad=0.1", "facecolor": "white", "linewidth": 0.0, "alpha": 0.85}
         ax.text(
-            *place, f"({number})", fontsize=size, ha="center", va="center", bbox=box, zorder=4.5
+            float(place[0]),
+            float(place[1]),
+            f"({number})",
+            fontsize=size,
+            ha="center",
+            va="center",
+            bbox=box,
+            zorder=4.5,
         )
