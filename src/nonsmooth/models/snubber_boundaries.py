@@ -164,4 +164,4 @@ def _spread(first: float, last: float, points: int) -> np.ndarray:
 
 
 def _length(axis: str) -> dict[str, str]:
-    return {"long_name": f"displacement of the rotor in {axis}", "units": "dimensionless"}
+    return {"long_name": f"position of the rotor in {axis}", "units": "dimensionless"}

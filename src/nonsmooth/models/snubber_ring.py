@@ -21,8 +21,8 @@ from nonsmooth.models.snubber_statics import (
 __all__ = ["check_preload", "check_ring", "regime_flags", "snubber_ring"]
 
 _LABELS = {
-    "x": "displacement of the rotor in x",
-    "y": "displacement of the rotor in y",
+    "x": "position of the rotor in x",
+    "y": "position of the rotor in y",
     "sx": "displacement of the ring in x",
     "sy": "displacement of the ring in y",
     "mu": "multiplier of the contact over the stiffness of the ring",
