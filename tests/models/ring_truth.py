@@ -36,7 +36,7 @@ def wanted_root(y, shifted):
     """Root in [0, y) of (y - t)^2 (X^2 + (y + t)^2) = (y + t)^2."""
     t = fmpq_poly([0, 1])
     quartic = (y - t) ** 2 * (shifted**2 + (y + t) ** 2) - (y + t) ** 2
-    roots = [root.real for root, _ in quartic.numer().complex_roots() if root.imag == 0]
+    roots = [root.real for root, _ in quartic.complex_roots() if root.imag == 0]
     (root,) = [root for root in roots if root >= 0 and root < arb(y)]
     return root
 

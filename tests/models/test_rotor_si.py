@@ -205,6 +205,24 @@ def test_rotor_at_rest_on_the_ring():
     assert float(clear["x"]) == pytest.approx(0.4, rel=1e-15)
 
 
+def test_from_si_undoes_to_si():
+    """One value of each kind by hand; what comes back is what was given."""
+    rate = np.sqrt(79e3 / 9.7)
+    found = RIG.from_si({"x": 0.2, "vx": 15.0, "mu": 0.3, "eta": [10.0, 20.0], "delta_x": 0.1})
+    assert found["x"] == pytest.approx(0.4, rel=1e-15)
+    assert found["vx"] == pytest.approx(15.0 / (0.5 * rate), rel=1e-14)
+    assert found["mu"] == 0.3
+    assert found["eta"] == pytest.approx([10 * 2 * np.pi / rate, 20 * 2 * np.pi / rate])
+    assert found["delta_x"] == pytest.approx(0.2, rel=1e-15)
+    start = {"x": 0.2, "vy": 15.0}
+    si = RIG.to_si(ns.simulate(RIG.system(), RIG.from_si(start), periods=1))
+    assert {name: float(si[name][0]) for name in start} == pytest.approx(start, rel=1e-14)
+    with pytest.raises(ns.OptionError, match="unknown state or parameter 'z'"):
+        RIG.from_si({"z": 1.0})
+    with pytest.raises(ns.OptionError, match="x = 'far' is neither a number"):
+        RIG.from_si({"x": "far"})
+
+
 @pytest.mark.parametrize(
     ("name", "value", "message"),
     [

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 import tomllib
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
-from nonsmooth.errors import ModelError, OptionError
+from nonsmooth.errors import ModelError, OptionError, unknown_name
 from nonsmooth.models.rotor import rotor
 from nonsmooth.models.rotor_units import PARAMETERS, Unit, Units, in_si
 from nonsmooth.models.static_contact import static_contact
@@ -228,6 +230,57 @@ class RotorRig:
         'rotor'
         """
         return rotor(**self.parameters())
+
+    def from_si(self, values: Mapping[str, Any]) -> dict[str, Any]:
+        """Values of states or parameters in the machine's units, as the verbs take them.
+
+        Parameters
+        ----------
+        values : mapping of str to float or array_like
+            By the names of the model: positions in mm, velocities in mm/s, ``eta`` in Hz, and so
+            on as `to_si` gives them.
+
+        Returns
+        -------
+        dict of str to float or list of float
+            The same names, dimensionless: an initial state, or grids of a diagram or map.
+
+        Raises
+        ------
+        OptionError
+            For an unknown name or values that are no numbers.
+
+        Examples
+        --------
+        >>> import nonsmooth as ns
+        >>> rig = ns.models.RotorRig(
+        ...     mass=1.0,
+        ...     unbalance_mass=0.01,
+        ...     unbalance_radius=20.0,
+        ...     rotor_stiffness=1e4,
+        ...     ring_stiffness=3e5,
+        ...     rotor_damping=10.0,
+        ...     ring_damping=1.0,
+        ...     gap=0.4,
+        ...     speed=25.0,
+        ... )
+        >>> rig.from_si({"x": 0.2, "vy": 20.0})
+        {'x': 0.5, 'vy': 0.5}
+        """
+        units = self.units
+        found: dict[str, Any] = {}
+        for name, value in values.items():
+            unit = Unit(1.0, "") if name == "mu" else units.parameters.get(name) or units.of(name)
+            if unit is None:
+                known = [*self.system().states, *units.parameters]
+                raise OptionError(unknown_name("state or parameter", name, known))
+            try:
+                found[name] = (np.asarray(value, float) / unit.factor).tolist()
+            except (TypeError, ValueError):
+                raise OptionError(
+                    f"{name} = {value!r:.60} is no number, nor are its parts"
+                ) from None
+        return found
 
     def static_equilibrium(self) -> xr.Dataset:
         """Where the rotor rests while it does not turn, and whether on the ring, in mm and N.

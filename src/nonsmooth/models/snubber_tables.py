@@ -310,7 +310,7 @@ def boundary_curve(
     --------
     >>> from nonsmooth.models.snubber_tables import boundary_curve
     >>> round(float(boundary_curve(63, 1.05)), 6)
-    0.345994
+    0.345118
     """
     if equation not in range(62, 67):
         raise OptionError(f"equation = {equation!r}: the boundaries are 62 to 66")

@@ -181,8 +181,8 @@ def _name_equations(ax: Axes, boundaries: xr.Dataset) -> None:
     reach = float(boundaries.attrs["extent"])
     size = 0.85 * float(ax.xaxis.label.get_fontsize())
     for number, sides, share in (
-        (62, (0, 0), 0.625), (63, (_UP, 0), 0.75), (64, (0, _UP), 0.75),
-        (65, (_UP, _UP), None), (66, (_UP, _UP), None),
+        (62, (0, 0), 0.17), (63, (_UP, 0), 0.8), (64, (0, _UP), 0.8),
+        (65, (_UP, _UP), 0.65), (66, (_UP, _UP), 0.65),
     ):  # fmt: skip
         curve = _points(boundaries, number, side_x=sides[0], side_y=sides[1])
         if number == 62:
@@ -190,7 +190,7 @@ def _name_equations(ax: Axes, boundaries: xr.Dataset) -> None:
         curve = curve[(np.abs(curve) <= 0.97 * reach).all(axis=1)]
         if not len(curve):
             continue
-        place = curve[int(share * (len(curve) - 1))] if share else curve[int(0.8 * len(curve))]
+        place = curve[int(share * (len(curve) - 1))]
         box = {"boxstyle": "round,pad=0.1", "facecolor": "white", "linewidth": 0.0, "alpha": 0.85}
         ax.text(
             float(place[0]),

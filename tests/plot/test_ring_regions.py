@@ -4,7 +4,7 @@ from matplotlib.colors import to_hex
 
 import nonsmooth as ns
 from nonsmooth.models import snubber_boundaries, snubber_ring
-from nonsmooth.plot.contact_regions import contact_regions
+from nonsmooth.plot.ring_regions import contact_regions
 
 NAMES = ["I", "II", "III", "IV", "V"]
 PRELOADS = [(0.1, 0.1), (0.05, 0.3), (0.0, 0.2), (0.2, 0.0), (0.0, 0.0), (0.8, 0.6)]
