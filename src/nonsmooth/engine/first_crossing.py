@@ -214,10 +214,22 @@ def _within_margin(scan, g, margin, reach):
 
 @inlined
 def _alone(scan, n_exits, which, rest):
-    """Whether every other guard is safe up to the latest place of this guard's root, or the end."""
+    """Whether every other guard is safe up to the latest place of this guard's root, or the end.
+
+    One that is the same function, as two surfaces that have become one, comes after it.
+    """
     latest = min(scan[which, at.LATEST], rest)
     for g in range(n_exits):
-        if g != which and scan[g, at.SAFE] < latest:
+        if g != which and scan[g, at.SAFE] < latest and not (g > which and _same(scan, g, which)):
+            return False
+    return True
+
+
+@kernel
+def _same(scan, g, other):
+    """Whether two guards are the same function, as far as their coefficients tell."""
+    for k in range(at.TERMS):
+        if scan[g, k] != scan[other, k]:
             return False
     return True
 
