@@ -33,7 +33,7 @@ def carry_by_series(tables, rates, segment, tangent, m, s):
                 tables.code, tables.terms, tables.weights, tables.code_rows[m, 0],
                 tables.code_rows[m, 1], tables.values, rates.slot_rates, n,
                 tables.outlets[m], at.explicit(tables.wiring, m), tables.sizes, tables.harmonics,
-                rates.harmonics, series, dual, 0, at.ORDER,
+                rates.harmonics, series, dual, 0, at.ORDER, dual.shape[1],
             )  # fmt: skip
             tangent.ready[0] = 1
         while length > _SHORTEST * s and not _converge(n, count, dual, length):

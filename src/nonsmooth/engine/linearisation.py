@@ -40,7 +40,7 @@ def linearise(tables, slot_rates, harmonic_rates, affine_rates, series, dual, m,
         fill_duals(
             tables.code, tables.terms, tables.weights, first, last, tables.values, slot_rates,
             big_n, outlets, slaved, tables.sizes, tables.harmonics, harmonic_rates, series, dual,
-            part, high,
+            part, high, dual.shape[1],
         )  # fmt: skip
     n_exits = tables.wiring.shape[1] - 1
     affine = tables.affine

@@ -51,6 +51,7 @@ def settle(tables, rates, segment, m):
             tables.code, tables.terms, tables.weights, first, end, tables.values,
             rates.slot_rates, z.size, tables.outlets[m], at.explicit(tables.wiring, m),
             tables.sizes, tables.harmonics, rates.harmonics, series, segment.dual, 0, 0,
+            at.n_blocks(n),
         )  # fmt: skip
         step = _FAR
         if solve_together(tables, m, series, segment.dual):

@@ -53,6 +53,7 @@ _MOST_PASSES = 100
 _NOTHING = 1e-12  # likewise, of what it changes by in a window
 _SHARE = 1e-3  # of a coordinate in the rate of a guard, from which it is moved onto its zero
 _CLEARLY = 1e-9  # a guard above this part of its terms is not zero by construction
+_ANYWHERE_NEAR = 1e-5  # a guard above this part of its terms is not zero in any sense
 PATH_BITS = 6  # bits per exit in the recorded path
 PATH_LENGTH = 10
 
@@ -89,7 +90,8 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
     if e < 0 and tables.wiring[m, 0, at.IMPLICIT] != 0 and not settle(tables, rates, segment, m):
         return _INADMISSIBLE, m, path, passes, jumped, corner
     if curved:
-        linearise_mode(tables, rates, segment, m, at.DERIVATIVES)
+        # the derivatives of the guards count in the mode that is entered only
+        linearise_mode(tables, rates, segment, m, 1 if e >= 0 else at.DERIVATIVES)
         fill_scale(n, tables.generator, affine, wiring, m, z, duration, segment.scale)
         start_directions(n, affine, wiring, m, e, segment.scale, basis)
     fill_extent(n, affine, wiring, m, z, segment.extent)
@@ -123,7 +125,7 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
                     tables, rates, segment, target
                 ):
                     return _INADMISSIBLE, target, path, passes, jumped, corner
-                linearise_mode(tables, rates, segment, target, at.DERIVATIVES)
+                linearise_mode(tables, rates, segment, target, 1)
                 push_relations(n, affine, wiring, target, basis)
             fill_extent(n, affine, wiring, target, z, segment.extent)
             if not _slave(
@@ -145,6 +147,12 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
             followed = curved
         if passes != 1 and not curved:
             fill_scale(n, tables.generator, affine, wiring, m, z, duration, segment.scale)
+        if (
+            curved
+            and passes > 0
+            and _some_zero(affine, wiring, m, z, segment.extent, segment.scale)
+        ):
+            linearise_mode(tables, rates, segment, m, at.DERIVATIVES)
         e, meets, followed = _next_exit(
             n, affine, wiring, z, segment.extent, segment.order, basis, segment.scale, first_mode,
             first_exit, m, path, passes, followed, tolerance,
@@ -302,6 +310,19 @@ def _nearly_zero(affine, m, g, z, extent, scale):
     for i in range(z.size):
         change += abs(affine[m, row, i]) * scale[i]
     return abs(value) <= _CLEARLY * size or abs(value) <= _NOTHING * change
+
+
+@kernel
+def _some_zero(affine, wiring, m, z, extent, scale):
+    """Whether a guard of mode m is anywhere near zero, or below: its derivatives may count."""
+    for g in range(wiring[m, 0, at.N_EXITS]):
+        row, change = at.guard_row(g, 0), 0.0
+        value, size = _sum_of_terms(affine, m, row, z, extent)
+        for i in range(z.size):
+            change += abs(affine[m, row, i]) * scale[i]
+        if value <= _ANYWHERE_NEAR * (size + change):
+            return True
+    return False
 
 
 @kernel
