@@ -277,7 +277,8 @@ def _check_finite(arrays: dict[str, Floats], start: float, step: float) -> None:
         low, high = start + step * (ends[k] + 1), start + step * (ends[k + 1] - 1)
         raise OptionError(
             f"{name}: {bad.size} samples are not finite, the first at t ="
-            f" {start + step * bad[0]:.7g}; the longest part without a gap is time_range=({low:.9g}, {high:.9g})"
+            f" {start + step * bad[0]:.7g}; the longest part without a gap is"
+            f" time_range=({low:.9g}, {high:.9g})"
         )
 
 
