@@ -11,6 +11,7 @@ from nonsmooth.models.moling import moling
 from nonsmooth.models.moling_si import MolingRig
 from nonsmooth.models.percussive_drilling import percussive_drilling
 from nonsmooth.models.progression import progression
+from nonsmooth.models.rotor import rotor
 from nonsmooth.models.soft_impact import soft_impact
 from nonsmooth.models.trilinear import trilinear
 
@@ -24,6 +25,7 @@ __all__ = [
     "moling",
     "percussive_drilling",
     "progression",
+    "rotor",
     "soft_impact",
     "trilinear",
 ]
