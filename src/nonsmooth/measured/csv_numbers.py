@@ -32,7 +32,7 @@ def numbers_of(table: Table, columns: Sequence[int]) -> npt.NDArray[np.float64]:
             quotechar='"',
         )  # fmt: skip
     except (ValueError, IndexError):
-        raise OptionError(_first_fault(table, rows, columns)) from None
+        return _cell_by_cell(table, rows, columns)
     return found.T.copy()
 
 
@@ -42,24 +42,28 @@ def _prepared(table: Table, rows: list[str]) -> Iterator[str]:
     return iter(rows)
 
 
-def _first_fault(table: Table, rows: list[str], columns: Sequence[int]) -> str:
-    """The first cell that is no number, by its line in the file."""
+def _cell_by_cell(table: Table, rows: list[str], columns: Sequence[int]) -> npt.NDArray[np.float64]:
+    """The same, slowly: an empty cell is nan, and the first cell that is no number is told."""
+    numbers = np.empty((len(columns), len(rows)))
     for k, row in enumerate(rows):
         cells = cells_of(row, table.delimiter)
         where = f"{table.name}, line {table.first + k + 1}"
-        if len(cells) <= max(columns):
-            return (
-                f"{where} has {len(cells)} cells and column {max(columns)} (from 0) is needed: the"
-                " file was cut there, or the delimiter is another one"
+        if len(cells) < table.width - 1 or len(cells) < max(columns):
+            raise OptionError(
+                f"{where} has {len(cells)} cells and the first row of numbers has {table.width};"
+                " was the file cut there?"
             )
-        for column in columns:
-            cell = cells[column]
+        for i, column in enumerate(columns):
+            cell = cells[column] if column < len(cells) else ""
             try:
-                float(cell.replace(",", ".") if table.decimal == "," else cell)
+                numbers[i, k] = float(_pointed(cell, table.decimal)) if cell else np.nan
             except ValueError:
-                what = f"{cell!r:.40} is no number" if cell else "is empty"
-                return (
-                    f"{where}, column {column} (from 0): {what}; leave such rows out before, with"
-                    " the whole part of the record before or after them"
-                )
-    return f"{table.name}: the numbers cannot be read"
+                raise OptionError(
+                    f"{where}, column {column} (from 0): {cell!r:.40} is no number; delete what"
+                    " follows the record, and write nan where a sample is missing"
+                ) from None
+    return numbers
+
+
+def _pointed(cell: str, decimal: str) -> str:
+    return cell.replace(",", ".") if decimal == "," else cell

@@ -64,7 +64,8 @@ class Table:
                 f" {wanted!r}; give columns by number, from 0"
             )
         row = next((r for r in self.headers if any(_is_name(c) for c in r)), self.headers[0])
-        raise OptionError(f"{self.name}, {what}: {unknown_name('column', wanted, row)}")
+        known = [split_units(cell)[0] for cell in row if cell]
+        raise OptionError(f"{self.name}, {what}: {unknown_name('column', wanted, known)}")
 
     def _units(self, place: int) -> str:
         """Units of a column: in its header, or in a row of their own below the headers."""
