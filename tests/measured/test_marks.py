@@ -19,6 +19,20 @@ def test_edges_on_a_slope_are_exact():
     """A straight line between samples finds an edge that rises over several of them."""
     found = record(pulse=rigs.pulses(TIMES, MARKS, rise=12 / RATE))
     np.testing.assert_allclose(found["mark_time"], MARKS, atol=1e-12)
+    assert found.attrs["mark_error"] < 1e-10
+
+
+@pytest.mark.parametrize("bend", [0.3, 0.05])
+def test_edges_that_bend_are_off_by_what_is_stated(bend):
+    """Exponential edges of two to twelve samples, which a straight line cuts."""
+    since = TIMES[:, None] - MARKS[None, :]
+    time = bend * 40 / RATE
+    start = time * np.log(2.0)  # an exponential passes the middle there
+    rise = -np.expm1(-np.maximum(since + start, 0) / time)
+    fall = np.where(since > 0.02, 1.0, 0.0)
+    found = record(pulse=(rise * (1 - fall)).sum(axis=1))
+    away = np.abs(found["mark_time"].values - MARKS).max()
+    assert 0.02 * found.attrs["mark_error"] < away <= found.attrs["mark_error"] <= 1 / RATE
 
 
 def test_falling_edges_and_other_levels():

@@ -59,8 +59,25 @@ def find_edges(pulse: Floats, threshold: Any, hysteresis: Any, edge: Any) -> Edg
     below = np.maximum.accumulate(np.where(signed < 0.0, np.arange(signed.size), 0))
     last = below[above - 1]  # the last sample below the threshold on the way up
     share = -signed[last] / (signed[last + 1] - signed[last])
-    error = float(np.maximum(share, 1.0 - share).max()) if share.size else 0.0
-    return Edges(last + share, error)
+    return Edges(last + share, _sampling_error(signed, last, share))
+
+
+def _sampling_error(signed: Floats, last: npt.NDArray[np.int64], share: Floats) -> float:
+    """How far off edges may be, in samples.
+
+    An edge that bends one way lies between the line through the two samples about it and the
+    lines through the two before and the two after, prolonged. Where those are flat, as about an
+    edge within one sample, it may be anywhere between the two.
+    """
+    if share.size == 0:
+        return 0.0
+    before = signed[last] - signed[np.maximum(last - 1, 0)]
+    after = signed[np.minimum(last + 2, signed.size - 1)] - signed[last + 1]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        from_before = np.where(before > 0.0, -signed[last] / before, 1.0)
+        from_after = np.where(after > 0.0, 1.0 - signed[last + 1] / after, 0.0)
+    ends = np.clip([from_before, from_after], 0.0, 1.0)
+    return float(np.abs(ends - share).max())
 
 
 def given_marks(marks: Any) -> Floats:

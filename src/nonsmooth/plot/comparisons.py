@@ -140,7 +140,9 @@ def _points(data: xr.Dataset, x: str, y: str) -> tuple[Floats, Floats]:
     return across[here], up[here]
 
 
-def _check(data: xr.Dataset, which: str, x: str, y: str) -> None:
+def _check(data: Any, which: str, x: str, y: str) -> None:
+    if not hasattr(data, "data_vars"):
+        raise OptionError(f"{which} = {data!r:.60}: give a dataset")
     known = [str(v) for v in (*data.data_vars, *data.coords) if data[v].dtype.kind in "fiu"]
     for name in (x, y):
         if name not in known:
