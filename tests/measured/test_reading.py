@@ -66,6 +66,11 @@ def test_other_forms(read):
     check(read(text_of().replace("\n", "\r\n")))
     check(read(text_of().replace("\n", ",\n")))  # a delimiter at the end of each line
     check(read(text_of() + "\n\n"))
+    check(read(text_of().replace("\n", "\r")))
+    quoted = text_of(form='"%.9f"', decimal=",")  # commas for both
+    check(read(quoted))
+    check(read(quoted, decimal=",", delimiter=","))
+    check(read("Kommentar \x85 Ende\n" + text_of(), encoding="latin-1"))
     check(read(text_of("time,CH1,tacho\ns,V,V")))  # units in a row of their own
     check(read(text_of("time [ms],CH1 [V],tacho", rows=ROWS * [1e3, 1, 1])))
     check(read(text_of("time (us),CH1 [V],tacho", rows=ROWS * [1e6, 1, 1], form="%.12g")))
@@ -117,6 +122,8 @@ def cut(line, cell, new):
         (text_of("clock,CH1,tacho"), {}, "no column called time, Time, t"),
         (text_of("time,CH1,CH1"), {"mark": 2}, "2 columns are called 'CH1'"),
         (text_of("0,0,0"), {}, "has no header above its 3 columns"),
+        (text_of(), {"mark": 1.5}, "mark = 1.5: give the header"),
+        (text_of(), {"mark": True}, "mark = True: give the header"),
         (text_of(), {"mark": 3}, "numbered from 0 to 2"),
         (text_of("time [h],CH1,tacho"), {}, "times are in 'h'"),
         (cut(40, 1, ""), {}, "x: 1 samples are not finite, the first at t = 0.0195"),
@@ -133,8 +140,10 @@ def cut(line, cell, new):
         (text_of() + text_of(), {}, "'CH1 .V.' is no number"),
         ("", {}, "run.csv is empty"),
         ("\n\n", {}, "run.csv is empty"),
-        ("time,CH1,tacho\n", {}, "none of the first 1 lines is a row of numbers"),
+        ("time,CH1,tacho\n", {}, "none of the first 2 lines is a row of numbers"),
         ("a b c\n" * 500, {}, "none of the first 200 lines"),
+        ("1" * 200_000, {}, "none of the first 1 lines|no header|samples are too few"),
+        ("a," * 200_000, {}, "none of the first 1 lines"),
         (b"PK\x03\x04abc", {}, "Excel workbook"),
         (b"1,2\0,3\n", {}, "bytes that are no text"),
         (text_of(), {"delimiter": ";"}, "separated by ';'"),

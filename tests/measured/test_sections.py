@@ -172,6 +172,7 @@ def test_a_diagram_of_records():
 RECORD = ns.measured.from_arrays(
     {"x": rigs.derivative(TIMES, 0)}, times=TIMES, marks=MARKS, units="mm"
 )
+SHORT = RECORD.isel(time=slice(0, 1000))
 SCALED = ns.measured.dimensionless(RECORD, length=0.5, natural_frequency=90.0)
 
 
@@ -179,11 +180,15 @@ SCALED = ns.measured.dimensionless(RECORD, length=0.5, natural_frequency=90.0)
     ("make", "message"),
     [
         (lambda m: m.section("run"), "give a result of measured.read_csv"),
+        (lambda m: m.section(RECORD.isel(time=slice(None, None, 2))), "no longer one after"),
+        (lambda m: m.velocities(RECORD.isel(time=[0, 1, 2, 9, 10])), "no longer one after"),
+        (lambda m: m.section(RECORD.isel(time=slice(0))), "no samples"),
+        (lambda m: m.section(m.synchronous(RECORD)), "give a result of measured.read_csv"),
         (lambda m: m.section(RECORD, phase=1.0), "phase = 1"),
         (lambda m: m.section(RECORD, transient=-1), "whole number of marks"),
         (lambda m: m.section(RECORD, transient=85), "no point of the section"),
         (lambda m: m.velocities(RECORD, highest=9000.0), "times faster"),
-        (lambda m: m.velocities(RECORD, highest=0.01), "fewer|samples, and a window"),
+        (lambda m: m.velocities(SHORT, highest=0.5), "1000 samples, and a window"),
         (lambda m: m.velocities(RECORD, names={"z": "w"}), "unknown displacement 'z'"),
         (lambda m: m.velocities(RECORD, names={"x": "x"}), "named twice"),
         (lambda m: m.velocities(RECORD, names="v"), "give a mapping"),
@@ -199,6 +204,7 @@ SCALED = ns.measured.dimensionless(RECORD, length=0.5, natural_frequency=90.0)
         (lambda m: m.synchronous(RECORD, 0), "samples_per_period = 0"),
         (lambda m: m.diagram([]), "list is empty"),
         (lambda m: m.diagram(RECORD), "give a list"),
+        (lambda m: m.diagram([RECORD], unit=["Hz"]), "known are rad/s"),
         (lambda m: m.diagram([RECORD], unit="1/s"), "known are rad/s"),
         (lambda m: m.diagram([RECORD], values=[1, 2]), "each of the 1 records"),
         (lambda m: m.diagram([RECORD], label="gap"), "belongs to values="),

@@ -25,6 +25,8 @@ def numbers_of(table: Table, columns: Sequence[int]) -> npt.NDArray[np.float64]:
             f"{table.name}, line {table.first + blank + 1} is blank and numbers follow; give the"
             " records of a file in files of their own"
         )
+    if table.decimal == table.delimiter:  # cells are quoted
+        return _cell_by_cell(table, rows, columns)
     try:
         found: npt.NDArray[np.float64] = np.loadtxt(
             _prepared(table, rows), dtype=float, comments=None, usecols=list(columns), ndmin=2,

@@ -16,7 +16,8 @@ __all__ = ["Table", "cells_of", "read_table"]
 _MOST_BEFORE = 200  # lines of a header
 _LOOKED_AT = 20  # lines of numbers by which delimiter and decimal sign are told
 _DELIMITERS = {",": "comma", ";": "semicolon", "\t": "tab", " ": "spaces", "|": "bar"}
-_NUMBER = re.compile(r"[+-]?((\d+[.,]?\d*|[.,]\d+)([eEdD][+-]?\d+)?|nan|inf(inity)?)", re.I)
+_NUMBER = re.compile(r"[+-]?((\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?|nan|inf(inity)?)", re.I)
+_LINE_END = re.compile(r"\r\n|\r|\n")
 _SIGNATURES = {
     b"PK\x03\x04": "an Excel workbook or another archive",
     b"\xd0\xcf\x11\xe0": "an old Excel workbook",
@@ -42,6 +43,10 @@ class Table:
 
     def column(self, wanted: str | int, what: str) -> tuple[int, str]:
         """Number and units of a column by its header or its number."""
+        if isinstance(wanted, bool) or not isinstance(wanted, (str, int)):
+            raise OptionError(
+                f"{what} = {wanted!r:.60}: give the header of a column, or its number"
+            )
         if isinstance(wanted, int):
             if not 0 <= wanted < self.width:
                 raise OptionError(
@@ -83,7 +88,7 @@ def read_table(path: Any, delimiter: str | None, decimal: str | None) -> Table:
         file = Path(path)
     except TypeError:
         raise OptionError(f"path = {path!r:.60}: give the name of a CSV file") from None
-    lines = _decoded(file).splitlines()
+    lines = _LINE_END.split(_decoded(file))  # not the other signs that splitlines takes for ends
     if delimiter is not None and (not isinstance(delimiter, str) or len(delimiter) != 1):
         raise OptionError(f"delimiter = {delimiter!r:.60}: give one character, such as ';'")
     if decimal not in (None, ".", ","):
@@ -93,7 +98,7 @@ def read_table(path: Any, delimiter: str | None, decimal: str | None) -> Table:
     width = len(sample[0])
     if decimal is None:
         text = "".join(cell for cells in sample for cell in cells)
-        decimal = "," if found != "," and "," in text and "." not in text else "."
+        decimal = "," if "," in text and "." not in text else "."
     headers = []
     for line in reversed(lines[:first]):
         cells = cells_of(line.lstrip("#% "), found)
@@ -106,7 +111,10 @@ def cells_of(line: str, delimiter: str) -> list[str]:
     """Cells of one line, without quotes; an empty one behind the last delimiter is none."""
     if delimiter == " ":
         return line.split()
-    row = next(csv.reader([line], delimiter=delimiter), [])
+    try:
+        row = next(csv.reader([line], delimiter=delimiter), [])
+    except csv.Error:  # a cell of a hundred thousand characters
+        row = [line]
     cells = [cell.strip() for cell in row]
     return cells[:-1] if len(cells) > 1 and cells[-1] == "" else cells
 
@@ -155,7 +163,7 @@ def _candidates(line: str, decimal: str | None) -> list[str]:
     """Delimiters to try: a comma last but for spaces where it may be a decimal sign."""
     order = [";", "\t", "|", ",", " "] if decimal != "," else [";", "\t", "|", " "]
     found = [sign for sign in order if sign in line.strip()]
-    return found or [","]
+    return found or [";" if decimal == "," else ","]
 
 
 def _is_numbers(cells: list[str]) -> bool:

@@ -14,8 +14,8 @@ from nonsmooth.simulation.options import finite_number, whole_number
 
 __all__ = ["Differentiator"]
 
-_LONGEST = 100_001  # samples of a window
-_GRID = 64  # frequencies at which a band is checked
+_LONGEST = 20_001  # samples of a window
+_GRID = 8  # frequencies at which a band is checked
 
 Floats = npt.NDArray[np.float64]
 
@@ -100,7 +100,7 @@ class Differentiator:
         Returns
         -------
         Differentiator
-            That with the longest window that will do.
+            That with the longest window that will do, of at most 20001 samples.
 
         Raises
         ------

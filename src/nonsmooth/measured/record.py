@@ -142,7 +142,7 @@ def from_arrays(
         "mark_error": error,
         "n_repaired": repaired,
     }
-    words = _words(arrays, units, labels or {})
+    words = _words(arrays, units, labels)
     return xr.Dataset(
         {key: ("time", values, words[key]) for key, values in arrays.items()},
         {
@@ -159,6 +159,15 @@ def check_record(record: Any) -> xr.Dataset:
     """The record of a measured motion, or an error that says what is one."""
     if not isinstance(record, xr.Dataset) or "mark_time" not in record.coords:
         raise OptionError("record: give a result of measured.read_csv or measured.from_arrays")
+    count, rate = record.sizes["time"], float(record.attrs.get("sample_rate", math.nan))
+    if count < 2:
+        raise OptionError("record: it has no samples")
+    span = float(record["time"][-1] - record["time"][0]) * rate
+    if not abs(span / (count - 1) - 1.0) < 1e-6:
+        raise OptionError(
+            "record: its samples are no longer one after the other, as its sample_rate has it; cut"
+            " it by read_csv(..., time_range=) or by a slice of time without a step"
+        )
     return record
 
 
@@ -177,11 +186,12 @@ def _arrays(displacements: Any) -> dict[str, Floats]:
 
 def _numbers(name: str, values: Any) -> Floats:
     try:
-        numbers = np.array(values, dtype=float)
+        given = np.asarray(values)
+        numbers = np.array(given, dtype=float) if given.dtype.kind != "c" else None
     except (TypeError, ValueError):
         raise OptionError(f"{name} = {values!r:.60}: give numbers") from None
-    if numbers.ndim != 1 or numbers.size == 0:
-        raise OptionError(f"{name}: give samples in one dimension, one at least")
+    if numbers is None or numbers.ndim != 1 or numbers.size == 0:
+        raise OptionError(f"{name}: give real samples in one dimension, one at least")
     return numbers
 
 
@@ -282,11 +292,14 @@ def _check_finite(arrays: dict[str, Floats], start: float, step: float) -> None:
         )
 
 
-def _words(arrays: dict[str, Floats], units: Any, labels: Mapping[str, str]) -> dict[str, Any]:
+def _words(arrays: dict[str, Floats], units: Any, labels: Any) -> dict[str, Any]:
     """Attributes of each displacement."""
+    labels = {} if labels is None else labels
+    if not isinstance(labels, Mapping) or not isinstance(units, (str, Mapping)):
+        raise OptionError("units= is a text or a mapping by name, labels= a mapping by name")
     found = {}
     for name in arrays:
-        unit = units.get(name, "") if isinstance(units, Mapping) else str(units)
+        unit = str(units.get(name, "")) if isinstance(units, Mapping) else units
         words = {"long_name": labels.get(name) or f"displacement {name}"}
         found[name] = words | ({"units": unit} if unit else {})
     return found

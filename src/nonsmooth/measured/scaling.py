@@ -68,8 +68,6 @@ def dimensionless(
     record = check_record(record)
     if "natural_frequency" in record.attrs:
         raise OptionError("the record is dimensionless already; scale the one in units")
-    if "period" in record.attrs:
-        raise OptionError("scale the record first, and take synchronous() of the result")
     unit, rate = _positive("length", length), _positive("natural_frequency", natural_frequency)
     shifts = _shifts(record, origin)
     found = record.copy()

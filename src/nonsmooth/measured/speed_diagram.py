@@ -169,7 +169,7 @@ def _axis(unit: str | None, scaled: bool) -> tuple[float, dict[str, str]]:
             raise OptionError("unit: the records are dimensionless; leave it out")
         return 1.0, {"long_name": "speed over the natural frequency"}
     chosen = "rad/s" if unit is None else unit
-    if chosen not in _PER_SPEED:
+    if not isinstance(chosen, str) or chosen not in _PER_SPEED:
         raise OptionError(f"unit = {unit!r:.60}; known are {', '.join(_PER_SPEED)}")
     return _PER_SPEED[chosen], {"long_name": "speed", "units": chosen}
 
