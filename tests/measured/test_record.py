@@ -84,6 +84,7 @@ def test_a_record_is_saved_whole(tmp_path):
         ({"x": "abc"}, "give numbers"),
         ({"x": np.zeros((3, 3))}, "one dimension"),
         ({"x": X + 1j}, "real samples"),
+        ({"x": np.where(TIMES > 1, 1e38, X)}, r"1e\+38 at t = 1.0002 is beyond 1e\+30"),
         ({"units": 5}, "units= is a text"),
         ({"labels": "x"}, "labels= a mapping"),
         ({"time_range": (3, 4)}, "which covers 0.25 to 1.2498"),

@@ -156,7 +156,7 @@ def _rows(record: xr.Dataset, points: xr.Dataset) -> Iterator[tuple[str, str]]:
     yield "points", f"{points.sizes['point']} of {record.sizes['mark']} marks"
     if attrs["n_repaired"]:
         yield "repaired", f"{attrs['n_repaired']} marks"
-    yield "mark error", f"at most {attrs['mark_error']:.3g} {_unit(record['time'])}".rstrip()
+    yield "mark error", f"by sampling at most {attrs['mark_error']:.3g} {_unit(record['time'])}"
     for name in map(str, record.data_vars):
         words = record[name].attrs
         text = f"noise {words['noise']:.3g} {words.get('units', '')}".rstrip()

@@ -15,6 +15,7 @@ __all__ = ["Edges", "check_marks", "find_edges", "given_marks"]
 _FEWEST = 3  # marks: two revolutions, which may differ
 _NEIGHBOURS = 11  # revolutions by whose median one is judged
 _SHORT, _LONG = 2.0 / 3.0, 1.5  # of that median
+_STRAIGHT = 1e-9  # of a sample, a bend of an edge that is rounding
 _TOLD = 4  # faults named in a message
 
 Floats = npt.NDArray[np.float64]
@@ -77,7 +78,8 @@ def _sampling_error(signed: Floats, last: npt.NDArray[np.int64], share: Floats) 
         from_before = np.where(before > 0.0, -signed[last] / before, 1.0)
         from_after = np.where(after > 0.0, 1.0 - signed[last + 1] / after, 0.0)
     ends = np.clip([from_before, from_after], 0.0, 1.0)
-    return float(np.abs(ends - share).max())
+    found = float(np.abs(ends - share).max())
+    return found if found > _STRAIGHT else 0.0
 
 
 def given_marks(marks: Any) -> Floats:

@@ -20,6 +20,7 @@ from nonsmooth.version import __version__
 __all__ = ["check_record", "from_arrays"]
 
 _FEWEST = 16  # samples
+_LARGEST = 1e30  # a reading; codes for none are often larger still
 _OFF = 0.1  # of a step, a time may be off the even grid
 
 Floats = npt.NDArray[np.float64]
@@ -279,6 +280,14 @@ def _two_times(time_range: Any) -> tuple[float, float]:
 def _check_finite(arrays: dict[str, Floats], start: float, step: float) -> None:
     """Refuse gaps, and say which part of the record has none."""
     for name, values in arrays.items():
+        with np.errstate(invalid="ignore"):
+            large = np.isfinite(values) & (np.abs(values) > _LARGEST)
+        if large.any():
+            k = int(np.argmax(large))
+            raise OptionError(
+                f"{name}: {values[k]:g} at t = {start + step * k:.7g} is beyond {_LARGEST:g}; what"
+                " does the recorder write where it has no reading?"
+            )
         bad = np.flatnonzero(~np.isfinite(values))
         if bad.size == 0:
             continue
