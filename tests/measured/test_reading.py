@@ -70,7 +70,7 @@ def test_other_forms(read):
     quoted = text_of(form='"%.9f"', decimal=",")  # commas for both
     check(read(quoted))
     check(read(quoted, decimal=",", delimiter=","))
-    check(read("Kommentar \x85 Ende\n" + text_of(), encoding="latin-1"))
+    check(read("Note \x85\n" + text_of(), encoding="latin-1"))
     check(read(text_of("time,CH1,tacho\ns,V,V")))  # units in a row of their own
     check(read(text_of("time [ms],CH1 [V],tacho", rows=ROWS * [1e3, 1, 1])))
     check(read(text_of("time (us),CH1 [V],tacho", rows=ROWS * [1e6, 1, 1], form="%.12g")))
