@@ -31,7 +31,7 @@ def rotor(
     eta: Text = 2.442,
     nu1: Text = 0.125,
     nu2: Text = 0.002,
-    K: Text = 30.0,  # noqa: N803 - the chapter's symbol
+    K: Text = 30.0,
     eta_m: Text = 0.0017,
     rho: Text = 70.0,
     eps_x: Text = 0.9,
@@ -80,7 +80,7 @@ def rotor(
             "delta_x": delta_x,
             "delta_y": delta_y,
             "phi0": phi0,
-        },  # fmt: skip
+        },
         require={
             "eta > 0": "the rotor must turn",
             "nu1 >= 0": "negative damping would feed energy in",
@@ -98,10 +98,7 @@ def rotor(
             "preload_y": "where(sy > delta_y, delta_y, where(sy < -delta_y, -delta_y, 0))",
             "pull_x": "springs_x*sx + preload_x",
             "pull_y": "springs_y*sy + preload_y",
-            "share_x": "1/(springs_x + mu)",
-            "share_y": "1/(springs_y + mu)",
-            "rise": "(nx*vx + ny*vy - mu*(nx*share_x*vx + ny*share_y*vy))"
-            "/(share_x*nx**2 + share_y*ny**2)",
+            "decay": "K/(2*nu2)",
             "Fx": "K*pull_x + 2*nu2*springs_x*rate(sx)",
             "Fy": "K*pull_y + 2*nu2*springs_y*rate(sy)",
             "size": "sqrt(Fx**2 + Fy**2)",
@@ -120,35 +117,27 @@ def rotor(
         },
         modes={
             "free": Mode(
-                drive,
-                slaved={"sx": "0", "sy": "0", "mu": "0"},
-                definitions={
-                    "Fx": "0",
-                    "Fy": "0",
-                    "stored": "0",
-                    "size": "0",
-                    "springs_x": "2",
-                    "springs_y": "2",
-                },
+                drive | {"sx": "-decay*(sx + preload_x)", "sy": "-decay*(sy + preload_y)"},
+                slaved={"mu": "0"},
+                definitions={"Fx": "0", "Fy": "0", "size": "0"},
                 exits=[
                     Exit(
                         "1 - nx**2 - ny**2",
                         to="contact",
-                        reset={"sx": "0", "sy": "0", "mu": "0"},
+                        reset={"sx": "sx", "sy": "sy", "mu": "nx*pull_x + ny*pull_y"},
                         name="contact",
                     )
                 ],
+                cells=dict.fromkeys(_cells(), "I"),
             ),
             "contact": Mode(
-                drive
-                | {
-                    "sx": "share_x*(rise*nx + mu*vx)",
-                    "sy": "share_y*(rise*ny + mu*vy)",
-                    "mu": "rise",
+                drive,
+                slaved={
+                    "sx": "pull_x = mu*nx",
+                    "sy": "pull_y = mu*ny",
+                    "mu": "nx**2 + ny**2 = 1",
                 },
-                exits=[
-                    Exit("mu", to="free", reset={"sx": "0", "sy": "0", "mu": "0"}, name="release")
-                ],
+                exits=[Exit("nx*Fx + ny*Fy", to="free", reset={"mu": "0"}, name="release")],
                 cells=_cells(),
             ),
         },

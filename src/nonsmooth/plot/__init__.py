@@ -16,6 +16,7 @@ from nonsmooth.plot.markers import event_markers
 from nonsmooth.plot.mode_spans import phases
 from nonsmooth.plot.portrait import phase_portrait
 from nonsmooth.plot.regimes import regime_map
+from nonsmooth.plot.ring_regions import contact_regions
 from nonsmooth.plot.sections import section
 from nonsmooth.plot.spectrum import spectrum
 from nonsmooth.plot.style import PALETTE, axis_label, mode_colours
@@ -29,6 +30,7 @@ __all__ = [
     "basins",
     "bifurcation",
     "comparison",
+    "contact_regions",
     "event_markers",
     "exponents",
     "mode_colours",
