@@ -14,6 +14,7 @@ from nonsmooth.cli.diagram import diagram
 from nonsmooth.cli.ensemble import ensemble
 from nonsmooth.cli.explain import explain
 from nonsmooth.cli.lyapunov import lyapunov
+from nonsmooth.cli.measured import measured
 from nonsmooth.cli.measures import measures
 from nonsmooth.cli.models import models
 from nonsmooth.cli.regime import regime
@@ -70,6 +71,7 @@ app.command()(ensemble)
 app.command()(attractors)
 app.command()(basins)
 app.command()(measures)
+app.command()(measured)
 app.command()(models)
 app.command()(explain)
 

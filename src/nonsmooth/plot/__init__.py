@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from nonsmooth.plot.attractor_sets import attractors
 from nonsmooth.plot.basin_cells import basins
+from nonsmooth.plot.comparisons import comparison
 from nonsmooth.plot.diagrams import bifurcation
 from nonsmooth.plot.exponents import exponents
 from nonsmooth.plot.figures import print_figure, save_figure
@@ -28,6 +29,7 @@ __all__ = [
     "axis_label",
     "basins",
     "bifurcation",
+    "comparison",
     "contact_regions",
     "event_markers",
     "exponents",
