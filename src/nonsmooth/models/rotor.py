@@ -31,7 +31,7 @@ def rotor(
     eta: Text = 2.442,
     nu1: Text = 0.125,
     nu2: Text = 0.002,
-    K: Text = 30.0,  # noqa: N803 - the chapter's symbol
+    K: Text = 30.0,
     eta_m: Text = 0.0017,
     rho: Text = 70.0,
     eps_x: Text = 0.9,

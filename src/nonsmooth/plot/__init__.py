@@ -7,12 +7,14 @@ from __future__ import annotations
 
 from nonsmooth.plot.attractor_sets import attractors
 from nonsmooth.plot.basin_cells import basins
+from nonsmooth.plot.cascades import waterfall
 from nonsmooth.plot.diagrams import bifurcation
 from nonsmooth.plot.exponents import exponents
 from nonsmooth.plot.figures import print_figure, save_figure
 from nonsmooth.plot.histories import time_history
 from nonsmooth.plot.markers import event_markers
 from nonsmooth.plot.mode_spans import phases
+from nonsmooth.plot.orbits import orbit
 from nonsmooth.plot.portrait import phase_portrait
 from nonsmooth.plot.regimes import regime_map
 from nonsmooth.plot.sections import section
@@ -30,6 +32,7 @@ __all__ = [
     "event_markers",
     "exponents",
     "mode_colours",
+    "orbit",
     "phase_portrait",
     "phases",
     "print_figure",
@@ -40,4 +43,5 @@ __all__ = [
     "time_history",
     "translation",
     "uncertainty",
+    "waterfall",
 ]

@@ -1,0 +1,46 @@
+"""Amplitude and power density of segments by the fast Fourier transform."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+__all__ = ["Lines", "one_sided", "two_sided"]
+
+Floats = npt.NDArray[np.float64]
+
+
+class Lines(NamedTuple):
+    """A spectrum line by line; ``number`` counts periods in the length of a segment."""
+
+    number: npt.NDArray[np.int64]
+    amplitude: Floats
+    density: Floats
+
+
+def one_sided(values: Floats, weights: Floats, step: float) -> Lines:
+    """Spectrum of real segments (segment, sample): amplitudes of sines, the mean at zero."""
+    length = values.shape[1]
+    power = (np.abs(np.fft.rfft(values * weights, axis=1)) ** 2).mean(axis=0)
+    sides = np.full(power.size, 2.0)
+    sides[0] = 1.0
+    if length % 2 == 0:
+        sides[-1] = 1.0
+    amplitude = sides * np.sqrt(power) / weights.sum()
+    density = sides * power * step / (weights @ weights)
+    return Lines(np.arange(power.size), amplitude, density)
+
+
+def two_sided(values: npt.NDArray[np.complex128], weights: Floats, step: float) -> Lines:
+    """Spectrum of complex segments, from the lowest negative frequency on: radii of circles.
+
+    Of an even number of samples the line at half their frequency, which has no sign, is the
+    lowest one.
+    """
+    length = values.shape[1]
+    power = (np.abs(np.fft.fft(values * weights, axis=1)) ** 2).mean(axis=0)
+    power = np.fft.fftshift(power)
+    number = np.arange(length) - length // 2
+    return Lines(number, np.sqrt(power) / weights.sum(), power * step / (weights @ weights))
