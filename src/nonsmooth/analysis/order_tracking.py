@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.spectra.segments import check_window, record_of
-from nonsmooth.analysis.spectra.transforms import one_sided, two_sided
+from nonsmooth.analysis.spectra.transforms import about_mean
 from nonsmooth.analysis.spectra.waterfall_dataset import Rows, check_plane, waterfall_dataset
 from nonsmooth.analysis.statistics.slow_values import slow_names
 from nonsmooth.errors import OptionError, unknown_name
@@ -103,11 +103,10 @@ def order_tracking(
     places = first + length * np.arange(blocks + 1)
     times = run["time"].values
     weights = check_window(window, length)
-    make = one_sided if len(names) == 1 else two_sided
     columns = [one.values[first + 1 : places[-1] + 1].reshape(blocks, length) for one in series]
     whole: Any = columns[0] if len(names) == 1 else columns[0] + 1j * columns[1]
     spans = np.diff(times[places]) / count
-    found = [make(whole[k : k + 1], weights, spans[k] / per_period) for k in range(blocks)]
+    found = [about_mean(whole[k : k + 1], weights, spans[k] / per_period) for k in range(blocks)]
     rows = Rows(
         found[0].number / count,
         np.stack([one.amplitude for one in found]),

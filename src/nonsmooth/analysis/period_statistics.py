@@ -11,6 +11,7 @@ import numpy.typing as npt
 from nonsmooth.analysis.statistics.slow_values import slow_names
 from nonsmooth.analysis.sweeps.visits import visits_of
 from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.simulation.options import whole_number
 from nonsmooth.simulation.start import mode_numbers
 from nonsmooth.system.system import System
 from nonsmooth.version import __version__
@@ -29,6 +30,7 @@ def period_statistics(
     variables: str | Sequence[str] = (),
     *,
     contact: str | None = None,
+    periods: int = 1,
 ) -> xr.Dataset:
     """Largest and smallest values, and contacts, period by period: the envelope of a run.
 
@@ -40,14 +42,17 @@ def period_statistics(
         States and outputs.
     contact : str, optional
         A mode, for all of its cells, whose visits are counted.
+    periods : int, optional
+        Periods that are put together, so that a motion of a longer period has one amplitude.
 
     Returns
     -------
     xarray.Dataset
-        Over ``period``, the whole periods of the run by number: of each variable ``_min``,
-        ``_max`` and ``_amplitude``, half of what lies between; with ``contact`` also
-        ``contacts``, how many begin in the period, and ``contact_share``, the part of its time.
-        ``begin`` is the time at which a period begins; slow parameters have their names.
+        Over ``period``, the whole periods of the run by number, or each so many-th: of each
+        variable ``_min``, ``_max`` and ``_amplitude``, half of what lies between; with ``contact``
+        also ``contacts``, how many begin per period, and ``contact_share``, the part of the time.
+        ``begin`` is the time at which a period begins; slow parameters have their names, and are
+        means where periods are put together.
 
     Raises
     ------
@@ -72,14 +77,14 @@ def period_statistics(
     >>> run = ns.simulate(ns.models.moling(), periods=20)
     >>> found = ns.period_statistics(run, "y", contact="progression")
     >>> found["contacts"].values[-3:], found["y_amplitude"].values[-3:].round(4)
-    (array([1, 1, 1]), array([5.1159, 5.1159, 5.1159]))
+    (array([1., 1., 1.]), array([5.1159, 5.1159, 5.1159]))
     """
     names = [variables] if isinstance(variables, str) else [str(name) for name in variables]
     known = [str(v) for v in run.data_vars if run[v].dims == ("time",) and v != "mode"]
     for name in names:
         if name not in known:
             raise OptionError(f"variables: {unknown_name('variable', name, known)}")
-    frame = _Frame(run)
+    frame = _Frame(run, whole_number("periods", periods))
     time = run["time"].attrs
     found: dict[str, Any] = {}
     for name in slow_names(run):
@@ -96,33 +101,40 @@ def period_statistics(
             found[f"{name}_{key}"] = ("period", values, attrs)
     if contact is not None:
         contacts, share = frame.contacts(contact)
-        found["contacts"] = ("period", contacts, {"long_name": "contacts that begin in a period"})
+        found["contacts"] = ("period", contacts, {"long_name": "contacts per period"})
         found["contact_share"] = ("period", share, {"long_name": "part of the time in contact"})
     import xarray as xr
 
     coords: dict[str, Any] = {
-        "period": ("period", frame.numbers, {"long_name": "whole periods before"}),
+        "period": ("period", frame.numbers[:: frame.together], {"long_name": "whole periods before"}),
         "begin": (
-            "period", frame.begin[:-1], time | {"long_name": "time at which the period begins"},
+            "period", frame.begin[: -1 : frame.together], time | {"long_name": "time at which the period begins"},
         ),
     }  # fmt: skip
     kept = {key: run.attrs[key] for key in ("system_name", "system", "status") if key in run.attrs}
-    attrs = kept | {"nonsmooth_version": __version__, "contact": contact or ""}
+    attrs = kept | {
+        "nonsmooth_version": __version__,
+        "contact": contact or "",
+        "periods": frame.together,
+    }
+    attrs["slow"] = " ".join(slow_names(run))
     return xr.Dataset(found, coords, attrs)
 
 
 class _Frame:
     """The whole periods of a run, and which samples lie in them."""
 
-    def __init__(self, run: xr.Dataset) -> None:
+    def __init__(self, run: xr.Dataset, together: int) -> None:
         if "phase" not in run.coords:
             raise OptionError("the system of the run has no period; there are no statistics of any")
-        self.run = run
+        self.run, self.together = run, together
         number, phase = run["period_number"].values, run["phase"].values
         first = int(number[0]) + (1 if phase[0] > 0.0 else 0) if number.size else 0
         count = int(number[-1]) - first if number.size else 0
+        count -= count % together
         if count < 1:
-            raise OptionError("the run holds no whole period; simulate a longer one")
+            what = "no whole period" if together == 1 else f"fewer than {together} whole periods"
+            raise OptionError(f"the run holds {what}; simulate a longer one")
         self.numbers = np.arange(first, first + count)
         at_begin = phase == 0.0
         # a sample at a strobe ends one period and begins the next
@@ -139,7 +151,10 @@ class _Frame:
         """Values of what is constant in each period; at its end it is that before the change."""
         found = np.full(self.numbers.size, np.nan)
         self._put(found, self._closed, values)
-        return found
+        return self._mean(found)
+
+    def _mean(self, values: npt.NDArray[Any]) -> Floats:
+        return np.asarray(values.reshape(-1, self.together).mean(axis=1))
 
     def extremes(self, name: str) -> tuple[Floats, Floats]:
         """Smallest and largest value in each period."""
@@ -157,10 +172,11 @@ class _Frame:
             within = (place >= 0) & (place < low.size)
             np.minimum.at(low, place[within], some[within])
             np.maximum.at(high, place[within], some[within])
-        return low, high
+        low, high = (values.reshape(-1, self.together) for values in (low, high))
+        return low.min(axis=1), high.max(axis=1)
 
-    def contacts(self, contact: str) -> tuple[Integers, Floats]:
-        """Visits that begin in each period, and the part of its time."""
+    def contacts(self, contact: str) -> tuple[Floats, Floats]:
+        """Visits that begin per period, and the part of its time."""
         run = self.run
         if "event_time" not in run:
             raise OptionError("the run has no event log; simulate without events=False")
@@ -181,4 +197,5 @@ class _Frame:
         knots = np.column_stack([visits.begin, visits.end]).ravel()
         passed = np.column_stack([np.zeros(visits.begin.size), visits.end - visits.begin]).ravel()
         total = np.interp(self.begin, knots, np.cumsum(passed)) if knots.size else 0.0 * self.begin
-        return count, np.diff(total) / np.diff(self.begin)
+        every = slice(None, None, self.together)
+        return self._mean(count), np.diff(total[every]) / np.diff(self.begin[every])

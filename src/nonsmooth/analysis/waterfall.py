@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from nonsmooth.analysis.diagrams.diagram_options import check_values
 from nonsmooth.analysis.spectra.segments import check_window, without_drift
-from nonsmooth.analysis.spectra.transforms import one_sided, two_sided
+from nonsmooth.analysis.spectra.transforms import about_mean
 from nonsmooth.analysis.spectra.waterfall_dataset import Rows, check_plane, waterfall_dataset
 from nonsmooth.analysis.sweeps.settled import Settled
 from nonsmooth.analysis.sweeps.sweep import Sweep, make_sweep, run_sweep
@@ -43,9 +43,9 @@ def waterfall(
     initial: Any = None,
     start: str = "restart",
     transient: int = 200,
-    record: int = 64,
+    record: int = 60,
     samples_per_period: int = 64,
-    window: str = "boxcar",
+    window: str = "hann",
     segments: int = 1,
     parameters: Mapping[str, float] | None = None,
     tolerance: float = 1e-12,
@@ -77,10 +77,12 @@ def waterfall(
         Periods left out at the beginning of each motion.
     record : int, optional
         Periods of each record; lines are ``segments / record`` of the forcing's frequency apart.
+        Sixty holds motions of the periods 1 to 6 as a whole.
     samples_per_period : int, optional
         Samples per period; harmonics above half of it are folded back.
     window : str, optional
-        As in `power_spectrum`.
+        As in `power_spectrum`; the boxcar keeps lines of motions that fit into the record
+        narrower, and smears others over all frequencies.
     segments : int, optional
         As in `power_spectrum`; whole periods each.
     parameters : mapping of str to float, optional
@@ -99,7 +101,7 @@ def waterfall(
     xarray.Dataset
         Over ``parameter`` and ``harmonic``, the frequency over that of the forcing, which counts
         orders of a speed: ``amplitude`` and ``power_density`` as in `power_spectrum` or
-        `full_spectrum`, and ``frequency`` in cycles per unit time. Over ``parameter``: ``period``
+        `full_spectrum`, of the motion about its mean, which is the amplitude at zero, and ``frequency`` in cycles per unit time. Over ``parameter``: ``period``
         in time, and ``status``.
 
     Raises
@@ -124,7 +126,7 @@ def waterfall(
     >>> import nonsmooth as ns
     >>> spectra = ns.waterfall(ns.models.soft_impact(), "omega", [0.7, 0.83], "x", transient=400)
     >>> dict(spectra.sizes)
-    {'parameter': 2, 'harmonic': 2049}
+    {'parameter': 2, 'harmonic': 1921}
     >>> amplitude = spectra["amplitude"].sel(harmonic=0.5)
     >>> [float(value) > 1e-6 for value in amplitude]  # period 1, period 2
     [False, True]
@@ -149,9 +151,7 @@ def waterfall(
 
     def reduce(settled: Settled) -> dict[str, npt.NDArray[Any]]:
         parts = _record(settled, sweep, names, per_period, count * length).reshape(count, length)
-        step = settled.period / per_period
-        make = one_sided if len(names) == 1 else two_sided
-        lines = make(parts, weights, step)
+        lines = about_mean(parts, weights, settled.period / per_period)
         return {
             "amplitude": lines.amplitude,
             "density": lines.density,

@@ -19,6 +19,7 @@ from nonsmooth.plot.portrait import phase_portrait
 from nonsmooth.plot.regimes import regime_map
 from nonsmooth.plot.sections import section
 from nonsmooth.plot.spectrum import spectrum
+from nonsmooth.plot.statistic_curves import statistics
 from nonsmooth.plot.style import PALETTE, axis_label, mode_colours
 from nonsmooth.plot.translation import translation
 from nonsmooth.plot.uncertainty_curve import uncertainty
@@ -40,6 +41,7 @@ __all__ = [
     "save_figure",
     "section",
     "spectrum",
+    "statistics",
     "time_history",
     "translation",
     "uncertainty",

@@ -23,8 +23,8 @@ _KINDS = ("cascade", "map")
 _AXES = ("frequency", "harmonic")
 _ORDERS = 5.0  # harmonics shown
 _DECADES = 4.0  # of amplitudes that colours tell apart
-_MOST = 80  # spectra below each other that are still told apart
-_HEIGHT = 6.0  # of the highest line, in distances of spectra
+_MOST = 50  # spectra below each other that are still told apart
+_HEIGHT = 8.0  # of the highest line, in distances of spectra
 _MOST_MARKED = 12  # orders named on the map
 
 
@@ -70,7 +70,7 @@ def waterfall(
 
     Notes
     -----
-    Of more than 80 spectra a cascade draws every second, or third, and so on.
+    Of more than 50 spectra a cascade draws every second, or third, and so on.
 
     Examples
     --------
@@ -137,7 +137,7 @@ def _draw_lines(data: xr.Dataset, ax: Axes, over: str, last: float, height: floa
     for number, i in enumerate(chosen[::-1]):  # the lowest are in front
         x, line = here[i][shown[i]], values[i] + scale * motion[i][shown[i]]
         ax.fill_between(x, values[i], line, color="white", zorder=1 + 1e-3 * number, linewidth=0.0)
-        ax.plot(x, line, color="black", linewidth=0.5, zorder=1 + 1e-3 * number)
+        ax.plot(x, line, color="black", linewidth=0.4, zorder=1 + 1e-3 * number)
     ax.set_ylim(values[0] - 0.02 * spread, values[-1] + max(tall, 0.02 * spread))
 
 
@@ -155,7 +155,7 @@ def _draw_map(data: xr.Dataset, ax: Axes, over: str, last: float, height: float 
     mesh: Any = ax.pcolormesh(
         _cells(x, axis=1), np.repeat(_edges(values)[:, None], x.shape[1] + 1, axis=1),
         np.maximum(rows, largest * 10.0**-_DECADES),
-        norm=LogNorm(largest * 10.0**-_DECADES, largest), cmap="cividis_r", rasterized=True,
+        norm=LogNorm(largest * 10.0**-_DECADES, largest), cmap="magma_r", rasterized=True,
         linewidth=0.0,
     )  # fmt: skip
     figure = ax.get_figure(root=True)
@@ -195,18 +195,17 @@ def _mark_orders(data: xr.Dataset, ax: Axes, over: str, last: float) -> None:
     values, forcing = data["parameter"].values, 1.0 / data["period"].values
     unit = np.ones(values.size) if over == "harmonic" else forcing
     two_sided = float(data["harmonic"].min()) < 0.0
-    most = min(int(last / unit.min() * (1.0 + 1e-9)), _MOST_MARKED)
+    most = min(int(last / unit.max() * (1.0 + 1e-9)), _MOST_MARKED)
     top = ax.get_ylim()[1]
     size = float(ax.xaxis.label.get_fontsize()) - 1.5
     for order in [n for n in range(-most if two_sided else 1, most + 1) if n]:
         ax.plot(
-            order * unit, values, color=PALETTE["vermilion"], linestyle="--", linewidth=0.6,
+            order * unit, values, color=PALETTE["blue"], linestyle="--", linewidth=0.6,
             zorder=3,
         )  # fmt: skip
         place = order * float(unit[-1])
-        if abs(place) <= last:
-            ax.annotate(
+        ax.annotate(
                 f"{order}X".replace("-", "\N{MINUS SIGN}"), (place, top), xytext=(0.0, 1.0),
                 textcoords="offset points", ha="center", va="bottom", fontsize=size,
-                color=PALETTE["vermilion"], annotation_clip=False,
+                color=PALETTE["blue"], annotation_clip=False,
             )  # fmt: skip

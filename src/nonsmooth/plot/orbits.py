@@ -82,7 +82,7 @@ def orbit(
     >>> T = run.attrs["period"]
     >>> ax = ns.plot.orbit(run, ring=("sx", "sy"), clearance=1.0, time_range=(200 * T, 210 * T))
     >>> ax.get_aspect(), ax.lines[-1].get_label()
-    (1.0, 'once per revolution')
+    (1.0, 'every period')
     """
     check_variables(run, [x, y, *(ring or ())])
     time_range = check_range(run, time_range)
@@ -128,5 +128,5 @@ def _mark_revolutions(
         *points, linestyle="none", marker="o", markersize=3.5 if begins.size <= _FEW else 1.2,
         markerfacecolor="white", markeredgecolor="black",
         markeredgewidth=0.7 if begins.size <= _FEW else 0.3, zorder=4,
-        label="once per revolution", rasterized=begins.size > DENSE,
+        label="every period", rasterized=begins.size > DENSE,
     )  # fmt: skip

@@ -25,6 +25,7 @@ def spectrum(
     variable: str = "amplitude",
     *,
     ax: Axes | None = None,
+    over: str = "frequency",
     highest: float | None = None,
 ) -> Axes:
     """Amplitude or power density over frequency, logarithmic, with the harmonics marked.
@@ -39,8 +40,10 @@ def spectrum(
         What to draw.
     ax : matplotlib.axes.Axes, optional
         Where to draw; new axes of a column's width by default.
+    over : {"frequency", "harmonic"}, optional
+        Frequency in cycles, or over that of the forcing, as orders of a speed.
     highest : float, optional
-        Highest frequency to draw; ten times that of the forcing by default, five of a full
+        Highest frequency, or harmonic, to draw; ten times that of the forcing by default, five of a full
         spectrum.
 
     Returns
@@ -66,9 +69,15 @@ def spectrum(
             f"variable = {variable!r}: draw 'amplitude' or 'power_density' of a result of"
             " power_spectrum or full_spectrum"
         )
+    if over not in ("frequency", "harmonic") or over not in data.coords:
+        raise OptionError(
+            f"over = {over!r}: draw over 'frequency', or over 'harmonic' where the run has a period"
+        )
     ax = new_axes() if ax is None else ax
-    frequency, values = data["frequency"].values, data[variable].values
+    frequency, values = data[over].values, data[variable].values
     forcing = 1.0 / data.attrs["period"] if "period" in data.attrs else None
+    if over == "harmonic":
+        forcing = 1.0
     two_sided = frequency[0] < 0.0
     last = float(frequency[-1])
     if highest is not None:
@@ -86,5 +95,5 @@ def spectrum(
     floor = _FLOOR * float(values.max(initial=0.0)) or 1e-300
     ax.semilogy(frequency[shown], np.maximum(values[shown], floor), **LINES[0] | {"linewidth": 0.7})
     ax.set_xlim(-last if two_sided else 0.0, last)
-    finish_axes(ax, axis_label(data["frequency"]), axis_label(data[variable]))
+    finish_axes(ax, axis_label(data[over]), axis_label(data[variable]))
     return ax

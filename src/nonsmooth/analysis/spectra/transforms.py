@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["Lines", "one_sided", "two_sided"]
+__all__ = ["Lines", "about_mean", "one_sided", "two_sided"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -44,3 +44,15 @@ def two_sided(values: npt.NDArray[np.complex128], weights: Floats, step: float) 
     power = np.fft.fftshift(power)
     number = np.arange(length) - length // 2
     return Lines(number, np.sqrt(power) / weights.sum(), power * step / (weights @ weights))
+
+
+def about_mean(values: npt.NDArray[Any], weights: Floats, step: float) -> Lines:
+    """Spectrum of segments about their mean, which no window spreads; real or complex ones.
+
+    The amplitude at zero is the mean, the power density there that about it.
+    """
+    mean = values.mean()
+    make: Any = two_sided if np.iscomplexobj(values) else one_sided
+    lines: Lines = make(values - mean, weights, step)
+    lines.amplitude[lines.number == 0] = abs(mean)
+    return lines
