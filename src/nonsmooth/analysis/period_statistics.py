@@ -106,9 +106,12 @@ def period_statistics(
     import xarray as xr
 
     coords: dict[str, Any] = {
-        "period": ("period", frame.numbers[:: frame.together], {"long_name": "whole periods before"}),
+        "period": (
+            "period", frame.numbers[:: frame.together], {"long_name": "whole periods before"},
+        ),
         "begin": (
-            "period", frame.begin[: -1 : frame.together], time | {"long_name": "time at which the period begins"},
+            "period", frame.begin[: -1 : frame.together],
+            time | {"long_name": "time at which the period begins"},
         ),
     }  # fmt: skip
     kept = {key: run.attrs[key] for key in ("system_name", "system", "status") if key in run.attrs}
@@ -172,8 +175,8 @@ class _Frame:
             within = (place >= 0) & (place < low.size)
             np.minimum.at(low, place[within], some[within])
             np.maximum.at(high, place[within], some[within])
-        low, high = (values.reshape(-1, self.together) for values in (low, high))
-        return low.min(axis=1), high.max(axis=1)
+        shape = (-1, self.together)
+        return low.reshape(shape).min(axis=1), high.reshape(shape).max(axis=1)
 
     def contacts(self, contact: str) -> tuple[Floats, Floats]:
         """Visits that begin per period, and the part of its time."""

@@ -101,7 +101,8 @@ def waterfall(
     xarray.Dataset
         Over ``parameter`` and ``harmonic``, the frequency over that of the forcing, which counts
         orders of a speed: ``amplitude`` and ``power_density`` as in `power_spectrum` or
-        `full_spectrum`, of the motion about its mean, which is the amplitude at zero, and ``frequency`` in cycles per unit time. Over ``parameter``: ``period``
+        `full_spectrum`, of the motion about its mean, which is the amplitude at zero, and
+        ``frequency`` in cycles per unit time. Over ``parameter``: ``period``
         in time, and ``status``.
 
     Raises

@@ -98,7 +98,9 @@ def orbit(
         )
     if clearance is not None:
         angle = np.linspace(0.0, 2.0 * np.pi, 361)
-        circle = (c + clearance * wave(angle) for c, wave in zip(centre, (np.cos, np.sin)))
+        circle = (
+            c + clearance * wave(angle) for c, wave in zip(centre, (np.cos, np.sin), strict=True)
+        )
         ax.plot(*circle, color="0.4", linestyle="--", linewidth=0.7, label="clearance", zorder=1)
     if marks:
         _mark_revolutions(run, x, y, ax, time_range)

@@ -43,8 +43,8 @@ def spectrum(
     over : {"frequency", "harmonic"}, optional
         Frequency in cycles, or over that of the forcing, as orders of a speed.
     highest : float, optional
-        Highest frequency, or harmonic, to draw; ten times that of the forcing by default, five of a full
-        spectrum.
+        Highest frequency, or harmonic, to draw; ten times that of the forcing by default, five of a
+        full spectrum.
 
     Returns
     -------

@@ -129,7 +129,7 @@ def _draw_all(data: xr.Dataset, variable: str, ax: Axes, x: np.ndarray, label: s
         band = [values[:, first], values[:, last]]
         what = f"{parts[first]:g} to {parts[last]:g} % of the time"
     ax.fill_between(
-        x, *band, color=colour, alpha=_PALE if f"{variable}_mean" in data else 0.5,
+        x, band[0], band[1], color=colour, alpha=_PALE if f"{variable}_mean" in data else 0.5,
         linewidth=0.0, label=label or what,
     )  # fmt: skip
     if f"{variable}_mean" in data:

@@ -74,7 +74,7 @@ class Panels(NamedTuple):
     def lowest(self) -> tuple[float, float]:
         """The smallest value and its error."""
         value, error = self._replace(coefficients=-self.coefficients).highest()
-        return -value, error
+        return 0.0 - value, error  # no negative zero
 
     def percentiles(self, parts: Floats) -> Floats:
         """Values below which the variable is for some parts of the time, from 0 to 100."""
