@@ -20,7 +20,12 @@ def shaft(**parameters) -> ns.System:
             "u": "e*w**2*cos(w*t) - c*u - k_x*x",
             "v": "sense*e*w**2*sin(w*t) - c*v - k_y*y",
         },
-        describe={"time": "time [s]", "x": "horizontal [mm]", "y": "vertical [mm]", "u": "u [mm/s]"},
+        describe={
+            "time": "time [s]",
+            "x": "horizontal [mm]",
+            "y": "vertical [mm]",
+            "u": "u [mm/s]",
+        },
     )
 
 

@@ -63,7 +63,10 @@ def test_it_agrees_with_the_spectrum_of_one_variable():
 def test_labels_and_units():
     run = ns.simulate(shaft(), periods=20)
     found = ns.full_spectrum(run, "x", "y")
-    assert found["amplitude"].attrs == {"long_name": "amplitude of the motion x + i y", "units": "mm"}
+    assert found["amplitude"].attrs == {
+        "long_name": "amplitude of x + i y",
+        "units": "mm",
+    }
     assert found["power_density"].attrs["units"] == "(mm)^2 s"
     assert found["frequency"].attrs["units"] == "1/s"
     assert np.all(np.diff(found["frequency"]) > 0.0)

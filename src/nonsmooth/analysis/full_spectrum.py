@@ -108,6 +108,6 @@ def full_spectrum(
     lines = two_sided(values, check_window(window, length), first.step)
     attrs = series[0].attrs | record_attributes(series[0], first, window, transient)
     attrs |= {"variable": x, "second_variable": y}
-    label = {"long_name": plane_label(names, ""), "units": series[0].label.get("units", "")}
+    what, unit = plane_label(names, ""), series[0].label.get("units", "")
     time_unit = run["time"].attrs.get("units", "")
-    return spectrum_dataset(lines, first.periods, label, time_unit, attrs)
+    return spectrum_dataset(lines, first.periods, what, unit, time_unit, attrs)

@@ -98,6 +98,6 @@ def power_spectrum(
     length = parts.values.shape[1]
     lines = one_sided(parts.values, check_window(window, length), parts.step)
     attrs = series.attrs | record_attributes(series, parts, window, transient)
-    return spectrum_dataset(
-        lines, parts.periods, series.label, run["time"].attrs.get("units", ""), attrs
-    )
+    what, unit = f"the {series.label['long_name']}", series.label.get("units", "")
+    time_unit = run["time"].attrs.get("units", "")
+    return spectrum_dataset(lines, parts.periods, what, unit, time_unit, attrs)

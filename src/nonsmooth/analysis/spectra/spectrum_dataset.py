@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 import xarray as xr
@@ -16,13 +15,13 @@ HARMONIC = "frequency over that of the forcing"
 
 
 def spectrum_labels(
-    name: str, unit: str, time_unit: str
+    what: str, unit: str, time_unit: str
 ) -> tuple[dict[str, str], dict[str, str], dict[str, str]]:
-    """Attributes of amplitude, power density and frequency of what has a name and a unit."""
+    """Attributes of amplitude, power density and frequency of something with a unit."""
     per_density = {"units": f"({unit})^2 {time_unit}".strip()} if unit else {}
     return (
-        {"long_name": f"amplitude of the {name}"} | ({"units": unit} if unit else {}),
-        {"long_name": f"power density of the {name}"} | per_density,
+        {"long_name": f"amplitude of {what}"} | ({"units": unit} if unit else {}),
+        {"long_name": f"power density of {what}"} | per_density,
         {"long_name": FREQUENCY} | ({"units": f"1/{time_unit}"} if time_unit else {}),
     )
 
@@ -30,12 +29,13 @@ def spectrum_labels(
 def spectrum_dataset(
     lines: Lines,
     periods: int,
-    label: Mapping[str, str],
+    what: str,
+    unit: str,
     time_unit: str,
     attrs: dict[str, Any],
 ) -> xr.Dataset:
     """Dataset of the spectrum of a record; ``attrs`` has its ``resolution``."""
-    texts = spectrum_labels(label["long_name"], label.get("units", ""), time_unit)
+    texts = spectrum_labels(what, unit, time_unit)
     coords: dict[str, Any] = {
         "frequency": ("frequency", lines.number * attrs["resolution"], texts[2])
     }

@@ -50,7 +50,7 @@ def check_plane(
 
 def plane_label(names: Sequence[str], label: str) -> str:
     """What a spectrum is of: the label of one variable, or the names of two."""
-    return label if len(names) == 1 else f"motion {names[0]} + i {names[1]}"
+    return f"the {label}" if len(names) == 1 else f"{names[0]} + i {names[1]}"
 
 
 def waterfall_dataset(
