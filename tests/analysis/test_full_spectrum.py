@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 import xarray as xr
-from analysis.shafts import shaft, whirl
 
 import nonsmooth as ns
+from analysis.shafts import shaft, whirl
 
 
 def over_harmonics(spectrum):

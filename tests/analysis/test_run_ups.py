@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import xarray as xr
-from analysis.shafts import shaft, whirl
 
 import nonsmooth as ns
+from analysis.shafts import shaft, whirl
 
 
 def run_up(rate=2e-5, **parameters):

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 import xarray as xr
-from analysis.shafts import shaft, whirl
 
 import nonsmooth as ns
+from analysis.shafts import shaft, whirl
 
 SPEEDS = np.linspace(0.6, 2.5, 9)
 QUICK = {"transient": 150, "record": 8, "samples_per_period": 12}
