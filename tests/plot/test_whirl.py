@@ -138,7 +138,8 @@ def test_statistics(ax):
     np.testing.assert_array_equal(lines["largest"].get_ydata(), found["force_max"])
     np.testing.assert_array_equal(lines["rms"].get_ydata(), found["force_rms"])
     assert ax.get_ylabel() == "force"
-    assert [text.get_text() for text in ax.get_legend().get_texts()][0] == "5 to 95 % of the time"
+    first = ax.get_legend().get_texts()[0]
+    assert first.get_text() == "5 to 95 % of the time"
 
 
 def test_run_up_and_run_down_on_one_axes(ax):
