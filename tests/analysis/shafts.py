@@ -31,7 +31,12 @@ def shaft(**parameters) -> ns.System:
 
 def whirl(w, k_x=1.0, k_y=1.0, c=0.3, e=0.2, sense=1.0):
     """Radii of the forward and the backward circle by the transfer functions."""
+    return tuple(abs(each) for each in vectors(w, k_x, k_y, c, e, sense))
+
+
+def vectors(w, k_x=1.0, k_y=1.0, c=0.3, e=0.2, sense=1.0):
+    """Complex radii: a circle is the vector times exp(iwt), or exp(-iwt) backward."""
     x = e * w**2 / (k_x - w**2 + 1j * c * w)
     y = sense * e * w**2 / (k_y - w**2 + 1j * c * w) / 1j
     # x + iy with x = Re(X exp(iwt)) and y likewise
-    return abs(x + 1j * y) / 2, abs(np.conj(x) + 1j * np.conj(y)) / 2
+    return (x + 1j * y) / 2, (np.conj(x) + 1j * np.conj(y)) / 2

@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 import nonsmooth as ns
-from analysis.shafts import shaft, whirl
+from analysis.shafts import shaft, vectors, whirl
 
 SPEEDS = np.linspace(0.6, 2.5, 9)
 QUICK = {"transient": 150, "record": 8, "samples_per_period": 12}
@@ -26,6 +26,22 @@ def test_unbalance_response(window):
     np.testing.assert_allclose(found["period"], 2 * np.pi / SPEEDS, rtol=1e-14)
     assert found["amplitude"].attrs["units"] == "mm"
     assert found["period"].attrs["units"] == "s"
+
+
+@pytest.mark.parametrize("window", ["boxcar", "hann"])
+def test_phases(window):
+    """Of forward and backward vectors, and of one coordinate."""
+    system = shaft(k_y=3.0)
+    both = ns.waterfall(system, "w", SPEEDS, ("x", "y"), window=window, **QUICK)
+    one = ns.waterfall(system, "w", SPEEDS, "x", window=window, **QUICK)
+    for k, w in enumerate(SPEEDS):
+        forward, backward = vectors(w, k_y=3.0)
+        x = forward + np.conj(backward)
+        for found, harmonic, wanted in ((both, 1, forward), (both, -1, backward), (one, 1, x)):
+            line = found.isel(parameter=k).sel(harmonic=harmonic)
+            vector = float(line["amplitude"]) * np.exp(1j * float(line["phase"]))
+            assert vector == pytest.approx(wanted, abs=1e-8)
+    assert "phase" not in ns.waterfall(system, "w", [1.0], "x", segments=2, **QUICK)
 
 
 def test_ellipse_over_a_stiffness():

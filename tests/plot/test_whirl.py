@@ -139,7 +139,7 @@ def test_statistics(ax):
     np.testing.assert_array_equal(lines["rms"].get_ydata(), found["force_rms"])
     assert ax.get_ylabel() == "force"
     first = ax.get_legend().get_texts()[0]
-    assert first.get_text() == "5 to 95 % of the time"
+    assert first.get_text() == "5 to 95 %"
 
 
 def test_run_up_and_run_down_on_one_axes(ax):

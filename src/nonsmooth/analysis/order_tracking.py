@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.spectra.segments import check_window, record_of
-from nonsmooth.analysis.spectra.transforms import about_mean
+from nonsmooth.analysis.spectra.transforms import about_mean, phases
 from nonsmooth.analysis.spectra.waterfall_dataset import Rows, check_plane, waterfall_dataset
 from nonsmooth.analysis.statistics.slow_values import slow_names
 from nonsmooth.errors import OptionError, unknown_name
@@ -112,6 +112,7 @@ def order_tracking(
         np.stack([one.amplitude for one in found]),
         np.stack([one.density for one in found]),
         spans,
+        np.stack([phases(block, weights) for block in whole]),
     )
     middle = values[first + 1 : places[-1] + 1].reshape(blocks, length).mean(axis=1)
     label = run[name].attrs | {"long_name": run[name].attrs.get("long_name", name)}

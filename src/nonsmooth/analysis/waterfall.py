@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from nonsmooth.analysis.diagrams.diagram_options import check_values
 from nonsmooth.analysis.spectra.segments import check_window, without_drift
-from nonsmooth.analysis.spectra.transforms import about_mean
+from nonsmooth.analysis.spectra.transforms import about_mean, phases
 from nonsmooth.analysis.spectra.waterfall_dataset import Rows, check_plane, waterfall_dataset
 from nonsmooth.analysis.sweeps.settled import Settled
 from nonsmooth.analysis.sweeps.sweep import Sweep, make_sweep, run_sweep
@@ -102,8 +102,10 @@ def waterfall(
         Over ``parameter`` and ``harmonic``, the frequency over that of the forcing, which counts
         orders of a speed: ``amplitude`` and ``power_density`` as in `power_spectrum` or
         `full_spectrum`, of the motion about its mean, which is the amplitude at zero, and
-        ``frequency`` in cycles per unit time. Over ``parameter``: ``period``
-        in time, and ``status``.
+        ``frequency`` in cycles per unit time. Of a single segment also ``phase``: a line is
+        ``amplitude*cos(2*pi*harmonic*t/period + phase)``, or the circle whose real part that is,
+        with t from the beginning of the record, which is that of a period. Over ``parameter``:
+        ``period`` in time, and ``status``.
 
     Raises
     ------
@@ -157,7 +159,7 @@ def waterfall(
             "amplitude": lines.amplitude,
             "density": lines.density,
             "period": np.array(settled.period),
-        }
+        } | ({"phase": phases(parts[0], weights)} if count == 1 else {})
 
     options = {
         "samples_per_period": per_period,
@@ -176,6 +178,7 @@ def waterfall(
         stacked(found, "amplitude", number.shape),
         stacked(found, "density", number.shape),
         stacked(found, "period", ()),
+        stacked(found, "phase", number.shape) if count == 1 else None,
     )
     attrs = sweep_attributes(model, found, complete, sweep.options | options)
     result = waterfall_dataset(

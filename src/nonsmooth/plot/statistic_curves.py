@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 __all__ = ["statistics"]
 
 _CURVES = (
-    ("max", "largest"), ("in_contact", "mean in contact"), ("rms", "rms"), ("mean", "mean")
+    ("max", "largest"), ("in_contact", "in contact"), ("rms", "rms"), ("mean", "mean")
 )  # fmt: skip
 _PALE = 0.25  # opacity of bands
 
@@ -38,12 +38,14 @@ def statistics(
     Parameters
     ----------
     data : xarray.Dataset
-        Result of `contact_statistics` over a parameter, or of `period_statistics`.
+        Result of `contact_statistics` over a parameter, or of `period_statistics`; also one
+        harmonic of a `waterfall`, as in ``spectra.sel(harmonic=1)``.
     variable : str
         What is in the dataset, such as ``"contacts"``, ``"force_max"`` or ``"x_amplitude"``, for
         one curve. A variable of which there are statistics, such as ``"force"``, for all of them:
-        the largest value, means, and the band between the lowest and the highest percentile, or
-        between the smallest and the largest value.
+        the largest value, the mean in contact, the root mean square and the mean over all time,
+        and the band between the lowest and the highest percentile, or between the smallest and
+        the largest value.
     ax : matplotlib.axes.Axes, optional
         Where to draw; new axes of a column's width by default.
     over : str, optional
@@ -73,7 +75,7 @@ def statistics(
     ... )
     >>> ax = ns.plot.statistics(found, "stop_force")
     >>> [line.get_label() for line in ax.lines]
-    ['largest', 'mean in contact', 'rms', 'mean']
+    ['largest', 'in contact', 'rms', 'mean']
     """
     dim = next((name for name in ("parameter", "period") if name in data.dims), None)
     if dim is None:
@@ -127,7 +129,7 @@ def _draw_all(data: xr.Dataset, variable: str, ax: Axes, x: np.ndarray, label: s
         first, last = int(np.argmin(parts)), int(np.argmax(parts))
         values = data[f"{variable}_percentile"].transpose(..., "percentile").values
         band = [values[:, first], values[:, last]]
-        what = f"{parts[first]:g} to {parts[last]:g} % of the time"
+        what = f"{parts[first]:g} to {parts[last]:g} %"
     ax.fill_between(
         x, band[0], band[1], color=colour, alpha=_PALE if f"{variable}_mean" in data else 0.5,
         linewidth=0.0, label=label or what,

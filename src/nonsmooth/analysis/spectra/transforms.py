@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["Lines", "about_mean", "one_sided", "two_sided"]
+__all__ = ["Lines", "about_mean", "one_sided", "phases", "two_sided"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -56,3 +56,14 @@ def about_mean(values: npt.NDArray[Any], weights: Floats, step: float) -> Lines:
     lines: Lines = make(values - mean, weights, step)
     lines.amplitude[lines.number == 0] = abs(mean)
     return lines
+
+
+def phases(values: npt.NDArray[Any], weights: Floats) -> Floats:
+    """Phase of each line of one segment at the time one step before its first sample."""
+    length = values.size
+    weighted = (values - values.mean()) * weights
+    if np.iscomplexobj(values):
+        transform, number = np.fft.fftshift(np.fft.fft(weighted)), np.arange(length) - length // 2
+    else:
+        transform, number = np.fft.rfft(weighted), np.arange(length // 2 + 1)
+    return np.asarray(np.angle(transform * np.exp(-2j * np.pi * number / length)))

@@ -24,6 +24,7 @@ class Rows(NamedTuple):
     amplitude: Floats  # (value, line)
     density: Floats
     period: Floats  # (value,) of the forcing, in time
+    phase: Floats | None  # (value, line); None for averages, which have none
 
 
 def check_plane(
@@ -66,11 +67,15 @@ def waterfall_dataset(
     amplitude, density, frequency = spectrum_labels(what, labels[0].get("units", ""), time_unit)
     dims = ("parameter", "harmonic")
     time = {"units": time_unit} if time_unit else {}
+    variables: dict[str, Any] = {
+        "amplitude": (dims, rows.amplitude, amplitude),
+        "power_density": (dims, rows.density, density),
+    }
+    if rows.phase is not None:
+        label = {"long_name": "phase at the beginning of the record", "units": "rad"}
+        variables["phase"] = (dims, rows.phase, label)
     return xr.Dataset(
-        {
-            "amplitude": (dims, rows.amplitude, amplitude),
-            "power_density": (dims, rows.density, density),
-        },
+        variables,
         {
             "parameter": parameter,
             "harmonic": (("harmonic",), rows.harmonic, {"long_name": HARMONIC}),
