@@ -148,6 +148,21 @@ def test_threads_and_stores_change_nothing(tmp_path, start):
     xr.testing.assert_identical(xr.load_dataset(tmp_path / "a.nc", engine="h5netcdf"), plain)
 
 
+def test_a_system_without_parameters():
+    flow = {"x": "-2*sin(2*t)"}
+    system = ns.System(
+        states=["x"],
+        period="pi",
+        initial={"x": 1.0},
+        modes={
+            "free": ns.Mode(flow, exits=[ns.Exit("0.5 - x", to="contact")]),
+            "contact": ns.Mode(flow, exits=[ns.Exit("x - 0.5", to="free")]),
+        },
+    )
+    found = ns.contact_statistics(system, of="x", **QUICK)
+    assert float(found["contact_share"]) == pytest.approx(np.arccos(0.5) / np.pi, rel=1e-12)
+
+
 def test_values_that_are_refused():
     found = ns.contact_statistics(wave(), "w", [-1.0, 1.0], **QUICK)
     assert found["status"].values.tolist() == ["refused", "completed"]
@@ -158,6 +173,7 @@ def test_values_that_are_refused():
     ("options", "text"),
     [
         ({"contact": "rub"}, "contact: unknown mode 'rub'"),
+        ({"contact": 3}, "give a name"),
         ({"contact": []}, "names no mode"),
         ({"of": "z"}, "of: unknown variable 'z'"),
         ({"percentiles": [101]}, "from 0 to 100"),

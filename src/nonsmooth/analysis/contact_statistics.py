@@ -133,10 +133,9 @@ def contact_statistics(
     )  # fmt: skip
     asked = _asked(sweep, contact, of, percentiles)
     model = sweep.system
-    name = next(iter(model.parameters), "") if parameter is None else parameter
-    grid = np.full(1, model.parameter_values.get(name, np.nan))
+    name, grid = "", np.zeros(1)
     if parameter is not None:
-        grid = check_values(model, parameter, values)
+        name, grid = parameter, check_values(model, parameter, values)
     found, complete = run_sweep(
         sweep, name, grid, lambda settled: contact_numbers(settled, asked),
         label="contact statistics", options=asked.options, threads=threads, store=store,
@@ -148,10 +147,18 @@ def contact_statistics(
     return result
 
 
+def _names(option: str, given: Any) -> tuple[str, ...]:
+    if isinstance(given, str):
+        return (given,)
+    if not isinstance(given, Sequence):
+        raise OptionError(f"{option} = {given!r:.60}: give a name, or a list of names")
+    return tuple(str(name) for name in given)
+
+
 def _asked(sweep: Sweep, contact: Any, of: Any, percentiles: Any) -> Asked:
     """What is to be found out, checked."""
     model = sweep.system
-    modes = (contact,) if isinstance(contact, str) else tuple(contact)
+    modes = _names("contact", contact)
     if not modes:
         raise OptionError(f"contact= names no mode; the system has {', '.join(model.modes)}")
     numbers: set[int] = set()
@@ -160,7 +167,7 @@ def _asked(sweep: Sweep, contact: Any, of: Any, percentiles: Any) -> Asked:
             numbers |= set(mode_numbers(model, str(name)))
         except OptionError as fault:
             raise OptionError(f"contact: {str(fault).removeprefix('mode: ')}") from None
-    variables = (of,) if isinstance(of, str) else tuple(of)
+    variables = _names("of", of)
     known = [*model.states, *model.outputs]
     for name in variables:
         if name not in known:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.analysis.spectra.segments import check_window, record_of
+from nonsmooth.analysis.spectra.segments import check_run, check_window, record_of
 from nonsmooth.analysis.spectra.transforms import about_mean, phases
 from nonsmooth.analysis.spectra.waterfall_dataset import Rows, check_plane, waterfall_dataset
 from nonsmooth.analysis.statistics.slow_values import slow_names
@@ -84,6 +84,7 @@ def order_tracking(
     >>> float(first["parameter"][first.argmax("parameter")].round(2))
     1.01
     """
+    check_run(run)
     names = check_plane(
         variable,
         [str(name) for name in run.data_vars if run[name].dims == ("time",)],

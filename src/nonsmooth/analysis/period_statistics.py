@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.analysis.spectra.segments import check_run
 from nonsmooth.analysis.statistics.slow_values import slow_names
 from nonsmooth.analysis.sweeps.visits import visits_of
 from nonsmooth.errors import OptionError, unknown_name
@@ -79,6 +80,9 @@ def period_statistics(
     >>> found["contacts"].values[-3:], found["y_amplitude"].values[-3:].round(4)
     (array([1., 1., 1.]), array([5.1159, 5.1159, 5.1159]))
     """
+    check_run(run)
+    if not isinstance(variables, str | Sequence):
+        raise OptionError(f"variables = {variables!r:.60}: give a name, or a list of names")
     names = [variables] if isinstance(variables, str) else [str(name) for name in variables]
     known = [str(v) for v in run.data_vars if run[v].dims == ("time",) and v != "mode"]
     for name in names:

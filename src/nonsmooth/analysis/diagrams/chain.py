@@ -42,13 +42,18 @@ def chain(
     ``start`` gives the initial state and the mode, see `run_lane`, for a value. A motion that is to
     ``follow`` begins where whoever iterates has left the lanes of the last one; drifting states
     begin at their initial value everywhere. After a value at which the motion ended early, or that
-    the system refuses, it begins anew.
+    the system refuses, it begins anew. Without the name of a parameter none is changed.
     """
     lanes: Lanes | None = None
-    columns = ColumnStarts(chosen, parameter, values, runner, start)
+    columns = ColumnStarts(chosen, parameter, values, runner, start) if parameter else None
     for i in range(len(values)):
         try:
-            state, mode, length = columns.set_up(runner, i)
+            if columns is None:
+                runner.set_up(chosen.system.parameter_values)
+                state, mode = start(chosen.system, runner.tables)
+                length = chosen.length
+            else:
+                state, mode, length = columns.set_up(runner, i)
         except ModelError:
             lanes = None
             yield None

@@ -13,6 +13,7 @@ from nonsmooth.errors import OptionError
 
 __all__ = [
     "Segments",
+    "check_run",
     "check_window",
     "record_attributes",
     "record_of",
@@ -31,10 +32,15 @@ class Segments(NamedTuple):
     step: float
 
 
-def record_of(run: xr.Dataset, variable: str) -> Series:
-    """Series of a variable of a run."""
+def check_run(run: Any) -> None:
+    """Refuse what is no run."""
     if not isinstance(run, xr.Dataset) or "time" not in run.dims:
         raise OptionError("run: give a result of simulate, with samples over time")
+
+
+def record_of(run: xr.Dataset, variable: str) -> Series:
+    """Series of a variable of a run."""
+    check_run(run)
     series = series_of(run, variable)
     if series.times is None:
         raise OptionError(f"variable: {variable!r} is no series over time")

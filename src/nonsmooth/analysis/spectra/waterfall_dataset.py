@@ -31,7 +31,9 @@ def check_plane(
     variable: Any, known: Sequence[str], attributes: Callable[[str], Mapping[str, str]]
 ) -> tuple[str, ...]:
     """One name, or two of the same unit, out of those that are known."""
-    names = (variable,) if isinstance(variable, str) else tuple(variable or ())
+    names: tuple[Any, ...] = (variable,) if isinstance(variable, str) else ()
+    if isinstance(variable, Sequence) and not isinstance(variable, str):
+        names = tuple(variable)
     if len(names) not in (1, 2):
         raise OptionError(
             f"variable = {variable!r:.60}: give the name of a state or output, or two for a motion"

@@ -14,6 +14,7 @@ import numpy.typing as npt
 from nonsmooth.analysis.diagrams.chain import chain
 from nonsmooth.analysis.diagrams.diagram_options import check_way
 from nonsmooth.analysis.diagrams.diagram_tasks import chains
+from nonsmooth.analysis.regimes.regime_dataset import said_of_start
 from nonsmooth.analysis.sweeps.settled import Settled, settle
 from nonsmooth.engine.layout import Tables
 from nonsmooth.engine.status import Status
@@ -55,10 +56,6 @@ class Sweep:
     @property
     def options(self) -> dict[str, Any]:
         """What of the options stands in a result."""
-        initial = "at rest"
-        if self.initial is not None:
-            mapping = isinstance(self.initial, Mapping)
-            initial = str(dict(self.initial)) if mapping else "a point of a dataset"
         return {
             "start": self.start,
             "transient": self.transient,
@@ -66,7 +63,7 @@ class Sweep:
             **self.chosen.protocol,
             "tolerance": self.tolerance,
             "changed_parameters": str(dict(self.changed)) if self.changed else "",
-            "initial": initial,
+            "initial": said_of_start(self.initial),
         }
 
 
