@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,7 +26,8 @@ _ORDERS = 5.0  # harmonics shown
 _DECADES = 4.0  # of amplitudes that colours tell apart
 _MOST = 50  # spectra below each other that are still told apart
 _HEIGHT = 8.0  # of the highest line, in distances of spectra
-_MOST_MARKED = 12  # orders named on the map
+_MOST_MARKED = 12  # orders that are marked
+_LABEL = 2.8  # width of the name of an order, in letters
 
 
 def waterfall(
@@ -198,14 +200,20 @@ def _mark_orders(data: xr.Dataset, ax: Axes, over: str, last: float) -> None:
     most = min(int(last / unit.max() * (1.0 + 1e-9)), _MOST_MARKED)
     top = ax.get_ylim()[1]
     size = float(ax.xaxis.label.get_fontsize()) - 1.5
+    figure = ax.get_figure(root=True)
+    assert figure is not None
+    across = ax.get_window_extent().width / figure.dpi * 72.0 / (2.0 * last if two_sided else last)
+    every = max(1, math.ceil(_LABEL * size / (across * float(unit[-1]))))  # that leaves room
     for order in [n for n in range(-most if two_sided else 1, most + 1) if n]:
         ax.plot(
             order * unit, values, color=PALETTE["blue"], linestyle="--", linewidth=0.6,
             zorder=3,
         )  # fmt: skip
         place = order * float(unit[-1])
+        if (abs(order) - 1) % every:
+            continue
         ax.annotate(
-                f"{order}X".replace("-", "\N{MINUS SIGN}"), (place, top), xytext=(0.0, 1.0),
-                textcoords="offset points", ha="center", va="bottom", fontsize=size,
-                color=PALETTE["blue"], annotation_clip=False,
-            )  # fmt: skip
+            f"{order}X".replace("-", "\N{MINUS SIGN}"), (place, top), xytext=(0.0, 1.0),
+            textcoords="offset points", ha="center", va="bottom", fontsize=size,
+            color=PALETTE["blue"], annotation_clip=False,
+        )  # fmt: skip

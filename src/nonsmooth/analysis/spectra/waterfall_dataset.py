@@ -74,7 +74,7 @@ def waterfall_dataset(
         "power_density": (dims, rows.density, density),
     }
     if rows.phase is not None:
-        label = {"long_name": "phase at the beginning of the record", "units": "rad"}
+        label = {"long_name": "phase", "units": "rad"}
         variables["phase"] = (dims, rows.phase, label)
     return xr.Dataset(
         variables,
