@@ -156,9 +156,9 @@ def rotor(
     References
     ----------
     M. Wiercigroch, E. Pavlovskaia, Engineering applications of non-smooth dynamics, section 4;
-    E. V. Karpenko, M. Wiercigroch, E. E. Pavlovskaia, R. D. Neilson, Experimental verification
-    of Jeffcott rotor model with preloaded snubber ring, Journal of Sound and Vibration 298,
-    907-917 (2006).
+    E. Pavlovskaia, E. V. Karpenko, M. Wiercigroch, Nonlinear dynamic interactions of a
+    Jeffcott rotor with a preloaded snubber ring, Journal of Sound and Vibration 276, 361-379
+    (2004).
 
     Examples
     --------
