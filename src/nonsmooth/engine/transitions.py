@@ -10,7 +10,7 @@ from __future__ import annotations
 from nonsmooth.engine import layout as at
 from nonsmooth.engine.arrays import copy_vector
 from nonsmooth.engine.jit import inlined, kernel
-from nonsmooth.engine.linearisation import linearise
+from nonsmooth.engine.linearisation import linearise, linearise_derivatives
 from nonsmooth.engine.solved_relations import settle
 from nonsmooth.engine.status import Status
 from nonsmooth.engine.tangent import (
@@ -83,15 +83,15 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
     fired = 0.0  # size of the terms that cancelled in the guard that fired
     carrying = tangent.columns.shape[0] > 0
     if e >= 0:
-        if curved:  # a reset that keeps a zero does so on the guard, not beside it
-            linearise_mode(tables, rates, segment, m, 1)
+        if curved:  # gradients do not change on the hair's breadth to the zero of the guard
+            linearise_mode(tables, rates, segment, m)
         fill_extent(n, affine, wiring, m, z, segment.extent)
         fired = _set_fired_zero(n, tables.generator, affine, wiring, m, e, z, segment.extent)
     if e < 0 and tables.wiring[m, 0, at.IMPLICIT] != 0 and not settle(tables, rates, segment, m):
         return _INADMISSIBLE, m, path, passes, jumped, corner
     if curved:
-        # the derivatives of the guards count in the mode that is entered only
-        linearise_mode(tables, rates, segment, m, 1 if e >= 0 else at.DERIVATIVES)
+        if e < 0:
+            linearise_mode(tables, rates, segment, m)
         fill_scale(n, tables.generator, affine, wiring, m, z, duration, segment.scale)
         start_directions(n, affine, wiring, m, e, segment.scale, basis)
     fill_extent(n, affine, wiring, m, z, segment.extent)
@@ -125,7 +125,7 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
                     tables, rates, segment, target
                 ):
                     return _INADMISSIBLE, target, path, passes, jumped, corner
-                linearise_mode(tables, rates, segment, target, 1)
+                linearise_mode(tables, rates, segment, target)
                 push_relations(n, affine, wiring, target, basis)
             fill_extent(n, affine, wiring, target, z, segment.extent)
             if not _slave(
@@ -149,10 +149,10 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
             fill_scale(n, tables.generator, affine, wiring, m, z, duration, segment.scale)
         if (
             curved
-            and passes > 0
+            and at.has_code(tables.code_rows, m)
             and _some_zero(affine, wiring, m, z, segment.extent, segment.scale)
         ):
-            linearise_mode(tables, rates, segment, m, at.DERIVATIVES)
+            _differentiate(tables, rates, segment, m)
         e, meets, followed = _next_exit(
             n, affine, wiring, z, segment.extent, segment.order, basis, segment.scale, first_mode,
             first_exit, m, path, passes, followed, tolerance,
@@ -195,14 +195,25 @@ def _next_exit(
     return e, meets, followed
 
 
-@inlined
-def linearise_mode(tables, rates, segment, m, orders):
-    """Bring the rows of a curved mode up to date at segment.z; linear ones always are."""
+@kernel
+def linearise_mode(tables, rates, segment, m):
+    """Bring the rows of a curved mode up to date at segment.z; linear ones always are.
+
+    The rows of the derivatives of guards stay behind.
+    """
     if at.has_code(tables.code_rows, m):
         linearise(
             tables, rates.slot_rates, rates.harmonics, rates.affine, segment.series,
-            segment.dual, m, segment.z, orders,
+            segment.dual, m, segment.z,
         )  # fmt: skip
+
+
+@kernel
+def _differentiate(tables, rates, segment, m):
+    """Rows of the derivatives of guards at segment.z, where those of the values are."""
+    linearise_derivatives(
+        tables, rates.slot_rates, rates.harmonics, segment.series, segment.dual, m, segment.z
+    )
 
 
 @kernel
@@ -216,7 +227,7 @@ def has_fallen(tables, rates, segment, m):
             negative = negative or segment.series[tables.outlets[m, tables.sizes[0] + g], 0] < 0.0
         if not negative:
             return False
-        linearise_mode(tables, rates, segment, m, at.DERIVATIVES)
+        linearise_mode(tables, rates, segment, m)
     fill_extent(tables.sizes[0], tables.affine, tables.wiring, m, z, segment.extent)
     for g in range(tables.wiring[m, 0, at.N_EXITS]):
         if not guard_holds(tables.affine, m, g, z, segment.extent, _CLEARLY):
@@ -248,7 +259,9 @@ def leaves_both_ways(tables, rates, segment, m, tolerance):
         if not 0 < order[g] < at.DERIVATIVES or cell < 0 or cell == m:
             continue
         if tables.families[cell] == tables.families[m]:
-            linearise_mode(tables, rates, segment, cell, at.DERIVATIVES)
+            linearise_mode(tables, rates, segment, cell)
+            if at.has_code(tables.code_rows, cell):
+                _differentiate(tables, rates, segment, cell)
             holds = True
             for h in range(wiring[cell, 0, at.N_EXITS]):
                 order[h] = 0
