@@ -13,9 +13,10 @@ import numpy as np
 from numba import njit
 
 from .dormand_prince import STAGES, derivative, error, step
-from .rotor_events import GOES_ON, NONE, calm, in_contact, in_flight, leave, transit
+from .rotor_events import GOES_ON, NONE, UNDECIDED, calm, in_contact, in_flight, leave, transit
 from .rotor_ring import (
     FAST,
+    GAP,
     RELEASE,
     contact_guards,
     gap,
@@ -27,6 +28,7 @@ from .rotor_ring import (
 
 STUCK = 2
 SHORTEST = 1e-15
+AT_ONCE = 1e-12  # a contact as soon as this after a release is none: no regime holds
 LARGEST_FACTOR, LEAST_FACTOR, SAFETY = 4.0, 0.2, 0.9
 
 
@@ -137,7 +139,10 @@ def simulate(strobes, log, start, p, tolerance):
             before = regime(c)
             t = reach(which, t, theta * h, y, c, free, p, K, z)
             y, z = z, y
+            again = which == GAP and known == GAP and theta * h < AT_ONCE
             known, status = transit(which, t, y, c, free, p)
+            if again:
+                status = UNDECIDED
             if events < log.shape[0]:
                 log[events, 0], log[events, 1] = done, t
                 log[events, 2], log[events, 3] = before, regime(c)

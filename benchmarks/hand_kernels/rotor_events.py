@@ -5,7 +5,19 @@ from math import copysign
 from numba import njit
 
 from .dormand_prince import dense, prepare_dense
-from .rotor_ring import FAST, GAP, RELEASE, SWITCH_X, SWITCH_Y, gap, guard, relaxed, ring, settle
+from .rotor_ring import (
+    FAST,
+    GAP,
+    RELEASE,
+    SWITCH_X,
+    SWITCH_Y,
+    acceleration,
+    gap,
+    guard,
+    relaxed,
+    ring,
+    settle,
+)
 
 NONE, NOWHERE = -1, 2.0
 GOES_ON, UNDECIDED = 0, 1
@@ -138,13 +150,32 @@ def in_flight(known, g, g_new, t, h, y, z, c, free, p, K, F, work):
 
 
 @njit(**FAST)
+def on_side(s, count, delta):
+    """A ring that stands at its preload to rounding is on the side that its springs say."""
+    if delta == 0.0:
+        return s
+    return copysign(min(abs(s), delta) if count == 2.0 else max(abs(s), delta), s)
+
+
+@njit(**FAST)
 def leave(t, z, c, free, p):
     """The ring is let go where it stands. Undecided where rotor and ring would still approach."""
     _, d, e, _, _, _ = ring(z[0], z[1], z[2], z[3], c)
-    free[0], free[1], free[2] = z[0] - d, z[1] - e, t
+    free[0], free[1] = on_side(z[0] - d, c[0], p[7]), on_side(z[1] - e, c[1], p[8])
+    free[2] = t
     c[0] = c[1] = c[2] = c[3] = 0.0
     opening = gap(t, z[0], z[1], z[2], z[3], free, p)[1]
-    return GAP, GOES_ON if opening > -ROUNDING else UNDECIDED
+    if opening > ROUNDING:
+        return GAP, GOES_ON
+    if opening < -ROUNDING:
+        return GAP, UNDECIDED
+    # the rates agree: the rate of opening's own rate decides
+    rate = 0.5 * p[3] / p[2]
+    ux = relaxed(free[0], p[7], rate, 0.0)[1]
+    uy = relaxed(free[1], p[8], rate, 0.0)[1]
+    fx, fy = acceleration(t, z[0], z[1], z[2], z[3], c, p)
+    closing = (z[2] - ux) ** 2 + (z[3] - uy) ** 2 + d * (fx + rate * ux) + e * (fy + rate * uy)
+    return GAP, UNDECIDED if closing > 0.0 else GOES_ON
 
 
 @njit(**FAST)

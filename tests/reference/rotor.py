@@ -1,13 +1,14 @@
 """The rotor in a preloaded snubber ring, for `smooth_run`: each contact regime is a mode.
 
-State: x, y, vx, vy, sx, sy, mu, and the time since the ring was let go. In x and in y two springs touch the ring (written 0), or one, on
-the side of + or -; with a springs, s = x - d and d = a X/(a + mu), where X = x + sign Delta if
-a = 1 else x. |d| = 1 gives mu at the start of a regime (Newton's method), and its rate afterwards.
+State: x, y, vx, vy, sx, sy, mu, and the time since the ring was let go. In x and in y two springs
+touch the ring (written 0), or one, on the side of + or -; with a springs, s = x - d and
+d = a X/(a + mu), where X = x + sign Delta if a = 1 else x. |d| = 1 gives mu at the start of a
+regime (Newton's method), and its rate afterwards.
 
     contact II00, III+0, IV0-, V++ ...     until n . F = 0, or |sx| or |sy| passes the preload
     free    I00, I+0 ...                   a ring beyond its preload still relaxes on one spring
     free    I                              a ring at rest in its centre
-    let go  after a release with unequal numbers of dampers: are rotor and ring parting?
+    let go  after a release, for no time: are rotor and ring parting?
     stuck   they are not, so neither contact nor flight can go on
 """
 
@@ -122,8 +123,7 @@ def contact(x: Side, y: Side) -> SmoothMode:
     if y.preloaded:
         exits += passages(y, 5, "delta_y", lambda other: (x, other))
     signs = x.letter + y.letter
-    after = "I" + signs if x.count == y.count else "let go " + signs
-    exits.append(SmoothExit(pressure, after, lambda t, z, p: [*z[:6], arb(0), arb(0)]))
+    exits.append(SmoothExit(pressure, "let go " + signs, lambda t, z, p: [*z[:6], arb(0), arb(0)]))
     return SmoothMode(rates, exits)
 
 
