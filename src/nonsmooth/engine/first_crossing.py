@@ -131,6 +131,9 @@ def _look_ahead(scan, g, reach, far):
     """Safe step of a guard; NONE unless rounding makes a tangency here undecidable."""
     a0, a1, a2, a3, a4, a5 = scan[g, 0], scan[g, 1], scan[g, 2], scan[g, 3], scan[g, 4], scan[g, 5]
     bound, margin, taken = scan[g, at.BOUND], scan[g, at.MARGIN], scan[g, at.TAKEN_OFF]
+    if margin == 0.0 and a0 >= 0.0 and a1 == a2 == a3 == a4 == a5 == bound == 0.0:
+        scan[g, at.SAFE] = reach  # a constant, or what has faded to nothing
+        return NONE
     if a0 <= NEARLY_ZERO * margin:  # above it, so that the step below is never zero
         return _within_margin(scan, g, NEARLY_ZERO * margin, reach)
     # the margin is taken off, else rounding could carry a step across a tangency

@@ -1,9 +1,10 @@
-"""A Taylor mode at one instant as if it were linear: rows of values with their gradients.
+"""A curved mode at one instant as if it were linear: rows of values with their gradients.
 
-Exits are passed, zeros are counted and tangents are carried across events by rows over
-augmented coordinates. A row of a Taylor mode holds the gradient of its function at a point,
-and in the column of the coordinate 1 whatever makes its product with the point the value of
-the function. So all of that is written once.
+Curved is a Taylor mode, or a mode in closed form whose guards or resets are not linear. Exits
+are passed, zeros are counted and tangents are carried across events by rows over augmented
+coordinates. A row of a curved mode holds the gradient of its function at a point, and in the
+column of the coordinate 1 whatever makes its product with the point the value of the function.
+So all of that is written once.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from __future__ import annotations
 from nonsmooth.engine import layout as at
 from nonsmooth.engine.dual_series import fill_duals
 from nonsmooth.engine.jit import kernel
+from nonsmooth.engine.solved_relations import place_point, solve_together
 from nonsmooth.engine.taylor_series import fill_series
 
 __all__ = ["linearise"]
@@ -18,7 +20,7 @@ __all__ = ["linearise"]
 
 @kernel
 def linearise(tables, slot_rates, harmonic_rates, affine_rates, series, dual, m, z, orders):
-    """Rows of rates, relations, guards with their derivatives and resets of a mode at z.
+    """Rows of guards with their derivatives and resets of a mode at z; of a Taylor mode all rows.
 
     shapes: z (N,), series and dual as in Segment, the next three as in Rates; the rows of the
     mode in tables.generator and tables.affine are the output, and in affine_rates the rates of
@@ -27,12 +29,8 @@ def linearise(tables, slot_rates, harmonic_rates, affine_rates, series, dual, m,
     """
     n, big_n = tables.sizes[0], z.size
     first, middle, end = tables.code_rows[m]
-    outlets, slaved = tables.outlets[m], tables.wiring[m, 0, at.SLAVED]
-    for i in range(big_n):
-        series[i, 0] = z[i]
-        for block in range(dual.shape[1]):
-            for lane in range(at.LANES):
-                dual[i, block, 0, lane] = 1.0 if block * at.LANES + lane == i else 0.0
+    outlets, slaved = tables.outlets[m], at.explicit(tables.wiring, m)
+    place_point(z, series, dual)
     for part in range(min(orders, 2)):  # resets are values at the instant, the others derivatives
         last, high = (end, 0) if part == 0 else (middle, at.TERMS - 1)
         fill_series(
@@ -45,13 +43,9 @@ def linearise(tables, slot_rates, harmonic_rates, affine_rates, series, dual, m,
             part, high,
         )  # fmt: skip
     n_exits = tables.wiring.shape[1] - 1
-    affine, generator = tables.affine, tables.generator
-    for i in range(n):
-        row = generator[m, i]
-        if (slaved >> i) & 1:
-            row = affine[m, at.relation_row(n_exits, i)]
-            _write_rates(affine_rates, m, at.relation_row(n_exits, i), dual[outlets[i]], n, z)
-        _write_row(row, series[outlets[i], 0], dual[outlets[i]], 0, 1.0, n, z)
+    affine = tables.affine
+    if tables.kinds[m] == at.TAYLOR:
+        _write_flow(tables, affine_rates, series, dual, m, z)
     for e in range(tables.wiring[m, 0, at.N_EXITS]):
         guard = outlets[n + e]
         factor = 1.0
@@ -59,13 +53,50 @@ def linearise(tables, slot_rates, harmonic_rates, affine_rates, series, dual, m,
             row = affine[m, at.guard_row(e, r)]
             _write_row(row, series[guard, r], dual[guard], r, factor, n, z)
             factor *= r + 1.0
-        _write_rates(affine_rates, m, at.guard_row(e, 0), dual[guard], n, z)
+        _write_rates(affine_rates, m, at.guard_row(e, 0), 1.0, dual[guard], n, z)
         for i in range(n):
             if (tables.wiring[m, 1 + e, at.RESETTING] >> i) & 1:
                 new = outlets[n + n_exits + e * n + i]
                 place = at.reset_row(n_exits, n, e, i)
                 _write_row(affine[m, place], series[new, 0], dual[new], 0, 1.0, n, z)
-                _write_rates(affine_rates, m, place, dual[new], n, z)
+                _write_rates(affine_rates, m, place, 1.0, dual[new], n, z)
+
+
+@kernel
+def _write_flow(tables, affine_rates, series, dual, m, z):
+    """Rows of the rates and of the relations of the slaved states."""
+    n, n_exits, outlets = tables.sizes[0], tables.wiring.shape[1] - 1, tables.outlets[m]
+    slaved, implicit = at.explicit(tables.wiring, m), tables.wiring[m, 0, at.IMPLICIT]
+    if implicit != 0:
+        solve_together(tables, m, series, dual)
+    for i in range(n):
+        place = at.relation_row(n_exits, i)
+        row = tables.affine[m, place]
+        if (implicit >> i) & 1:
+            solved = outlets[at.vanishing(n_exits, n, i)]
+            _write_solved(row, dual[solved], implicit, i, n, z)
+            _write_rates(affine_rates, m, place, -1.0, dual[solved], n, z)
+        if (slaved >> i) & 1:
+            _write_rates(affine_rates, m, place, 1.0, dual[outlets[i]], n, z)
+        else:
+            row = tables.generator[m, i]
+        _write_row(row, series[outlets[i], 0], dual[outlets[i]], 0, 1.0, n, z)
+
+
+@kernel
+def _write_solved(row, gradient, implicit, i, n, z):
+    """Relation of a state that is solved for: its gradient by all that is not, its value that at z.
+
+    shapes: gradient (B, orders, LANES), where the equations are solved
+    """
+    rest = z[i]
+    for j in range(z.size):
+        if j != n:
+            row[j] = 0.0
+            if not (j < n and (implicit >> j) & 1):
+                row[j] = -gradient[j // at.LANES, 0, j % at.LANES]
+            rest -= row[j] * z[j]
+    row[n] = rest
 
 
 @kernel
@@ -84,8 +115,10 @@ def _write_row(row, value, gradient, r, factor, n, z):
 
 
 @kernel
-def _write_rates(affine_rates, m, place, gradient, n, z):
+def _write_rates(affine_rates, m, place, sign, gradient, n, z):
     """Derivatives by parameters, which the gradient has after those by coordinates."""
     for p in range(affine_rates.shape[0]):
         d = z.size + p
-        affine_rates[p, m, place, n] = gradient[d // at.LANES, 0, d % at.LANES]
+        for j in range(z.size):
+            affine_rates[p, m, place, j] = 0.0
+        affine_rates[p, m, place, n] = sign * gradient[d // at.LANES, 0, d % at.LANES]

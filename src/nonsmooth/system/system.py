@@ -6,6 +6,7 @@ that the engine runs are made by `compile`; no time stepping happens here.
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
@@ -173,6 +174,19 @@ class System:
     def rest_state(self) -> dict[str, float]:
         """Documented rest state with every state in it."""
         return checks.rest_state(self)
+
+    @cached_property
+    def open_state(self) -> dict[str, float]:
+        """Rest state with nan for states that a mode may give by its equations instead.
+
+        What a start leaves out takes the rest value, or stands as the mode that it begins in
+        wants it.
+        """
+        slaved = {state for mode in self.modes.values() for state in mode.slaved}
+        return {
+            state: math.nan if state in slaved else value
+            for state, value in self.rest_state.items()
+        }
 
     @cached_property
     def period_value(self) -> float | None:
