@@ -7,6 +7,7 @@ the command are made anew, the others kept.
 """
 
 import json
+import re
 import sys
 from itertools import pairwise
 from pathlib import Path
@@ -179,14 +180,7 @@ def text(x: mpf) -> str:
 
 def rows_on_a_line(words: str) -> str:
     """The innermost lists on one line each."""
-    lines: list[str] = []
-    for line in words.split("\n"):
-        inside = lines and lines[-1].rstrip().endswith(("[", ",")) and "[" in lines[-1]
-        if inside and not line.lstrip().startswith(("[", "{")):
-            lines[-1] += " " * (not lines[-1].endswith("[")) + line.strip()
-        else:
-            lines.append(line)
-    return "\n".join(lines)
+    return re.sub(r"\[[^][{}]*\]", lambda found: " ".join(found[0].split()), words)
 
 
 def main(names: list[str]) -> None:
