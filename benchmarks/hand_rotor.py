@@ -45,14 +45,14 @@ def strobes(p, periods, start=(0.0, 0.0, 0.0, 0.0), tolerance=TOLERANCE, events=
     return points, log[:, 1:], *found
 
 
-def columns(etas, transient, kept, follow=False, threads=1, **changes):
+def columns(etas, transient, kept, follow=False, threads=1, tolerance=TOLERANCE, **changes):
     """(points[column, strobe], events): each column from zero, or from the end of the last one."""
     points = np.empty((etas.size, kept, 8))
     events = np.zeros(etas.size, dtype=int)
 
     def column(i, start=(0.0, 0.0, 0.0, 0.0)):
         found, _, events[i], _, status = strobes(
-            constants(**changes, eta=etas[i]), transient + kept, start
+            constants(**changes, eta=etas[i]), transient + kept, start, tolerance
         )
         points[i] = found[transient:]
         assert status == 0, etas[i]

@@ -68,7 +68,7 @@ def record(out, t, y, c, free, p):
 
 @njit(**FAST)
 def begin(y, c, free, p):
-    """A ring at rest in its centre, or where statics puts it."""
+    """A ring at rest in its centre, or in equilibrium."""
     c[:] = 0.0
     if y[0] * y[0] + y[1] * y[1] < 1.0:
         return NONE

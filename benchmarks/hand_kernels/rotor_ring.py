@@ -136,7 +136,7 @@ def guard(which, t, x, y, vx, vy, c, free, p):
 
 @njit(**FAST)
 def settle(x, y, c, p):
-    """Write into c the contact regime in which statics puts the ring of a rotor at (x, y)."""
+    """Write into c the contact regime in which the ring is in equilibrium, the rotor at (x, y)."""
     for trial in range(4):
         a, b = 2.0 - (trial & 1), 2.0 - (trial >> 1)
         if (a == 2.0 and p[7] == 0.0) or (b == 2.0 and p[8] == 0.0):

@@ -143,7 +143,7 @@ def passages(own: Side, number: int, preload: str, sides: Any) -> list[SmoothExi
 
 
 def placed(x: Side, y: Side) -> Any:
-    """A reset: the ring where statics puts it in this regime."""
+    """A reset: the ring in equilibrium in this regime."""
 
     def reset(t: Any, z: Sequence[Any], p: Any) -> list[Any]:
         X, Y = reach(x, y, z, p)
@@ -186,7 +186,7 @@ def free_rates(x: Side | None, y: Side | None) -> Any:
 
 
 def meeting(preload_x: bool, preload_y: bool) -> SmoothExit:
-    """The rotor meets the ring, which jumps to where statics puts it."""
+    """The rotor meets the ring, which jumps to in equilibrium."""
 
     def gap(t: Any, z: Sequence[Any], p: Any) -> Any:
         return (1 - (z[0] - z[4]) ** 2 - (z[1] - z[5]) ** 2) / 2
