@@ -109,7 +109,10 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
             passes += 1
             if carrying:
                 push_columns(tables, rates, segment, tangent, m, e)
-            if _reset(n, affine, wiring, m, e, z, segment.extent, segment.spare):
+            _reset(n, affine, wiring, m, e, z, segment.extent, segment.spare)
+            # what the target slaves is put on its relation anyway: naming it is no jump
+            free = -1 if target < 0 else ~wiring[target, 0, at.SLAVED]
+            if wiring[m, 1 + e, at.RESETTING] & free != 0:
                 jumped = True
                 visited = 0  # without a jump no mode may return
             if target < 0:
@@ -400,14 +403,13 @@ def _reset(n, affine, wiring, m, e, z, extent, spare):
     """Apply the reset of an exit, all new values from the state before."""
     bits = wiring[m, 1 + e, at.RESETTING]
     if bits == 0:
-        return False
+        return
     n_exits = wiring.shape[1] - 1
     for i in range(n):
         spare[i] = z[i]
         if (bits >> i) & 1:
             spare[i] = _sum_of_terms(affine, m, at.reset_row(n_exits, n, e, i), z, extent)[0]
     copy_vector(spare, z, n)
-    return True
 
 
 @kernel
