@@ -17,7 +17,7 @@ def circle(**changes):
         states=["x", "u", "y", "v"],
         parameters={"w": 0.6},
         modes={
-            "in": Mode(
+            "inside": Mode(
                 {"x": "u", "u": words["rate"], "y": "v", "v": "-w**2*y"},
                 exits=[Exit(words["guard"], to="stop", name="out")],
             )
@@ -121,7 +121,7 @@ def test_derivatives_across_a_curved_exit():
     system = System(
         states=["x", "u", "y", "v"],
         modes={
-            "in": Mode(
+            "inside": Mode(
                 {"x": "u", "u": "0", "y": "v", "v": "0"},
                 exits=[Exit("1 - x**2 - y**2", reset=normal, name="wall")],
             )

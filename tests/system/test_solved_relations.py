@@ -17,7 +17,9 @@ def cubic(**rest):
 
 
 def cubic_root(x):
-    return float(mpmath.findroot(lambda p: p**3 + p - x, (0, x), solver="anderson"))
+    roots = np.roots([1.0, 0.0, 1.0, -x])
+    near = float(roots[np.argmin(np.abs(roots.imag))].real)
+    return float(mpmath.findroot(lambda p: p**3 + p - x, near))
 
 
 def test_a_cubic_follows_its_equation_and_its_closed_form():

@@ -16,6 +16,7 @@ __all__ = ["place_point", "settle", "solve_together"]
 _MOST_STEPS = 60
 _QUADRATIC = 1e-9  # a step of this part of the terms leaves an error of its square
 _FAR = 1e300
+_MOST_GROWTH = 4.0  # of a step, beside the one before: far from a solution steps may grow
 _LEAST = 2.0**-20  # part of a step of Newton's method
 
 
@@ -33,7 +34,7 @@ def place_point(z, series, dual):
 def settle(tables, rates, segment, m):
     """Solve the relations of mode m at segment.z, from the present values; False if that fails.
 
-    Steps are halved while they do not shrink. Only the states that are solved for change.
+    A step is halved where the next one would be much longer. Only the states that are solved for change.
     """
     z, before, last, weight = segment.z, segment.newton[0], segment.newton[1], segment.newton[2]
     n, n_exits = tables.sizes[0], tables.wiring.shape[1] - 1
@@ -43,7 +44,7 @@ def settle(tables, rates, segment, m):
         step, part = _FAR, _FAR
         if solve_together(tables, m, segment.series, segment.dual):
             step, part = _size_of_step(tables, m, segment.series, segment.dual, z, weight, count)
-        if step < size or part <= _QUADRATIC:
+        if step < _MOST_GROWTH * size or part <= _QUADRATIC:
             size, share = step, 1.0
             for i in range(n):
                 if (implicit >> i) & 1:
