@@ -50,9 +50,7 @@ def test_first_crossings_of_a_circle():
     for _ in range(25):
         x0, y0 = rng.uniform(-0.6, 0.6, 2)
         u0, v0 = rng.uniform(-0.9, 0.9, 2)
-        run = ns.simulate(
-            circle(), {"x": x0, "u": u0, "y": y0, "v": v0}, times=[20.0], samples_per_period=None
-        )
+        run = ns.simulate(circle(), {"x": x0, "u": u0, "y": y0, "v": v0}, times=[20.0])
         truth = first_root(x0, u0, y0, v0, 0.6, 20.0)
         if truth is None:
             assert run.attrs["status"] == "completed" and run.sizes["event"] == 1
