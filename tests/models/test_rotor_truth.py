@@ -25,7 +25,8 @@ def passages(run):
 
     Without preload the two sides of s = 0 are both V, and the log has what passes between them.
     """
-    names = run["event_to"].attrs["flag_meanings"].split()
+    meanings = run["event_to"].attrs["flag_meanings"].split()
+    names = ["I" if name == "free" else name for name in meanings]
     rows = zip(*(run[n].values for n in ("event_from", "event_to", "event_time")), strict=True)
     named = [(names[a], names[b], t) for a, b, t in rows]
     return [each for each in named if each[0] != each[1]]

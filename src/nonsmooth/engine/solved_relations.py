@@ -34,7 +34,8 @@ def place_point(z, series, dual):
 def settle(tables, rates, segment, m):
     """Solve the relations of mode m at segment.z, from the present values; False if that fails.
 
-    A step is halved where the next one would be much longer. Only the states that are solved for change.
+    A step is halved where the next one would be much longer. Only the states that are solved for
+    change.
     """
     z, before, last, weight = segment.z, segment.newton[0], segment.newton[1], segment.newton[2]
     n, n_exits = tables.sizes[0], tables.wiring.shape[1] - 1

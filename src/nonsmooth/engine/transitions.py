@@ -80,27 +80,10 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
     path, passes, jumped, corner = 0, 0, False, False
     jumping = 0  # bits of the slaved states that a reset has let jump onto their relations
     followed = curved  # whether basis holds the directions left free by the path so far
-    fired = 0.0  # size of the terms that cancelled in the guard that fired
     carrying = tangent.columns.shape[0] > 0
-    if e >= 0:
-        if curved:  # gradients do not change on the hair's breadth to the zero of the guard
-            linearise_mode(tables, rates, segment, m)
-        fill_extent(n, affine, wiring, m, z, segment.extent)
-        fired = _set_fired_zero(n, tables.generator, affine, wiring, m, e, z, segment.extent)
-    if e < 0 and tables.wiring[m, 0, at.IMPLICIT] != 0 and not settle(tables, rates, segment, m):
+    ready, fired = _prepare(tables, rates, segment, tangent, m, e, duration, curved)
+    if not ready:
         return _INADMISSIBLE, m, path, passes, jumped, corner
-    if curved:
-        if e < 0:
-            linearise_mode(tables, rates, segment, m)
-        fill_scale(n, tables.generator, affine, wiring, m, z, duration, segment.scale)
-        start_directions(n, affine, wiring, m, e, segment.scale, basis)
-    fill_extent(n, affine, wiring, m, z, segment.extent)
-    if e < 0:
-        _settle_slaved(n, affine, wiring, m, z, segment.extent)
-        if carrying:
-            relate_columns(tables, rates, segment, tangent, m)
-    elif carrying:
-        start_saltation(tables, rates, segment, tangent, m, e)
     while True:
         if e >= 0:
             target = wiring[m, 1 + e, at.TARGET]
@@ -121,24 +104,10 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
             resetting = wiring[m, 1 + e, at.RESETTING]
             if resetting != 0 or tables.families[target] != tables.families[m]:
                 jumping = resetting
-            copy_vector(z, segment.spare, z.size)
-            if curved:
-                push_reset(n, affine, wiring, m, e, basis)
-                if wiring[target, 0, at.IMPLICIT] != 0 and not settle(
-                    tables, rates, segment, target
-                ):
-                    return _INADMISSIBLE, target, path, passes, jumped, corner
-                linearise_mode(tables, rates, segment, target)
-                push_relations(n, affine, wiring, target, basis)
-            fill_extent(n, affine, wiring, target, z, segment.extent)
-            if not _slave(
-                n, affine, wiring, target, z, segment.spare, segment.extent, segment.scale,
-                jumping, fired, tolerance,
-            ):  # fmt: skip
+            if not _enter(
+                tables, rates, segment, tangent, m, e, target, jumping, fired, curved, tolerance
+            ):
                 return _INADMISSIBLE, target, path, passes, jumped, corner
-            fill_extent(n, affine, wiring, target, z, segment.extent)
-            if carrying:
-                relate_columns(tables, rates, segment, tangent, target)
             before, m = m, target
             if (visited >> m) & 1:
                 # cells of one mode hand over in a circle where both sides point at a surface
@@ -165,6 +134,59 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
             if carrying and first_exit >= 0:
                 end_saltation(tables, segment, tangent, m)
             return _COMPLETED, m, path, passes, jumped, corner
+
+
+@inlined
+def _prepare(tables, rates, segment, tangent, m, e, duration, curved):
+    """Bring all that belongs to mode m up to date before its exit e is passed, or at a start.
+
+    returns: False where states cannot be solved for, and the size of the terms that cancelled in
+    the guard that fired
+    """
+    n, affine, wiring, z = tables.sizes[0], tables.affine, tables.wiring, segment.z
+    carrying = tangent.columns.shape[0] > 0
+    fired = 0.0
+    if e < 0 and wiring[m, 0, at.IMPLICIT] != 0 and not settle(tables, rates, segment, m):
+        return False, fired
+    if curved:  # gradients do not change on the hair's breadth to the zero of the guard
+        linearise_mode(tables, rates, segment, m)
+    fill_extent(n, affine, wiring, m, z, segment.extent)
+    if e >= 0:
+        fired = _set_fired_zero(n, tables.generator, affine, wiring, m, e, z, segment.extent)
+    if curved:
+        fill_scale(n, tables.generator, affine, wiring, m, z, duration, segment.scale)
+        start_directions(n, affine, wiring, m, e, segment.scale, segment.basis)
+    fill_extent(n, affine, wiring, m, z, segment.extent)
+    if e < 0:
+        _settle_slaved(n, affine, wiring, m, z, segment.extent)
+        if carrying:
+            relate_columns(tables, rates, segment, tangent, m)
+    elif carrying:
+        start_saltation(tables, rates, segment, tangent, m, e)
+    return True, fired
+
+
+@inlined
+def _enter(tables, rates, segment, tangent, m, e, target, jumping, fired, curved, tolerance):
+    """Enter a mode behind the reset of exit e; False where slaved states do not agree with it."""
+    n, affine, wiring, z = tables.sizes[0], tables.affine, tables.wiring, segment.z
+    copy_vector(z, segment.spare, z.size)
+    if curved:
+        push_reset(n, affine, wiring, m, e, segment.basis)
+        if wiring[target, 0, at.IMPLICIT] != 0 and not settle(tables, rates, segment, target):
+            return False
+        linearise_mode(tables, rates, segment, target)
+        push_relations(n, affine, wiring, target, segment.basis)
+    fill_extent(n, affine, wiring, target, z, segment.extent)
+    if not _slave(
+        n, affine, wiring, target, z, segment.spare, segment.extent, segment.scale, jumping,
+        fired, tolerance,
+    ):  # fmt: skip
+        return False
+    fill_extent(n, affine, wiring, target, z, segment.extent)
+    if tangent.columns.shape[0] > 0:
+        relate_columns(tables, rates, segment, tangent, target)
+    return True
 
 
 @inlined
