@@ -13,6 +13,7 @@ from nonsmooth.models.percussive_drilling import percussive_drilling
 from nonsmooth.models.progression import progression
 from nonsmooth.models.rotor import rotor
 from nonsmooth.models.rotor_si import RotorRig
+from nonsmooth.models.rubbing_rotor import rubbing_rotor
 from nonsmooth.models.snubber_boundaries import snubber_boundaries
 from nonsmooth.models.snubber_ring import snubber_ring
 from nonsmooth.models.soft_impact import soft_impact
@@ -31,6 +32,7 @@ __all__ = [
     "percussive_drilling",
     "progression",
     "rotor",
+    "rubbing_rotor",
     "snubber_boundaries",
     "snubber_ring",
     "soft_impact",
