@@ -7,6 +7,7 @@ from nonsmooth.models.clearance_rotor import clearance_rotor
 from nonsmooth.models.drift_reconstruction import drift_reconstruction
 from nonsmooth.models.duffing import duffing
 from nonsmooth.models.gear_pair import gear_pair
+from nonsmooth.models.massive_ring_rotor import massive_ring_rotor
 from nonsmooth.models.moling import moling
 from nonsmooth.models.moling_si import MolingRig
 from nonsmooth.models.percussive_drilling import percussive_drilling
@@ -28,6 +29,7 @@ __all__ = [
     "drift_reconstruction",
     "duffing",
     "gear_pair",
+    "massive_ring_rotor",
     "moling",
     "percussive_drilling",
     "progression",
