@@ -8,6 +8,7 @@ from nonsmooth.models.drift_reconstruction import drift_reconstruction
 from nonsmooth.models.duffing import duffing
 from nonsmooth.models.gear_pair import gear_pair
 from nonsmooth.models.massive_ring_rotor import massive_ring_rotor
+from nonsmooth.models.matrix_rotor import MatrixRotor
 from nonsmooth.models.moling import moling
 from nonsmooth.models.moling_si import MolingRig
 from nonsmooth.models.percussive_drilling import percussive_drilling
@@ -22,6 +23,7 @@ from nonsmooth.models.static_contact import static_contact
 from nonsmooth.models.trilinear import trilinear
 
 __all__ = [
+    "MatrixRotor",
     "MolingRig",
     "RotorRig",
     "chua",

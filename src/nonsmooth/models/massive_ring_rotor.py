@@ -111,10 +111,9 @@ def massive_ring_rotor(
     from contact to contact, where a massless one is back almost at once. Apart, both move in
     closed form.
 
-    With m_s the difference from `rotor` falls in proportion, until one remains that grows with
-    nu2: the chapter places the ring without regard to its dampers, so that their
-    forces are not along the normal. Contact is stiff, and slow to compute, where
-    :math:`\nu_2/m_s` is large.
+    A light ring differs from `rotor` in proportion to its mass, until a rest remains that grows
+    with nu2: the chapter places the ring without regard to its dampers, so that their forces are
+    not along the normal. Contact is stiff, and slow to compute, where :math:`\nu_2/m_s` is large.
 
     Where the slip comes to zero the rotor rolls; the run ends as ``sliding``.
 
