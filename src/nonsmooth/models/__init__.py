@@ -7,12 +7,15 @@ from nonsmooth.models.clearance_rotor import clearance_rotor
 from nonsmooth.models.drift_reconstruction import drift_reconstruction
 from nonsmooth.models.duffing import duffing
 from nonsmooth.models.gear_pair import gear_pair
+from nonsmooth.models.massive_ring_rotor import massive_ring_rotor
+from nonsmooth.models.matrix_rotor import MatrixRotor
 from nonsmooth.models.moling import moling
 from nonsmooth.models.moling_si import MolingRig
 from nonsmooth.models.percussive_drilling import percussive_drilling
 from nonsmooth.models.progression import progression
 from nonsmooth.models.rotor import rotor
 from nonsmooth.models.rotor_si import RotorRig
+from nonsmooth.models.rubbing_rotor import rubbing_rotor
 from nonsmooth.models.snubber_boundaries import snubber_boundaries
 from nonsmooth.models.snubber_ring import snubber_ring
 from nonsmooth.models.soft_impact import soft_impact
@@ -20,6 +23,7 @@ from nonsmooth.models.static_contact import static_contact
 from nonsmooth.models.trilinear import trilinear
 
 __all__ = [
+    "MatrixRotor",
     "MolingRig",
     "RotorRig",
     "chua",
@@ -27,10 +31,12 @@ __all__ = [
     "drift_reconstruction",
     "duffing",
     "gear_pair",
+    "massive_ring_rotor",
     "moling",
     "percussive_drilling",
     "progression",
     "rotor",
+    "rubbing_rotor",
     "snubber_boundaries",
     "snubber_ring",
     "soft_impact",
