@@ -12,11 +12,16 @@ from nonsmooth.models.moling_si import MolingRig
 from nonsmooth.models.percussive_drilling import percussive_drilling
 from nonsmooth.models.progression import progression
 from nonsmooth.models.rotor import rotor
+from nonsmooth.models.rotor_si import RotorRig
+from nonsmooth.models.snubber_boundaries import snubber_boundaries
+from nonsmooth.models.snubber_ring import snubber_ring
 from nonsmooth.models.soft_impact import soft_impact
+from nonsmooth.models.static_contact import static_contact
 from nonsmooth.models.trilinear import trilinear
 
 __all__ = [
     "MolingRig",
+    "RotorRig",
     "chua",
     "clearance_rotor",
     "drift_reconstruction",
@@ -26,6 +31,9 @@ __all__ = [
     "percussive_drilling",
     "progression",
     "rotor",
+    "snubber_boundaries",
+    "snubber_ring",
     "soft_impact",
+    "static_contact",
     "trilinear",
 ]

@@ -15,6 +15,7 @@ from nonsmooth.plot.markers import event_markers
 from nonsmooth.plot.mode_spans import phases
 from nonsmooth.plot.portrait import phase_portrait
 from nonsmooth.plot.regimes import regime_map
+from nonsmooth.plot.ring_regions import contact_regions
 from nonsmooth.plot.sections import section
 from nonsmooth.plot.spectrum import spectrum
 from nonsmooth.plot.style import PALETTE, axis_label, mode_colours
@@ -27,6 +28,7 @@ __all__ = [
     "axis_label",
     "basins",
     "bifurcation",
+    "contact_regions",
     "event_markers",
     "exponents",
     "mode_colours",

@@ -74,7 +74,7 @@ def axis_label(variable: xr.DataArray) -> str:
     """
     units = str(variable.attrs.get("units", ""))
     name = str(variable.attrs.get("long_name") or variable.name or "")
-    return name if units in ("", "1") else f"{name} [{units}]"
+    return name if units in ("", "1", "dimensionless") else f"{name} [{units}]"
 
 
 def wrapped(label: str) -> str:

@@ -1,0 +1,397 @@
+"""The Jeffcott rotor in kg, N/m, mm and Hz: data of a rig in, dimensionless system and SI out."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, fields
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from nonsmooth.errors import ModelError, OptionError, unknown_name
+from nonsmooth.models.rotor import rotor
+from nonsmooth.models.rotor_units import PARAMETERS, Unit, Units, in_si
+from nonsmooth.models.static_contact import static_contact
+from nonsmooth.system.system import System
+
+__all__ = ["RotorRig"]
+
+_POSITIVE = {
+    "mass": "a mass is what the forces accelerate",
+    "rotor_stiffness": "without it the rotor has no natural frequency to scale with",
+    "ring_stiffness": "the ring stands on its springs",
+    "ring_damping": (
+        "without it a ring that the rotor has left would never come to rest; give a small damping"
+        " for a ring that returns at once"
+    ),
+    "gap": "lengths are measured by it; a ring without clearance is a bearing, not a snubber",
+    "speed": "the rotor must turn",
+}
+_NOT_NEGATIVE = {
+    "unbalance_mass": "turn the phase by pi to put it on the other side",
+    "unbalance_radius": "turn the phase by pi to put the mass on the other side",
+    "rotor_damping": "a damper takes energy out",
+    "preload_x": "a preload presses the springs on the ring; 0 where they just touch it",
+    "preload_y": "a preload presses the springs on the ring; 0 where they just touch it",
+}
+_SPEED = ("eta", "phi0")  # parameters on which no unit depends
+_RESTART = ("guard_rate", "end_state", "anchor_state")
+_MILLI = 1e-3
+
+
+@dataclass(frozen=True, kw_only=True)
+class RotorRig:
+    r"""A Jeffcott rotor in a preloaded snubber ring with its data in SI units, lengths in mm.
+
+    The scaling is that of the chapter's section 4.3: lengths in units of the gap
+    :math:`\gamma`, time in :math:`1/\omega_n`, :math:`\omega_n = \sqrt{k_r/M}`, forces in
+    :math:`k_r \gamma`; then :math:`\eta = \Omega/\omega_n`,
+    :math:`\nu_1 = c_r/2\sqrt{k_r M}`, :math:`\nu_2 = c_s/2\sqrt{k_r M}`, :math:`K = k_s/k_r`,
+    :math:`\eta_m = m/M`.
+
+    Parameters
+    ----------
+    mass : float
+        Mass M of the rotor in kg.
+    unbalance_mass : float
+        Mass m out of balance in kg.
+    unbalance_radius : float
+        Distance of that mass from the axis in mm.
+    rotor_stiffness : float
+        Stiffness k_r of the rotor's support in N/m, the same in all directions.
+    ring_stiffness : float
+        Stiffness k_s of each of the four springs of the ring in N/m.
+    rotor_damping : float
+        Damping c_r of the rotor in kg/s.
+    ring_damping : float
+        Damping c_s of each of the four dampers of the ring in kg/s.
+    gap : float
+        Radial clearance between rotor and ring in mm.
+    speed : float
+        Speed of the rotor in Hz.
+    eccentricity_x, eccentricity_y : float, optional
+        Centre of the rotor at rest, without a ring, from that of the ring in mm. Beyond the gap
+        the rotor rests on the ring; see `static_equilibrium`.
+    preload_x, preload_y : float, optional
+        Preload of the springs of the ring in mm.
+    phase : float, optional
+        Phase of the unbalance at time zero in rad.
+
+    Raises
+    ------
+    ModelError
+        When a value cannot be that of a rig.
+
+    Examples
+    --------
+    The rig of section 4.4:
+
+    >>> import nonsmooth as ns
+    >>> rig = ns.models.RotorRig(
+    ...     mass=9.7,
+    ...     unbalance_mass=0.028,
+    ...     unbalance_radius=35.0,
+    ...     rotor_stiffness=79e3,
+    ...     ring_stiffness=2354e3,
+    ...     rotor_damping=105.0,
+    ...     ring_damping=3.5,
+    ...     gap=0.5,
+    ...     speed=30.1,
+    ...     eccentricity_x=0.5,
+    ...     preload_x=0.1,
+    ...     preload_y=0.1,
+    ... )
+    >>> round(rig.natural_frequency, 2)
+    14.36
+    >>> values = rig.system().parameter_values
+    >>> [round(values[name], 4) for name in ("eta", "nu1", "nu2", "K", "eta_m", "rho")]
+    [2.0957, 0.06, 0.002, 29.7975, 0.0029, 70.0]
+    """
+
+    mass: float
+    unbalance_mass: float
+    unbalance_radius: float
+    rotor_stiffness: float
+    ring_stiffness: float
+    rotor_damping: float
+    ring_damping: float
+    gap: float
+    speed: float
+    eccentricity_x: float = 0.0
+    eccentricity_y: float = 0.0
+    preload_x: float = 0.0
+    preload_y: float = 0.0
+    phase: float = 0.0
+
+    def __post_init__(self) -> None:
+        for item in fields(self):
+            value = getattr(self, item.name)
+            try:
+                number = float(value)
+            except (TypeError, ValueError):
+                number = math.nan
+            if not math.isfinite(number):
+                raise ModelError(f"{item.name} = {value!r:.60} is not a finite number")
+            object.__setattr__(self, item.name, number)
+        for name, reason in _POSITIVE.items():
+            if getattr(self, name) <= 0.0:
+                raise ModelError(f"{name} = {getattr(self, name):g} must be positive: {reason}")
+        for name, reason in _NOT_NEGATIVE.items():
+            if getattr(self, name) < 0.0:
+                raise ModelError(f"{name} = {getattr(self, name):g} must not be negative: {reason}")
+
+    @property
+    def natural_frequency(self) -> float:
+        """Natural frequency of the rotor without the ring in Hz."""
+        return self._rate / (2.0 * math.pi)
+
+    @property
+    def _rate(self) -> float:
+        return math.sqrt(self.rotor_stiffness / self.mass)
+
+    @property
+    def units(self) -> Units:
+        """What one in a dimensionless quantity or parameter is worth in this rig."""
+        critical = 2.0 * math.sqrt(self.rotor_stiffness * self.mass)
+        length = Unit(self.gap, "mm")
+        damping = Unit(critical, "kg/s")
+        parameters = {
+            "eta": Unit(self.natural_frequency, "Hz"),
+            "nu1": damping,
+            "nu2": damping,
+            "K": Unit(self.rotor_stiffness, "N/m"),
+            "eta_m": Unit(self.mass, "kg"),
+            **dict.fromkeys(("rho", "eps_x", "eps_y", "delta_x", "delta_y"), length),
+            "phi0": Unit(1.0, "rad"),
+        }
+        force = self.rotor_stiffness * self.gap * _MILLI
+        return Units(self.gap, 1.0 / self._rate, force, parameters)
+
+    def parameters(self) -> dict[str, float]:
+        """Dimensionless parameters of the model, by name.
+
+        Returns
+        -------
+        dict of str to float
+            The arguments of `rotor`.
+
+        Examples
+        --------
+        >>> import nonsmooth as ns
+        >>> rig = ns.models.RotorRig(
+        ...     mass=1.0,
+        ...     unbalance_mass=0.01,
+        ...     unbalance_radius=20.0,
+        ...     rotor_stiffness=1e4,
+        ...     ring_stiffness=3e5,
+        ...     rotor_damping=10.0,
+        ...     ring_damping=1.0,
+        ...     gap=0.4,
+        ...     speed=25.0,
+        ... )
+        >>> round(rig.parameters()["nu1"], 12)
+        0.05
+        """
+        physical = {
+            "eta": self.speed, "nu1": self.rotor_damping, "nu2": self.ring_damping,
+            "K": self.ring_stiffness, "eta_m": self.unbalance_mass, "rho": self.unbalance_radius,
+            "eps_x": self.eccentricity_x, "eps_y": self.eccentricity_y,
+            "delta_x": self.preload_x, "delta_y": self.preload_y, "phi0": self.phase,
+        }  # fmt: skip
+        units = self.units.parameters
+        return {name: value / units[name].factor for name, value in physical.items()}
+
+    def system(self) -> System:
+        """Dimensionless system of this rig.
+
+        Returns
+        -------
+        System
+            That of `rotor` with the parameters that follow from the scaling.
+
+        Examples
+        --------
+        >>> import nonsmooth as ns
+        >>> rig = ns.models.RotorRig(
+        ...     mass=1.0,
+        ...     unbalance_mass=0.01,
+        ...     unbalance_radius=20.0,
+        ...     rotor_stiffness=1e4,
+        ...     ring_stiffness=3e5,
+        ...     rotor_damping=10.0,
+        ...     ring_damping=1.0,
+        ...     gap=0.4,
+        ...     speed=25.0,
+        ... )
+        >>> rig.system().name
+        'rotor'
+        """
+        return rotor(**self.parameters())
+
+    def from_si(self, values: Mapping[str, Any]) -> dict[str, Any]:
+        """Values of states or parameters in the machine's units, as the verbs take them.
+
+        Parameters
+        ----------
+        values : mapping of str to float or array_like
+            By the names of the model: positions in mm, velocities in mm/s, ``eta`` in Hz, and so
+            on as `to_si` gives them.
+
+        Returns
+        -------
+        dict of str to float or list of float
+            The same names, dimensionless: an initial state, or grids of a diagram or map.
+
+        Raises
+        ------
+        OptionError
+            For an unknown name or values that are no numbers.
+
+        Examples
+        --------
+        >>> import nonsmooth as ns
+        >>> rig = ns.models.RotorRig(
+        ...     mass=1.0,
+        ...     unbalance_mass=0.01,
+        ...     unbalance_radius=20.0,
+        ...     rotor_stiffness=1e4,
+        ...     ring_stiffness=3e5,
+        ...     rotor_damping=10.0,
+        ...     ring_damping=1.0,
+        ...     gap=0.4,
+        ...     speed=25.0,
+        ... )
+        >>> rig.from_si({"x": 0.2, "vy": 20.0})
+        {'x': 0.5, 'vy': 0.5}
+        """
+        units = self.units
+        found: dict[str, Any] = {}
+        for name, value in values.items():
+            unit = Unit(1.0, "") if name == "mu" else units.parameters.get(name) or units.of(name)
+            if unit is None:
+                known = [*self.system().states, *units.parameters]
+                raise OptionError(unknown_name("state or parameter", name, known))
+            try:
+                found[name] = (np.asarray(value, float) / unit.factor).tolist()
+            except (TypeError, ValueError):
+                raise OptionError(
+                    f"{name} = {value!r:.60} is no number, nor are its parts"
+                ) from None
+        return found
+
+    def static_equilibrium(self) -> xr.Dataset:
+        """Where the rotor rests while it does not turn, and whether on the ring, in mm and N.
+
+        Returns
+        -------
+        xarray.Dataset
+            Result of `static_contact` in SI units.
+
+        Examples
+        --------
+        >>> import nonsmooth as ns
+        >>> rig = ns.models.RotorRig(
+        ...     mass=1.0,
+        ...     unbalance_mass=0.01,
+        ...     unbalance_radius=20.0,
+        ...     rotor_stiffness=1e4,
+        ...     ring_stiffness=3e5,
+        ...     rotor_damping=10.0,
+        ...     ring_damping=1.0,
+        ...     gap=0.4,
+        ...     speed=25.0,
+        ...     eccentricity_x=0.6,
+        ... )
+        >>> rest = rig.static_equilibrium()
+        >>> bool(rest["contact"]), round(float(rest["x"]), 4), round(float(rest["force"]), 3)
+        (True, 0.4065, 1.935)
+        """
+        p = self.parameters()
+        names = ("K", "eps_x", "eps_y", "delta_x", "delta_y")
+        return self.to_si(static_contact(**{name: p[name] for name in names}))
+
+    def to_si(self, data: xr.Dataset) -> xr.Dataset:
+        """A result for this rig in s, mm, mm/s, N, mJ and Hz, for reading and drawing.
+
+        Parameters
+        ----------
+        data : xarray.Dataset
+            Result of a verb for ``system()`` of this rig: a run, a strobe or section, a bifurcation
+            diagram, a regime map, a spectrum; or of `snubber_ring`, `snubber_boundaries` or
+            `static_contact` with its parameters. The speed may have been changed.
+
+        Returns
+        -------
+        xarray.Dataset
+            The same names, each quantity with its ``units``; the axes of diagrams and maps are
+            those of the machine, such as the speed in Hz for ``eta``. What has no unit stays.
+            Attributes hold the data of the rig; the system, as text, is ``dimensionless_system``.
+
+        Raises
+        ------
+        OptionError
+            For a result of another system, or one that is in SI units already.
+
+        Examples
+        --------
+        >>> import nonsmooth as ns
+        >>> rig = ns.models.RotorRig(
+        ...     mass=9.7,
+        ...     unbalance_mass=0.028,
+        ...     unbalance_radius=35.0,
+        ...     rotor_stiffness=79e3,
+        ...     ring_stiffness=2354e3,
+        ...     rotor_damping=105.0,
+        ...     ring_damping=3.5,
+        ...     gap=0.5,
+        ...     speed=10.0,
+        ... )
+        >>> run = rig.to_si(ns.simulate(rig.system(), periods=5))
+        >>> run["x"].attrs["units"], round(float(run["time"][-1]), 9)
+        ('mm', 0.5)
+        """
+        self._check(data)
+        kept = data.drop_vars([name for name in _RESTART if name in data])
+        result = in_si(kept, self.units)
+        result.attrs |= {f"rig_{name}": value for name, value in asdict(self).items()}
+        return result
+
+    def _check(self, data: xr.Dataset) -> None:
+        attrs = data.attrs
+        if "rig_gap" in attrs:
+            raise OptionError("the dataset is in SI units already")
+        if "system" in attrs:
+            if _without_speed(attrs["system"]) != _without_speed(self.system().to_toml()):
+                raise OptionError(
+                    "the dataset was not made with the system of this rig; use rig.system() without"
+                    " changing more than its speed eta and phi0"
+                )
+            return
+        mine = self.parameters()
+        given = {name: attrs[name] for name in mine if name in attrs}
+        if not given:
+            raise OptionError("the dataset does not say by which system or parameters it was made")
+        if others := [name for name, value in given.items() if not _same(value, mine[name])]:
+            raise OptionError(
+                f"the dataset was made with other values of {', '.join(others)} than those"
+                " of this rig; hand it rig.parameters()"
+            )
+
+
+def _without_speed(system: str) -> dict[str, Any]:
+    """What a system of this model is apart from its speed, be it constant or slowly varying."""
+    data = tomllib.loads(system)
+    data["parameters"] = {
+        name: value
+        for name, value in data["parameters"].items()
+        if name in PARAMETERS and name not in _SPEED
+    }
+    data["slow"] = {n: text for n, text in data.get("slow", {}).items() if n not in _SPEED}
+    return data
+
+
+def _same(value: float, other: float) -> bool:
+    return math.isclose(float(value), other, rel_tol=1e-9, abs_tol=1e-12)
