@@ -2,22 +2,15 @@
 
 from __future__ import annotations
 
-import math
-from typing import NamedTuple
-
 from nonsmooth import System
-from nonsmooth.models import rotor
+from nonsmooth.models import RotorRig, rotor
 
 __all__ = [
     "DELTA_40",
     "DELTA_41",
     "EPS_40",
     "EPS_41",
-    "RIG",
-    "Rig",
-    "natural_frequency",
     "rig",
-    "rig_data",
     "set_a",
     "set_b",
 ]
@@ -25,37 +18,6 @@ __all__ = [
 _SET_B = {"nu1": 0.06, "eta_m": 0.00289, "eps_x": 0.4, "eps_y": 0.5}
 
 
-class Rig(NamedTuple):
-    """The rig of section 4.4 in SI units.
-
-    Parameters
-    ----------
-    M, m : float
-        Mass of the rotor, and out of balance [kg].
-    k_r, k_s : float
-        Stiffness of the rotor's rods, and of one spring of the ring [N/m].
-    c_r, c_s : float
-        Damping of the rotor, and of one support of the ring [kg/s].
-    rho, gamma : float
-        Radius of the mass out of balance, and gap [m].
-
-    Examples
-    --------
-    >>> Rig().M
-    9.7
-    """
-
-    M: float = 9.7
-    m: float = 0.028
-    k_r: float = 79e3
-    k_s: float = 2354e3
-    c_r: float = 105.0
-    c_s: float = 3.5
-    rho: float = 35e-3
-    gamma: float = 0.5e-3
-
-
-RIG = Rig()
 # Eccentricity and preload of Fig. 40, and of Figs. 41 and 42 [mm].
 EPS_40, DELTA_40 = (0.5, 0.0), 0.1
 EPS_41, DELTA_41 = (0.45, 0.05), 0.04
@@ -105,58 +67,10 @@ def set_b(delta: float, eta: float = 2.5) -> System:
     return rotor(eta=eta, delta_x=delta, delta_y=delta, **_SET_B)
 
 
-def rig_data(data: Rig = RIG) -> dict[str, float]:
-    """Dimensionless parameters of the rig.
-
-    Parameters
-    ----------
-    data : Rig, optional
-        The rig.
-
-    Returns
-    -------
-    dict of str to float
-        ``nu1``, ``nu2``, ``K``, ``eta_m``, ``rho``.
-
-    Examples
-    --------
-    >>> round(rig_data()["nu1"], 4)
-    0.06
-    """
-    critical = 2.0 * math.sqrt(data.k_r * data.M)
-    return {
-        "nu1": data.c_r / critical,
-        "nu2": data.c_s / critical,
-        "K": data.k_s / data.k_r,
-        "eta_m": data.m / data.M,
-        "rho": data.rho / data.gamma,
-    }
-
-
-def natural_frequency(data: Rig = RIG) -> float:
-    """Natural frequency of the rotor on its rods, in Hz.
-
-    Parameters
-    ----------
-    data : Rig, optional
-        The rig.
-
-    Returns
-    -------
-    float
-
-    Examples
-    --------
-    >>> round(natural_frequency(), 2)
-    14.36
-    """
-    return math.sqrt(data.k_r / data.M) / (2.0 * math.pi)
-
-
 def rig(
-    eps: tuple[float, float] = EPS_41, delta: float = DELTA_41, frequency: float = 13.1
-) -> System:
-    """Rotor with the data of the rig.
+    eps: tuple[float, float] = EPS_41, delta: float = DELTA_41, speed: float = 13.1
+) -> RotorRig:
+    """Rig of section 4.4 in SI units.
 
     Parameters
     ----------
@@ -164,24 +78,20 @@ def rig(
         Eccentricity [mm].
     delta : float, optional
         Preload along both axes [mm].
-    frequency : float, optional
+    speed : float, optional
         Speed of the shaft [Hz].
 
     Returns
     -------
-    System
+    RotorRig
 
     Examples
     --------
-    >>> round(rig(frequency=14.36).parameter_values["eta"], 2)
-    1.0
+    >>> round(rig().natural_frequency, 2)
+    14.36
     """
-    gap = 1e3 * RIG.gamma
-    return rotor(
-        eta=frequency / natural_frequency(),
-        eps_x=eps[0] / gap,
-        eps_y=eps[1] / gap,
-        delta_x=delta / gap,
-        delta_y=delta / gap,
-        **rig_data(),
-    )
+    return RotorRig(
+        mass=9.7, unbalance_mass=0.028, unbalance_radius=35.0, rotor_stiffness=79e3,
+        ring_stiffness=2354e3, rotor_damping=105.0, ring_damping=3.5, gap=0.5, speed=speed,
+        eccentricity_x=eps[0], eccentricity_y=eps[1], preload_x=delta, preload_y=delta,
+    )  # fmt: skip

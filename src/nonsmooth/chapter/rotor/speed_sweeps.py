@@ -24,6 +24,7 @@ __all__ = [
     "REGULAR",
     "UNKNOWN",
     "Sweep",
+    "even_values",
     "last_strobe",
     "speed_sweeps",
     "stretches",
@@ -35,7 +36,6 @@ PROTOCOLS = ("restart", "follow up", "follow down")
 # still settling), and not looked at yet
 CHAOTIC, REGULAR, UNKNOWN = 0, -1, -2
 _SPAN = 400  # periods over which an exponent is taken
-_STATES = ("x", "y", "vx", "vy")
 
 
 @dataclass(frozen=True)
@@ -170,7 +170,29 @@ def with_exponents(system: System, sweep: Sweep) -> Sweep:
     return replace(sweep, labels=labels, exponents=exponents)
 
 
-def last_strobe(system: System, transient: int, start: dict[str, float] | None = None) -> dict:
+def even_values(first: float, last: float, columns: int) -> tuple[float, ...]:
+    """Values with even distances, both ends among them.
+
+    Parameters
+    ----------
+    first, last : float
+        Ends.
+    columns : int
+        Steps between them; there is one value more.
+
+    Returns
+    -------
+    tuple of float
+
+    Examples
+    --------
+    >>> even_values(2.0, 3.0, 4)
+    (2.0, 2.25, 2.5, 2.75, 3.0)
+    """
+    return tuple(np.linspace(first, last, columns + 1).round(12).tolist())
+
+
+def last_strobe(system: System, transient: int, start: dict[str, float] | None = None) -> dict[str, float]:
     """State at the last strobe of a run.
 
     Parameters
@@ -189,11 +211,11 @@ def last_strobe(system: System, transient: int, start: dict[str, float] | None =
     Examples
     --------
     >>> from nonsmooth.chapter.rotor.data import set_a
-    >>> sorted(last_strobe(set_a(0.1), 10))
-    ['vx', 'vy', 'x', 'y']
+    >>> list(last_strobe(set_a(0.1), 10))
+    ['x', 'y', 'vx', 'vy', 'sx', 'sy', 'mu']
     """
     found = ensemble(system, start, transient=transient, record=1).isel(lane=0, point=0)
-    return {name: float(found[name]) for name in _STATES}
+    return {name: float(found[name]) for name in system.states}
 
 
 def stretches(sweep: Sweep) -> list[tuple[int, float, float]]:
