@@ -13,6 +13,7 @@ import numpy as np
 import xarray as xr
 
 from nonsmooth import stroboscopic_map
+from nonsmooth.chapter.rotor.coexistence import coexisting
 from nonsmooth.chapter.rotor.data import DELTA_40, DELTA_41, EPS_40, EPS_41, rig, set_a
 from nonsmooth.chapter.rotor.speed_sweeps import Sweep, even_values, speed_sweeps
 from nonsmooth.plot import PALETTE, print_figure
@@ -20,6 +21,7 @@ from nonsmooth.plot import PALETTE, print_figure
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
 
     from nonsmooth.models import RotorRig
 
@@ -172,14 +174,12 @@ def _rig_figure(
     _label(axes[:2], "speed [Hz]", "displacement in x [mm]")
     sections = [_section(machine, speed, sweeps, points) for speed in speeds]
     for ax, speed, found in zip(axes[2:], speeds, sections, strict=True):
-        several = np.unique(np.round(found["x"].values, 9)).size > _FEW
-        size = 0.6 if several else 3.0
-        ax.plot(found["x"], found["vx"], color="black", markersize=size, **_DOTS)
-        ax.set_title(f"section at {speed:g} Hz, followed up", loc="left", fontsize=_TEXT)
+        _draw_section(ax, found)
+        ax.set_title(f"section at {speed:g} Hz", loc="left", fontsize=_TEXT)
     _label(axes[2:], "displacement in x [mm]", "velocity in x [mm/s]")
     for axis, name in (("x", "section_x"), ("vx", "section_vx")):
-        values = np.stack([found[axis].values for found in sections])
-        data[name] = (("speed", "strobe"), values, sections[0][axis].attrs)
+        values = np.stack([found["followed up"][axis].values for found in sections])
+        data[name] = (("speed", "strobe"), values, sections[0]["followed up"][axis].attrs)
     data = data.assign_coords(speed=("speed", list(speeds), {"units": "Hz"}))
     data.attrs = {
         "transient": transient, "record": record, "eccentricity_x_mm": machine.eccentricity_x,
@@ -191,17 +191,42 @@ def _rig_figure(
 
 def _section(
     machine: RotorRig, speed: float, sweeps: tuple[Sweep, ...], points: int
-) -> xr.Dataset:
-    """Strobes at a speed, begun where the column of the followed diagram next to it ended."""
+) -> dict[str, xr.Dataset]:
+    """Strobes at a speed: of the motion followed to it, and of others that random starts find."""
     followed = sweeps[-1]
     eta = speed / machine.natural_frequency
     column = int(np.abs(followed.eta - eta).argmin())
     system = machine.system().with_parameters(eta=eta)
     last = followed.data.isel(parameter=column, point=-1)
-    # the ring is left out: there the rotor may touch it a little earlier or later
     start = {name: float(last[name]) for name in system.states}
-    found = stroboscopic_map(system, start, transient=400, record=points)
-    return machine.to_si(found)
+    found = {"followed up": stroboscopic_map(system, start, transient=400, record=points)}
+    place = np.array([found["followed up"][name].values for name in ("x", "vx")])
+    for row in coexisting(system):
+        near = np.abs(place.T - np.array([row["point"][0], row["point"][2]])).max(axis=1).min()
+        if near < (_NEAR_CYCLE if row["period"] else _NEAR_SET):
+            continue
+        name = f"also period {row['period']}" if row["period"] else "also without period"
+        found[name] = stroboscopic_map(system, row["state"], transient=0, record=points)
+    return {name: machine.to_si(each) for name, each in found.items()}
+
+
+def _draw_section(ax: Axes, found: dict[str, xr.Dataset]) -> None:
+    styles = (("black", "o"), (PALETTE["vermilion"], "^"), (PALETTE["blue"], "s"))
+    for (name, points), (colour, shape) in zip(found.items(), styles, strict=False):
+        x, v = points["x"].values, points["vx"].values
+        few = np.unique(x.round(6)).size < _FEW
+        # one dot for each point of a cycle
+        x, v = (np.unique(np.stack([x, v]).round(6), axis=1)) if few else (x, v)
+        how = _DOTS | {"marker": shape, "markersize": 4.0 if few else 0.7}
+        ax.plot(x, v, color=colour, label=name, **how)
+    for low, high, place in ((*ax.get_xlim(), ax.set_xlim), (*ax.get_ylim(), ax.set_ylim)):
+        if high - low < _LEAST_SPAN:
+            middle = 0.5 * (low + high)
+            place(middle - _LEAST_SPAN, middle + _LEAST_SPAN)
+    ax.margins(0.1)
+    key = ax.legend(frameon=False, fontsize=7, loc="best")
+    for handle in key.legend_handles:
+        handle.set_markersize(4.0)
 
 
 def _dataset(sweeps: tuple[Sweep, ...]) -> xr.Dataset:
@@ -237,7 +262,7 @@ def _label(axes: Sequence[Axes], across: str, up: str) -> None:
         ax.set_ylabel(up if k % 2 == 0 or "velocity" in up else "")
 
 
-def _printed_line(label: str):  # type: ignore[no-untyped-def]
+def _printed_line(label: str) -> Line2D:
     from matplotlib.lines import Line2D
 
     return Line2D([], [], label=label, **{k: v for k, v in _PRINTED.items() if k != "zorder"})
@@ -251,7 +276,9 @@ def _version(sweeps: tuple[Sweep, ...]) -> dict[str, str]:
     return {"nonsmooth_version": sweeps[0].data.attrs["nonsmooth_version"]}
 
 
-_FEW = 20  # different points, up to which they are drawn large
+_FEW = 40  # different points, up to which they are drawn large
+_NEAR_CYCLE, _NEAR_SET = 1e-4, 0.02  # of the followed motion: the same one
+_LEAST_SPAN = 0.05  # of an axis, in mm and mm/s
 _PRINTED = {
     "color": PALETTE["vermilion"], "linewidth": 0.8, "linestyle": (0, (4, 3)), "zorder": 0,
 }  # fmt: skip
