@@ -49,7 +49,9 @@ _FIGURES = {
     "fig34": _Entry("rotor.regions", "fig34", "regions of operation of the rotor in its ring"),
     "fig35": _Entry("rotor.regions", "fig35", "their boundaries, Eqs. (62)-(66)"),
     "fig36": _Entry(
-        "rotor.diagrams", "fig36", "displacement of the rotor over its speed, with and without preload"
+        "rotor.diagrams",
+        "fig36",
+        "displacement of the rotor over its speed, with and without preload",
     ),
     "fig37": _Entry("rotor.sections", "fig37", "four sections of the rotor's motion"),
     "fig38": _Entry("rotor.ring_motion", "fig38", "velocity of the ring over its displacement"),

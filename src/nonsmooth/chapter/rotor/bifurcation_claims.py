@@ -140,8 +140,8 @@ def _quasi_text(evidence: Evidence) -> str:
     passes = evidence["ring_passes_preload"]
     ends = ", ".join(f"{end['kind']} at {end['eta']:.4f}" for end in evidence["ends"])
     return (
-        f"Delta {evidence['delta']:g}: largest multiplier of period two at {evidence['eta']}: {size};"
-        f" followed 0.1 to either side: {ends} (none: stable to there); motions from 49 starts at"
+        f"Delta {evidence['delta']:g}: largest multiplier of period two at {evidence['eta']}"
+        f" {size}; followed 0.1 to either side: {ends} (none: stable to there); motions from 49 starts at"
         f" {evidence['eta']}: {motions}"
         + (
             "" if passes is None
@@ -259,8 +259,8 @@ CHECKS = (
     *(_change_check(f"R{19 + k}", 0.1, k) for k in range(3)),
     Check(
         "R22",
-        "Delta .1; multipliers of period two at 3.107 and followed from 3.0 by 0.1 to either side of"
-        " it; motions from 48 random starts and zero, 800 periods dropped; about: 2 %",
+        "Delta .1; multipliers of period two at 3.107 and followed from 3.0 to 0.1 on either side"
+        " of it; motions from 48 random starts and zero, 800 periods dropped; about: 2 %",
         lambda: _quasi(0.1),
         _judge_quasi,
     ),

@@ -79,7 +79,8 @@ def coexisting(
     [2]
     """
     initial = {
-        name: np.concatenate([[0.0], values]) for name, values in random_starts(starts, seed).items()
+        name: np.concatenate([[0.0], values])
+        for name, values in random_starts(starts, seed).items()
     }
     runs = ensemble(system, initial, transient=transient, record=4 * _LONGEST)
     points = np.stack([runs[name].values for name in _STATES], axis=-1)

@@ -87,7 +87,9 @@ def _free_ring(delta: float = 0.1, k_s: float = 30.0, c_s: float = 0.004) -> Evi
     ):  # fmt: skip
         options = {"k_s": k_s, "c_s": c_s, "delta_x": preload, "delta_y": preload}
         # the resultant is linear in the rate, and zero on a ring that is free
-        at_rest, moving = (float(force_of_springs(s, 0.0, v, 0.0, **options)[0]) for v in (0.0, 1.0))
+        at_rest, moving = (
+            float(force_of_springs(s, 0.0, v, 0.0, **options)[0]) for v in (0.0, 1.0)
+        )
         rows.append(
             {
                 "case": name,

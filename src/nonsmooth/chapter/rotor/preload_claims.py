@@ -68,8 +68,8 @@ def _judge_ladder(evidence: Evidence) -> Finding:
         )
     named = ", ".join(name for name, each in less.items() if each) or "neither set"
     text = (
-        f"share of chaotic eta from 2 to 5: {'; '.join(listed)}; less chaos than without preload in:"
-        f" {named}; section 4.5 states the opposite for set A (R54)"
+        f"share of chaotic eta from 2 to 5: {'; '.join(listed)}; less chaos than without preload"
+        f" in: {named}; section 4.5 states the opposite for set A (R54)"
     )
     return Finding(any(less.values()), text)
 
@@ -104,7 +104,9 @@ def _uncertain(
             period[np.abs(x[:, n:] - x[:, :-n]).max(axis=1) < 1e-3] = n
         labels.append(period)
     shares = [float(np.mean(labels[0] != label)) for label in labels[1:]]
-    used = [(np.log(d), np.log(s)) for d, s in zip(distances, shares, strict=True) if s * starts >= 8]
+    used = [
+        (np.log(d), np.log(s)) for d, s in zip(distances, shares, strict=True) if s * starts >= 8
+    ]
     exponent = float(np.polyfit(*np.array(used).T, 1)[0]) if len(used) > 1 else None
     return {"distances": list(distances), "uncertain": shares, "exponent": exponent}
 
@@ -156,7 +158,8 @@ def _judge_without(evidence: Evidence) -> Finding:
         for row in evidence["rows"]
     )
     return Finding(
-        None, f"the model with one spring a side in contact (no preload) against that with: {listed}"
+        None,
+        f"the model with one spring a side in contact (no preload) against that with: {listed}",
     )
 
 
@@ -164,15 +167,15 @@ CHECKS = (
     Check(
         "R54",
         "set A, 201 columns from 2 to 5, from zero and followed up and down, 300 periods dropped;"
-        " chaos: no period up to 50 and a largest exponent above 3 standard errors over 400 periods;"
-        " from zero decides, as for Fig. 36",
+        " chaos: no period up to 50 and a largest exponent above 3 standard errors over 400"
+        " periods; from zero decides, as for Fig. 36",
         _wider,
         _judge_wider,
     ),
     Check("R55", "sets A and B, 101 columns from zero, preload 0 to 0.2; chaos as for R54; 'can':"
           " some preload with less chaos than none in one set at least", _ladder, _judge_ladder),
-    Check("R56", "set A, Delta 0, six eta, 48 random starts and zero, 800 periods dropped; 600 pairs"
-          " of starts displaced in x, told apart by period after 250 periods", _attractors,
+    Check("R56", "set A, Delta 0, six eta, 48 random starts and zero, 800 periods dropped; 600"
+          " pairs of starts displaced in x, told apart by period after 250 periods", _attractors,
           _judge_attractors),
     Check("R57", "rig sets, 61 columns followed up, 400 periods dropped, 64 kept", _without_regimes,
           _judge_without),

@@ -37,7 +37,9 @@ def _judge_damping(evidence: Evidence) -> Finding:
         f"{c:g} gives nu1 = {value:.4f} ({'fits' if fit else 'does not fit'})"
         for c, value, fit in zip(evidence["printed"], evidence["nu1"], fits, strict=True)
     )
-    text = f"{listed}; set B has {evidence['nu1_printed']}, and a damping has the unit kg/s, not N/s"
+    text = (
+        f"{listed}; set B has {evidence['nu1_printed']}, and a damping has the unit kg/s, not N/s"
+    )
     return Finding(all(fits), text)
 
 
@@ -61,7 +63,7 @@ def _light_ring(
     ratio: float = 1.0 / 17.0, speed: float = 13.1, stiffnesses: tuple[float, ...] = (50.0, 200.0)
 ) -> Evidence:
     values = rig(speed=speed).parameters()
-    eta, K = values["eta"], values["K"]  # noqa: N806 - the chapter's symbol
+    eta, K = values["eta"], values["K"]
     frequencies = {n: float(np.sqrt(n * K / ratio)) for n in (1, 2)}
     return {
         "ratio": ratio,

@@ -86,11 +86,15 @@ def _motion_text(evidence: Evidence) -> str:
             part += f" ({row['exponent']:.3f} +- {row['error']:.3f} per period)"
         parts.append(part)
     motions = ", ".join(
-        f"{'period ' + str(each['period']) if each['period'] else 'chaos' if each['chaotic'] else 'no period'}"  # noqa: E501
-        f" ({each['share']:.0%})"
-        for each in evidence["rows"][0]["motions"]
+        f"{_name(each)} ({each['share']:.0%})" for each in evidence["rows"][0]["motions"]
     )
     return f"{evidence['rows'][0]['speed']:g} Hz: {', '.join(parts)}; 49 starts lead to {motions}"
+
+
+def _name(motion: Evidence) -> str:
+    if motion["period"]:
+        return f"period {motion['period']}"
+    return "chaos" if motion["chaotic"] else "no period"
 
 
 def _stated(evidence: Evidence) -> Evidence:
@@ -151,7 +155,9 @@ def _judge_route(evidence: Evidence) -> Finding:
     doubled = [end["period"] for end in ends if end["kind"] == "flip"]
     first = sequence.index(CHAOTIC) if CHAOTIC in sequence else len(sequence)
     before = sequence[:first]
-    labels = " ".join("chaos" if n == CHAOTIC else "unsettled" if n < 0 else str(n) for n in sequence)
+    labels = " ".join(
+        "chaos" if n == CHAOTIC else "unsettled" if n < 0 else str(n) for n in sequence
+    )
     true = len(doubled) >= 2 and doubled[0] == 1 and first < len(sequence) and 2 in before
     text = f"orbits: {_ends_text(ends)}; labels from {_BEFORE:g} Hz, followed up: {labels}"
     return Finding(bool(true), text + "; a cascade: two doublings at least, and chaos")
@@ -276,7 +282,7 @@ CHECKS = (
           _only_one, _judge_only_one),
     Check("R46", _AT, lambda: _motion("41", 17.6), _judge_periodic),
     Check("R47", _AT, lambda: _motion("41", 25.0), _judge_chaotic),
-    Check("R48", "orbit of period one followed from 13.1 Hz for both sets and for each change alone",
+    Check("R48", "orbit of period one followed from 13.1 Hz for both sets and each change alone",
           _changes, _judge_changes),
     Check("R49", _AT, _orbit, _open_motion),
 )  # fmt: skip

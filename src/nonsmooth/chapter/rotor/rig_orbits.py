@@ -48,9 +48,7 @@ def fig42(transient: int = 1000, samples: int = 500) -> tuple[Figure, xr.Dataset
     system = machine.system()
     period = int(regime(system, transient=transient)["period"]) or 8
     run = machine.to_si(
-        simulate(
-            system, last_strobe(system, transient), periods=period, samples_per_period=samples
-        )
+        simulate(system, last_strobe(system, transient), periods=period, samples_per_period=samples)
     )
     run.attrs["period_of_motion"] = period
     figure, axes = print_figure(1, 2, width=16.0, height=7.0)

@@ -20,9 +20,7 @@ def _scans() -> Evidence:
     return {"rows": {figure: speed_scan(figure) for figure in _FIGURES}}
 
 
-def _each(
-    evidence: Evidence, judge: Callable[[list[Evidence]], tuple[bool, str]]
-) -> Finding:
+def _each(evidence: Evidence, judge: Callable[[list[Evidence]], tuple[bool, str]]) -> Finding:
     parts = {figure: judge(rows) for figure, rows in evidence["rows"].items()}
     listed = "; ".join(f"Fig. {figure} set: {text}" for figure, (_, text) in parts.items())
     return Finding(all(true for true, _ in parts.values()), listed)
@@ -81,8 +79,8 @@ def _widths(rows: list[Evidence]) -> tuple[bool, str]:
     wide = high[-1]["speed"] - high[0]["speed"]
     span = chaos[-1]["speed"] - chaos[0]["speed"]
     text = (
-        f"above chaos {wide:.1f} Hz up to {high[-1]['speed']:.0f} Hz, {periodic:.0%} periodic; chaos"
-        f" spans {span:.1f} Hz"
+        f"above chaos {wide:.1f} Hz up to {high[-1]['speed']:.0f} Hz, {periodic:.0%} periodic;"
+        f" chaos spans {span:.1f} Hz"
     )
     return bool(periodic > 0.9 and wide > 0.25 * (rows[-1]["speed"] - rows[0]["speed"])), text
 
@@ -107,8 +105,8 @@ CHECKS = (
     Check("R51", _PROTOCOL.format("rank correlations above 0.5, and chaos with larger forces than"
                                   " any periodic motion at low speed"), _scans,
           lambda evidence: _each(evidence, _forces)),
-    Check("R52", _PROTOCOL.format("above the last chaos, wide: a quarter of the diagram, nine in ten"
-                                  " columns periodic"), _scans,
+    Check("R52", _PROTOCOL.format("above the last chaos, wide: a quarter of the diagram, 90 % of"
+                                  " the columns periodic"), _scans,
           lambda evidence: _each(evidence, _widths)),
     Check("R53", _PROTOCOL.format("half the widest range of x or y; every periodic motion above the"
                                   " last chaos against the median in chaos"), _scans,

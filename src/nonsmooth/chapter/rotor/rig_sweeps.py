@@ -20,7 +20,16 @@ from nonsmooth.chapter.rotor.speed_sweeps import (
 )
 from nonsmooth.models import RotorRig
 
-__all__ = ["LOW", "SETS", "chaotic_span", "column_at", "followed_motion", "machine_of", "rig_sweeps", "speed_scan"]
+__all__ = [
+    "LOW",
+    "SETS",
+    "chaotic_span",
+    "column_at",
+    "followed_motion",
+    "machine_of",
+    "rig_sweeps",
+    "speed_scan",
+]
 
 # Eccentricity, preload and last speed of the two diagrams; both begin at 7 Hz.
 SETS = {"40": (EPS_40, DELTA_40, 50.0), "41": (EPS_41, DELTA_41, 30.0)}

@@ -183,7 +183,7 @@ def _coordinates(ax: Axes, data: xr.Dataset) -> None:
     _arrow(ax, origin, ring, _RING, "")
     _arrow(ax, origin, rest, PALETTE["green"], "")
     ax.annotate(r"$\mathbf{R}_r$", 0.42 * rotor + (0.1, -0.22), color=_ROTOR, fontsize=_TEXT)
-    ax.annotate(r"$\mathbf{R}_s$", ring + (-0.42, 0.05), color=_RING, fontsize=_TEXT)
+    ax.annotate(r"$\mathbf{R}_s$", ring - (0.42, -0.05), color=_RING, fontsize=_TEXT)
     ax.annotate(
         r"$\varepsilon$", 0.5 * rest + (-0.08, -0.24), color=PALETTE["green"], fontsize=_TEXT
     )
@@ -259,9 +259,7 @@ def _point(
     ax: Axes, at: Any, name: str, colour: str, offset: tuple[float, float] = (3, -9)
 ) -> None:
     ax.plot(*at, "o", color=colour, markersize=3.0)
-    ax.annotate(
-        name, tuple(at), offset, textcoords="offset points", color=colour, fontsize=_TEXT
-    )
+    ax.annotate(name, tuple(at), offset, textcoords="offset points", color=colour, fontsize=_TEXT)
 
 
 def _spring(ax: Axes, begin: np.ndarray, end: np.ndarray) -> None:

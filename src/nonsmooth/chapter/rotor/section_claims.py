@@ -88,9 +88,7 @@ def _structure(eta: float = 2.442, record: int = 6000) -> Evidence:
         points = np.stack([found[name].values for name in ("x", "y", "vx", "vy")], axis=1)
         clouds[delta] = (points[:record], points[record:])
         fit = correlation_dimension(found, states=["x", "y", "vx", "vy"])
-        dimensions.append(
-            [float(fit["correlation_dimension"]), float(fit["standard_error"])]
-        )
+        dimensions.append([float(fit["correlation_dimension"]), float(fit["standard_error"])])
     size = float(np.ptp(clouds[0.0][0], axis=0).max())
     own = [_mean_distance(*pair) / size for pair in clouds.values()]
     across = _mean_distance(clouds[0.0][0], clouds[0.1][0]) / size
@@ -114,7 +112,9 @@ def _judge_structure(evidence: Evidence) -> Finding:
     return Finding(bool(across > _APART * own), text)
 
 
-def _settling(columns: int = 100, dropped: int = 300, record: int = 150, later: int = 2500) -> Evidence:
+def _settling(
+    columns: int = 100, dropped: int = 300, record: int = 150, later: int = 2500
+) -> Evidence:
     """Which periodic columns still move, or have not found their motion, after the transient."""
     rows = []
     for delta in (0.0, 0.1):
@@ -157,8 +157,8 @@ CHECKS = (
     Check(
         "R15",
         "set A, 101 columns from zero, Delta 0 and .1; points in periods 300 to 450 against the"
-        f" periodic motion after 2500, farther than {_SETTLED:g} gaps counts; columns without a period"
-        " in the end are left out",
+        f" periodic motion after 2500, farther than {_SETTLED:g} gaps counts; columns without a"
+        " period in the end are left out",
         _settling,
         _judge_settling,
     ),

@@ -6,7 +6,6 @@ has ended. Both are computed, the second one with rising and with falling speed.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -38,7 +37,7 @@ CHAOTIC, REGULAR, UNKNOWN = 0, -1, -2
 _SPAN = 400  # periods over which an exponent is taken
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Sweep:
     """Columns of a diagram of the rotor over eta, in order of eta.
 
@@ -192,7 +191,9 @@ def even_values(first: float, last: float, columns: int) -> tuple[float, ...]:
     return tuple(np.linspace(first, last, columns + 1).round(12).tolist())
 
 
-def last_strobe(system: System, transient: int, start: dict[str, float] | None = None) -> dict[str, float]:
+def last_strobe(
+    system: System, transient: int, start: dict[str, float] | None = None
+) -> dict[str, float]:
     """State at the last strobe of a run.
 
     Parameters

@@ -77,8 +77,8 @@ def _judge_regimes(evidence: Evidence) -> Finding:
     )
     listed = "; ".join(
         f"Delta ({row['delta'][0]:g}, {row['delta'][1]:g}): regimes {' '.join(row['present'])},"
-        f" {row['several_minima']} positions with a second minimum, {row['other_regime']} in another"
-        f" regime, ring within {row['distance']:.0e} of the closed forms"
+        f" {row['several_minima']} positions with a second minimum, {row['other_regime']} in"
+        f" another regime, ring within {row['distance']:.0e} of the closed forms"
         for row in rows
     )
     return Finding(true, f"{rows[0]['positions']} positions each; {listed}")
@@ -133,9 +133,9 @@ def _judge_curves(evidence: Evidence) -> Finding:
     wrong = [row for row in rows if row["valid"] < 1.0]
     beyond = {row["beyond"] for row in rows if row["beyond"] is not None}
     text = (
-        f"{len(rows) - len(wrong)} of {len(rows)} curves separate the regimes that the chapter names"
-        " at every point of their piece, up to the corner r = Delta(1 + gamma/|Delta|) where all"
-        f" four meet; beyond it {max(beyond):.0%} of their points do"
+        f"{len(rows) - len(wrong)} of {len(rows)} curves separate the regimes that the chapter"
+        " names at every point of their piece, up to the corner r = Delta(1 + gamma/|Delta|) where"
+        f" all four meet; beyond it {max(beyond):.0%} of their points do"
     )
     return Finding(not wrong, text)
 
