@@ -51,7 +51,10 @@ def test_figure_writes_picture_and_data(name, tmp_path):
         assert (SHOWN | OF_MODEL).get(name, {"x", "v", "mode"}) <= set(data.variables)
         first = data[LABELLED.get(name, "x")]
         assert first.attrs["long_name"]
-        assert np.all(np.isfinite(first.values)) or name in ("fig37", "fig38")  # rows of two lengths
+        assert np.all(np.isfinite(first.values)) or name in (
+            "fig37",
+            "fig38",
+        )  # rows of two lengths
 
 
 def test_diagrams_on_a_small_grid(tmp_path):

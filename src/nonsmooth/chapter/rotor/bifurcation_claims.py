@@ -141,8 +141,8 @@ def _quasi_text(evidence: Evidence) -> str:
     ends = ", ".join(f"{end['kind']} at {end['eta']:.4f}" for end in evidence["ends"])
     return (
         f"Delta {evidence['delta']:g}: largest multiplier of period two at {evidence['eta']}"
-        f" {size}; followed 0.1 to either side: {ends} (none: stable to there); motions from 49 starts at"
-        f" {evidence['eta']}: {motions}"
+        f" {size}; followed 0.1 to either side: {ends} (none: stable to there); motions from 49"
+        f" starts at {evidence['eta']}: {motions}"
         + (
             "" if passes is None
             else f"; at {passes:.4f} the ring begins to go beyond its preload, and the orbit stays"

@@ -85,7 +85,11 @@ def fig36(columns: int = 600, transient: int = 300, record: int = 150) -> tuple[
 
 
 def fig40(
-    columns: int = 430, transient: int = 400, record: int = 100, points: int = 6000
+    columns: int = 430,
+    transient: int = 400,
+    record: int = 100,
+    points: int = 6000,
+    starts: int = 48,
 ) -> tuple[Figure, xr.Dataset]:
     """Fig. 40(a): diagram over 7-50 Hz and sections at 30.1 and 37.1 Hz.
 
@@ -97,6 +101,8 @@ def fig40(
         Periods left out and drawn.
     points : int, optional
         Points of each section.
+    starts : int, optional
+        Random starts from which other motions are sought for each section.
 
     Returns
     -------
@@ -108,16 +114,22 @@ def fig40(
 
     Examples
     --------
-    >>> figure, data = fig40(columns=4, transient=50, record=20, points=50)
+    >>> figure, data = fig40(columns=4, transient=50, record=20, points=50, starts=2)
     >>> data["x"].attrs["units"], len(figure.axes)
     ('mm', 4)
     """
     machine = rig(EPS_40, DELTA_40)
-    return _rig_figure(machine, (7.0, 50.0), (30.1, 37.1), columns, transient, record, points)
+    return _rig_figure(
+        machine, (7.0, 50.0), (30.1, 37.1), columns, transient, record, points, starts
+    )
 
 
 def fig41(
-    columns: int = 460, transient: int = 400, record: int = 100, points: int = 6000
+    columns: int = 460,
+    transient: int = 400,
+    record: int = 100,
+    points: int = 6000,
+    starts: int = 48,
 ) -> tuple[Figure, xr.Dataset]:
     """Fig. 41(a): diagram over 7-30 Hz and sections at 17.6 and 25 Hz.
 
@@ -129,6 +141,8 @@ def fig41(
         Periods left out and drawn.
     points : int, optional
         Points of each section.
+    starts : int, optional
+        Random starts from which other motions are sought for each section.
 
     Returns
     -------
@@ -139,12 +153,14 @@ def fig41(
 
     Examples
     --------
-    >>> figure, data = fig41(columns=4, transient=50, record=20, points=50)
+    >>> figure, data = fig41(columns=4, transient=50, record=20, points=50, starts=2)
     >>> data["section_vx"].attrs["units"], len(figure.axes)
     ('mm/s', 4)
     """
     machine = rig(EPS_41, DELTA_41)
-    return _rig_figure(machine, (7.0, 30.0), (17.6, 25.0), columns, transient, record, points)
+    return _rig_figure(
+        machine, (7.0, 30.0), (17.6, 25.0), columns, transient, record, points, starts
+    )
 
 
 def _rig_figure(
@@ -155,6 +171,7 @@ def _rig_figure(
     transient: int,
     record: int,
     points: int,
+    starts: int,
 ) -> tuple[Figure, xr.Dataset]:
     hertz = machine.natural_frequency
     etas = even_values(span[0] / hertz, span[1] / hertz, columns)
@@ -172,7 +189,7 @@ def _rig_figure(
         ax.set_title(_TITLES[sweep.start], loc="left", fontsize=_TEXT)
         ax.set_xlim(*span)
     _label(axes[:2], "speed [Hz]", "displacement in x [mm]")
-    sections = [_section(machine, speed, sweeps, points) for speed in speeds]
+    sections = [_section(machine, speed, sweeps, points, starts) for speed in speeds]
     for ax, speed, found in zip(axes[2:], speeds, sections, strict=True):
         _draw_section(ax, found)
         ax.set_title(f"section at {speed:g} Hz", loc="left", fontsize=_TEXT)
@@ -190,7 +207,7 @@ def _rig_figure(
 
 
 def _section(
-    machine: RotorRig, speed: float, sweeps: tuple[Sweep, ...], points: int
+    machine: RotorRig, speed: float, sweeps: tuple[Sweep, ...], points: int, starts: int
 ) -> dict[str, xr.Dataset]:
     """Strobes at a speed: of the motion followed to it, and of others that random starts find."""
     followed = sweeps[-1]
@@ -201,7 +218,7 @@ def _section(
     start = {name: float(last[name]) for name in system.states}
     found = {"followed up": stroboscopic_map(system, start, transient=400, record=points)}
     place = np.array([found["followed up"][name].values for name in ("x", "vx")])
-    for row in coexisting(system):
+    for row in coexisting(system, starts):
         near = np.abs(place.T - np.array([row["point"][0], row["point"][2]])).max(axis=1).min()
         if near < (_NEAR_CYCLE if row["period"] else _NEAR_SET):
             continue

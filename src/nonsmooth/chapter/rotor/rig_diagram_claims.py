@@ -80,8 +80,8 @@ def _motion(figure: str, speed: float) -> Evidence:
 def _motion_text(evidence: Evidence) -> str:
     parts = []
     for row in evidence["rows"]:
-        part = f"{row['start']} {row['regime']}"
-        part += f" {row['period']}" if row["period"] else ""
+        motion = f"period {row['period']}" if row["period"] else row["regime"]
+        part = f"{row['start']} {motion}"
         if "exponent" in row and np.isfinite(row["exponent"]):
             part += f" ({row['exponent']:.3f} +- {row['error']:.3f} per period)"
         parts.append(part)
@@ -108,7 +108,7 @@ def _judge_chaotic(evidence: Evidence) -> Finding:
 
 
 def _judge_periodic(evidence: Evidence) -> Finding:
-    return Finding(_stated(evidence)["regime"] == "periodic", _motion_text(evidence))
+    return Finding(_stated(evidence)["period"] > 0, _motion_text(evidence))
 
 
 def _doublings(eps: tuple[float, float] = EPS_41, delta: float = DELTA_41) -> Evidence:

@@ -50,15 +50,20 @@ def _contacts(rows: list[Evidence]) -> tuple[bool, str]:
     )
 
 
+def _rank(rows: list[Evidence], name: str) -> float:
+    """Rank correlation of the contact force with something else; 0 where one does not change."""
+    pairs = np.array([[row[name], row["force"]] for row in rows])
+    if np.any(np.ptp(pairs, axis=0) == 0.0):
+        return 0.0
+    return float(spearmanr(*pairs.T).statistic)
+
+
 def _forces(rows: list[Evidence]) -> tuple[bool, str]:
     chaos = [k for k, row in enumerate(rows) if row["label"] == CHAOTIC]
     if not chaos:
         return False, "no chaos"
     rising = rows[: chaos[-1] + 1]
-    rank = float(spearmanr([r["speed"] for r in rising], [r["force"] for r in rising]).statistic)
-    grows = float(
-        spearmanr([r["amplitude"] for r in rising], [r["force"] for r in rising]).statistic
-    )
+    rank, grows = (_rank(rising, name) for name in ("speed", "amplitude"))
     below = [row["force"] for row in _low(rows)]
     strong = [rows[k]["force"] for k in chaos]
     stronger = bool(below) and float(np.median(strong)) > max(below)
