@@ -7,7 +7,7 @@ ended. Each figure shows both, one beside the other; speeds are raised.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
@@ -32,7 +32,12 @@ SHOWN = ("restart", "follow up")
 PRINTED_36 = {0.0: ("2.165", "2.717", "3.803"), 0.1: ("2.213", "2.824", "3.893")}
 _TITLES = {"restart": "each column from zero", "follow up": "followed up"}
 _TEXT = 8  # points, as in the rest of the figure
-_DOTS = {"linestyle": "none", "marker": "o", "markeredgewidth": 0.0, "rasterized": True}
+_DOTS: dict[str, Any] = {
+    "linestyle": "none",
+    "marker": "o",
+    "markeredgewidth": 0.0,
+    "rasterized": True,
+}
 
 
 def fig36(columns: int = 600, transient: int = 300, record: int = 150) -> tuple[Figure, xr.Dataset]:
@@ -228,6 +233,8 @@ def _section(
 
 
 def _draw_section(ax: Axes, found: dict[str, xr.Dataset]) -> None:
+    from matplotlib.artist import setp
+
     styles = (("black", "o"), (PALETTE["vermilion"], "^"), (PALETTE["blue"], "s"))
     for (name, points), (colour, shape) in zip(found.items(), styles, strict=False):
         x, v = points["x"].values, points["vx"].values
@@ -242,8 +249,8 @@ def _draw_section(ax: Axes, found: dict[str, xr.Dataset]) -> None:
             place(middle - _LEAST_SPAN, middle + _LEAST_SPAN)
     ax.margins(0.1)
     key = ax.legend(frameon=False, fontsize=7, loc="best")
-    for handle in key.legend_handles:
-        handle.set_markersize(4.0)
+    for handle in filter(None, key.legend_handles):
+        setp(handle, markersize=4.0)
 
 
 def _dataset(sweeps: tuple[Sweep, ...]) -> xr.Dataset:
@@ -296,6 +303,6 @@ def _version(sweeps: tuple[Sweep, ...]) -> dict[str, str]:
 _FEW = 40  # different points, up to which they are drawn large
 _NEAR_CYCLE, _NEAR_SET = 1e-4, 0.02  # of the followed motion: the same one
 _LEAST_SPAN = 0.05  # of an axis, in mm and mm/s
-_PRINTED = {
+_PRINTED: dict[str, Any] = {
     "color": PALETTE["vermilion"], "linewidth": 0.8, "linestyle": (0, (4, 3)), "zorder": 0,
 }  # fmt: skip

@@ -107,7 +107,11 @@ def _uncertain(
     used = [
         (np.log(d), np.log(s)) for d, s in zip(distances, shares, strict=True) if s * starts >= 8
     ]
-    exponent = float(np.polyfit(*np.array(used).T, 1)[0]) if len(used) > 1 else None
+    exponent = (
+        float(np.polyfit([a for a, _ in used], [b for _, b in used], 1)[0])
+        if len(used) > 1
+        else None
+    )
     return {"distances": list(distances), "uncertain": shares, "exponent": exponent}
 
 

@@ -141,7 +141,7 @@ def _ends_text(ends: list[Evidence]) -> str:
 def _route() -> Evidence:
     sweeps = rig_sweeps("41")
     hertz = machine_of("41").natural_frequency
-    sequence = []
+    sequence: list[int] = []
     sweep = sweeps[_STATED]
     for column in np.flatnonzero(hertz * sweep.eta >= _BEFORE):
         label = int(sweep.labels[column])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
@@ -168,8 +168,8 @@ def fig38(transient: int = 1000, periods: int = 12) -> tuple[Figure, xr.Dataset]
         ax.set_xlabel(r"displacement of the ring, $x_s/\gamma$" if k > 1 else "")
         ax.set_ylabel(r"velocity of the ring, $v_{x_s}$" if k % 2 == 0 else "")
     for pair in (axes[:2], axes[2:]):  # one scale for what is compared
-        for ends, place in (("get_xlim", "set_xlim"), ("get_ylim", "set_ylim")):
-            limits = np.array([getattr(ax, ends)() for ax in pair])
+        for limits_of, place in (("get_xlim", "set_xlim"), ("get_ylim", "set_ylim")):
+            limits = np.array([getattr(ax, limits_of)() for ax in pair])
             for ax in pair:
                 getattr(ax, place)(limits[:, 0].min(), limits[:, 1].max())
     handles = [
@@ -202,4 +202,4 @@ def _dataset(runs: list[xr.Dataset]) -> xr.Dataset:
     return data
 
 
-_JUMPS = {"color": PALETTE["vermilion"], "linewidth": 0.6, "linestyle": (0, (4, 2))}
+_JUMPS: dict[str, Any] = {"color": PALETTE["vermilion"], "linewidth": 0.6, "linestyle": (0, (4, 2))}

@@ -158,9 +158,9 @@ def _physical_model(ax: Axes) -> None:
         ends = np.stack([way * 2.35 - 0.5 * side, way * 2.35 + 0.5 * side])
         ax.plot(*ends.T, color="black", linewidth=1.6)
         at = way * 2.0 + 0.62 * side
-        ax.annotate(rf"$k_s,$ {preload}", at, ha="center", va="center", fontsize=_TEXT)
+        ax.annotate(rf"$k_s,$ {preload}", tuple(at), ha="center", va="center", fontsize=_TEXT)
         at = way * 2.0 - 0.55 * side
-        ax.annotate("$c_s$", at, ha="center", va="center", fontsize=_TEXT)
+        ax.annotate("$c_s$", tuple(at), ha="center", va="center", fontsize=_TEXT)
     ax.annotate(
         r"rods: $k_r,\ c_r$", (rotor[0] - 0.2, rotor[1] - 0.35), (-0.75, -1.05), ha="center",
         fontsize=_TEXT, arrowprops={"arrowstyle": "-", "linewidth": 0.5},
@@ -182,14 +182,14 @@ def _coordinates(ax: Axes, data: xr.Dataset) -> None:
     _arrow(ax, origin, rotor, _ROTOR, "")
     _arrow(ax, origin, ring, _RING, "")
     _arrow(ax, origin, rest, PALETTE["green"], "")
-    ax.annotate(r"$\mathbf{R}_r$", 0.42 * rotor + (0.1, -0.22), color=_ROTOR, fontsize=_TEXT)
-    ax.annotate(r"$\mathbf{R}_s$", ring - (0.42, -0.05), color=_RING, fontsize=_TEXT)
+    ax.annotate(r"$\mathbf{R}_r$", tuple(0.42 * rotor + (0.1, -0.22)), color=_ROTOR, fontsize=_TEXT)
+    ax.annotate(r"$\mathbf{R}_s$", tuple(ring - (0.42, -0.05)), color=_RING, fontsize=_TEXT)
     ax.annotate(
-        r"$\varepsilon$", 0.5 * rest + (-0.08, -0.24), color=PALETTE["green"], fontsize=_TEXT
+        r"$\varepsilon$", tuple(0.5 * rest - (0.08, 0.24)), color=PALETTE["green"], fontsize=_TEXT
     )
     ends = np.stack([ring, rotor])
     ax.plot(*ends.T, color=_FORCE, linewidth=1.0, linestyle="--")
-    ax.annotate(r"$D=\gamma$", 0.4 * ring + 0.6 * rotor + (-0.5, 0.12), color=_FORCE,
+    ax.annotate(r"$D=\gamma$", tuple(0.4 * ring + 0.6 * rotor - (0.5, -0.12)), color=_FORCE,
                 fontsize=_TEXT)  # fmt: skip
     _point(ax, origin, r"$O_{s,0}$", "0.4", (-22, -10))
     _point(ax, rest, r"$O_{r,0}$", "0.4", (4, -9))
@@ -214,7 +214,7 @@ def _forces_on_ring(ax: Axes) -> None:
         foot = ring + outer * np.array(way, float)
         tail = foot + length * np.array(way, float)
         _arrow(ax, tail, foot, _FORCE, "")
-        ax.annotate(rf"$\mathbf{{F}}_{name}$", tail, offset, textcoords="offset points",
+        ax.annotate(rf"$\mathbf{{F}}_{name}$", tuple(tail), offset, textcoords="offset points",
                     fontsize=_TEXT, color=_FORCE)  # fmt: skip
     _bare(ax, (-2.2, 3.3), (-2.2, 3.1))
 

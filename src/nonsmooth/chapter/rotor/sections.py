@@ -45,6 +45,8 @@ def fig37(transient: int = 1000, record: int = 8000) -> tuple[Figure, xr.Dataset
     >>> data["x"].dims, len(figure.axes)
     (('panel', 'reading', 'point'), 4)
     """
+    from matplotlib.artist import setp
+
     figure, axes = print_figure(2, 2, width=16.0, height=13.0)
     readings = ("printed", "exchanged")
     shape = (len(PANELS), len(readings))
@@ -71,8 +73,8 @@ def fig37(transient: int = 1000, record: int = 8000) -> tuple[Figure, xr.Dataset
         )  # fmt: skip
         if panel in _EXCHANGED:
             key = ax.legend(frameon=False, fontsize=7, loc="best")
-            for handle in key.legend_handles:
-                handle.set_markersize(4.0)
+            for handle in filter(None, key.legend_handles):
+                setp(handle, markersize=4.0)
         ax.set_xlabel(r"displacement, $x_r/\gamma$" if row > 1 else "")
         ax.set_ylabel(r"velocity, $v_{x_r}$" if row % 2 == 0 else "")
     over = ("panel", "reading", "point")

@@ -90,12 +90,12 @@ def transition(delta: float, before: int, after: int | None, near: str, start: s
 def _nearest(sweep: Sweep, before: int, after: int | None, near: float) -> tuple[int, int] | None:
     """Last column with one period and first one with the other."""
     labels, found = sweep.labels, []
-    for low in np.flatnonzero(labels[:-1] == before):
+    for low in np.flatnonzero(labels[:-1] == before).tolist():
         for high in range(low + 1, min(low + 2 + _BETWEEN, labels.size)):
             if labels[high] == before:
                 break
             if after is None or labels[high] == after:
-                found.append((int(low), high))
+                found.append((low, high))
                 break
             if labels[high] > 0:
                 break
