@@ -13,7 +13,7 @@ import numpy as np
 
 from nonsmooth import regime, simulate
 from nonsmooth.chapter.judgement import Check, Evidence, Finding, agrees
-from nonsmooth.chapter.rotor.coexistence import coexisting
+from nonsmooth.chapter.rotor.coexistence import DROPPED, STARTS, coexisting
 from nonsmooth.chapter.rotor.data import set_a
 from nonsmooth.chapter.rotor.diagrams import PRINTED_36
 from nonsmooth.chapter.rotor.speed_bifurcations import branch_end, orbit_at, transition
@@ -141,8 +141,8 @@ def _quasi_text(evidence: Evidence) -> str:
     ends = ", ".join(f"{end['kind']} at {end['eta']:.4f}" for end in evidence["ends"])
     return (
         f"Delta {evidence['delta']:g}: largest multiplier of period two at {evidence['eta']}"
-        f" {size}; followed 0.1 to either side: {ends} (none: stable to there); motions from 49"
-        f" starts at {evidence['eta']}: {motions}"
+        f" {size}; followed 0.1 to either side: {ends} (none: stable to there); motions from"
+        f" {STARTS + 1} starts at {evidence['eta']}: {motions}"
         + (
             "" if passes is None
             else f"; at {passes:.4f} the ring begins to go beyond its preload, and the orbit stays"
@@ -260,7 +260,8 @@ CHECKS = (
     Check(
         "R22",
         "Delta .1; multipliers of period two at 3.107 and followed from 3.0 to 0.1 on either side"
-        " of it; motions from 48 random starts and zero, 800 periods dropped; about: 2 %",
+        f" of it; motions from {STARTS} random starts and zero, {DROPPED} periods dropped; about:"
+        " 2 %",
         lambda: _quasi(0.1),
         _judge_quasi,
     ),

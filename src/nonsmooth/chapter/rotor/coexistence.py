@@ -9,7 +9,9 @@ import numpy as np
 from nonsmooth import System, ensemble, lyapunov_spectrum
 from nonsmooth.chapter.judgement import Evidence
 
-__all__ = ["coexisting", "random_starts"]
+__all__ = ["DROPPED", "STARTS", "coexisting", "random_starts"]
+
+STARTS, DROPPED = 32, 600  # random starts, beside the one at zero, and periods left out
 
 _LONGEST, _REPEATS = 32, 1e-6
 _SAME = 1e-4  # between points of one cycle
@@ -49,7 +51,7 @@ def random_starts(count: int, seed: int = 0) -> dict[str, np.ndarray]:
 
 @lru_cache(maxsize=128)
 def coexisting(
-    system: System, starts: int = 48, transient: int = 800, seed: int = 0
+    system: System, starts: int = STARTS, transient: int = DROPPED, seed: int = 0
 ) -> tuple[Evidence, ...]:
     """Motions that random starts, and the start at zero, lead to.
 

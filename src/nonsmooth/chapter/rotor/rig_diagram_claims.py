@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from nonsmooth.chapter.judgement import Check, Evidence, Finding, agrees
-from nonsmooth.chapter.rotor.coexistence import coexisting
+from nonsmooth.chapter.rotor.coexistence import DROPPED, STARTS, coexisting
 from nonsmooth.chapter.rotor.data import DELTA_40, DELTA_41, EPS_40, EPS_41, rig
 from nonsmooth.chapter.rotor.orbits import follow_orbit, orbit_near
 from nonsmooth.chapter.rotor.rig_sweeps import (
@@ -88,7 +88,10 @@ def _motion_text(evidence: Evidence) -> str:
     motions = ", ".join(
         f"{_name(each)} ({each['share']:.0%})" for each in evidence["rows"][0]["motions"]
     )
-    return f"{evidence['rows'][0]['speed']:g} Hz: {', '.join(parts)}; 49 starts lead to {motions}"
+    return (
+        f"{evidence['rows'][0]['speed']:g} Hz: {', '.join(parts)}; {STARTS + 1} starts lead to"
+        f" {motions}"
+    )
 
 
 def _name(motion: Evidence) -> str:
@@ -202,13 +205,13 @@ def _judge_crisis(evidence: Evidence) -> Finding:
     )
     text = (
         f"last chaotic column up to 30 Hz: {listed}; printed {_PRINTED_CRISIS} Hz, about: 2 %;"
-        f" beside the end 49 starts lead to: {beside}; the meeting with an unstable orbit was not"
-        " looked at, as the place decides"
+        f" beside the end {STARTS + 1} starts lead to: {beside}; the meeting with an unstable orbit"
+        " was not looked at, as the place decides"
     )
     return Finding(bool(true), text)
 
 
-def _only_one(speeds: Sequence[float] = tuple(np.linspace(30.0, 50.0, 11))) -> Evidence:
+def _only_one(speeds: Sequence[float] = tuple(np.linspace(30.0, 50.0, 6))) -> Evidence:
     rows = [
         {"speed": float(speed), "periods": [
             each["period"] for each in coexisting(rig(EPS_41, DELTA_41, speed).system())
@@ -265,7 +268,7 @@ _SWEPT = (
 )
 _AT = (
     "regime begun where the nearest column of each diagram ended, 400 periods dropped; followed up"
-    " decides; 48 random starts and zero beside it"
+    f" decides; {STARTS} random starts and zero, {DROPPED} periods dropped, beside it"
 )
 
 CHECKS = (
@@ -278,7 +281,8 @@ CHECKS = (
     Check("R43", "orbit of period one followed from 13.1 Hz, multiplier -1 bisected", _doublings,
           _judge_flip),
     Check("R44", _SWEPT, _crisis, _judge_crisis),
-    Check("R45", "11 speeds from 30 to 50 Hz, 48 random starts and zero each, 800 periods dropped",
+    Check("R45", f"6 speeds from 30 to 50 Hz, {STARTS} random starts and zero, {DROPPED} periods"
+          " dropped",
           _only_one, _judge_only_one),
     Check("R46", _AT, lambda: _motion("41", 17.6), _judge_periodic),
     Check("R47", _AT, lambda: _motion("41", 25.0), _judge_chaotic),

@@ -7,7 +7,7 @@ from scipy.spatial import cKDTree
 
 from nonsmooth import bifurcation_diagram, correlation_dimension, regime, stroboscopic_map
 from nonsmooth.chapter.judgement import Check, Evidence, Finding
-from nonsmooth.chapter.rotor.coexistence import coexisting
+from nonsmooth.chapter.rotor.coexistence import STARTS, coexisting
 from nonsmooth.chapter.rotor.data import set_a
 from nonsmooth.chapter.rotor.sections import PANELS
 from nonsmooth.chapter.rotor.speed_sweeps import even_values
@@ -61,7 +61,7 @@ def _text(evidence: Evidence) -> str:
         part += f", period {row['period']}" if row["period"] else ""
         if "exponent" in row:
             part += f", exponent per period {row['exponent']:.3f} +- {row['error']:.3f}"
-        parts.append(f"{part} from zero; 49 starts lead to {others}")
+        parts.append(f"{part} from zero; {STARTS + 1} starts lead to {others}")
     tail = "; the second eta is that printed for the other panel" if len(parts) > 1 else ""
     return f"Delta {evidence['rows'][0]['delta']:g}: " + "; ".join(parts) + tail
 
@@ -162,8 +162,8 @@ CHECKS = (
         _settling,
         _judge_settling,
     ),
-    Check("R27", "regime from zero, 1000 periods dropped; 48 random starts beside it; the same at"
-          " the eta printed for (b)", lambda: _panel("a"), _judge_three),
+    Check("R27", f"regime from zero, 1000 periods dropped; {STARTS} random starts beside it; the"
+          " same at the eta printed for (b)", lambda: _panel("a"), _judge_three),
     Check("R28", "the same, and at the eta printed for (a)", lambda: _panel("b"), _judge_quasi),
     Check("R30", "regime from zero, 1000 periods dropped; exponent above 3 standard errors, and the"
           " 0-1 test", lambda: _panel("c"), _judge_chaos),
