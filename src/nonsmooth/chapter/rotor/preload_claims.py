@@ -178,9 +178,13 @@ CHECKS = (
     ),
     Check("R55", "sets A and B, 101 columns from zero, preload 0 to 0.2; chaos as for R54; 'can':"
           " some preload with less chaos than none in one set at least", _ladder, _judge_ladder),
-    Check("R56", f"set A, Delta 0, six eta, {STARTS} random starts and zero, {DROPPED} periods dropped;"
-          " 600 pairs of starts displaced in x, told apart by period after 250 periods", _attractors,
-          _judge_attractors),
+    Check(
+        "R56",
+        f"set A, Delta 0, six eta, {STARTS} random starts and zero, {DROPPED} periods dropped; 600"
+        " pairs of starts displaced in x, told apart by period after 250 periods",
+        _attractors,
+        _judge_attractors,
+    ),
     Check("R57", "rig sets, 61 columns followed up, 400 periods dropped, 64 kept", _without_regimes,
           _judge_without),
 )  # fmt: skip

@@ -179,13 +179,13 @@ def speed_scan(figure: str, every: int = 3, periods: int = 48) -> list[Evidence]
         start = {name: float(last[name]) for name in system.states}
         run = simulate(system, start, periods=periods, samples_per_period=60)
         free = run["mode"].attrs["flag_meanings"].split().index("free")
-        froms, tos = run["event_from"].values, run["event_to"].values
+        begin, end = run["event_from"].values, run["event_to"].values
         widths = [float(np.ptp(run[name].values)) for name in "xy"]
         rows.append(
             {
                 "speed": float(sweep.eta[column] * machine.natural_frequency),
                 "label": int(sweep.labels[column]),
-                "contacts": float(np.sum((froms == free) & (tos != free)) / periods),
+                "contacts": float(np.sum((begin == free) & (end != free)) / periods),
                 "force": force * float(run["force"].values.max()),
                 "amplitude": 0.5 * machine.gap * max(widths),
             }

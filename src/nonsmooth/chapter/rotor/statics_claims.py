@@ -1,4 +1,4 @@
-"""Claims on the statics of the ring: regimes, boundaries, Tables 4-6, the release condition."""
+"""Claims on where the ring stands: regimes, boundaries, Tables 4-6, the release condition."""
 
 from __future__ import annotations
 
