@@ -69,7 +69,7 @@ def _judge_ladder(evidence: Evidence) -> Finding:
     named = ", ".join(name for name, each in less.items() if each) or "neither set"
     text = (
         f"share of chaotic eta from 2 to 5: {'; '.join(listed)}; less chaos than without preload"
-        f" in: {named}; section 4.5 states the opposite for set A (R54)"
+        f" in: {named}; section 4.5 states more chaos with preload (R54)"
     )
     return Finding(any(less.values()), text)
 
