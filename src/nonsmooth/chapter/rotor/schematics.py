@@ -41,7 +41,8 @@ def fig31() -> tuple[Figure, xr.Dataset]:
     """
     figure, (model, coordinates) = print_figure(1, 2, width=16.0, height=8.5)
     _physical_model(model)
-    data = snubber_ring(*_DRAWN, K=1.0)
+    # unequal preloads, so that ring and rotor are not on one line with the origin
+    data = snubber_ring(*_DRAWN, K=1.0, delta_x=0.0, delta_y=0.8)
     _coordinates(coordinates, data)
     for ax, letter, title in ((model, "a", "model"), (coordinates, "b", "coordinates")):
         ax.set_title(f"({letter}) {title}", loc="left", fontsize=_TEXT)
@@ -148,7 +149,7 @@ def _physical_model(ax: Axes) -> None:
     mass = (rotor[0] + 0.33, rotor[1] + 0.25)
     ax.plot(*mass, "o", color=_FORCE, markersize=4.0)
     ax.plot(*zip(rotor, mass, strict=True), color=_FORCE, linewidth=0.8)
-    ax.annotate(r"$m,\ \rho$", mass, (4, 2), textcoords="offset points", fontsize=_TEXT)
+    ax.annotate(r"$m,\ \rho$", mass, (3, 6), textcoords="offset points", fontsize=_TEXT)
     for turn, preload in ((0, r"$\Delta_x$"), (1, r"$\Delta_y$"), (2, r"$\Delta_x$"),
                           (3, r"$\Delta_y$")):  # fmt: skip
         way = np.array([(1, 0), (0, 1), (-1, 0), (0, -1)][turn], float)
@@ -157,7 +158,7 @@ def _physical_model(ax: Axes) -> None:
         _damper(ax, way * outer - 0.22 * side, way * 2.35 - 0.22 * side)
         ends = np.stack([way * 2.35 - 0.5 * side, way * 2.35 + 0.5 * side])
         ax.plot(*ends.T, color="black", linewidth=1.6)
-        at = way * 2.0 + 0.62 * side
+        at = way * 2.0 + (0.62 + 0.2 * (turn % 2)) * side
         ax.annotate(rf"$k_s,$ {preload}", tuple(at), ha="center", va="center", fontsize=_TEXT)
         at = way * 2.0 - 0.55 * side
         ax.annotate("$c_s$", tuple(at), ha="center", va="center", fontsize=_TEXT)
@@ -182,14 +183,14 @@ def _coordinates(ax: Axes, data: xr.Dataset) -> None:
     _arrow(ax, origin, rotor, _ROTOR, "")
     _arrow(ax, origin, ring, _RING, "")
     _arrow(ax, origin, rest, PALETTE["green"], "")
-    ax.annotate(r"$\mathbf{R}_r$", tuple(0.42 * rotor + (0.1, -0.22)), color=_ROTOR, fontsize=_TEXT)
-    ax.annotate(r"$\mathbf{R}_s$", tuple(ring - (0.42, -0.05)), color=_RING, fontsize=_TEXT)
+    ax.annotate(r"$\mathbf{R}_r$", tuple(0.72 * rotor - (0.12, -0.16)), color=_ROTOR, fontsize=_TEXT)
+    ax.annotate(r"$\mathbf{R}_s$", tuple(ring + (0.0, -0.28)), color=_RING, fontsize=_TEXT)
     ax.annotate(
         r"$\varepsilon$", tuple(0.5 * rest - (0.08, 0.24)), color=PALETTE["green"], fontsize=_TEXT
     )
     ends = np.stack([ring, rotor])
     ax.plot(*ends.T, color=_FORCE, linewidth=1.0, linestyle="--")
-    ax.annotate(r"$D=\gamma$", tuple(0.4 * ring + 0.6 * rotor - (0.5, -0.12)), color=_FORCE,
+    ax.annotate(r"$D=\gamma$", tuple(0.4 * ring + 0.6 * rotor + (0.12, -0.22)), color=_FORCE,
                 fontsize=_TEXT)  # fmt: skip
     _point(ax, origin, r"$O_{s,0}$", "0.4", (-22, -10))
     _point(ax, rest, r"$O_{r,0}$", "0.4", (4, -9))
