@@ -11,23 +11,29 @@ from typing import TYPE_CHECKING, Any
 from nonsmooth.version import __version__
 
 if TYPE_CHECKING:
-    from nonsmooth import models, plot
+    from nonsmooth import measured, models, plot
     from nonsmooth.analysis.attractors import attractors
     from nonsmooth.analysis.basin_entropy import basin_entropy
     from nonsmooth.analysis.basin_fractions import basin_fractions
     from nonsmooth.analysis.basins_of_attraction import basins_of_attraction
     from nonsmooth.analysis.bifurcation_diagram import bifurcation_diagram
     from nonsmooth.analysis.box_dimension import box_dimension
+    from nonsmooth.analysis.contact_statistics import contact_statistics
     from nonsmooth.analysis.correlation_dimension import correlation_dimension
     from nonsmooth.analysis.ensemble import ensemble
+    from nonsmooth.analysis.full_spectrum import full_spectrum
     from nonsmooth.analysis.lyapunov_spectrum import lyapunov_spectrum
+    from nonsmooth.analysis.order_tracking import order_tracking
+    from nonsmooth.analysis.period_statistics import period_statistics
     from nonsmooth.analysis.poincare_section import poincare_section
     from nonsmooth.analysis.power_spectrum import power_spectrum
     from nonsmooth.analysis.regime import regime
     from nonsmooth.analysis.regime_map import regime_map
     from nonsmooth.analysis.stroboscopic_map import stroboscopic_map
+    from nonsmooth.analysis.tie_parameters import tie_parameters
     from nonsmooth.analysis.uncertainty_exponent import uncertainty_exponent
     from nonsmooth.analysis.wada_test import wada_test
+    from nonsmooth.analysis.waterfall import waterfall
     from nonsmooth.analysis.zero_one_test import zero_one_test
     from nonsmooth.errors import (
         ModelError,
@@ -65,10 +71,15 @@ __all__ = [
     "basins_of_attraction",
     "bifurcation_diagram",
     "box_dimension",
+    "contact_statistics",
     "correlation_dimension",
     "ensemble",
+    "full_spectrum",
     "lyapunov_spectrum",
+    "measured",
     "models",
+    "order_tracking",
+    "period_statistics",
     "phase_word",
     "plot",
     "poincare_section",
@@ -77,8 +88,10 @@ __all__ = [
     "regime_map",
     "simulate",
     "stroboscopic_map",
+    "tie_parameters",
     "uncertainty_exponent",
     "wada_test",
+    "waterfall",
     "zero_one_test",
 ]
 
@@ -101,9 +114,13 @@ _HOME = {
     "basins_of_attraction": "nonsmooth.analysis.basins_of_attraction",
     "bifurcation_diagram": "nonsmooth.analysis.bifurcation_diagram",
     "box_dimension": "nonsmooth.analysis.box_dimension",
+    "contact_statistics": "nonsmooth.analysis.contact_statistics",
     "correlation_dimension": "nonsmooth.analysis.correlation_dimension",
     "ensemble": "nonsmooth.analysis.ensemble",
+    "full_spectrum": "nonsmooth.analysis.full_spectrum",
     "lyapunov_spectrum": "nonsmooth.analysis.lyapunov_spectrum",
+    "order_tracking": "nonsmooth.analysis.order_tracking",
+    "period_statistics": "nonsmooth.analysis.period_statistics",
     "phase_word": "nonsmooth.simulation.words",
     "poincare_section": "nonsmooth.analysis.poincare_section",
     "power_spectrum": "nonsmooth.analysis.power_spectrum",
@@ -111,14 +128,16 @@ _HOME = {
     "regime_map": "nonsmooth.analysis.regime_map",
     "simulate": "nonsmooth.simulation.simulate",
     "stroboscopic_map": "nonsmooth.analysis.stroboscopic_map",
+    "tie_parameters": "nonsmooth.analysis.tie_parameters",
     "uncertainty_exponent": "nonsmooth.analysis.uncertainty_exponent",
     "wada_test": "nonsmooth.analysis.wada_test",
+    "waterfall": "nonsmooth.analysis.waterfall",
     "zero_one_test": "nonsmooth.analysis.zero_one_test",
 }
 
 
 def __getattr__(name: str) -> Any:
-    if name in ("models", "plot"):
+    if name in ("measured", "models", "plot"):
         return importlib.import_module(f"nonsmooth.{name}")
     if name not in _HOME:
         raise AttributeError(f"module 'nonsmooth' has no attribute {name!r}")

@@ -7,7 +7,14 @@ import nonsmooth as ns
 from nonsmooth.chapter.rotor.data import rig, set_a, set_b
 from nonsmooth.chapter.rotor.diagrams import fig36, fig41
 from nonsmooth.chapter.rotor.rig_orbits import fig42
-from nonsmooth.chapter.rotor.ring_motion import PANELS, fig38, panel_system, ring_jumps, ring_run
+from nonsmooth.chapter.rotor.ring_motion import (
+    PANELS,
+    fig38,
+    in_contact,
+    panel_system,
+    ring_jumps,
+    ring_run,
+)
 from nonsmooth.chapter.rotor.schematics import fig33
 from nonsmooth.chapter.rotor.sections import fig37
 from nonsmooth.models import snubber_ring
@@ -72,8 +79,7 @@ def test_sections_show_both_readings():
 def test_ring_of_a_run_stands_where_statics_put_it():
     """Position, velocity and force of the ring in contact: closed forms for rotor and velocity."""
     run = ring_run(panel_system("b"), transient=200, periods=3)
-    free = run["mode"].attrs["flag_meanings"].split().index("free")
-    here = run["mode"].values != free
+    here = in_contact(run)
     parts = {name: run[name].values[here] for name in ("x", "y", "vx", "vy")}
     ring = snubber_ring(**parts, K=30.0, nu2=0.002, delta_x=0.05, delta_y=0.05)
     for name in ("sx", "sy"):
@@ -90,7 +96,7 @@ def test_jump_at_a_hit_is_that_of_the_normal():
     run = ring_run(panel_system("c"), transient=300, periods=2)
     hits = [row for row in ring_jumps(run) if row["name"] == "contact"]
     assert hits
-    after = np.flatnonzero(run["after"].values & (run["mode"].values != 0))
+    after = np.flatnonzero(run["after"].values & in_contact(run))
     first = after[0]
     x, y, vx, vy = (float(run[name][first]) for name in ("x", "y", "vx", "vy"))
     along = (x * vx + y * vy) / (x**2 + y**2)

@@ -1,6 +1,7 @@
 """Every block of the README and of the documentation runs, in order, page by page.
 
-A TOML block below the name of a file is that file.
+A TOML block below the name of a file is that file. Commands that read CSV files find those that the
+first block of Python on their page writes.
 """
 
 import re
@@ -47,7 +48,10 @@ def test_python_blocks_run(page, folder, recwarn):
 @pages("sh")
 def test_shell_blocks_run(page, folder):
     """Lines of our own command, with the output in a file where they say so."""
-    for line in "".join(blocks(page, "sh")).splitlines():
+    text = "".join(blocks(page, "sh"))
+    if ".csv" in text:
+        exec(compile(blocks(page, "python")[0], page.name, "exec"), {})
+    for line in text.splitlines():
         command, _, target = line.partition(" > ")
         program, *arguments = command.split()
         assert program == "nonsmooth", line

@@ -250,7 +250,6 @@ def test_slaved_states_that_depend_on_each_other(order, slaved):
         ("p =", ["one '='"]),
         ("x = v", ["'p' does not appear"]),
         ("p - p = x", ["'p' does not appear"]),
-        ("p*p = x", ["product of states"]),
         ("p = y", ["unknown name 'y'"]),
     ],
 )
@@ -277,14 +276,6 @@ def test_caret_at_an_unknown_name_of_a_relation():
     )
     _, shown, caret = message.split("\n")
     assert shown[caret.index("^")] == "y"
-
-
-def test_caret_in_the_right_side_of_a_relation():
-    message = refused(
-        ["product of states"], states=["x", "v", "p"], modes=one_mode(slaved={"p": "p + 3 = x*v"})
-    )
-    _, shown, caret = message.split("\n")
-    assert shown[caret.index("^") :].startswith(("x*v", "*v"))
 
 
 # ---------------------------------------------------------------- drift and period

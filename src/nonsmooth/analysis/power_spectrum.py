@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
-import numpy as np
-import numpy.typing as npt
-import xarray as xr
-
-from nonsmooth.analysis.statistics.series import Series, drifts, series_of, uniform_step
-from nonsmooth.errors import OptionError
+from nonsmooth.analysis.spectra.segments import (
+    check_window,
+    record_attributes,
+    record_of,
+    segments_of,
+)
+from nonsmooth.analysis.spectra.spectrum_dataset import spectrum_dataset
+from nonsmooth.analysis.spectra.transforms import one_sided
 from nonsmooth.simulation.options import whole_number
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["power_spectrum"]
 
@@ -63,6 +68,8 @@ def power_spectrum(
 
     See Also
     --------
+    full_spectrum : of two variables together, with forward and backward whirl apart.
+    waterfall : spectra over a parameter.
     zero_one_test : chaotic or regular.
 
     Notes
@@ -86,117 +93,11 @@ def power_spectrum(
     0.316227766
     """
     count = whole_number("segments", segments)
-    if not isinstance(run, xr.Dataset) or "time" not in run.dims:
-        raise OptionError("run: give a result of simulate, with samples over time")
-    series = series_of(run, variable)
-    if series.times is None:
-        raise OptionError(f"variable: {variable!r} is no series over time")
-    series = series.after(transient)
-    step = uniform_step(series)
-    length, periods = _segment(series, step, count)
-    if series.period is not None:  # without the rounding of times
-        step = series.period * periods / length
-    values = series.values[series.values.size - length * count :]
-    if drifts(series):
-        values = _without_drift(series.values[series.values.size - length * count - 1 :])
-    weights = _weights(window, length)
-    transform = np.fft.rfft(values.reshape(count, length) * weights, axis=1)
-    power = (np.abs(transform) ** 2).mean(axis=0)
-    sides = np.full(power.size, 2.0)
-    sides[0] = 1.0
-    if length % 2 == 0:
-        sides[-1] = 1.0
-    amplitude = sides * np.sqrt(power) / weights.sum()
-    density = sides * power * step / (weights @ weights)
-    return _dataset(
-        series, amplitude, density, periods,
-        {
-            "step": step,
-            "n_samples": length,
-            "resolution": 1.0 / (length * step),
-            "window": window,
-            "segments": count,
-            "transient": float(transient),
-        },
-        run["time"].attrs.get("units", ""),
-    )  # fmt: skip
-
-
-def _segment(series: Series, step: float, count: int) -> tuple[int, int]:
-    """Samples of a segment, and whole periods in it, zero without a period."""
-    size = series.values.size - (1 if drifts(series) else 0)
-    if series.period is None:
-        length, periods = size // count, 0
-    else:
-        per_period = series.period / step
-        if abs(per_period - round(per_period)) > 1e-6 * per_period or round(per_period) < 2:
-            raise OptionError(
-                f"a period holds {per_period:.6g} samples, and it must hold a whole number, at"
-                " least two; simulate with samples_per_period="
-            )
-        periods = size // round(per_period) // count
-        length = periods * round(per_period)
-    if length < 4:
-        what = "periods" if series.period is not None else "samples"
-        raise OptionError(
-            f"{series.values.size} samples are too few for {count} segments of whole {what}; take a"
-            " longer run or fewer segments="
-        )
-    return length, periods
-
-
-def _without_drift(values: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-    """All but the first of some values, less the straight line from the first to the last."""
-    lags = np.arange(values.size)
-    return (values - lags * ((values[-1] - values[0]) / lags[-1]))[1:]
-
-
-def _weights(window: Any, length: int) -> npt.NDArray[np.float64]:
-    from scipy.signal import get_window
-
-    try:
-        return np.asarray(get_window(window, length), dtype=float)
-    except (ValueError, TypeError):
-        raise OptionError(
-            f"window = {window!r:.60} is none of scipy.signal.get_window; for instance boxcar,"
-            " hann, blackmanharris or flattop"
-        ) from None
-
-
-def _dataset(
-    series: Series,
-    amplitude: npt.NDArray[np.float64],
-    density: npt.NDArray[np.float64],
-    periods: int,
-    options: dict[str, Any],
-    time_unit: str,
-) -> xr.Dataset:
-    name, unit = series.label["long_name"], series.label.get("units", "")
-    number = np.arange(amplitude.size)
-    cycles = {"units": f"1/{time_unit}"} if time_unit else {}
-    per_density = {"units": f"({unit})^2 {time_unit}".strip()} if unit else {}
-    coords: dict[str, Any] = {
-        "frequency": (
-            "frequency", number * options["resolution"],
-            {"long_name": "frequency in cycles"} | cycles,
-        )
-    }  # fmt: skip
-    if series.period is not None:
-        coords["harmonic"] = (
-            "frequency", number / periods, {"long_name": "frequency over that of the forcing"},
-        )  # fmt: skip
-        options["period"] = series.period
-    return xr.Dataset(
-        {
-            "amplitude": (
-                "frequency", amplitude,
-                {"long_name": f"amplitude of the {name}"} | ({"units": unit} if unit else {}),
-            ),
-            "power_density": (
-                "frequency", density,
-                {"long_name": f"power density of the {name}"} | per_density,
-            ),
-        },
-        coords,
-        series.attrs | options,
-    )  # fmt: skip
+    series = record_of(run, variable).after(transient)
+    parts = segments_of(series, count)
+    length = parts.values.shape[1]
+    lines = one_sided(parts.values, check_window(window, length), parts.step)
+    attrs = series.attrs | record_attributes(series, parts, window, transient)
+    what, unit = f"the {series.label['long_name']}", series.label.get("units", "")
+    time_unit = run["time"].attrs.get("units", "")
+    return spectrum_dataset(lines, parts.periods, what, unit, time_unit, attrs)

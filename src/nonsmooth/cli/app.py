@@ -10,10 +10,12 @@ from nonsmooth.cli import chapter
 from nonsmooth.cli.attractors import attractors
 from nonsmooth.cli.basins import basins
 from nonsmooth.cli.console import Commands
+from nonsmooth.cli.contacts import contacts
 from nonsmooth.cli.diagram import diagram
 from nonsmooth.cli.ensemble import ensemble
 from nonsmooth.cli.explain import explain
 from nonsmooth.cli.lyapunov import lyapunov
+from nonsmooth.cli.measured import measured
 from nonsmooth.cli.measures import measures
 from nonsmooth.cli.models import models
 from nonsmooth.cli.regime import regime
@@ -22,6 +24,7 @@ from nonsmooth.cli.section import section
 from nonsmooth.cli.simulate import simulate
 from nonsmooth.cli.spectrum import spectrum
 from nonsmooth.cli.strobe import strobe
+from nonsmooth.cli.waterfall import waterfall
 from nonsmooth.cli.zero_one import zero_one
 from nonsmooth.version import __version__
 
@@ -60,6 +63,8 @@ def _options(
 app.command()(simulate)
 app.command()(lyapunov)
 app.command()(spectrum)
+app.command()(waterfall)
+app.command()(contacts)
 app.command()(zero_one)
 app.command()(section)
 app.command()(strobe)
@@ -70,6 +75,7 @@ app.command()(ensemble)
 app.command()(attractors)
 app.command()(basins)
 app.command()(measures)
+app.command()(measured)
 app.command()(models)
 app.command()(explain)
 

@@ -58,6 +58,9 @@ def simulate(
     variables: Annotated[
         str | None, typer.Option(metavar="x,v", help="States and outputs to draw.")
     ] = None,
+    orbit: Annotated[
+        str | None, typer.Option(metavar="x,y", help="Draw the orbit of two coordinates.")
+    ] = None,
     first_period: Annotated[
         float | None, typer.Option("--from", metavar="PERIOD", help="Draw from this period on.")
     ] = None,
@@ -72,9 +75,12 @@ def simulate(
     check_files(plot, save)
     system = build_system(model, settings(parameters or [], "NAME=VALUE"))
     shown = _variables(system, variables)
-    pair = _pair(system, portrait, variables, modes)
-    if plot is None and (portrait is not None or modes):
-        raise OptionError("--portrait and --modes are drawn into a file: name it with --plot FILE")
+    if portrait is not None and orbit is not None:
+        raise OptionError("give one of --portrait and --orbit, not both")
+    option = "--portrait" if orbit is None else "--orbit"
+    pair = _pair(system, option, orbit or portrait, variables, modes)
+    if plot is None and (pair is not None or modes):
+        raise OptionError(f"{option} and --modes are drawn into a file: name it with --plot FILE")
     length: dict[str, Any] = {"periods": periods, "t_end": t_end}
     if periods is None and t_end is None:
         length = _default_length(system, samples_per_period)
@@ -93,7 +99,7 @@ def simulate(
     if save is not None:
         save_dataset(run, save)
     if plot is not None:
-        _plot(run, shown, window, plot, pair=pair, modes=modes)
+        _plot(run, shown, window, plot, pair=pair, modes=modes, orbit=orbit is not None)
     exit_by_status(run.attrs["status"])
 
 
@@ -112,20 +118,20 @@ def _variables(system: System, text: str | None) -> list[str]:
 
 
 def _pair(
-    system: System, portrait: str | None, variables: str | None, modes: bool
+    system: System, option: str, text: str | None, variables: str | None, modes: bool
 ) -> tuple[str, str] | None:
-    """Two variables of a portrait."""
-    if portrait is None:
+    """Two variables of a portrait, or coordinates of an orbit."""
+    if text is None:
         return None
     if variables is not None or modes:
-        raise OptionError("--portrait draws no time history: leave out --variables and --modes")
-    pair = names(portrait)
+        raise OptionError(f"{option} draws no time history: leave out --variables and --modes")
+    pair = names(text)
     if len(pair) != 2:
-        raise OptionError(f"--portrait: {portrait!r} is not two variables, such as x,v")
+        raise OptionError(f"{option}: {text!r} is not two variables, such as x,v")
     known = [*system.states, *system.outputs]
     for name in pair:
         if name not in known:
-            raise OptionError(f"--portrait: {unknown_name('variable', name, known)}")
+            raise OptionError(f"{option}: {unknown_name('variable', name, known)}")
     return pair[0], pair[1]
 
 
@@ -188,8 +194,9 @@ def _plot(
     *,
     pair: tuple[str, str] | None,
     modes: bool,
+    orbit: bool,
 ) -> None:
-    from nonsmooth.plot import phase_portrait, phases, print_figure, save_figure, time_history
+    from nonsmooth import plot
 
     first, last = float(run["time"][0]), float(run["time"][-1])
     if window is not None:
@@ -197,13 +204,15 @@ def _plot(
         if run.attrs["status"] != "completed" and not first <= window[0] < window[1]:
             typer.echo("the run ended before the times to draw; all of it is drawn", err=True)
             window = None
-    figure, (ax,) = print_figure(width=_WIDTH, height=_HEIGHT)
-    if pair is not None:
+    figure, (ax,) = plot.print_figure(width=_WIDTH, height=_HEIGHT)
+    if pair is not None and orbit:
+        plot.orbit(run, *pair, ax=ax, time_range=window)
+    elif pair is not None:
         several = len(run["mode"].attrs["flag_meanings"].split()) > 1
-        phase_portrait(run, *pair, ax=ax, phases=several, surfaces=True, time_range=window)
+        plot.phase_portrait(run, *pair, ax=ax, phases=several, surfaces=True, time_range=window)
     elif modes:
-        phases(run, variables, ax=ax, time_range=window)
+        plot.phases(run, variables, ax=ax, time_range=window)
     else:
-        time_history(run, variables, ax=ax, time_range=window)
-    save_figure(figure, path)
+        plot.time_history(run, variables, ax=ax, time_range=window)
+    plot.save_figure(figure, path)
     typer.echo(f"drawn {path}")

@@ -34,6 +34,10 @@ def spectrum(
     variable: Annotated[
         str | None, typer.Option(metavar="x", help="State or output; the first state by default.")
     ] = None,
+    second: Annotated[
+        str | None,
+        typer.Option(metavar="y", help="Second coordinate: forward and backward whirl apart."),
+    ] = None,
     transient: Annotated[
         float, typer.Option(help="Dropped first: periods, or time without a period.")
     ] = 200.0,
@@ -62,11 +66,10 @@ def spectrum(
     run = _run(system, initial, transient, record, samples)
     if run.attrs["status"] != "completed":
         raise RunError(f"{system.name}: {run.attrs['message']}")
-    from nonsmooth.analysis.power_spectrum import power_spectrum
     from nonsmooth.system.columns import harmless
 
     shown = variable or system.states[0]
-    result = power_spectrum(run, shown, transient=transient, window=window, segments=segments)
+    result = _spectrum(run, shown, second, transient, window, segments)
     typer.echo(harmless(_summary(result)))
     if save is not None:
         save_dataset(result, save)
@@ -94,6 +97,17 @@ def _run(
         return simulate(system, initial, times=np.arange(count + 1) / samples, events=False)
 
 
+def _spectrum(
+    run: xr.Dataset, x: str, y: str | None, transient: float, window: str, segments: int
+) -> xr.Dataset:
+    from nonsmooth.analysis.full_spectrum import full_spectrum
+    from nonsmooth.analysis.power_spectrum import power_spectrum
+
+    if y is None:
+        return power_spectrum(run, x, transient=transient, window=window, segments=segments)
+    return full_spectrum(run, x, y, transient=transient, window=window, segments=segments)
+
+
 def _summary(result: xr.Dataset) -> str:
     """The largest amplitudes, by frequency and harmonic."""
     import numpy as np
@@ -102,8 +116,9 @@ def _summary(result: xr.Dataset) -> str:
     rows = [
         ("variable", str(attrs["variable"])),
         ("record", f"{attrs['segments']} x {attrs['n_samples']} samples, window {attrs['window']}"),
-        ("mean", f"{amplitude[0]:.6g}"),
+        ("mean", f"{amplitude[result['frequency'].values == 0.0].item():.6g}"),
     ]
+    amplitude = np.where(result["frequency"].values == 0.0, 0.0, amplitude)
     rising = np.concatenate([[False], amplitude[1:] > amplitude[:-1]])
     falling = np.concatenate([amplitude[:-1] >= amplitude[1:], [True]])
     peaks = np.flatnonzero(rising & falling & (amplitude > 1e-9 * amplitude.max()))

@@ -32,8 +32,8 @@ def carry_by_series(tables, rates, segment, tangent, m, s):
             fill_duals(
                 tables.code, tables.terms, tables.weights, tables.code_rows[m, 0],
                 tables.code_rows[m, 1], tables.values, rates.slot_rates, n,
-                tables.outlets[m], tables.wiring[m, 0, at.SLAVED], tables.sizes, tables.harmonics,
-                rates.harmonics, series, dual, 0, at.ORDER,
+                tables.outlets[m], at.explicit(tables.wiring, m), tables.sizes, tables.harmonics,
+                rates.harmonics, series, dual, 0, at.ORDER, dual.shape[1],
             )  # fmt: skip
             tangent.ready[0] = 1
         while length > _SHORTEST * s and not _converge(n, count, dual, length):
@@ -61,7 +61,7 @@ def _fill_piece(tables, whole, m, passed, series):
         series[i, 0] = total
     fill_series(
         tables.code, tables.terms, tables.weights, tables.code_rows[m, 0], tables.code_rows[m, 1],
-        tables.values, tables.outlets[m], tables.wiring[m, 0, at.SLAVED], tables.sizes,
+        tables.values, tables.outlets[m], at.explicit(tables.wiring, m), tables.sizes,
         tables.harmonics, series, 0, at.ORDER,
     )  # fmt: skip
 

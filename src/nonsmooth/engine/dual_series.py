@@ -24,18 +24,18 @@ _0, _1, _2, _3 = np.uintp(0), np.uintp(1), np.uintp(2), np.uintp(3)
 @kernel
 def fill_duals(
     code, terms, weights, first, last, slots, slot_rates, offset, outlets, slaved, sizes,
-    harmonics, harmonic_rates, series, dual, low, high,
+    harmonics, harmonic_rates, series, dual, low, high, blocks,
 ):  # fmt: skip
     """Derivatives of the coefficients low ... high that fill_series has left.
 
     shapes: dual (R, B, high + 1 or more, LANES) with direction d in lane d % LANES of block
     d // LANES, the seeds in dual[:N, :, 0]; slot_rates (s, P) and harmonic_rates (P, K):
     derivatives with respect to parameters, which are the directions from ``offset`` on; the
-    others as in fill_series
+    others as in fill_series; blocks: of directions, the first ones, others are left alone
     """
     n, orders = np.uintp(sizes[0]), np.uintp(dual.shape[2])
     n_rates = slot_rates.shape[1]
-    for block in range(np.uintp(dual.shape[1])):
+    for block in range(np.uintp(blocks)):
         # parameters of this block
         start = offset - at.LANES * np.int64(block)
         p_low, p_high = max(0, -start), min(n_rates, at.LANES - start)

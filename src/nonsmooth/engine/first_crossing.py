@@ -131,6 +131,9 @@ def _look_ahead(scan, g, reach, far):
     """Safe step of a guard; NONE unless rounding makes a tangency here undecidable."""
     a0, a1, a2, a3, a4, a5 = scan[g, 0], scan[g, 1], scan[g, 2], scan[g, 3], scan[g, 4], scan[g, 5]
     bound, margin, taken = scan[g, at.BOUND], scan[g, at.MARGIN], scan[g, at.TAKEN_OFF]
+    if margin == 0.0 and a0 >= 0.0 and a1 == a2 == a3 == a4 == a5 == bound == 0.0:
+        scan[g, at.SAFE] = reach  # a constant, or what has faded to nothing
+        return NONE
     if a0 <= NEARLY_ZERO * margin:  # above it, so that the step below is never zero
         return _within_margin(scan, g, NEARLY_ZERO * margin, reach)
     # the margin is taken off, else rounding could carry a step across a tangency
@@ -211,10 +214,22 @@ def _within_margin(scan, g, margin, reach):
 
 @inlined
 def _alone(scan, n_exits, which, rest):
-    """Whether every other guard is safe up to the latest place of this guard's root, or the end."""
+    """Whether every other guard is safe up to the latest place of this guard's root, or the end.
+
+    One that is the same function, as two surfaces that have become one, comes after it.
+    """
     latest = min(scan[which, at.LATEST], rest)
     for g in range(n_exits):
-        if g != which and scan[g, at.SAFE] < latest:
+        if g != which and scan[g, at.SAFE] < latest and not (g > which and _same(scan, g, which)):
+            return False
+    return True
+
+
+@kernel
+def _same(scan, g, other):
+    """Whether two guards are the same function, as far as their coefficients tell."""
+    for k in range(at.TERMS):
+        if scan[g, k] != scan[other, k]:
             return False
     return True
 

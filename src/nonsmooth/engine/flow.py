@@ -23,10 +23,10 @@ __all__ = [
 
 
 @inlined
-def start_segment(tables, segment, m, longest):
+def start_segment(tables, rates, segment, m, longest):
     """Prepare a segment at segment.z; returns its length, at most ``longest``."""
     if tables.kinds[m] == at.TAYLOR:
-        return start_step(tables, segment, m, longest)
+        return start_step(tables, rates, segment, m, longest)
     length = min(longest, tables.spans[m, at.LONGEST])
     linear_flow.start_segment(tables, segment, m, length)
     return length

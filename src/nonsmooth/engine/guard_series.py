@@ -13,7 +13,8 @@ none lies before the place where the hull reaches zero.
 from __future__ import annotations
 
 from nonsmooth.engine import layout as at
-from nonsmooth.engine.jit import inlined
+from nonsmooth.engine.jit import inlined, kernel
+from nonsmooth.engine.quadratic_guards import read_products
 
 __all__ = ["NEARLY_ZERO", "REMAINDER", "falls_alone", "read_guard", "safe_step"]
 
@@ -33,6 +34,9 @@ def read_guard(tables, segment, m, g, order):
 
     order is that of its known zero at the current point, 0 where there is none
     """
+    if tables.products.shape[0] > 0 and tables.product_rows[m, g, 1] > 0:
+        read_products(tables, segment, m, g, order)
+        return
     slots, scan = tables.slots, segment.scan
     fading, lasting = slots[m, at.END_CONSTANT], slots[m, at.END_FADING]
     a0, a1, a2, a3, a4, a5, bound, margin = _sum_series(
@@ -68,6 +72,10 @@ def _add_fading(tables, segment, m, g, order, fading, lasting):
         if term > 0.0:
             taken += term
     scan[g, at.MARGIN] += doubt
+    if order == 0 and taken == size and _nothing_lasts(scan[g]):
+        scan[g, 0] = taken  # all that is there fades, and from above: it never reaches zero
+        scan[g, at.MARGIN] = 0.0
+        return
     total = scan[g, order] + value
     apart = taken <= _MOST_TAKEN * total and size <= _MOST_LEFT_OUT * total
     if apart and (order > 0 or total > NEARLY_ZERO * scan[g, at.MARGIN]):
@@ -77,6 +85,15 @@ def _add_fading(tables, segment, m, g, order, fading, lasting):
         scan[g, 0], scan[g, 1], scan[g, 2] = scan[g, 0] + b0, scan[g, 1] + b1, scan[g, 2] + b2
         scan[g, 3], scan[g, 4], scan[g, 5] = scan[g, 3] + b3, scan[g, 4] + b4, scan[g, 5] + b5
         scan[g, at.BOUND] += more
+
+
+@kernel
+def _nothing_lasts(scan):
+    """Whether a guard has no part but those that fade."""
+    lasts = scan[at.BOUND]
+    for k in range(at.TERMS):
+        lasts += abs(scan[k])
+    return lasts == 0.0
 
 
 @inlined

@@ -28,9 +28,13 @@ __all__ = [
     "allocate_segment",
     "allocate_tables",
     "augmented_size",
+    "explicit",
+    "factor_row",
     "first_of_signals",
+    "has_code",
     "n_blocks",
     "slots_of",
+    "vanishing",
 ]
 
 Floats = npt.NDArray[np.float64]
@@ -65,9 +69,9 @@ FIRST, KNOTS = 0, 1
 # ones, number of clusters, then first slot, size and degree of each cluster
 COUNT, END_CONSTANT, END_FADING, END_REAL, END_ROTATION, END_DAMPED, N_CLUSTERS = range(7)
 CLUSTERS = 7
-# Tables.wiring[m, 0]: number of exits, bits of slaved states;
+# Tables.wiring[m, 0]: number of exits, bits of slaved states, of those solved for by equations;
 # Tables.wiring[m, 1 + e]: target, bits of states reset, order of zero of each guard entered
-N_EXITS, SLAVED = 0, 1
+N_EXITS, SLAVED, IMPLICIT = 0, 1, 2
 TARGET, RESETTING, ORDERS = 0, 1, 2
 # Tables.spans: longest segment for which the closed form is accurate, unit of rounding
 # margins, largest modulus of the eigenvalues, farthest look ahead where a motion grows,
@@ -85,6 +89,10 @@ SERIES = 2 * TERMS + 2
 RE, IM, SIZE, NOISE = range(4)
 # Segment.doubt: size of a register over a step, and what rounding leaves of it in units
 EXTENT, UNITS = 0, 1
+# Segment.factors: Taylor coefficients of what lasts and of what fades, bounds of the coefficients
+# of both from here on with that of the next one, rounding margin
+LASTS_IN, FADES_IN, LASTING, FADED, DOUBT = 0, TERMS, 2 * TERMS, 3 * TERMS + 1, 4 * TERMS + 2
+FACTOR = 4 * TERMS + 3
 # Segment.scan: Taylor coefficients of a guard, bound of the next one, rounding margin of the
 # value, safe step, latest root, what fading motions may take off and their whole size, where
 # they are left out of the polynomial, and up to where a tangency is passed already
@@ -95,7 +103,8 @@ SCAN = TERMS + 7
 class Program(NamedTuple):
     """A system without parameter values: tape of coefficients and where they belong."""
 
-    # n states, powers of time, frequencies, parameters, modes, exits at most, registers, signals
+    # n states, powers of time, frequencies, parameters, modes, exits at most, registers, signals,
+    # factors of guards at most
     sizes: Integers
     constants: Floats  # literals of the tape
     tape: Integers  # rows: opcode, left slot, right slot, third slot
@@ -105,6 +114,9 @@ class Program(NamedTuple):
     relations: Integers  # rows: mode, slaved state, column, slot
     guards: Integers  # rows: mode, exit, column, slot
     resets: Integers  # rows: mode, exit, state, column, slot
+    factors: Integers  # rows: mode, factor, column, slot
+    products: Integers  # (p, 2) factors
+    product_rows: Integers  # (m, e, 2): first product of a guard and the one after its last
     wiring: Integers  # (m, 1 + e, 2 + e) as in Tables, orders left open
     drifting: int  # bits of the states that may grow without bound
     kinds: Integers  # (m,): EXACT or TAYLOR flow
@@ -112,7 +124,9 @@ class Program(NamedTuple):
     code: Integers  # (r, 5) instructions on series, of all Taylor modes (taylor_opcodes)
     terms: Integers  # (t, 2) of their sums: register, slot
     code_rows: Integers  # (m, 3): first row, end of flow, relations and guards, end of resets
-    outlets: Integers  # (m, n + e + e * n) registers of rates or relations, guards, resets
+    # (m, n + e + e * n + n) registers of rates or relations, guards, resets, and of what vanishes
+    # by the relations that are solved for
+    outlets: Integers
     rest_slots: Integers  # (n,) slots of the rest state, -1 for zero
     signals: Integers  # as in Tables, likewise the next one
     knots: Floats
@@ -126,13 +140,15 @@ class Tables(NamedTuple):
     clock: Floats  # (4,)
     harmonics: Floats  # (2, K): frequencies, turns in one window
     generator: Floats  # (m, N, N): z' = generator z
-    affine: Floats  # (m, rows, N): guards with derivatives, relations, resets
+    affine: Floats  # (m, rows, N): guards with derivatives, relations, resets, factors
     spectrum: Complexes  # (m, N): eigenvalue of each slot
     nilpotent: Complexes  # (m, N, N): what clusters have beyond their mean eigenvalue
     entry: Floats  # (m, N, N, 3): augmented coordinates to slots
     reads: Integers  # (m, N): first augmented coordinate with a weight in a slot
     states: Complexes  # (m, n, N): slots to states
-    series: Floats  # (m, e, N, SERIES): slots to Taylor coefficients of guards
+    series: Floats  # (m, e + factors, N, SERIES): slots to Taylor coefficients of guards
+    products: Integers  # as in Program, likewise the next one
+    product_rows: Integers
     ladder: Floats  # (m, RUNGS, N, 3): factors of the slots for a step of each rung
     slots: Integers  # (m, CLUSTERS + 3 N)
     spans: Floats  # (m, SPANS)
@@ -147,6 +163,7 @@ class Tables(NamedTuple):
     terms: Integers
     code_rows: Integers
     outlets: Integers
+    rest_slots: Integers  # as in Program
     # of measured input
     signals: Integers  # (S, 2)
     knots: Floats  # (knots of all signals, 5)
@@ -164,6 +181,10 @@ class Segment(NamedTuple):
     chain_noise: Floats  # (MAX_DEGREE + 1, N) their rounding margins
     order: Integers  # (e,): known order of zero of each guard at the start
     to_knot: Floats  # (1,): time to the next knot of a signal, inf without signals
+    left_out: Integers  # (1,): bits of the states that a start leaves to their equations
+    extent: Floats  # (N,) size of each coordinate at an event
+    newton: Floats  # (3, N): last point and step of Newton's method, and what counts as large
+    factors: Floats  # (factors + 1, FACTOR): of the products of a guard, and its linear part
     scan: Floats  # (e, SCAN)
     scale: Floats  # (N,) how far each coordinate moves
     basis: Floats  # (2, N, N): directions left free by what is known to be zero, and a spare
@@ -193,6 +214,30 @@ def reset_row(n_exits, n, e, i):
 
 
 @kernel
+def factor_row(n_exits, n, f):
+    """Row of Tables.affine with factor f of products in guards."""
+    return DERIVATIVES * n_exits + n + n_exits * n + f
+
+
+@kernel
+def vanishing(n_exits, n, i):
+    """Place among the outlets of what vanishes by the relation that state i is solved for by."""
+    return n + n_exits + n_exits * n + i
+
+
+@kernel
+def explicit(wiring, m):
+    """Bits of the slaved states of a mode that are given by expressions."""
+    return wiring[m, 0, SLAVED] & ~wiring[m, 0, IMPLICIT]
+
+
+@kernel
+def has_code(code_rows, m):
+    """Whether rows of a mode hold at an instant only: a Taylor mode, or one with curved exits."""
+    return code_rows[m, 2] > code_rows[m, 0]
+
+
+@kernel
 def first_of_signals(sizes):
     """First augmented coordinate of the signals."""
     return sizes[0] + 1 + sizes[1] + 2 * sizes[2]
@@ -211,20 +256,22 @@ def n_blocks(n_directions):
 
 def allocate_tables(program: Program) -> Tables:
     """Empty tables for a program."""
-    n, n_frequencies, m, e = (int(program.sizes[i]) for i in (0, 2, 4, 5))
+    n, n_frequencies, m, e, factors = (int(program.sizes[i]) for i in (0, 2, 4, 5, 8))
     big_n = augmented_size(program.sizes)
     return Tables(
         sizes=program.sizes,
         clock=np.zeros(4),
         harmonics=np.zeros((2, n_frequencies)),
         generator=np.zeros((m, big_n, big_n)),
-        affine=np.zeros((m, DERIVATIVES * e + n + e * n, big_n)),
+        affine=np.zeros((m, DERIVATIVES * e + n + e * n + factors, big_n)),
         spectrum=np.zeros((m, big_n), np.complex128),
         nilpotent=np.zeros((m, big_n, big_n), np.complex128),
         entry=np.zeros((m, big_n, big_n, 3)),
         reads=np.zeros((m, big_n), np.int64),
         states=np.zeros((m, n, big_n), np.complex128),
-        series=np.zeros((m, e, big_n, SERIES)),
+        series=np.zeros((m, e + factors, big_n, SERIES)),
+        products=program.products,
+        product_rows=program.product_rows,
         ladder=np.zeros((m, RUNGS, big_n, 3)),
         slots=np.zeros((m, CLUSTERS + 3 * big_n), np.int64),
         spans=np.zeros((m, SPANS)),
@@ -238,6 +285,7 @@ def allocate_tables(program: Program) -> Tables:
         terms=program.terms,
         code_rows=program.code_rows,
         outlets=program.outlets,
+        rest_slots=program.rest_slots,
         signals=program.signals,
         knots=program.knots,
     )
@@ -262,6 +310,10 @@ def allocate_segment(sizes: Integers, n_rates: int = 0) -> Segment:
         chain_noise=np.zeros((MAX_DEGREE + 1, big_n)),
         order=np.zeros(e, np.int64),
         to_knot=np.full(1, np.inf),
+        left_out=np.zeros(1, np.int64),
+        extent=np.zeros(big_n),
+        newton=np.zeros((3, big_n)),
+        factors=np.zeros((int(sizes[8]) + 1, FACTOR)),
         scan=np.zeros((e, SCAN)),
         scale=np.zeros(big_n),
         basis=np.zeros((2, big_n, big_n)),

@@ -25,6 +25,7 @@ __all__ = [
 ]
 
 _TURN = 2.0 * math.pi
+_NOTHING = 1e-290  # a motion that has faded so far loses its digits, and is gone
 
 
 @kernel
@@ -64,6 +65,8 @@ def start_segment(tables, segment, m, length):
             im += entry[m, j, i, at.WEIGHT_IM] * z[i]
             noise += entry[m, j, i, at.WEIGHT_SIZE] * abs(z[i])
         size = math.sqrt(re * re + im * im)
+        if size < _NOTHING:
+            re, im, size, noise = 0.0, 0.0, 0.0, 0.0
         growth = spectrum[m, j].real
         if growth > 0.0:
             size *= math.exp(growth * reach)

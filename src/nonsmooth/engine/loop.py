@@ -28,10 +28,12 @@ from nonsmooth.engine.records import (
     WINDOW_EVENTS,
 )
 from nonsmooth.engine.signals import fill_signals
+from nonsmooth.engine.solved_relations import settle
 from nonsmooth.engine.status import EventKind, Status
 from nonsmooth.engine.tangent import carry, complete_columns, start_columns
 from nonsmooth.engine.transitions import (
     PATH_BITS,
+    fill_extent,
     guard_holds,
     has_fallen,
     leaves_both_ways,
@@ -112,7 +114,7 @@ def run_lane(
             whole = at.WINDOWS * window - phase
             copy_vector(anchor.order, segment.order, anchor.order.size)
             longest = min(whole, segment.to_knot[0])
-            length = start_segment(tables, segment, m, longest)
+            length = start_segment(tables, rates, segment, m, longest)
             long_enough = length == longest or length > _SHORTEST * (window + phase)
             if tables.kinds[m] == at.TAYLOR and not long_enough:
                 return _SINGULAR
@@ -170,19 +172,39 @@ def _mode_of_start(tables, rates, segment, mode, tolerance):
     if mode <= SAME:
         return SAME - mode
     low, high = (0, tables.affine.shape[0]) if mode == ANY else (mode, mode + 1)
+    z, given = segment.z, segment.spare
+    _take_rest(tables, z, segment.left_out)
+    copy_vector(z, given, z.size)
     for m in range(low, high):
-        linearise_mode(tables, rates, segment, m, at.DERIVATIVES)
-        if _fits(tables.sizes[0], tables.affine, tables.wiring, m, segment.z, tolerance):
-            return m
+        if tables.wiring[m, 0, at.IMPLICIT] == 0 or settle(tables, rates, segment, m):
+            linearise_mode(tables, rates, segment, m)
+            if _fits(tables, segment, m, given, tolerance):
+                return m
+        copy_vector(given, z, z.size)
     return -1
 
 
 @kernel
-def _fits(n, affine, wiring, m, z, tolerance):
+def _take_rest(tables, z, left_out):
+    """Put states that a start leaves out, as nan, to rest; those that are slaved follow later."""
+    left_out[0] = 0
+    for i in range(tables.sizes[0]):
+        if math.isnan(z[i]):
+            left_out[0] |= 1 << i
+            slot = tables.rest_slots[i]
+            z[i] = tables.values[slot] if slot >= 0 else 0.0
+
+
+@kernel
+def _fits(tables, segment, m, given, tolerance):
+    """Whether guards hold and the slaved states that were given agree with their relations."""
+    n, affine, wiring, z = tables.sizes[0], tables.affine, tables.wiring, segment.z
+    fill_extent(n, affine, wiring, m, z, segment.extent)
     for g in range(wiring[m, 0, at.N_EXITS]):
-        if not guard_holds(affine, m, g, z, tolerance):
+        if not guard_holds(affine, m, g, z, segment.extent, tolerance):
             return False
-    return slaved_agree(n, affine, wiring, m, z, tolerance)
+    left_out = segment.left_out[0]
+    return slaved_agree(n, affine, wiring, m, z, segment.extent, given, left_out, tolerance)
 
 
 @inlined

@@ -76,7 +76,7 @@ def set_up(program, parameters, tables):
             for i in range(big_n):
                 doubt[i] = abs(t[m, i, i])
         fill_slots(tables, m, t[m], v[m], v_inverse[m], label, block[m], norm[m], doubt)
-    fill_orders(tables.sizes[0], tables.kinds, tables.affine, tables.wiring)
+    fill_orders(tables.sizes[0], tables.code_rows, tables.affine, tables.wiring)
     return _OK, 0
 
 
@@ -103,6 +103,9 @@ def _fill_matrices(program, slots, tables):
         term = program.resets[row]
         place = at.reset_row(n_exits, n, term[1], term[2])
         affine[term[0], place, term[3]] += slots[term[4]]
+    for row in range(program.factors.shape[0]):
+        term = program.factors[row]
+        affine[term[0], at.factor_row(n_exits, n, term[1]), term[2]] += slots[term[3]]
     for k in range(n_frequencies):
         harmonics[0, k] = slots[program.frequency_slots[k]]
     for m in range(generator.shape[0]):
@@ -137,7 +140,7 @@ def _linearise_at_rest(program, tables):
     fill_first_pieces(tables.signals, tables.knots, at.first_of_signals(tables.sizes), z)
     for m in range(tables.kinds.size):
         if tables.kinds[m] == at.TAYLOR:
-            linearise(tables, no_rates, no_rates, no_rows, series, dual, m, z, at.DERIVATIVES)
+            linearise(tables, no_rates, no_rates, no_rows, series, dual, m, z)
             if not _finite(tables.generator[m]):
                 for i in range(n):
                     for j in range(big_n):

@@ -13,6 +13,7 @@ import numpy as np
 from nonsmooth.engine import layout as at
 from nonsmooth.engine.jit import kernel
 from nonsmooth.engine.rounding import fill_doubt
+from nonsmooth.engine.solved_relations import settle
 from nonsmooth.engine.taylor_series import fill_series
 from nonsmooth.engine.taylor_step import converging_step, step_inside, step_of_roots
 
@@ -27,12 +28,17 @@ _MOST_ROUNDS = 20  # of a length and the rounding errors within it, which need e
 
 
 @kernel
-def start_step(tables, segment, m, limit):
-    """Series of all registers at segment.z, and the length of the step; nan where they fail."""
+def start_step(tables, rates, segment, m, limit):
+    """Series of all registers at segment.z, and the length of the step; nan where they fail.
+
+    States that are solved for are put on their relations before.
+    """
     n, series, outlets = tables.sizes[0], segment.series, tables.outlets[m]
     n_exits = tables.wiring[m, 0, at.N_EXITS]
     first, middle = tables.code_rows[m, 0], tables.code_rows[m, 1]
-    slaved = tables.wiring[m, 0, at.SLAVED]
+    slaved = at.explicit(tables.wiring, m)
+    if tables.wiring[m, 0, at.IMPLICIT] != 0 and not settle(tables, rates, segment, m):
+        return math.nan
     for i in range(segment.z.size):
         series[i, 0] = segment.z[i]
     fill_series(

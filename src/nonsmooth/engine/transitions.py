@@ -10,7 +10,8 @@ from __future__ import annotations
 from nonsmooth.engine import layout as at
 from nonsmooth.engine.arrays import copy_vector
 from nonsmooth.engine.jit import inlined, kernel
-from nonsmooth.engine.linearisation import linearise
+from nonsmooth.engine.linearisation import linearise, linearise_derivatives
+from nonsmooth.engine.solved_relations import settle
 from nonsmooth.engine.status import Status
 from nonsmooth.engine.tangent import (
     end_saltation,
@@ -33,6 +34,7 @@ from nonsmooth.engine.zeros import (
 __all__ = [
     "PATH_BITS",
     "PATH_LENGTH",
+    "fill_extent",
     "guard_holds",
     "has_fallen",
     "leaves_both_ways",
@@ -51,6 +53,7 @@ _MOST_PASSES = 100
 _NOTHING = 1e-12  # likewise, of what it changes by in a window
 _SHARE = 1e-3  # of a coordinate in the rate of a guard, from which it is moved onto its zero
 _CLEARLY = 1e-9  # a guard above this part of its terms is not zero by construction
+_ANYWHERE_NEAR = 1e-5  # a guard above this part of its terms is not zero in any sense
 PATH_BITS = 6  # bits per exit in the recorded path
 PATH_LENGTH = 10
 
@@ -75,19 +78,25 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
     first_mode, first_exit = m, e
     visited = 1 << m
     path, passes, jumped, corner = 0, 0, False, False
+    jumping = 0  # bits of the slaved states that a reset has let jump onto their relations
     followed = curved  # whether basis holds the directions left free by the path so far
     fired = 0.0  # size of the terms that cancelled in the guard that fired
     carrying = tangent.columns.shape[0] > 0
     if e >= 0:
-        if curved:  # a reset that keeps a zero does so on the guard, not beside it
-            linearise_mode(tables, rates, segment, m, 1)
-        fired = _set_fired_zero(n, tables.generator, affine, wiring, m, e, z)
+        if curved:  # gradients do not change on the hair's breadth to the zero of the guard
+            linearise_mode(tables, rates, segment, m)
+        fill_extent(n, affine, wiring, m, z, segment.extent)
+        fired = _set_fired_zero(n, tables.generator, affine, wiring, m, e, z, segment.extent)
+    if e < 0 and tables.wiring[m, 0, at.IMPLICIT] != 0 and not settle(tables, rates, segment, m):
+        return _INADMISSIBLE, m, path, passes, jumped, corner
     if curved:
-        linearise_mode(tables, rates, segment, m, at.DERIVATIVES)
+        if e < 0:
+            linearise_mode(tables, rates, segment, m)
         fill_scale(n, tables.generator, affine, wiring, m, z, duration, segment.scale)
         start_directions(n, affine, wiring, m, e, segment.scale, basis)
+    fill_extent(n, affine, wiring, m, z, segment.extent)
     if e < 0:
-        _settle_slaved(n, affine, wiring, m, z)
+        _settle_slaved(n, affine, wiring, m, z, segment.extent)
         if carrying:
             relate_columns(tables, rates, segment, tangent, m)
     elif carrying:
@@ -100,17 +109,34 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
             passes += 1
             if carrying:
                 push_columns(tables, rates, segment, tangent, m, e)
-            if _reset(n, affine, wiring, m, e, z, segment.spare):
+            _reset(n, affine, wiring, m, e, z, segment.extent, segment.spare)
+            # what the target slaves is put on its relation anyway: naming it is no jump
+            free = -1 if target < 0 else ~wiring[target, 0, at.SLAVED]
+            if wiring[m, 1 + e, at.RESETTING] & free != 0:
                 jumped = True
                 visited = 0  # without a jump no mode may return
             if target < 0:
                 return _STOPPED, m, path, passes, jumped, corner
+            # cells settle after a reset: what it lets jump goes on until one of them holds
+            resetting = wiring[m, 1 + e, at.RESETTING]
+            if resetting != 0 or tables.families[target] != tables.families[m]:
+                jumping = resetting
+            copy_vector(z, segment.spare, z.size)
             if curved:
                 push_reset(n, affine, wiring, m, e, basis)
-                linearise_mode(tables, rates, segment, target, at.DERIVATIVES)
+                if wiring[target, 0, at.IMPLICIT] != 0 and not settle(
+                    tables, rates, segment, target
+                ):
+                    return _INADMISSIBLE, target, path, passes, jumped, corner
+                linearise_mode(tables, rates, segment, target)
                 push_relations(n, affine, wiring, target, basis)
-            if not _slave(n, affine, wiring, m, e, target, z, fired, tolerance):
+            fill_extent(n, affine, wiring, target, z, segment.extent)
+            if not _slave(
+                n, affine, wiring, target, z, segment.spare, segment.extent, segment.scale,
+                jumping, fired, tolerance,
+            ):  # fmt: skip
                 return _INADMISSIBLE, target, path, passes, jumped, corner
+            fill_extent(n, affine, wiring, target, z, segment.extent)
             if carrying:
                 relate_columns(tables, rates, segment, tangent, target)
             before, m = m, target
@@ -124,9 +150,15 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
             followed = curved
         if passes != 1 and not curved:
             fill_scale(n, tables.generator, affine, wiring, m, z, duration, segment.scale)
+        if (
+            curved
+            and at.has_code(tables.code_rows, m)
+            and _some_zero(affine, wiring, m, z, segment.extent, segment.scale)
+        ):
+            _differentiate(tables, rates, segment, m)
         e, meets, followed = _next_exit(
-            n, affine, wiring, z, segment.order, basis, segment.scale, first_mode, first_exit,
-            m, path, passes, followed, tolerance,
+            n, affine, wiring, z, segment.extent, segment.order, basis, segment.scale, first_mode,
+            first_exit, m, path, passes, followed, tolerance,
         )  # fmt: skip
         corner = corner or meets
         if e < 0:
@@ -137,8 +169,8 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
 
 @inlined
 def _next_exit(
-    n, affine, wiring, z, order, basis, scale, first_mode, first_exit, m, path, passes, followed,
-    tolerance,
+    n, affine, wiring, z, extent, order, basis, scale, first_mode, first_exit, m, path, passes,
+    followed, tolerance,
 ):  # fmt: skip
     """The exit of mode m that fires at z, -1 for none; fills the orders of its guards.
 
@@ -150,7 +182,7 @@ def _next_exit(
         known = OPEN
         if passes == 1 and first_exit >= 0:
             known = wiring[first_mode, 1 + first_exit, at.ORDERS + g]
-        elif not _nearly_zero(affine, m, g, z, scale):
+        elif not _nearly_zero(affine, m, g, z, extent, scale):
             known = 0
         if known == OPEN:
             if not followed:
@@ -158,7 +190,7 @@ def _next_exit(
                 followed = True
             known = zero_order(affine, m, g, scale, basis)
         order[g] = known
-        if not _must_fire(affine, m, g, z, order, tolerance):
+        if not _must_fire(affine, m, g, z, extent, order, tolerance):
             continue
         # where a guard is negative, the rates of the mode say nothing about the others
         if e < 0 or (order[g] == 0 and order[e] > 0):
@@ -166,42 +198,54 @@ def _next_exit(
     return e, meets, followed
 
 
-@inlined
-def linearise_mode(tables, rates, segment, m, orders):
-    """Bring the rows of a Taylor mode up to date at segment.z; linear ones always are."""
-    if tables.kinds[m] == at.TAYLOR:
+@kernel
+def linearise_mode(tables, rates, segment, m):
+    """Bring the rows of a curved mode up to date at segment.z; linear ones always are.
+
+    The rows of the derivatives of guards stay behind.
+    """
+    if at.has_code(tables.code_rows, m):
         linearise(
             tables, rates.slot_rates, rates.harmonics, rates.affine, segment.series,
-            segment.dual, m, segment.z, orders,
+            segment.dual, m, segment.z,
         )  # fmt: skip
+
+
+@kernel
+def _differentiate(tables, rates, segment, m):
+    """Rows of the derivatives of guards at segment.z, where those of the values are."""
+    linearise_derivatives(
+        tables, rates.slot_rates, rates.harmonics, segment.series, segment.dual, m, segment.z
+    )
 
 
 @kernel
 def has_fallen(tables, rates, segment, m):
     """Whether a guard of mode m is clearly negative at segment.z, where none has crossed zero."""
     z = segment.z
-    if tables.kinds[m] == at.TAYLOR:
+    if at.has_code(tables.code_rows, m):
         _fill_values(tables, segment.series, m, z)
         negative = False
         for g in range(tables.wiring[m, 0, at.N_EXITS]):
             negative = negative or segment.series[tables.outlets[m, tables.sizes[0] + g], 0] < 0.0
         if not negative:
             return False
-        linearise_mode(tables, rates, segment, m, at.DERIVATIVES)
+        linearise_mode(tables, rates, segment, m)
+    fill_extent(tables.sizes[0], tables.affine, tables.wiring, m, z, segment.extent)
     for g in range(tables.wiring[m, 0, at.N_EXITS]):
-        if not guard_holds(tables.affine, m, g, z, _CLEARLY):
+        if not guard_holds(tables.affine, m, g, z, segment.extent, _CLEARLY):
             return True
     return False
 
 
 @kernel
 def _fill_values(tables, series, m, z):
-    """Values of everything that a Taylor mode computes."""
+    """Values of everything that a curved mode computes."""
     for i in range(z.size):
         series[i, 0] = z[i]
     fill_series(
         tables.code, tables.terms, tables.weights, tables.code_rows[m, 0], tables.code_rows[m, 1],
-        tables.values, tables.outlets[m], tables.wiring[m, 0, at.SLAVED], tables.sizes,
+        tables.values, tables.outlets[m], at.explicit(tables.wiring, m), tables.sizes,
         tables.harmonics, series, 0, 0,
     )  # fmt: skip
 
@@ -218,11 +262,15 @@ def leaves_both_ways(tables, rates, segment, m, tolerance):
         if not 0 < order[g] < at.DERIVATIVES or cell < 0 or cell == m:
             continue
         if tables.families[cell] == tables.families[m]:
-            linearise_mode(tables, rates, segment, cell, at.DERIVATIVES)
+            linearise_mode(tables, rates, segment, cell)
+            if at.has_code(tables.code_rows, cell):
+                _differentiate(tables, rates, segment, cell)
             holds = True
             for h in range(wiring[cell, 0, at.N_EXITS]):
                 order[h] = 0
-                holds = holds and not _must_fire(affine, cell, h, segment.z, order, tolerance)
+                holds = holds and not _must_fire(
+                    affine, cell, h, segment.z, segment.extent, order, tolerance
+                )
             return holds
     return False
 
@@ -238,28 +286,42 @@ def _follow(n, affine, wiring, m, e, path, passes, scale, basis):
 
 
 @kernel
-def _sum_of_terms(affine, m, row, z):
+def _sum_of_terms(affine, m, row, z, extent):
     """Value of a row at z, and the sum of the sizes of its terms."""
     total, size = 0.0, 0.0
     for i in range(z.size):
-        term = affine[m, row, i] * z[i]
-        total += term
-        size += abs(term)
+        total += affine[m, row, i] * z[i]
+        size += abs(affine[m, row, i]) * extent[i]
     return total, size
 
 
 @kernel
-def guard_holds(affine, m, g, z, tolerance):
+def fill_extent(n, affine, wiring, m, z, extent):
+    """Sizes of the coordinates: of those solved for, the terms that make up the solution.
+
+    A ring that rests at zero on a rotor of size one is known to the rounding of the one.
+    """
+    n_exits = wiring.shape[1] - 1
+    for i in range(z.size):
+        extent[i] = abs(z[i])
+    for i in range(n):
+        if (wiring[m, 0, at.IMPLICIT] >> i) & 1:
+            for j in range(z.size):
+                extent[i] += abs(affine[m, at.relation_row(n_exits, i), j] * z[j])
+
+
+@kernel
+def guard_holds(affine, m, g, z, extent, tolerance):
     """Whether a guard is not negative, as far as the tolerance tells."""
-    value, size = _sum_of_terms(affine, m, at.guard_row(g, 0), z)
+    value, size = _sum_of_terms(affine, m, at.guard_row(g, 0), z, extent)
     return value >= -tolerance * size
 
 
 @kernel
-def _nearly_zero(affine, m, g, z, scale):
+def _nearly_zero(affine, m, g, z, extent, scale):
     """Whether a guard is small beside its terms, or beside what it will change by."""
     row = at.guard_row(g, 0)
-    value, size = _sum_of_terms(affine, m, row, z)
+    value, size = _sum_of_terms(affine, m, row, z, extent)
     change = 0.0
     for i in range(z.size):
         change += abs(affine[m, row, i]) * scale[i]
@@ -267,7 +329,20 @@ def _nearly_zero(affine, m, g, z, scale):
 
 
 @kernel
-def _must_fire(affine, m, g, z, order, tolerance):
+def _some_zero(affine, wiring, m, z, extent, scale):
+    """Whether a guard of mode m is anywhere near zero, or below: its derivatives may count."""
+    for g in range(wiring[m, 0, at.N_EXITS]):
+        row, change = at.guard_row(g, 0), 0.0
+        value, size = _sum_of_terms(affine, m, row, z, extent)
+        for i in range(z.size):
+            change += abs(affine[m, row, i]) * scale[i]
+        if value <= _ANYWHERE_NEAR * (size + change):
+            return True
+    return False
+
+
+@kernel
+def _must_fire(affine, m, g, z, extent, order, tolerance):
     """Whether a guard is negative in the sense of its first derivative that is not zero.
 
     order[g] counts the zeros known by construction on entry; those that the tolerance
@@ -276,7 +351,7 @@ def _must_fire(affine, m, g, z, order, tolerance):
     if order[g] == ALWAYS_ZERO:
         return False
     for r in range(order[g], at.DERIVATIVES):
-        value, size = _sum_of_terms(affine, m, at.guard_row(g, r), z)
+        value, size = _sum_of_terms(affine, m, at.guard_row(g, r), z, extent)
         if abs(value) > tolerance * size:
             order[g] = r
             return value < 0.0
@@ -285,7 +360,7 @@ def _must_fire(affine, m, g, z, order, tolerance):
 
 
 @kernel
-def _set_fired_zero(n, generator, affine, wiring, m, e, z):
+def _set_fired_zero(n, generator, affine, wiring, m, e, z, extent):
     """Put the state exactly on the fired guard, by the coordinate whose motion has led there.
 
     Where time has led there, as in cos(w t) + 1e-12 x, the state stays as it is: x would have
@@ -294,7 +369,7 @@ def _set_fired_zero(n, generator, affine, wiring, m, e, z):
     returns: the sum of the sizes of the terms before
     """
     row = at.guard_row(e, 0)
-    value, size = _sum_of_terms(affine, m, row, z)
+    value, size = _sum_of_terms(affine, m, row, z, extent)
     pivot, several = -1, False
     for i in range(z.size):
         if i != n and affine[m, row, i] != 0.0:
@@ -324,53 +399,59 @@ def _largest_share(n, generator, affine, wiring, m, row, z):
 
 
 @kernel
-def _reset(n, affine, wiring, m, e, z, spare):
+def _reset(n, affine, wiring, m, e, z, extent, spare):
     """Apply the reset of an exit, all new values from the state before."""
     bits = wiring[m, 1 + e, at.RESETTING]
     if bits == 0:
-        return False
+        return
     n_exits = wiring.shape[1] - 1
     for i in range(n):
         spare[i] = z[i]
         if (bits >> i) & 1:
-            spare[i] = _sum_of_terms(affine, m, at.reset_row(n_exits, n, e, i), z)[0]
+            spare[i] = _sum_of_terms(affine, m, at.reset_row(n_exits, n, e, i), z, extent)[0]
     copy_vector(spare, z, n)
-    return True
 
 
 @kernel
-def _slave(n, affine, wiring, m, e, target, z, fired, tolerance):
-    """Put slaved states of the target on their relations; False where they disagree."""
+def _slave(n, affine, wiring, target, z, before, extent, scale, jumping, fired, tolerance):
+    """Put slaved states of the target on their relations; False where they disagree.
+
+    shapes: before (N,), z before its states were solved for; jumping: bits of those that may jump
+    """
     agree = True
     n_exits = wiring.shape[1] - 1
     for i in range(n):
         if (wiring[target, 0, at.SLAVED] >> i) & 1:
-            value, size = _sum_of_terms(affine, target, at.relation_row(n_exits, i), z)
-            jumps = (wiring[m, 1 + e, at.RESETTING] >> i) & 1
+            value, size = _sum_of_terms(affine, target, at.relation_row(n_exits, i), z, extent)
             # the root of the fired guard leaves a little more than the tolerance
-            allowed = max(tolerance, _CLEARLY) * (size + abs(z[i]) + fired)
-            if not jumps and abs(value - z[i]) > allowed:
+            allowed = max(tolerance, _CLEARLY) * (size + abs(before[i]) + fired)
+            for j in range(scale.size if (wiring[target, 0, at.IMPLICIT] >> i) & 1 else 0):
+                allowed += _NOTHING * abs(affine[target, at.relation_row(n_exits, i), j]) * scale[j]
+            if not (jumping >> i) & 1 and abs(value - before[i]) > allowed:
                 agree = False
-    _settle_slaved(n, affine, wiring, target, z)
+    _settle_slaved(n, affine, wiring, target, z, extent)
     return agree
 
 
 @kernel
-def _settle_slaved(n, affine, wiring, m, z):
+def _settle_slaved(n, affine, wiring, m, z, extent):
     """Put the slaved states of a mode on their relations."""
     n_exits = wiring.shape[1] - 1
     for i in range(n):
         if (wiring[m, 0, at.SLAVED] >> i) & 1:
-            z[i] = _sum_of_terms(affine, m, at.relation_row(n_exits, i), z)[0]
+            z[i] = _sum_of_terms(affine, m, at.relation_row(n_exits, i), z, extent)[0]
 
 
 @kernel
-def slaved_agree(n, affine, wiring, m, z, tolerance):
-    """Whether the slaved states of a mode agree with their relations."""
+def slaved_agree(n, affine, wiring, m, z, extent, given, left_out, tolerance):
+    """Whether the slaved states of a mode, as they were given, agree with their relations.
+
+    left_out: bits of those that were not given, which agree in any case
+    """
     n_exits = wiring.shape[1] - 1
     for i in range(n):
-        if (wiring[m, 0, at.SLAVED] >> i) & 1:
-            value, size = _sum_of_terms(affine, m, at.relation_row(n_exits, i), z)
-            if abs(value - z[i]) > tolerance * (size + abs(z[i])):
+        if (wiring[m, 0, at.SLAVED] >> i) & 1 and not (left_out >> i) & 1:
+            value, size = _sum_of_terms(affine, m, at.relation_row(n_exits, i), z, extent)
+            if abs(value - given[i]) > tolerance * (size + abs(given[i])):
                 return False
     return True

@@ -41,13 +41,19 @@ def fill_weights(tables, m, v, v_inverse, weight, place, count):
 
 @allocating
 def fill_series(tables, m, v, weight, place, count):
-    """Weights of the slots in the Taylor coefficients of every guard."""
+    """Weights of the slots in the Taylor coefficients of every guard, and of its factors."""
     series, nilpotent = tables.series, tables.nilpotent[m]
     row = np.zeros(v.shape[0], np.complex128)
     rates = np.zeros(v.shape[0], np.complex128)
-    for e in range(tables.wiring[m, 0, at.N_EXITS]):
+    n, n_exits = tables.sizes[0], tables.sizes[5]
+    for e in range(series.shape[1]):
+        place_of_row = at.guard_row(e, 0)
+        if e >= n_exits:
+            place_of_row = at.factor_row(n_exits, n, e - n_exits)
+        elif e >= tables.wiring[m, 0, at.N_EXITS]:
+            continue
         for slot in range(count):
-            row[slot] = _product(tables.affine[m, at.guard_row(e, 0)], v, place[slot])
+            row[slot] = _product(tables.affine[m, place_of_row], v, place[slot])
             row[slot] *= weight[place[slot]]
             series[m, e, slot, at.BY_NOISE] = abs(row[slot])
         factorial = 1.0

@@ -36,11 +36,11 @@ _ROUNDING = 1e-12
 
 
 @allocating
-def fill_orders(n, kinds, affine, wiring):
+def fill_orders(n, code_rows, affine, wiring):
     """Orders of zero for every exit taken alone, the usual case.
 
-    shapes: kinds, affine, wiring as in Tables; the orders in wiring are the output. Those that
-    concern a Taylor mode depend on the state and stay open
+    shapes: code_rows, affine, wiring as in Tables; the orders in wiring are the output. Those that
+    concern a mode with curved exits depend on the state and stay open
     """
     big_n = affine.shape[2]
     basis, scale = np.zeros((2, big_n, big_n)), np.zeros(big_n)
@@ -49,7 +49,7 @@ def fill_orders(n, kinds, affine, wiring):
             target = wiring[m, 1 + e, at.TARGET]
             if target < 0:
                 continue
-            if kinds[m] != at.EXACT or kinds[target] != at.EXACT:
+            if at.has_code(code_rows, m) or at.has_code(code_rows, target):
                 for g in range(wiring[target, 0, at.N_EXITS]):
                     wiring[m, 1 + e, at.ORDERS + g] = OPEN
                 continue

@@ -7,17 +7,21 @@ from __future__ import annotations
 
 from nonsmooth.plot.attractor_sets import attractors
 from nonsmooth.plot.basin_cells import basins
+from nonsmooth.plot.cascades import waterfall
+from nonsmooth.plot.comparisons import comparison
 from nonsmooth.plot.diagrams import bifurcation
 from nonsmooth.plot.exponents import exponents
 from nonsmooth.plot.figures import print_figure, save_figure
 from nonsmooth.plot.histories import time_history
 from nonsmooth.plot.markers import event_markers
 from nonsmooth.plot.mode_spans import phases
+from nonsmooth.plot.orbits import orbit
 from nonsmooth.plot.portrait import phase_portrait
 from nonsmooth.plot.regimes import regime_map
 from nonsmooth.plot.ring_regions import contact_regions
 from nonsmooth.plot.sections import section
 from nonsmooth.plot.spectrum import spectrum
+from nonsmooth.plot.statistic_curves import statistics
 from nonsmooth.plot.style import PALETTE, axis_label, mode_colours
 from nonsmooth.plot.translation import translation
 from nonsmooth.plot.uncertainty_curve import uncertainty
@@ -28,10 +32,12 @@ __all__ = [
     "axis_label",
     "basins",
     "bifurcation",
+    "comparison",
     "contact_regions",
     "event_markers",
     "exponents",
     "mode_colours",
+    "orbit",
     "phase_portrait",
     "phases",
     "print_figure",
@@ -39,7 +45,9 @@ __all__ = [
     "save_figure",
     "section",
     "spectrum",
+    "statistics",
     "time_history",
     "translation",
     "uncertainty",
+    "waterfall",
 ]

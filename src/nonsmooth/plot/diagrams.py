@@ -33,7 +33,7 @@ def bifurcation(
     Parameters
     ----------
     diagram : xarray.Dataset
-        Result of `bifurcation_diagram`.
+        Result of `bifurcation_diagram`, or of `measured.diagram`.
     variable : str
         A state or output, or what there is once per column, such as ``"period"``, ``"events"`` or
         ``"v_per_time"``.

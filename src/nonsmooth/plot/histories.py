@@ -36,7 +36,7 @@ def time_history(
     Parameters
     ----------
     run : xarray.Dataset
-        Result of `simulate`.
+        Result of `simulate`, or a measured motion.
     variables : str or sequence of str
         States and outputs.
     ax : matplotlib.axes.Axes, optional

@@ -48,7 +48,7 @@ def phase_portrait(
     Parameters
     ----------
     run : xarray.Dataset
-        Result of `simulate`.
+        Result of `simulate`, or a measured motion.
     x, y : str
         States or outputs.
     ax : matplotlib.axes.Axes, optional

@@ -25,20 +25,26 @@ def spectrum(
     variable: str = "amplitude",
     *,
     ax: Axes | None = None,
+    over: str = "frequency",
     highest: float | None = None,
 ) -> Axes:
     """Amplitude or power density over frequency, logarithmic, with the harmonics marked.
 
+    Of a full spectrum forward whirl stands on the right, backward whirl on the left.
+
     Parameters
     ----------
     data : xarray.Dataset
-        Result of `power_spectrum`.
+        Result of `power_spectrum` or `full_spectrum`.
     variable : {"amplitude", "power_density"}, optional
         What to draw.
     ax : matplotlib.axes.Axes, optional
         Where to draw; new axes of a column's width by default.
+    over : {"frequency", "harmonic"}, optional
+        Frequency in cycles, or over that of the forcing, as orders of a speed.
     highest : float, optional
-        Highest frequency to draw; ten times that of the forcing by default.
+        Highest frequency, or harmonic, to draw; ten times that of the forcing by default, five of a
+        full spectrum.
 
     Returns
     -------
@@ -61,24 +67,33 @@ def spectrum(
     if variable not in ("amplitude", "power_density") or variable not in data:
         raise OptionError(
             f"variable = {variable!r}: draw 'amplitude' or 'power_density' of a result of"
-            " power_spectrum"
+            " power_spectrum or full_spectrum"
+        )
+    if over not in ("frequency", "harmonic") or over not in data.coords:
+        raise OptionError(
+            f"over = {over!r}: draw over 'frequency', or over 'harmonic' where the run has a period"
         )
     ax = new_axes() if ax is None else ax
-    frequency, values = data["frequency"].values, data[variable].values
+    frequency, values = data[over].values, data[variable].values
     forcing = 1.0 / data.attrs["period"] if "period" in data.attrs else None
+    if over == "harmonic":
+        forcing = 1.0
+    two_sided = frequency[0] < 0.0
     last = float(frequency[-1])
     if highest is not None:
         last = min(last, float(highest))
     elif forcing is not None:
-        last = min(last, _ORDERS * forcing * (1.0 + 1e-9))
+        last = min(last, (_ORDERS if not two_sided else _ORDERS / 2) * forcing * (1.0 + 1e-9))
     if forcing is not None:
-        for order in range(1, int(last / forcing * (1.0 + 1e-9)) + 1):
+        most = int(last / forcing * (1.0 + 1e-9))
+        for order in range(-most if two_sided else 1, most + 1):
             ax.axvline(
-                order * forcing, color=PALETTE["sky"], linestyle="--", linewidth=0.5, zorder=0
-            )
-    shown = frequency <= last * (1.0 + 1e-9)
+                order * forcing, color=PALETTE["sky"], linestyle="--" if order else "-",
+                linewidth=0.5, zorder=0,
+            )  # fmt: skip
+    shown = np.abs(frequency) <= last * (1.0 + 1e-9)
     floor = _FLOOR * float(values.max(initial=0.0)) or 1e-300
     ax.semilogy(frequency[shown], np.maximum(values[shown], floor), **LINES[0] | {"linewidth": 0.7})
-    ax.set_xlim(0.0, last)
-    finish_axes(ax, axis_label(data["frequency"]), axis_label(data[variable]))
+    ax.set_xlim(-last if two_sided else 0.0, last)
+    finish_axes(ax, axis_label(data[over]), axis_label(data[variable]))
     return ax

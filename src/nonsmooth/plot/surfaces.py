@@ -60,7 +60,7 @@ def _guards(system: System, x: str, y: str, across: Plane, up: Plane) -> Iterato
     """Values of the guards that depend on these two states and on parameters."""
     values: dict[str, float | Plane] = {**system.parameter_values, x: across, y: up}
     for mode in system.structure.running:
-        forms = mode.linear or mode.taylor
+        forms = mode.taylor or mode.linear
         assert forms is not None
         for way in forms.exits:
             names = _names(way.guard)

@@ -89,12 +89,16 @@ def curve(
 
     States have the points just before and just after each event among their samples, so
     kinks and jumps stand at their exact place. Outputs are known at samples only; where one
-    of the names is an output, all of them are taken there.
+    of the names is an output, all of them are taken there. A measured motion has neither modes
+    nor events.
     """
-    mode = run["mode"].values.astype(np.int64)
+    measured = "mode" not in run
+    mode = (
+        np.zeros(run.sizes["time"], np.int64) if measured else run["mode"].values.astype(np.int64)
+    )
     samples = np.stack([run[name].values.astype(float) for name in names])
     trace = Trace(run["time"].values.astype(float), samples, mode, np.zeros(mode.size, bool))
-    states = [str(name) for name in run["state"].values]
+    states = [] if measured else [str(name) for name in run["state"].values]
     if run.sizes.get("event") and all(name in states for name in names):
         trace = _merged(run, trace, [states.index(name) for name in names])
     return trace if time_range is None else _cut(trace, *time_range)

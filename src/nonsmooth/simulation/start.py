@@ -10,12 +10,18 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.engine.layout import DERIVATIVES, N_EXITS, SLAVED, Tables
-from nonsmooth.engine.records import Anchor
+from nonsmooth.engine.lanes import run
+from nonsmooth.engine.layout import DERIVATIVES, N_EXITS, SLAVED, Tables, allocate_segment
+from nonsmooth.engine.records import Anchor, allocate_anchor, allocate_records
+from nonsmooth.engine.tangent import allocate_tangent
+from nonsmooth.engine.variation_tables import no_columns, no_rates
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.simulation.clock import Instant, instants
 from nonsmooth.simulation.options import finite_number
 from nonsmooth.system.system import System
+
+_TOLERANCE = 1e-12
+_NO_TIMES = (np.zeros(0, np.int64), np.zeros(0))
 
 __all__ = ["Start", "explain_misfit", "mode_numbers", "resolve_start", "start_at_end"]
 
@@ -53,11 +59,42 @@ def resolve_start(
             f" {{{system.states[0]!r}: 0.1}}, a point of a dataset, or a run to go on from"
         )
     state = _from_mapping(system, initial or {})
-    return Start(state, _instant(tables, t_start or 0.0), mode_numbers(system, mode))
+    instant, modes = _instant(tables, t_start or 0.0), mode_numbers(system, mode)
+    if np.any(np.isnan(state)):
+        state = _completed(system, tables, state, instant, modes)
+    return Start(state, instant, modes)
+
+
+def _completed(
+    system: System,
+    tables: Tables,
+    state: npt.NDArray[np.float64],
+    instant: Instant,
+    modes: tuple[int, ...],
+) -> npt.NDArray[np.float64]:
+    """State with what was left out as the mode wants it in which a run begins there.
+
+    The run has no length. Where no mode takes the start, what was left out is at rest.
+    """
+    left_out = np.isnan(state)
+    found = np.array([system.rest_state[name] for name in system.states])
+    for mode in modes:
+        anchor = allocate_anchor(tables.sizes)
+        anchor.place[0], anchor.phase[0] = instant
+        anchor.state[:] = state
+        records = allocate_records(tables.sizes, *_NO_TIMES, 0)
+        run(
+            tables, no_rates(), no_columns(), anchor, allocate_segment(tables.sizes),
+            allocate_tangent(tables.sizes, -1, 0), records, mode, *instant, _TOLERANCE,
+        )  # fmt: skip
+        if anchor.place[1] >= 0:
+            found = anchor.state
+            break
+    return np.where(left_out, found, state)
 
 
 def _from_mapping(system: System, initial: Mapping[str, Any]) -> npt.NDArray[np.float64]:
-    values = dict(system.rest_state)
+    values = dict(system.open_state)
     for name, value in initial.items():
         if name not in values:
             raise OptionError(f"initial: {unknown_name('state', str(name), system.states)}")

@@ -239,12 +239,12 @@ def check_structure(system: System) -> None:
 def _dependences(structure: Structure, drifting: str) -> Iterator[tuple[str, bool]]:
     """Everything that a drift must not enter, and whether it does."""
     for forms in structure.modes.values():
-        if forms.linear is not None:
-            for where, form, own in forms.linear.with_place(forms.name):
-                yield where, _form_depends(form, drifting, own)
-        elif forms.taylor is not None:
+        if forms.taylor is not None:
             for where, node, own in forms.taylor.with_place(forms.name):
                 yield where, forms.depends(node, drifting, own)
+        elif forms.linear is not None:
+            for where, form, own in forms.linear.with_place(forms.name):
+                yield where, _form_depends(form, drifting, own)
 
 
 def _form_depends(form: LinearForm, drifting: str, own: str) -> bool:
@@ -298,7 +298,7 @@ def coefficients(structure: Structure) -> Iterator[tuple[str, Expression]]:
             for where, form, _ in forms.linear.with_place(name):
                 for coefficient in form.terms.values():
                     yield where, coefficient
-        else:
+        if forms.taylor is not None:
             yield from structure.codes[name].constants
 
 

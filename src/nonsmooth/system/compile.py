@@ -55,11 +55,16 @@ class _LinearRows:
         self.columns = columns
         self.flow, self.relations = _Entries(4), _Entries(4)
         self.guards, self.resets = _Entries(4), _Entries(5)
-        self.groups = (self.flow, self.relations, self.guards, self.resets)
+        self.factors = _Entries(4)
+        self.groups = (self.flow, self.relations, self.guards, self.resets, self.factors)
+        self.products: list[tuple[int, int]] = []
+        self.product_rows: dict[tuple[int, int], tuple[int, int]] = {}
+        self.most_factors = 0
 
     def put(self, i_mode: int, forms: Forms[LinearForm], states: tuple[str, ...]) -> None:
         """Enter the forms of a mode."""
         columns = self.columns
+        known: list[LinearForm] = []  # factors of the mode so far
         for i_state, state in enumerate(states):
             if state in forms.slaved:
                 self.relations.put((i_mode, i_state), forms.slaved[state], columns)
@@ -67,8 +72,25 @@ class _LinearRows:
                 self.flow.put((i_mode, i_state), forms.rates[state], columns)
         for i_exit, way in enumerate(forms.exits):
             self.guards.put((i_mode, i_exit), way.guard, columns)
+            if way.products:
+                n_products = len(self.products)
+                self.products += [
+                    (self._factor(known, i_mode, left), self._factor(known, i_mode, right))
+                    for left, right in way.products
+                ]
+                self.product_rows[i_mode, i_exit] = n_products, len(self.products)
             for state, form in way.reset.items():
                 self.resets.put((i_mode, i_exit, states.index(state)), form, columns)
+
+    def _factor(self, known: list[LinearForm], i_mode: int, form: LinearForm) -> int:
+        """Number of a factor in its mode; a square has one."""
+        for number, other in enumerate(known):
+            if other.terms == form.terms:
+                return number
+        known.append(form)
+        self.most_factors = max(self.most_factors, len(known))
+        self.factors.put((i_mode, len(known) - 1), form, self.columns)
+        return len(known) - 1
 
 
 def compile_structure(structure: Structure) -> Compiled:
@@ -82,7 +104,7 @@ def compile_structure(structure: Structure) -> Compiled:
     for i_mode, mode in enumerate(modes):
         if mode.linear is not None:
             linear.put(i_mode, mode.linear, states)
-        else:
+        if mode.taylor is not None:
             taylor.put(i_mode, structure.codes[mode.name], states)
     tape = ParameterTape(structure.parameters)
     period = _static_expression(structure, "period")
@@ -94,10 +116,17 @@ def compile_structure(structure: Structure) -> Compiled:
     code, terms = taylor.array(tape), taylor.array_of_terms(tape)
     rest_slots = np.array([-1 if r is None else tape.slot(r) for r in rest], np.int64)
     signals, knots, spacing = signal_arrays(structure.signals.values())
+    product_rows = np.zeros((len(modes), most, 2), np.int64)
+    for place, rows in linear.product_rows.items():
+        product_rows[place] = rows
     sizes = [len(states), structure.time_order, len(frequency_slots), len(structure.parameters)]
     program = Program(
         sizes=np.array(
-            [*sizes, len(modes), most, taylor.n_registers, len(structure.signals)], np.int64
+            [
+                *(*sizes, len(modes), most, taylor.n_registers, len(structure.signals)),
+                linear.most_factors,
+            ],
+            np.int64,
         ),
         constants=np.array(list(tape.literals), dtype=float),
         tape=np.array(tape.rows, np.int64).reshape(-1, 4),
@@ -107,6 +136,9 @@ def compile_structure(structure: Structure) -> Compiled:
         relations=arrays[1],
         guards=arrays[2],
         resets=arrays[3],
+        factors=arrays[4],
+        products=np.array(linear.products, np.int64).reshape(-1, 2),
+        product_rows=product_rows,
         wiring=_wiring(structure, most),
         drifting=sum(1 << i for i, state in enumerate(states) if state in structure.drift),
         families=np.array(structure.families, np.int64),
@@ -151,6 +183,8 @@ def _wiring(structure: Structure, most: int) -> np.ndarray:
         for i_state, state in enumerate(structure.states):
             if state in mode.equations.slaved:
                 wiring[i_mode, 0, layout.SLAVED] |= 1 << i_state
+            if mode.taylor is not None and state in mode.taylor.implicit:
+                wiring[i_mode, 0, layout.IMPLICIT] |= 1 << i_state
         for i_exit, (target, way) in enumerate(
             zip(mode.targets, mode.equations.exits, strict=True)
         ):

@@ -74,7 +74,9 @@ def _written(sections: Iterable[_Section]) -> Iterator[str]:
 
 def _kind(forms: ModeForms) -> str:
     """How the flow of a mode is solved."""
-    return "exact linear" if forms.linear is not None else "Taylor series"
+    if forms.linear is None:
+        return "Taylor series"
+    return "exact linear" if forms.taylor is None else "exact linear, exits by products of states"
 
 
 def _motion(system: System, forms: ModeForms, time_unit: str) -> Iterator[_Section]:

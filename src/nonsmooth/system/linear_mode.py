@@ -68,7 +68,7 @@ class LinearReader:
         """Linear form of an equation."""
         depth = len(self._open)
         try:
-            return linear_form(equation.tree, self._form_of).with_replaced(self.slaved)
+            return linear_form(equation.tree, self.form_of).with_replaced(self.slaved)
         except NotLinear as fault:
             raise NonlinearText(fault.reason, fault.node, equation) from None
         finally:
@@ -91,7 +91,8 @@ class LinearReader:
             self._open.pop()
         return self._forms[key]
 
-    def _form_of(self, node: Name | Call) -> LinearForm:
+    def form_of(self, node: Name | Call) -> LinearForm:
+        """Linear form of a name, or of a rate."""
         signal = self.graph.signal_of(node)
         if signal is not None:
             return LinearForm.of(Input(*signal))

@@ -1,9 +1,9 @@
-"""What the equations of one mode come to: linear forms, or expressions for Taylor series."""
+"""What the equations of one mode come to: linear forms, expressions for Taylor series, or both."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
 from nonsmooth.errors import ModelError
@@ -12,9 +12,10 @@ from nonsmooth.system.equations import Equation
 from nonsmooth.system.expressions import Expression, to_text
 from nonsmooth.system.grammar import point_at
 from nonsmooth.system.graph import Graph
-from nonsmooth.system.linear import LinearForm
+from nonsmooth.system.linear import LinearForm, NotLinear
 from nonsmooth.system.linear_mode import LinearReader, NonlinearText
-from nonsmooth.system.mode_equations import ModeEquations
+from nonsmooth.system.mode_equations import ExitEquations, ModeEquations
+from nonsmooth.system.quadratic import quadratic
 from nonsmooth.system.resolve import Resolver
 
 __all__ = ["ExitForms", "Forms", "ModeForms"]
@@ -24,21 +25,29 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, slots=True)
 class ExitForms(Generic[T]):
-    """Guard and reset of one exit and the index of the mode entered (-1 ends the run)."""
+    """Guard and reset of one exit and the index of the mode entered (-1 ends the run).
+
+    ``products`` of two forms each belong to the guard of a linear mode, beside ``guard``.
+    """
 
     name: str
     target: int
     guard: T
     reset: Mapping[str, T]
+    products: Sequence[tuple[T, T]] = ()
 
 
 @dataclass(frozen=True, slots=True)
 class Forms(Generic[T]):
-    """Rates, relations of slaved states and exits of a mode."""
+    """Rates, relations of slaved states and exits of a mode.
+
+    ``implicit`` relations vanish for the slaved states that they hold for; these have rates too.
+    """
 
     rates: Mapping[str, T]
     slaved: Mapping[str, T]
     exits: Sequence[ExitForms[T]]
+    implicit: Mapping[str, T] = field(default_factory=dict)
 
     def with_place(self, mode: str) -> Iterator[tuple[str, T, str]]:
         """Every form, where it stands, and the state that a reset sets."""
@@ -46,8 +55,11 @@ class Forms(Generic[T]):
             yield f"the rate of {state!r} in mode {mode!r}", form, ""
         for state, form in self.slaved.items():
             yield f"the slaved equation of {state!r} in mode {mode!r}", form, ""
+        for state, form in self.implicit.items():
+            yield f"the slaved equation of {state!r} in mode {mode!r}", form, ""
         for way in self.exits:
-            yield f"the guard of {way.name!r} in mode {mode!r}", way.guard, ""
+            for form in (way.guard, *(factor for pair in way.products for factor in pair)):
+                yield f"the guard of {way.name!r} in mode {mode!r}", form, ""
             for state, form in way.reset.items():
                 yield f"the reset of {state!r} by {way.name!r} in mode {mode!r}", form, state
 
@@ -55,6 +67,8 @@ class Forms(Generic[T]):
 class ModeForms:
     """One mode that runs: ``linear`` holds its forms, or ``taylor`` its expressions.
 
+    A linear mode with a guard that is quadratic, or with a reset that is not linear, has both:
+    its flow is that of ``linear``, its guards and resets at an instant are those of ``taylor``.
     ``nonlinear`` says what keeps a mode from being linear. A declared mode with piecewise
     texts runs as several, its cells: ``parent`` is the declared name of all of them, ``name``
     that of one, ``label`` what results call it, ``sides`` its surfaces with their signs.
@@ -91,6 +105,7 @@ class ModeForms:
         except NonlinearText as fault:
             self.nonlinear = fault
             self.reader = LinearReader(graph, read)
+            self.linear = self._linear_flow()
             self.taylor = self._taylor()
 
     @property
@@ -116,12 +131,13 @@ class ModeForms:
         forms = [*self.linear.slaved.values(), *self.linear.rates.values()]
         for way in self.linear.exits:
             forms += [way.guard, *way.reset.values()]
+            forms += [factor for pair in way.products for factor in pair]
         return forms
 
     @property
     def constant_guards(self) -> list[Expression | None]:
         """Guards that depend on parameters only; None for the others."""
-        if self.linear is not None:
+        if self.linear is not None and self.taylor is None:
             guards = [way.guard for way in self.linear.exits]
             return [guard.constant_part if guard.is_constant else None for guard in guards]
         assert self.taylor is not None
@@ -129,7 +145,7 @@ class ModeForms:
         return [None if self.graph.moves(node) else node for node in nodes]
 
     def depends(self, node: Expression, drifting: str, own: str) -> bool:
-        """Whether an expression of a Taylor mode depends on a state that drifts.
+        """Whether an expression of a mode depends on a state that drifts.
 
         The reset of the drifting state itself may move it, by what does not depend on it.
         """
@@ -169,7 +185,7 @@ class ModeForms:
         Piecewise calls that do not decide on the cell stay in the expression.
         """
         equation = self.equations.definitions[name]
-        if self.linear is not None and not self.resolver.met_piecewise:
+        if self.taylor is None and not self.resolver.met_piecewise:
             try:
                 return self.reader.form(equation)
             except NonlinearText:
@@ -193,14 +209,46 @@ class ModeForms:
         rates = {state: reader.rate(state) for state in self.graph.states}
         return Forms(rates, reader.slaved, self._exits(read, reader.form))
 
-    def _taylor(self) -> Forms[Expression]:
+    def _linear_flow(self) -> Forms[LinearForm] | None:
+        """Forms of a mode whose flow is linear while an exit is not; None where there is more."""
         read = self.resolved
+        reader = LinearReader(self.graph, read)
+        try:
+            reader.solve()
+            rates = {state: reader.rate(state) for state in self.graph.states}
+            exits = [
+                _curved_exit(reader, way, target)
+                for way, target in zip(read.exits, self.targets, strict=True)
+            ]
+        except (NonlinearText, NotLinear):
+            return None
+        return Forms(rates, reader.slaved, exits)
+
+    def _taylor(self) -> Forms[Expression]:
+        read, relations = self.resolved, self.resolver.relations
         rates = {state: equation.tree for state, equation in read.flow.items()}
+        rates |= {state: self.resolver.rate(state) for state in relations.implicit}
         exits = self._exits(read, lambda equation: equation.tree)
-        return Forms(rates, self.resolver.relations, exits)
+        return Forms(rates, relations.explicit, exits, relations.implicit)
 
     def _exits(self, read: ModeEquations, form: Callable[[Equation], T]) -> list[ExitForms[T]]:
         return [
             ExitForms(way.name, target, form(way.guard), {s: form(e) for s, e in way.reset.items()})
             for way, target in zip(read.exits, self.targets, strict=True)
         ]
+
+
+def _curved_exit(reader: LinearReader, way: ExitEquations, target: int) -> ExitForms[LinearForm]:
+    """An exit of a linear flow: a guard quadratic at most; resets that are not linear left out."""
+    guard = quadratic(way.guard.tree, reader.form_of)
+    products = [
+        (left.with_replaced(reader.slaved), right.with_replaced(reader.slaved))
+        for left, right in guard.products
+    ]
+    resets = {}
+    for state, equation in way.reset.items():
+        try:
+            resets[state] = reader.form(equation)
+        except NonlinearText:
+            continue
+    return ExitForms(way.name, target, guard.linear.with_replaced(reader.slaved), resets, products)

@@ -1,43 +1,66 @@
-"""Slaved states of a mode that is not linear, each by an expression of the others."""
+"""Slaved states of a mode that is not linear: expressions, or equations solved by Newton."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 from nonsmooth.errors import ModelError
 from nonsmooth.system.expressions import Expression, Name
-from nonsmooth.system.grammar import point_at
 from nonsmooth.system.graph import Graph
 from nonsmooth.system.linear import Input, LinearForm, NotLinear, Power, State, linear_form
-from nonsmooth.system.linear_mode import LinearReader, NonlinearText, residual, solve_slaved
+from nonsmooth.system.linear_mode import residual, solve_slaved
 from nonsmooth.system.mode_equations import ModeEquations, is_relation
 
-__all__ = ["explicit_relations"]
+__all__ = ["Relations", "read_relations"]
+
+_MOST_SOLVED = 6  # states that are solved for together: their rates are quotients of determinants
 
 
-def explicit_relations(
+@dataclass(frozen=True, slots=True)
+class Relations:
+    """Slaved states of a mode.
+
+    ``explicit`` ones are given by expressions; ``implicit`` ones by as many expressions that
+    vanish, which the engine solves together.
+    """
+
+    explicit: dict[str, Expression] = field(default_factory=dict)
+    implicit: dict[str, Expression] = field(default_factory=dict)
+
+
+def read_relations(
     graph: Graph, equations: ModeEquations, trees: Mapping[str, Expression]
-) -> dict[str, Expression]:
-    """Expressions of the slaved states from their equations.
+) -> Relations:
+    """Slaved states from their equations.
 
-    Those that are linear are solved together; the others stand as they are written, so
-    they need to give their state explicitly and without a circle.
+    Those that are linear are solved together. The others stand as they are written:
+    expressions, without a circle, and equations with ``=`` to be solved for.
     """
     residuals: dict[str, LinearForm] = {}
     found: dict[str, Expression] = {}
+    implicit: dict[str, Expression] = {}
     for state, tree in trees.items():
         equation = equations.slaved[state]
         try:
             form = linear_form(tree, lambda node: _form_of(graph, node))
             residuals[state] = residual(state, equation, form)
         except NotLinear:
-            if is_relation(equation.text):
-                raise ModelError(_implicit(graph, equations, state)) from None
-            found[state] = tree
+            (implicit if is_relation(equation.text) else found)[state] = tree
+    if implicit:  # what does not tell its own state may help to tell the others
+        for state in [s for s, form in residuals.items() if State(s) not in form.terms]:
+            implicit[state] = trees[state]
+            del residuals[state]
     solved = solve_slaved(equations.name, equations.slaved, residuals)
     found |= {state: graph.from_form(form) for state, form in solved.items()}
     _check_circles(graph, equations, found)
-    return {state: found[state] for state in trees}
+    if len(implicit) > _MOST_SOLVED:
+        raise ModelError(
+            f"modes[{equations.name!r}].slaved: {len(implicit)} equations with '=' that are not"
+            f" linear ({', '.join(implicit)}); at most {_MOST_SOLVED} are solved together: write"
+            " some of these states as expressions of the others"
+        )
+    return Relations({state: found[state] for state in trees if state in found}, implicit)
 
 
 def _form_of(graph: Graph, node: Expression) -> LinearForm:
@@ -50,20 +73,6 @@ def _form_of(graph: Graph, node: Expression) -> LinearForm:
     if node.name in graph.states:
         return LinearForm.of(State(node.name))
     return LinearForm.constant(node)
-
-
-def _implicit(graph: Graph, equations: ModeEquations, state: str) -> str:
-    equation = equations.slaved[state]
-    reason, at = "it is piecewise", -1
-    try:
-        LinearReader(graph, equations).form(equation)
-    except NonlinearText as fault:
-        reason, at = fault.reason, fault.at if fault.equation is equation else -1
-    message = (
-        f"{equation.where}: {reason}, and an equation with '=' is solved only where it is linear;"
-        f" write {state!r} as an expression of the other states"
-    )
-    return point_at(equation.text, at, message)
 
 
 def _check_circles(

@@ -16,8 +16,9 @@ from nonsmooth.system.evaluate import constant_value
 from nonsmooth.system.expressions import Call, Expression, Name, Number, names_in
 from nonsmooth.system.functions import lookup
 from nonsmooth.system.graph import Graph
+from nonsmooth.system.implicit import implicit_rates
 from nonsmooth.system.mode_equations import ModeEquations
-from nonsmooth.system.relations import explicit_relations
+from nonsmooth.system.relations import Relations, read_relations
 from nonsmooth.system.switching import SurfaceKey, Undecided, switching_function
 
 __all__ = ["Resolver"]
@@ -48,7 +49,8 @@ class Resolver:
         self._known: dict[int, Expression] = {}
         self._named: dict[str, Expression] = {}
         self._open: list[str] = []
-        self._relations: dict[str, Expression] | None = None
+        self._relations: Relations | None = None
+        self._implicit_rates: dict[str, Expression] | None = None
 
     def tree(self, equation: Equation) -> Expression:
         """Node of an equation."""
@@ -65,15 +67,15 @@ class Resolver:
         return self._by_name(f"rate({state})", lambda: self._rate(state))
 
     @property
-    def relations(self) -> dict[str, Expression]:
-        """Slaved states, each by an expression."""
+    def relations(self) -> Relations:
+        """Slaved states by their equations."""
         if self._relations is None:
             # the default binds the equation of this turn; typing does not know defaults of lambdas
             trees = {
                 state: self._by_name(f"relation of {state}", lambda e=equation: self.tree(e))  # type: ignore[misc]
                 for state, equation in self.equations.slaved.items()
             }
-            self._relations = explicit_relations(self.graph, self.equations, trees)
+            self._relations = read_relations(self.graph, self.equations, trees)
         return self._relations
 
     def _rate(self, state: str) -> Expression:
@@ -84,7 +86,12 @@ class Resolver:
                 f"modes[{self.equations.name!r}].slaved: rate({state}) of a slaved state cannot"
                 " stand in a slaved equation"
             )
-        return rate_of_change(self.graph, self.relations[state], self.rate)
+        relations = self.relations
+        if state in relations.explicit:
+            return rate_of_change(self.graph, relations.explicit[state], self.rate)
+        if self._implicit_rates is None:
+            self._implicit_rates = implicit_rates(self.graph, self.equations, relations, self.rate)
+        return self._implicit_rates[state]
 
     def _by_name(self, name: str, make: _Lazy) -> Expression:
         if name not in self._named:

@@ -6,6 +6,7 @@ that the engine runs are made by `compile`; no time stepping happens here.
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
@@ -40,9 +41,10 @@ class System:
     hash and pickle, and a change makes a new one.
 
     A mode that is linear in the states, with harmonics and powers of time, is solved in
-    closed form; any other by Taylor series. Texts may be piecewise (``sign``, ``abs``,
-    ``min``, ``max``, ``heaviside``, ``clip``, ``where``): the mode then runs as cells, one
-    for each combination of the signs of its switching functions, see `Mode`.
+    closed form, also where guards are quadratic; any other by Taylor series. Texts may be
+    piecewise (``sign``, ``abs``, ``min``, ``max``, ``heaviside``, ``clip``, ``where``): the
+    mode then runs as cells, one for each combination of the signs of its switching
+    functions, see `Mode`.
 
     Parameters
     ----------
@@ -173,6 +175,19 @@ class System:
     def rest_state(self) -> dict[str, float]:
         """Documented rest state with every state in it."""
         return checks.rest_state(self)
+
+    @cached_property
+    def open_state(self) -> dict[str, float]:
+        """Rest state with nan for states that a mode may give by its equations instead.
+
+        What a start leaves out takes the rest value, or stands as the mode that it begins in
+        wants it.
+        """
+        slaved = {state for mode in self.modes.values() for state in mode.slaved}
+        return {
+            state: math.nan if state in slaved else value
+            for state, value in self.rest_state.items()
+        }
 
     @cached_property
     def period_value(self) -> float | None:

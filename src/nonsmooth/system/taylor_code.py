@@ -60,8 +60,9 @@ class TaylorCode:
 def write_code(graph: Graph, forms: Forms[Expression], mode: str) -> TaylorCode:
     """Instructions for the rates, relations, guards and resets of a mode.
 
-    ``results`` has their operands under ("rate", state), ("guard", exit) and
-    ("reset", exit, state); a slaved state has that of its relation as its rate.
+    ``results`` has their operands under ("rate", state), ("guard", exit),
+    ("reset", exit, state) and ("vanishing", state) for an implicit relation; a state slaved by
+    an expression has the operand of that as its rate.
     """
     writer = _Writer(graph, forms)
     results = writer.code.results
@@ -76,6 +77,9 @@ def write_code(graph: Graph, forms: Forms[Expression], mode: str) -> TaylorCode:
         writer.place = f"the guard of {way.name!r} in mode {mode!r}"
         results["guard", e] = writer.operand(way.guard)
     writer.code.middle = len(writer.code.instructions)
+    for state, node in forms.implicit.items():
+        writer.place = f"the slaved equation of {state!r} in mode {mode!r}"
+        results["vanishing", state] = writer.copy(writer.operand(node))
     for e, way in enumerate(forms.exits):
         for state, node in way.reset.items():
             writer.place = f"the reset of {state!r} by {way.name!r} in mode {mode!r}"
@@ -142,6 +146,10 @@ class _Writer:
             self.code.constants += [(self.place, c) for _, c in kept]
             self._written[key] = self._append(Instruction(op.COMBINE, terms=kept))
         return self._written[key]
+
+    def copy(self, operand: Operand) -> Operand:
+        """A register of its own, in which the engine solves the implicit relations."""
+        return self._append(Instruction(op.COMBINE, terms=((operand, self.graph.one),)))
 
     def _append(self, instruction: Instruction) -> int:
         self.code.instructions.append(instruction)

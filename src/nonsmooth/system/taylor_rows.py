@@ -26,7 +26,7 @@ class TaylorRows:
         self.rows: list[tuple[int, int, int, int | Expression, int]] = []
         self.terms: list[tuple[int, Expression]] = []
         self.code_rows = np.zeros((n_modes, 3), np.int64)
-        self.outlets = np.full((n_modes, n + most + most * n), -1, np.int64)
+        self.outlets = np.full((n_modes, 2 * n + most + most * n), -1, np.int64)
 
     @property
     def constants(self) -> list[Expression]:
@@ -68,6 +68,8 @@ class TaylorRows:
     def _outlet(self, kind: object, place: list[object], states: tuple[str, ...]) -> int:
         if kind == "rate":
             return states.index(str(place[0]))
+        if kind == "vanishing":
+            return self.n + self.most + self.most * self.n + states.index(str(place[0]))
         exit_number = place[0]
         assert isinstance(exit_number, int)
         if kind == "guard":

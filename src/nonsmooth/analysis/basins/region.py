@@ -144,7 +144,7 @@ def read_completion(system: System, given: tuple[str, ...], texts: Any) -> Compl
         known.append(name)
     for name in system.states:
         if name not in given and name not in rules:
-            rules[name] = float(system.rest_state[name])
+            rules[name] = system.open_state[name]
     return Completion(system, given, rules, {k: str(v) for k, v in (texts or {}).items()})
 
 

@@ -8,13 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.analysis.diagrams.column_starts import ColumnStarts, Start
+from nonsmooth.analysis.diagrams.chain import chain
+from nonsmooth.analysis.diagrams.column_starts import Start
 from nonsmooth.analysis.statistics.periodicity import primitive_period, scales
 from nonsmooth.engine import records as at
 from nonsmooth.engine.layout import Tables
-from nonsmooth.engine.loop import SAME
 from nonsmooth.engine.status import EventKind, Status
-from nonsmooth.errors import ModelError
 from nonsmooth.maps.of_system import Map
 from nonsmooth.maps.stroboscopic import StroboscopicMap
 from nonsmooth.simulation.clock import Instant
@@ -90,33 +89,18 @@ def run_chain(
     start: Start,
     follow: bool,
 ) -> list[Look]:
-    """Motions at several values of the parameter.
-
-    ``start`` gives the initial state and the mode, see `run_lane`, for a value. A motion that is to
-    ``follow`` begins where the last one ended; drifting states begin at their initial value
-    everywhere. After a value at which the motion ended early, or that the system refuses, it begins
-    anew.
-    """
+    """Motions at several values of the parameter, see `chain`."""
     looks: list[Look] = []
-    lanes: Lanes | None = None
     windows = np.full(len(values), np.nan)
-    chosen = protocol.strobed
-    columns = ColumnStarts(chosen, protocol.parameter, values, runner, start)
-    for i in range(len(values)):
-        try:
-            state, mode, length = columns.set_up(runner, i)
-        except ModelError:
+    begun = chain(
+        protocol.strobed, protocol.parameter, protocol.drifting, runner, values, start, follow
+    )
+    for i, one in enumerate(begun):
+        if one is None:
             looks.append(nothing(Status.REFUSED, len(protocol.system.states), np.nan))
-            lanes = None
             continue
-        begin, windows[i] = Instant(0, 0.0), runner.window
-        if follow and lanes is not None and lanes.status[0] == Status.COMPLETED:
-            state = np.where(protocol.drifting, state, lanes.end_state[0])
-            mode = SAME - int(lanes.anchors.place[0, 1])
-            number, phase = strobes(runner.window, begin, length, chosen.phase, 0, 1)
-            begin = Instant(int(number[0]), float(phase[0]))
-        lanes = runner.start(state[None], begin, mode)
-        looks.append(_look(protocol, length, runner, lanes, begin, stop))
+        windows[i] = runner.window
+        looks.append(_look(protocol, one.length, runner, one.lanes, one.begin, stop))
     return _with_outputs(protocol, values, windows, looks) if protocol.outputs else looks
 
 

@@ -18,7 +18,7 @@ from nonsmooth.simulation.lane_runner import LaneRunner
 from nonsmooth.simulation.start import resolve_start
 from nonsmooth.system.system import System
 
-__all__ = ["diagram_tasks", "make_worker"]
+__all__ = ["chains", "diagram_tasks", "make_worker"]
 
 _TOGETHER = 16  # columns in a task: a few milliseconds of work
 
@@ -33,7 +33,7 @@ def diagram_tasks(
     """Tasks, and the lane and the columns that each one computes."""
     tasks, places = [], []
     for lane, each in enumerate(given):
-        for links in _chains(grid, start):
+        for links in chains(grid, start):
             tasks.append(_task(protocol, grid[links].tolist(), each, mode, start))
             places.append((lane, links))
     return tasks, places
@@ -64,7 +64,7 @@ def make_worker(chosen: Map, tolerance: float) -> LaneRunner | SectionRunner:
     return LaneRunner(chosen.system, tolerance)
 
 
-def _chains(grid: npt.NDArray[np.float64], start: str) -> list[list[int]]:
+def chains(grid: npt.NDArray[np.float64], start: str) -> list[list[int]]:
     """Columns that one task computes, in order."""
     if start == "restart":
         return [

@@ -83,7 +83,7 @@ def _run_set(
     rest = {name: np.nan for name in system.states}
     try:
         system = system.with_parameters(**members.parameters(number))
-        rest = system.rest_state
+        rest = system.open_state
         runner.set_up(system.parameter_values)
     except ModelError:
         part["initial"][...] = members.states(chosen, rest)

@@ -9,7 +9,7 @@ import numpy as np
 from nonsmooth import System
 from nonsmooth.chapter.judgement import Check, Evidence, Finding
 from nonsmooth.chapter.rotor.data import set_a, set_b
-from nonsmooth.chapter.rotor.ring_motion import ring_run
+from nonsmooth.chapter.rotor.ring_motion import in_contact, ring_run
 from nonsmooth.models.snubber_tables import force_of_springs
 
 __all__ = ["CHECKS"]
@@ -59,8 +59,7 @@ def _kept(motions: Sequence[tuple[str, float, float]] = _MOTIONS, periods: int =
     rows = []
     for name, delta, eta in motions:
         run = ring_run(_system(name, delta, eta), transient=300, periods=periods)
-        free = run["mode"].attrs["flag_meanings"].split().index("free")
-        touching = run["mode"].values != free
+        touching = in_contact(run)
         rows.append(
             {
                 "set": name, "delta": delta, "eta": eta,

@@ -8,6 +8,7 @@ import numpy as np
 
 from nonsmooth import regime, simulate
 from nonsmooth.chapter.rotor.data import rig
+from nonsmooth.chapter.rotor.ring_motion import in_contact
 from nonsmooth.chapter.rotor.speed_sweeps import last_strobe
 from nonsmooth.plot import PALETTE, print_figure
 
@@ -52,7 +53,7 @@ def fig42(transient: int = 1000, samples: int = 500) -> tuple[Figure, xr.Dataset
     )
     run.attrs["period_of_motion"] = period
     figure, axes = print_figure(1, 2, width=16.0, height=7.0)
-    touching = run["mode"].values != run["mode"].attrs["flag_meanings"].split().index("free")
+    touching = in_contact(run)
     for ax, axis, letter in zip(axes, "xy", "bd", strict=True):
         place, velocity = run[axis].values, run[f"v{axis}"].values
         ax.plot(place, velocity, color="black", linewidth=0.9, label="free")

@@ -10,6 +10,7 @@ from nonsmooth import regime, simulate
 from nonsmooth.chapter.judgement import Evidence
 from nonsmooth.chapter.rotor.coexistence import coexisting
 from nonsmooth.chapter.rotor.data import DELTA_40, DELTA_41, EPS_40, EPS_41, rig
+from nonsmooth.chapter.rotor.ring_motion import in_contact
 from nonsmooth.chapter.rotor.speed_sweeps import (
     CHAOTIC,
     PROTOCOLS,
@@ -178,14 +179,13 @@ def speed_scan(figure: str, every: int = 3, periods: int = 48) -> list[Evidence]
         last = sweep.data.isel(parameter=column, point=-1)
         start = {name: float(last[name]) for name in system.states}
         run = simulate(system, start, periods=periods, samples_per_period=60)
-        free = run["mode"].attrs["flag_meanings"].split().index("free")
-        begin, end = run["event_from"].values, run["event_to"].values
+        begin, end = (in_contact(run, name) for name in ("event_from", "event_to"))
         widths = [float(np.ptp(run[name].values)) for name in "xy"]
         rows.append(
             {
                 "speed": float(sweep.eta[column] * machine.natural_frequency),
                 "label": int(sweep.labels[column]),
-                "contacts": float(np.sum((begin == free) & (end != free)) / periods),
+                "contacts": float(np.sum(~begin & end) / periods),
                 "force": force * float(run["force"].values.max()),
                 "amplitude": 0.5 * machine.gap * max(widths),
             }

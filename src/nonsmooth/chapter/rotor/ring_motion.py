@@ -16,7 +16,7 @@ from nonsmooth.plot import PALETTE, print_figure
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["PANELS", "fig38", "panel_system", "ring_jumps", "ring_run"]
+__all__ = ["PANELS", "fig38", "in_contact", "panel_system", "ring_jumps", "ring_run"]
 
 _SIDE = 1e-8  # time before and after an event at which velocities are taken
 _TEXT = 8
@@ -82,6 +82,30 @@ def ring_run(
     return run.assign(after=("time", after[order]))
 
 
+def in_contact(run: xr.Dataset, name: str = "mode") -> np.ndarray:
+    """Whether rotor and ring touch, for a run or its events.
+
+    Parameters
+    ----------
+    run : xarray.Dataset
+        Run of the rotor.
+    name : str, optional
+        Variable with numbers of modes: ``mode``, ``event_from`` or ``event_to``.
+
+    Returns
+    -------
+    numpy.ndarray of bool
+
+    Examples
+    --------
+    >>> bool(in_contact(ring_run(set_a(0.0, 3.0), transient=100, periods=1)).all())
+    False
+    """
+    names = run["mode"].attrs["flag_meanings"].split()
+    free = [number for number, each in enumerate(names) if each == "I"]
+    return ~np.isin(run[name].values, free)
+
+
 def ring_jumps(run: xr.Dataset) -> list[Evidence]:
     """Where the velocity of the ring in x jumps, and by how much.
 
@@ -102,13 +126,12 @@ def ring_jumps(run: xr.Dataset) -> list[Evidence]:
     >>> ring_jumps(run)[0]["name"]
     'contact'
     """
-    names = run["mode"].attrs["flag_meanings"].split()
+    touching = in_contact(run)
     found = []
     for k in np.flatnonzero(run["after"].values):
-        before, behind = (names[int(run["mode"][i])] for i in (k - 1, k))
         kind = "spring"
-        if "free" in (before, behind):
-            kind = "release" if behind == "free" else "contact"
+        if touching[k - 1] != touching[k]:
+            kind = "contact" if touching[k] else "release"
         # the ring is at the event on the side in contact
         here = k - 1 if kind == "release" else k
         found.append(

@@ -1,0 +1,68 @@
+"""Motions at several values of a parameter, each from a start or from the end of the last one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.analysis.diagrams.column_starts import ColumnStarts, Start
+from nonsmooth.engine.loop import SAME
+from nonsmooth.engine.status import Status
+from nonsmooth.errors import ModelError
+from nonsmooth.maps.stroboscopic import StroboscopicMap
+from nonsmooth.simulation.clock import Instant
+from nonsmooth.simulation.lane_runner import LaneRunner, Lanes
+from nonsmooth.simulation.stroboscopic import strobes
+
+__all__ = ["Begun", "chain"]
+
+
+class Begun(NamedTuple):
+    """A motion at its beginning; ``length`` is the time between strobes, None for the period."""
+
+    lanes: Lanes
+    begin: Instant
+    length: float | None
+
+
+def chain(
+    chosen: StroboscopicMap,
+    parameter: str,
+    drifting: npt.NDArray[np.bool_],
+    runner: LaneRunner,
+    values: list[float],
+    start: Start,
+    follow: bool,
+) -> Iterator[Begun | None]:
+    """Set the runner to each value in turn and begin a motion; None where the system refuses it.
+
+    ``start`` gives the initial state and the mode, see `run_lane`, for a value. A motion that is to
+    ``follow`` begins where whoever iterates has left the lanes of the last one; drifting states
+    begin at their initial value everywhere. After a value at which the motion ended early, or that
+    the system refuses, it begins anew. Without the name of a parameter none is changed.
+    """
+    lanes: Lanes | None = None
+    columns = ColumnStarts(chosen, parameter, values, runner, start) if parameter else None
+    for i in range(len(values)):
+        try:
+            if columns is None:
+                runner.set_up(chosen.system.parameter_values)
+                state, mode = start(chosen.system, runner.tables)
+                length = chosen.length
+            else:
+                state, mode, length = columns.set_up(runner, i)
+        except ModelError:
+            lanes = None
+            yield None
+            continue
+        begin = Instant(0, 0.0)
+        if follow and lanes is not None and lanes.status[0] == Status.COMPLETED:
+            state = np.where(drifting, state, lanes.end_state[0])
+            mode = SAME - int(lanes.anchors.place[0, 1])
+            number, phase = strobes(runner.window, begin, length, chosen.phase, 0, 1)
+            begin = Instant(int(number[0]), float(phase[0]))
+        lanes = runner.start(state[None], begin, mode)
+        yield Begun(lanes, begin, length)

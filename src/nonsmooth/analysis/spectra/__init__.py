@@ -1,0 +1,1 @@
+"""Spectra of records, of one side and of both."""

@@ -1,0 +1,1 @@
+"""Settled motions over a parameter, recorded in full."""

@@ -1,0 +1,180 @@
+"""Settled motions at many values of a parameter, each reduced to a few arrays."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.analysis.diagrams.chain import chain
+from nonsmooth.analysis.diagrams.diagram_options import check_way
+from nonsmooth.analysis.diagrams.diagram_tasks import chains
+from nonsmooth.analysis.regimes.regime_dataset import said_of_start
+from nonsmooth.analysis.sweeps.settled import Settled, settle
+from nonsmooth.engine.layout import Tables
+from nonsmooth.engine.status import Status
+from nonsmooth.errors import OptionError
+from nonsmooth.maps.of_system import map_of
+from nonsmooth.maps.stroboscopic import StroboscopicMap
+from nonsmooth.simulation.crew import check_threads
+from nonsmooth.simulation.lane_runner import LaneRunner
+from nonsmooth.simulation.options import whole_number
+from nonsmooth.simulation.runner import build_tables
+from nonsmooth.simulation.start import resolve_start
+from nonsmooth.simulation.stored_tasks import run_stored_tasks
+from nonsmooth.system.system import System
+
+__all__ = ["Sweep", "make_sweep", "run_sweep"]
+
+Arrays = dict[str, npt.NDArray[Any]]
+Reduce = Callable[[Settled], Arrays]
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """How the motions of a sweep are computed."""
+
+    chosen: StroboscopicMap
+    initial: Any
+    start: str
+    transient: int
+    record: int
+    mode: str | None
+    tolerance: float
+    changed: Mapping[str, float] | None
+
+    @property
+    def system(self) -> System:
+        """The system with the parameters of the call."""
+        return self.chosen.system
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """What of the options stands in a result."""
+        return {
+            "start": self.start,
+            "transient": self.transient,
+            "record": self.record,
+            **self.chosen.protocol,
+            "tolerance": self.tolerance,
+            "changed_parameters": str(dict(self.changed)) if self.changed else "",
+            "initial": said_of_start(self.initial),
+        }
+
+
+def make_sweep(
+    system: Any,
+    verb: str,
+    *,
+    initial: Any,
+    start: str,
+    transient: Any,
+    record: Any,
+    parameters: Mapping[str, float] | None,
+    tolerance: float,
+    mode: str | None,
+) -> Sweep:
+    """The options that all sweeps share, checked."""
+    chosen = map_of(system, parameters, tolerance, verb, mode=mode)
+    if not isinstance(chosen, StroboscopicMap):
+        raise OptionError(
+            f"{verb} looks at whole periods: give it a system, or a StroboscopicMap with the length"
+            " of a period"
+        )
+    return Sweep(
+        chosen, initial, check_way(start),
+        0 if transient == 0 else whole_number("transient", transient),
+        whole_number("record", record), mode, float(tolerance), parameters,
+    )  # fmt: skip
+
+
+def run_sweep(
+    sweep: Sweep,
+    parameter: str,
+    grid: npt.NDArray[np.float64],
+    reduce: Reduce,
+    *,
+    label: str,
+    options: Mapping[str, Any],
+    threads: int | None,
+    store: str | Path | None,
+) -> tuple[list[Arrays], bool]:
+    """What ``reduce`` makes of the motion at each value, with its ``status``.
+
+    Where a motion ended early, or was not computed, there is only the status. The second value is
+    False where the user interrupted.
+    """
+    system = sweep.system
+    drifting = np.array([name in system.drift_states for name in system.states])
+    begin = resolve_start(system, build_tables(system), sweep.initial, None, sweep.mode, True)
+    found: list[Arrays] = [_status(Status.INTERRUPTED) for _ in grid]
+    links = chains(grid, sweep.start)
+
+    def start(changed: System, tables: Tables) -> tuple[npt.NDArray[np.float64], int]:
+        one = resolve_start(changed, tables, sweep.initial, None, sweep.mode, repeated=True)
+        return one.state, one.modes[0]
+
+    def task(places: list[int]) -> Callable[[LaneRunner, threading.Event], list[Arrays]]:
+        values = grid[places].tolist()
+
+        def run(runner: LaneRunner, stop: threading.Event) -> list[Arrays]:
+            follow = sweep.start != "restart"
+            begun = chain(sweep.chosen, parameter, drifting, runner, values, start, follow)
+            results = []
+            for value, one in zip(values, begun, strict=True):
+                settled: Settled | Status = Status.REFUSED
+                if one is not None:
+                    settled = settle(
+                        runner, sweep.chosen, parameter, value, *one, sweep.transient,
+                        sweep.record, stop,
+                    )  # fmt: skip
+                if isinstance(settled, Status):
+                    results.append(_status(settled))
+                else:
+                    results.append(_status(settled.status) | reduce(settled))
+            return results
+
+        return run
+
+    def keep(i: int, results: list[Arrays]) -> None:
+        for place, result in zip(links[i], results, strict=True):
+            found[place] = result
+
+    complete = run_stored_tasks(
+        [task(places) for places in links],
+        lambda: LaneRunner(system, sweep.tolerance),
+        store=store,
+        protocol={
+            "system": system.to_toml(), "parameter": parameter, "values": grid, **sweep.options,
+            **options, "initial_state": [*begin.state, *begin.modes],
+        },
+        pack=_pack,
+        unpack=_unpack,
+        threads=check_threads(threads),
+        label=label,
+        keep=keep,
+    )  # fmt: skip
+    return found, complete
+
+
+def _status(status: Status) -> Arrays:
+    return {"status": np.array(int(status))}
+
+
+def _pack(results: list[Arrays]) -> Arrays:
+    return {f"{i}.{name}": a for i, one in enumerate(results) for name, a in one.items()}
+
+
+def _unpack(arrays: Arrays) -> list[Arrays]:
+    results: list[Arrays] = []
+    for key, array in arrays.items():
+        number, _, name = key.partition(".")
+        while len(results) <= int(number):
+            results.append({})
+        results[int(number)][name] = array
+    return results

@@ -1,0 +1,203 @@
+"""`waterfall`: spectra of settled motions over a parameter."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.analysis.diagrams.diagram_options import check_values
+from nonsmooth.analysis.spectra.segments import check_window, without_drift
+from nonsmooth.analysis.spectra.transforms import about_mean, phases
+from nonsmooth.analysis.spectra.waterfall_dataset import Rows, check_plane, waterfall_dataset
+from nonsmooth.analysis.sweeps.settled import Settled
+from nonsmooth.analysis.sweeps.sweep import Sweep, make_sweep, run_sweep
+from nonsmooth.analysis.sweeps.sweep_dataset import (
+    parameter_coordinate,
+    stacked,
+    statuses,
+    sweep_attributes,
+)
+from nonsmooth.errors import OptionError
+from nonsmooth.simulation.labels import labels_of
+from nonsmooth.simulation.options import whole_number
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from nonsmooth.maps.stroboscopic import StroboscopicMap
+    from nonsmooth.system.system import System
+
+__all__ = ["waterfall"]
+
+
+def waterfall(
+    system: System | StroboscopicMap,
+    parameter: str,
+    values: npt.ArrayLike,
+    variable: str | Sequence[str],
+    *,
+    initial: Any = None,
+    start: str = "restart",
+    transient: int = 200,
+    record: int = 60,
+    samples_per_period: int = 64,
+    window: str = "hann",
+    segments: int = 1,
+    parameters: Mapping[str, float] | None = None,
+    tolerance: float = 1e-12,
+    mode: str | None = None,
+    threads: int | None = None,
+    store: str | Path | None = None,
+) -> xr.Dataset:
+    """Spectra of settled motions for many values of a parameter: a waterfall, or cascade.
+
+    Parameters
+    ----------
+    system : System or StroboscopicMap
+        A system with a period, or a map that gives it another one.
+    parameter : str
+        The parameter that is changed, such as a speed.
+    values : array_like
+        Its values, one spectrum each.
+    variable : str or pair of str
+        A state or output, of which the spectrum has one side; or two, the coordinates of a motion
+        in a plane, with forward and backward whirl apart as in `full_spectrum`.
+
+    Other Parameters
+    ----------------
+    initial : mapping or dataset, optional
+        Initial state as in `simulate`.
+    start : {"restart", "follow up", "follow down"}, optional
+        As in `bifurcation_diagram`: where the motions begin.
+    transient : int, optional
+        Periods left out at the beginning of each motion.
+    record : int, optional
+        Periods of each record; lines are ``segments / record`` of the forcing's frequency apart.
+        Sixty holds motions of the periods 1 to 6 as a whole.
+    samples_per_period : int, optional
+        Samples per period; harmonics above half of it are folded back.
+    window : str, optional
+        As in `power_spectrum`; the boxcar keeps lines of motions that fit into the record
+        narrower, and smears others over all frequencies.
+    segments : int, optional
+        As in `power_spectrum`; whole periods each.
+    parameters : mapping of str to float, optional
+        Changed values of other parameters.
+    tolerance : float, optional
+        As in `simulate`.
+    mode : str, optional
+        Mode of the starts, as in `simulate`.
+    threads : int, optional
+        Threads to use; all processors without it. The result does not depend on it.
+    store : path, optional
+        As in `bifurcation_diagram`: a folder in which spectra are kept as they are done.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``parameter`` and ``harmonic``, the frequency over that of the forcing, which counts
+        orders of a speed: ``amplitude`` and ``power_density`` as in `power_spectrum` or
+        `full_spectrum`, of the motion about its mean, which is the amplitude at zero, and
+        ``frequency`` in cycles per unit time. Of a single segment also ``phase``: a line is
+        ``amplitude*cos(2*pi*harmonic*t/period + phase)``, or the circle whose real part that is,
+        with t from the beginning of the record, which is that of a period. Over ``parameter``:
+        ``period`` in time, and ``status``.
+
+    Raises
+    ------
+    OptionError
+        For an option out of its range, an unknown name, a system without a period, or a ``store``
+        that was begun with other options.
+    RunError
+        When the store could not be written, for want of room for one; what is done is kept there.
+
+    See Also
+    --------
+    order_tracking : spectra along one run whose speed changes.
+    bifurcation_diagram : the states at the strobes.
+
+    References
+    ----------
+    F. F. Ehrich (editor), Handbook of Rotordynamics, 2nd edition, Krieger, 1999: cascade spectra.
+
+    Examples
+    --------
+    >>> import nonsmooth as ns
+    >>> spectra = ns.waterfall(ns.models.soft_impact(), "omega", [0.7, 0.83], "x", transient=400)
+    >>> dict(spectra.sizes)
+    {'parameter': 2, 'harmonic': 1921}
+    >>> amplitude = spectra["amplitude"].sel(harmonic=0.5)
+    >>> [float(value) > 1e-6 for value in amplitude]  # period 1, period 2
+    [False, True]
+    """
+    sweep = make_sweep(
+        system, "waterfall", initial=initial, start=start, transient=transient, record=record,
+        parameters=parameters, tolerance=tolerance, mode=mode,
+    )  # fmt: skip
+    model = sweep.system
+    grid = check_values(model, parameter, values)
+    names = check_plane(variable, [*model.states, *model.outputs], labels_of(model).attributes)
+    per_period = whole_number("samples_per_period", samples_per_period)
+    count = whole_number("segments", segments)
+    periods = sweep.record // count
+    length = periods * per_period
+    if length < 4:
+        raise OptionError(
+            f"record = {sweep.record} periods with samples_per_period = {per_period} are too few"
+            f" for {count} segments of whole periods; take more, or fewer segments="
+        )
+    weights = check_window(window, length)
+
+    def reduce(settled: Settled) -> dict[str, npt.NDArray[Any]]:
+        parts = _record(settled, sweep, names, per_period, count * length).reshape(count, length)
+        lines = about_mean(parts, weights, settled.period / per_period)
+        return {
+            "amplitude": lines.amplitude,
+            "density": lines.density,
+            "period": np.array(settled.period),
+        } | ({"phase": phases(parts[0], weights)} if count == 1 else {})
+
+    options = {
+        "samples_per_period": per_period,
+        "window": window,
+        "segments": count,
+        "variable": names[0],
+        "second_variable": names[1] if len(names) == 2 else "",
+    }
+    found, complete = run_sweep(
+        sweep, parameter, grid, reduce, label="waterfall", options=options, threads=threads,
+        store=store,
+    )  # fmt: skip
+    number = np.arange(length // 2 + 1) if len(names) == 1 else np.arange(length) - length // 2
+    rows = Rows(
+        number / periods,
+        stacked(found, "amplitude", number.shape),
+        stacked(found, "density", number.shape),
+        stacked(found, "period", ()),
+        stacked(found, "phase", number.shape) if count == 1 else None,
+    )
+    attrs = sweep_attributes(model, found, complete, sweep.options | options)
+    result = waterfall_dataset(
+        rows, names, [labels_of(model).attributes(name) for name in names],
+        parameter_coordinate(model, parameter, grid),
+        labels_of(model).attributes("time").get("units", ""), attrs | {"parameter": parameter},
+    )  # fmt: skip
+    result["status"] = statuses(found)
+    return result
+
+
+def _record(
+    settled: Settled, sweep: Sweep, names: tuple[str, ...], per_period: int, size: int
+) -> npt.NDArray[Any]:
+    """So many samples at the end of the record, complex for two variables."""
+    count = sweep.record * per_period
+    samples = settled.samples(np.linspace(0.0, settled.duration, count + 1))
+    columns = []
+    for name in names:
+        values = settled.values(name, samples)[count - size :]
+        columns.append(without_drift(values) if name in sweep.system.drift_states else values[1:])
+    return columns[0] if len(names) == 1 else columns[0] + 1j * columns[1]

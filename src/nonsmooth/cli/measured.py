@@ -1,0 +1,207 @@
+"""``nonsmooth measured``: section of a measured motion, or a diagram of several."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from nonsmooth.cli import options
+from nonsmooth.cli.arguments import constants, names, settings
+from nonsmooth.cli.output import check_files, save_dataset, table
+from nonsmooth.errors import OptionError, ResultWarning, unknown_name
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["measured"]
+
+_WIDTH, _HEIGHT = 10.0, 8.0  # centimetres
+
+
+def measured(
+    files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="CSV, one per speed.")],
+    *,
+    columns: Annotated[
+        str, typer.Option(metavar="x=CH1,y=CH2", help="Displacements: names and columns.")
+    ],
+    mark: Annotated[str, typer.Option(metavar="COLUMN", help="One pulse per revolution.")],
+    time: Annotated[
+        str | None, typer.Option(metavar="COLUMN", help="Times; 'time' or 't' by default.")
+    ] = None,
+    sample_rate: Annotated[
+        float | None, typer.Option(help="Samples per s, in place of times.")
+    ] = None,
+    edge: Annotated[str, typer.Option(help="Of a pulse: rising or falling.")] = "rising",
+    threshold: Annotated[
+        float | None, typer.Option(help="Level of an edge; midway by default.")
+    ] = None,
+    bad_marks: Annotated[
+        str, typer.Option(help="Double or missing ones: refuse or repair.")
+    ] = "refuse",
+    sensitivity: Annotated[
+        float | None, typer.Option(help="Reading per unit of displacement, of all columns.")
+    ] = None,
+    offset: Annotated[float, typer.Option(help="Reading at zero displacement.")] = 0.0,
+    units: Annotated[str, typer.Option(help="Of displacements; as in headers by default.")] = "",
+    length: Annotated[
+        float | None, typer.Option(help="Unit of length, such as the gap, for no dimensions.")
+    ] = None,
+    natural_frequency: Annotated[
+        str | None, typer.Option(metavar="2*pi*14.4", help="In rad/s, with --length.")
+    ] = None,
+    highest: Annotated[
+        float | None,
+        typer.Option(help="Highest frequency of velocities, in cycles; 10 per revolution without."),
+    ] = None,
+    bias: Annotated[float, typer.Option(help="Relative error allowed there.")] = 0.01,
+    transient: Annotated[int, typer.Option(help="Marks to drop first.")] = 0,
+    phase: options.Phase = None,
+    unit: Annotated[str | None, typer.Option(help="Speed in a diagram: rad/s, Hz or rpm.")] = None,
+    variables: Annotated[
+        str | None, typer.Option(metavar="x,vx", help="To draw; one of a diagram.")
+    ] = None,
+    plot: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Draw section or diagram: .png or .pdf.")
+    ] = None,
+    save: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Save section or diagram as netCDF: .nc.")
+    ] = None,
+) -> None:
+    """Poincare section of a measured motion with one mark per revolution; a diagram of several."""
+    check_files(plot, save)
+    if plot is None and variables is not None:
+        raise OptionError("--variables are drawn into a file: name it with --plot FILE")
+    if unit is not None and len(files) == 1:
+        raise OptionError("--unit is that of a diagram, which several files give")
+    from nonsmooth.measured import Channel, diagram, section
+    from nonsmooth.system.columns import harmless
+
+    channels = {
+        name: Channel(_column(column), sensitivity=sensitivity, offset=offset, units=units)
+        for name, column in _columns(columns).items()
+    }
+    reading: dict[str, Any] = {
+        "time": _column(time), "sample_rate": sample_rate, "mark": _column(mark), "edge": edge,
+        "threshold": threshold, "bad_marks": bad_marks,
+    }  # fmt: skip
+    scale = _scale(length, natural_frequency)
+    records = [_record(file, channels, reading, scale, highest, bias) for file in files]
+    at: dict[str, Any] = {"transient": transient, "phase": phase or 0.0}
+    if len(records) == 1:
+        result = section(records[0], **at)
+        shown = _shown(result, variables, 2)
+        text = table(records[0].attrs["system_name"], list(_rows(records[0], result)))
+    else:
+        result = diagram(records, unit=unit, **at)
+        shown = _shown(result, variables, 1)
+        text = table(f"{len(records)} records", list(_columns_of(result)))
+    typer.echo(harmless(text))
+    if save is not None:
+        save_dataset(result, save)
+    if plot is not None:
+        _plot(result, shown, plot)
+
+
+def _columns(text: str) -> dict[str, str]:
+    """Names with their columns; a name alone is that of its column."""
+    return settings(
+        [part if "=" in part else f"{part}={part}" for part in names(text)], "--columns"
+    )
+
+
+def _column(text: str | None) -> Any:
+    """Column by its header or, where a whole number is given, by that."""
+    return int(text) if text is not None and text.isdecimal() else text
+
+
+def _scale(length: float | None, frequency: str | None) -> dict[str, Any] | None:
+    if (length is None) != (frequency is None):
+        raise OptionError("give --length and --natural-frequency together, or neither")
+    if length is None or frequency is None:
+        return None
+    rate = constants({"natural_frequency": frequency}, "--natural-frequency")
+    return {"length": length, **rate}
+
+
+def _record(
+    file: Path,
+    channels: dict[str, Any],
+    reading: dict[str, Any],
+    scale: dict[str, Any] | None,
+    highest: float | None,
+    bias: float,
+) -> xr.Dataset:
+    """Record with velocities; warnings as lines of text."""
+    from nonsmooth.measured import dimensionless, read_csv, velocities
+
+    with warnings.catch_warnings(record=True) as raised:
+        warnings.simplefilter("always", ResultWarning)
+        record = read_csv(file, channels, **reading)
+    for warning in raised:
+        typer.echo(f"nonsmooth: {warning.message}", err=True)
+    if scale is not None:
+        record = dimensionless(record, **scale)
+    return velocities(record, highest=highest, bias=bias)
+
+
+def _rows(record: xr.Dataset, points: xr.Dataset) -> Iterator[tuple[str, str]]:
+    """What a user wants to know of a record before believing its section."""
+    attrs, unit = points.attrs, points["speed"].attrs.get("units", "")
+    if "speed" in attrs:
+        yield "speed", f"{attrs['speed']:.7g} {unit} +- {attrs['speed_spread']:.2g}"
+    yield "points", f"{points.sizes['point']} of {record.sizes['mark']} marks"
+    if attrs["n_repaired"]:
+        yield "repaired", f"{attrs['n_repaired']} marks"
+    yield "mark error", f"by sampling at most {attrs['mark_error']:.3g} {_unit(record['time'])}"
+    for name in map(str, record.data_vars):
+        words = record[name].attrs
+        text = f"noise {words['noise']:.3g} {words.get('units', '')}".rstrip()
+        if "derivative_of" in words:
+            text += (
+                f" (gain {words['noise_gain']:.4g}); right to {words['bias']:g} up to the"
+                f" frequency {words['highest']:.4g}, -3 dB at {words['bandwidth']:.4g}"
+            )
+        yield name, text
+
+
+def _columns_of(result: xr.Dataset) -> Iterator[tuple[str, str]]:
+    """A line per record of a diagram."""
+    unit = _unit(result["speed"])
+    for k, source in enumerate(result.attrs["sources"].split(", ")):
+        speed, spread = (float(result[name][k, 0]) for name in ("speed", "speed_spread"))
+        count = int(result["n_points"][k, 0])
+        yield source, f"speed {speed:.6g} {unit} +- {spread:.2g}, {count} points".replace("  ", " ")
+
+
+def _unit(values: xr.DataArray) -> str:
+    return str(values.attrs.get("units", ""))
+
+
+def _shown(result: xr.Dataset, text: str | None, count: int) -> list[str]:
+    """Variables to draw: by default the first displacement, in a section with its velocity."""
+    known = [str(n) for n, v in result.data_vars.items() if "point" in v.dims]
+    velocity = [n for n in known if result[n].attrs.get("derivative_of") == known[0]]
+    chosen = names(text) if text is not None else [known[0], *velocity][:count]
+    if len(chosen) != count:
+        raise OptionError(f"--variables: {text!r} must name {count} of {', '.join(known)}")
+    for name in chosen:
+        if name not in known:
+            raise OptionError(f"--variables: {unknown_name('variable', name, known)}")
+    return chosen
+
+
+def _plot(result: xr.Dataset, shown: list[str], path: Path) -> None:
+    from nonsmooth.plot import bifurcation, print_figure, save_figure
+    from nonsmooth.plot import section as draw
+
+    figure, (ax,) = print_figure(width=_WIDTH, height=_HEIGHT)
+    if len(shown) == 1:
+        bifurcation(result, shown[0], ax=ax)
+    else:
+        draw(result, *shown, ax=ax)
+    save_figure(figure, path)
+    typer.echo(f"drawn {path}")

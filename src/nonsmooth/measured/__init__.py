@@ -1,0 +1,29 @@
+"""Measured motions of a forced machine with one mark per revolution, shaped like computed ones.
+
+Displacements and marks in, the datasets of `simulate`, `stroboscopic_map` and
+`bifurcation_diagram` out, so that pictures and analyses take them.
+"""
+
+from __future__ import annotations
+
+from nonsmooth.measured.channel import Channel
+from nonsmooth.measured.differentiator import Differentiator
+from nonsmooth.measured.reading import read_csv
+from nonsmooth.measured.record import from_arrays
+from nonsmooth.measured.resampling import synchronous
+from nonsmooth.measured.scaling import dimensionless
+from nonsmooth.measured.sections import section
+from nonsmooth.measured.speed_diagram import diagram
+from nonsmooth.measured.velocity import velocities
+
+__all__ = [
+    "Channel",
+    "Differentiator",
+    "diagram",
+    "dimensionless",
+    "from_arrays",
+    "read_csv",
+    "section",
+    "synchronous",
+    "velocities",
+]

@@ -1,0 +1,137 @@
+"""`Channel`: a column of readings, and what a reading stands for."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.errors import OptionError
+from nonsmooth.simulation.options import finite_number
+
+__all__ = ["Channel", "channels_of", "split_units"]
+
+_TAKEN = ("time", "mark", "mark_time", "point", "parameter", "lane", "speed", "phase", "mode")
+
+
+@dataclass(frozen=True)
+class Channel:
+    """A column of a file with its calibration.
+
+    The displacement is (reading - offset) / sensitivity, as data sheets of probes have it.
+
+    Parameters
+    ----------
+    column : str or int
+        Header of the column, with or without its units in brackets; or its number, from 0.
+    sensitivity : float, optional
+        Reading per unit of displacement, such as 7.87 V/mm; negative where the reading falls as
+        the displacement grows.
+    offset : float, optional
+        Reading at zero displacement.
+    units : str, optional
+        Units of the displacement; those in the header without a sensitivity.
+    long_name : str, optional
+        What it is, for the labels of axes.
+
+    Raises
+    ------
+    OptionError
+        When the column is neither a text nor a number, or a value cannot be that of a probe.
+
+    See Also
+    --------
+    read_csv : takes channels.
+
+    Examples
+    --------
+    >>> import nonsmooth as ns
+    >>> probe = ns.measured.Channel("CH1 [V]", sensitivity=7.87, offset=-9.6, units="mm")
+    >>> float(probe.displacement([-9.6, -1.73])[1])
+    1.0
+    """
+
+    column: str | int
+    sensitivity: float | None = None
+    offset: float = 0.0
+    units: str = ""
+    long_name: str = ""
+
+    def __post_init__(self) -> None:
+        if isinstance(self.column, bool) or not isinstance(self.column, (str, int)):
+            raise OptionError(
+                f"column = {self.column!r:.60}: give the header of a column, or its number"
+            )
+        for name in ("units", "long_name"):
+            if not isinstance(getattr(self, name), str):
+                raise OptionError(f"{name} = {getattr(self, name)!r:.60} is not a text")
+        object.__setattr__(self, "offset", finite_number("offset", self.offset))
+        if self.sensitivity is None:
+            return
+        value = finite_number("sensitivity", self.sensitivity)
+        if value == 0.0:
+            raise OptionError("sensitivity = 0: the reading must change with the displacement")
+        object.__setattr__(self, "sensitivity", value)
+        if not self.units:
+            raise OptionError(
+                f"sensitivity = {value:g}: name the units= of the displacement too, such as 'mm'"
+            )
+
+    def displacement(self, readings: npt.ArrayLike) -> npt.NDArray[np.float64]:
+        """Displacements that some readings stand for.
+
+        Parameters
+        ----------
+        readings : array_like
+            Numbers of the column.
+
+        Returns
+        -------
+        ndarray
+            In ``units``.
+        """
+        away = np.asarray(readings, dtype=float) - self.offset
+        return away if self.sensitivity is None else away / self.sensitivity
+
+
+def channels_of(columns: Any) -> dict[str, Channel]:
+    """Channels by the names that variables are to have."""
+    if isinstance(columns, str) or not isinstance(columns, (Mapping, Iterable)):
+        raise OptionError(
+            f"columns = {columns!r:.60}: give the names of columns, such as ['x', 'y'], or a"
+            " mapping of variables to columns, such as {'x': 'probe 1'}"
+        )
+    pairs = columns.items() if isinstance(columns, Mapping) else [(name, name) for name in columns]
+    found: dict[str, Channel] = {}
+    for name, column in pairs:
+        check_name(name, found)
+        found[name] = column if isinstance(column, Channel) else Channel(column)
+    if not found:
+        raise OptionError("columns= is empty; name one displacement at least")
+    return found
+
+
+def check_name(name: Any, others: Iterable[str]) -> None:
+    """Refuse what cannot be the name of a variable."""
+    if not isinstance(name, str) or not name.isidentifier():
+        raise OptionError(
+            f"columns: {name!r:.60} cannot be the name of a variable, which is made of letters,"
+            " digits and _; give a mapping such as {'x': 'probe 1'}"
+        )
+    if name in _TAKEN:
+        raise OptionError(f"columns: the name {name!r} is taken; call the variable otherwise")
+    if name in others:
+        raise OptionError(f"columns: {name!r} is named twice")
+
+
+def split_units(header: str) -> tuple[str, str]:
+    """Name and units of a header such as ``x [mm]`` or ``x (mm)``."""
+    text = header.strip()
+    for opening, closing in ("[]", "()"):
+        if text.endswith(closing) and opening in text:
+            name, units = text[:-1].rsplit(opening, 1)
+            return name.strip(), units.strip()
+    return text, ""

@@ -1,0 +1,191 @@
+"""The text of a CSV file: its encoding, delimiter, header, and where the numbers begin."""
+
+from __future__ import annotations
+
+import csv
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.measured.channel import split_units
+
+__all__ = ["Table", "cells_of", "read_table"]
+
+_MOST_BEFORE = 200  # lines of a header
+_LOOKED_AT = 20  # lines of numbers by which delimiter and decimal sign are told
+_DELIMITERS = {",": "comma", ";": "semicolon", "\t": "tab", " ": "spaces", "|": "bar"}
+_NUMBER = re.compile(r"[+-]?((\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?|nan|inf(inity)?)", re.I)
+_LINE_END = re.compile(r"\r\n|\r|\n")
+_SIGNATURES = {
+    b"PK\x03\x04": "an Excel workbook or another archive",
+    b"\xd0\xcf\x11\xe0": "an old Excel workbook",
+    b"\x89HDF": "an HDF5 or netCDF file",
+    b"CDF": "a netCDF file",
+    b"MATLAB": "a MATLAB file",
+    b"TDSm": "a TDMS file",
+    b"\x1f\x8b": "a compressed file",
+}
+
+
+@dataclass(frozen=True)
+class Table:
+    """Lines of a file, and how they are to be read."""
+
+    name: str
+    lines: list[str]
+    first: int  # line of the first numbers, from 0
+    delimiter: str
+    decimal: str
+    width: int  # cells in the first line of numbers
+    headers: list[list[str]]  # rows above the numbers with as many cells, the last one first
+
+    def column(self, wanted: str | int, what: str) -> tuple[int, str]:
+        """Number and units of a column by its header or its number."""
+        if isinstance(wanted, bool) or not isinstance(wanted, (str, int)):
+            raise OptionError(
+                f"{what} = {wanted!r:.60}: give the header of a column, or its number"
+            )
+        if isinstance(wanted, int):
+            if not 0 <= wanted < self.width:
+                raise OptionError(
+                    f"{self.name}: {what} is column {wanted}, and columns are numbered from 0 to"
+                    f" {self.width - 1}"
+                )
+            return wanted, self._units(wanted)
+        for row in self.headers:
+            places = _places(row, wanted)
+            if len(places) > 1:
+                raise OptionError(
+                    f"{self.name}: {len(places)} columns are called {wanted!r}; give the number of"
+                    f" the right one, from 0: {', '.join(map(str, places))}"
+                )
+            if places:
+                return places[0], split_units(row[places[0]])[1] or self._units(places[0])
+        if not self.headers:
+            raise OptionError(
+                f"{self.name} has no header above its {self.width} columns, so there is no column"
+                f" {wanted!r}; give columns by number, from 0"
+            )
+        row = next((r for r in self.headers if any(_is_name(c) for c in r)), self.headers[0])
+        known = [split_units(cell)[0] for cell in row if cell]
+        raise OptionError(f"{self.name}, {what}: {unknown_name('column', wanted, known)}")
+
+    def _units(self, place: int) -> str:
+        """Units of a column: in its header, or in a row of their own below the headers."""
+        for row in self.headers:
+            if units := split_units(row[place])[1]:
+                return units
+        if len(self.headers) > 1:
+            return self.headers[0][place].strip("[]() ")
+        return ""
+
+
+def read_table(path: Any, delimiter: str | None, decimal: str | None) -> Table:
+    """The lines of a CSV file, with what they show of its form."""
+    try:
+        file = Path(path)
+    except TypeError:
+        raise OptionError(f"path = {path!r:.60}: give the name of a CSV file") from None
+    lines = _LINE_END.split(_decoded(file))  # not the other signs that splitlines takes for ends
+    if delimiter is not None and (not isinstance(delimiter, str) or len(delimiter) != 1):
+        raise OptionError(f"delimiter = {delimiter!r:.60}: give one character, such as ';'")
+    if decimal not in (None, ".", ","):
+        raise OptionError(f"decimal = {decimal!r:.60}: give '.' or ','")
+    first, found = _first_numbers(lines, delimiter, decimal, file.name)
+    sample = [cells_of(line, found) for line in lines[first : first + _LOOKED_AT]]
+    width = len(sample[0])
+    if decimal is None:
+        text = "".join(cell for cells in sample for cell in cells)
+        decimal = "," if "," in text and "." not in text else "."
+    headers = []
+    for line in reversed(lines[:first]):
+        cells = cells_of(line.lstrip("#% "), found)
+        if len(cells) == width and any(cells):
+            headers.append(cells)
+    return Table(file.name, lines, first, found, decimal, width, headers)
+
+
+def cells_of(line: str, delimiter: str) -> list[str]:
+    """Cells of one line, without quotes; an empty one behind the last delimiter is none."""
+    if delimiter == " ":
+        return line.split()
+    try:
+        row = next(csv.reader([line], delimiter=delimiter), [])
+    except csv.Error:  # a cell of a hundred thousand characters
+        row = [line]
+    cells = [cell.strip() for cell in row]
+    return cells[:-1] if len(cells) > 1 and cells[-1] == "" else cells
+
+
+def _decoded(file: Path) -> str:
+    try:
+        data = file.read_bytes()
+    except OSError as error:
+        reason = error.strerror or "cannot be read"
+        raise OptionError(f"{str(file)!r}: {reason}; give the name of a CSV file") from None
+    for signature, what in _SIGNATURES.items():
+        if data.startswith(signature):
+            raise OptionError(f"{file.name} is {what}, not a CSV file; export it as CSV first")
+    if data.startswith((b"\xff\xfe", b"\xfe\xff")):
+        text = data.decode("utf-16", errors="replace")
+    else:
+        try:
+            text = data.decode("utf-8-sig")
+        except UnicodeDecodeError:
+            text = data.decode("latin-1")  # such as a micro sign in a header
+    if "\0" in text:
+        raise OptionError(f"{file.name} holds bytes that are no text; export it as CSV first")
+    return text
+
+
+def _first_numbers(
+    lines: list[str], delimiter: str | None, decimal: str | None, name: str
+) -> tuple[int, str]:
+    """Line of the first numbers and the delimiter between them."""
+    for k, line in enumerate(lines[:_MOST_BEFORE]):
+        for candidate in [delimiter] if delimiter else _candidates(line, decimal):
+            if _is_numbers(cells_of(line, candidate)):
+                return k, candidate
+    if not any(line.strip() for line in lines):
+        raise OptionError(f"{name} is empty")
+    expected = f"separated by {delimiter!r}" if delimiter else (
+        f"separated by {', '.join(_DELIMITERS.values())}"
+    )  # fmt: skip
+    raise OptionError(
+        f"{name}: none of the first {min(_MOST_BEFORE, len(lines))} lines is a row of numbers"
+        f" {expected}; name another delimiter=, or decimal=',' where commas stand for points"
+    )
+
+
+def _candidates(line: str, decimal: str | None) -> list[str]:
+    """Delimiters to try: a comma last but for spaces where it may be a decimal sign."""
+    order = [";", "\t", "|", ",", " "] if decimal != "," else [";", "\t", "|", " "]
+    found = [sign for sign in order if sign in line.strip()]
+    return found or [";" if decimal == "," else ","]
+
+
+def _is_numbers(cells: list[str]) -> bool:
+    """Whether a line is one of numbers; some cells may be empty, not the first one."""
+    if not cells or not _is_number(cells[0]):
+        return False
+    return all(_is_number(cell) or not cell for cell in cells)
+
+
+def _is_number(cell: str) -> bool:
+    return _NUMBER.fullmatch(cell) is not None
+
+
+def _is_name(cell: str) -> bool:
+    return bool(cell) and not _is_number(cell)
+
+
+def _places(row: list[str], wanted: str) -> list[int]:
+    """Columns of a header: the whole text counts first, then what is before the units."""
+    asked = wanted.strip()
+    for read in (str.strip, lambda text: split_units(text)[0]):
+        places = [k for k, cell in enumerate(row) if read(cell) == asked]
+        if places:
+            return places
+    return []

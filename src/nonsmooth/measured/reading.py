@@ -1,0 +1,191 @@
+"""`read_csv`: a record out of a file that a recorder wrote."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy.typing as npt
+import xarray as xr
+
+from nonsmooth.errors import OptionError, ResultWarning
+from nonsmooth.measured.channel import Channel, channels_of
+from nonsmooth.measured.csv_numbers import numbers_of
+from nonsmooth.measured.csv_text import Table, read_table
+from nonsmooth.measured.record import from_arrays
+
+__all__ = ["read_csv"]
+
+_SECONDS = {"": 1.0, "s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6}
+_TIMES = ("time", "Time", "t")  # headers that are looked for
+
+
+def read_csv(
+    path: str | os.PathLike[str],
+    columns: Mapping[str, str | int | Channel] | Iterable[str],
+    *,
+    time: str | int | None = None,
+    sample_rate: float | None = None,
+    mark: str | int | None = None,
+    marks: npt.ArrayLike | None = None,
+    threshold: float | None = None,
+    hysteresis: float | None = None,
+    edge: str = "rising",
+    bad_marks: str = "refuse",
+    time_range: tuple[float, float] | None = None,
+    delimiter: str | None = None,
+    decimal: str | None = None,
+) -> xr.Dataset:
+    r"""Record of a measured motion from a CSV file: displacements, and one mark per revolution.
+
+    Columns are found by their headers, with or without units in brackets behind the name, or by
+    number. Lines above the header are skipped; commas, semicolons, tabs, bars or spaces part the
+    columns; a decimal comma is noticed where no points are about. Nothing in a file is run.
+
+    Parameters
+    ----------
+    path : str or path-like
+        The file.
+    columns : mapping or iterable of str
+        Names of variables to headers, numbers of columns (from 0) or `Channel`; or just headers
+        that are to be the names too.
+
+    Other Parameters
+    ----------------
+    time : str or int, optional
+        Column of the time in s, or in the unit of its header: ms or us. ``time``, ``Time`` or
+        ``t`` without it.
+    sample_rate : float, optional
+        Samples per s, in place of a column of times.
+    mark : str or int, optional
+        Column of the signal that marks revolutions, such as that of a tacho or an optoswitch.
+    marks : array_like, optional
+        Times of the marks in s, in place of a column.
+    threshold : float, optional
+        Level of an edge, in units of the column; midway between its extremes without it.
+    hysteresis : float, optional
+        Width of the band about the threshold that an edge has to cross; by default a fifth of
+        the range of the column.
+    edge : {"rising", "falling"}, optional
+        Which edges are marks.
+    bad_marks : {"refuse", "repair"}, optional
+        What to do about double and missing marks, as in `from_arrays`.
+    time_range : tuple of float, optional
+        First and last time in s of the part that is kept, such as one without a gap.
+    delimiter : str, optional
+        Character between columns; found out without it.
+    decimal : {".", ","}, optional
+        Decimal sign; found out without it.
+
+    Returns
+    -------
+    xarray.Dataset
+        As of `from_arrays`; attribute ``source`` is the name of the file.
+
+    Raises
+    ------
+    OptionError
+        For a file that is no table of numbers, a column that is not there, samples that are not
+        even in time or missing, and marks that are not one per revolution.
+
+    Warns
+    -----
+    ResultWarning
+        When a displacement does not change at all: a probe may be dead.
+
+    See Also
+    --------
+    from_arrays : the same from arrays, with what is checked.
+    velocities, section, diagram : what comes next.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> import numpy as np
+    >>> import nonsmooth as ns
+    >>> t = np.arange(2000) / 2000.0
+    >>> rows = zip(t, -9.6 + 4 * np.cos(100 * t), 5.0 * (np.cos(100 * t) > 0.99))
+    >>> text = "time [s];CH1 [V];tacho [V]\n" + "\n".join("%.4f;%.4f;%.1f" % row for row in rows)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = pathlib.Path(folder, "run.csv")
+    ...     _ = file.write_text(text)
+    ...     probe = ns.measured.Channel("CH1", sensitivity=8.0, offset=-9.6, units="mm")
+    ...     record = ns.measured.read_csv(file, {"x": probe}, mark="tacho")
+    >>> record["x"].attrs["units"], round(float(record["x"].max()), 3), record.sizes["mark"]
+    ('mm', 0.5, 15)
+    >>> round(record.attrs["speed"])
+    100
+    """
+    channels = channels_of(columns)
+    if time is not None and sample_rate is not None:
+        raise OptionError("give either the column time= or sample_rate=")
+    if (mark is None) == (marks is None):
+        raise OptionError("give the marks of revolutions: the column mark=, or their times marks=")
+    table = read_table(path, delimiter, decimal)
+    places = {name: table.column(one.column, name) for name, one in channels.items()}
+    wanted = [place for place, _ in places.values()]
+    factor = 1.0
+    if sample_rate is None:
+        place, factor = _time_column(table, time)
+        wanted.append(place)
+    if mark is not None:
+        wanted.append(table.column(mark, "mark")[0])
+    numbers = list(numbers_of(table, wanted))
+    pulse = numbers.pop() if mark is not None else None
+    times = numbers.pop() * factor if sample_rate is None else None
+    values = {
+        name: one.displacement(array)
+        for (name, one), array in zip(channels.items(), numbers, strict=True)
+    }
+    units = {name: one.units or places[name][1] for name, one in channels.items()}
+    try:
+        record = from_arrays(
+            values,
+            times=times,
+            sample_rate=sample_rate,
+            marks=marks,
+            pulse=pulse,
+            units=units,
+            labels={name: one.long_name for name, one in channels.items()},
+            threshold=threshold,
+            hysteresis=hysteresis,
+            edge=edge,
+            bad_marks=bad_marks,
+            time_range=time_range,
+            name=os.path.splitext(table.name)[0],
+        )
+    except OptionError as error:
+        raise OptionError(f"{table.name}: {error}") from None
+    still = [name for name in channels if float(record[name].min()) == float(record[name].max())]
+    if still:
+        warnings.warn(
+            f"{table.name}: {', '.join(still)} does not change at all; is the probe connected?",
+            ResultWarning,
+            stacklevel=2,
+        )
+    return record.assign_attrs(source=table.name)
+
+
+def _time_column(table: Table, wanted: Any) -> tuple[int, float]:
+    """Column of the times, and the unit of its header in s."""
+    if wanted is None:
+        for name in _TIMES:
+            try:
+                place, units = table.column(name, "time")
+                break
+            except OptionError:
+                continue
+        else:
+            raise OptionError(
+                f"{table.name} has no column called {', '.join(_TIMES)}; name that of the times by"
+                " time=, or give sample_rate="
+            )
+    else:
+        place, units = table.column(wanted, "time")
+    if units.lower() not in _SECONDS:
+        raise OptionError(
+            f"{table.name}: times are in {units!r}, known are s, ms and us; give sample_rate="
+        )
+    return place, _SECONDS[units.lower()]

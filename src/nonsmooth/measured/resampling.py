@@ -1,0 +1,101 @@
+"""`synchronous`: a record resampled at equal angles of the shaft."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from nonsmooth.errors import OptionError
+from nonsmooth.measured.interpolation import inside, interpolated
+from nonsmooth.measured.record import check_record
+from nonsmooth.measured.sections import revolutions_of
+from nonsmooth.simulation.options import whole_number
+
+__all__ = ["synchronous"]
+
+
+def synchronous(record: xr.Dataset, samples_per_period: int = 64) -> xr.Dataset:
+    """Record resampled at equal angles of the shaft (order tracking).
+
+    Samples per revolution are then a whole number, however the speed wanders, as those of
+    `simulate` are: harmonics of the speed fall on single lines of a spectrum.
+
+    Parameters
+    ----------
+    record : xarray.Dataset
+        Result of `read_csv` or `from_arrays`, with `velocities` where they are wanted.
+    samples_per_period : int, optional
+        Samples per revolution; more than the record has add nothing.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``time`` every variable of the record. ``time`` is the angle of the shaft over the
+        mean speed, so the samples are equidistant; ``measured_time`` is the time it was.
+        ``period_number`` and ``phase`` as in a result of `simulate`, attribute ``period``.
+
+    Raises
+    ------
+    OptionError
+        When less than a revolution is left.
+
+    See Also
+    --------
+    power_spectrum : with harmonics, of this.
+    zero_one_test : takes one value per revolution of it.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import nonsmooth as ns
+    >>> t = np.arange(5000) / 2000.0
+    >>> angle = 100 * t + 0.5 * np.sin(2 * t)  # the speed wanders by one per cent
+    >>> marks = np.interp(2 * np.pi * np.arange(1, 39), angle, t)
+    >>> record = ns.measured.from_arrays({"x": np.cos(3 * angle)}, times=t, marks=marks)
+    >>> orders = ns.power_spectrum(ns.measured.synchronous(record), "x")
+    >>> over = orders["amplitude"].swap_dims(frequency="harmonic")
+    >>> over.sel(harmonic=[2, 3, 4]).values.round(2)
+    array([0., 1., 0.])
+    """
+    record = check_record(record)
+    count = whole_number("samples_per_period", samples_per_period)
+    times, number, _ = revolutions_of(record, np.arange(count) / count)
+    start, rate = float(record["time"][0]), float(record.attrs["sample_rate"])
+    places = (times - start) * rate
+    here = inside(places, record.sizes["time"])
+    if here.sum() < count:
+        raise OptionError("the record holds less than a revolution; take a longer one")
+    period = 2.0 * math.pi / float(record.attrs["speed"])
+    k = np.flatnonzero(here)
+    number, part = number[k] - number[k[0]], (k % count)
+    variables: dict[str, Any] = {
+        str(name): ("time", interpolated(values.values, places[k]), dict(values.attrs))
+        for name, values in record.data_vars.items()
+    }
+    words = dict(record["time"].attrs)
+    units = {key: words[key] for key in ("units",) if key in words}
+    speed = float(record.attrs["speed"])
+    attrs = dict(record.attrs) | {
+        "period": period,
+        "samples_per_period": count,
+        "sample_rate": count / period,
+        "speed": speed,
+    }
+    return xr.Dataset(
+        variables,
+        {
+            "time": (
+                "time", (number * count + part) * (period / count),
+                {"long_name": "angle over the mean speed"} | units,
+            ),
+            "measured_time": ("time", times[k], {"long_name": "time as measured"} | units),
+            "period_number": ("time", number, {"long_name": "whole revolutions before the sample"}),
+            "phase": (
+                "time", part * (period / count), {"long_name": "time since the mark"} | units,
+            ),
+        },
+        attrs,
+    )  # fmt: skip

@@ -1,0 +1,219 @@
+"""`waterfall`: spectra over a parameter, below each other or as colours."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.plot.figures import new_axes
+from nonsmooth.plot.style import PALETTE, axis_label, finish_axes
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+
+__all__ = ["waterfall"]
+
+Floats = npt.NDArray[np.float64]
+
+_KINDS = ("cascade", "map")
+_AXES = ("frequency", "harmonic")
+_ORDERS = 5.0  # harmonics shown
+_DECADES = 4.0  # of amplitudes that colours tell apart
+_MOST = 50  # spectra below each other that are still told apart
+_HEIGHT = 8.0  # of the highest line, in distances of spectra
+_MOST_MARKED = 12  # orders that are marked
+_LABEL = 2.8  # width of the name of an order, in letters
+
+
+def waterfall(
+    data: xr.Dataset,
+    *,
+    ax: Axes | None = None,
+    kind: str = "cascade",
+    over: str = "frequency",
+    highest: float | None = None,
+    height: float | None = None,
+    orders: bool = True,
+) -> Axes:
+    """Spectra over a parameter, as lines below each other or as a map of colours.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Result of `waterfall` or `order_tracking`.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw; new axes of a column's width by default.
+    kind : {"cascade", "map"}, optional
+        Lines, each raised to its value of the parameter, whose heights are proportional to the
+        amplitude; or the parameter over which colours tell the amplitude, in decades.
+    over : {"frequency", "harmonic"}, optional
+        Frequency in cycles, or over that of the forcing.
+    highest : float, optional
+        Highest frequency, or harmonic, to draw; five harmonics by default.
+    height : float, optional
+        How much of the parameter's axis the highest line takes; a cascade only.
+    orders : bool, optional
+        Whether to mark the harmonics of the forcing, dashed.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes.
+
+    Raises
+    ------
+    OptionError
+        For another dataset, or an option that is none of those above.
+
+    Notes
+    -----
+    Of more than 50 spectra a cascade draws every second, or third, and so on.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import nonsmooth as ns
+    >>> spectra = ns.waterfall(
+    ...     ns.models.soft_impact(), "omega", np.linspace(0.7, 0.9, 9), "x", record=16
+    ... )
+    >>> ax = ns.plot.waterfall(spectra)
+    >>> ax.get_xlabel(), ax.get_ylabel()
+    ('frequency in cycles', 'frequency of the excitation')
+    """
+    if not {"parameter", "harmonic"} <= set(data.dims) or "amplitude" not in data:
+        raise OptionError(
+            "the dataset has no amplitudes over 'parameter' and 'harmonic'; give it a result of"
+            " waterfall or order_tracking"
+        )
+    for name, value, known in (("kind", kind, _KINDS), ("over", over, _AXES)):
+        if value not in known:
+            raise OptionError(f"{name} = {value!r}: {unknown_name(name, str(value), known)}")
+    ax = new_axes() if ax is None else ax
+    data = data.isel(parameter=np.isfinite(data["period"].values)).sortby("parameter")
+    if data.sizes["parameter"] == 0:
+        raise OptionError("no motion of the dataset came to its end; see its variable 'status'")
+    last = _last(data, over, highest)
+    (_draw_lines if kind == "cascade" else _draw_map)(data, ax, over, last, height)
+    if orders:
+        _mark_orders(data, ax, over, last)
+    two_sided = float(data["harmonic"].min()) < 0.0
+    ax.set_xlim(-last if two_sided else 0.0, last)
+    finish_axes(ax, axis_label(data[over]), axis_label(data["parameter"]))
+    return ax
+
+
+def _last(data: xr.Dataset, over: str, highest: float | None) -> float:
+    """Highest frequency or harmonic to draw."""
+    largest = float(data[over].max())
+    if highest is not None:
+        if not float(highest) > 0.0:
+            raise OptionError(f"highest = {highest!r:.60} must be positive")
+        return min(largest, float(highest))
+    unit = 1.0 if over == "harmonic" else float((1.0 / data["period"]).max())
+    return min(largest, _ORDERS * unit * 1.04)
+
+
+def _places(data: xr.Dataset, over: str) -> Floats:
+    """Frequency or harmonic of each line of each spectrum."""
+    shape = (data.sizes["parameter"], data.sizes["harmonic"])
+    values = data[over].transpose(..., "harmonic").values
+    return np.asarray(np.broadcast_to(values, shape))
+
+
+def _draw_lines(data: xr.Dataset, ax: Axes, over: str, last: float, height: float | None) -> None:
+    rows = data["amplitude"].transpose("parameter", "harmonic").values
+    here, values = _places(data, over), data["parameter"].values
+    every = -(-values.size // _MOST)
+    chosen = np.arange(0, values.size, every)
+    spread = float(np.ptp(values)) or 1.0
+    tall = _HEIGHT * spread / max(chosen.size, 2 * _HEIGHT) if height is None else float(height)
+    shown = np.abs(here) <= last
+    # the mean says where a motion is, not what it does
+    motion = np.where(data["harmonic"].values == 0.0, 0.0, rows)
+    scale = tall / (float(np.max(motion[shown], initial=0.0)) or 1.0)
+    for number, i in enumerate(chosen[::-1]):  # the lowest are in front
+        x, line = here[i][shown[i]], values[i] + scale * motion[i][shown[i]]
+        ax.fill_between(x, values[i], line, color="white", zorder=1 + 1e-3 * number, linewidth=0.0)
+        ax.plot(x, line, color="black", linewidth=0.4, zorder=1 + 1e-3 * number)
+    ax.set_ylim(values[0] - 0.02 * spread, values[-1] + max(tall, 0.02 * spread))
+
+
+def _draw_map(data: xr.Dataset, ax: Axes, over: str, last: float, height: float | None) -> None:
+    from matplotlib.colors import LogNorm
+
+    if height is not None:
+        raise OptionError("height= is that of lines; leave it out of a map")
+    rows = data["amplitude"].transpose("parameter", "harmonic").values
+    rows = np.where(data["harmonic"].values == 0.0, np.nan, rows)
+    here, values = _places(data, over), data["parameter"].values
+    shown = np.any(np.abs(here) <= last, axis=0)
+    x, rows = here[:, shown], rows[:, shown]
+    largest = float(np.nanmax(rows, initial=0.0)) or 1.0
+    mesh: Any = ax.pcolormesh(
+        _cells(x, axis=1), np.repeat(_edges(values)[:, None], x.shape[1] + 1, axis=1),
+        np.maximum(rows, largest * 10.0**-_DECADES),
+        norm=LogNorm(largest * 10.0**-_DECADES, largest), cmap="magma_r", rasterized=True,
+        linewidth=0.0,
+    )  # fmt: skip
+    figure = ax.get_figure(root=True)
+    assert figure is not None
+    bar = figure.colorbar(mesh, ax=ax, pad=0.02, extend="min")
+    size = float(ax.xaxis.label.get_fontsize())
+    bar.set_label(axis_label(data["amplitude"]), fontsize=size)
+    bar.ax.tick_params(labelsize=size - 1.0, width=0.6, length=2.5)
+    ax.set_ylim(*_edges(values)[[0, -1]])
+
+
+def _edges(values: Floats) -> Floats:
+    """Borders of the cells around values."""
+    if values.size == 1:
+        return np.array([values[0] - 0.5, values[0] + 0.5])
+    middle = 0.5 * (values[1:] + values[:-1])
+    first, last = 2.0 * values[0] - middle[0], 2.0 * values[-1] - middle[-1]
+    return np.concatenate([[first], middle, [last]])
+
+
+def _cells(x: Floats, axis: int) -> Floats:
+    """Borders of cells that change their place from row to row, at the borders of the rows."""
+    across = np.apply_along_axis(_edges, axis, x)
+    return across if len(across) == 0 else np.apply_along_axis(_row_edges, 0, across)
+
+
+def _row_edges(column: Floats) -> Floats:
+    """Means of neighbours, and the line through the outer ones: never beyond them in sign."""
+    if column.size == 1:
+        return np.repeat(column, 2)
+    middle = 0.5 * (column[1:] + column[:-1])
+    return np.concatenate([[2.0 * column[0] - middle[0]], middle, [2.0 * column[-1] - middle[-1]]])
+
+
+def _mark_orders(data: xr.Dataset, ax: Axes, over: str, last: float) -> None:
+    """Dashed lines through the harmonics of the forcing, with their numbers above."""
+    values, forcing = data["parameter"].values, 1.0 / data["period"].values
+    unit = np.ones(values.size) if over == "harmonic" else forcing
+    two_sided = float(data["harmonic"].min()) < 0.0
+    most = min(int(last / unit.max() * (1.0 + 1e-9)), _MOST_MARKED)
+    top = ax.get_ylim()[1]
+    size = float(ax.xaxis.label.get_fontsize()) - 1.5
+    figure = ax.get_figure(root=True)
+    assert figure is not None
+    across = ax.get_window_extent().width / figure.dpi * 72.0 / (2.0 * last if two_sided else last)
+    every = max(1, math.ceil(_LABEL * size / (across * float(unit[-1]))))  # that leaves room
+    for order in [n for n in range(-most if two_sided else 1, most + 1) if n]:
+        ax.plot(
+            order * unit, values, color=PALETTE["blue"], linestyle="--", linewidth=0.6,
+            zorder=3,
+        )  # fmt: skip
+        place = order * float(unit[-1])
+        if (abs(order) - 1) % every:
+            continue
+        ax.annotate(
+            f"{order}X".replace("-", "\N{MINUS SIGN}"), (place, top), xytext=(0.0, 1.0),
+            textcoords="offset points", ha="center", va="bottom", fontsize=size,
+            color=PALETTE["blue"], annotation_clip=False,
+        )  # fmt: skip

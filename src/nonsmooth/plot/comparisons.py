@@ -1,0 +1,168 @@
+"""`comparison`: a measured motion and a computed one on the same axes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.plot.figures import new_axes
+from nonsmooth.plot.style import LINES, PALETTE, axis_label, finish_axes, place_legend
+from nonsmooth.plot.trace import DENSE, curve
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+
+__all__ = ["comparison"]
+
+Floats = npt.NDArray[np.float64]
+
+_SIZES = ((200, 4.0), (2_000, 2.4), (DENSE, 1.4))  # diameters by the number of measured points
+_SMALLEST = 0.8
+
+
+def comparison(
+    computed: xr.Dataset,
+    measured: xr.Dataset,
+    x: str,
+    y: str,
+    *,
+    ax: Axes | None = None,
+    labels: tuple[str, str] = ("computed", "measured"),
+    legend: bool = True,
+) -> Axes:
+    """Measured motion and computed one on the same axes: orbits, sections or diagrams.
+
+    Parameters
+    ----------
+    computed : xarray.Dataset
+        Result of `simulate` (curves), of `stroboscopic_map` or `poincare_section` (points), or of
+        `bifurcation_diagram` (points over the parameter).
+    measured : xarray.Dataset
+        Record, `measured.section` or `measured.diagram`, of the same kind and with the same
+        units.
+    x, y : str
+        Variables of both; ``x="parameter"`` for diagrams.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw; new axes of a column's width by default.
+    labels : tuple of str, optional
+        Texts of the legend.
+    legend : bool, optional
+        Whether to draw a legend.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes: measured in colour, computed in black above it.
+
+    Raises
+    ------
+    OptionError
+        For a variable that one of the two has not, results of different kinds, or units that
+        differ.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import nonsmooth as ns
+    >>> spring = ns.System(
+    ...     states=["x", "v"], period="pi", equations={"x": "v", "v": "cos(2*t) - 0.5*v - x"}
+    ... )
+    >>> run = ns.simulate(spring, periods=30)
+    >>> record = ns.measured.from_arrays(
+    ...     {"x": run["x"]}, times=run["time"], marks=np.arange(30) * np.pi
+    ... )
+    >>> ax = ns.plot.comparison(run, ns.measured.velocities(record, names={"x": "v"}), "x", "v")
+    >>> [line.get_label() for line in ax.lines]
+    ['measured', 'computed']
+    """
+    for data, which in ((computed, "computed"), (measured, "measured")):
+        _check(data, which, x, y)
+    _check_units(computed, measured, x, y)
+    one, other = computed[y].dims, measured[y].dims
+    if ("time" in one) != ("time" in other) or ("parameter" in one) != ("parameter" in other):
+        raise OptionError(
+            f"{y!r} is over {one} in what was computed and over {other} in what was measured; give"
+            " two results of one kind"
+        )
+    ax = new_axes() if ax is None else ax
+    draw = _draw_curves if "time" in one else _draw_points
+    draw(computed, measured, x, y, ax, labels)
+    finish_axes(ax, axis_label(computed[x]), axis_label(computed[y]))
+    if legend:
+        place_legend(ax)
+    return ax
+
+
+def _draw_curves(
+    computed: xr.Dataset, measured: xr.Dataset, x: str, y: str, ax: Axes, labels: tuple[str, str]
+) -> None:
+    looks: Any = (
+        (measured, labels[1], {"color": PALETTE["sky"], "linewidth": 0.7}),
+        (computed, labels[0], {"color": LINES[0]["color"], "linewidth": 0.7}),
+    )
+    for data, label, look in looks:
+        names = [name for name in (x, y) if name != "time"]
+        trace = curve(data, names)
+        values = dict(zip(names, trace.values, strict=True)) | {"time": trace.time}
+        ax.plot(values[x], values[y], label=label, rasterized=trace.time.size > DENSE, **look)
+
+
+def _draw_points(
+    computed: xr.Dataset, measured: xr.Dataset, x: str, y: str, ax: Axes, labels: tuple[str, str]
+) -> None:
+    across, up = _points(measured, x, y)
+    size = next((size for most, size in _SIZES if up.size <= most), _SMALLEST)
+    _dots(ax, across, up, labels[1], size, PALETTE["orange"])
+    across, up = _points(computed, x, y)
+    size = next((size for most, size in _SIZES if up.size <= most), _SMALLEST)
+    _dots(ax, across, up, labels[0], 0.6 * size, LINES[0]["color"])
+
+
+def _dots(ax: Axes, across: Floats, up: Floats, label: str, size: float, colour: Any) -> None:
+    ax.plot(
+        across, up, linestyle="none", marker="o", markersize=size, markeredgewidth=0.0,
+        color=colour, label=label, rasterized=up.size > DENSE,
+    )  # fmt: skip
+
+
+def _points(data: xr.Dataset, x: str, y: str) -> tuple[Floats, Floats]:
+    """Points of a section or a diagram, those that are nan left out."""
+    first = data[x].dims[0]
+    dims = (first, *(dim for dim in data[y].dims if dim != first))
+    up = data[y].transpose(*dims).values.astype(float)
+    across = data[x].values.astype(float)
+    across = np.broadcast_to(across.reshape(-1, *(1,) * (up.ndim - 1)), up.shape)
+    here = np.isfinite(up)
+    return across[here], up[here]
+
+
+def _check(data: Any, which: str, x: str, y: str) -> None:
+    if not hasattr(data, "data_vars"):
+        raise OptionError(f"{which} = {data!r:.60}: give a dataset")
+    known = [str(v) for v in (*data.data_vars, *data.coords) if data[v].dtype.kind in "fiu"]
+    for name in (x, y):
+        if name not in known:
+            raise OptionError(f"{which}: {unknown_name('variable', name, known)}")
+    if data[x].ndim != 1 or data[x].dims[0] not in data[y].dims:
+        raise OptionError(
+            f"{which}: {x!r} is over {data[x].dims} and {y!r} over {data[y].dims}; draw two"
+            " variables over the same points, or one of a diagram over x='parameter'"
+        )
+    if data[y].size == 0:
+        raise OptionError(f"{which}: there is nothing to draw; see its attribute 'message'")
+
+
+def _check_units(computed: xr.Dataset, measured: xr.Dataset, x: str, y: str) -> None:
+    """Refuse millimetres over what has no dimension."""
+    for name in (x, y):
+        units = [str(data[name].attrs.get("units", "")) for data in (computed, measured)]
+        if units[0] != units[1]:
+            raise OptionError(
+                f"{name!r} is in {units[0] or 'no units'} as computed and in"
+                f" {units[1] or 'no units'} as measured; bring them to the same, such as by"
+                " measured.dimensionless"
+            )

@@ -1,0 +1,142 @@
+"""`statistics`: numbers that sum motions up, over a parameter, a speed or time."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.plot.figures import new_axes
+from nonsmooth.plot.style import LINES, PALETTE, axis_label, finish_axes, place_legend
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+
+__all__ = ["statistics"]
+
+_CURVES = (
+    ("max", "largest"), ("in_contact", "in contact"), ("rms", "rms"), ("mean", "mean")
+)  # fmt: skip
+_PALE = 0.25  # opacity of bands
+
+
+def statistics(
+    data: xr.Dataset,
+    variable: str,
+    *,
+    ax: Axes | None = None,
+    over: str | None = None,
+    label: str | None = None,
+    legend: bool = True,
+) -> Axes:
+    """Statistics over a parameter, or along a run: one curve, or those of one variable together.
+
+    Two calls on the same axes show a run-up and a run-down together.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Result of `contact_statistics` over a parameter, or of `period_statistics`; also one
+        harmonic of a `waterfall`, as in ``spectra.sel(harmonic=1)``.
+    variable : str
+        What is in the dataset, such as ``"contacts"``, ``"force_max"`` or ``"x_amplitude"``, for
+        one curve. A variable of which there are statistics, such as ``"force"``, for all of them:
+        the largest value, the mean in contact, the root mean square and the mean over all time,
+        and the band between the lowest and the highest percentile, or between the smallest and
+        the largest value.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw; new axes of a column's width by default.
+    over : str, optional
+        What is along the axis: ``"parameter"``; of a run a slow parameter, ``"begin"``, the time,
+        or ``"period"``. By default the parameter, the only slow parameter, or the time.
+    label : str, optional
+        Text of the legend; along a slow parameter whether it rises or falls by default.
+    legend : bool, optional
+        Whether to draw a legend.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes.
+
+    Raises
+    ------
+    OptionError
+        For an unknown name, or another dataset.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import nonsmooth as ns
+    >>> found = ns.contact_statistics(
+    ...     ns.models.soft_impact(), "omega", np.linspace(0.8, 0.9, 11), of="stop_force", record=20
+    ... )
+    >>> ax = ns.plot.statistics(found, "stop_force")
+    >>> [line.get_label() for line in ax.lines]
+    ['largest', 'in contact', 'rms', 'mean']
+    """
+    dim = next((name for name in ("parameter", "period") if name in data.dims), None)
+    if dim is None:
+        raise OptionError(
+            "the dataset has neither 'parameter' nor 'period' as a dimension; give it a result of"
+            " contact_statistics over a parameter, or of period_statistics"
+        )
+    of = [str(name)[:-4] for name in data.data_vars if str(name).endswith("_max")]
+    known = [str(name) for name, v in data.data_vars.items() if v.dims == (dim,)]
+    if variable not in [*known, *of]:
+        raise OptionError(unknown_name("variable", variable, [*known, *of]))
+    over = _axis(data, dim, over)
+    ax = new_axes() if ax is None else ax
+    x = data[over].values
+    if label is None and over in data.data_vars and x.size > 1:
+        label = f"{over} rises" if x[-1] > x[0] else f"{over} falls"
+    if variable in known:
+        style = LINES[len(ax.lines) % len(LINES)]
+        ax.plot(x, data[variable].values, label=label, **style | {"linewidth": 0.9})
+        y_label = axis_label(data[variable])
+    else:
+        y_label = _draw_all(data, variable, ax, x, label)
+    finish_axes(ax, axis_label(data[over]), y_label)
+    if legend:
+        place_legend(ax)
+    return ax
+
+
+def _axis(data: xr.Dataset, dim: str, over: str | None) -> str:
+    """Name of what is along the axis."""
+    if dim == "parameter":
+        allowed = ["parameter"]
+    else:
+        slow = str(data.attrs.get("slow", "")).split()
+        allowed = [*(slow if len(slow) == 1 else []), "begin", "period"]
+        allowed += [name for name in slow if name not in allowed]
+    over = allowed[0] if over is None else over
+    if over not in allowed:
+        raise OptionError(f"over: {unknown_name('axis', str(over), allowed)}")
+    return over
+
+
+def _draw_all(data: xr.Dataset, variable: str, ax: Axes, x: np.ndarray, label: str | None) -> str:
+    """Curves and the band of one variable; the label of the axis."""
+    colours = list(PALETTE.values())
+    colour = colours[len(ax.collections) % len(colours)]
+    low, high, what = f"{variable}_min", f"{variable}_max", "smallest to largest"
+    band = [data[low].values, data[high].values]
+    if f"{variable}_percentile" in data and data.sizes.get("percentile", 0) > 1:
+        parts = data["percentile"].values
+        first, last = int(np.argmin(parts)), int(np.argmax(parts))
+        values = data[f"{variable}_percentile"].transpose(..., "percentile").values
+        band = [values[:, first], values[:, last]]
+        what = f"{parts[first]:g} to {parts[last]:g} %"
+    ax.fill_between(
+        x, band[0], band[1], color=colour, alpha=_PALE if f"{variable}_mean" in data else 0.5,
+        linewidth=0.0, label=label or what,
+    )  # fmt: skip
+    if f"{variable}_mean" in data:
+        for (key, text), style in zip(_CURVES, LINES, strict=True):
+            ax.plot(x, data[f"{variable}_{key}"].values, label=text, **style | {"linewidth": 0.9})
+    attrs = data[high].attrs
+    name = str(attrs.get("long_name", variable)).removeprefix("largest ")
+    return axis_label(data[high].assign_attrs(long_name=name))

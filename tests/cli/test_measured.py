@@ -1,0 +1,107 @@
+import numpy as np
+import pytest
+import xarray as xr
+
+import nonsmooth as ns
+
+RATE = 2000.0
+
+
+@pytest.fixture
+def files(tmp_path):
+    """Three records of a harmonic motion in V with a pulse per revolution."""
+    found = []
+    for k, speed in enumerate((90.0, 100.0, 120.0)):
+        t = np.arange(4000) / RATE
+        table = np.column_stack(
+            [t, 1.0 + 8.0 * np.cos(speed * t), 2 * np.sin(speed * t), np.cos(speed * t - 0.4)]
+        )
+        path = tmp_path / f"run{k}.csv"
+        np.savetxt(path, table, fmt="%.7f", delimiter=",", header="t,a,b,key", comments="")
+        found.append(path)
+    return found
+
+
+def test_a_section(call, files, tmp_path):
+    picture, file = tmp_path / "s.png", tmp_path / "s.nc"
+    result = call(
+        "measured", files[0], "--columns", "x=a,y=b", "--mark", "key", "--sensitivity", "8",
+        "--offset", "1", "--units", "mm", "--length", "0.5", "--natural-frequency", "2*pi*10",
+        "--threshold", "0.1", "--highest", "1.5", "--variables", "x,vy", "--transient", "2",
+        "--plot", picture, "--save", file,
+    )  # fmt: skip
+    assert result.exit_code == 0, result.stderr
+    assert "speed" in result.stdout and "gain" in result.stdout
+    assert picture.stat().st_size > 1000
+    probe = {"sensitivity": 8.0, "offset": 1.0, "units": "mm"}
+    record = ns.measured.read_csv(
+        files[0],
+        {"x": ns.measured.Channel("a", **probe), "y": ns.measured.Channel("b", **probe)},
+        mark="key",
+        threshold=0.1,
+    )
+    record = ns.measured.dimensionless(record, length=0.5, natural_frequency=2 * np.pi * 10)
+    points = ns.measured.section(ns.measured.velocities(record, highest=1.5), transient=2)
+    with xr.open_dataset(file, engine="h5netcdf") as saved:
+        xr.testing.assert_identical(saved.load().drop_indexes("point"), points)
+    # in closed form: the pulse rises through 0.1 at the phase 0.4 - arccos(0.1)
+    np.testing.assert_allclose(points["x"], 2 * np.cos(0.4 - np.arccos(0.1)), atol=1e-3)
+
+
+def test_a_diagram(call, files, tmp_path):
+    picture, file = tmp_path / "d.pdf", tmp_path / "d.nc"
+    result = call(
+        "measured", *reversed(files), "--columns", "a", "--mark", "3", "--time", "0", "--edge",
+        "falling", "--unit", "rpm", "--plot", picture, "--variables", "va", "--save", file,
+    )  # fmt: skip
+    assert result.exit_code == 0, result.stderr
+    assert result.stdout.count("rpm") == 3
+    with xr.open_dataset(file, engine="h5netcdf") as saved:
+        assert saved["parameter"].values == pytest.approx(
+            np.array([90, 100, 120]) * 30 / np.pi, rel=1e-4
+        )
+    assert picture.stat().st_size > 1000
+
+
+def test_a_dead_probe_is_told(call, tmp_path, files):
+    dead = tmp_path / "dead.csv"
+    table = np.loadtxt(files[0], delimiter=",", skiprows=1)
+    table[:, 2] = 0.25
+    np.savetxt(dead, table, fmt="%.7f", delimiter=",", header="t,a,b,key", comments="")
+    result = call("measured", dead, "--columns", "x=a,y=b", "--mark", "key")
+    assert result.exit_code == 0
+    assert "y does not change" in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--columns", "x=c", "--mark", "key"], "unknown column 'c'"),
+        (["--columns", "x=a", "--mark", "b", "--time", "key"], "times must increase"),
+        (["--columns", "x=a,x=b", "--mark", "key"], "'x' is given twice"),
+        (["--columns", "x=", "--mark", "key"], "not of the form"),
+        (["--columns", "", "--mark", "key"], "columns= is empty"),
+        (["--columns", "a", "--mark", "key", "--length", "2"], "together"),
+        (["--columns", "a", "--mark", "key", "--variables", "a,va"], "name it with --plot"),
+        (["--columns", "a", "--mark", "key", "--unit", "Hz"], "several files"),
+        (["--columns", "a", "--mark", "key", "--plot", "a.gif"], "'.gif'"),
+        (["--columns", "a", "--mark", "key", "--sensitivity", "2"], "units"),
+        (["--columns", "a", "--mark", "key", "--plot", "a.png", "--variables", "a"], "name 2 of"),
+        (["--columns", "a", "--mark", "key", "--plot", "a.png", "--variables", "a,q"], "'q'"),
+        (["--columns", "a", "--mark", "key", "--highest", "990"], "times faster"),
+        (
+            ["--columns", "a", "--mark", "key", "--length", "1", "--natural-frequency", "w"],
+            "uses 'w'",
+        ),
+    ],
+)
+def test_wrong_use(call, files, arguments, message):
+    result = call("measured", files[0], *arguments)
+    assert result.exit_code == 2
+    assert message in result.stderr
+
+
+def test_no_file(call):
+    result = call("measured", "nowhere.csv", "--columns", "x", "--mark", "key")
+    assert result.exit_code == 2
+    assert "nowhere.csv" in result.stderr

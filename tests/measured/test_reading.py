@@ -1,0 +1,182 @@
+import numpy as np
+import pytest
+
+import nonsmooth as ns
+from measured import rigs
+from nonsmooth.errors import OptionError, ResultWarning
+
+RATE = 2000.0
+TIMES = np.arange(1200) / RATE
+MARKS = rigs.jittering_marks(8)
+X = rigs.derivative(TIMES, 0)
+PULSE = rigs.pulses(TIMES, MARKS, rise=8 / RATE)
+ROWS = np.column_stack([TIMES, -9.6 + 7.87 * X, PULSE])
+PROBE = ns.measured.Channel("CH1", sensitivity=7.87, offset=-9.6, units="mm")
+
+
+def text_of(header="time,CH1 [V],tacho", sign=",", decimal=".", rows=ROWS, form="%.9f"):
+    lines = [sign.join(form % v for v in row).replace(".", decimal) for row in rows]
+    return "\n".join([header, *lines]) + "\n"
+
+
+@pytest.fixture
+def read(tmp_path):
+    def read(text, columns=None, encoding="utf-8", **options):
+        (tmp_path / "run.csv").write_bytes(
+            text if isinstance(text, bytes) else text.encode(encoding)
+        )
+        return ns.measured.read_csv(
+            tmp_path / "run.csv", {"x": PROBE} if columns is None else columns,
+            **({"mark": "tacho"} | options),
+        )  # fmt: skip
+
+    return read
+
+
+def check(record):
+    np.testing.assert_allclose(record["x"], X, atol=2e-9)
+    np.testing.assert_allclose(record["mark_time"], MARKS, atol=1e-8)
+    assert record["x"].attrs["units"] == "mm"
+    assert record.attrs["source"] == "run.csv"
+
+
+@pytest.mark.parametrize("sign", [",", ";", "\t", "|", " ", ", "])
+def test_delimiters(read, sign):
+    header = sign.join(["time", "CH1[V]", "tacho"])
+    check(read(text_of(header, sign)))
+
+
+@pytest.mark.parametrize("sign", [";", "\t"])
+def test_decimal_commas(read, sign):
+    header = sign.join(["time", "CH1 [V]", "tacho"])
+    check(read(text_of(header, sign, ",")))
+    check(read(text_of(header, sign, ","), decimal=",", delimiter=sign))
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "latin-1"])
+def test_encodings_and_what_stands_above(read, encoding):
+    above = "Rig 2, rotor\nGap;0,5 µm\n\nDate 1.2.2003 10:20\nSamples;1200;\n"
+    check(read(above + text_of("time;CH1 [V];tacho", ";"), encoding=encoding))
+
+
+def test_other_forms(read):
+    check(read(text_of("# time,CH1 [V],tacho")))
+    check(read(text_of('"time","CH1 [V]","tacho"')))
+    check(read(text_of(rows=ROWS, form='"%.9f"')))
+    check(read(text_of().replace("\n", "\r\n")))
+    check(read(text_of().replace("\n", ",\n")))  # a delimiter at the end of each line
+    check(read(text_of() + "\n\n"))
+    check(read(text_of().replace("\n", "\r")))
+    quoted = text_of(form='"%.9f"', decimal=",")  # commas for both
+    check(read(quoted))
+    check(read(quoted, decimal=",", delimiter=","))
+    check(read("Note \x85\n" + text_of(), encoding="latin-1"))
+    check(read(text_of("time,CH1,tacho\ns,V,V")))  # units in a row of their own
+    check(read(text_of("time [ms],CH1 [V],tacho", rows=ROWS * [1e3, 1, 1])))
+    check(read(text_of("time (us),CH1 [V],tacho", rows=ROWS * [1e6, 1, 1], form="%.12g")))
+    check(read(text_of("a,a,a", rows=ROWS), {"x": ns.measured.Channel(
+        1, sensitivity=7.87, offset=-9.6, units="mm")}, time=0, mark=2))  # fmt: skip
+    check(read(text_of(rows=ROWS[:, 1:], header="CH1,tacho"), sample_rate=RATE))
+    check(read(text_of(), mark=None, marks=MARKS))
+
+
+def test_units_of_headers(read):
+    one = read(text_of("time,gap [mm],tacho"), {"x": "gap"})
+    assert one["x"].attrs == {"long_name": "displacement x", "units": "mm"}
+    two = read(text_of("time,gap,tacho\ns,um,V"), ["gap"])
+    assert two["gap"].attrs["units"] == "um"
+    none = read("\n".join(text_of().splitlines()[1:]), {"x": 1}, time=0, mark=2)
+    assert "units" not in none["x"].attrs
+
+
+def test_a_dead_probe_is_told(read):
+    with pytest.warns(ResultWarning, match="x does not change"):
+        read(text_of(rows=ROWS * [1, 0, 1]))
+
+
+def test_nothing_is_run(read, tmp_path):
+    """Cells that look like formulas or code are cells."""
+    trap = tmp_path / "trap"
+    bad = f"__import__('os').mkdir({str(trap)!r})"
+    with pytest.raises(OptionError, match="is no number"):
+        read(text_of() + f"=1+1;{bad},2,3\n")
+    with pytest.raises(OptionError, match="unknown column"):
+        read(text_of(), {"x": bad})
+    assert not trap.exists()
+
+
+def cut(line, cell, new):
+    rows = text_of().splitlines()
+    cells = rows[line].split(",")
+    cells[cell] = new
+    rows[line] = ",".join(cells)
+    return "\n".join(rows)
+
+
+@pytest.mark.parametrize(
+    ("text", "options", "message"),
+    [
+        (text_of(), {"columns": {"x": "CH2"}}, "x: unknown column 'CH2'; did you mean 'CH1'"),
+        (text_of(), {"mark": "key"}, "mark: unknown column 'key'"),
+        (text_of(), {"time": "clock"}, "time: unknown column 'clock'"),
+        (text_of("clock,CH1,tacho"), {}, "no column called time, Time, t"),
+        (text_of("time,CH1,CH1"), {"mark": 2}, "2 columns are called 'CH1'"),
+        (text_of("0,0,0"), {}, "has no header above its 3 columns"),
+        (text_of(), {"mark": 1.5}, "mark = 1.5: give the header"),
+        (text_of(), {"mark": True}, "mark = True: give the header"),
+        (text_of(), {"mark": 3}, "numbered from 0 to 2"),
+        (text_of("time [h],CH1,tacho"), {}, "times are in 'h'"),
+        (cut(40, 1, ""), {}, "x: 1 samples are not finite, the first at t = 0.0195"),
+        (cut(40, 1, "over"), {}, "line 41, column 1 .*'over' is no number"),
+        (cut(40, 1, "nan"), {}, "x: 1 samples are not finite, the first at t = 0.0195"),
+        (cut(40, 2, "inf"), {}, "pulse: 1 samples are not finite"),
+        (cut(40, 0, "0.5"), {}, "times must increase"),
+        (cut(40, 0, "1,5"), {}, "times must increase"),
+        ("\n".join(text_of().splitlines()[:900]) + "\n0.4", {}, "line 901 has 1 cells"),
+        ("\n".join(text_of().splitlines()[:900]) + "\n0.4495,", {}, "line 901 has 1 cells"),
+        ("\n".join(text_of().splitlines()[:900]) + "\n0.4495,3", {}, "pulse: 1 samples are not"),
+        (text_of() + "Mean,0.3,0.2\n", {}, "line 1202, column 0 .*'Mean' is no"),
+        (text_of() + "\n" + text_of(), {}, "line 1202 is blank and numbers follow"),
+        (text_of() + text_of(), {}, "'CH1 .V.' is no number"),
+        ("", {}, "run.csv is empty"),
+        ("\n\n", {}, "run.csv is empty"),
+        ("time,CH1,tacho\n", {}, "none of the first 2 lines is a row of numbers"),
+        ("a b c\n" * 500, {}, "none of the first 200 lines"),
+        ("1" * 200_000, {}, "none of the first 1 lines|no header|samples are too few"),
+        ("a," * 200_000, {}, "none of the first 1 lines"),
+        (b"PK\x03\x04abc", {}, "Excel workbook"),
+        (b"1,2\0,3\n", {}, "bytes that are no text"),
+        (text_of(), {"delimiter": ";"}, "separated by ';'"),
+        (text_of(), {"delimiter": "::"}, "one character"),
+        (text_of(), {"decimal": "'"}, "'.' or ','"),
+        (text_of(), {"sample_rate": 3.0, "time": "time"}, "either the column time="),
+        (text_of(), {"mark": None}, "the column mark=, or their times"),
+        (text_of(), {"columns": "x"}, "give the names of columns"),
+        (text_of(), {"columns": {}}, "columns= is empty"),
+        (text_of(), {"columns": {"x": 1.5}}, "header of a column, or its number"),
+        (text_of(), {"columns": {"mark": "CH1"}}, "is taken"),
+    ],
+)  # fmt: skip
+def test_bad_files(read, text, options, message):
+    with pytest.raises(OptionError, match=message):
+        read(text, **options)
+
+
+@pytest.mark.parametrize("path", ["nowhere.csv", ".", 3.5, None])
+def test_no_file(path):
+    with pytest.raises(OptionError):
+        ns.measured.read_csv(path, ["x"], mark="m")
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"sensitivity": 0.0, "units": "mm"}, "sensitivity = 0"),
+        ({"sensitivity": 1.0}, "name the units="),
+        ({"offset": np.inf}, "offset"),
+        ({"units": 3}, "is not a text"),
+    ],
+)
+def test_bad_channels(options, message):
+    with pytest.raises(OptionError, match=message):
+        ns.measured.Channel("a", **options)

@@ -1,0 +1,170 @@
+"""Orbits, cascades and statistics: what is drawn, where, and with which labels."""
+
+import numpy as np
+import pytest
+from matplotlib.colors import LogNorm
+
+import nonsmooth as ns
+
+
+@pytest.fixture(scope="module")
+def run():
+    return ns.simulate(ns.models.rotor(eta=3.0), periods=60)
+
+
+@pytest.fixture(scope="module")
+def in_si(run):
+    """The same in millimetres and seconds, as a rig's data come."""
+    scaled = run.copy()
+    for name in ("x", "y", "sx", "sy"):
+        attrs = {"long_name": f"displacement {name}", "units": "mm"}
+        scaled[name] = (run[name].dims, 0.5 * run[name].values, attrs)
+    seconds = {"units": "s"}
+    for name in ("time", "phase"):
+        scaled[name] = ("time", 0.011 * run[name].values, run[name].attrs | seconds)
+    scaled["event_time"] = ("event", 0.011 * run["event_time"].values, seconds)
+    for name in ("state_before", "state_after"):
+        scaled[name] = (run[name].dims, 0.5 * run[name].values, run[name].attrs)
+    return scaled.assign_attrs(period=0.011 * run.attrs["period"])
+
+
+@pytest.fixture(scope="module")
+def spectra():
+    system = ns.models.rotor()
+    return ns.waterfall(system, "eta", np.linspace(2.0, 3.0, 5), ("x", "y"), record=12)
+
+
+def by_label(ax):
+    return {line.get_label(): line for line in ax.lines}
+
+
+def test_orbit(run, ax):
+    ns.plot.orbit(run, ax=ax, ring=("sx", "sy"), clearance=1.0)
+    lines = by_label(ax)
+    assert ax.get_aspect() == 1.0
+    assert {"free", "sx, sy", "clearance", "every period"} <= set(lines)
+    assert np.hypot(*lines["clearance"].get_data()) == pytest.approx(1.0, abs=1e-14)
+    marks = np.array(lines["every period"].get_data())
+    np.testing.assert_allclose(marks, [run["x"][::100], run["y"][::100]], atol=1e-12)
+    ring = np.array(lines["sx, sy"].get_data())
+    assert ring[0].max() == pytest.approx(float(run["sx"].max()), abs=1e-3)
+
+
+def test_marks_between_samples(ax):
+    """Where no sample is at the beginning of a period, the mark lies on the line between."""
+    system = ns.models.rotor(eta=3.0)
+    run = ns.simulate(system, times=np.arange(0.0, 60.0, 0.01))
+    fine = ns.simulate(system, periods=28)
+    ns.plot.orbit(run, ax=ax, time_range=(20.0, 58.0))
+    x, y = by_label(ax)["every period"].get_data()
+    first = int(np.ceil(20.0 / run.attrs["period"]))
+    wanted = fine.isel(time=slice(100 * first, None, 100))
+    np.testing.assert_allclose(x, wanted["x"][: len(x)], atol=2e-4)
+    np.testing.assert_allclose(y, wanted["y"][: len(y)], atol=2e-4)
+
+
+def test_orbit_in_millimetres(in_si, ax):
+    ns.plot.orbit(in_si, ax=ax, ring=("sx", "sy"), clearance=0.5, centre=(0.1, 0.0))
+    assert ax.get_xlabel() == "displacement x [mm]"
+    assert ax.get_ylabel() == "displacement y [mm]"
+    assert len(by_label(ax)["every period"].get_xdata()) == 61
+    x, y = by_label(ax)["clearance"].get_data()
+    assert np.hypot(x - 0.1, y) == pytest.approx(0.5, abs=1e-14)
+
+
+def test_spectra_in_millimetres(in_si, ax):
+    found = ns.full_spectrum(in_si, "x", "y")
+    ns.plot.spectrum(found, ax=ax)
+    assert ax.get_xlabel() == "frequency in cycles [1/s]"
+    assert ax.get_ylabel() == "amplitude of x + i y [mm]"
+    low, high = ax.get_xlim()
+    assert low == -high
+
+
+def test_spectrum_over_orders(run, ax):
+    ns.plot.spectrum(ns.full_spectrum(run, "x", "y"), ax=ax, over="harmonic")
+    assert ax.get_xlabel() == "frequency over that of the forcing"
+    assert ax.get_xlim() == pytest.approx((-5.0, 5.0))
+    marks = sorted(line.get_xdata()[0] for line in ax.lines[:-1])
+    assert marks == pytest.approx(np.arange(-5.0, 6.0))
+    with pytest.raises(ns.OptionError, match="over = 'order'"):
+        ns.plot.spectrum(ns.full_spectrum(run, "x", "y"), ax=ax, over="order")
+
+
+def test_cascade(spectra, ax):
+    """Every line stands at its value, and is as high as its amplitude."""
+    ns.plot.waterfall(spectra, ax=ax, over="harmonic", height=0.5, orders=False)
+    lines = {round(float(line.get_ydata().min()), 3): line for line in ax.lines}
+    values = spectra["parameter"].values
+    assert len(ax.lines) == 5
+    amplitude = spectra["amplitude"].where(spectra["harmonic"] != 0.0, 0.0)
+    amplitude = amplitude.sel(harmonic=slice(-5.2, 5.2))
+    largest = float(amplitude.max())
+    for k, value in enumerate(values):
+        line = lines[min(lines, key=lambda low, value=value: abs(low - value))]
+        height = float(np.ptp(line.get_ydata()))
+        here = float(amplitude[k].max() - amplitude[k].min())
+        assert height == pytest.approx(0.5 * here / largest, abs=1e-9)
+
+
+def test_map_of_colours(spectra, ax):
+    ns.plot.waterfall(spectra, ax=ax, kind="map", over="frequency")
+    (mesh,) = ax.collections
+    assert isinstance(mesh.norm, LogNorm)
+    # the line of the first order lies in the cells of the first order
+    line = next(each for each in ax.lines if each.get_xdata()[0] > 0)
+    np.testing.assert_allclose(line.get_xdata(), spectra["parameter"] / (2 * np.pi))
+    corners = mesh.get_coordinates()
+    place = int(np.flatnonzero(np.isclose(spectra["harmonic"], 1.0))[0])
+    shown = spectra["harmonic"].values[np.abs(spectra["frequency"].values).min(axis=0) >= 0]
+    assert corners.shape[0] == 6 and shown[place] == pytest.approx(1.0)
+    assert [t.get_text() for t in ax.texts if t.get_text() == "1X"] == ["1X"]
+
+
+def test_motions_that_ended_early_are_left_out(spectra, ax):
+    part = spectra.copy(deep=True)
+    part["amplitude"][2] = np.nan
+    part["period"][2] = np.nan
+    ns.plot.waterfall(part, ax=ax, orders=False)
+    assert len(ax.lines) == 4
+
+
+def test_statistics(ax):
+    found = ns.contact_statistics(
+        ns.models.rotor(), "eta", [2.1, 2.4, 3.0], of="force", transient=30, record=10
+    )
+    ns.plot.statistics(found, "force", ax=ax)
+    lines = by_label(ax)
+    np.testing.assert_array_equal(lines["largest"].get_ydata(), found["force_max"])
+    np.testing.assert_array_equal(lines["rms"].get_ydata(), found["force_rms"])
+    assert ax.get_ylabel() == "force"
+    first = ax.get_legend().get_texts()[0]
+    assert first.get_text() == "5 to 95 %"
+
+
+def test_run_up_and_run_down_on_one_axes(ax):
+    for text in ("2 + t/300", "3 - t/300"):
+        system = ns.models.rotor()
+        slow = ns.System(**{**system.__getstate__(), "slow": {"eta": text}, "equations": None})
+        found = ns.period_statistics(ns.simulate(slow, t_end=300), "x", periods=4)
+        ns.plot.statistics(found, "x_amplitude", ax=ax)
+    assert [line.get_label() for line in ax.lines] == ["eta rises", "eta falls"]
+    assert ax.get_xlabel() == "eta"
+    assert np.all(np.diff(ax.lines[1].get_xdata()) < 0.0)
+
+
+@pytest.mark.parametrize(
+    ("draw", "text"),
+    [
+        (lambda run, spectra, ax: ns.plot.orbit(run, "x", "z", ax=ax), "unknown variable 'z'"),
+        (lambda run, spectra, ax: ns.plot.orbit(run, clearance=0, ax=ax), "must be positive"),
+        (lambda run, spectra, ax: ns.plot.waterfall(run, ax=ax), "give it a result of waterfall"),
+        (lambda run, spectra, ax: ns.plot.waterfall(spectra, kind="heap"), "unknown kind 'heap'"),
+        (lambda run, spectra, ax: ns.plot.waterfall(spectra, kind="map", height=1), "leave it out"),
+        (lambda run, spectra, ax: ns.plot.waterfall(spectra, highest=0), "must be positive"),
+        (lambda run, spectra, ax: ns.plot.statistics(run, "x"), "neither 'parameter' nor"),
+    ],
+)
+def test_wrong_options(run, spectra, ax, draw, text):
+    with pytest.raises(ns.OptionError, match=text):
+        draw(run, spectra, ax)
