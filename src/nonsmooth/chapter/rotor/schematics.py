@@ -186,7 +186,7 @@ def _coordinates(ax: Axes, data: xr.Dataset) -> None:
     ax.annotate(
         r"$\mathbf{R}_r$", tuple(0.72 * rotor - (0.12, -0.16)), color=_ROTOR, fontsize=_TEXT
     )
-    ax.annotate(r"$\mathbf{R}_s$", tuple(ring + (0.0, -0.28)), color=_RING, fontsize=_TEXT)
+    ax.annotate(r"$\mathbf{R}_s$", tuple(ring - (0.0, 0.28)), color=_RING, fontsize=_TEXT)
     ax.annotate(
         r"$\varepsilon$", tuple(0.5 * rest - (0.08, 0.24)), color=PALETTE["green"], fontsize=_TEXT
     )
