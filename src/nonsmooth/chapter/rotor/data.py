@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from nonsmooth import System
 from nonsmooth.models import RotorRig, rotor
 
@@ -15,7 +17,7 @@ __all__ = [
     "set_b",
 ]
 
-_SET_B = {"nu1": 0.06, "eta_m": 0.00289, "eps_x": 0.4, "eps_y": 0.5}
+_SET_B: dict[str, Any] = {"nu1": 0.06, "eta_m": 0.00289, "eps_x": 0.4, "eps_y": 0.5}
 
 
 # Eccentricity and preload of Fig. 40, and of Figs. 41 and 42 [mm].
