@@ -194,6 +194,10 @@ def _rig_figure(
         ax.set_title(_TITLES[sweep.start], loc="left", fontsize=_TEXT)
         ax.set_xlim(*span)
     _label(axes[:2], "speed [Hz]", "displacement in x [mm]")
+    figure.legend(
+        handles=[_printed_line("speeds of the sections")],
+        loc="outside upper center", frameon=False, fontsize=_TEXT,
+    )  # fmt: skip
     sections = [_section(machine, speed, sweeps, points, starts) for speed in speeds]
     for ax, speed, found in zip(axes[2:], speeds, sections, strict=True):
         _draw_section(ax, found)
