@@ -178,7 +178,7 @@ def _crisis() -> Evidence:
     rows = _summary("41")
     motions = []
     for row in rows:
-        if row["to"] is None:
+        if row["to"] is None or row["start"] != _STATED:
             continue
         for side in (-1.0, 1.0):
             speed = row["to"] + side * row["step"]
