@@ -93,3 +93,16 @@ def test_values_that_no_rotor_has(changes, words):
 def test_a_position_that_disagrees_with_the_ring_is_told_what_would_agree():
     with pytest.raises(ns.OptionError, match=r"give sx = 0\.2"):
         ns.simulate(rotor(), {"x": 1.2, "sx": 0.1}, periods=1)
+
+
+def test_analyses_take_starts_on_the_ring():
+    """What a region leaves out of the ring stands where statics put it, as in `simulate`."""
+    system = rotor(eta=2.1, delta_x=0.05, delta_y=0.05, nu1=0.2)
+    found = ns.attractors(system, {"x": (0.5, 1.6), "y": (-0.4, 0.4)}, samples=8, record=500)
+    assert found["kind"].values.tolist() == ["periodic"]
+    axes = {"x": np.linspace(0.5, 1.6, 6), "y": np.linspace(-0.4, 0.4, 5)}
+    basins = ns.basins_of_attraction(system, axes, record=500)
+    assert np.all(basins["label"] == 1) and basins.attrs["inadmissible_cells"] == 0
+    points = ns.StroboscopicMap(system).iterate({"x": 1.4, "y": 0.2}, 1)
+    run = ns.simulate(system, {"x": 1.4, "y": 0.2}, periods=1, samples_per_period=1)
+    assert float(points["x"][0]) == float(run["x"][-1])

@@ -67,7 +67,12 @@ class StrobeRunner:
 
         shapes: states (L, n), modes (L,)
         """
-        return StrobeLanes(self._runner.start(states, self._instants(0, 1)[0], modes), 0)
+        return StrobeLanes(self._runner.start(states, self.begin, modes), 0)
+
+    @property
+    def begin(self) -> Instant:
+        """Instant at which lanes begin."""
+        return self._instants(0, 1)[0]
 
     def iterate(
         self, lanes: StrobeLanes, count: int, stop: threading.Event | None = None

@@ -23,7 +23,14 @@ from nonsmooth.system.system import System
 _TOLERANCE = 1e-12
 _NO_TIMES = (np.zeros(0, np.int64), np.zeros(0))
 
-__all__ = ["Start", "explain_misfit", "mode_numbers", "resolve_start", "start_at_end"]
+__all__ = [
+    "Start",
+    "complete_state",
+    "explain_misfit",
+    "mode_numbers",
+    "resolve_start",
+    "start_at_end",
+]
 
 
 @dataclass(frozen=True)
@@ -61,18 +68,18 @@ def resolve_start(
     state = _from_mapping(system, initial or {})
     instant, modes = _instant(tables, t_start or 0.0), mode_numbers(system, mode)
     if np.any(np.isnan(state)):
-        state = _completed(system, tables, state, instant, modes)
+        state = complete_state(system, tables, state, instant, modes)
     return Start(state, instant, modes)
 
 
-def _completed(
+def complete_state(
     system: System,
     tables: Tables,
     state: npt.NDArray[np.float64],
     instant: Instant,
-    modes: tuple[int, ...],
+    modes: tuple[int, ...] = (-1,),
 ) -> npt.NDArray[np.float64]:
-    """State with what was left out as the mode wants it in which a run begins there.
+    """State with what was left out, as nan, as the mode wants it in which a run begins there.
 
     The run has no length. Where no mode takes the start, what was left out is at rest.
     """

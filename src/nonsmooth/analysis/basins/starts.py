@@ -11,6 +11,9 @@ from scipy.stats import qmc
 from nonsmooth.analysis.basins.region import Box
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import OptionError
+from nonsmooth.simulation.clock import Instant
+from nonsmooth.simulation.runner import build_tables
+from nonsmooth.simulation.start import complete_state
 
 __all__ = ["admissible_starts"]
 
@@ -32,6 +35,7 @@ def admissible_starts(
     while n_found < count and drawn < _MOST_DRAWN * count:
         # powers of two keep the balance of the sequence
         batch = box.states(sequence.random(2 ** max(6, int(np.ceil(np.log2(count))))))
+        batch = _completed(runner, box, batch)
         lanes = runner.start(batch)
         runner.last(lanes, 1)
         admitted = lanes.status != Status.INADMISSIBLE
@@ -46,3 +50,12 @@ def admissible_starts(
             " completion={'q': 'max(0, p - g)'}"
         )
     return np.concatenate(found), drawn
+
+
+def _completed(runner: Any, box: Box, states: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """States with those that were left to the equations of a mode, given as nan, solved for."""
+    if not np.any(np.isnan(states)):
+        return states
+    system = box.completion.system
+    tables, begin = build_tables(system), getattr(runner, "begin", Instant(0, 0.0))
+    return np.array([complete_state(system, tables, state, begin) for state in states])
