@@ -1,4 +1,4 @@
-"""Friction on the massless ring: the ring at rest in closed form, turned starts, and a light ring."""
+"""Friction on the massless ring: rest in closed form, turned starts, and a light ring."""
 
 from itertools import pairwise
 
