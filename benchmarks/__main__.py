@@ -1,4 +1,6 @@
-"""`python benchmarks` runs all: long runs, set-up, the stiff rig, Taylor steps, sweeps, basins."""
+"""`python benchmarks` runs all: long runs, set-up, the stiff rig, Taylor steps, sweeps, basins,
+rotor.
+"""
 
 import subprocess
 import sys
@@ -22,4 +24,4 @@ def alone(name):
 
 
 runs = [bench_simulate.main(), bench_setup.main(), bench_rig.main([]), bench_taylor.main([])]
-sys.exit(max(*runs, alone("bench_ensembles.py"), alone("bench_basins.py")))
+sys.exit(max(*runs, *map(alone, ("bench_ensembles.py", "bench_basins.py", "bench_rotor.py"))))

@@ -6,6 +6,7 @@ from importlib import resources
 import pytest
 
 from chapter.test_basin_claims import SLOW
+from chapter.test_rotor_claims import SLOW_ROTOR
 from chapter.test_sweep_claims import LONG
 from nonsmooth.chapter import claim_ids, evaluate_claims
 from nonsmooth.chapter.claims import _checks, _table
@@ -19,7 +20,7 @@ COUNTS = {"G": 3, "M": 57, "F": 59, "R": 57}
 @pytest.fixture(scope="module")
 def rows():
     """Verdicts that take seconds; those from diagrams have tests of their own."""
-    quick = [name for name in claim_ids(judged=True) if name not in {*LONG, *SLOW}]
+    quick = [name for name in claim_ids(judged=True) if name not in {*LONG, *SLOW, *SLOW_ROTOR}]
     return {row["id"]: row for row in evaluate_claims(ids=quick)}
 
 

@@ -17,7 +17,7 @@ def circle(**changes):
         states=["x", "u", "y", "v"],
         parameters={"w": 0.6},
         modes={
-            "in": Mode(
+            "inside": Mode(
                 {"x": "u", "u": words["rate"], "y": "v", "v": "-w**2*y"},
                 exits=[Exit(words["guard"], to="stop", name="out")],
             )
@@ -50,9 +50,7 @@ def test_first_crossings_of_a_circle():
     for _ in range(25):
         x0, y0 = rng.uniform(-0.6, 0.6, 2)
         u0, v0 = rng.uniform(-0.9, 0.9, 2)
-        run = ns.simulate(
-            circle(), {"x": x0, "u": u0, "y": y0, "v": v0}, times=[20.0], samples_per_period=None
-        )
+        run = ns.simulate(circle(), {"x": x0, "u": u0, "y": y0, "v": v0}, times=[20.0])
         truth = first_root(x0, u0, y0, v0, 0.6, 20.0)
         if truth is None:
             assert run.attrs["status"] == "completed" and run.sizes["event"] == 1
@@ -121,7 +119,7 @@ def test_derivatives_across_a_curved_exit():
     system = System(
         states=["x", "u", "y", "v"],
         modes={
-            "in": Mode(
+            "inside": Mode(
                 {"x": "u", "u": "0", "y": "v", "v": "0"},
                 exits=[Exit("1 - x**2 - y**2", reset=normal, name="wall")],
             )

@@ -179,7 +179,7 @@ def test_names_given_to_cells():
         ({"+": "a"}, ["'+' has 1 signs", "2 surfaces", "++, +-, -."]),
         ({"--": "a"}, ["unknown cell '--'", "known: ++, +-, -."]),
         ({"+0": "a"}, ["slides", "not supported"]),
-        ({"++": "n"}, ["'n' is the name of a mode"]),
+        ({"++": "n"}, ["'n' is the name of another mode"]),
     ],
 )
 def test_names_of_cells_that_cannot_be(cells, words):

@@ -27,6 +27,15 @@ _GROUPS = (
     "mole.drift_claims",
     "mole.basin_claims",
     "mole.frequency_claims",
+    "rotor.rig_data_claims",
+    "rotor.statics_claims",
+    "rotor.contact_claims",
+    "rotor.section_claims",
+    "rotor.bifurcation_claims",
+    "rotor.ring_claims",
+    "rotor.rig_diagram_claims",
+    "rotor.rig_regime_claims",
+    "rotor.preload_claims",
 )
 
 

@@ -43,6 +43,21 @@ _FIGURES = {
     ),
     "fig12": _Entry("mole.basins", "fig12", "basins of attraction of the mole, six frequencies"),
     "phases": _Entry("mole.phases", "period_one_phases", "four phases of a period-one motion"),
+    "fig31": _Entry("rotor.schematics", "fig31", "model of the rotor in its ring, and coordinates"),
+    "fig32": _Entry("rotor.schematics", "fig32", "force of the ring against the normal of contact"),
+    "fig33": _Entry("rotor.schematics", "fig33", "four forces of the ring over its displacement"),
+    "fig34": _Entry("rotor.regions", "fig34", "regions of operation of the rotor in its ring"),
+    "fig35": _Entry("rotor.regions", "fig35", "their boundaries, Eqs. (62)-(66)"),
+    "fig36": _Entry(
+        "rotor.diagrams",
+        "fig36",
+        "displacement of the rotor over its speed, with and without preload",
+    ),
+    "fig37": _Entry("rotor.sections", "fig37", "four sections of the rotor's motion"),
+    "fig38": _Entry("rotor.ring_motion", "fig38", "velocity of the ring over its displacement"),
+    "fig40": _Entry("rotor.diagrams", "fig40", "the rig from 7 to 50 Hz, with two sections"),
+    "fig41": _Entry("rotor.diagrams", "fig41", "the rig from 7 to 30 Hz, with two sections"),
+    "fig42": _Entry("rotor.rig_orbits", "fig42", "orbits of the rig at 13.1 Hz in x and in y"),
 }
 
 
@@ -57,7 +72,7 @@ def figure_ids() -> list[str]:
     --------
     >>> from nonsmooth.chapter import figure_ids
     >>> figure_ids()
-    ['fig5b', 'fig5d', 'fig6', 'fig7', 'fig8', 'fig11', 'fig12', 'phases']
+    ['fig5b', 'fig5d', 'fig6', 'fig7', 'fig8', 'fig11', 'fig12', 'phases', 'fig31', ...]
     """
     return list(_FIGURES)
 

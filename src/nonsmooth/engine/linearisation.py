@@ -15,51 +15,69 @@ from nonsmooth.engine.jit import kernel
 from nonsmooth.engine.solved_relations import place_point, solve_together
 from nonsmooth.engine.taylor_series import fill_series
 
-__all__ = ["linearise"]
+__all__ = ["linearise", "linearise_derivatives"]
 
 
 @kernel
-def linearise(tables, slot_rates, harmonic_rates, affine_rates, series, dual, m, z, orders):
-    """Rows of guards with their derivatives and resets of a mode at z; of a Taylor mode all rows.
+def linearise(tables, slot_rates, harmonic_rates, affine_rates, series, dual, m, z):
+    """Rows of guards and resets of a mode at z; of a Taylor mode those of its flow too.
 
     shapes: z (N,), series and dual as in Segment, the next three as in Rates; the rows of the
     mode in tables.generator and tables.affine are the output, and in affine_rates the rates of
-    their values by parameters, in the column of 1. orders = 1 leaves the derivatives of guards
-    out, at.DERIVATIVES is all
+    their values by parameters, in the column of 1. Where states are solved for by equations,
+    z holds a solution
     """
-    n, big_n = tables.sizes[0], z.size
-    first, middle, end = tables.code_rows[m]
-    outlets, slaved = tables.outlets[m], at.explicit(tables.wiring, m)
+    n = tables.sizes[0]
+    outlets = tables.outlets[m]
     place_point(z, series, dual)
-    for part in range(min(orders, 2)):  # resets are values at the instant, the others derivatives
-        last, high = (end, 0) if part == 0 else (middle, at.TERMS - 1)
-        fill_series(
-            tables.code, tables.terms, tables.weights, first, last, tables.values, outlets,
-            slaved, tables.sizes, tables.harmonics, series, part, high,
-        )  # fmt: skip
-        fill_duals(
-            tables.code, tables.terms, tables.weights, first, last, tables.values, slot_rates,
-            big_n, outlets, slaved, tables.sizes, tables.harmonics, harmonic_rates, series, dual,
-            part, high, dual.shape[1],
-        )  # fmt: skip
+    _fill(tables, slot_rates, harmonic_rates, series, dual, m, tables.code_rows[m, 2], 0, 0)
     n_exits = tables.wiring.shape[1] - 1
     affine = tables.affine
     if tables.kinds[m] == at.TAYLOR:
         _write_flow(tables, affine_rates, series, dual, m, z)
     for e in range(tables.wiring[m, 0, at.N_EXITS]):
-        guard = outlets[n + e]
-        factor = 1.0
-        for r in range(orders):
-            row = affine[m, at.guard_row(e, r)]
-            _write_row(row, series[guard, r], dual[guard], r, factor, n, z)
-            factor *= r + 1.0
-        _write_rates(affine_rates, m, at.guard_row(e, 0), 1.0, dual[guard], n, z)
+        guard, place = outlets[n + e], at.guard_row(e, 0)
+        _write_row(affine[m, place], series[guard, 0], dual[guard], 0, 1.0, n, z)
+        _write_rates(affine_rates, m, place, 1.0, dual[guard], n, z)
         for i in range(n):
             if (tables.wiring[m, 1 + e, at.RESETTING] >> i) & 1:
                 new = outlets[n + n_exits + e * n + i]
                 place = at.reset_row(n_exits, n, e, i)
                 _write_row(affine[m, place], series[new, 0], dual[new], 0, 1.0, n, z)
                 _write_rates(affine_rates, m, place, 1.0, dual[new], n, z)
+
+
+@kernel
+def linearise_derivatives(tables, slot_rates, harmonic_rates, series, dual, m, z):
+    """Rows of the time derivatives of guards, where `linearise` has left those of their values."""
+    n = tables.sizes[0]
+    middle = tables.code_rows[m, 1]
+    _fill(tables, slot_rates, harmonic_rates, series, dual, m, middle, 1, at.TERMS - 1)
+    for e in range(tables.wiring[m, 0, at.N_EXITS]):
+        guard, factor = tables.outlets[m, n + e], 1.0
+        for r in range(1, at.DERIVATIVES):
+            row = tables.affine[m, at.guard_row(e, r)]
+            _write_row(row, series[guard, r], dual[guard], r, factor, n, z)
+            factor *= r + 1.0
+
+
+@kernel
+def _fill(tables, slot_rates, harmonic_rates, series, dual, m, last, low, high):
+    """Coefficients of some orders with their derivatives in all directions."""
+    first, outlets, slaved = (
+        tables.code_rows[m, 0],
+        tables.outlets[m],
+        at.explicit(tables.wiring, m),
+    )
+    fill_series(
+        tables.code, tables.terms, tables.weights, first, last, tables.values, outlets,
+        slaved, tables.sizes, tables.harmonics, series, low, high,
+    )  # fmt: skip
+    fill_duals(
+        tables.code, tables.terms, tables.weights, first, last, tables.values, slot_rates,
+        tables.generator.shape[1], outlets, slaved, tables.sizes, tables.harmonics,
+        harmonic_rates, series, dual, low, high, dual.shape[1],
+    )  # fmt: skip
 
 
 @kernel

@@ -177,7 +177,7 @@ def _mode_of_start(tables, rates, segment, mode, tolerance):
     copy_vector(z, given, z.size)
     for m in range(low, high):
         if tables.wiring[m, 0, at.IMPLICIT] == 0 or settle(tables, rates, segment, m):
-            linearise_mode(tables, rates, segment, m, at.DERIVATIVES)
+            linearise_mode(tables, rates, segment, m)
             if _fits(tables, segment, m, given, tolerance):
                 return m
         copy_vector(given, z, z.size)

@@ -140,7 +140,7 @@ def _linearise_at_rest(program, tables):
     fill_first_pieces(tables.signals, tables.knots, at.first_of_signals(tables.sizes), z)
     for m in range(tables.kinds.size):
         if tables.kinds[m] == at.TAYLOR:
-            linearise(tables, no_rates, no_rates, no_rows, series, dual, m, z, at.DERIVATIVES)
+            linearise(tables, no_rates, no_rates, no_rows, series, dual, m, z)
             if not _finite(tables.generator[m]):
                 for i in range(n):
                     for j in range(big_n):

@@ -16,6 +16,7 @@ __all__ = ["place_point", "settle", "solve_together"]
 _MOST_STEPS = 60
 _QUADRATIC = 1e-9  # a step of this part of the terms leaves an error of its square
 _FAR = 1e300
+_MOST_GROWTH = 4.0  # of a step, beside the one before: far from a solution steps may grow
 _LEAST = 2.0**-20  # part of a step of Newton's method
 
 
@@ -33,35 +34,23 @@ def place_point(z, series, dual):
 def settle(tables, rates, segment, m):
     """Solve the relations of mode m at segment.z, from the present values; False if that fails.
 
-    Steps are halved while they do not shrink. Only the states that are solved for change.
+    A step is halved where the next one would be much longer. Only the states that are solved for
+    change.
     """
-    z, before, last = segment.z, segment.newton[0], segment.newton[1]
-    series, implicit = segment.series, tables.wiring[m, 0, at.IMPLICIT]
+    z, before, last, weight = segment.z, segment.newton[0], segment.newton[1], segment.newton[2]
     n, n_exits = tables.sizes[0], tables.wiring.shape[1] - 1
-    first, end = tables.code_rows[m, 0], tables.code_rows[m, 2]
-    share, size = 1.0, _FAR
-    for _ in range(_MOST_STEPS):
-        place_point(z, series, segment.dual)
-        fill_series(
-            tables.code, tables.terms, tables.weights, first, end, tables.values,
-            tables.outlets[m], at.explicit(tables.wiring, m), tables.sizes, tables.harmonics,
-            series, 0, 0,
-        )  # fmt: skip
-        fill_duals(
-            tables.code, tables.terms, tables.weights, first, end, tables.values,
-            rates.slot_rates, z.size, tables.outlets[m], at.explicit(tables.wiring, m),
-            tables.sizes, tables.harmonics, rates.harmonics, series, segment.dual, 0, 0,
-            at.n_blocks(n),
-        )  # fmt: skip
-        step = _FAR
-        if solve_together(tables, m, series, segment.dual):
-            step = _size_of_step(tables, m, series, segment.dual, z)
-        if step < size or step <= _QUADRATIC:
+    implicit, share, size = tables.wiring[m, 0, at.IMPLICIT], 1.0, _FAR
+    for count in range(_MOST_STEPS):
+        _fill_step(tables, rates, segment, m)
+        step, part = _FAR, _FAR
+        if solve_together(tables, m, segment.series, segment.dual):
+            step, part = _size_of_step(tables, m, segment.series, segment.dual, z, weight, count)
+        if step < _MOST_GROWTH * size or part <= _QUADRATIC:
             size, share = step, 1.0
             for i in range(n):
                 if (implicit >> i) & 1:
                     row = tables.outlets[m, at.vanishing(n_exits, n, i)]
-                    before[i], last[i] = z[i], series[row, 0]
+                    before[i], last[i] = z[i], segment.series[row, 0]
         else:
             share *= 0.5
             if size == _FAR or share < _LEAST:
@@ -69,9 +58,29 @@ def settle(tables, rates, segment, m):
         for i in range(n):
             if (implicit >> i) & 1:
                 z[i] = before[i] - share * last[i]
-        if size <= _QUADRATIC and share == 1.0:
+        if part <= _QUADRATIC:
             return True
     return False
+
+
+@kernel
+def _fill_step(tables, rates, segment, m):
+    """Values of all that mode m computes at segment.z, with derivatives by the states."""
+    first, end, slaved = (
+        tables.code_rows[m, 0],
+        tables.code_rows[m, 2],
+        at.explicit(tables.wiring, m),
+    )
+    place_point(segment.z, segment.series, segment.dual)
+    fill_series(
+        tables.code, tables.terms, tables.weights, first, end, tables.values, tables.outlets[m],
+        slaved, tables.sizes, tables.harmonics, segment.series, 0, 0,
+    )  # fmt: skip
+    fill_duals(
+        tables.code, tables.terms, tables.weights, first, end, tables.values, rates.slot_rates,
+        segment.z.size, tables.outlets[m], slaved, tables.sizes, tables.harmonics, rates.harmonics,
+        segment.series, segment.dual, 0, 0, at.n_blocks(tables.sizes[0]),
+    )  # fmt: skip
 
 
 @kernel
@@ -106,23 +115,26 @@ def solve_together(tables, m, series, dual):
 
 
 @kernel
-def _size_of_step(tables, m, series, dual, z):
-    """Largest step of a state beside the terms that make up its solution."""
+def _size_of_step(tables, m, series, dual, z, weight, count):
+    """Largest step of a state, beside the terms that made up the solution at first, and now."""
     n, n_exits, outlets = tables.sizes[0], tables.wiring.shape[1] - 1, tables.outlets[m]
     implicit = tables.wiring[m, 0, at.IMPLICIT]
-    largest = 0.0
+    largest, part = 0.0, 0.0
     for i in range(n):
         if (implicit >> i) & 1:
             row = outlets[at.vanishing(n_exits, n, i)]
             size = 0.0
-            for j in range(z.size):
+            for j in range(n):
                 size += abs(dual[row, j // at.LANES, 0, j % at.LANES] * z[j])
             step = abs(series[row, 0])
             if not step <= _FAR:
-                return _FAR
+                return _FAR, _FAR
+            if count == 0:
+                weight[i] = max(size, step)
             if step > 0.0:
-                largest = max(largest, step / size if size > 0.0 else _FAR)
-    return largest
+                largest = max(largest, step / weight[i] if weight[i] > 0.0 else _FAR)
+                part = max(part, step / size if size > 0.0 else _FAR)
+    return largest, part
 
 
 @kernel

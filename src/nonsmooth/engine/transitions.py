@@ -10,7 +10,7 @@ from __future__ import annotations
 from nonsmooth.engine import layout as at
 from nonsmooth.engine.arrays import copy_vector
 from nonsmooth.engine.jit import inlined, kernel
-from nonsmooth.engine.linearisation import linearise
+from nonsmooth.engine.linearisation import linearise, linearise_derivatives
 from nonsmooth.engine.solved_relations import settle
 from nonsmooth.engine.status import Status
 from nonsmooth.engine.tangent import (
@@ -80,27 +80,10 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
     path, passes, jumped, corner = 0, 0, False, False
     jumping = 0  # bits of the slaved states that a reset has let jump onto their relations
     followed = curved  # whether basis holds the directions left free by the path so far
-    fired = 0.0  # size of the terms that cancelled in the guard that fired
     carrying = tangent.columns.shape[0] > 0
-    if e >= 0:
-        if curved:  # a reset that keeps a zero does so on the guard, not beside it
-            linearise_mode(tables, rates, segment, m, 1)
-        fill_extent(n, affine, wiring, m, z, segment.extent)
-        fired = _set_fired_zero(n, tables.generator, affine, wiring, m, e, z, segment.extent)
-    if e < 0 and tables.wiring[m, 0, at.IMPLICIT] != 0 and not settle(tables, rates, segment, m):
+    ready, fired = _prepare(tables, rates, segment, tangent, m, e, duration, curved)
+    if not ready:
         return _INADMISSIBLE, m, path, passes, jumped, corner
-    if curved:
-        # the derivatives of the guards count in the mode that is entered only
-        linearise_mode(tables, rates, segment, m, 1 if e >= 0 else at.DERIVATIVES)
-        fill_scale(n, tables.generator, affine, wiring, m, z, duration, segment.scale)
-        start_directions(n, affine, wiring, m, e, segment.scale, basis)
-    fill_extent(n, affine, wiring, m, z, segment.extent)
-    if e < 0:
-        _settle_slaved(n, affine, wiring, m, z, segment.extent)
-        if carrying:
-            relate_columns(tables, rates, segment, tangent, m)
-    elif carrying:
-        start_saltation(tables, rates, segment, tangent, m, e)
     while True:
         if e >= 0:
             target = wiring[m, 1 + e, at.TARGET]
@@ -109,7 +92,10 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
             passes += 1
             if carrying:
                 push_columns(tables, rates, segment, tangent, m, e)
-            if _reset(n, affine, wiring, m, e, z, segment.extent, segment.spare):
+            _reset(n, affine, wiring, m, e, z, segment.extent, segment.spare)
+            # what the target slaves is put on its relation anyway: naming it is no jump
+            free = -1 if target < 0 else ~wiring[target, 0, at.SLAVED]
+            if wiring[m, 1 + e, at.RESETTING] & free != 0:
                 jumped = True
                 visited = 0  # without a jump no mode may return
             if target < 0:
@@ -118,24 +104,10 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
             resetting = wiring[m, 1 + e, at.RESETTING]
             if resetting != 0 or tables.families[target] != tables.families[m]:
                 jumping = resetting
-            copy_vector(z, segment.spare, z.size)
-            if curved:
-                push_reset(n, affine, wiring, m, e, basis)
-                if wiring[target, 0, at.IMPLICIT] != 0 and not settle(
-                    tables, rates, segment, target
-                ):
-                    return _INADMISSIBLE, target, path, passes, jumped, corner
-                linearise_mode(tables, rates, segment, target, 1)
-                push_relations(n, affine, wiring, target, basis)
-            fill_extent(n, affine, wiring, target, z, segment.extent)
-            if not _slave(
-                n, affine, wiring, target, z, segment.spare, segment.extent, segment.scale,
-                jumping, fired, tolerance,
-            ):  # fmt: skip
+            if not _enter(
+                tables, rates, segment, tangent, m, e, target, jumping, fired, curved, tolerance
+            ):
                 return _INADMISSIBLE, target, path, passes, jumped, corner
-            fill_extent(n, affine, wiring, target, z, segment.extent)
-            if carrying:
-                relate_columns(tables, rates, segment, tangent, target)
             before, m = m, target
             if (visited >> m) & 1:
                 # cells of one mode hand over in a circle where both sides point at a surface
@@ -149,10 +121,10 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
             fill_scale(n, tables.generator, affine, wiring, m, z, duration, segment.scale)
         if (
             curved
-            and passes > 0
+            and at.has_code(tables.code_rows, m)
             and _some_zero(affine, wiring, m, z, segment.extent, segment.scale)
         ):
-            linearise_mode(tables, rates, segment, m, at.DERIVATIVES)
+            _differentiate(tables, rates, segment, m)
         e, meets, followed = _next_exit(
             n, affine, wiring, z, segment.extent, segment.order, basis, segment.scale, first_mode,
             first_exit, m, path, passes, followed, tolerance,
@@ -162,6 +134,59 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
             if carrying and first_exit >= 0:
                 end_saltation(tables, segment, tangent, m)
             return _COMPLETED, m, path, passes, jumped, corner
+
+
+@inlined
+def _prepare(tables, rates, segment, tangent, m, e, duration, curved):
+    """Bring all that belongs to mode m up to date before its exit e is passed, or at a start.
+
+    returns: False where states cannot be solved for, and the size of the terms that cancelled in
+    the guard that fired
+    """
+    n, affine, wiring, z = tables.sizes[0], tables.affine, tables.wiring, segment.z
+    carrying = tangent.columns.shape[0] > 0
+    fired = 0.0
+    if e < 0 and wiring[m, 0, at.IMPLICIT] != 0 and not settle(tables, rates, segment, m):
+        return False, fired
+    if curved:  # gradients do not change on the hair's breadth to the zero of the guard
+        linearise_mode(tables, rates, segment, m)
+    fill_extent(n, affine, wiring, m, z, segment.extent)
+    if e >= 0:
+        fired = _set_fired_zero(n, tables.generator, affine, wiring, m, e, z, segment.extent)
+    if curved:
+        fill_scale(n, tables.generator, affine, wiring, m, z, duration, segment.scale)
+        start_directions(n, affine, wiring, m, e, segment.scale, segment.basis)
+    fill_extent(n, affine, wiring, m, z, segment.extent)
+    if e < 0:
+        _settle_slaved(n, affine, wiring, m, z, segment.extent)
+        if carrying:
+            relate_columns(tables, rates, segment, tangent, m)
+    elif carrying:
+        start_saltation(tables, rates, segment, tangent, m, e)
+    return True, fired
+
+
+@inlined
+def _enter(tables, rates, segment, tangent, m, e, target, jumping, fired, curved, tolerance):
+    """Enter a mode behind the reset of exit e; False where slaved states do not agree with it."""
+    n, affine, wiring, z = tables.sizes[0], tables.affine, tables.wiring, segment.z
+    copy_vector(z, segment.spare, z.size)
+    if curved:
+        push_reset(n, affine, wiring, m, e, segment.basis)
+        if wiring[target, 0, at.IMPLICIT] != 0 and not settle(tables, rates, segment, target):
+            return False
+        linearise_mode(tables, rates, segment, target)
+        push_relations(n, affine, wiring, target, segment.basis)
+    fill_extent(n, affine, wiring, target, z, segment.extent)
+    if not _slave(
+        n, affine, wiring, target, z, segment.spare, segment.extent, segment.scale, jumping,
+        fired, tolerance,
+    ):  # fmt: skip
+        return False
+    fill_extent(n, affine, wiring, target, z, segment.extent)
+    if tangent.columns.shape[0] > 0:
+        relate_columns(tables, rates, segment, tangent, target)
+    return True
 
 
 @inlined
@@ -195,14 +220,25 @@ def _next_exit(
     return e, meets, followed
 
 
-@inlined
-def linearise_mode(tables, rates, segment, m, orders):
-    """Bring the rows of a curved mode up to date at segment.z; linear ones always are."""
+@kernel
+def linearise_mode(tables, rates, segment, m):
+    """Bring the rows of a curved mode up to date at segment.z; linear ones always are.
+
+    The rows of the derivatives of guards stay behind.
+    """
     if at.has_code(tables.code_rows, m):
         linearise(
             tables, rates.slot_rates, rates.harmonics, rates.affine, segment.series,
-            segment.dual, m, segment.z, orders,
+            segment.dual, m, segment.z,
         )  # fmt: skip
+
+
+@kernel
+def _differentiate(tables, rates, segment, m):
+    """Rows of the derivatives of guards at segment.z, where those of the values are."""
+    linearise_derivatives(
+        tables, rates.slot_rates, rates.harmonics, segment.series, segment.dual, m, segment.z
+    )
 
 
 @kernel
@@ -216,7 +252,7 @@ def has_fallen(tables, rates, segment, m):
             negative = negative or segment.series[tables.outlets[m, tables.sizes[0] + g], 0] < 0.0
         if not negative:
             return False
-        linearise_mode(tables, rates, segment, m, at.DERIVATIVES)
+        linearise_mode(tables, rates, segment, m)
     fill_extent(tables.sizes[0], tables.affine, tables.wiring, m, z, segment.extent)
     for g in range(tables.wiring[m, 0, at.N_EXITS]):
         if not guard_holds(tables.affine, m, g, z, segment.extent, _CLEARLY):
@@ -248,7 +284,9 @@ def leaves_both_ways(tables, rates, segment, m, tolerance):
         if not 0 < order[g] < at.DERIVATIVES or cell < 0 or cell == m:
             continue
         if tables.families[cell] == tables.families[m]:
-            linearise_mode(tables, rates, segment, cell, at.DERIVATIVES)
+            linearise_mode(tables, rates, segment, cell)
+            if at.has_code(tables.code_rows, cell):
+                _differentiate(tables, rates, segment, cell)
             holds = True
             for h in range(wiring[cell, 0, at.N_EXITS]):
                 order[h] = 0
@@ -387,14 +425,13 @@ def _reset(n, affine, wiring, m, e, z, extent, spare):
     """Apply the reset of an exit, all new values from the state before."""
     bits = wiring[m, 1 + e, at.RESETTING]
     if bits == 0:
-        return False
+        return
     n_exits = wiring.shape[1] - 1
     for i in range(n):
         spare[i] = z[i]
         if (bits >> i) & 1:
             spare[i] = _sum_of_terms(affine, m, at.reset_row(n_exits, n, e, i), z, extent)[0]
     copy_vector(spare, z, n)
-    return True
 
 
 @kernel

@@ -49,7 +49,7 @@ def clearance_rotor(
     -------
     System
         States ``x u y v`` (displacements, each with its velocity); modes ``free``, whose
-        guard is the polynomial 1 - x² - y², and ``rub``, both run by Taylor series; outputs
+        guard is the polynomial 1 - x² - y², in closed form, and ``rub`` by Taylor series; outputs
         ``radius`` and ``ring_force``.
 
     Raises

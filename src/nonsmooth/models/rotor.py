@@ -130,7 +130,7 @@ def rotor(
     -------
     System
         States ``x y vx vy`` of the rotor, ``sx sy`` of the ring and the multiplier ``mu``.
-        Phase words have the chapter's regimes: ``I`` free, and in contact ``II`` within both
+        Phase words have ``free`` and in contact the chapter's regimes: ``II`` within both
         preloads, ``III`` beyond that in x, ``IV`` beyond that in y, ``V`` beyond both. Outputs
         ``ring_vx ring_vy force_x force_y force contact_angle gap energy``; the force is that on
         the ring. What an initial state leaves out of ``sx sy mu`` stands where statics put it.
@@ -262,7 +262,7 @@ def _free(drive: dict[str, str], relaxes: bool) -> Mode:
         slaved={"mu": "0"},
         definitions=no_force,
         exits=[contact],
-        cells=dict.fromkeys(_cells(), "I"),
+        cells=dict.fromkeys(_cells(), "free"),
     )
 
 

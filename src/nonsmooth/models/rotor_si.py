@@ -229,7 +229,8 @@ class RotorRig:
         >>> rig.system().name
         'rotor'
         """
-        return rotor(**self.parameters())
+        parameters: dict[str, Any] = {**self.parameters()}
+        return rotor(**parameters)
 
     def from_si(self, values: Mapping[str, Any]) -> dict[str, Any]:
         """Values of states or parameters in the machine's units, as the verbs take them.

@@ -157,7 +157,9 @@ def build_tables(system: System, values: Mapping[str, float] | None = None) -> T
     announce_compilation()
     tables = allocate_tables(program)
     values = system.parameter_values if values is None else values
-    code, mode = set_up(program, np.array(list(values.values()), dtype=float), tables)
+    code, mode = set_up(
+        program, np.array([values[name] for name in system.parameters], dtype=float), tables
+    )
     if code != Status.COMPLETED:
         where, what = f"mode {system.mode_names[max(mode, 0)]!r}", SETUP_ERRORS[Status(code)]
         if mode < 0:

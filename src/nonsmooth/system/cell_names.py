@@ -19,9 +19,9 @@ def cell_labels(modes: Mapping[str, Mode], splits: Mapping[str, SplitMode]) -> d
         for cell in found.cells:
             label = given.pop(found.signs_of(cell), None)
             labels[found.name_of(cell)] = label or found.name_of(cell)
-            if label in splits:
+            if label in splits and label != name:
                 raise ModelError(
-                    f"modes[{name!r}].cells: {label!r} is the name of a mode; choose another name"
+                    f"modes[{name!r}].cells: {label!r} is the name of another mode; choose another"
                 )
         if given:
             raise ModelError(_fault(name, found, next(iter(given))))

@@ -83,8 +83,9 @@ class Exit:
 class Mode:
     """One piece of a system: flow, exits and relations that hold in it.
 
-    Where all of its texts are linear in the states the mode runs in closed form; one text
-    that is not, be it a guard or a reset, makes it run by Taylor series.
+    Where flow and slaved states are linear in the states, and guards at most quadratic, the
+    mode runs in closed form, whatever its resets; any other text makes it run by Taylor
+    series.
 
     Where a text is piecewise in the states or in time, the mode runs as several cells. Each
     distinct switching function, up to a numeric factor, is a surface, numbered ``s1 s2 ...``
@@ -101,7 +102,8 @@ class Mode:
         Ways out, in the order in which they are tried when several fire at one instant.
     slaved : mapping of str to str, optional
         States given by an equation instead of a flow: by an expression, or by a relation
-        with ``=`` that is linear in the states.
+        with ``=``. Relations are solved together, those that are not linear by Newton's
+        method from the present values; at most six of these.
     definitions : mapping of str to str, optional
         Intermediate expressions that differ from the system's in this mode.
     cells : mapping of str to str, optional

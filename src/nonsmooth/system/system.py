@@ -41,9 +41,10 @@ class System:
     hash and pickle, and a change makes a new one.
 
     A mode that is linear in the states, with harmonics and powers of time, is solved in
-    closed form; any other by Taylor series. Texts may be piecewise (``sign``, ``abs``,
-    ``min``, ``max``, ``heaviside``, ``clip``, ``where``): the mode then runs as cells, one
-    for each combination of the signs of its switching functions, see `Mode`.
+    closed form, also where guards are quadratic; any other by Taylor series. Texts may be
+    piecewise (``sign``, ``abs``, ``min``, ``max``, ``heaviside``, ``clip``, ``where``): the
+    mode then runs as cells, one for each combination of the signs of its switching
+    functions, see `Mode`.
 
     Parameters
     ----------

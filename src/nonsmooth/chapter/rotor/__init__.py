@@ -1,0 +1,1 @@
+"""The rotor in a preloaded snubber ring: figures and claims of section 4."""

@@ -1,0 +1,276 @@
+"""Claims on the bifurcations of Fig. 36: where they are, what they lead to, what preload does.
+
+Section 4.3 begins at zero for every eta; a change between two columns of such a diagram may be a
+change of basin, with the orbit stable beyond it. So the orbits themselves are followed too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import lru_cache
+
+import numpy as np
+
+from nonsmooth import regime, simulate
+from nonsmooth.chapter.judgement import Check, Evidence, Finding, agrees
+from nonsmooth.chapter.rotor.coexistence import DROPPED, STARTS, coexisting
+from nonsmooth.chapter.rotor.data import set_a
+from nonsmooth.chapter.rotor.diagrams import PRINTED_36
+from nonsmooth.chapter.rotor.speed_bifurcations import branch_end, orbit_at, transition
+from nonsmooth.chapter.rotor.speed_sweeps import PROTOCOLS, last_strobe
+
+__all__ = ["CHECKS"]
+
+_QUASI = "3.107"
+# Period below and above as printed, and the orbit that is followed: period, first and last eta.
+_CHANGES = {
+    0: (1, None, (1, 2.05, 2.6)),
+    1: (4, 2, (2, 3.0, 2.4)),
+    2: (2, 4, (2, 3.0, 4.8)),
+}
+_NAMES = {0: "end of period one", 1: "four to two", 2: "end of period two"}
+
+
+@lru_cache(maxsize=8)
+def _change(delta: float, number: int) -> Evidence:
+    """One of the three changes that Fig. 36 marks, by every route."""
+    before, after, (period, begin, to) = _CHANGES[number]
+    printed = PRINTED_36[delta][number]
+    wanted = after if number == 1 else None  # what period two ends in is asked, not given
+    rows = [transition(delta, before, wanted, printed, start) for start in PROTOCOLS]
+    return {
+        "delta": delta,
+        "printed": printed,
+        "before": before,
+        "after": after,
+        "by_protocol": rows,
+        "branch": branch_end(delta, period, begin, to) | {"period": period},
+    }
+
+
+def _judge_change(evidence: Evidence) -> Finding:
+    """The protocol that section 4.3 states decides: every column from zero."""
+    stated = evidence["by_protocol"][0]
+    if stated["last"] is None:
+        return Finding(False, f"no such change from zero; {_branch(evidence['branch'])}")
+    middle = 0.5 * (stated["last"] + stated["first"])
+    true = agrees(middle, evidence["printed"])
+    if evidence["after"] is not None:
+        true = true and stated["becomes"] == evidence["after"]
+    listed = "; ".join(
+        f"{row['start']} none"
+        if row["last"] is None
+        else f"{row['start']} period {evidence['before']} to {row['last']:.5g}, then"
+        f" {row['becomes'] or 'no period'} from {row['first']:.5g}"
+        for row in evidence["by_protocol"]
+    )
+    return Finding(bool(true), f"printed {evidence['printed']}: {listed};"
+                   f" {_branch(evidence['branch'])}")  # fmt: skip
+
+
+def _branch(branch: Evidence) -> str:
+    kinds = {
+        "flip": "flips", "fold": "folds", "torus": "turns into a torus", "jump": "jumps",
+        "none": "is stable", "halving": "merges with half its period", "lost": "is lost",
+    }  # fmt: skip
+    return (
+        f"the orbit of period {branch['period']}, followed, {kinds.get(branch['kind'], 'is none')}"
+        f" at {branch['eta']:.6f} (multiplier {branch['multiplier'][0]:.4f})"
+    )
+
+
+def _quasi(delta: float, eta: str = _QUASI, reach: float = 0.1) -> Evidence:
+    """Multipliers of period two near an eta, and other motions there."""
+    value = float(eta)
+    orbit = orbit_at(delta, 2, 3.0)
+    ends = [branch_end(delta, 2, 3.0, value + side * reach) | {"period": 2} for side in (-1, 1)]
+    there = orbit_at(delta, 2, value)
+    others = coexisting(set_a(delta, value))
+    return {
+        "delta": delta,
+        "eta": eta,
+        "ends": ends,
+        "found": orbit is not None,
+        "multipliers": [] if there is None else [[m.real, m.imag] for m in there.multipliers],
+        "largest": None if there is None else there.largest,
+        "motions": [_shown(row) for row in others],
+        "ring_passes_preload": _peak_passes(delta, value - reach, value + reach),
+    }
+
+
+def _peak_passes(delta: float, low: float, high: float, width: float = 1e-6) -> float | None:
+    """Eta at which the ring of the period-two orbit begins to go beyond its preload."""
+
+    def excess(eta: float) -> float:
+        run = simulate(
+            set_a(delta, eta), last_strobe(set_a(delta, eta), 400), periods=2,
+            samples_per_period=4000,
+        )  # fmt: skip
+        return float(np.abs(run["sx"].values).max()) - delta
+
+    if delta == 0.0 or excess(low) * excess(high) > 0.0:
+        return None
+    falling = excess(low) > 0.0
+    while high - low > width:
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if (excess(middle) > 0.0) == falling else (low, middle)
+    return 0.5 * (low + high)
+
+
+def _shown(row: Evidence) -> Evidence:
+    kept = ("period", "share", "from_zero", "exponent", "error", "chaotic")
+    return {name: row[name] for name in kept if name in row}
+
+
+def _torus_near(evidence: Evidence) -> bool:
+    torus = any(
+        end["kind"] == "torus" and agrees(end["eta"], evidence["eta"], about=0.02)
+        for end in evidence["ends"]
+    )
+    return torus or any(not row["period"] and not row["chaotic"] for row in evidence["motions"])
+
+
+def _quasi_text(evidence: Evidence) -> str:
+    motions = ", ".join(
+        f"period {row['period']}" if row["period"] else f"none ({row['exponent']:.3f} per period)"
+        for row in evidence["motions"]
+    )
+    size = evidence["largest"]
+    size = "no orbit of period two from zero" if size is None else f"{size:.3f}"
+    passes = evidence["ring_passes_preload"]
+    ends = ", ".join(f"{end['kind']} at {end['eta']:.4f}" for end in evidence["ends"])
+    return (
+        f"Delta {evidence['delta']:g}: largest multiplier of period two at {evidence['eta']}"
+        f" {size}; followed 0.1 to either side: {ends} (none: stable to there); motions from"
+        f" {STARTS + 1} starts at {evidence['eta']}: {motions}"
+        + (
+            "" if passes is None
+            else f"; at {passes:.4f} the ring begins to go beyond its preload, and the orbit stays"
+        )
+    )  # fmt: skip
+
+
+def _judge_quasi(evidence: Evidence) -> Finding:
+    return Finding(_torus_near(evidence), _quasi_text(evidence))
+
+
+def _judge_no_quasi(evidence: Evidence) -> Finding:
+    return Finding(evidence["found"] and not _torus_near(evidence), _quasi_text(evidence))
+
+
+def _shifts() -> Evidence:
+    rows = []
+    for number, name in _NAMES.items():
+        without, loaded = (_change(delta, number) for delta in PRINTED_36)
+        for k, start in enumerate(PROTOCOLS):
+            ends = [each["by_protocol"][k]["last"] for each in (without, loaded)]
+            shift = None if None in ends else ends[1] - ends[0]
+            rows.append({"change": name, "route": start, "shift": shift})
+        shift = loaded["branch"]["eta"] - without["branch"]["eta"]
+        same = loaded["branch"]["kind"] == without["branch"]["kind"]
+        rows.append({"change": name, "route": "orbit", "shift": shift, "same_kind": same})
+    return {"rows": rows}
+
+
+def _judge_shifts(evidence: Evidence) -> Finding:
+    rows = evidence["rows"]
+    known = [row for row in rows if row["shift"] is not None]
+    listed = "; ".join(
+        f"{name}: "
+        + ", ".join(f"{row['route']} {row['shift']:+.4f}" for row in known if row["change"] == name)
+        for name in _NAMES.values()
+    )
+    stated = [row for row in rows if row["route"] == "restart"]
+    true = all(row["shift"] is not None and row["shift"] > 0.0 for row in stated)
+    return Finding(true, f"shift of eta with preload: {listed}")
+
+
+def _beyond(delta: float, steps: Sequence[float] = (0.005, 0.01, 0.02, 0.03)) -> Evidence:
+    """Motions from zero just above the end of period one, and the orbit followed."""
+    change = _change(delta, 0)
+    end = change["by_protocol"][0]["last"]
+    rows = []
+    for step in steps:
+        found = regime(set_a(delta, end + step), transient=1000)
+        rows.append(
+            {
+                "eta": end + step,
+                "regime": found["regime"].item(),
+                "period": int(found["period"]),
+                "message": found.attrs["message"],
+            }
+        )
+    return {"delta": delta, "end": end, "rows": rows, "branch": change["branch"]}
+
+
+def _beyond_text(evidence: Evidence) -> str:
+    rows = ", ".join(
+        f"{row['eta']:.4g} {row['regime']}" + (f" {row['period']}" if row["period"] else "")
+        for row in evidence["rows"]
+    )
+    return (
+        f"from zero period one ends at {evidence['end']:.5g}; above it {rows}"
+        f" ({evidence['rows'][0]['message']}); {_branch(evidence['branch'])}"
+    )
+
+
+def _judge_three(evidence: Evidence) -> Finding:
+    return Finding(evidence["rows"][0]["period"] == 3, _beyond_text(evidence))
+
+
+def _judge_to_quasi(evidence: Evidence) -> Finding:
+    return Finding(evidence["rows"][0]["regime"] == "quasi-periodic", _beyond_text(evidence))
+
+
+def _printed_order() -> Evidence:
+    sections = {0.0: "2.223", 0.1: "2.181"}
+    return {
+        "rows": [
+            {"panel": panel, "section": sections[delta], "end": PRINTED_36[delta][0]}
+            for panel, delta in zip("ab", PRINTED_36, strict=True)
+        ]
+    }
+
+
+def _judge_order(evidence: Evidence) -> Finding:
+    beyond = [float(row["section"]) > float(row["end"]) for row in evidence["rows"]]
+    listed = ", ".join(
+        f"37({row['panel']}) at {row['section']}, period one ends at {row['end']}:"
+        f" {'beyond' if each else 'before'}"
+        for row, each in zip(evidence["rows"], beyond, strict=True)
+    )
+    return Finding(all(beyond), f"{listed}; exchanged, both would lie beyond")
+
+
+_SWEPT = (
+    "set A, eta 2 to 5; the stated protocol, every column from zero, decides: 600 columns, 300"
+    " periods dropped, 150 kept, then 20 between the two with 3000 dropped; beside it followed up"
+    " and down in 300 columns, and the orbit followed with its multipliers; one unit of the last"
+    " printed digit"
+)
+
+
+def _change_check(claim: str, delta: float, number: int) -> Check:
+    return Check(claim, _SWEPT, lambda: _change(delta, number), _judge_change)
+
+
+CHECKS = (
+    *(_change_check(f"R{16 + k}", 0.0, k) for k in range(3)),
+    *(_change_check(f"R{19 + k}", 0.1, k) for k in range(3)),
+    Check(
+        "R22",
+        "Delta .1; multipliers of period two at 3.107 and followed from 3.0 to 0.1 on either side"
+        f" of it; motions from {STARTS} random starts and zero, {DROPPED} periods dropped; about:"
+        " 2 %",
+        lambda: _quasi(0.1),
+        _judge_quasi,
+    ),
+    Check("R23", "the same with Delta 0; true when the orbit is there without such a change",
+          lambda: _quasi(0.0), _judge_no_quasi),
+    Check("R24", _SWEPT + "; like with like, by each route; from zero decides", _shifts,
+          _judge_shifts),
+    Check("R25", "regime from zero one step of 0.005 above the end of period one, 1000 periods"
+          " dropped; further steps beside it", lambda: _beyond(0.0), _judge_three),
+    Check("R26", "the same with Delta .1", lambda: _beyond(0.1), _judge_to_quasi),
+    Check("R29", "printed numbers", _printed_order, _judge_order),
+)  # fmt: skip

@@ -1,0 +1,91 @@
+"""Orbits of the rotor over its speed: flips known from another kernel, and closed forms."""
+
+import numpy as np
+import pytest
+
+from nonsmooth.chapter.rotor.coexistence import coexisting
+from nonsmooth.chapter.rotor.data import set_a
+from nonsmooth.chapter.rotor.orbits import follow_orbit, orbit_near
+from nonsmooth.chapter.rotor.ring_mass import heavy_ring, heavy_ring_orbit
+from nonsmooth.chapter.rotor.speed_bifurcations import branch_end
+from nonsmooth.chapter.rotor.speed_sweeps import (
+    CHAOTIC,
+    even_values,
+    last_strobe,
+    speed_sweeps,
+    stretches,
+    with_exponents,
+)
+from nonsmooth.models import rotor
+
+# det(J + I) = 0 of a hand-written kernel, to 1e-9, for a ring that returns within 1e-3 periods
+FLIPS = [
+    (0.0, 1, 2.1, 2.3, 2.2348432766),
+    (0.0, 2, 2.75, 2.6, 2.7166602311),
+    (0.0, 2, 3.75, 4.2, 4.0849058193),
+    (0.1, 1, 2.15, 2.4, 2.2729618160),
+    (0.1, 2, 2.85, 2.7, 2.8217563216),
+]
+
+
+@pytest.mark.parametrize(("delta", "period", "begin", "to", "expected"), FLIPS)
+def test_flips(delta, period, begin, to, expected):
+    """Where period one and two lose stability, by quite another route."""
+    end = branch_end(delta, period, begin, to)
+    assert end["kind"] == "flip"
+    assert end["eta"] == pytest.approx(expected, abs=1e-6)
+    assert end["multiplier"][0] == pytest.approx(-1.0, abs=1e-6)
+
+
+def test_rotor_that_never_touches():
+    """A linear orbit: multipliers have the modulus exp(-nu1 T), and nothing bifurcates."""
+    system = rotor(eta=2.0, eps_x=0.0, delta_x=0.0, delta_y=0.0)
+    orbit = orbit_near(system, last_strobe(system, 100), 1)
+    expected = np.exp(-0.125 * 2.0 * np.pi / 2.0)
+    assert np.abs(orbit.multipliers) == pytest.approx([expected] * 4, rel=1e-9)
+    assert follow_orbit(system, orbit, 2.1)["kind"] == "none"
+
+
+def test_no_orbit_of_a_multiple_period():
+    """Period one closes after two periods too; that is no orbit of period two."""
+    system = set_a(0.0, 2.05)
+    assert orbit_near(system, last_strobe(system, 600), 2) is None
+
+
+def test_period_four_merges_where_period_two_flips():
+    end = branch_end(0.0, 4, 2.7, 2.9)
+    assert end["kind"] == "halving"
+    assert end["eta"] == pytest.approx(2.71666, abs=1e-4)
+
+
+def test_coexisting_motions():
+    """At 2.181 without preload periods one and three, each from about half of the starts."""
+    found = coexisting(set_a(0.0, 2.181), starts=16, transient=400)
+    assert sorted(row["period"] for row in found) == [1, 3]
+    assert sum(row["share"] for row in found) == pytest.approx(1.0)
+    assert next(row for row in found if row["from_zero"])["period"] == 3
+
+
+def test_labels_of_columns():
+    """Chaos at 2.5, period two at 3; protocols agree where nothing else is there."""
+    sweeps = speed_sweeps(set_a(0.0), even_values(2.5, 3.0, 1), transient=300, record=60)
+    for sweep in sweeps:
+        labelled = with_exponents(set_a(0.0), sweep)
+        assert labelled.labels.tolist() == [CHAOTIC, 2]
+        assert labelled.exponents[0] > 0.1 and np.isnan(labelled.exponents[1])
+        assert stretches(labelled) == [(CHAOTIC, 2.5, 2.5), (2, 3.0, 3.0)]
+
+
+def test_heavy_ring_becomes_the_massless_one():
+    """A ring a hundred times lighter changes the orbit less, and period and contacts not at all."""
+    heavy, light = (heavy_ring_orbit(13.1, mass, 50.0, transient=200) for mass in (0.06, 0.006))
+    assert light["period"] == light["massless_period"] == 1
+    assert light["difference"] < 0.6 * heavy["difference"]
+
+
+def test_heavy_ring_without_contact_is_linear():
+    system = heavy_ring(rotor(eps_x=0.0, eta=2.0).parameter_values, 0.05, 50.0)
+    strobe = last_strobe(system, 100)
+    assert np.hypot(strobe["x"], strobe["y"]) == pytest.approx(
+        0.0017 * 70 * 4 / np.hypot(1 - 4, 2 * 0.125 * 2), rel=1e-6
+    )

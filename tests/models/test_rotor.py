@@ -1,0 +1,95 @@
+"""The rotor's System: starts on the ring, regimes, limits, bad values."""
+
+import numpy as np
+import pytest
+
+import nonsmooth as ns
+from nonsmooth.models import rotor, snubber_ring
+
+PRELOADS = [(0.1, 0.1), (0.0, 0.0), (0.3, 0.05), (0.0, 0.2)]
+
+
+@pytest.mark.parametrize("preload", PRELOADS)
+def test_ten_thousand_starts_stand_where_statics_put_them(preload):
+    """The engine's Newton against closed forms and one monotone equation (`snubber_ring`)."""
+    rng = np.random.default_rng(5)
+    angle, radius = rng.uniform(0.0, 2.0 * np.pi, 10_000), rng.uniform(0.0, 3.0, 10_000)
+    x, y = radius * np.cos(angle), radius * np.sin(angle)
+    vx, vy = rng.normal(size=(2, x.size))
+    system = rotor(delta_x=preload[0], delta_y=preload[1], nu2=0.2)
+    lanes = ns.ensemble(system, {"x": x, "y": y, "vx": vx, "vy": vy}, times=[0.0])
+    statics = snubber_ring(x, y, vx, vy, K=30.0, nu2=0.2, delta_x=preload[0], delta_y=preload[1])
+    # a start that pulls on the ring releases it at once, and is on its way free
+    presses = (statics["normal_force"].values > 1e-9) | (radius < 1.0)
+    edge = np.abs(np.abs(statics["sx"].values) - preload[0]) < 1e-9
+    edge |= np.abs(np.abs(statics["sy"].values) - preload[1]) < 1e-9
+    keep = presses & ~(edge & (radius > 1.0))
+    assert np.mean(keep) > 0.5
+    for name in ("sx", "sy", "mu", "ring_vx", "ring_vy", "force_x", "force_y", "energy"):
+        if name in lanes:
+            ours, theirs = lanes[name].values.squeeze()[keep], statics[name].values[keep]
+            np.testing.assert_allclose(ours, theirs, rtol=1e-12, atol=1e-12, err_msg=name)
+    words = np.array(lanes["mode"].attrs["flag_meanings"].split())
+    ours = words[lanes["mode"].values.squeeze()[keep]]
+    theirs = np.array(statics["regime"].attrs["flag_meanings"].split())
+    theirs = np.array(["free", *theirs[1:]])
+    numbers = np.asarray(statics["regime"].attrs["flag_values"])
+    named = theirs[np.searchsorted(numbers, statics["regime"].values[keep])]
+    assert np.array_equal(ours, named)
+
+
+def test_distance_in_contact_and_the_force_that_presses():
+    run = ns.simulate(rotor(), periods=200)
+    regime = np.array(run["mode"].attrs["flag_meanings"].split())[run["mode"].values]
+    touching = regime != "free"
+    assert set(regime) >= {"free", "II"}
+    assert np.abs(run["gap"].values[touching]).max() < 2e-15
+    assert run["gap"].values[~touching].min() >= -1e-15
+    press = (
+        np.cos(run["contact_angle"]) * run["force_x"]
+        + np.sin(run["contact_angle"]) * run["force_y"]
+    )
+    assert press.values[touching].min() > -1e-12
+    assert run.attrs["certified"] == 1
+
+
+def test_a_ring_with_little_damping_tends_to_one_that_returns_at_once():
+    """The difference falls in proportion to the damping."""
+    start = {"x": 0.3, "vx": 1.0, "vy": -2.0}
+    limit = ns.simulate(rotor(ring="returns"), start, periods=1, samples_per_period=1)
+    assert "nu2" not in rotor(ring="returns").parameters
+    differences = []
+    for nu2 in (2e-4, 2e-5, 2e-6):
+        run = ns.simulate(rotor(nu2=nu2), start, periods=1, samples_per_period=1)
+        differences.append(abs(float(run["x"][-1] - limit["x"][-1])))
+    assert differences[0] < 1e-2
+    np.testing.assert_allclose(np.diff(np.log10(differences)), -1.0, atol=0.05)
+
+
+def test_energy_is_kept_without_damping_and_drive():
+    system = rotor(nu1=0.0, eta_m=0.0, ring="returns", eps_x=0.2)
+    run = ns.simulate(system, {"vx": 1.5, "vy": 0.7}, periods=40)
+    total = 0.5 * (run["vx"] ** 2 + run["vy"] ** 2) + 0.5 * ((run["x"] - 0.2) ** 2 + run["y"] ** 2)
+    total = (total + run["energy"]).values
+    assert np.abs(total - total[0]).max() < 1e-12 * 100
+    assert run.attrs["n_events"] > 20
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"delta_x": -0.1}, "delta_x >= 0"),
+        ({"nu2": 0.0}, "ring='returns'"),
+        ({"K": 0.0}, "K > 0"),
+        ({"eta": 0.0}, "eta > 0"),
+        ({"ring": "flies"}, "'relaxes' or 'returns'"),
+    ],
+)
+def test_values_that_no_rotor_has(changes, words):
+    with pytest.raises(ns.ModelError, match=words):
+        rotor(**changes)
+
+
+def test_a_position_that_disagrees_with_the_ring_is_told_what_would_agree():
+    with pytest.raises(ns.OptionError, match=r"give sx = 0\.2"):
+        ns.simulate(rotor(), {"x": 1.2, "sx": 0.1}, periods=1)
