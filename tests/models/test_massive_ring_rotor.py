@@ -141,13 +141,13 @@ def test_all_regimes_against_scipy(f):
     system = massive_ring_rotor(eps_x=0.75, eps_y=0.5, delta_x=0.08, delta_y=0.03, eta_m=0.004, f=f)
     p = system.parameter_values
     run = ns.simulate(system, periods=4, tangent=True)
-    assert {"I", "II", "III", "IV", "V"} <= set(ns.phase_word(run))
+    assert {"free", "II", "III", "IV", "V"} <= set(ns.phase_word(run))
     m, z, rates = p["m_s"], np.zeros(8), field(p, f)
     cuts = [*run["event_time"].values, float(run["time"][-1])]
     names = [str(name) for name in run["event_name"].values]
     words = run["event_to"].attrs["flag_meanings"].split()
     free = [
-        words[mode] == "I" for mode in run["event_to"].values
+        words[mode] == "free" for mode in run["event_to"].values
     ]  # also where contact and release are one
     for name, apart, (begin, end) in zip(names, free, pairwise(cuts), strict=True):
         if name == "contact":

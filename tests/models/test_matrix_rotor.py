@@ -173,7 +173,7 @@ def test_a_beam_in_the_ring_against_scipy():
     cuts = [*run["event_time"].values, float(run["time"][-1])]
     words = run["event_to"].attrs["flag_meanings"].split()
     for mode, (begin, end) in zip(run["event_to"].values, pairwise(cuts), strict=True):
-        touching = words[mode] != "I"
+        touching = words[mode] != "free"
         options = {"method": "DOP853", "rtol": 1e-12, "atol": 1e-14, "args": (touching,)}
         state = solve_ivp(field, (begin, end), state, **options).y[:, -1]
     growth = np.abs(run["tangent"].values).max()

@@ -18,6 +18,7 @@ from nonsmooth.models.rotor_si import RotorRig
 from nonsmooth.models.rubbing_rotor import rubbing_rotor
 from nonsmooth.models.snubber_boundaries import snubber_boundaries
 from nonsmooth.models.snubber_ring import snubber_ring
+from nonsmooth.models.snubber_rub import snubber_rub
 from nonsmooth.models.soft_impact import soft_impact
 from nonsmooth.models.static_contact import static_contact
 from nonsmooth.models.trilinear import trilinear
@@ -39,6 +40,7 @@ __all__ = [
     "rubbing_rotor",
     "snubber_boundaries",
     "snubber_ring",
+    "snubber_rub",
     "soft_impact",
     "static_contact",
     "trilinear",

@@ -231,7 +231,7 @@ def _modes(cells: dict[str, str]) -> dict[str, Mode]:
         | {"sx": "svx", "sy": "svy", "svx": "Bx", "svy": "By"},
         slaved={"nx": "x - sx", "ny": "y - sy", "w": "0"},
         exits=[Exit("1 - nx**2 - ny**2", to="contact", reset=impact, name="contact")],
-        cells=dict.fromkeys(cells, "I"),
+        cells=dict.fromkeys(cells, "free"),
     )
     contact = Mode(
         {

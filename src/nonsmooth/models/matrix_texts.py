@@ -92,7 +92,7 @@ def _modes(flow: dict[str, str], cells: dict[str, str]) -> dict[str, Mode]:
             slaved={"mu": "0"},
             definitions={"Fx": "0", "Fy": "0", "size": "0"},
             exits=[contact],
-            cells=dict.fromkeys(cells, "I"),
+            cells=dict.fromkeys(cells, "free"),
         ),
         "contact": Mode(
             flow,
