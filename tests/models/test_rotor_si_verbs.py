@@ -143,12 +143,12 @@ RESULTS = {
                       {"p": MM, "q": MM}
                       | dict.fromkeys(("K", "K_low", "K_high", "K_of_c", "c"), ONE)),
     "snubber_ring": (lambda: snubber_ring(
-                         [1.5], [0.3], [0.2], [0.1], nu2=RIG.parameters()["nu2"], **statics()),
-                     {name: unit for name, unit in MOTION.items() if name not in ("gap", "vx", "vy")}
-                     | {"normal_force": N}),
+                         [1.5], [0.3], [0.2], [0.1], nu2=RIG.parameters()["nu2"], **preloads()),
+                     {name: unit for name, unit in MOTION.items()
+                      if name not in ("gap", "vx", "vy")} | {"normal_force": N}),
     "snubber_boundaries": (lambda: snubber_boundaries(delta_x=0.2, delta_y=0.2),
                            {"x": MM, "y": MM}),
-    "static_contact": (lambda: static_contact(eps_x=1.0, **statics()),
+    "static_contact": (lambda: static_contact(eps_x=1.0, **preloads()),
                        {name: unit for name, unit in MOTION.items()
                         if name not in ("gap", "vx", "vy", "ring_vx", "ring_vy")}
                        | {"normal_force": N}),
@@ -159,7 +159,7 @@ NO_RESULTS = {  # verbs, and what else there is, that give no dataset of a motio
 }  # fmt: skip
 
 
-def statics():
+def preloads():
     return {name: RIG.parameters()[name] for name in ("K", "delta_x", "delta_y")}
 
 
@@ -227,3 +227,130 @@ def test_unknown_numbers_are_refused():
         RIG.to_si(strange)
     strange["power"].attrs["units"] = "W"
     assert np.array_equal(RIG.to_si(strange)["power"], strange["power"])
+
+
+BOTH = {"delta_x": "delta", "delta_y": "delta"}
+
+
+def test_two_preloads_as_one_parameter():
+    """Tied parameters have the unit and the words of what follows them; grids go the other way."""
+    tied = ns.tie_parameters(SYSTEM, BOTH, delta=0.2)
+    grid = RIG.from_si({"eta": [12.0, 14.0], "delta": [0.05, 0.1]}, like={"delta": "delta_x"})
+    assert grid["delta"] == [0.1, 0.2]
+    si = RIG.to_si(ns.regime_map(tied, grid, transient=30))
+    assert np.allclose(si["delta"], [0.05, 0.1], rtol=1e-15)
+    ax = ns.plot.regime_map(si)
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("speed of the rotor [Hz]", "preload [mm]")
+    diagram = RIG.to_si(ns.bifurcation_diagram(tied, "delta", [0.1, 0.2], transient=5, record=2))
+    assert ns.plot.bifurcation(diagram, "x").get_xlabel() == "preload [mm]"
+    assert "rig_preload_x" not in diagram.attrs
+    assert diagram.attrs["rig_gap"] == 0.5
+
+
+@pytest.mark.parametrize(
+    ("ties", "unit"),
+    [({"delta_y": "p"}, "mm"), ({"delta_y": "0.1 + 2*p"}, "mm"), ({"K": "p*pi"}, "N/m")],
+)
+def test_units_that_follow(ties, unit):
+    tied = ns.tie_parameters(SYSTEM, ties, p=0.2 if unit == "mm" else 9.5)
+    si = RIG.to_si(ns.bifurcation_diagram(tied, "p", [0.2, 0.3], transient=5, record=2))
+    assert si["parameter"].attrs["units"] == unit
+    factor = {"mm": 0.5, "N/m": 79e3}[unit]
+    assert np.allclose(si["parameter"], factor * np.array([0.2, 0.3]), rtol=1e-14)
+
+
+@pytest.mark.parametrize(
+    "ties", [{"delta_y": "p*delta_x"}, {"delta_y": "p**2"}, {"delta_x": "p", "nu1": "p"}]
+)
+def test_units_that_do_not_follow_are_asked_for(ties):
+    tied = ns.tie_parameters(SYSTEM, ties, p=0.2)
+    diagram = ns.bifurcation_diagram(tied, "p", [0.2, 0.3], transient=5, record=2)
+    with pytest.raises(ns.OptionError, match="the unit of 'p' does not follow from"):
+        RIG.to_si(diagram)
+    si = RIG.to_si(diagram, like={"p": None})
+    assert si["parameter"].values.tolist() == [0.2, 0.3]
+    assert ns.plot.bifurcation(si, "x").get_xlabel() == "p"
+    assert RIG.to_si(diagram, like={"p": "nu2"})["parameter"].attrs["units"] == "kg/s"
+    with pytest.raises(ns.OptionError, match="like: unknown new parameter 'q'"):
+        RIG.to_si(diagram, like={"q": "nu2"})
+    with pytest.raises(ns.OptionError, match="like: unknown parameter 'stiffness'"):
+        RIG.to_si(diagram, like={"p": "stiffness"})
+    with pytest.raises(ns.OptionError, match="'K' is a parameter of the rig"):
+        RIG.from_si({"K": 1.0}, like={"K": "nu2"})
+
+
+def test_ties_hide_no_other_rig():
+    other = dataclasses.replace(RIG, rotor_damping=90.0)
+    run = ns.simulate(ns.tie_parameters(SYSTEM, BOTH, delta=0.2), periods=1)
+    with pytest.raises(ns.OptionError, match="not made with the system of this rig"):
+        other.to_si(run)
+
+
+def test_changed_parameters_in_their_units():
+    """Attributes tell the machine that the numbers are of."""
+    changed = {"delta_x": 0.3, "eta": 1.0}
+    for data in (
+        ns.bifurcation_diagram(SYSTEM, "nu2", [2e-3], transient=5, record=2, parameters=changed),
+        ns.simulate(SYSTEM, periods=1, parameters=changed),
+    ):
+        si = RIG.to_si(data)
+        assert si.attrs["changed_parameters"] == "delta_x = 0.15 mm, eta = 14.3631 Hz"
+        assert si.attrs["rig_preload_x"] == 0.15
+        assert si.attrs["rig_speed"] == pytest.approx(RIG.natural_frequency)
+    diagram = RIG.to_si(ns.bifurcation_diagram(SYSTEM, "nu2", [2e-3], transient=5, record=2))
+    assert float(diagram["parameter"][0]) == pytest.approx(4e-3 * np.sqrt(79e3 * 9.7))
+    assert "rig_ring_damping" not in diagram.attrs
+
+
+def test_run_up_in_hertz_over_seconds():
+    """10 to 14 Hz within 4 s: constant within a revolution, that at its beginning."""
+    si = RIG.to_si(run_up())
+    begin = si["time"] - si["phase"]
+    inner = si["phase"].values > 0.0
+    assert np.allclose(si["eta"][inner], 10.0 + begin[inner], rtol=1e-12)
+    down = RIG.run_up(14.0, 10.0, 4.0)
+    end = RIG.to_si(ns.simulate(down, t_end=RIG.from_si({"time": 4.0})["time"]))
+    assert 4.0 - 0.011 / 10.0 < float(end["time"][-1]) <= 4.0  # a sample before the end
+    assert float(end["eta"][-1]) == pytest.approx(10.0, abs=0.2)
+    for bad in ((0.0, 10.0, 1.0), (10.0, -1.0, 1.0), (10.0, 20.0, 0.0), (10.0, 20.0, np.inf)):
+        with pytest.raises(ns.OptionError, match="must be a positive number"):
+            RIG.run_up(*bad)
+
+
+def test_slow_preload():
+    """Any parameter may vary slowly."""
+    slow = dataclasses.replace(SYSTEM, slow={"delta_x": "0.1 + 0.001*t"})
+    run = ns.simulate(slow, periods=3)
+    si = RIG.to_si(run)
+    assert si["delta_x"].attrs == {"long_name": "preload in x", "units": "mm"}
+    assert np.allclose(si["delta_x"], 0.5 * run["delta_x"], rtol=1e-15)
+
+
+def test_labels_of_pictures():
+    attractors = RIG.to_si(ns.attractors(SYSTEM, {"x": (-0.4, 1.4)}, samples=8, record=200))
+    ax = ns.plot.attractors(attractors, "x", "vx")
+    assert ax.get_xlabel().split() == ["displacement", "of", "the", "rotor", "in", "x", "[mm]"]
+    assert ax.get_ylabel().split() == ["velocity", "of", "the", "rotor", "in", "x", "[mm/s]"]
+    up = RIG.to_si(ns.period_statistics(run_up(), "x"))
+    ax = ns.plot.statistics(up, "x_amplitude")
+    assert ax.get_xlabel() == "speed of the rotor [Hz]"
+    assert ax.lines[0].get_label() == "speed of the rotor rises"
+    assert ns.plot.statistics(up, "x_max", over="begin").get_xlabel().endswith("[s]")
+    test = ns.zero_one_test(ns.stroboscopic_map(SYSTEM, **LONG), "force")
+    assert ns.plot.translation(RIG.to_si(test)).get_ylabel() == "q [N]"
+    assert ns.plot.translation(test).get_ylabel() == "q"
+
+
+def test_verbs_on_runs_in_si_units():
+    """What reads a run in SI units says the same as what is turned afterwards, or why it cannot."""
+    run = run_of()
+    si = RIG.to_si(run)
+    one = ns.full_spectrum(si, "x", "y", transient=20)
+    other = RIG.to_si(ns.full_spectrum(run, "x", "y", transient=20))
+    for name in ("frequency", "amplitude", "power_density"):
+        assert np.allclose(one[name], other[name].values, rtol=1e-9, atol=1e-15), name
+        assert one[name].attrs == other[name].attrs, name
+    with pytest.raises(ns.OptionError, match="does not say of which system it is"):
+        ns.period_statistics(si, "x", contact="contact")
+    with pytest.raises(ns.OptionError, match="does not say of which system it is"):
+        ns.plot.phase_portrait(si, "x", "y", surfaces=True)

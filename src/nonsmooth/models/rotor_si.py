@@ -228,7 +228,8 @@ class RotorRig:
         >>> rig.system().name
         'rotor'
         """
-        return rotor(**self.parameters())
+        values: dict[str, Any] = self.parameters()
+        return rotor(**values)
 
     def from_si(
         self, values: Mapping[str, Any], *, like: Mapping[str, str | None] | None = None
@@ -371,15 +372,14 @@ class RotorRig:
         """
         if "rig_gap" in data.attrs:
             raise OptionError("the dataset is in SI units already")
-        units, values = self.units, self.parameters()
+        units, values, changed = self.units, self.parameters(), changed_parameters(data)
         if "system" in data.attrs:
-            ties = check_system(data.attrs["system"], self.system())
+            ties = check_system(data.attrs["system"], self.system(), changed)
             parameters, labels = units_of_ties(ties, units.parameters, units.labels, like or {})
             units = replace(units, parameters=parameters, labels=labels)
             values = ties.values
         else:
             self._check_statics(data)
-        changed = changed_parameters(data)
         swept = {str(data.attrs.get("parameter", "")), *map(str, data.variables)}
         result = in_si(data, units)
         for name, value in asdict(self).items():

@@ -31,8 +31,11 @@ class Ties:
     values: dict[str, float]  # parameters of the model that have a value of their own
 
 
-def check_system(text: str, own: System) -> Ties:
-    """Compare a system, as text, with that of a rig; none but its speed and ties may differ."""
+def check_system(text: str, own: System, changed: Mapping[str, float]) -> Ties:
+    """Compare a system, as text, with that of a rig.
+
+    None but its speed, ties, and what a verb was told to change may differ.
+    """
     theirs, mine = tomllib.loads(text), tomllib.loads(own.to_toml())
     system = System.from_toml(text)
     given, definitions = theirs["parameters"], theirs.get("definitions", {})
@@ -42,14 +45,14 @@ def check_system(text: str, own: System) -> Ties:
         part["parameters"] = {
             name: value
             for name, value in part["parameters"].items()
-            if name in PARAMETERS and name not in (*_FREE, *tied, *slow)
+            if name in PARAMETERS and name not in (*_FREE, *tied, *slow, *changed)
         }
         for name in _TEXTS:
             part.pop(name, None)
     if theirs != mine:
         raise OptionError(
-            "the dataset was not made with the system of this rig; use rig.system(), change"
-            " parameters as a verb does, or tie some by nonsmooth.tie_parameters"
+            "the dataset was not made with the system of this rig; use rig.system(), and for other"
+            " values dataclasses.replace(rig, ...) or parameters= of a verb"
         )
     known = system.parameter_values
     values = {name: known[name] for name in PARAMETERS if name in given and name not in slow}
@@ -96,7 +99,10 @@ def units_of_ties(
                     f" parameter it is, as in like={{{name!r}: 'delta_x'}}, or None for a number"
                 )
             units[name] = found.pop()
-        words[name] = _common([labels[tied] for tied in followers]) or name
+        if units[name].name:  # a ratio is not what follows it
+            words[name] = _common([labels[tied] for tied in followers]) or name
+        else:
+            words[name] = name
     return units, words
 
 
