@@ -195,3 +195,18 @@ def test_states_called_like_parts_of_the_result(name: str) -> None:
     with pytest.raises(ns.OptionError, match=f"{name}.*another name"):
         ns.basins_of_attraction(pair, {name: SIDE, "y": SIDE})
     assert ns.attractors(pair, {name: (-1, 1)}, samples=8).sizes["attractor"] == 1
+
+
+def test_starts_whose_other_states_follow():
+    """A rotor outside its ring's clearance: the ring's place is that of a run from there."""
+    system = ns.models.rotor(eta=0.9, eps_x=1.0)
+    region = {"x": [-1.3, 0.2, 1.2], "y": [-1.2, 0.1]}
+    found = ns.basins_of_attraction(system, region, samples=8, record=200)
+    assert (found["label"] == 1).all()
+    for x in region["x"]:
+        end = ns.simulate(system, {"x": x, "y": -1.2}, periods=200).isel(time=-1)
+        for name in ("x", "y", "vx", "vy", "sx", "sy"):
+            settled = found["points"].sel(attractor=1, state=name).values[0]
+            assert float(end[name]) == pytest.approx(float(settled), abs=1e-8)
+    with pytest.raises(ns.OptionError, match=r"completion\['sx'\] = 'log\(x\)' is nan"):
+        ns.basins_of_attraction(system, region, completion={"sx": "log(x)"})

@@ -67,8 +67,8 @@ def test_labels_and_units():
         "long_name": "amplitude of x + i y",
         "units": "mm",
     }
-    assert found["power_density"].attrs["units"] == "(mm)^2 s"
-    assert found["frequency"].attrs["units"] == "1/s"
+    assert found["power_density"].attrs["units"] == "mm^2/Hz"
+    assert found["frequency"].attrs["units"] == "Hz"
     assert np.all(np.diff(found["frequency"]) > 0.0)
     np.testing.assert_allclose(
         found["frequency"], found["harmonic"] * 1.7 / (2 * np.pi), rtol=1e-12

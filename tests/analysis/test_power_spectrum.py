@@ -40,8 +40,8 @@ def test_two_harmonics(window):
         assert float(rest.max()) < 1e-9
     assert spectrum["frequency"][1] == pytest.approx(1.7 / (2 * np.pi) / 20, rel=1e-12)
     assert amplitude.attrs["units"] == "mm"
-    assert spectrum["power_density"].attrs["units"] == "(mm)^2 s"
-    assert spectrum["frequency"].attrs["units"] == "1/s"
+    assert spectrum["power_density"].attrs["units"] == "mm^2/Hz"
+    assert spectrum["frequency"].attrs["units"] == "Hz"
 
 
 def test_bilinear_oscillator():

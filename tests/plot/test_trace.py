@@ -56,3 +56,17 @@ def test_all_alike(fill):
     time = np.zeros(DENSE + 5)
     t, _ = thinned(time, np.full(time.size, fill))
     assert t.size <= 4
+
+
+def test_part_of_a_run_has_no_points_outside_its_samples():
+    """Cut out by samples: the events of the rest are no part of the curve."""
+    whole = ns.simulate(ns.models.moling(), periods=6)
+    part = whole.isel(time=slice(250, 450))
+    low, high = float(part["time"][0]), float(part["time"][-1])
+    trace = curve(part, ["p", "y"])
+    assert (trace.time[0], trace.time[-1]) == (low, high)
+    inside = (whole["event_time"] >= low) & (whole["event_time"] <= high)
+    assert trace.time.size == part.sizes["time"] + 2 * int(inside.sum())
+    np.testing.assert_array_equal(trace.values, curve(whole, ["p", "y"], (low, high)).values)
+    short = whole.isel(time=slice(250, 252))
+    assert curve(short, ["p"]).time.size >= 2

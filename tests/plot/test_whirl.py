@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 from matplotlib.colors import LogNorm
 
 import nonsmooth as ns
@@ -42,7 +43,7 @@ def test_orbit(run, ax):
     ns.plot.orbit(run, ax=ax, ring=("sx", "sy"), clearance=1.0)
     lines = by_label(ax)
     assert ax.get_aspect() == 1.0
-    assert {"free", "sx, sy", "clearance", "every period"} <= set(lines)
+    assert {"I", "sx, sy", "clearance", "every period"} <= set(lines)
     assert np.hypot(*lines["clearance"].get_data()) == pytest.approx(1.0, abs=1e-14)
     marks = np.array(lines["every period"].get_data())
     np.testing.assert_allclose(marks, [run["x"][::100], run["y"][::100]], atol=1e-12)
@@ -75,7 +76,7 @@ def test_orbit_in_millimetres(in_si, ax):
 def test_spectra_in_millimetres(in_si, ax):
     found = ns.full_spectrum(in_si, "x", "y")
     ns.plot.spectrum(found, ax=ax)
-    assert ax.get_xlabel() == "frequency in cycles [1/s]"
+    assert ax.get_xlabel() == "frequency [Hz]"
     assert ax.get_ylabel() == "amplitude of x + i y [mm]"
     low, high = ax.get_xlim()
     assert low == -high
@@ -137,7 +138,7 @@ def test_statistics(ax):
     lines = by_label(ax)
     np.testing.assert_array_equal(lines["largest"].get_ydata(), found["force_max"])
     np.testing.assert_array_equal(lines["rms"].get_ydata(), found["force_rms"])
-    assert ax.get_ylabel() == "force"
+    assert ax.get_ylabel() == "force on the ring"
     first = ax.get_legend().get_texts()[0]
     assert first.get_text() == "5 to 95 %"
 
@@ -149,7 +150,7 @@ def test_run_up_and_run_down_on_one_axes(ax):
         found = ns.period_statistics(ns.simulate(slow, t_end=300), "x", periods=4)
         ns.plot.statistics(found, "x_amplitude", ax=ax)
     assert [line.get_label() for line in ax.lines] == ["eta rises", "eta falls"]
-    assert ax.get_xlabel() == "eta"
+    assert ax.get_xlabel() == "speed over the natural frequency"
     assert np.all(np.diff(ax.lines[1].get_xdata()) < 0.0)
 
 
@@ -168,3 +169,10 @@ def test_run_up_and_run_down_on_one_axes(ax):
 def test_wrong_options(run, spectra, ax, draw, text):
     with pytest.raises(ns.OptionError, match=text):
         draw(run, spectra, ax)
+
+
+def test_single_values_between_missing_ones_are_seen(ax):
+    values = [1.0, np.nan, 2.0, 3.0, np.nan, 4.0]
+    data = xr.Dataset({"a": ("parameter", values)}, {"parameter": np.arange(6.0)})
+    ns.plot.statistics(data, "a", ax=ax)
+    assert ax.lines[0].get_markevery() == [0, 5]

@@ -187,6 +187,11 @@ class _Frame:
         run = self.run
         if "event_time" not in run:
             raise OptionError("the run has no event log; simulate without events=False")
+        if "system" not in run.attrs:
+            raise OptionError(
+                "the run does not say of which system it is, as one in other units does not; count"
+                " the contacts of the run as it came from simulate"
+            )
         try:
             modes = mode_numbers(System.from_toml(run.attrs["system"]), contact)
         except OptionError as fault:

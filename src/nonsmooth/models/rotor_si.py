@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-import tomllib
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -13,7 +12,9 @@ import xarray as xr
 
 from nonsmooth.errors import ModelError, OptionError, unknown_name
 from nonsmooth.models.rotor import rotor
-from nonsmooth.models.rotor_units import PARAMETERS, Unit, Units, in_si
+from nonsmooth.models.rotor_scaling import changed_parameters, in_si
+from nonsmooth.models.rotor_ties import check_system, units_of_ties, with_likes
+from nonsmooth.models.rotor_units import PARAMETERS, Unit, Units
 from nonsmooth.models.static_contact import static_contact
 from nonsmooth.system.system import System
 
@@ -37,8 +38,12 @@ _NOT_NEGATIVE = {
     "preload_x": "a preload presses the springs on the ring; 0 where they just touch it",
     "preload_y": "a preload presses the springs on the ring; 0 where they just touch it",
 }
-_SPEED = ("eta", "phi0")  # parameters on which no unit depends
-_RESTART = ("guard_rate", "end_state", "anchor_state")
+# what the parameters are among the data of a rig
+_FIELDS = {
+    "eta": "speed", "nu1": "rotor_damping", "nu2": "ring_damping", "K": "ring_stiffness",
+    "eta_m": "unbalance_mass", "rho": "unbalance_radius", "eps_x": "eccentricity_x",
+    "eps_y": "eccentricity_y", "delta_x": "preload_x", "delta_y": "preload_y", "phi0": "phase",
+}  # fmt: skip
 _MILLI = 1e-3
 
 
@@ -168,7 +173,7 @@ class RotorRig:
             "phi0": Unit(1.0, "rad"),
         }
         force = self.rotor_stiffness * self.gap * _MILLI
-        return Units(self.gap, 1.0 / self._rate, force, parameters)
+        return Units(self.gap, 1.0 / self._rate, force, parameters, PARAMETERS)
 
     def parameters(self) -> dict[str, float]:
         """Dimensionless parameters of the model, by name.
@@ -195,14 +200,8 @@ class RotorRig:
         >>> round(rig.parameters()["nu1"], 12)
         0.05
         """
-        physical = {
-            "eta": self.speed, "nu1": self.rotor_damping, "nu2": self.ring_damping,
-            "K": self.ring_stiffness, "eta_m": self.unbalance_mass, "rho": self.unbalance_radius,
-            "eps_x": self.eccentricity_x, "eps_y": self.eccentricity_y,
-            "delta_x": self.preload_x, "delta_y": self.preload_y, "phi0": self.phase,
-        }  # fmt: skip
         units = self.units.parameters
-        return {name: value / units[name].factor for name, value in physical.items()}
+        return {name: getattr(self, key) / units[name].factor for name, key in _FIELDS.items()}
 
     def system(self) -> System:
         """Dimensionless system of this rig.
@@ -229,17 +228,23 @@ class RotorRig:
         >>> rig.system().name
         'rotor'
         """
-        parameters: dict[str, Any] = {**self.parameters()}
-        return rotor(**parameters)
+        values: dict[str, Any] = self.parameters()
+        return rotor(**values)
 
-    def from_si(self, values: Mapping[str, Any]) -> dict[str, Any]:
+    def from_si(
+        self, values: Mapping[str, Any], *, like: Mapping[str, str | None] | None = None
+    ) -> dict[str, Any]:
         """Values of states or parameters in the machine's units, as the verbs take them.
 
         Parameters
         ----------
         values : mapping of str to float or array_like
             By the names of the model: positions in mm, velocities in mm/s, ``eta`` in Hz, and so
-            on as `to_si` gives them.
+            on as `to_si` gives them; also ``time`` in s.
+        like : mapping of str to str, optional
+            For names of parameters that others follow (`tie_parameters`), the parameter of the
+            model that each of them is measured like, such as ``{"delta": "delta_x"}``; None for
+            a number without a unit.
 
         Returns
         -------
@@ -269,11 +274,12 @@ class RotorRig:
         {'x': 0.5, 'vy': 0.5}
         """
         units = self.units
+        parameters, _ = with_likes(units.parameters, units.labels, like or {})
         found: dict[str, Any] = {}
         for name, value in values.items():
-            unit = Unit(1.0, "") if name == "mu" else units.parameters.get(name) or units.of(name)
+            unit = parameters.get(name) or units.of(name)
             if unit is None:
-                known = [*self.system().states, *units.parameters]
+                known = [*self.system().states, *parameters]
                 raise OptionError(unknown_name("state or parameter", name, known))
             try:
                 found[name] = (np.asarray(value, float) / unit.factor).tolist()
@@ -314,27 +320,37 @@ class RotorRig:
         names = ("K", "eps_x", "eps_y", "delta_x", "delta_y")
         return self.to_si(static_contact(**{name: p[name] for name in names}))
 
-    def to_si(self, data: xr.Dataset) -> xr.Dataset:
+    def to_si(
+        self, data: xr.Dataset, *, like: Mapping[str, str | None] | None = None
+    ) -> xr.Dataset:
         """A result for this rig in s, mm, mm/s, N, mJ and Hz, for reading and drawing.
 
         Parameters
         ----------
         data : xarray.Dataset
-            Result of a verb for ``system()`` of this rig: a run, a strobe or section, a bifurcation
-            diagram, a regime map, a spectrum; or of `snubber_ring`, `snubber_boundaries` or
-            `static_contact` with its parameters. The speed may have been changed.
+            Result of any verb for ``system()`` of this rig, or of `snubber_ring`,
+            `snubber_boundaries` or `static_contact` with its parameters. The speed may be another
+            one, parameters may vary slowly, be those of a sweep, or be changed by
+            ``parameters=`` of the verb; some may follow others by `tie_parameters`.
+        like : mapping of str to str, optional
+            For parameters that others follow, the parameter of the model that each of them is
+            measured like; None for a number without a unit. It is needed only where they do not
+            follow by a number times it.
 
         Returns
         -------
         xarray.Dataset
             The same names, each quantity with its ``units``; the axes of diagrams and maps are
             those of the machine, such as the speed in Hz for ``eta``. What has no unit stays.
-            Attributes hold the data of the rig; the system, as text, is ``dimensionless_system``.
+            Attributes hold the data of the rig, but for what is swept or tied; the system, as
+            text, is ``dimensionless_system``. Beside ``state`` stand ``state_units``. What serves
+            only to go on with a run, such as ``end_state``, is left out.
 
         Raises
         ------
         OptionError
-            For a result of another system, or one that is in SI units already.
+            For a result of another system, or one that is in SI units already; for a variable or
+            parameter of which the unit is not known.
 
         Examples
         --------
@@ -354,25 +370,80 @@ class RotorRig:
         >>> run["x"].attrs["units"], round(float(run["time"][-1]), 9)
         ('mm', 0.5)
         """
-        self._check(data)
-        kept = data.drop_vars([name for name in _RESTART if name in data])
-        result = in_si(kept, self.units)
-        result.attrs |= {f"rig_{name}": value for name, value in asdict(self).items()}
+        if "rig_gap" in data.attrs:
+            raise OptionError("the dataset is in SI units already")
+        units, values, changed = self.units, self.parameters(), changed_parameters(data)
+        if "system" in data.attrs:
+            ties = check_system(data.attrs["system"], self.system(), changed)
+            parameters, labels = units_of_ties(ties, units.parameters, units.labels, like or {})
+            units = replace(units, parameters=parameters, labels=labels)
+            values = ties.values
+        else:
+            self._check_statics(data)
+        swept = {str(data.attrs.get("parameter", "")), *map(str, data.variables)}
+        result = in_si(data, units)
+        for name, value in asdict(self).items():
+            result.attrs[f"rig_{name}"] = value
+        for name, key in _FIELDS.items():
+            if name in values and name not in swept:
+                value = changed.get(name, values[name]) * units.parameters[name].factor
+                same = _same(value, getattr(self, key))
+                result.attrs[f"rig_{key}"] = getattr(self, key) if same else value
+            else:
+                del result.attrs[f"rig_{key}"]
         return result
 
-    def _check(self, data: xr.Dataset) -> None:
-        attrs = data.attrs
-        if "rig_gap" in attrs:
-            raise OptionError("the dataset is in SI units already")
-        if "system" in attrs:
-            if _without_speed(attrs["system"]) != _without_speed(self.system().to_toml()):
-                raise OptionError(
-                    "the dataset was not made with the system of this rig; use rig.system() without"
-                    " changing more than its speed eta and phi0"
-                )
-            return
+    def run_up(self, first: float, last: float, duration: float) -> System:
+        """System whose speed changes evenly, for a run-up or a run-down.
+
+        Parameters
+        ----------
+        first, last : float
+            Speed at the beginning and after ``duration`` in Hz.
+        duration : float
+            Time that it takes in s.
+
+        Returns
+        -------
+        System
+            The dimensionless system with ``eta`` as a slow parameter, constant within each
+            revolution. The speed goes on changing after ``duration``.
+
+        Raises
+        ------
+        OptionError
+            When a speed or the duration is not positive.
+
+        Examples
+        --------
+        >>> import nonsmooth as ns
+        >>> rig = ns.models.RotorRig(
+        ...     mass=1.0,
+        ...     unbalance_mass=0.01,
+        ...     unbalance_radius=20.0,
+        ...     rotor_stiffness=1e4,
+        ...     ring_stiffness=3e5,
+        ...     rotor_damping=10.0,
+        ...     ring_damping=1.0,
+        ...     gap=0.4,
+        ...     speed=25.0,
+        ... )
+        >>> run = ns.simulate(rig.run_up(10.0, 20.0, 2.0), t_end=rig.from_si({"time": 2.0})["time"])
+        >>> [round(float(value), 1) for value in rig.to_si(run)["eta"][[0, -1]]]
+        [10.0, 19.9]
+        """
+        for name, value in (("first", first), ("last", last), ("duration", duration)):
+            if not (math.isfinite(value) and value > 0.0):
+                raise OptionError(f"{name} = {value!r:.60} must be a positive number")
+        begin, end, time = (
+            self.from_si({name: value})[name]
+            for name, value in (("eta", first), ("eta", last), ("time", duration))
+        )
+        return replace(self.system(), slow={"eta": f"{begin!r} + ({(end - begin) / time!r})*t"})
+
+    def _check_statics(self, data: xr.Dataset) -> None:
         mine = self.parameters()
-        given = {name: attrs[name] for name in mine if name in attrs}
+        given = {name: data.attrs[name] for name in mine if name in data.attrs}
         if not given:
             raise OptionError("the dataset does not say by which system or parameters it was made")
         if others := [name for name, value in given.items() if not _same(value, mine[name])]:
@@ -380,18 +451,6 @@ class RotorRig:
                 f"the dataset was made with other values of {', '.join(others)} than those"
                 " of this rig; hand it rig.parameters()"
             )
-
-
-def _without_speed(system: str) -> dict[str, Any]:
-    """What a system of this model is apart from its speed, be it constant or slowly varying."""
-    data = tomllib.loads(system)
-    data["parameters"] = {
-        name: value
-        for name, value in data["parameters"].items()
-        if name in PARAMETERS and name not in _SPEED
-    }
-    data["slow"] = {n: text for n, text in data.get("slow", {}).items() if n not in _SPEED}
-    return data
 
 
 def _same(value: float, other: float) -> bool:

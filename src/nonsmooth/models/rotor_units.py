@@ -1,24 +1,43 @@
-"""Units of what the rotor's datasets hold: variables, coordinates and attributes by their names."""
+"""Units of what the rotor's datasets hold, by the names that the verbs give."""
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any
 
-import numpy as np
 import xarray as xr
 
-__all__ = ["PARAMETERS", "Unit", "Units", "in_si"]
+from nonsmooth.errors import OptionError
+
+__all__ = ["DERIVATIVES", "OF_STATES", "PARAMETERS", "Unit", "Units", "unit_of"]
 
 _LENGTHS = ("x", "y", "sx", "sy", "gap")
 _VELOCITIES = ("vx", "vy", "ring_vx", "ring_vy")
 _FORCES = ("force_x", "force_y", "force", "normal_force")
-_TIMES = ("time", "phase", "event_time", "event_phase")
-_TIME_ATTRIBUTES = ("period", "window", "strobe_period", "phase_of_period", "step")
-_RATES = (  # per unit time
-    "exponent", "exponent_error", "lyapunov_exponent", "running_exponent", "exponent_sum"
+_TIMES = (
+    "time", "phase", "event_time", "event_phase", "begin", "end_time",
+    "contact_duration", "shortest_contact", "longest_contact",
 )  # fmt: skip
+_RATES = ("lyapunov_exponent", "running_exponent", "exponent_sum")  # per unit time
+_STATISTICS = (
+    "mean", "rms", "in_contact", "min", "min_error", "max", "max_error", "amplitude", "percentile"
+)  # fmt: skip
+
+# over ``state``, each in the unit of its state, and derivatives by ``state_0``, ``parameter_0``
+OF_STATES = ("state_before", "state_after", "points", "initial_state", "end_state")
+DERIVATIVES = {"tangent": "state_0", "sensitivity": "parameter_0"}
+
+# shares, ratios, counts and numbers of tests and of dimensions
+_NUMBERS = {
+    "mu", "harmonic", "percentile", "contacts", "contact_share", "events", "impacts",
+    "residual", "K", "K_of_motion", "K_low", "K_high", "K_of_c", "c", "multiplier",
+    "multiplier_real", "multiplier_imag", "multiplier_modulus", "kaplan_yorke_dimension",
+    "fraction", "fraction_error", "probability", "basin_entropy", "basin_entropy_error",
+    "boundary_basin_entropy", "boundary_basin_entropy_error", "uncertainty_exponent",
+    "boundary_dimension", "uncertain_fraction", "largest_distance", "fraction_within",
+    "box_dimension", "correlation_dimension", "correlation_sum", "fit", "distance",
+    "standard_error",
+}  # fmt: skip
 
 # what each parameter of the model stands for in a machine
 PARAMETERS = {
@@ -38,23 +57,24 @@ PARAMETERS = {
 
 @dataclass(frozen=True)
 class Unit:
-    """What one in a dimensionless quantity is worth."""
+    """What one in a dimensionless quantity is worth; without a name what has no unit."""
 
-    factor: float
-    name: str
+    factor: float = 1.0
+    name: str = ""
 
 
 @dataclass(frozen=True)
 class Units:
-    """Units of one machine: length in mm, time in s, force in N."""
+    """Units of one machine: length in mm, time in s, force in N; labels of parameters."""
 
     length: float
     time: float
     force: float
     parameters: dict[str, Unit]
+    labels: dict[str, str]
 
-    def of(self, variable: str) -> Unit | None:
-        """Unit of a variable of a result, none for counts, words and ratios."""
+    def of(self, quantity: str) -> Unit | None:
+        """Unit of a state or output, or of a time or rate among results; none for others."""
         kinds = (
             (_LENGTHS, Unit(self.length, "mm")),
             (_VELOCITIES, Unit(self.length / self.time, "mm/s")),
@@ -64,79 +84,70 @@ class Units:
             (("energy",), Unit(self.force * self.length, "mJ")),
             (("contact_angle",), Unit(1.0, "rad")),
             (("frequency",), Unit(1.0 / self.time, "Hz")),
+            (("mu",), Unit()),
         )
-        return next((unit for names, unit in kinds if variable in names), None)
+        return next((unit for names, unit in kinds if quantity in names), None)
+
+    def states(self, names: Iterable[str]) -> list[Unit]:
+        """Units of states, in order."""
+        return [self.of(str(name)) or Unit() for name in names]
 
 
-def in_si(data: xr.Dataset, units: Units) -> xr.Dataset:
-    """Dataset with all that has a unit in it, labels and attributes included."""
-    result = data.copy()
-    for name in data.variables:
-        unit, label = _unit_of(data, str(name), units)
-        if unit is not None and (label is not None or data[name].dtype.kind == "f"):
-            result = _scaled(result, name, unit, label)
-    for name in ("state_before", "state_after"):
-        if name in data:
-            result[name] = _states(data, name, units)
-    result.attrs = _attributes(data, units)
-    return result
+def unit_of(data: xr.Dataset, name: str, units: Units) -> tuple[Unit, str | None] | None:
+    """Unit of a variable, and its label where that becomes another one; none to leave it as it is.
 
-
-def _unit_of(data: xr.Dataset, name: str, units: Units) -> tuple[Unit | None, str | None]:
-    """Unit of a variable, and its label where that becomes another one."""
-    swept = str(data.attrs.get("parameter", "")) if name == "parameter" else name
-    # as an axis, or varying slowly in a run
-    if swept in units.parameters and (name in data.dims or "time" in data[name].dims):
-        return units.parameters[swept], PARAMETERS[swept]
-    if name == "standard_error" and "lyapunov_exponent" in data:
-        return units.of("lyapunov_exponent"), None
-    if name in ("amplitude", "power_density") and "variable" in data.attrs:
-        unit = units.of(str(data.attrs["variable"]))
-        if unit is None or name == "amplitude":
-            return unit, None
-        square = f"({unit.name})^2" if "/" in unit.name else f"{unit.name}^2"
-        return Unit(unit.factor**2 * units.time, f"{square}/Hz"), None
-    if name == "frequency":
-        return units.of(name), "frequency"  # no longer in cycles per unit of time
-    return units.of(name), None
-
-
-def _scaled(data: xr.Dataset, name: Hashable, unit: Unit, label: str | None) -> xr.Dataset:
+    A number of which nothing is known is refused, so that none goes on unscaled in silence.
+    """
     variable = data[name]
-    attrs = dict(variable.attrs) | {"units": unit.name}
-    if label is not None:
-        attrs["long_name"] = label
-    if np.issubdtype(variable.dtype, np.datetime64) or variable.dtype.kind not in "iuf":
-        return data
-    scaled = (variable.dims, variable.values * unit.factor, attrs)
-    return (
-        data.assign_coords({name: scaled}) if name in data.coords else data.assign({name: scaled})
+    if name == "parameter" or _is_parameter(data, name, units):
+        swept = str(data.attrs.get("parameter", "")) if name == "parameter" else name
+        if swept in units.parameters:
+            return units.parameters[swept], units.labels[swept]
+        if swept == "time":
+            return Unit(units.time, "s"), None
+    if variable.dtype.kind != "f":
+        return None  # counts, words and times of day
+    if variable.attrs.get("units", "") not in ("", "1", "dimensionless"):
+        return None  # such as angles
+    unit = _special(data, name, units) or _statistic(name, units) or units.of(name)
+    if unit is not None:
+        # a frequency is no longer in cycles per unit of time
+        return unit, "frequency" if name == "frequency" else None
+    if name in _NUMBERS:
+        return None
+    raise OptionError(
+        f"the unit of {name!r} is not known; give it the attribute units if it is in those of the"
+        " machine, or leave it out with drop_vars"
     )
 
 
-def _states(data: xr.Dataset, name: str, units: Units) -> xr.DataArray:
-    found = [units.of(str(state)) for state in data["state"].values]
-    factors = np.array([1.0 if unit is None else unit.factor for unit in found])
-    scaled = data[name] * xr.DataArray(factors, dims="state")
-    scaled.attrs = dict(data[name].attrs) | {"units": "mm; mm/s for velocities; 1 for mu"}
-    return scaled.transpose(*data[name].dims)
+def _is_parameter(data: xr.Dataset, name: str, units: Units) -> bool:
+    """Whether a variable holds values of a parameter: as an axis, or varying slowly in a run."""
+    if name not in units.parameters:
+        return False
+    # the 0-1 test has a K too
+    return name != "K" or name in data.coords or data[name].dims in (("time",), ("period",))
 
 
-def _attributes(data: xr.Dataset, units: Units) -> dict[str, Any]:
-    attrs = dict(data.attrs)
-    # verbs and plots would read it as if it went with the numbers
-    if "system" in attrs:
-        attrs["dimensionless_system"] = attrs.pop("system")
-    for name in _TIME_ATTRIBUTES:
-        if isinstance(attrs.get(name), float | int | np.number):
-            attrs[name] = float(attrs[name]) * units.time
-    if "resolution" in attrs:
-        attrs["resolution"] = float(attrs["resolution"]) / units.time
-    for name in ("delta_x", "delta_y", "eps_x", "eps_y", "extent"):
-        if name in attrs:
-            attrs[name] = float(attrs[name]) * units.length
-    return {
-        name: value
-        for name, value in attrs.items()
-        if not str(name).startswith(("end_", "anchor_", "slow_"))  # nothing can go on from here
-    }
+def _special(data: xr.Dataset, name: str, units: Units) -> Unit | None:
+    """Units of names that mean different things in different results."""
+    of = units.of(str(data.attrs.get("variable", "")))
+    if name in ("exponent", "exponent_error"):
+        return Unit() if "attractor" in data[name].dims else Unit(1.0 / units.time, "1/s")
+    if name == "standard_error" and "lyapunov_exponent" in data:
+        return units.of("lyapunov_exponent")
+    if name == "period":
+        return Unit(units.time, "s")  # as a number it is that of the forcing, else a count
+    if name in ("amplitude", "p", "q"):
+        return of
+    if name == "power_density" and of is not None:
+        square = f"({of.name})^2" if "/" in of.name else f"{of.name}^2"
+        return Unit(of.factor**2 * units.time, f"{square}/Hz" if of.name else "1/Hz")
+    return None
+
+
+def _statistic(name: str, units: Units) -> Unit | None:
+    """Unit of a statistic of a state or output, such as its largest value."""
+    ends = (f"_{key}" for key in sorted(_STATISTICS, key=len, reverse=True))
+    of = next((name.removesuffix(end) for end in ends if name.endswith(end)), "")
+    return units.of(of)

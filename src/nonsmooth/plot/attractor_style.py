@@ -101,12 +101,19 @@ def draw_points(ax: Axes, across: Any, up: Any, style: AttractorStyle, **options
 
 
 def state_label(data: xr.Dataset, name: str) -> str:
-    """Label of a state: from the coordinate of that name, or from the system."""
+    """Label of a state: from the coordinate of that name, or of all states, or from the system."""
     if name in data.coords and {"long_name", "units"} & set(data[name].attrs):
         return axis_label(data[name])
-    if "system" in data.attrs:
-        import xarray as xr
+    import xarray as xr
 
+    words = {
+        key: str(data[f"state_{key}"].sel(state=name).values)
+        for key in ("long_name", "units")
+        if f"state_{key}" in data.coords and name in data["state"].values
+    }
+    if words:
+        return axis_label(xr.DataArray(0.0, name=name, attrs=words))
+    if "system" in data.attrs:
         system = System.from_toml(data.attrs["system"])
         if name in system.states:
             texts = labels_of(system).attributes(name)

@@ -8,7 +8,7 @@ import numpy as np
 
 from nonsmooth.errors import OptionError
 from nonsmooth.plot.portrait import phase_portrait
-from nonsmooth.plot.style import LINES, axis_label, place_legend
+from nonsmooth.plot.style import LINES, axis_label, place_legend, wrapped
 from nonsmooth.plot.trace import DENSE, check_range, check_variables, curve
 
 if TYPE_CHECKING:
@@ -105,8 +105,8 @@ def orbit(
     if marks:
         _mark_revolutions(run, x, y, ax, time_range)
     ax.set_aspect("equal", adjustable="datalim")
-    ax.set_xlabel(axis_label(run[x]))
-    ax.set_ylabel(axis_label(run[y]))
+    ax.set_xlabel(wrapped(axis_label(run[x])))
+    ax.set_ylabel(wrapped(axis_label(run[y])))
     if legend:
         place_legend(ax)
     return ax

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -91,10 +91,12 @@ def statistics(
     ax = new_axes() if ax is None else ax
     x = data[over].values
     if label is None and over in data.data_vars and x.size > 1:
-        label = f"{over} rises" if x[-1] > x[0] else f"{over} falls"
+        # a symbol stands for what has no unit
+        what = data[over].attrs.get("long_name", over) if data[over].attrs.get("units") else over
+        label = f"{what} {'rises' if x[-1] > x[0] else 'falls'}"
     if variable in known:
         style = LINES[len(ax.lines) % len(LINES)]
-        ax.plot(x, data[variable].values, label=label, **style | {"linewidth": 0.9})
+        _draw(ax, x, data[variable].values, label, style)
         y_label = axis_label(data[variable])
     else:
         y_label = _draw_all(data, variable, ax, x, label)
@@ -102,6 +104,17 @@ def statistics(
     if legend:
         place_legend(ax)
     return ax
+
+
+def _draw(ax: Axes, x: np.ndarray, values: np.ndarray, label: str | None, style: Any) -> None:
+    """One curve, with dots where a value has no neighbours and a line would not be seen."""
+    line = ax.plot(x, values, label=label, **style | {"linewidth": 0.9})[0]
+    there = np.isfinite(values)
+    alone = there & ~np.append(False, there[:-1]) & ~np.append(there[1:], False)
+    if alone.any():
+        line.set_marker(".")
+        line.set_markersize(3.0)
+        line.set_markevery(np.flatnonzero(alone).tolist())
 
 
 def _axis(data: xr.Dataset, dim: str, over: str | None) -> str:
@@ -136,7 +149,7 @@ def _draw_all(data: xr.Dataset, variable: str, ax: Axes, x: np.ndarray, label: s
     )  # fmt: skip
     if f"{variable}_mean" in data:
         for (key, text), style in zip(_CURVES, LINES, strict=True):
-            ax.plot(x, data[f"{variable}_{key}"].values, label=text, **style | {"linewidth": 0.9})
+            _draw(ax, x, data[f"{variable}_{key}"].values, text, style)
     attrs = data[high].attrs
     name = str(attrs.get("long_name", variable)).removeprefix("largest ")
     return axis_label(data[high].assign_attrs(long_name=name))

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.errors import OptionError
 from nonsmooth.system.evaluate import evaluate
 from nonsmooth.system.expressions import Expression, names_in
 from nonsmooth.system.linear import CONSTANT, LinearForm, State
@@ -27,6 +28,11 @@ Plane = npt.NDArray[np.float64]
 
 def draw_surfaces(run: xr.Dataset, x: str, y: str, ax: Axes) -> None:
     """Dashed lines, within the range drawn so far, where guards of x and y alone vanish."""
+    if "system" not in run.attrs:
+        raise OptionError(
+            "surfaces=True: the run does not say of which system it is, as one in other units does"
+            " not; draw the run as it came from simulate"
+        )
     system = System.from_toml(run.attrs["system"])
     if not {x, y} <= set(system.states) or x == y:
         return

@@ -106,6 +106,12 @@ def curve(
 
 def _merged(run: xr.Dataset, samples: Trace, columns: list[int]) -> Trace:
     """Samples with two points per event among them."""
+    if samples.time.size != run.attrs.get("n_samples", samples.time.size):
+        # a part of a run, cut out by its samples, still has the events of all of it
+        when = run["event_time"].values
+        run = run.isel(event=(when >= samples.time[0]) & (when <= samples.time[-1]))
+        if run.sizes["event"] == 0:
+            return samples
     count = 2 * run.sizes["event"]
     time = np.repeat(run["event_time"].values.astype(float), 2)
     values = np.empty((len(columns), count))

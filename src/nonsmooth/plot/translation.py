@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from nonsmooth.errors import OptionError
 from nonsmooth.plot.figures import new_axes
-from nonsmooth.plot.style import LINES, finish_axes
+from nonsmooth.plot.style import LINES, axis_label, finish_axes
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -52,5 +52,6 @@ def translation(test: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     size = ax.xaxis.label.get_fontsize()
     low, high = float(test["K_low"]), float(test["K_high"])
     ax.set_title(f"K = {float(test['K']):.3f} ({low:.3f} to {high:.3f})", fontsize=size)
-    finish_axes(ax, "p", "q")
+    names = (axis_label(test[name].assign_attrs(long_name=name)) for name in ("p", "q"))
+    finish_axes(ax, *names)
     return ax

@@ -45,13 +45,11 @@ class Completion:
             value = rule if isinstance(rule, float) else evaluate(rule, known)
             known[name] = np.broadcast_to(np.asarray(value, float), len(values))
         whole = np.column_stack([known[name] for name in self.system.states])
-        wrong = ~np.isfinite(whole)
-        for k, name in enumerate(self.system.states):
-            rule = self.rules.get(name, 0.0)
-            if isinstance(rule, float) and np.isnan(rule):
-                wrong[:, k] = False  # stands as the mode that a run begins in wants it
-        if np.any(wrong):
-            row, column = np.argwhere(wrong)[0]
+        # nan stands for a state whose place follows from the others when the run begins
+        follows = np.isnan([self.system.open_state[name] for name in self.system.states])
+        follows &= [name not in (*self.given, *self.texts) for name in self.system.states]
+        if not np.all(np.isfinite(whole) | follows):
+            row, column = np.argwhere(~(np.isfinite(whole) | follows))[0]
             name = self.system.states[column]
             given = ", ".join(f"{n} = {v:g}" for n, v in zip(self.given, values[row], strict=True))
             raise OptionError(

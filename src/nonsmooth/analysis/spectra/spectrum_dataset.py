@@ -19,10 +19,15 @@ def spectrum_labels(
 ) -> tuple[dict[str, str], dict[str, str], dict[str, str]]:
     """Attributes of amplitude, power density and frequency of something with a unit."""
     per_density = {"units": f"({unit})^2 {time_unit}".strip()} if unit else {}
+    frequency = {"long_name": FREQUENCY} | ({"units": f"1/{time_unit}"} if time_unit else {})
+    if time_unit == "s":
+        square = f"({unit})^2" if "/" in unit else f"{unit}^2"
+        per_density = {"units": f"{square}/Hz"} if unit else {}
+        frequency = {"long_name": "frequency", "units": "Hz"}
     return (
         {"long_name": f"amplitude of {what}"} | ({"units": unit} if unit else {}),
         {"long_name": f"power density of {what}"} | per_density,
-        {"long_name": FREQUENCY} | ({"units": f"1/{time_unit}"} if time_unit else {}),
+        frequency,
     )
 
 
