@@ -2,6 +2,7 @@
 
 import dataclasses
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
@@ -47,6 +48,12 @@ CONTACT = {
     "contacts": ONE, "contact_share": ONE, "contact_duration": S, "shortest_contact": S,
     "longest_contact": S, "percentile": ONE,
 }  # fmt: skip
+
+
+@pytest.fixture(autouse=True)
+def no_figures_left():
+    yield
+    plt.close("all")
 
 
 def run_of(**options):

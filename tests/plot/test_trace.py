@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from nonsmooth.plot.trace import DENSE, thinned
+import nonsmooth as ns
+from nonsmooth.plot.trace import DENSE, curve, thinned
 
 
 def test_few_points_are_kept():
