@@ -81,6 +81,7 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
     jumping = 0  # bits of the slaved states that a reset has let jump onto their relations
     followed = curved  # whether basis holds the directions left free by the path so far
     carrying = tangent.columns.shape[0] > 0
+    copy_vector(z, segment.mark, n)
     ready, fired = _prepare(tables, rates, segment, tangent, m, e, duration, curved)
     if not ready:
         return _INADMISSIBLE, m, path, passes, jumped, corner
@@ -112,7 +113,10 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
             if (visited >> m) & 1:
                 # cells of one mode hand over in a circle where both sides point at a surface
                 slides = tables.families[before] == tables.families[m]
-                return _SLIDING if slides else _UNDECIDED, m, path, passes, jumped, corner
+                if slides or not _moved(n, z, segment.mark, segment.extent):
+                    return _SLIDING if slides else _UNDECIDED, m, path, passes, jumped, corner
+                visited = 0  # slaved states have jumped on the way
+                copy_vector(z, segment.mark, n)
             if passes > _MOST_PASSES:
                 return _EVENT_LIMIT, m, path, passes, jumped, corner
             visited |= 1 << m
@@ -126,8 +130,8 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
         ):
             _differentiate(tables, rates, segment, m)
         e, meets, followed = _next_exit(
-            n, affine, wiring, z, segment.extent, segment.order, basis, segment.scale, first_mode,
-            first_exit, m, path, passes, followed, tolerance,
+            n, affine, wiring, tables.families, z, segment.extent, segment.order, basis,
+            segment.scale, first_mode, first_exit, m, path, passes, followed, tolerance,
         )  # fmt: skip
         corner = corner or meets
         if e < 0:
@@ -191,8 +195,8 @@ def _enter(tables, rates, segment, tangent, m, e, target, jumping, fired, curved
 
 @inlined
 def _next_exit(
-    n, affine, wiring, z, extent, order, basis, scale, first_mode, first_exit, m, path, passes,
-    followed, tolerance,
+    n, affine, wiring, families, z, extent, order, basis, scale, first_mode, first_exit, m, path,
+    passes, followed, tolerance,
 ):  # fmt: skip
     """The exit of mode m that fires at z, -1 for none; fills the orders of its guards.
 
@@ -215,9 +219,28 @@ def _next_exit(
         if not _must_fire(affine, m, g, z, extent, order, tolerance):
             continue
         # where a guard is negative, the rates of the mode say nothing about the others
-        if e < 0 or (order[g] == 0 and order[e] > 0):
+        # cells settle before the exits of the mode are read
+        settling = e >= 0 and _is_surface(wiring, families, m, e)
+        late = settling and not _is_surface(wiring, families, m, g)
+        if e < 0 or (order[g] == 0 and order[e] > 0 and not late):
             e, meets = g, passes > 0 and order[g] > known
     return e, meets, followed
+
+
+@kernel
+def _is_surface(wiring, families, m, e):
+    """Whether an exit leads through a surface to another cell of the same mode."""
+    target = wiring[m, 1 + e, at.TARGET]
+    return target >= 0 and families[target] == families[m] and wiring[m, 1 + e, at.RESETTING] == 0
+
+
+@kernel
+def _moved(n, z, mark, extent):
+    """Whether a state is no longer where it was, beyond rounding."""
+    for i in range(n):
+        if abs(z[i] - mark[i]) > _CLEARLY * (extent[i] + abs(mark[i])):
+            return True
+    return False
 
 
 @kernel

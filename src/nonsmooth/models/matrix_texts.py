@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from nonsmooth.models.rotor import rotor
+from nonsmooth.models.rotor import first_guess, rotor
 from nonsmooth.system.parts import Exit, Mode
 
 __all__ = ["matrix_rotor_words"]
 
-_SHARED = ("springs", "preload", "pull")
+_SHARED = ("reach", "springs", "preload", "pull")
 _REQUIRE = {
     "Omega > 0": "the rotor must turn",
     "k_s > 0": "the ring is held by springs",
@@ -79,7 +79,7 @@ def _modes(flow: dict[str, str], cells: dict[str, str]) -> dict[str, Mode]:
     contact = Exit(
         "gamma**2 - nx**2 - ny**2",
         to="contact",
-        reset={"sx": "sx", "sy": "sy", "mu": "(nx*pull_x + ny*pull_y)/gamma**2"},  # first guesses
+        reset=first_guess("gamma", "2*(reach/gamma - 1)"),
         name="contact",
     )
     return {

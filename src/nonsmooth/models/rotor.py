@@ -8,7 +8,7 @@ from nonsmooth.errors import ModelError
 from nonsmooth.system.parts import Exit, Mode, Text
 from nonsmooth.system.system import System
 
-__all__ = ["rotor"]
+__all__ = ["first_guess", "rotor"]
 
 # signs of the surfaces s - delta and s + delta along an axis
 _WITHIN, _BEYOND = ("-+",), ("+.", "--")
@@ -213,6 +213,7 @@ def rotor(
         require=require,
         describe={name: _LABELS[name] for name in _LABELS if name != "nu2" or relaxes},
         definitions={
+            "reach": "sqrt(x**2 + y**2)",
             "nx": "x - sx",
             "ny": "y - sy",
             "springs_x": "where(sx > delta_x, 1, where(sx < -delta_x, 1, 2))",
@@ -241,12 +242,20 @@ def rotor(
     )
 
 
+def first_guess(gap: str, mu: str) -> dict[str, str]:
+    """First guess of the ring's place on contact: where it stands within its preload.
+
+    From a displaced ring Newton's method could find a place where the energy is largest.
+    """
+    return {"sx": f"x*(1 - {gap}/reach)", "sy": f"y*(1 - {gap}/reach)", "mu": mu}
+
+
 def _free(drive: dict[str, str], relaxes: bool) -> Mode:
     """The rotor away from the ring, which relaxes or is back already."""
     contact = Exit(
         "1 - nx**2 - ny**2",
         to="contact",
-        reset={"sx": "sx", "sy": "sy", "mu": "nx*pull_x + ny*pull_y"},  # first guesses
+        reset=first_guess("1", "2*(reach - 1)"),
         name="contact",
     )
     no_force = {"Fx": "0", "Fy": "0", "size": "0"}
