@@ -17,7 +17,7 @@ MODELS = {name: make() for name, make in model_functions().items()}
 SHARES = (0.123, 0.5, 0.871)  # of the range of a variable, where the section lies
 # radius, gap and slip of a rotor have a kink at zero, where they are at rest
 ROTORS = ("clearance_rotor", "massive_ring_rotor", "rotor", "rubbing_rotor", "snubber_rub")
-START = dict.fromkeys(ROTORS, {"x": 1e-3})
+START = {name: {"x": 1e-3} for name in ROTORS}
 ANGLES = ("contact_angle",)  # which jumps by a whole turn where nothing happens
 CASES = [
     (name, v) for name, s in MODELS.items() for v in (*s.states, *s.outputs) if v not in ANGLES

@@ -106,3 +106,34 @@ def test_analyses_take_starts_on_the_ring():
     points = ns.StroboscopicMap(system).iterate({"x": 1.4, "y": 0.2}, 1)
     run = ns.simulate(system, {"x": 1.4, "y": 0.2}, periods=1, samples_per_period=1)
     assert float(points["x"][0]) == float(run["x"][-1])
+
+
+def test_contacts_with_a_displaced_ring_are_on_the_least_energy():
+    """Whatever the ring's place before: no other place at the gap's distance has less nearby."""
+    rng = np.random.default_rng(0)
+
+    def energy(s, preload):
+        s = np.abs(s)
+        return np.where(s <= preload, s * s, 0.5 * s * s + s * preload - 0.5 * preload**2)
+
+    contacts = 0
+    for _ in range(150):
+        preload = rng.choice([0.0, 0.1, 0.5], 2)
+        ring, angle, distance = (
+            rng.uniform(-1.2, 1.2, 2),
+            rng.uniform(0, 6.28),
+            rng.uniform(0.9, 0.99),
+        )
+        outwards = np.array([np.cos(angle), np.sin(angle)])
+        (x, y), (vx, vy) = ring + distance * outwards, 20.0 * outwards
+        start = {"x": x, "y": y, "vx": vx, "vy": vy, "sx": ring[0], "sy": ring[1], "mu": 0.0}
+        system = rotor(K=30.0, nu2=5.0, delta_x=preload[0], delta_y=preload[1])
+        run = ns.simulate(system, start, t_end=0.1)
+        names = run["event_name"].values.astype(str)
+        for k in np.flatnonzero(names == "contact"):
+            contacts += 1
+            x, y, _, _, sx, sy, _ = run["state_after"].values[k]
+            around = np.arctan2(y - sy, x - sx) + np.array([-1e-3, 0.0, 1e-3])
+            stored = energy(x - np.cos(around), preload[0]) + energy(y - np.sin(around), preload[1])
+            assert stored[1] <= stored.min() + 1e-12
+    assert contacts > 50

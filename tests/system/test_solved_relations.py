@@ -123,3 +123,55 @@ def test_relations_round_trip_and_explain(capsys):
     assert System.from_toml(system.to_toml()) == system
     system.explain()
     assert "p**3 + p = x" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("slaved", [False, True])
+def test_a_jump_onto_a_relation_may_lead_back_where_it_came_from(slaved):
+    """Touch and off again at one instant, with p ahead by one: no circle."""
+    flow = {"x": "1", "v": "0"}
+    touch = Exit("p - x", to="hold", reset={"p": "x + 1"}, name="touch")
+    off = [Exit("v", to="free", name="off")]
+    hold = Mode(flow, slaved={"p": "x + 1"}, exits=off) if slaved else Mode(flow | {"p": "1"}, off)
+    modes = {"free": Mode(flow | {"p": "0"}, exits=[touch]), "hold": hold}
+    system = System(states=["x", "v", "p"], modes=modes)
+    run = ns.simulate(system, {"p": 0.5, "v": -1.0}, t_end=3.0, mode="free")
+    assert run.attrs["status"] == "completed"
+    assert float(run["end_state"].sel(state="p")) == 3.5
+    paths = run["event_path"].values.astype(str).tolist()
+    assert paths[1:] == ["touch>off"] * 3
+
+
+def test_modes_that_hand_over_without_a_change_are_undecided():
+    touch = Exit("p - x", to="hold", reset={"p": "x"}, name="touch")
+    modes = {
+        "free": Mode({"x": "1", "v": "0", "p": "0"}, exits=[touch]),
+        "hold": Mode({"x": "1", "v": "0"}, slaved={"p": "x"}, exits=[Exit("v", to="free")]),
+    }
+    system = System(states=["x", "v", "p"], modes=modes)
+    with pytest.warns(ns.RunWarning):
+        run = ns.simulate(system, {"p": 0.5, "v": -1.0}, t_end=3.0, mode="free")
+    assert run.attrs["status"] == "undecided"
+
+
+@pytest.mark.parametrize(
+    ("relation", "closed"),
+    [
+        ("x + 5*max(x, 0)", lambda x: x + 5 * np.maximum(x, 0)),
+        ("where(x > 0, x, 2*x)", lambda x: np.where(x > 0, x, 2 * x)),
+        ("F + 0.5*abs(F) = x", lambda x: np.where(x > 0, x / 1.5, x / 0.5)),
+    ],
+)
+def test_piecewise_relations_through_the_origin(relation, closed):
+    mode = Mode({"x": "v", "v": "-x"}, slaved={"F": relation})
+    system = System(states=["x", "v", "F"], modes={"m": mode})
+    for v in (1.0, 0.3, 7.7):
+        run = ns.simulate(system, {"v": v}, times=np.linspace(0.0, 20.0, 101))
+        assert run.attrs["status"] == "completed"
+        np.testing.assert_allclose(run["F"], closed(v * np.sin(run["time"])), atol=1e-13)
+
+
+def test_equations_that_are_not_solved_say_so():
+    mode = Mode({"x": "1"}, slaved={"p": "p**2 = -1 - x**2"})
+    system = System(states=["x", "p"], modes={"m": mode}, initial={"p": 0.5})
+    with pytest.raises(ns.OptionError, match=r"does not solve 'p\*\*2 = -1 - x\*\*2'"):
+        ns.simulate(system, {"x": 1.0}, t_end=1.0)

@@ -106,8 +106,9 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
             if resetting != 0 or tables.families[target] != tables.families[m]:
                 jumping = resetting
             if not _enter(
-                tables, rates, segment, tangent, m, e, target, jumping, fired, curved, tolerance
-            ):
+                tables, rates, segment, tangent, m, e, target, jumping, fired, duration, curved,
+                tolerance,
+            ):  # fmt: skip
                 return _INADMISSIBLE, target, path, passes, jumped, corner
             before, m = m, target
             if (visited >> m) & 1:
@@ -171,7 +172,9 @@ def _prepare(tables, rates, segment, tangent, m, e, duration, curved):
 
 
 @inlined
-def _enter(tables, rates, segment, tangent, m, e, target, jumping, fired, curved, tolerance):
+def _enter(
+    tables, rates, segment, tangent, m, e, target, jumping, fired, duration, curved, tolerance
+):
     """Enter a mode behind the reset of exit e; False where slaved states do not agree with it."""
     n, affine, wiring, z = tables.sizes[0], tables.affine, tables.wiring, segment.z
     copy_vector(z, segment.spare, z.size)
@@ -182,11 +185,13 @@ def _enter(tables, rates, segment, tangent, m, e, target, jumping, fired, curved
         linearise_mode(tables, rates, segment, target)
         push_relations(n, affine, wiring, target, segment.basis)
     fill_extent(n, affine, wiring, target, z, segment.extent)
-    if not _slave(
-        n, affine, wiring, target, z, segment.spare, segment.extent, segment.scale, jumping,
-        fired, tolerance,
-    ):  # fmt: skip
+    agrees = _agrees(n, affine, wiring, target, segment, jumping, fired, curved, tolerance)
+    if not agrees and not curved:  # what is nothing beside what it changes by
+        fill_scale(n, tables.generator, affine, wiring, m, z, duration, segment.scale)
+        agrees = _agrees(n, affine, wiring, target, segment, jumping, fired, True, tolerance)
+    if not agrees:
         return False
+    _settle_slaved(n, affine, wiring, target, z, segment.extent)
     fill_extent(n, affine, wiring, target, z, segment.extent)
     if tangent.columns.shape[0] > 0:
         relate_columns(tables, rates, segment, tangent, target)
@@ -458,24 +463,23 @@ def _reset(n, affine, wiring, m, e, z, extent, spare):
 
 
 @kernel
-def _slave(n, affine, wiring, target, z, before, extent, scale, jumping, fired, tolerance):
-    """Put slaved states of the target on their relations; False where they disagree.
+def _agrees(n, affine, wiring, target, segment, jumping, fired, scaled, tolerance):
+    """Whether the slaved states of the target, in segment.spare, agree with their relations at z.
 
-    shapes: before (N,), z before its states were solved for; jumping: bits of those that may jump
+    jumping: bits of those that may jump; scaled: whether segment.scale is known
     """
-    agree = True
     n_exits = wiring.shape[1] - 1
     for i in range(n):
-        if (wiring[target, 0, at.SLAVED] >> i) & 1:
-            value, size = _sum_of_terms(affine, target, at.relation_row(n_exits, i), z, extent)
+        if (wiring[target, 0, at.SLAVED] >> i) & 1 and not (jumping >> i) & 1:
+            row, before = at.relation_row(n_exits, i), segment.spare[i]
+            value, size = _sum_of_terms(affine, target, row, segment.z, segment.extent)
             # the root of the fired guard leaves a little more than the tolerance
-            allowed = max(tolerance, _CLEARLY) * (size + abs(before[i]) + fired)
-            for j in range(scale.size if (wiring[target, 0, at.IMPLICIT] >> i) & 1 else 0):
-                allowed += _NOTHING * abs(affine[target, at.relation_row(n_exits, i), j]) * scale[j]
-            if not (jumping >> i) & 1 and abs(value - before[i]) > allowed:
-                agree = False
-    _settle_slaved(n, affine, wiring, target, z, extent)
-    return agree
+            allowed = max(tolerance, _CLEARLY) * (size + abs(before) + fired)
+            for j in range(segment.z.size if scaled else 0):
+                allowed += _NOTHING * abs(affine[target, row, j]) * segment.scale[j]
+            if abs(value - before) > allowed:
+                return False
+    return True
 
 
 @kernel

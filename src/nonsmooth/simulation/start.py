@@ -11,7 +11,14 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.engine.lanes import run
-from nonsmooth.engine.layout import DERIVATIVES, N_EXITS, SLAVED, Tables, allocate_segment
+from nonsmooth.engine.layout import (
+    DERIVATIVES,
+    IMPLICIT,
+    N_EXITS,
+    SLAVED,
+    Tables,
+    allocate_segment,
+)
 from nonsmooth.engine.records import Anchor, allocate_anchor, allocate_records
 from nonsmooth.engine.tangent import allocate_tangent
 from nonsmooth.engine.variation_tables import no_columns, no_rates
@@ -86,18 +93,24 @@ def complete_state(
     left_out = np.isnan(state)
     found = np.array([system.rest_state[name] for name in system.states])
     for mode in modes:
-        anchor = allocate_anchor(tables.sizes)
-        anchor.place[0], anchor.phase[0] = instant
-        anchor.state[:] = state
-        records = allocate_records(tables.sizes, *_NO_TIMES, 0)
-        run(
-            tables, no_rates(), no_columns(), anchor, allocate_segment(tables.sizes),
-            allocate_tangent(tables.sizes, -1, 0), records, mode, *instant, _TOLERANCE,
-        )  # fmt: skip
+        anchor = _begin(tables, state, instant, mode)
         if anchor.place[1] >= 0:
             found = anchor.state
             break
     return np.where(left_out, found, state)
+
+
+def _begin(tables: Tables, state: npt.NDArray[np.float64], instant: Instant, mode: int) -> Anchor:
+    """Anchor of a run without length; its mode is -1 where none takes the state."""
+    anchor = allocate_anchor(tables.sizes)
+    anchor.place[0], anchor.phase[0] = instant
+    anchor.state[:] = state
+    records = allocate_records(tables.sizes, *_NO_TIMES, 0)
+    run(
+        tables, no_rates(), no_columns(), anchor, allocate_segment(tables.sizes),
+        allocate_tangent(tables.sizes, -1, 0), records, mode, *instant, _TOLERANCE,
+    )  # fmt: skip
+    return anchor
 
 
 def _from_mapping(system: System, initial: Mapping[str, Any]) -> npt.NDArray[np.float64]:
@@ -205,9 +218,21 @@ def start_at_end(start: Start) -> Start:
     return Start(start.state, start.instant, (int(start.anchor.place[1]),))
 
 
+def _solution(
+    system: System, tables: Tables, start: Start, state: npt.NDArray[np.float64], m: int
+) -> npt.NDArray[np.float64]:
+    """State with its slaved ones solved for in a mode; nan where the mode does not take it."""
+    slaved = int(tables.wiring[m, 0, SLAVED])
+    left_out = np.array([(slaved >> i) & 1 == 1 for i in range(state.size)])
+    opened = np.where(left_out, np.nan, state)
+    anchor = _begin(tables, opened, start.instant, m)
+    return np.where(left_out, anchor.state if anchor.place[1] >= 0 else np.nan, state)
+
+
 def explain_misfit(system: System, tables: Tables, start: Start, z: npt.NDArray[np.float64]) -> str:
     """What fails in each mode for a start that no mode admits."""
     lines = []
+    n = len(system.states)
     n_exits = int(tables.sizes[5])
     for m, (name, forms) in enumerate(system.structure.modes.items()):
         if start.modes != (-1,) and m not in start.modes:
@@ -224,8 +249,16 @@ def explain_misfit(system: System, tables: Tables, start: Start, z: npt.NDArray[
         for i, state in enumerate(system.states):
             if (int(tables.wiring[m, 0, SLAVED]) >> i) & 1:
                 wanted = float(tables.affine[m, DERIVATIVES * n_exits + i] @ z)
+                text = forms.equations.slaved[state].text
+                if (int(tables.wiring[m, 0, IMPLICIT]) >> i) & 1:
+                    wanted = _solution(system, tables, start, z[:n], m)[i]
+                    if math.isnan(wanted):
+                        faults.append(
+                            f"Newton's method does not solve {text!r} from {state} = {z[i]:.6g}"
+                            f" here; give {state} near a solution, if there is one"
+                        )
+                        continue
                 if wanted != z[i]:
-                    text = forms.equations.slaved[state].text
                     fault = f"{state} is slaved here: give {state} = {wanted:.6g} by {text!r}"
                     faults.append(f"{fault}, not {z[i]:.6g}")
         lines.append(f"  {name}: {'; '.join(faults)}")
