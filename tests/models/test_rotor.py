@@ -137,3 +137,18 @@ def test_contacts_with_a_displaced_ring_are_on_the_least_energy():
             stored = energy(x - np.cos(around), preload[0]) + energy(y - np.sin(around), preload[1])
             assert stored[1] <= stored.min() + 1e-12
     assert contacts > 50
+
+
+@pytest.mark.parametrize("start", [{"x": -1.2, "vx": 1.0}, {"x": 1.01, "vx": -100.0}])
+def test_a_rotor_pressed_against_the_ring_may_leave_it_at_once(start):
+    """The ring stands where statics put it, and the rotor is free of it from the start."""
+    system = rotor(nu2=0.5, K=1.0)
+    run = ns.simulate(system, start, times=[0.0, 1e-4])
+    place = start["x"] - np.sign(start["x"])
+    assert float(run["sx"][0]) == pytest.approx(place, rel=1e-14)
+    words = run["mode"].attrs["flag_meanings"].split()
+    assert words[int(run["mode"][0])] == "free"
+    lanes = ns.ensemble(system, start, times=[0.0])
+    initial = lanes["initial_state"].squeeze()
+    assert float(initial.sel(state="sx")) == pytest.approx(place, rel=1e-14)
+    assert float(initial.sel(state="mu")) == 0.0

@@ -35,6 +35,7 @@ from nonsmooth.engine.transitions import (
     PATH_BITS,
     fill_extent,
     guard_holds,
+    in_cell,
     has_fallen,
     leaves_both_ways,
     linearise_mode,
@@ -181,6 +182,34 @@ def _mode_of_start(tables, rates, segment, mode, tolerance):
             if _fits(tables, segment, m, given, tolerance):
                 return m
         copy_vector(given, z, z.size)
+    if segment.left_out[0] != 0:
+        for m in range(low, high):
+            k = _mode_behind(tables, rates, segment, m, low, high, tolerance)
+            if k >= 0:
+                return k
+            copy_vector(given, z, z.size)
+    return -1
+
+
+@kernel
+def _mode_behind(tables, rates, segment, m, low, high, tolerance):
+    """The first mode that admits the place that mode m wants for what a start leaves out, or -1.
+
+    A rotor that is pressed against its ring and moves away is free at once, with the ring there.
+    """
+    n, z, place = tables.sizes[0], segment.z, segment.mark
+    if tables.wiring[m, 0, at.IMPLICIT] == 0 or not settle(tables, rates, segment, m):
+        return -1
+    linearise_mode(tables, rates, segment, m)
+    fill_extent(n, tables.affine, tables.wiring, m, z, segment.extent)
+    if not in_cell(tables, m, z, segment.extent, tolerance):
+        return -1
+    copy_vector(z, place, z.size)
+    for k in range(low, high):
+        if tables.wiring[k, 0, at.IMPLICIT] == 0:
+            linearise_mode(tables, rates, segment, k)
+            if _fits(tables, segment, k, place, tolerance):
+                return k
     return -1
 
 

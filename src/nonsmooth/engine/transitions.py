@@ -37,6 +37,7 @@ __all__ = [
     "fill_extent",
     "guard_holds",
     "has_fallen",
+    "in_cell",
     "leaves_both_ways",
     "linearise_mode",
     "pass_exits",
@@ -237,6 +238,17 @@ def _is_surface(wiring, families, m, e):
     """Whether an exit leads through a surface to another cell of the same mode."""
     target = wiring[m, 1 + e, at.TARGET]
     return target >= 0 and families[target] == families[m] and wiring[m, 1 + e, at.RESETTING] == 0
+
+
+@kernel
+def in_cell(tables, m, z, extent, tolerance):
+    """Whether a state lies within the surfaces of a cell, whatever the exits of its mode say."""
+    for g in range(tables.wiring[m, 0, at.N_EXITS]):
+        if _is_surface(tables.wiring, tables.families, m, g) and not guard_holds(
+            tables.affine, m, g, z, extent, tolerance
+        ):
+            return False
+    return True
 
 
 @kernel

@@ -150,8 +150,14 @@ def rotor(
     Notes
     -----
     The free ring's rate is often in the thousands; it is solved in closed form and costs no
-    steps. Where a release from III or IV finds the rotor moving into the ring as it would
-    relax, no mode holds and the run ends as ``undecided``.
+    steps.
+
+    The chapter's ring, without mass and with a damper on each spring, does not always tell what
+    comes next. On release from III or IV, where one spring is at work along one axis and two along
+    the other, the free ring would move otherwise than the rotor asks for, and where it would move
+    into the rotor neither contact nor free flight holds: the run ends as ``undecided``. This is
+    rare with equal preloads and common with unequal ones, above all with one that is zero.
+    ``ring="returns"`` and `massive_ring_rotor` have no such releases.
 
     References
     ----------

@@ -24,6 +24,7 @@ Floats = npt.NDArray[np.float64]
 Chunk = dict[str, npt.NDArray[np.generic]]  # see `empty_chunk`
 
 _BEGIN = Instant(0, 0.0)
+_AT_BEGIN = (np.zeros(1, np.int64), np.zeros(1))
 
 
 @dataclass(frozen=True)
@@ -94,11 +95,19 @@ def _run_set(
     waiting = np.arange(chosen.size)
     for mode in protocol.modes:
         lanes = runner.start(states[waiting], _BEGIN, mode)
+        left_out = np.isnan(states[waiting])
+        if np.any(left_out):  # what the mode that is entered makes of it
+            began, _ = runner.run(lanes, _BEGIN, *_AT_BEGIN, stop)
+            known = part["initial"][waiting]
+            part["initial"][waiting] = np.where(left_out, began[:, 0], known)
         points, modes = runner.run(lanes, plan.end, plan.sample_number, plan.sample_phase, stop)
         _write(system, runner, plan, lanes, points, modes, waiting, part)
         waiting = waiting[lanes.anchors.place[:, 1] < 0]  # no mode took the start
         if waiting.size == 0:
             break
+    at_rest = [system.rest_state[name] for name in system.states]
+    initial = part["initial"]
+    initial[...] = np.where(np.isnan(initial), at_rest, initial)
 
 
 def _write(
