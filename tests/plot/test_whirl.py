@@ -43,7 +43,7 @@ def test_orbit(run, ax):
     ns.plot.orbit(run, ax=ax, ring=("sx", "sy"), clearance=1.0)
     lines = by_label(ax)
     assert ax.get_aspect() == 1.0
-    assert {"I", "sx, sy", "clearance", "every period"} <= set(lines)
+    assert {"free", "sx, sy", "clearance", "every period"} <= set(lines)
     assert np.hypot(*lines["clearance"].get_data()) == pytest.approx(1.0, abs=1e-14)
     marks = np.array(lines["every period"].get_data())
     np.testing.assert_allclose(marks, [run["x"][::100], run["y"][::100]], atol=1e-12)

@@ -9,11 +9,11 @@ f_0 g_k + ... + f_k g_0, and the next one is at most F_0 G_6 + ... + F_6 G_0.
 from __future__ import annotations
 
 from nonsmooth.engine import layout as at
-from nonsmooth.engine.jit import kernel
+from nonsmooth.engine.jit import inlined, kernel
 
 __all__ = ["read_products"]
 
-_UNIT = 2.220446049250313e-16
+_UNIT = 8.0 * 2.220446049250313e-16  # of the product and of the sum
 _MOST_TAKEN = 0.25  # as for linear guards
 
 
@@ -50,7 +50,8 @@ def read_products(tables, segment, m, g, order):
             ) - lasting
         size_f, size_h = f[at.LASTING] + f[at.FADED], h[at.LASTING] + h[at.FADED]
         share += size_f * size_h - f[at.LASTING] * h[at.LASTING]
-        margin += size_f * h[at.DOUBT] + size_h * f[at.DOUBT] + 4.0 * _UNIT * size_f * size_h
+        margin += _doubt(f, h, 0) + _UNIT * abs(_whole(f, 0) * _whole(h, 0))
+        bound += f[at.LASTING + at.TERMS] * h[at.DOUBT] + h[at.LASTING + at.TERMS] * f[at.DOUBT]
     total = whole[at.LASTS_IN] + whole[at.FADES_IN]
     taken = share + whole[at.FADES_IN]
     # what fades may go altogether, but it is zero by its own account only where it is known
@@ -59,12 +60,30 @@ def read_products(tables, segment, m, g, order):
         scan[k] = whole[at.LASTS_IN + k]
         if not apart:
             scan[k] += whole[at.FADES_IN + k]
+    if order == 0:
+        # what rounding may be off by grows with the factors on the way: not the margin of now
+        for k in range(first, last):
+            f, h = factors[tables.products[k, 0]], factors[tables.products[k, 1]]
+            for i in range(1, at.TERMS):
+                scan[i] -= _doubt(f, h, i)
     scan[at.BOUND] = bound if apart else bound + faded
     scan[at.MARGIN] = margin
     scan[at.TAKEN_OFF], scan[at.FADING] = 0.0, 0.0
     if apart:
         scan[0] = total
         scan[at.TAKEN_OFF], scan[at.FADING] = taken, share
+
+
+@inlined
+def _whole(factor, k):
+    """Coefficient of a factor, what lasts and what fades together."""
+    return factor[at.LASTS_IN + k] + factor[at.FADES_IN + k]
+
+
+@inlined
+def _doubt(f, h, k):
+    """What the errors of two factors make of a coefficient of their product."""
+    return (abs(_whole(f, k)) + f[at.DOUBT]) * h[at.DOUBT] + abs(_whole(h, k)) * f[at.DOUBT]
 
 
 @kernel

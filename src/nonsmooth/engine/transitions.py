@@ -95,26 +95,27 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
             if carrying:
                 push_columns(tables, rates, segment, tangent, m, e)
             _reset(n, affine, wiring, m, e, z, segment.extent, segment.spare)
-            # what the target slaves is put on its relation anyway: naming it is no jump
-            free = -1 if target < 0 else ~wiring[target, 0, at.SLAVED]
-            if wiring[m, 1 + e, at.RESETTING] & free != 0:
-                jumped = True
-                visited = 0  # without a jump no mode may return
-            if target < 0:
-                return _STOPPED, m, path, passes, jumped, corner
-            # cells settle after a reset: what it lets jump goes on until one of them holds
             resetting = wiring[m, 1 + e, at.RESETTING]
+            if target < 0:
+                return _STOPPED, m, path, passes, jumped or resetting != 0, corner
+            # what the target slaves is put on its relation anyway: naming it is no jump by itself
+            slaved = wiring[target, 0, at.SLAVED]
+            if (resetting & ~slaved) != 0:
+                visited = 0  # without a jump no mode may return
+            jumped = jumped or (resetting & ~(wiring[m, 0, at.SLAVED] & slaved)) != 0
+            # cells settle after a reset: what it lets jump goes on until one of them holds
             if resetting != 0 or tables.families[target] != tables.families[m]:
                 jumping = resetting
             if not _enter(
                 tables, rates, segment, tangent, m, e, target, jumping, fired, duration, curved,
                 tolerance,
             ):  # fmt: skip
-                return _INADMISSIBLE, target, path, passes, jumped, corner
+                failed = (jumping & wiring[target, 0, at.IMPLICIT]) != 0
+                return _UNDECIDED if failed else _INADMISSIBLE, target, path, passes, jumped, corner
             before, m = m, target
             if (visited >> m) & 1:
                 # cells of one mode hand over in a circle where both sides point at a surface
-                slides = tables.families[before] == tables.families[m]
+                slides = tables.families[before] == tables.families[m] and jumping == 0
                 if slides or not _moved(n, z, segment.mark, segment.extent):
                     return _SLIDING if slides else _UNDECIDED, m, path, passes, jumped, corner
                 visited = 0  # slaved states have jumped on the way
@@ -154,11 +155,13 @@ def _prepare(tables, rates, segment, tangent, m, e, duration, curved):
     fired = 0.0
     if e < 0 and wiring[m, 0, at.IMPLICIT] != 0 and not settle(tables, rates, segment, m):
         return False, fired
-    if curved:  # gradients do not change on the hair's breadth to the zero of the guard
+    if curved:
         linearise_mode(tables, rates, segment, m)
     fill_extent(n, affine, wiring, m, z, segment.extent)
     if e >= 0:
         fired = _set_fired_zero(n, tables.generator, affine, wiring, m, e, z, segment.extent)
+        if curved and wiring[m, 1 + e, at.RESETTING] != 0:
+            linearise_mode(tables, rates, segment, m)  # a reset is exact where it is applied
     if curved:
         fill_scale(n, tables.generator, affine, wiring, m, z, duration, segment.scale)
         start_directions(n, affine, wiring, m, e, segment.scale, segment.basis)

@@ -105,7 +105,8 @@ class ModeForms:
         except NonlinearText as fault:
             self.nonlinear = fault
             self.reader = LinearReader(graph, read)
-            self.linear = self._linear_flow()
+            exits = (e for way in read.exits for e in (way.guard, *way.reset.values()))
+            self.linear = self._linear_flow() if any(e is fault.equation for e in exits) else None
             self.taylor = self._taylor()
 
     @property
