@@ -19,8 +19,8 @@ _REQUIRE = {
     "k_s > 0": "the ring is held by springs",
     "c_s > 0": "an undamped ring would never come to rest",
     "gamma > 0": "a ring without clearance is a bearing",
-    "delta_x >= 0": "springs that are not preloaded leave the ring loose",
-    "delta_y >= 0": "springs that are not preloaded leave the ring loose",
+    "delta_x >= 0": "springs with a negative preload leave the ring loose",
+    "delta_y >= 0": "springs with a negative preload leave the ring loose",
 }
 _LABELS = {
     "Omega": "speed of the rotor",

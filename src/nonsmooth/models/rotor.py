@@ -206,8 +206,8 @@ def rotor(
         "nu1 >= 0": "negative damping would feed energy in",
         "nu2 > 0": "an undamped ring is back at once; for that, see ring='returns'",
         "K > 0": "the ring is held by springs",
-        "delta_x >= 0": "springs that are not preloaded leave the ring loose",
-        "delta_y >= 0": "springs that are not preloaded leave the ring loose",
+        "delta_x >= 0": "springs with a negative preload leave the ring loose",
+        "delta_y >= 0": "springs with a negative preload leave the ring loose",
     }
     if not relaxes:
         del parameters["nu2"], require["nu2 > 0"]
