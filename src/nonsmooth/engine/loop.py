@@ -65,6 +65,7 @@ _CORNER = int(EventKind.CORNER)
 _MOST_EVENTS = 10_000  # in one window; more means that impacts accumulate
 _MOST_STALLED = 100  # between which time does not advance: likewise
 _MOST_SEGMENTS = 100_000  # in one call, so that a run of short steps can be interrupted
+_LITTLE_TIME = 1e-8  # part of a window; flights of impacts that rounding leaves open
 _NO_TIME, _FEW = 1e-10, 5  # part of a window; events before that in the same window
 _SHORTEST = 1e-14  # part of a window; a shorter step of a series means that it does not converge
 _MOST_SIZE = 1e30  # of a state that does not drift
@@ -380,6 +381,8 @@ def _pass_event(
     number, phase = normal_phase(anchor.place[0], anchor.phase[0] + s, tables.clock[0])
     if not begins:
         stalled = number == anchor.place[0] and phase == anchor.phase[0]
+        # flights that rounding alone makes are no motion either
+        stalled = stalled or (found != CERTIFIED and s <= _LITTLE_TIME * tables.clock[0])
         cursor[STALLED] = cursor[STALLED] + 1 if stalled else 0
         cursor[WINDOW_EVENTS] = 1 if number > anchor.place[0] else cursor[WINDOW_EVENTS] + 1
         _augment(tables, anchor.state, number, phase, segment.z)
