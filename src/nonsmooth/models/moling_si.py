@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from nonsmooth.errors import ModelError, OptionError
+from nonsmooth.errors import OptionError
 from nonsmooth.models.moling import moling
+from nonsmooth.models.rig_data import check_data
 from nonsmooth.system.system import System
 
 __all__ = ["MolingRig"]
@@ -92,21 +93,7 @@ class MolingRig:
     phase: float = math.pi / 2
 
     def __post_init__(self) -> None:
-        for item in fields(self):
-            value = getattr(self, item.name)
-            try:
-                number = float(value)
-            except (TypeError, ValueError):
-                number = math.nan
-            if not math.isfinite(number):
-                raise ModelError(f"{item.name} = {value!r:.60} is not a finite number")
-            object.__setattr__(self, item.name, number)
-        for name, reason in _POSITIVE.items():
-            if getattr(self, name) <= 0.0:
-                raise ModelError(f"{name} = {getattr(self, name):g} must be positive: {reason}")
-        for name, reason in _NOT_NEGATIVE.items():
-            if getattr(self, name) < 0.0:
-                raise ModelError(f"{name} = {getattr(self, name):g} must not be negative: {reason}")
+        check_data(self, _POSITIVE, _NOT_NEGATIVE)
 
     @property
     def natural_frequency(self) -> float:

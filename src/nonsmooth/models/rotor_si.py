@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from nonsmooth.errors import ModelError, OptionError, unknown_name
+from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.models.rig_data import check_data
 from nonsmooth.models.rotor import rotor
 from nonsmooth.models.rotor_scaling import changed_parameters, in_si
 from nonsmooth.models.rotor_ties import check_system, units_of_ties, with_likes
@@ -132,21 +133,7 @@ class RotorRig:
     phase: float = 0.0
 
     def __post_init__(self) -> None:
-        for item in fields(self):
-            value = getattr(self, item.name)
-            try:
-                number = float(value)
-            except (TypeError, ValueError):
-                number = math.nan
-            if not math.isfinite(number):
-                raise ModelError(f"{item.name} = {value!r:.60} is not a finite number")
-            object.__setattr__(self, item.name, number)
-        for name, reason in _POSITIVE.items():
-            if getattr(self, name) <= 0.0:
-                raise ModelError(f"{name} = {getattr(self, name):g} must be positive: {reason}")
-        for name, reason in _NOT_NEGATIVE.items():
-            if getattr(self, name) < 0.0:
-                raise ModelError(f"{name} = {getattr(self, name):g} must not be negative: {reason}")
+        check_data(self, _POSITIVE, _NOT_NEGATIVE)
 
     @property
     def natural_frequency(self) -> float:

@@ -1,0 +1,34 @@
+"""Checks that the data of every rig in SI units pass."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import fields
+from typing import Any
+
+from nonsmooth.errors import ModelError
+
+__all__ = ["check_data"]
+
+
+def check_data(rig: Any, positive: Mapping[str, str], not_negative: Mapping[str, str]) -> None:
+    """Turn the fields of a frozen dataclass into finite numbers, some of which have a sign.
+
+    The mappings give the reason for each field that must be positive, or must not be negative.
+    """
+    for item in fields(rig):
+        value = getattr(rig, item.name)
+        try:
+            number = float(value)
+        except (TypeError, ValueError):
+            number = math.nan
+        if not math.isfinite(number):
+            raise ModelError(f"{item.name} = {value!r:.60} is not a finite number")
+        object.__setattr__(rig, item.name, number)
+    for name, reason in positive.items():
+        if getattr(rig, name) <= 0.0:
+            raise ModelError(f"{name} = {getattr(rig, name):g} must be positive: {reason}")
+    for name, reason in not_negative.items():
+        if getattr(rig, name) < 0.0:
+            raise ModelError(f"{name} = {getattr(rig, name):g} must not be negative: {reason}")
