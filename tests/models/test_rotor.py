@@ -156,3 +156,18 @@ def test_a_rotor_pressed_against_the_ring_may_leave_it_at_once(start):
     initial = lanes["initial_state"].squeeze()
     assert float(initial.sel(state="sx")) == pytest.approx(place, rel=1e-14)
     assert float(initial.sel(state="mu")) == 0.0
+
+
+@pytest.mark.parametrize("preload", [(0.0, 0.3), (0.3, 0.0), (0.05, 0.2), (0.0, 0.0)])
+@pytest.mark.parametrize("model", ["returning", "massive"])
+def test_rings_that_always_tell_what_comes_next(model, preload):
+    """Unlike the chapter's ring, whose release from III or IV may leave nothing that holds."""
+    for eta in (2.0, 3.0, 4.2):
+        given = {"eta": eta, "delta_x": preload[0], "delta_y": preload[1]}
+        system = (
+            rotor(ring="returns", **given)
+            if model == "returning"
+            else ns.models.massive_ring_rotor(**given)
+        )
+        run = ns.simulate(system, {"x": 0.5, "vy": 0.3}, periods=20, samples_per_period=1)
+        assert run.attrs["status"] == "completed" and run.attrs["n_events"] > 5

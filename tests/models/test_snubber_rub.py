@@ -81,3 +81,12 @@ def test_rolling_stops_the_run():
 def test_impossible_parameters_are_refused(argument, value):
     with pytest.raises(ns.ModelError, match=f"{argument} >"):
         snubber_rub(**{argument: value})
+
+
+def test_rolling_is_not_read_in_a_cell_of_no_width():
+    """Without preload a run from one spring to its opposite passes a cell with both at once."""
+    system = ns.models.snubber_rub(eta=3.0, delta_x=0.0, delta_y=0.0, radius=4.0, f=0.1)
+    for start in ({"x": 0.5, "vy": 0.3}, {"x": -0.3, "vx": 1.0, "vy": -1.0}):
+        run = ns.simulate(system, start, periods=60)
+        assert run.attrs["status"] == "completed" and run.attrs["n_events"] > 20
+        assert float(run["slip"].where(run["force"] > 0).min()) > 0.0

@@ -88,9 +88,7 @@ def snubber_rub(
     -----
     Where the slip comes to zero the rotor rolls, and a ring without mass would jump to where
     friction of the other sign holds it. The run ends there as ``stopped``, the event ``rolling``;
-    at usual radii only a fast backward whirl comes there. Without preload the slip is also read
-    where a spring takes over from its opposite, with both of them in touch for that instant;
-    near rolling this may end the run early.
+    at usual radii only a fast backward whirl comes there.
 
     References
     ----------
