@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from nonsmooth.models.breathing_crack import breathing_crack
 from nonsmooth.models.chua import chua
 from nonsmooth.models.clearance_rotor import clearance_rotor
 from nonsmooth.models.drift_reconstruction import drift_reconstruction
 from nonsmooth.models.duffing import duffing
+from nonsmooth.models.fatigue_rig import fatigue_rig
 from nonsmooth.models.gear_pair import gear_pair
 from nonsmooth.models.massive_ring_rotor import massive_ring_rotor
 from nonsmooth.models.matrix_rotor import MatrixRotor
@@ -27,10 +29,12 @@ __all__ = [
     "MatrixRotor",
     "MolingRig",
     "RotorRig",
+    "breathing_crack",
     "chua",
     "clearance_rotor",
     "drift_reconstruction",
     "duffing",
+    "fatigue_rig",
     "gear_pair",
     "massive_ring_rotor",
     "moling",
