@@ -5,6 +5,8 @@ Lengths are in mm, loads in N, stress intensities in MPa sqrt(m), frequencies in
 
 from __future__ import annotations
 
+from nonsmooth.fatigue.breathing import bilinear_frequency, breathing_frequency_ratio
+from nonsmooth.fatigue.crack_curve import CrackCurve
 from nonsmooth.fatigue.specimen import Specimen
 from nonsmooth.fatigue.stiffness_laws import (
     cubic_stiffness,
@@ -12,9 +14,15 @@ from nonsmooth.fatigue.stiffness_laws import (
     guinea_stiffness,
     guinea_text,
 )
+from nonsmooth.fatigue.tests_of_chapter import aluminium_2024_t351, chapter_tests
 
 __all__ = [
+    "CrackCurve",
     "Specimen",
+    "aluminium_2024_t351",
+    "bilinear_frequency",
+    "breathing_frequency_ratio",
+    "chapter_tests",
     "cubic_stiffness",
     "cubic_text",
     "guinea_stiffness",
