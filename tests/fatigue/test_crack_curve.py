@@ -89,7 +89,7 @@ def test_times_in_any_unit_from_any_origin():
         (np.arange(20.0), 5 + 0.1 * np.arange(20.0), "a straight line"),
         (np.arange(20.0), 9 - np.exp(np.arange(20.0) / 8), "no growth"),
         (np.arange(20.0), 5 + np.sqrt(np.arange(20.0)), "a straight line"),
-        (np.arange(20.0), np.full(20, 5.0), "fits as well|no growth"),
+        (np.arange(20.0), np.full(20, 5.0), "all lengths are 5"),
     ],
 )
 def test_records_without_a_curve(times, lengths, says):
@@ -100,7 +100,7 @@ def test_records_without_a_curve(times, lengths, says):
 def test_noise_is_no_growth():
     for seed in range(30):
         noise = np.random.default_rng(seed).standard_normal(40)
-        with pytest.raises(ns.OptionError, match="fits as well|no growth"):
+        with pytest.raises(ns.OptionError, match=r"fits as well|no growth"):
             CrackCurve.from_measured(np.arange(40.0), 6.0 + 0.01 * noise)
 
 

@@ -30,6 +30,7 @@ def set_numbers(thing: Any, positive: Mapping[str, str]) -> None:
 
 
 def finite_number(name: str, value: Any) -> float:
+    """One number of a specimen or curve, or an error that names it."""
     try:
         number = math.nan if isinstance(value, (bool, str)) else float(value)
     except (TypeError, ValueError):
