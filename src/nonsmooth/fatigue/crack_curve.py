@@ -78,7 +78,7 @@ class CrackCurve:
         times : array_like
             Times, not decreasing, six at least; several lengths may be of one time.
         lengths : array_like
-            Crack lengths in mm at these times, whose errors are taken to be alike.
+            Crack lengths in mm at these times, whose errors are taken to be alike and independent.
         a1 : float, optional
             Growth in mm at the time a2.
 
