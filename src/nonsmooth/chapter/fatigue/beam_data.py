@@ -18,6 +18,9 @@ __all__ = [
     "D_RANGE",
     "ETA",
     "GROWTH",
+    "K_CLOSED",
+    "K_FACTOR",
+    "NOTCH",
     "RATE",
     "S_RANGE",
     "TAU_END",
@@ -31,6 +34,7 @@ __all__ = [
 ]
 
 XI, ETA = 0.014, 1.1475
+K_CLOSED, K_FACTOR = 14.327, 4.245e-3  # k_s closed, and open over (20 - a)^3, of Fig. 29
 WIDTH = 20.0  # of the specimen [mm]
 NOTCH = 5.0  # [mm]
 GROWTH = "5 + 1e-3*exp(t/54734 - 7.8)"  # of the caption of Fig. 30 [mm]
@@ -113,7 +117,7 @@ def tau_at(crack: float) -> float:
     Examples
     --------
     >>> round(tau_at(12.0))
-    911532
+    911522
     """
     return RATE * (7.8 + float(np.log(1e3 * (crack - NOTCH))))
 

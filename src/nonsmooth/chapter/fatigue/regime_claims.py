@@ -12,7 +12,16 @@ from typing import Any
 import numpy as np
 
 from nonsmooth import bifurcation_diagram
-from nonsmooth.chapter.fatigue.beam_data import D_RANGE, ETA, S_RANGE, XI, beam
+from nonsmooth.chapter.fatigue.beam_data import (
+    D_RANGE,
+    ETA,
+    K_CLOSED,
+    K_FACTOR,
+    S_RANGE,
+    WIDTH,
+    XI,
+    beam,
+)
 from nonsmooth.chapter.fatigue.crack_motions import (
     BOX_STARTS,
     DROPPED,
@@ -28,6 +37,7 @@ __all__ = ["CHECKS", "circle_criterion", "regimes_at"]
 
 _STARTS = {"u": [0.0, 1.0], "v": [0.0, 0.0]}
 _FOLLOWED = {"follow up": 5.0, "follow down": 18.0}
+_LASTS = 500  # periods: the linear motion settles within 100
 _STEP = 0.02  # mm between columns that are followed
 CHAOTIC = 0
 
@@ -60,10 +70,11 @@ def regimes_at(crack: float) -> Evidence:
 
 def _followed(crack: float, start: Any) -> Evidence:
     begin = _FOLLOWED[start]
-    values = np.sort(np.append(np.arange(crack, begin, np.sign(begin - crack) * _STEP), begin))
+    columns = max(round(abs(begin - crack) / _STEP), 1)
+    values = np.unique(np.linspace(begin, crack, columns + 1))
     found = bifurcation_diagram(
         beam(crack), "crack", values, start=start, transient=300, record=128
-    ).sel(parameter=crack).isel(lane=0)  # fmt: skip
+    ).sel(parameter=crack, method="nearest").isel(lane=0)  # fmt: skip
     row: Evidence = {"start": start, "from": begin, "period": int(found["period"])}
     if not row["period"]:
         row |= largest_exponent(beam(crack), found.isel(point=-1))
@@ -95,10 +106,9 @@ def circle_criterion(crack: float, s: float, *, xi: float = XI) -> float:
     >>> circle_criterion(5.05, 1.0) < 1.0 < circle_criterion(5.1, 1.0)
     True
     """
-    values = beam(crack, s=s).parameter_values
-    difference = values["kappa_closed"] - values["kappa_open"]
+    difference = s * (K_CLOSED - K_FACTOR * (WIDTH - crack) ** 3)
     # Re 1/(k - w^2 + 2 i xi w) is largest where k - w^2 = 2 xi sqrt(k)
-    return float(difference / (4.0 * xi * (np.sqrt(1.0 + values["kappa_closed"]) - xi)))
+    return float(difference / (4.0 * xi * (np.sqrt(1.0 + s * K_CLOSED) - xi)))
 
 
 def _near_five(cracks: tuple[float, ...] = (5.0, 5.05)) -> Evidence:
@@ -138,8 +148,8 @@ def _text(evidence: Evidence) -> str:
     )
     waits = evidence["settling"]
     settled = "" if waits["longest"] is None else (
-        f"; cycles are reached within {waits['longest']} periods (median {waits['median']:.0f}),"
-        " no chaotic transient that lasts"
+        f"; cycles are reached within {waits['longest']} periods (median {waits['median']:.0f})"
+        + (", no chaotic transient that lasts" if waits["longest"] < _LASTS else "")
     )  # fmt: skip
     shares = ", ".join(
         f"{name if name in ('chaotic', 'neither') else 'period ' + name} {share:.1%}"
