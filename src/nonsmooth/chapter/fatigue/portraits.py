@@ -16,7 +16,7 @@ from nonsmooth.models import breathing_crack
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["LAWS", "RATIOS", "closed_arcs", "fig28", "portrait_beam", "settled_orbit"]
+__all__ = ["LAWS", "RATIOS", "closed_arcs", "portrait_beam", "settled_orbit"]
 
 RATIOS = (0.32, 0.5, 0.7, 0.9)
 LAWS: tuple[Literal["cubic", "guinea"], ...] = ("cubic", "guinea")
