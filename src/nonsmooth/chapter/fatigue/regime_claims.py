@@ -162,16 +162,10 @@ def _text(evidence: Evidence) -> str:
 
 
 def _judge(label: int) -> Any:
-    name = "chaotic" if label == CHAOTIC else str(label)
-
     def judge(evidence: Evidence) -> Finding:
-        shares = evidence["scan"]["shares"]
         first = evidence["starts"][0]
         here = first["period"] == label and (label != CHAOTIC or first["chaotic"])
-        for_all = ""
-        if shares.get(name, 0.0) in (0.0, 1.0) and here == bool(shares.get(name, 0.0)):
-            for_all = _RANGE
-        return Finding(bool(here), _text(evidence), for_all)
+        return Finding(bool(here), _text(evidence))
 
     return judge
 
