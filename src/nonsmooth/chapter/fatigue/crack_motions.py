@@ -34,6 +34,7 @@ SCAN_STARTS = {"u": [0.0, 1.0], "v": [0.0, 0.0]}
 _LONGEST = 32
 _REPEATS = 1e-6
 _SPAN = 1000  # periods over which an exponent is taken
+_INTERVAL = 5  # periods between notes of the growth
 _NEAR = 0.01  # of the size of an attractor: within it a motion has settled
 
 
@@ -86,7 +87,9 @@ def largest_exponent(system: System, start: Any, *, record: int = _SPAN) -> Evid
     >>> largest_exponent(beam(14.5), {"u": 0.0}, record=300)["chaotic"]
     True
     """
-    found = lyapunov_spectrum(system, start, transient=20, record=record, exponents=1)
+    found = lyapunov_spectrum(
+        system, start, transient=20, record=record, interval=_INTERVAL, exponents=1
+    )
     value = turn(system) * float(found["lyapunov_exponent"][0])
     error = turn(system) * float(found["standard_error"][0])
     chaotic = value > 3.0 * max(error, 1.0 / record)

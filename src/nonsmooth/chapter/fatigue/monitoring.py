@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
+import xarray as xr
 
 from nonsmooth import ensemble, zero_one_test
 from nonsmooth.chapter.fatigue.beam_data import beam
@@ -82,17 +83,16 @@ def strobed_motions(
     return cracks, points[:, :, 0], _amplitudes(runs, cracks), labels
 
 
-def _amplitudes(runs: object, cracks: np.ndarray) -> np.ndarray:
+def _amplitudes(runs: xr.Dataset, cracks: np.ndarray) -> np.ndarray:
     """Half of the range of u over 8 periods behind the strobes."""
-    states = [
-        {name: float(runs[name][lane, -1]) for name in ("u", "v")}  # type: ignore[index]
-        for lane in range(cracks.size)
-    ]
+    last = runs.isel(point=-1)
     turn = float(beam(5.0).period_value or 0.0)
-    found = np.empty(cracks.size)
-    for lane, (state, crack) in enumerate(zip(states, cracks, strict=True)):
-        run = ensemble(beam(float(crack)), state, times=np.linspace(0.0, 8.0 * turn, 129))
-        found[lane] = np.ptp(run["u"].values) / 2.0
+    behind = ensemble(
+        beam(5.0), {name: last[name].values.tolist() for name in ("u", "v")},
+        parameters={"crack": cracks.tolist()}, combine="pairs",
+        times=np.linspace(0.0, 8.0 * turn, 129),
+    )  # fmt: skip
+    found: np.ndarray = np.ptp(behind["u"].values, axis=1) / 2.0
     return found
 
 

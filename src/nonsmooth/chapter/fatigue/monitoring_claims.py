@@ -29,11 +29,7 @@ _FORCED = ("eta", "xi", "d")
 def _onsets(varied: tuple[dict[str, float], ...] = _VARIED) -> Evidence:
     here = onset_along_growth(_STEP)
     rows = [
-        {
-            "changed": changed,
-            "followed": onset_along_growth(_STEP, **changed)["crack"],
-            "from_starts": onset_from_starts(_STARTS_STEP, **changed)["crack"],
-        }
+        {"changed": changed, "followed": onset_along_growth(_STEP, **changed)["crack"]}
         for changed in varied
     ]
     lasting = None
@@ -101,7 +97,7 @@ def _alarms(evidence: Evidence) -> str:
 CHECKS = (
     Check(
         "F59",
-        f"s = 1, d = 0; onset: first length with a chaotic motion followed up from rest at 5 mm in"
+        "s = 1, d = 0; onset: first length with a chaotic motion followed up from rest at 5 mm in"
         f" steps of {_STEP:g} mm, and from six starts in steps of {_STARTS_STEP:g}; changed eta, xi,"
         f" d and s one at a time; records of {STROBES} strobes of u from rest, 1000 periods dropped,"
         f" with normal noise of {', '.join(f'{level:.1%}' for level in NOISE)} of the amplitude:"

@@ -18,8 +18,9 @@ __all__ = ["fig27"]
 
 _CRACKS = (5.0, 6.4, 10.0, 14.0, 18.0)  # mm; 6.4 is where the tests of Table 3 begin
 _FIXED = 10.0
+_TEXT = 8
 _REACH = 0.5  # mm of deflection to either side
-_COLOURS = ("black", "blue", "bluish green", "orange", "vermilion")
+_COLOURS = ("black", "blue", "green", "orange", "vermilion")
 
 
 def fig27(points: int = 201) -> tuple[Figure, xr.Dataset]:
@@ -79,10 +80,10 @@ def _drawn(data: xr.Dataset) -> Figure:
     one = data["force"].sel(law="guinea", crack=_FIXED)
     left.plot(data["deflection"], one, color="black", linewidth=1.2)
     left.annotate("open", (0.25, float(one.sel(deflection=0.25, method="nearest"))),
-                  xytext=(6, -12), textcoords="offset points")  # fmt: skip
+                  xytext=(6, -12), textcoords="offset points", fontsize=_TEXT)  # fmt: skip
     left.annotate("closed", (-0.25, float(one.sel(deflection=-0.25, method="nearest"))),
-                  xytext=(6, -10), textcoords="offset points")  # fmt: skip
-    left.set_title(f"(a) crack of {_FIXED:g} mm, Eqs. (47), (48)", loc="left")
+                  xytext=(6, -10), textcoords="offset points", fontsize=_TEXT)  # fmt: skip
+    left.set_title(f"(a) crack of {_FIXED:g} mm, Eqs. (47), (48)", loc="left", fontsize=_TEXT)
     for crack, name in zip(_CRACKS, _COLOURS, strict=True):
         colour = PALETTE.get(name, name)
         for law, style in (("guinea", "-"), ("cubic", "--")):
@@ -90,8 +91,10 @@ def _drawn(data: xr.Dataset) -> Figure:
                 data["deflection"], data["force"].sel(law=law, crack=crack), style, color=colour,
                 linewidth=1.1, label=f"{crack:g} mm" if law == "guinea" else None,
             )  # fmt: skip
-    right.set_title("(b) growing crack; broken: cubic law", loc="left")
-    right.legend(frameon=False, loc="upper left", title="crack length", title_fontsize=7)
+    right.set_title("(b) growing crack; broken: cubic law", loc="left", fontsize=_TEXT)
+    right.legend(
+        frameon=False, loc="upper left", title="crack length", title_fontsize=7, fontsize=7
+    )
     for ax in (left, right):
         _finish(ax)
     left.set_ylabel("restoring force [N]")
