@@ -41,6 +41,7 @@ from nonsmooth.simulation.progress import Progress
 from nonsmooth.system.system import System
 
 __all__ = [
+    "NO_DERIVATIVES",
     "Derivatives",
     "NoMode",
     "Outcome",
@@ -116,7 +117,7 @@ class Derivatives:
         return -1 if self.chosen is None else len(self.chosen)
 
 
-_NO_DERIVATIVES = Derivatives(no_rates(), no_columns(), None)
+NO_DERIVATIVES = Derivatives(no_rates(), no_columns(), None)
 
 
 def build_derivatives(
@@ -130,7 +131,7 @@ def build_derivatives(
     ``values`` are those of all parameters, where they are not the system's.
     """
     if chosen is None:
-        return _NO_DERIVATIVES
+        return NO_DERIVATIVES
     announce_derivatives()
     program = system.compiled.program
     values = system.parameter_values if values is None else values
@@ -179,7 +180,7 @@ def run_plan(
     begin: Instant = _ZERO,
     mode: int = -1,
     keep_events: bool = True,
-    derivatives: Derivatives = _NO_DERIVATIVES,
+    derivatives: Derivatives = NO_DERIVATIVES,
 ) -> Outcome:
     """Run a plan from an anchor, or from a state at an instant; `NoMode` when none fits."""
     sizes = tables.sizes
