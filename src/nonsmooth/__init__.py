@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from nonsmooth.version import __version__
 
 if TYPE_CHECKING:
-    from nonsmooth import measured, models, plot
+    from nonsmooth import fatigue, measured, models, plot
     from nonsmooth.analysis.attractors import attractors
     from nonsmooth.analysis.basin_entropy import basin_entropy
     from nonsmooth.analysis.basin_fractions import basin_fractions
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from nonsmooth.analysis.correlation_dimension import correlation_dimension
     from nonsmooth.analysis.ensemble import ensemble
     from nonsmooth.analysis.full_spectrum import full_spectrum
+    from nonsmooth.analysis.local_regimes import local_regimes
     from nonsmooth.analysis.lyapunov_spectrum import lyapunov_spectrum
     from nonsmooth.analysis.order_tracking import order_tracking
     from nonsmooth.analysis.period_statistics import period_statistics
@@ -74,7 +75,9 @@ __all__ = [
     "contact_statistics",
     "correlation_dimension",
     "ensemble",
+    "fatigue",
     "full_spectrum",
+    "local_regimes",
     "lyapunov_spectrum",
     "measured",
     "models",
@@ -118,6 +121,7 @@ _HOME = {
     "correlation_dimension": "nonsmooth.analysis.correlation_dimension",
     "ensemble": "nonsmooth.analysis.ensemble",
     "full_spectrum": "nonsmooth.analysis.full_spectrum",
+    "local_regimes": "nonsmooth.analysis.local_regimes",
     "lyapunov_spectrum": "nonsmooth.analysis.lyapunov_spectrum",
     "order_tracking": "nonsmooth.analysis.order_tracking",
     "period_statistics": "nonsmooth.analysis.period_statistics",
@@ -137,7 +141,7 @@ _HOME = {
 
 
 def __getattr__(name: str) -> Any:
-    if name in ("measured", "models", "plot"):
+    if name in ("fatigue", "measured", "models", "plot"):
         return importlib.import_module(f"nonsmooth.{name}")
     if name not in _HOME:
         raise AttributeError(f"module 'nonsmooth' has no attribute {name!r}")

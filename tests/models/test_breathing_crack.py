@@ -155,6 +155,30 @@ def test_frozen_and_continuous_growth_differ_by_the_growth_in_a_period():
     assert gaps[1] == pytest.approx(gaps[0] / 10, rel=0.1)
 
 
+@mp.workdps(30)
+def test_the_law_of_guinea_scales_the_closed_stiffness():
+    """c1, c2, c3 of Eq. (32) once more."""
+    w, b, span, crack = 20, 10, 270, mpf("12.5")
+    a, beta = crack / w, mpf(span) / w
+    log = mp.log(1 - a)
+    c1 = -mpf("0.378") * a**3 * log + a**2 * (mpf("0.29") + mpf("1.39") * a - mpf("1.6") * a**2) / (
+        1 + mpf("0.54") * a - mpf("0.84") * a**2
+    )
+    c2 = mpf("1.1") * a**3 * log + a**2 * (
+        -mpf("3.22") - mpf("16.4") * a + mpf("28.1") * a**2 - mpf("11.4") * a**3
+    ) / ((1 - a) * (1 + mpf("4.7") * a - 4 * a**2))
+    c3 = -mpf("0.176") * a**3 * log + a**2 * (
+        mpf("8.91") - mpf("4.88") * a - mpf("0.435") * a**2 + mpf("0.26") * a**3
+    ) / ((1 - a) ** 2 * (1 + mpf("2.9") * a))
+    beam = mpf(span) ** 3 / (48 * mpf(b) * w**3 / 12) * b  # times E B
+    ratio = beam / (beam + c1 + beta * c2 + beta**2 * c3)
+    for grows in ("frozen", "flow"):
+        system = ns.models.breathing_crack(law="guinea", s=2.0, growth="12.5", grows=grows)
+        run = ns.simulate(system, {"u": 0.7}, times=[0.0, 0.01])
+        assert float(run["load"][0]) == pytest.approx(float(0.7 * 2 * 14.327 * ratio), rel=1e-13)
+    assert 0.2 < ratio < 0.5
+
+
 def test_a_crack_that_is_through_ends_the_run():
     frozen = ns.models.breathing_crack(growth="19.9 + t/100")
     with pytest.warns(ns.RunWarning, match="a longer crack is a break"):

@@ -5,6 +5,8 @@ from __future__ import annotations
 from typing import Any, Literal
 
 from nonsmooth.errors import ModelError
+from nonsmooth.fatigue.specimen import Specimen
+from nonsmooth.fatigue.stiffness_laws import cubic_text, guinea_text
 from nonsmooth.system.parts import Exit, Mode, Text
 from nonsmooth.system.system import System
 
@@ -27,8 +29,8 @@ _LABELS = {
     "kappa_closed": "stiffness of the specimen with the crack closed [k_M]",
 }
 _WIDTH = 20  # mm
-_CLOSED = "14.327"
-_OPEN = {"cubic": "4.245e-3*(20 - crack)**3"}
+_CLOSED = "s*14.327"
+_LAWS = ("cubic", "guinea")
 
 
 def breathing_crack(
@@ -143,7 +145,7 @@ def breathing_crack(
     >>> run["crack"].values[[0, -1]].round(3).tolist()
     [10.659, 10.773]
     """
-    if law not in _OPEN:
+    if law not in _LAWS:
         raise ModelError(f"law = {law!r:.60} must be 'cubic' or 'guinea'")
     if grows not in ("frozen", "flow"):
         raise ModelError(f"grows = {grows!r:.60} must be 'frozen' or 'flow'")
@@ -167,7 +169,9 @@ def breathing_crack(
         )
     else:
         parameters |= {"crack": crack, "s": s}
-        definitions |= {"kappa_closed": f"s*{_CLOSED}", "kappa_open": f"s*({_OPEN[law]})"}
+        # a definition may not have the name of an output, which the growing length is
+        within = growth is not None and grows == "flow"
+        definitions |= _stiffnesses(law, "length" if within else "crack")
         require |= {
             "crack >= 0": "a crack has a length",
             f"crack < {_WIDTH}": f"the specimen is {_WIDTH} mm wide; a longer crack is a break",
@@ -176,9 +180,14 @@ def breathing_crack(
     return _system(parameters, definitions, require, more, growth, grows == "frozen")
 
 
-def _renamed(definitions: dict[str, Text]) -> dict[str, Text]:
-    """Definitions with the length of the crack under a name that an output may not take."""
-    return {name: str(text).replace("crack", "length") for name, text in definitions.items()}
+def _stiffnesses(law: str, crack: str) -> dict[str, Text]:
+    """Stiffnesses from the length of the crack, which has this name."""
+    if law == "cubic":
+        opened = cubic_text(crack, factor="s*4.245e-3", length=_WIDTH)
+    else:
+        closed = Specimen(notch=0.0).closed_stiffness
+        opened = guinea_text(crack, factor=f"{_CLOSED}/{closed!r}")
+    return {"kappa_closed": _CLOSED, "kappa_open": opened}
 
 
 def _system(
@@ -195,7 +204,7 @@ def _system(
         more["slow"] = {"crack": growth}
     elif growth is not None:
         del parameters["crack"], more["period"]
-        definitions = {"length": growth, **_renamed(definitions)}
+        definitions = {"length": growth, **definitions}
         require = {text: why for text, why in require.items() if "crack" not in text}
         more["outputs"] = {"crack": "length"}
         exits = [Exit(f"{_WIDTH} - length", to="stop", name="broken")]
