@@ -60,7 +60,7 @@ def parameters_of(rig: Any) -> dict[str, float]:
 def data_of(
     p: Mapping[str, float], mass: float, leaf_stiffness: float, base_amplitude: float
 ) -> dict[str, float]:
-    """Data of the rig that has these parameters; those whose parameters are missing are left out."""
+    """Data of the rig that has these parameters; what needs a missing one is left out."""
     rate = math.sqrt(leaf_stiffness / mass)
     critical = 2.0 * mass * rate
     force, weight = 1e-3 * leaf_stiffness * base_amplitude, mass * GRAVITY

@@ -44,7 +44,11 @@ def settled_motion(
         points = np.stack([start[name].values for name in system.states], axis=1)
         scale = tolerance * np.abs(points).max()
         period = next(
-            (n for n in range(1, _LONGEST + 1) if np.abs(points[-1] - points[-1 - n]).max() < scale),
+            (
+                n
+                for n in range(1, _LONGEST + 1)
+                if np.abs(points[-1] - points[-1 - n]).max() < scale
+            ),
             0,
         )
         if period:

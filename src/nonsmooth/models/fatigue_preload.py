@@ -112,7 +112,7 @@ def least_preload(
     ratio = p["f2"] / p["f1"] if ratio is None else float(ratio)
     if not (np.isfinite(ratio) and ratio > 0.0):
         raise OptionError(f"ratio = {ratio!r:.60} of f2 to f1 must be a positive number")
-    attrs = {"system": system.to_toml(), "motion": motion, "ratio": ratio}
+    attrs: dict[str, str | float] = {"system": system.to_toml(), "motion": motion, "ratio": ratio}
     force = np.array([p["f1"], p["f2"]])
     if is_cracked(p):
         kept = _kept(system, motion, periods)

@@ -85,7 +85,7 @@ class OneMass:
         >>> run = ns.simulate(system, periods=30)
         >>> late = run["deflection"].values[-100:]
         >>> round(0.5 * float(late.max() - late.min()), 3)
-        0.133
+        0.135
         """
         return System(
             name="one_mass_rig",
@@ -280,7 +280,11 @@ def reduction_error(system: System, eps: npt.ArrayLike | None = None) -> xr.Data
     return xr.Dataset(
         {**found, "exact_amplitude": ("eps", exact, _label("exact_amplitude"))},
         {
-            "eps": ("eps", grid, {"long_name": "stiffness of a leaf spring over that of a contact"}),
+            "eps": (
+                "eps",
+                grid,
+                {"long_name": "stiffness of a leaf spring over that of a contact"},
+            ),
             "version": ("version", list(_VERSIONS)),
         },
         {"system": system.to_toml()},

@@ -14,7 +14,7 @@ __all__ = ["FullContact", "full_contact", "is_cracked", "rig_values"]
 
 @dataclass(frozen=True)
 class FullContact:
-    r"""Rest and steady motion in Phase (i); amplitudes Z of :math:`\mathrm{Im}(Z e^{i\eta\tau})`."""
+    r"""Rest and steady motion in Phase (i), Z of :math:`\mathrm{Im}(Z e^{i\eta\tau})`."""
 
     static1: float
     static2: float
@@ -41,7 +41,9 @@ def rig_values(system: System) -> dict[str, float]:
     values = {name: float(value) for name, value in system.parameter_values.items()}
     needed = set(fatigue_rig().parameters)
     if missing := sorted(needed - set(values)):
-        raise OptionError(f"the system has no parameter {', '.join(missing)}; give one without ties")
+        raise OptionError(
+            f"the system has no parameter {', '.join(missing)}; give one without ties"
+        )
     return values
 
 

@@ -31,7 +31,11 @@ class Ties:
 
 
 def check_system(
-    text: str, own: System, changed: Mapping[str, float], names: Collection[str], free: Collection[str]
+    text: str,
+    own: System,
+    changed: Mapping[str, float],
+    names: Collection[str],
+    free: Collection[str],
 ) -> Ties:
     """Compare a system, as text, with that of a rig with parameters of these names.
 
@@ -65,7 +69,9 @@ def with_likes(
 ) -> tuple[dict[str, Unit], dict[str, str]]:
     """Units and labels with those of new parameters that are said to be like known ones."""
     if not isinstance(like, Mapping):
-        raise OptionError(f"like = {like!r:.60}: give a mapping, such as {{'new': {next(iter(parameters))!r}}}")
+        raise OptionError(
+            f"like = {like!r:.60}: give a mapping, such as {{'new': {next(iter(parameters))!r}}}"
+        )
     units, words = dict(parameters), dict(labels)
     for name, model in like.items():
         if name in parameters:
