@@ -137,3 +137,21 @@ def test_bending_frequency():
     mass = 17 / 35 * 2780 * area * 0.27
     rayleigh = math.sqrt(1e3 * Specimen().closed_stiffness / mass) / (2 * math.pi)
     assert 1.0 < rayleigh / Specimen().bending_frequency < 1.01
+
+
+def test_what_the_slender_beam_leaves_out():
+    """First frequency of Timoshenko's beam: shear coefficient 5/6, from its frequency equation."""
+    specimen = Specimen()
+    modulus, density, poisson = 72.4e9, 2780.0, specimen.poissons_ratio
+    shear = 5 / 6 * modulus / (2 * (1 + poisson))
+    gyration = 0.02**2 / 12  # I/A
+    k2 = (math.pi / 0.27) ** 2
+    # rho^2 I/(kG) w^4 - (rho A + rho I k^2 (1 + E/(kG))) w^2 + EI k^4 = 0, over A
+    quartic = [
+        density**2 * gyration / shear,
+        -(density + density * gyration * k2 * (1 + modulus / shear)),
+        modulus * gyration * k2**2,
+    ]
+    exact = math.sqrt(min(np.roots(quartic))) / (2 * math.pi)
+    missing = 1 - exact / specimen.bending_frequency
+    assert missing == pytest.approx(0.17 * (math.pi * 20 / 270) ** 2, rel=0.05)

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from nonsmooth.errors import ModelError, OptionError
 
-__all__ = ["Array", "crack_lengths", "finite_array", "like", "set_numbers"]
+__all__ = ["Array", "crack_lengths", "finite_array", "finite_number", "like", "set_numbers"]
 
 Array = npt.NDArray[np.float64]
 
@@ -23,13 +23,14 @@ def set_numbers(thing: Any, positive: Mapping[str, str]) -> None:
     ``positive`` has the reason for each field that must be.
     """
     for item in fields(thing):
-        object.__setattr__(thing, item.name, _finite(item.name, getattr(thing, item.name)))
+        object.__setattr__(thing, item.name, finite_number(item.name, getattr(thing, item.name)))
     for name, reason in positive.items():
         if getattr(thing, name) <= 0.0:
             raise ModelError(f"{name} = {getattr(thing, name):g} must be positive: {reason}")
 
 
-def _finite(name: str, value: Any) -> float:
+def finite_number(name: str, value: Any) -> float:
+    """One number of a specimen or curve, or an error that names it."""
     try:
         number = math.nan if isinstance(value, (bool, str)) else float(value)
     except (TypeError, ValueError):

@@ -45,7 +45,7 @@ def beam_part(span_ratio: float) -> float:
 
 def crack_part(ratio: Array, ligament: Array, span_ratio: float) -> Array:
     """EB times the compliance that the crack adds, Eq. (32)."""
-    logarithm = _logarithm(ratio, ligament)
+    logarithm = np.log(ligament)  # times the ratio it is small where it has lost digits
     total = np.zeros_like(ratio)
     for k, term in enumerate(TERMS):
         below = ligament**term.power * _polynomial(term.denominator, ratio)
@@ -56,7 +56,7 @@ def crack_part(ratio: Array, ligament: Array, span_ratio: float) -> Array:
 
 def crack_part_rate(ratio: Array, ligament: Array, span_ratio: float) -> Array:
     """Derivative of `crack_part` by the crack ratio."""
-    logarithm = _logarithm(ratio, ligament)
+    logarithm = np.log(ligament)
     total = np.zeros_like(ratio)
     for k, term in enumerate(TERMS):
         above = _polynomial(term.numerator, ratio)
@@ -69,11 +69,6 @@ def crack_part_rate(ratio: Array, ligament: Array, span_ratio: float) -> Array:
         value = value + (2.0 * above + ratio * slope) / (ligament**term.power * below)
         total = total + span_ratio**k * value
     return ratio * total
-
-
-def _logarithm(ratio: Array, ligament: Array) -> Array:
-    # each form is exact where the other one rounds
-    return np.where(ratio < 0.5, np.log1p(-np.minimum(ratio, 0.5)), np.log(ligament))
 
 
 def _polynomial(coefficients: tuple[float, ...], x: Array) -> Array:

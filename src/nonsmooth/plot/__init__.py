@@ -12,6 +12,7 @@ from nonsmooth.plot.comparisons import comparison
 from nonsmooth.plot.diagrams import bifurcation
 from nonsmooth.plot.exponents import exponents
 from nonsmooth.plot.figures import print_figure, save_figure
+from nonsmooth.plot.fracture import crack_lengths, stiffness_laws, stress_intensity
 from nonsmooth.plot.histories import time_history
 from nonsmooth.plot.markers import event_markers
 from nonsmooth.plot.mode_spans import phases
@@ -34,6 +35,7 @@ __all__ = [
     "bifurcation",
     "comparison",
     "contact_regions",
+    "crack_lengths",
     "event_markers",
     "exponents",
     "mode_colours",
@@ -46,6 +48,8 @@ __all__ = [
     "section",
     "spectrum",
     "statistics",
+    "stiffness_laws",
+    "stress_intensity",
     "time_history",
     "translation",
     "uncertainty",

@@ -17,6 +17,7 @@ from nonsmooth.engine.layout import (
     allocate_segment,
     allocate_tables,
     augmented_size,
+    stack_of_one,
 )
 from nonsmooth.engine.loop import GOES_ON
 from nonsmooth.engine.records import Anchor, Records, allocate_anchor, allocate_records
@@ -158,15 +159,14 @@ def build_tables(system: System, values: Mapping[str, float] | None = None) -> T
     announce_compilation()
     tables = allocate_tables(program)
     values = system.parameter_values if values is None else values
-    code, mode = set_up(
-        program, np.array([values[name] for name in system.parameters], dtype=float), tables
-    )
+    given = np.array([[values[name] for name in system.parameters]], dtype=float)
+    code, mode, _ = set_up(program, given, stack_of_one(tables))
     if code != Status.COMPLETED:
         where, what = f"mode {system.mode_names[max(mode, 0)]!r}", SETUP_ERRORS[Status(code)]
         if mode < 0:
             where, what = "the period", "it is not a positive finite number for these parameters"
-        given = ", ".join(f"{k} = {v:g}" for k, v in values.items())
-        raise ModelError(f"{system.name}, {where}: {what} ({given})")
+        numbers = ", ".join(f"{k} = {v:g}" for k, v in values.items())
+        raise ModelError(f"{system.name}, {where}: {what} ({numbers})")
     return tables
 
 

@@ -10,15 +10,16 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.engine import records as at
-from nonsmooth.engine.layout import Tables
+from nonsmooth.engine.lanes import as_lanes, run_lanes
+from nonsmooth.engine.layout import Tables, allocate_stack, part_of_stack
 from nonsmooth.engine.loop import GOES_ON, SAME
 from nonsmooth.engine.records import Anchor, Records
+from nonsmooth.engine.setup import set_up
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import ModelError
 from nonsmooth.simulation.clock import Instant
 from nonsmooth.simulation.event_log import EventLog
 from nonsmooth.simulation.history import Frozen, History
-from nonsmooth.simulation.one_lane import OneLane
 from nonsmooth.simulation.runner import NO_DERIVATIVES, advance, build_derivatives, build_tables
 from nonsmooth.simulation.slow_plan import Part, SlowPlan
 from nonsmooth.system.slow import SlowParameters
@@ -27,8 +28,10 @@ __all__ = ["SlowRun", "tables_of"]
 
 _WHOLE = 1e-12  # of a turn: a frequency that turns whole times in a period
 Array = npt.NDArray[np.float64]
+Integers = npt.NDArray[np.int64]
 
-_AHEAD = 1000  # periods whose values are worked out together: a few hundredths of a second
+_AHEAD = 5000  # periods in one call at most: a few hundredths of a second
+_TOGETHER = 2**25  # bytes of their tables
 
 
 def tables_of(slow: SlowParameters, values: Mapping[str, float]) -> Tables:
@@ -87,7 +90,7 @@ class SlowRun:
             arrays, end, self.records, self.log, self.tolerance, lambda _: None, mode=self.mode
         )
         self.mode = GOES_ON
-        self._keep_samples(part, 1)
+        self.history.samples[-1] = self._keep_samples(part)
         if extra and status == Status.COMPLETED:
             self.tangent.columns[:, : self.records.end_state.size] = self.tangent.samples[-1]
         return status
@@ -124,57 +127,60 @@ class SlowRun:
         """Run through whole periods whose values are known beforehand, if there are any.
 
         They are where neither the period nor a frequency varies, and no columns of derivatives
-        have to be restarted. It saves four fifths of the time that periods one by one take.
+        have to be restarted. A period alone costs twenty times as much, for its calls of kernels.
         """
         if self.chosen is not None or self.slow.changes_clock:
             return Status.COMPLETED
         last, window = self.history.periods[-1], self.history.windows[-1]
-        origins = np.add.accumulate(np.array([last.origin, *[window] * _AHEAD]))[1:]
-        count = plan.whole(last.number + 1, origins, window)
-        values = self.slow.at_times(origins[:count])
+        room = max(1, _TOGETHER // sum(np.asarray(each).nbytes for each in self.tables))
+        origins = np.add.accumulate(np.array([last.origin, *[window] * min(_AHEAD, room)]))[1:]
+        origins = origins[: plan.whole(last.number + 1, origins, window)]
+        values = self.slow.at_times(origins)
         refused = np.flatnonzero(~self.slow.admissible(values))
-        count = int(refused[0]) if refused.size else count
-        if count == 0 or not np.all(np.diff(origins[: count + 1]) > 0.0):
+        origins = origins[: refused[0]] if refused.size else origins
+        if origins.size == 0 or not np.all(np.diff(origins, prepend=last.origin) > 0.0):
+            return Status.COMPLETED
+        program = self.slow.system.compiled.program
+        stack = allocate_stack(program, origins.size)
+        _, _, count = set_up(program, self.slow.rows(values)[: origins.size], stack)
+        if count == 0:  # the next period is refused in so many words
             return Status.COMPLETED
         part = plan.parts(last.number + 1, origins[:count], window)
-        first = len(self.history.samples)
         self._expect(part)
+        stack = part_of_stack(stack, slice(count))
+        status, samples = self._pass_stack(stack, origins, plan)
+        for k, written in enumerate(np.diff(samples, prepend=0).tolist()):
+            frozen = {name: float(values[name][k]) for name in self.slow.names}
+            self.history.add(Frozen(last.number + 1 + k, float(origins[k]), frozen), window)
+            self.history.samples[-1] = written
+        self.tables = part_of_stack(stack, samples.size - 1)
+        self._keep_samples(part)
+        return status
+
+    def _pass_stack(self, stack: Tables, origins: Array, plan: SlowPlan) -> tuple[Status, Integers]:
+        """Run through the periods of a stack; samples by the end of each that was begun."""
+        count = stack.clock.shape[0]
+        first = self.history.periods[-1].number + 1
+        self._begin(first)
+        modes, statuses = np.array([self.mode]), np.empty(1, np.int64)
+        passed, status = np.zeros(1 + count, np.int64), Status.PAUSED
         try:
-            return self._pass_each(origins[:count], values, plan)
-        finally:
-            self._keep_samples(part, len(self.history.samples) - first)
-
-    def _pass_each(self, origins: Array, values: Mapping[str, Array], plan: SlowPlan) -> Status:
-        """Run through periods one after the other, as far as there are tables for them."""
-        lane = self._lane()
-        rows = np.stack([values[name] for name in self.slow.names], axis=1)[: origins.size].tolist()
-        for origin, row in zip(origins.tolist(), rows, strict=True):
-            number = self.history.periods[-1].number + 1
-            frozen = Frozen(number, origin, dict(zip(self.slow.names, row, strict=True)))
-            try:
-                tables = build_tables(self.slow.system, self.slow.all_values(frozen.values))
-            except ModelError:
-                return Status.COMPLETED  # the next period is refused in so many words
-            self.tables = tables
-            self.history.add(frozen, float(tables.clock[0]))
-            self._begin(number)
-            before = int(self.records.cursor[at.SAMPLES])
-            status = lane.run(tables, self.mode, number + 1, 0.0)
-            while status in (Status.BUFFER_FULL, Status.PAUSED):
+            while status in (Status.PAUSED, Status.BUFFER_FULL):
+                anchors, tangents, records = as_lanes(self.anchor, self.tangent, self.records)
+                run_lanes(
+                    stack, NO_DERIVATIVES.rates, NO_DERIVATIVES.scratch, anchors, self.segment,
+                    tangents, records, modes, 0, 1, first + count, 0.0, passed, statuses,
+                    self.tolerance,
+                )  # fmt: skip
+                status = Status(int(statuses[0]))
                 if status == Status.BUFFER_FULL:
-                    share = plan.done(frozen) / plan.total
-                    self.records = self.log.make_room(self.records, share)
-                    lane = self._lane()
-                status = lane.run(tables, GOES_ON, number + 1, 0.0)
-            self.history.samples[-1] = int(self.records.cursor[at.SAMPLES]) - before
-            if status != Status.COMPLETED:
-                return status
-        return Status.COMPLETED
-
-    def _lane(self) -> OneLane:
-        return OneLane(
-            NO_DERIVATIVES, self.anchor, self.segment, self.tangent, self.records, self.tolerance
-        )
+                    reached = int(passed[0])
+                    done = plan.done(Frozen(first + reached, float(origins[reached]), {}))
+                    self.records = self.log.make_room(self.records, done / plan.total)
+                modes[0] = GOES_ON
+        except KeyboardInterrupt:
+            status = Status.INTERRUPTED
+        return status, passed[1 : 2 + passed[0]]
 
     def _expect(self, part: Part, extra: Instant | None = None) -> None:
         """Make room for samples, and for one more of which only the derivatives are read."""
@@ -192,13 +198,9 @@ class SlowRun:
             samples=np.full((count if carried else 0, carried, n), np.nan)
         )
 
-    def _keep_samples(self, part: Part, periods: int) -> None:
-        """Keep the samples that were written in the last few periods."""
-        if periods == 0:
-            return
+    def _keep_samples(self, part: Part) -> int:
+        """Keep the samples that were written, and give their number."""
         written = min(part.phase.size, int(self.records.cursor[at.SAMPLES]))
-        of_each = self.history.samples
-        of_each[-1] = written - sum(of_each[len(of_each) - periods : -1])
         records = self.records
         self.pieces.append(
             (
@@ -209,3 +211,4 @@ class SlowRun:
                 self.tangent.samples[:written],
             )
         )
+        return written

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -110,13 +110,13 @@ class SlowParameters:
             admissible &= np.asarray(evaluate(condition_of(condition), names), dtype=bool)
         return np.asarray(admissible)
 
-    def all_values(self, values: Mapping[str, float]) -> dict[str, float]:
+    def all_values(self, values: Mapping[str, Any]) -> dict[str, Any]:
         """Values of all parameters."""
         return {**self.system.parameter_values, **values}
 
-    def array(self, values: Mapping[str, float]) -> npt.NDArray[np.float64]:
-        """Values of all parameters in their order."""
-        return np.array(list(self.all_values(values).values()), dtype=float)
+    def rows(self, values: Mapping[str, Array]) -> Array:
+        """Values of all parameters in their order, a row for each of several times."""
+        return np.stack(np.broadcast_arrays(*self.all_values(values).values()), axis=-1)
 
     def fault(self, values: Mapping[str, float]) -> str:
         """What the system has against some values; empty where it takes them."""
