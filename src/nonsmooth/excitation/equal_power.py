@@ -14,6 +14,7 @@ __all__ = ["equal_power", "power_ratio"]
 
 Response = Callable[[Excitation], Floats]
 _ROUNDS, _CLOSE = 60, 1e-10
+_SLOPES = (0.5, 12.0)  # of the power by the factor, in logarithms; 2 in proportion
 
 
 def power_ratio(
@@ -113,20 +114,21 @@ def equal_power(
     factor = float(np.sqrt(target / power))
     if measure != "load":
         return record.scaled(factor)
-    for _ in range(_ROUNDS):  # a breathing crack under a mean load answers out of proportion
+    # a breathing crack under a mean load answers out of proportion: secants of the logarithms
+    slope, last = 2.0, (0.0, 0.0)
+    for turn in range(_ROUNDS):
         scaled = record.scaled(factor)
         off = _power(scaled, measure, response, lowest) / target
         if abs(off - 1.0) < _CLOSE:
             return scaled
-        last, factor = factor, factor / float(np.sqrt(off))
-        if last == factor:
-            break
-    if abs(off - 1.0) > 1e-9:
-        raise OptionError(
-            f"the response does not let the powers agree: their ratio stays at {off:.6g}; take"
-            " another measure"
-        )
-    return record.scaled(factor)
+        now = (float(np.log(factor)), float(np.log(off)))
+        if turn and now[0] != last[0]:
+            slope = float(np.clip((now[1] - last[1]) / (now[0] - last[0]), *_SLOPES))
+        last, factor = now, factor * float(np.exp(-now[1] / slope))
+    raise OptionError(
+        f"the response does not let the powers agree: their ratio stays at {off:.9g}, perhaps"
+        " because the motion jumps; take another measure"
+    )
 
 
 def _power(record: Excitation, measure: str, response: Response | None, lowest: float) -> float:

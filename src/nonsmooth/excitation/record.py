@@ -7,7 +7,6 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 
 from nonsmooth.errors import OptionError
@@ -112,13 +111,13 @@ class Excitation:
 
             middle = values.mean()
             values = middle + (values - middle) * hann(values.size, sym=False)
-        lines: Floats = np.abs(np.fft.rfft(values) / values.size) ** 2
+        lines = (np.abs(np.fft.rfft(values) / values.size) ** 2).astype(np.float64)
         lines[1 : (values.size + 1) // 2] *= 2.0
         whole = float(np.mean(self.acceleration**2))
         total = float(lines.sum())
         if not self.periodic and total > 0.0:
             lines *= whole / total
-        frequency: Floats = np.fft.rfftfreq(values.size, self.step)
+        frequency = np.fft.rfftfreq(values.size, self.step).astype(np.float64)
         return frequency, lines
 
     @property

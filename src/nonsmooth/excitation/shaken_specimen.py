@@ -145,9 +145,9 @@ class ShakenSpecimen:
             parameters=self.parameters(crack),
             signals={"shaking": excitation.as_signal()},
             definitions={"kappa": "where(u > 0, kappa_open, kappa_closed)"},
-            modes={"beam": _beam("shaking")},
+            modes={"beam": _beam()},
             initial=self._rest(crack),
-            **_words("shaking"),
+            **_words(),
         )
 
     def cascade(self, wave: Excitation, crack: float) -> System:
@@ -187,9 +187,9 @@ class ShakenSpecimen:
                 "shaking": f"gain*({what} - offset)",
                 "kappa": "where(u > 0, kappa_open, kappa_closed)",
             },
-            modes={"beam": _beam("shaking", {"x": "scale*w", "w": "scale*force"})},
+            modes={"beam": _beam({"x": "scale*w", "w": "scale*force"})},
             initial=self._rest(crack) | {"x": of["x0"], "w": of["v0"]},
-            **_words("shaking"),
+            **_words(),
         )
 
     def load(self, excitation: Excitation, crack: float, transient: float = 8.0) -> xr.DataArray:
@@ -251,14 +251,14 @@ class ShakenSpecimen:
         return {"u": float(self.mean_load / own), "v": 0.0}
 
 
-def _beam(base: str, more: dict[str, str] | None = None) -> Mode:
-    motion = f"omega**2*(d - u - kappa*u) - 2*xi*omega*v - {_MM:g}*{base}"
+def _beam(more: dict[str, str] | None = None) -> Mode:
+    motion = f"omega**2*(d - u - kappa*u) - 2*xi*omega*v - {_MM:g}*shaking"
     return Mode({"u": "v", "v": motion} | (more or {}), cells={"+": "open", "-": "closed"})
 
 
-def _words(base: str) -> dict[str, Any]:
+def _words() -> dict[str, Any]:
     return {
-        "outputs": {"load": "k_rig*kappa*u", "base": base, "acceleration": f"rate(v)/{_MM:g}"},
+        "outputs": {"load": "k_rig*kappa*u", "base": "shaking", "acceleration": f"rate(v)/{_MM:g}"},
         "describe": {
             "u": "displacement [mm]",
             "v": "velocity [mm/s]",

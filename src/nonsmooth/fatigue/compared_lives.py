@@ -16,7 +16,7 @@ from nonsmooth.fatigue.load_block import LoadBlock
 
 __all__ = ["check_tests", "compare_lives", "predicted_lives"]
 
-_NEEDED = ("mean_load", "amplitude", "life")
+_NEEDED = ("mean_load", "load_amplitude", "life")
 
 
 def compare_lives(
@@ -35,7 +35,8 @@ def compare_lives(
     Parameters
     ----------
     tests : xarray.Dataset
-        Over ``test``: ``mean_load`` and ``amplitude`` in N, ``life`` in s, as of `chapter_tests`.
+        Over ``test``: ``mean_load`` and ``load_amplitude`` in N, ``life`` in s, as of
+        `chapter_tests`.
     stress_intensity : callable
         As of `life`.
     law : Paris, Walker, Forman or FittedLaw
@@ -78,7 +79,7 @@ def compare_lives(
     >>> tests = xr.Dataset(
     ...     {
     ...         "mean_load": ("test", [0.0, 100.0]),
-    ...         "amplitude": ("test", [100.0, 100.0]),
+    ...         "load_amplitude": ("test", [100.0, 100.0]),
     ...         "life": ("test", [9191.0, 1628.0]),
     ...     },
     ...     {"test": ["hl0(100)", "hl100(100)"]},
@@ -118,7 +119,7 @@ def compare_lives(
             "predicted": ("test", predicted, {"long_name": "predicted life", "units": "s"}),
             "ratio": ("test", ratio, {"long_name": "predicted by measured life"}),
             "mean_load": table["mean_load"],
-            "amplitude": table["amplitude"],
+            "load_amplitude": table["load_amplitude"],
         },
         {"test": table["test"]} if "test" in table.coords else None,
         attrs,
@@ -150,7 +151,7 @@ def predicted_lives(
     options: dict[str, Any],
 ) -> Any:
     """Life of each test in s."""
-    rows = zip(tests["mean_load"].values, tests["amplitude"].values, strict=True)
+    rows = zip(tests["mean_load"].values, tests["load_amplitude"].values, strict=True)
     return np.array([
         life(
             stress_intensity, law,

@@ -8,11 +8,12 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from nonsmooth.errors import OptionError
 from nonsmooth.fatigue.given import Floats, check_times, record_values
 from nonsmooth.fatigue.reversals import refined, turning_places
 
 __all__ = ["count_cycles"]
+
+_CLOSED = 1e-6  # of the range: ends of a block so near are one sample
 
 
 def count_cycles(
@@ -38,9 +39,9 @@ def count_cycles(
     ----------------
     repeating : bool, optional
         Whether the record is one block of a load that repeats itself, its last sample at the
-        time of the first one of the next block: it is turned to begin at its largest value, so
-        that every cycle is a whole one (section 5.4.5). Otherwise what is left open at the end
-        counts as half cycles.
+        time of the first one of the next block: it is turned to begin at its largest value, and
+        every cycle is a whole one (section 5.4.5). Otherwise what is left open at the end counts
+        as half cycles.
     refine : bool, optional
         Whether the value at a reversal is that of the parabola through the nearest three
         samples. A sine with n samples in a period is otherwise up to 5/n**2 too small. Not for
@@ -88,13 +89,13 @@ def count_cycles(
     if clock is None:
         clock = np.arange(values.size, dtype=float)
     if refine:
-        values = refined(values)
+        values = _refined(values, repeating)
     order = np.arange(values.size)
     if repeating:
         top = int(np.argmax(values))
         order = np.concatenate([order[top:], order[: top + 1]])
     places = turning_places(values[order])
-    rows = _rainflow(values[order[places]])
+    rows = _rainflow(values[order[places]], repeating)
     attrs: dict[str, Any] = {
         "duration": float(clock[-1] - clock[0]),
         "n_samples": int(values.size),
@@ -109,15 +110,29 @@ def count_cycles(
     return _dataset(rows, moments, unit, "s" if times is not None else "samples", attrs)
 
 
-def _rainflow(values: Floats) -> Floats:
+def _refined(values: Floats, repeating: bool) -> Floats:
+    """Samples with refined reversals, also at the join of a block that closes."""
+    if not repeating or abs(values[0] - values[-1]) > _CLOSED * np.ptp(values):
+        return refined(values)
+    around = refined(np.concatenate([values[:-1], values, values[1:]]))
+    return around[values.size - 1 : 2 * values.size - 1]
+
+
+def _rainflow(values: Floats, repeating: bool) -> Floats:
     """Rows of range, mean, count, first and last reversal."""
-    try:
-        from rainflow import extract_cycles
-    except ImportError as missing:  # pragma: no cover
-        raise OptionError("counting cycles needs the package rainflow; install it") from missing
+    from rainflow import extract_cycles
+
+    last = values.size - 1
+    # the last value once more, for the library has no cycle in two values
+    points = [*values.tolist(), float(values[-1])]
+    if repeating:
+        # a rise from far below to the largest value is never closed, so that no cycle contains
+        # the beginning and all of them are whole; it is left out again
+        points.insert(0, float(values[0] - 3.0 * np.ptp(values) - 1.0))
+    found = np.array([*extract_cycles(points)], dtype=float).reshape(-1, 5)
+    found[:, 3:] = np.minimum(found[:, 3:] - int(repeating), last)
     # a record that never changes has two reversals and no cycle
-    found = [row for row in extract_cycles(values.tolist()) if row[0] > 0.0]
-    return np.array(found, dtype=float).reshape(-1, 5)
+    return found[(found[:, 3] >= 0) & (found[:, 0] > 0.0)]
 
 
 def _dataset(

@@ -135,7 +135,7 @@ def fit_law(
     >>> tests = xr.Dataset(
     ...     {
     ...         "mean_load": ("test", [0.0, 100.0]),
-    ...         "amplitude": ("test", [100.0, 100.0]),
+    ...         "load_amplitude": ("test", [100.0, 100.0]),
     ...         "life": ("test", [8000.0, 1000.0]),
     ...     }
     ... )
