@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 __all__ = ["lives"]
 
 _MARKS = "osD^v<>P"
-_ROOM = 2.0  # factor left free around the points
+_ROOM = 2.5  # factor left free around the points
+_EDGE = 0.25  # part of the axis near whose ends names go inward
 
 
 def lives(
@@ -117,12 +118,21 @@ def _limits(ax: Axes, factor: float) -> None:
 
 
 def _write_names(ax: Axes, names: np.ndarray, x: np.ndarray, y: np.ndarray) -> None:
-    """Names to the right of points, to the left in the right half of the axes."""
-    low, high = np.log(ax.get_xlim())
+    """Names left of points above the line of agreement and right of others, none on another."""
+    (left, right), (low, high) = np.log(ax.get_xlim()), np.log(ax.get_ylim())
+    across, up = (np.log(x) - left) / (right - left), (np.log(y) - low) / (high - low)
+    figure = ax.get_figure(root=True)
+    assert figure is not None
+    height = ax.get_window_extent().height / figure.dpi * 72.0  # points
     size = float(ax.xaxis.label.get_fontsize()) - 2.0
-    for name, at, value in zip(names, x, y, strict=True):
-        right = np.log(at) < 0.5 * (low + high)
-        ax.annotate(
-            str(name), (at, value), (4.0 if right else -4.0, 0.0), textcoords="offset points",
-            fontsize=size, ha="left" if right else "right", va="center",
-        )  # fmt: skip
+    to_left = np.where(across < _EDGE, False, (y > x) | (across > 1.0 - _EDGE))
+    for side in (True, False):
+        below = -np.inf
+        for k in sorted(np.flatnonzero(to_left == side), key=lambda k: up[k]):
+            place = max(up[k] * height, below + size)
+            below = place
+            ax.annotate(
+                str(names[k]), (x[k], y[k]), (-4.0 if side else 4.0, place - up[k] * height),
+                textcoords="offset points", fontsize=size, ha="right" if side else "left",
+                va="center",
+            )  # fmt: skip

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 __all__ = ["load_cycles"]
 
+_WIDE = 30.0  # factor between bars from which on they are logarithmic
+
 
 def load_cycles(
     cycles: xr.Dataset,
@@ -44,7 +46,7 @@ def load_cycles(
     Returns
     -------
     matplotlib.axes.Axes
-        The axes; counts are logarithmic.
+        The axes; counts that differ widely are logarithmic, and colours always.
 
     Raises
     ------
@@ -58,8 +60,8 @@ def load_cycles(
     >>> t = np.arange(2001) / 1000.0
     >>> load = 100 * np.sin(40 * np.pi * t) + 30 * np.sin(170 * np.pi * t)
     >>> ax = ns.plot.load_cycles(ns.fatigue.count_cycles(load, t), bins=10)
-    >>> round(sum(bar.get_height() for bar in ax.patches), 6)  # cycles in all
-    166.0
+    >>> float(sum(bar.get_height() for bar in ax.patches))  # cycles in all, half ones included
+    170.5
     """
     if "cycle" not in cycles.dims or "count" not in cycles:
         raise OptionError("the dataset has no cycles; give a result of fatigue.count_cycles")
@@ -87,8 +89,10 @@ def _histogram(ax: Axes, cycles: xr.Dataset, weights: np.ndarray, bins: int, wha
         edges[:-1], counts, np.diff(edges), align="edge", color=PALETTE["blue"],
         edgecolor="white", linewidth=0.3,
     )  # fmt: skip
-    ax.set_yscale("log")
-    ax.set_ylim(0.5 * counts[counts > 0.0].min(), 2.0 * counts.max())
+    least = float(counts[counts > 0.0].min())
+    if counts.max() > _WIDE * least:
+        ax.set_yscale("log")
+        ax.set_ylim(0.5 * least, 2.0 * counts.max())
     ax.set_xlim(0.0, edges[-1])
     finish_axes(ax, axis_label(cycles["range"]), what)
 

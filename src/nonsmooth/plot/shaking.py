@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 __all__ = ["shaking"]
 
-_FLOOR = 1e-8  # of the largest line
+_FLOOR = 1e-6  # of the largest line
 
 
 def shaking(
@@ -92,7 +92,9 @@ def shaking(
 def _spectrum(ax: Axes, values: np.ndarray, step: float, highest: float | None) -> None:
     from scipy.signal import welch
 
-    frequency, density = welch(values, 1.0 / step, nperseg=max(16, values.size // 8))
+    frequency, density = welch(
+        values - values.mean(), 1.0 / step, nperseg=max(16, values.size // 8), detrend=False
+    )
     total = np.cumsum(density) / density.sum()
     if highest is None:
         highest = 1.3 * float(frequency[np.searchsorted(total, 0.999)])
