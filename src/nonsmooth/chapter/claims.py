@@ -27,6 +27,8 @@ _GROUPS = (
     "mole.drift_claims",
     "mole.basin_claims",
     "mole.frequency_claims",
+    "fatigue.specimen_claims",
+    "fatigue.life_claims",
     "rotor.rig_data_claims",
     "rotor.statics_claims",
     "rotor.contact_claims",
