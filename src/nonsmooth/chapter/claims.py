@@ -29,6 +29,8 @@ _GROUPS = (
     "mole.frequency_claims",
     "fatigue.specimen_claims",
     "fatigue.life_claims",
+    "fatigue.rig_model_claims",
+    "fatigue.phase_claims",
     "rotor.rig_data_claims",
     "rotor.statics_claims",
     "rotor.contact_claims",
