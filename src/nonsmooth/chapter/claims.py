@@ -31,6 +31,7 @@ _GROUPS = (
     "fatigue.life_claims",
     "fatigue.rig_model_claims",
     "fatigue.phase_claims",
+    "fatigue.rig_si_claims",
     "rotor.rig_data_claims",
     "rotor.statics_claims",
     "rotor.contact_claims",

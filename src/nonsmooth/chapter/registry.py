@@ -43,6 +43,12 @@ _FIGURES = {
     ),
     "fig12": _Entry("mole.basins", "fig12", "basins of attraction of the mole, six frequencies"),
     "phases": _Entry("mole.phases", "period_one_phases", "four phases of a period-one motion"),
+    "fig24": _Entry(
+        "fatigue.rig_figures", "fig24", "two masses and the specimen: four phases from zero, steady"
+    ),
+    "fig25": _Entry(
+        "fatigue.rig_figures", "fig25", "theoretical histories of the rig, dimensionless and in SI"
+    ),
     "fig31": _Entry("rotor.schematics", "fig31", "model of the rotor in its ring, and coordinates"),
     "fig32": _Entry("rotor.schematics", "fig32", "force of the ring against the normal of contact"),
     "fig33": _Entry("rotor.schematics", "fig33", "four forces of the ring over its displacement"),
