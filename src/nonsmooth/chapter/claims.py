@@ -29,6 +29,7 @@ _GROUPS = (
     "mole.frequency_claims",
     "fatigue.specimen_claims",
     "fatigue.life_claims",
+    "fatigue.chaos_claims",
     "fatigue.rig_model_claims",
     "fatigue.phase_claims",
     "fatigue.rig_si_claims",
