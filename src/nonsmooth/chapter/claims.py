@@ -30,6 +30,7 @@ _GROUPS = (
     "fatigue.specimen_claims",
     "fatigue.life_claims",
     "fatigue.chaos_claims",
+    "fatigue.record_claims",
     "fatigue.rig_model_claims",
     "fatigue.phase_claims",
     "fatigue.rig_si_claims",

@@ -43,6 +43,25 @@ _FIGURES = {
     ),
     "fig12": _Entry("mole.basins", "fig12", "basins of attraction of the mole, six frequencies"),
     "phases": _Entry("mole.phases", "period_one_phases", "four phases of a period-one motion"),
+    "fig16": _Entry(
+        "fatigue.record_figures", "fig16", "simulated records of the rig under harmonic shaking"
+    ),
+    "fig17": _Entry(
+        "fatigue.record_figures", "fig17", "simulated records of the rig under chaotic shaking"
+    ),
+    "fig18": _Entry(
+        "fatigue.life_figures", "fig18", "crack length over time, amplitude 100 N, four mean loads"
+    ),
+    "fig19": _Entry(
+        "fatigue.life_figures", "fig19", "crack length over time, mean load 0, three amplitudes"
+    ),
+    "fig20": _Entry(
+        "fatigue.life_figures", "fig20", "crack length over time, mean load 150 N, two amplitudes"
+    ),
+    "fig21": _Entry(
+        "fatigue.life_figures", "fig21", "harmonic and chaotic shaking of equal power, mean load 0"
+    ),
+    "fig22": _Entry("fatigue.life_figures", "fig22", "the same at a mean load of 150 N"),
     "fig24": _Entry(
         "fatigue.rig_figures", "fig24", "two masses and the specimen: four phases from zero, steady"
     ),

@@ -198,9 +198,7 @@ def fitted_law() -> FittedLaw:
     True
     """
     law = published_laws()[_LAW]
-    return fit_law(
-        chapter_tests(), Specimen().stress_intensity, law, free=("C", "m", "gamma")
-    )
+    return fit_law(chapter_tests(), Specimen().stress_intensity, law, free=("C", "m", "gamma"))
 
 
 def scaled_records(mean: float) -> tuple[Excitation, Excitation]:

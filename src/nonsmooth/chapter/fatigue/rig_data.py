@@ -112,9 +112,7 @@ def stays(run: xr.Dataset) -> list[Stay]:
     times = [float(run["time"][0]), *map(float, run["event_time"].values)]
     modes = [int(run["mode"][0]), *map(int, run["event_to"].values)]
     found: list[Stay] = []
-    for mode, begin, end in zip(
-        modes, times, [*times[1:], float(run["time"][-1])], strict=True
-    ):
+    for mode, begin, end in zip(modes, times, [*times[1:], float(run["time"][-1])], strict=True):
         if end <= begin:
             continue
         if found and found[-1][0] == names[mode]:

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
 import xarray as xr
 
 from nonsmooth.chapter.fatigue.phase_claims import passages
 from nonsmooth.chapter.fatigue.rig_data import SET_25, rig_system, start_up, stays, steady
 from nonsmooth.chapter.fatigue.rig_si_claims import rig_of_fig_25
-from nonsmooth.plot import PALETTE, mode_colours, phases, print_figure
+from nonsmooth.plot import PALETTE, phases, print_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -20,6 +19,10 @@ __all__ = ["fig24", "fig25"]
 
 _TEXT = 8
 _BODIES = {"X1": "mass 1", "X3": "specimen", "X4": "mass 2"}
+_NOTE_25 = (
+    "The measured records of panels (b), (d), (f) of the chapter are not available; on the right"
+    " stands the theory in SI units."
+)
 
 
 def fig24(periods: int = 6) -> tuple[Figure, xr.Dataset]:
@@ -69,8 +72,12 @@ def fig24(periods: int = 6) -> tuple[Figure, xr.Dataset]:
     steady_part = {
         f"steady_{n}": ("steady_time", late[n].values, dict(late[n].attrs)) for n in names
     }
-    data = run[[*names, "mode"]].assign(steady_part).assign_coords(
-        steady_time=("steady_time", late["time"].values, {"long_name": "time in steady motion"})
+    data = (
+        run[[*names, "mode"]]
+        .assign(steady_part)
+        .assign_coords(
+            steady_time=("steady_time", late["time"].values, {"long_name": "time in steady motion"})
+        )
     )
     data.attrs = {
         "shown_from": window[0] + 0.15,
@@ -152,14 +159,12 @@ def fig25(periods: int = 4) -> tuple[Figure, xr.Dataset]:
             ax.set_title(f"({'ace'[row]}) {title}{where}", loc="left", fontsize=_TEXT)
             ax.set_ylabel(f"${symbol}$" if column == 0 else f"{title.split()[-1]} [{unit}]")
             ax.set_xlabel(r"$\tau$, steady motion" if column == 0 else "time [s], steady motion")
-    axes[5].legend(
-        frameon=False, loc="lower center", bbox_to_anchor=(0.5, -0.62), fontsize=7, ncols=3
-    )
-    axes[4].annotate(
-        "The measured records of panels (b), (d), (f) of the chapter are\nnot available; on the right stands the theory in SI units.", (0.0, -0.45),
-        xycoords="axes fraction", fontsize=7, va="top",
+    figure.legend(
+        *axes[4].get_legend_handles_labels(), loc="outside upper center", ncols=3, frameon=False,
+        fontsize=_TEXT,
     )  # fmt: skip
-    data.attrs["note"] = "theory; the measured records of panels b, d, f are not available"
+    figure.supxlabel(_NOTE_25, fontsize=7, ha="left", x=0.01)
+    data.attrs["note"] = _NOTE_25
     return figure, data
 
 

@@ -175,9 +175,7 @@ def _coupling(data: Mapping[str, float] = SET_25) -> float:
 
 
 def _judge_decoupled(evidence: Evidence) -> Finding:
-    small = max(
-        evidence["sums_apart"], evidence["specimens_apart"], evidence["difference_off"]
-    )
+    small = max(evidence["sums_apart"], evidence["specimens_apart"], evidence["difference_off"])
     return Finding(
         evidence["coupling"] == 0.0
         and small < _ROUNDING

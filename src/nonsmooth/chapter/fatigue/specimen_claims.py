@@ -53,12 +53,8 @@ def _load_ratios() -> Evidence:
 def _judge_load_ratios(evidence: Evidence) -> Finding:
     rows = evidence["rows"]
     wrong = [row["test"] for row in rows if not agrees(row["computed"], row["printed"])]
-    listed = ", ".join(
-        f"{row['test']} {row['computed']:.3f} ({row['printed']})" for row in rows
-    )
-    return Finding(
-        not wrong, f"computed (printed): {listed}; wrong: {', '.join(wrong) or 'none'}"
-    )
+    listed = ", ".join(f"{row['test']} {row['computed']:.3f} ({row['printed']})" for row in rows)
+    return Finding(not wrong, f"computed (printed): {listed}; wrong: {', '.join(wrong) or 'none'}")
 
 
 def _crack_free(lengths: tuple[float, ...] = (1.0, 0.1, 0.01, 1e-3, 1e-4)) -> Evidence:
