@@ -136,8 +136,8 @@ def _judge_by_frequency(evidence: Evidence) -> Finding:
     ):
         low, high = row["cycles"]
         parts.append(
-            f"crack {row['crack']:g} mm: {low:.1f} cycles a second below {_HIGH:g} Hz and {high:.1f}"
-            f" above, which do {row['share']:.1%} of the damage; those below alone do"
+            f"crack {row['crack']:g} mm: {low:.1f} cycles a second below {_HIGH:g} Hz and"
+            f" {high:.1f} above, which do {row['share']:.1%} of the damage; those below alone do"
             f" {row['growth'][0] / harmonic:.1f} times that of the harmonic load"
         )
     most = sum(share > 0.5 for share in shares)

@@ -30,6 +30,7 @@ from nonsmooth.fatigue import (
     LoadBlock,
     LoadTable,
     Specimen,
+    Walker,
     chapter_tests,
     count_cycles,
     fit_law,
@@ -198,6 +199,7 @@ def fitted_law() -> FittedLaw:
     True
     """
     law = published_laws()[_LAW]
+    assert isinstance(law, Walker)
     return fit_law(chapter_tests(), Specimen().stress_intensity, law, free=("C", "m", "gamma"))
 
 

@@ -96,8 +96,7 @@ def _loss_text(value: Evidence) -> str:
     jumps = ", ".join(f"{jump:.2f}" for jump in value["jumps"])
     return (
         f"period one to {value['length']:.3f} mm (tau {tau_at(value['length']):.0f}), then"
-        f" {value['other']}"
-        + (f", with jumps to other such motions at {jumps} mm" if jumps else "")
+        f" {value['other']}" + (f", with jumps to other such motions at {jumps} mm" if jumps else "")
     )
 
 
@@ -177,7 +176,9 @@ def _retreat_text(value: Evidence) -> str:
 
 
 _NAMES = {"frozen": "frozen per period", "flow": "within the flow"}
-_RANGE = f"s {S_RANGE[0]:g} to {S_RANGE[1]:g}, d {D_RANGE[0]:.2f} to {D_RANGE[1]:.2f}"
+_RANGE = (
+    f"s {S_RANGE[0]:g} to {S_RANGE[1]:g}, d {D_RANGE[0]:.2f} to {D_RANGE[1]:.2f}"
+)
 _PROTOCOL = (
     f"a(tau) of the caption, tau 0 to {TAU_END:.0f}, from rest, s = 1, d = 0; frozen per period"
     " decides; local labels up to period 8 in windows of 64 strobes, exponent of every stretch"

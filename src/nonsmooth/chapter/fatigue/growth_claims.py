@@ -23,12 +23,7 @@ _LINEAR = 0.05  # of the growth of a stretch: a line that is closer describes it
 
 def _reached(printed: str = "10.7", tau: float = 900_514.0) -> Evidence:
     value = crack_at(tau)
-    return {
-        "tau": tau,
-        "crack": value,
-        "printed": printed,
-        "tau_of_printed": tau_at(float(printed)),
-    }
+    return {"tau": tau, "crack": value, "printed": printed, "tau_of_printed": tau_at(float(printed))}
 
 
 def _judge_reached(evidence: Evidence) -> Finding:

@@ -28,10 +28,10 @@ _TESTS = {
     "fig20": ("hl150(50)", "hl150(100)"),
 }
 _NOTE = (
-    "The measured curves are not available. Dots: lives of Table 3, drawn at 19 mm, a length that is"
-    " ours.\nFull: Walker's law, fitted in sample to the eight lives. Broken: Eq. (49) from 6.4 mm to"
-    " the dot; of its\nconstants only those of Fig. 30 are printed, from which its sharpness is"
-    " taken."
+    "The measured curves are not available. Dots: lives of Table 3, drawn at 19 mm, a length"
+    " that is ours.\nFull: Walker's law, fitted in sample to the eight lives. Broken: Eq. (49)"
+    " from 6.4 mm to the dot; of its\nconstants only those of Fig. 30 are printed, from which its"
+    " sharpness is taken."
 )
 
 
@@ -120,7 +120,7 @@ def _curve_49(measured: float) -> CrackCurve:
 
 def _drawn(data: xr.Dataset, tests: xr.Dataset, title: str) -> Figure:
     figure, (ax,) = print_figure(1, 1, width=16.0, height=9.5)
-    for k, name in enumerate(data["test"].values):
+    for k in range(data.sizes["test"]):
         colour = PALETTE.get(_COLOURS[k], _COLOURS[k])
         mean, size = (float(tests[n][k]) for n in ("mean_load", "load_amplitude"))
         measured = float(data["life"][k])
@@ -230,8 +230,8 @@ def _shaken_figure(data: xr.Dataset, mean: float, printed: float) -> Figure:
     figure.supxlabel(
         "The measured curves are not available. Model: rig of Fig. 25 as one mass, 100 N at 6.4 mm"
         " under the sine, Ueda's wave,\nWalker's law with handbook constants (harmonic life"
-        f" {end:.2g} s from 6.4 to {top:g} mm). The chapter gives neither\nwave, damping nor measure"
-        " of power.",
+        f" {end:.2g} s from 6.4 to {top:g} mm). The chapter gives neither\nwave, damping nor"
+        " measure of power.",
         fontsize=7, ha="left", x=0.01,
     )  # fmt: skip
     return figure

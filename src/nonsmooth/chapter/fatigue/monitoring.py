@@ -120,10 +120,7 @@ def alarm_rates(seed: int = 0) -> tuple[Evidence, ...]:
         seen = strobes + drawn
         alarms = {
             "scatter": np.array(
-                [
-                    scatter(row) > THRESHOLD * size
-                    for row, size in zip(seen, amplitudes, strict=True)
-                ]
+                [scatter(row) > THRESHOLD * size for row, size in zip(seen, amplitudes, strict=True)]
             ),
             "zero_one": np.array([float(zero_one_test(row)["K"]) > _K for row in seen]),
         }

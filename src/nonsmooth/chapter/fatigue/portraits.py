@@ -9,12 +9,12 @@ import numpy as np
 import xarray as xr
 
 from nonsmooth import System, simulate
-from nonsmooth.chapter.fatigue.beam_data import ETA, WIDTH, XI
+from nonsmooth.chapter.fatigue.beam_data import ETA, WIDTH, XI, turn
 from nonsmooth.chapter.fatigue.crack_motions import period_of
 from nonsmooth.models import breathing_crack
 
 if TYPE_CHECKING:
-    pass
+    from matplotlib.figure import Figure
 
 __all__ = ["LAWS", "RATIOS", "closed_arcs", "portrait_beam", "settled_orbit"]
 

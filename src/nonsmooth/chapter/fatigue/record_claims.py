@@ -65,8 +65,8 @@ def _judge_asymmetry(evidence: Evidence) -> Finding:
         )
         parts.append(
             f"{name} rig, even harmonics of displacement and acceleration: {listed} (least load"
-            f" {rows[0]['least_load']:.1f} N at {rows[0]['crack']:g} mm, {rows[-1]['least_load']:.1f}"
-            f" N at {rows[-1]['crack']:g} mm); mean deflection from {rows[0]['deflection']:.3f} to"
+            f" {rows[0]['least_load']:.1f} N at {rows[0]['crack']:g} mm,"
+            f" {rows[-1]['least_load']:.1f} N at {rows[-1]['crack']:g} mm); mean deflection from {rows[0]['deflection']:.3f} to"
             f" {rows[-1]['deflection']:.3f} mm, amplitude from {rows[0]['swing']:.3f} to"
             f" {rows[-1]['swing']:.3f} mm"
         )
@@ -127,9 +127,9 @@ def _best_lag(first: np.ndarray, second: np.ndarray) -> tuple[float, int]:
 def _judge_likeness(evidence: Evidence) -> Finding:
     rows = evidence["rows"]
     listed = "; ".join(
-        f"{row['rig']} rig, crack {row['crack']:g} mm (phases {row['phases']}): acceleration of mass"
-        f" 1 {row['absolute1']:+.3f} at {row['absolute1_lag']:.1f} ms, displacement {row['X3']:+.3f},"
-        f" force of cylinder 1 {row['pneumatic1']:+.3f}"
+        f"{row['rig']} rig, crack {row['crack']:g} mm (phases {row['phases']}): acceleration of"
+        f" mass 1 {row['absolute1']:+.3f} at {row['absolute1_lag']:.1f} ms, displacement"
+        f" {row['X3']:+.3f}, force of cylinder 1 {row['pneumatic1']:+.3f}"
         for row in rows
     )
     return Finding(
@@ -146,7 +146,7 @@ CHECKS = (
     Check("F18", f"{_RIG}; mean 100 N, 20 Hz, steady motion after 400 periods; harmonics 2, 4 to 18"
           f" over the first; broken: above {_BROKEN:.0%} in both records and growing",
           _asymmetry, _judge_asymmetry),
-    Check("F19", f"{_RIG}; mean 0, Ueda's wave of equal mean square, {_DROP:g} s of 12 dropped; very"
-          f" similar: {_ALIKE:g} at least for the acceleration of mass 1, lags up to half a period",
+    Check("F19", f"{_RIG}; mean 0, Ueda's wave of equal mean square, {_DROP:g} s of 12 dropped;"
+          f" very similar: {_ALIKE:g} at least for the acceleration of mass 1, lags up to half a period",
           _likeness, _judge_likeness),
 )  # fmt: skip

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
@@ -26,7 +26,7 @@ __all__ = ["fig16", "fig17"]
 
 _TEXT = 8
 _SHOWN = ("base", "absolute1", "X3", "pneumatic1")
-_STYLES = (
+_STYLES: tuple[dict[str, Any], ...] = (
     {"color": "black", "linewidth": 1.2},
     {"color": PALETTE["vermilion"], "linewidth": 1.2, "linestyle": "--"},
 )

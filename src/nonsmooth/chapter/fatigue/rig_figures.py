@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
 from nonsmooth.chapter.fatigue.phase_claims import passages
-from nonsmooth.chapter.fatigue.rig_data import SET_25, rig_system, start_up, stays, steady
+from nonsmooth.chapter.fatigue.rig_data import SET_25, Stay, rig_system, start_up, stays, steady
 from nonsmooth.chapter.fatigue.rig_si_claims import rig_of_fig_25
 from nonsmooth.plot import PALETTE, phases, print_figure
 
@@ -89,15 +90,19 @@ def fig24(periods: int = 6) -> tuple[Figure, xr.Dataset]:
 
 def _displacements(ax: Axes, run: xr.Dataset, when: tuple[float, float]) -> None:
     phases(run, list(_BODIES), ax=ax, time_range=when, legend=False)
-    styles = ({"linewidth": 1.6}, {"linestyle": ":", "linewidth": 1.4}, {"linestyle": "--"})
+    styles: tuple[dict[str, Any], ...] = (
+        {"linewidth": 1.6},
+        {"linestyle": ":", "linewidth": 1.4},
+        {"linestyle": "--"},
+    )
     for line, style in zip(ax.lines, styles, strict=False):
         line.set(color="black", **style)
     ax.set_ylabel(r"displacement [$A_b$]")
     ax.set_xlabel(r"$\tau$")
 
 
-def _name_phases(ax: Axes, rows: object) -> None:
-    for name, begin, end in rows:  # type: ignore[attr-defined]
+def _name_phases(ax: Axes, rows: Sequence[Stay]) -> None:
+    for name, begin, end in rows:
         ax.annotate(
             f"({name})", (0.5 * (begin + end), 1.0), xycoords=("data", "axes fraction"),
             xytext=(0, -10), textcoords="offset points", ha="center", fontsize=_TEXT,
@@ -168,7 +173,7 @@ def fig25(periods: int = 4) -> tuple[Figure, xr.Dataset]:
     return figure, data
 
 
-def _style(name: str) -> dict[str, object]:
+def _style(name: str) -> dict[str, Any]:
     if name in ("X1", "acceleration1"):
         return {"color": "black", "linewidth": 1.8, "label": "mass 1"}
     if name == "X3":
