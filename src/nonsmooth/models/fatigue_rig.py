@@ -116,7 +116,6 @@ def fatigue_rig(
     xi_s     xi_s           0.002    Fig. 24: damping ratio of the specimen
     xi_p1    xi_p1          0.4      Fig. 24: damping ratio of cylinder 1
     xi_p2    xi_p2          0.4      Fig. 24: the same for mass 2
-    k_op/k   open_stiffness None     section 3.5: no crack
     ======== ============== ======== ===========================================================
 
     Parameters
