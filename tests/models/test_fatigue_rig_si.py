@@ -247,7 +247,7 @@ def test_bad_input():
         RIG.from_si({"X1": "far"})
     with pytest.raises(ns.OptionError, match="model"):
         RIG.from_si({"X1": 1.0}, model="three")
-    with pytest.raises(ns.OptionError, match="frequency = .* must be a positive number"):
+    with pytest.raises(ns.OptionError, match=r"frequency = .* must be a positive number"):
         FatigueRig.from_dimensionless(frequency=-1.0)
     with pytest.raises(ns.OptionError, match="base_amplitude = 'far'"):
         FatigueRig.from_dimensionless(base_amplitude="far")
