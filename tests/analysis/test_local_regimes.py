@@ -179,8 +179,8 @@ def test_kept_in_files(tmp_path):
         (np.zeros(500), {"variables": "u"}, "without names"),
         ("none", {}, "give a run"),
         (xr.Dataset({"u": ("lane", np.zeros(9))}), {}, "over lane"),
-        (xr.Dataset({"u": ("point", np.zeros(500))}), {"variables": "w"}, "did you mean|known"),
-        (xr.Dataset({"u": ("point", np.zeros(500))}), {"parameter": "w"}, "did you mean|known"),
+        (xr.Dataset({"u": ("point", np.zeros(500))}), {"variables": "w"}, r"did you mean|known"),
+        (xr.Dataset({"u": ("point", np.zeros(500))}), {"parameter": "w"}, r"did you mean|known"),
         (
             xr.Dataset({"u": ("time", np.zeros(500))}, {"time": np.arange(500.0) ** 2}),
             {},
