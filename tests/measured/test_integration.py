@@ -104,6 +104,15 @@ def test_noise_of_an_aperiodic_record_is_that_of_its_gain():
             assert found.attrs["noise"] == pytest.approx(gain, rel=0.02)
 
 
+def test_noise_that_a_low_pass_has_smoothed_still_counts():
+    """Below the cut-off it is as strong as before, and there the integral takes it from."""
+    t = np.arange(60_000) / 1000.0
+    noise = np.random.default_rng(2).normal(0, 1.0, t.size)
+    smooth = ns.measured.low_pass(data(t, noise), 100.0)
+    found = ns.measured.displacements(smooth, "acceleration1", lowest=5.0)["x1"]
+    assert float(found.std()) == pytest.approx(found.attrs["noise"], rel=0.15)
+
+
 def test_scaling_before_and_after_integration_is_the_same():
     """What has been integrated in mm and s, then scaled, against integration without units."""
     t = np.arange(4000) / 1000.0

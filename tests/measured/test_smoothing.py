@@ -74,6 +74,9 @@ def test_a_record_keeps_units_marks_and_all_that_follows():
     # noise below the cut-off is what is left: sqrt(150 / 2500) of it, nearly
     away = (smooth["x"] - rigs.derivative(t, 0))[500:-500]
     assert float(away.std()) == pytest.approx(0.01 * np.sqrt(150 / 2500), rel=0.15)
+    assert smooth["x"].attrs["noise"] == pytest.approx(float(away.std()), rel=0.1)
+    again = ns.measured.velocities(smooth, highest=100)
+    assert again["x"].attrs["noise"] == smooth["x"].attrs["noise"]
 
 
 def test_a_run_without_its_event_log():

@@ -14,8 +14,8 @@ from nonsmooth.errors import OptionError
 from nonsmooth.measured.channel import check_name
 from nonsmooth.measured.even_samples import check_even, check_variables, over_time
 from nonsmooth.measured.fourier_integral import FourierIntegral
+from nonsmooth.measured.noise import noise_before_filters
 from nonsmooth.measured.regular_integral import RegularIntegral
-from nonsmooth.measured.velocity import white_noise
 from nonsmooth.simulation.options import finite_number
 
 __all__ = ["displacements"]
@@ -155,13 +155,12 @@ def displacements(
         values = data[source].values.astype(float)
         x, v, words = method(values)
         units = _units(data, source)
-        noise = white_noise(values)
+        noise = noise_before_filters(data[source])
         about = {"integral_of": source} | words
         costs = [{"noise_gain": gain, "noise": gain * noise} for gain in method.noise_gains]
-        label = str(data[source].attrs.get("long_name") or source)
-        words = {"long_name": f"displacement from {label}"} | units[0] | about | costs[0]
+        words = {"long_name": f"displacement {name}"} | units[0] | about | costs[0]
         found[name] = ("time", x[part], words)
-        words = {"long_name": f"velocity from {label}"} | units[1] | {"derivative_of": name}
+        words = {"long_name": f"velocity of {name}"} | units[1] | {"derivative_of": name}
         rates[f"v{name}"] = ("time", v[part], words | costs[1])
     return over_time(data, found | rates, part)
 

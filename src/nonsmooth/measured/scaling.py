@@ -100,6 +100,7 @@ def _scaled_words(
     """Attributes that are frequencies, times, or what noise is multiplied with."""
     powers = dict.fromkeys(_RATES, -1) | dict.fromkeys(_TIMES, 1)
     # the noise is that of a displacement, or of the acceleration that was integrated
+    # and of a low-pass a plain number
     powers["noise_gain"] = (2 if integrated else 0) - (1 if moving else 0)
     found = {key: float(words[key]) * rate**power for key, power in powers.items() if key in words}
     if "residual" in words:

@@ -11,12 +11,14 @@ import xarray as xr
 
 from nonsmooth.errors import OptionError
 from nonsmooth.measured.even_samples import check_even, check_variables, over_time
+from nonsmooth.measured.noise import noise_before_filters
 from nonsmooth.simulation.options import finite_number, whole_number
 
 __all__ = ["low_pass"]
 
 _EDGES = ("reflect", "cut")
 _SETTLED = 1e-3  # of what an edge does is left within the edge
+_FREQUENCIES = 1 << 15  # up to half the sample rate
 _REFLECTED = 3  # edges, so that how the filter starts is not felt at all
 _MOST_ORDER = 8
 
@@ -54,8 +56,10 @@ def low_pass(
     -------
     xarray.Dataset
         The variables with their units, coordinates and attributes; attributes of each variable:
-        ``low_pass``, the cut-off frequency, ``low_pass_order``, and ``edge``, the time at either
-        end which reflection reaches: outside of it less than a thousandth of it is felt.
+        ``low_pass``, the cut-off frequency, ``low_pass_order``; ``edge``, the time at either
+        end which reflection reaches: outside of it less than a thousandth of it is felt;
+        ``noise_gain``, what is left of white noise, and ``noise``, that times the noise of the
+        samples, which is estimated (standard deviations).
 
     Raises
     ------
@@ -118,11 +122,12 @@ def low_pass(
             " higher cutoff= or a lower order=, or take a longer record"
         )
     part = slice(edge, count - edge) if edges == "cut" else slice(None)
-    added = {"low_pass": top, "low_pass_order": n, "edge": edge * step}
-    found: dict[str, Any] = {
-        name: ("time", _filtered(sections, data[name].values, edge)[part], data[name].attrs | added)
-        for name in names
-    }
+    gain = _noise_gain(sections)
+    added = {"low_pass": top, "low_pass_order": n, "edge": edge * step, "noise_gain": gain}
+    found: dict[str, Any] = {}
+    for name in names:
+        words = data[name].attrs | added | {"noise": gain * noise_before_filters(data[name])}
+        found[name] = ("time", _filtered(sections, data[name].values, edge)[part], words)
     return over_time(data, found, part)
 
 
@@ -139,6 +144,14 @@ def _design(cutoff: float, order: int) -> tuple[Floats, int]:
     poles = butter(order, 2.0 * one, output="zpk")[1]
     slowest = float(np.abs(poles).max())
     return sections, math.ceil(math.log(_SETTLED) / math.log(slowest)) if slowest > 0.0 else 1
+
+
+def _noise_gain(sections: Floats) -> float:
+    """Of the standard deviation of white noise this is left by both directions."""
+    from scipy.signal import sosfreqz
+
+    _, once = sosfreqz(sections, worN=_FREQUENCIES)
+    return float(np.sqrt(np.mean(np.abs(once) ** 4)))
 
 
 def _filtered(sections: Floats, values: npt.ArrayLike, edge: int) -> Floats:

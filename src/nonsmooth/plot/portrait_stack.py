@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 __all__ = ["phase_portrait_3d"]
 
 _ELEVATION, _AZIMUTH = 22.0, -52.0  # degrees: orbits seen nearly from the front, their stack too
+_APART = 0.14  # of the range, between ticks whose texts do not touch
 _DEPTH = 1.5  # of the third axis, in widths of the others
 _PLACE = (-0.04, 0.07, 1.0, 1.02)  # of axes within the figure
 _ZOOM = 0.98  # as much as leaves room for the labels
@@ -137,4 +138,8 @@ def _finish(ax: Any, labels: list[str], values: list[float]) -> None:
         axis.pane.set_facecolor("white")
         axis.pane.set_edgecolor("0.7")
     ax.grid(visible=False)
-    ax.set_yticks(values if len(values) <= 6 else values[:: len(values) // 5])
+    ticks = values[:1]
+    for value in values[1:]:
+        if value - ticks[-1] >= _APART * (values[-1] - values[0]):
+            ticks.append(value)
+    ax.set_yticks(ticks)
