@@ -1,5 +1,5 @@
 """`python benchmarks` runs all: long runs, set-up, the stiff rig, Taylor steps, sweeps, basins,
-rotor.
+rotor, growing crack.
 """
 
 import subprocess
@@ -24,4 +24,9 @@ def alone(name):
 
 
 runs = [bench_simulate.main(), bench_setup.main(), bench_rig.main([]), bench_taylor.main([])]
-sys.exit(max(*runs, *map(alone, ("bench_ensembles.py", "bench_basins.py", "bench_rotor.py"))))
+sys.exit(
+    max(
+        *runs,
+        *map(alone, ("bench_ensembles.py", "bench_basins.py", "bench_rotor.py", "bench_growth.py")),
+    )
+)

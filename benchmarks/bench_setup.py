@@ -42,13 +42,14 @@ def measure(system):
     """Microseconds per set-up and the error of the spectrum."""
     program = system.compiled.program
     tables = layout.allocate_tables(program)
-    values = np.array(list(system.parameter_values.values()))
-    set_up(program, values, tables)
+    stack = layout.stack_of_one(tables)
+    values = np.array([list(system.parameter_values.values())])
+    set_up(program, values, stack)
     best = np.inf
     for _ in range(ROUNDS):
         start = process_time()
         for _ in range(CALLS):
-            set_up(program, values, tables)
+            set_up(program, values, stack)
         best = min(best, (process_time() - start) / CALLS)
     return best * 1e6, error_of_spectrum(tables)
 

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from nonsmooth.analysis.correlation_dimension import correlation_dimension
     from nonsmooth.analysis.ensemble import ensemble
     from nonsmooth.analysis.full_spectrum import full_spectrum
+    from nonsmooth.analysis.local_regimes import local_regimes
     from nonsmooth.analysis.lyapunov_spectrum import lyapunov_spectrum
     from nonsmooth.analysis.order_tracking import order_tracking
     from nonsmooth.analysis.period_statistics import period_statistics
@@ -77,6 +78,7 @@ __all__ = [
     "excitation",
     "fatigue",
     "full_spectrum",
+    "local_regimes",
     "lyapunov_spectrum",
     "measured",
     "models",
@@ -120,6 +122,7 @@ _HOME = {
     "correlation_dimension": "nonsmooth.analysis.correlation_dimension",
     "ensemble": "nonsmooth.analysis.ensemble",
     "full_spectrum": "nonsmooth.analysis.full_spectrum",
+    "local_regimes": "nonsmooth.analysis.local_regimes",
     "lyapunov_spectrum": "nonsmooth.analysis.lyapunov_spectrum",
     "order_tracking": "nonsmooth.analysis.order_tracking",
     "period_statistics": "nonsmooth.analysis.period_statistics",

@@ -82,7 +82,7 @@ class Prepared:
         names = names if chosen is None else chosen
         self.chosen = np.array([list(system.parameter_values).index(p) for p in names], np.int64)
         self.tables = at.allocate_tables(self.program)
-        assert set_up(self.program, self.values, self.tables)[0] == 0
+        assert set_up(self.program, self.values[None], at.stack_of_one(self.tables))[0] == 0
         self.rates = allocate_rates(self.program, self.chosen)
         self.status = set_up_rates(self.program, self.values, self.tables, self.rates)
         self.scratch = allocate_columns(self.program, self.chosen)

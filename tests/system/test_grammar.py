@@ -206,11 +206,11 @@ ATTACKS = {
 
 @pytest.mark.parametrize("name", ATTACKS)
 def test_hostile_texts_are_refused_at_once(name):
-    # a second is far above the milliseconds that they take and far below a hang
-    began = time.perf_counter()
+    # far above the milliseconds that they take, on a busy machine too, and far below a hang
+    began = time.process_time()
     with pytest.raises(ModelError):
         parse(ATTACKS[name])
-    assert time.perf_counter() - began < 1.0
+    assert time.process_time() - began < 5.0
 
 
 @pytest.mark.parametrize("text", ["+".join(["x"] * 2500), "*".join(["x"] * 2500)])

@@ -20,9 +20,7 @@ CLOSE = 3e-3
 _NEIGHBOUR = 0.3  # beyond this relative gap nothing is lost to speak of
 _CHAIN = 10.0  # a coupling so much larger than its gap makes a chain
 _MOST_CUTS = 1e5  # of a window by a cluster that only its units may have made
-_MOST_LOSS = (
-    1000.0  # cancellation between motions beyond which the closest are merged: three digits
-)
+_MOST_LOSS = 1000.0  # cancellation between motions from which on the closest are merged
 
 
 @allocating

@@ -10,12 +10,12 @@ See README.md beside this file for the contract.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.engine.jit import kernel
+from nonsmooth.engine.jit import allocating, inlined, kernel
 
 __all__ = [
     "CHAIN",
@@ -26,14 +26,19 @@ __all__ = [
     "Segment",
     "Tables",
     "allocate_segment",
+    "allocate_stack",
     "allocate_tables",
     "augmented_size",
+    "counted_tables_at",
     "explicit",
     "factor_row",
     "first_of_signals",
     "has_code",
     "n_blocks",
+    "part_of_stack",
     "slots_of",
+    "stack_of_one",
+    "tables_at",
     "vanishing",
 ]
 
@@ -290,6 +295,54 @@ def allocate_tables(program: Program) -> Tables:
         signals=program.signals,
         knots=program.knots,
     )
+
+
+# fields of Tables that are those of the program, whatever the parameter values
+_SHARED = (
+    "sizes", "products", "product_rows", "drifting", "kinds", "families", "code", "terms",
+    "code_rows", "outlets", "rest_slots", "signals", "knots",
+)  # fmt: skip
+
+
+def allocate_stack(program: Program, count: int) -> Tables:
+    """Empty tables for several sets of parameter values, one after the other in each array."""
+    one = allocate_tables(program)
+    own: dict[str, Any] = {
+        name: np.repeat(each[None], count, axis=0)
+        for name, each in one._asdict().items()
+        if name not in _SHARED
+    }
+    return one._replace(**own)
+
+
+def stack_of_one(tables: Tables) -> Tables:
+    """The same tables as a stack."""
+    return part_of_stack(tables, None)
+
+
+def part_of_stack(stack: Tables, which: slice | int | None) -> Tables:
+    """Some of the tables of a stack as a stack, or one of them by itself."""
+    own: dict[str, Any] = {
+        name: each[which] for name, each in stack._asdict().items() if name not in _SHARED
+    }
+    return stack._replace(**own)
+
+
+def _tables_at(stack, k):
+    """Tables number k of a stack."""
+    return Tables(
+        stack.sizes, stack.clock[k], stack.harmonics[k], stack.generator[k], stack.affine[k],
+        stack.spectrum[k], stack.nilpotent[k], stack.entry[k], stack.reads[k], stack.states[k],
+        stack.series[k], stack.products, stack.product_rows, stack.ladder[k], stack.slots[k],
+        stack.spans[k], stack.wiring[k], stack.drifting, stack.kinds, stack.families,
+        stack.values[k], stack.weights[k], stack.code, stack.terms, stack.code_rows,
+        stack.outlets, stack.rest_slots, stack.signals, stack.knots,
+    )  # fmt: skip
+
+
+tables_at = inlined(_tables_at)
+# the same for functions with numba's memory manager, which counts who holds an array
+counted_tables_at = allocating(_tables_at)
 
 
 def slots_of(program: Program) -> int:

@@ -14,6 +14,7 @@ from nonsmooth.engine import layout as at
 from nonsmooth.engine.arrays import copy_matrix, copy_vector, set_zero
 from nonsmooth.engine.decoupling import decouple
 from nonsmooth.engine.jit import allocating, entry, kernel
+from nonsmooth.engine.layout import counted_tables_at
 from nonsmooth.engine.linear_flow import augmented
 from nonsmooth.engine.linearisation import linearise
 from nonsmooth.engine.refinement import refine, worth_refining
@@ -33,12 +34,22 @@ _LEAST_HORIZON = 1e-4  # of the longest time between knots: a jump written as a 
 
 
 @partial(entry, allocates=True)
-def set_up(program, parameters, tables):
-    """Fill the tables of a program for one set of parameter values.
+def set_up(program, parameters, stack):
+    """Fill the tables of a program for some sets of parameter values.
 
-    status: COMPLETED, NOT_FINITE or NOT_CONVERGED, with the mode where it happened
-    (-1: clock)
+    shapes: parameters (k, p), stack of k tables
+    status: COMPLETED, NOT_FINITE or NOT_CONVERGED, with the mode where it happened (-1: clock) and
+    the number of sets that are done
     """
+    for row in range(parameters.shape[0]):
+        status, mode = _set_up_one(program, parameters[row], counted_tables_at(stack, row))
+        if status != _OK:
+            return status, mode, row
+    return _OK, 0, parameters.shape[0]
+
+
+@allocating
+def _set_up_one(program, parameters, tables):
     slots = tables.values
     run_tape(parameters, program.constants, program.tape, slots)
     for term in range(tables.weights.size):

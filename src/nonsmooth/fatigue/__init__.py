@@ -1,12 +1,15 @@
-"""Fatigue without time stepping: cycles of a load, laws of crack growth, lives.
+"""Fracture and fatigue mechanics of a cracked beam, cycles and lives, without any time stepping.
 
-Lengths are in mm, loads in N, stress intensities in MPa sqrt(m), times in s.
+Lengths are in mm, loads in N, stress intensities in MPa sqrt(m), frequencies in Hz, times in s.
 """
 
 from __future__ import annotations
 
+from nonsmooth.fatigue.breathing import bilinear_frequency, breathing_frequency_ratio
 from nonsmooth.fatigue.closure import NewmanClosure, effective_range
 from nonsmooth.fatigue.compared_lives import compare_lives
+from nonsmooth.fatigue.comparisons import compare_stiffness_laws, compare_stress_intensity
+from nonsmooth.fatigue.crack_curve import CrackCurve
 from nonsmooth.fatigue.cycles import count_cycles
 from nonsmooth.fatigue.fitted_law import FittedLaw, fit_law
 from nonsmooth.fatigue.growth_by_frequency import growth_by_frequency
@@ -18,20 +21,43 @@ from nonsmooth.fatigue.load_block import LoadBlock
 from nonsmooth.fatigue.load_table import LoadTable
 from nonsmooth.fatigue.published_laws import published_laws
 from nonsmooth.fatigue.reversals import reversals
+from nonsmooth.fatigue.sensor import Calibration, calibrate
+from nonsmooth.fatigue.specimen import Specimen
+from nonsmooth.fatigue.stiffness_laws import (
+    cubic_stiffness,
+    cubic_text,
+    guinea_stiffness,
+    guinea_text,
+)
+from nonsmooth.fatigue.tests_of_chapter import aluminium_2024_t351, chapter_tests
 
 __all__ = [
+    "Calibration",
+    "CrackCurve",
     "FittedLaw",
     "Forman",
     "LoadBlock",
     "LoadTable",
     "NewmanClosure",
     "Paris",
+    "Specimen",
     "Walker",
+    "aluminium_2024_t351",
+    "bilinear_frequency",
+    "breathing_frequency_ratio",
+    "calibrate",
+    "chapter_tests",
     "compare_lives",
+    "compare_stiffness_laws",
+    "compare_stress_intensity",
     "count_cycles",
+    "cubic_stiffness",
+    "cubic_text",
     "effective_range",
     "fit_law",
     "growth_by_frequency",
+    "guinea_stiffness",
+    "guinea_text",
     "life",
     "life_by_cycle",
     "life_ratio",

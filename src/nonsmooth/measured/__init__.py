@@ -7,6 +7,7 @@ Displacements and marks in, the datasets of `simulate`, `stroboscopic_map` and
 from __future__ import annotations
 
 from nonsmooth.measured.channel import Channel
+from nonsmooth.measured.columns import read_columns
 from nonsmooth.measured.differentiator import Differentiator
 from nonsmooth.measured.reading import read_csv
 from nonsmooth.measured.record import from_arrays
@@ -22,6 +23,7 @@ __all__ = [
     "diagram",
     "dimensionless",
     "from_arrays",
+    "read_columns",
     "read_csv",
     "section",
     "synchronous",

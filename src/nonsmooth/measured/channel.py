@@ -97,8 +97,8 @@ class Channel:
         return away if self.sensitivity is None else away / self.sensitivity
 
 
-def channels_of(columns: Any) -> dict[str, Channel]:
-    """Channels by the names that variables are to have."""
+def channels_of(columns: Any, *, reserved: bool = True) -> dict[str, Channel]:
+    """Channels by the names that variables are to have; of a record some names are reserved."""
     if isinstance(columns, str) or not isinstance(columns, (Mapping, Iterable)):
         raise OptionError(
             f"columns = {columns!r:.60}: give the names of columns, such as ['x', 'y'], or a"
@@ -107,21 +107,21 @@ def channels_of(columns: Any) -> dict[str, Channel]:
     pairs = columns.items() if isinstance(columns, Mapping) else [(name, name) for name in columns]
     found: dict[str, Channel] = {}
     for name, column in pairs:
-        check_name(name, found)
+        check_name(name, found, _TAKEN if reserved else ("row", "line"))
         found[name] = column if isinstance(column, Channel) else Channel(column)
     if not found:
-        raise OptionError("columns= is empty; name one displacement at least")
+        raise OptionError("columns= is empty; name one column at least")
     return found
 
 
-def check_name(name: Any, others: Iterable[str]) -> None:
+def check_name(name: Any, others: Iterable[str], taken: Iterable[str] = _TAKEN) -> None:
     """Refuse what cannot be the name of a variable."""
     if not isinstance(name, str) or not name.isidentifier():
         raise OptionError(
             f"columns: {name!r:.60} cannot be the name of a variable, which is made of letters,"
             " digits and _; give a mapping such as {'x': 'probe 1'}"
         )
-    if name in _TAKEN:
+    if name in taken:
         raise OptionError(f"columns: the name {name!r} is taken; call the variable otherwise")
     if name in others:
         raise OptionError(f"columns: {name!r} is named twice")

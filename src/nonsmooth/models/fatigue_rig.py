@@ -47,7 +47,7 @@ def fatigue_rig(
     eps: Text = 0.002012,
     f1: Text = 3.75,
     f2: Text = 3.75,
-    xi_Ls: Text = 0.00255,  # noqa: N803
+    xi_Ls: Text = 0.00255,
     xi_s: Text = 0.002,
     xi_p1: Text = 0.4,
     xi_p2: Text = 0.4,

@@ -13,6 +13,7 @@ from nonsmooth.plot.comparisons import comparison
 from nonsmooth.plot.diagrams import bifurcation
 from nonsmooth.plot.exponents import exponents
 from nonsmooth.plot.figures import print_figure, save_figure
+from nonsmooth.plot.fracture import crack_lengths, stiffness_laws, stress_intensity
 from nonsmooth.plot.histories import time_history
 from nonsmooth.plot.load_cycles import load_cycles
 from nonsmooth.plot.markers import event_markers
@@ -37,6 +38,7 @@ __all__ = [
     "bifurcation",
     "comparison",
     "contact_regions",
+    "crack_lengths",
     "event_markers",
     "exponents",
     "lives",
@@ -52,6 +54,8 @@ __all__ = [
     "shaking",
     "spectrum",
     "statistics",
+    "stiffness_laws",
+    "stress_intensity",
     "time_history",
     "translation",
     "uncertainty",

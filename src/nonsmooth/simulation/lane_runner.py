@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from nonsmooth.engine import records as at
 from nonsmooth.engine.lanes import run_lanes
-from nonsmooth.engine.layout import allocate_segment
+from nonsmooth.engine.layout import allocate_segment, stack_of_one
 from nonsmooth.engine.loop import ANY, GOES_ON
 from nonsmooth.engine.records import Anchor, Records
 from nonsmooth.engine.status import Status
@@ -142,13 +142,14 @@ class LaneRunner:
         records.since[:] = lanes.since[chosen]
         tangent = self._tangents(count)
         how, statuses = lanes.mode[chosen], np.empty(count, np.int64)
+        stack, passed = stack_of_one(self.tables), np.zeros(2, np.int64)
         first = 0
         while first < count:
             if stop is not None and stop.is_set():
                 raise Stopped
             first = run_lanes(
-                self.tables, self.rates, self.scratch, anchors, self.segment, tangent, records,
-                how, first, count, end.number, end.phase, statuses, self.tolerance,
+                stack, self.rates, self.scratch, anchors, self.segment, tangent, records,
+                how, first, count, end.number, end.phase, passed, statuses, self.tolerance,
             )  # fmt: skip
             if first < count:
                 how[first] = GOES_ON

@@ -17,6 +17,7 @@ from nonsmooth.engine.layout import (
     allocate_segment,
     allocate_tables,
     augmented_size,
+    stack_of_one,
 )
 from nonsmooth.engine.loop import GOES_ON
 from nonsmooth.engine.records import Anchor, Records, allocate_anchor, allocate_records
@@ -41,6 +42,7 @@ from nonsmooth.simulation.progress import Progress
 from nonsmooth.system.system import System
 
 __all__ = [
+    "NO_DERIVATIVES",
     "Derivatives",
     "NoMode",
     "Outcome",
@@ -116,7 +118,7 @@ class Derivatives:
         return -1 if self.chosen is None else len(self.chosen)
 
 
-_NO_DERIVATIVES = Derivatives(no_rates(), no_columns(), None)
+NO_DERIVATIVES = Derivatives(no_rates(), no_columns(), None)
 
 
 def build_derivatives(
@@ -130,7 +132,7 @@ def build_derivatives(
     ``values`` are those of all parameters, where they are not the system's.
     """
     if chosen is None:
-        return _NO_DERIVATIVES
+        return NO_DERIVATIVES
     announce_derivatives()
     program = system.compiled.program
     values = system.parameter_values if values is None else values
@@ -157,15 +159,14 @@ def build_tables(system: System, values: Mapping[str, float] | None = None) -> T
     announce_compilation()
     tables = allocate_tables(program)
     values = system.parameter_values if values is None else values
-    code, mode = set_up(
-        program, np.array([values[name] for name in system.parameters], dtype=float), tables
-    )
+    given = np.array([[values[name] for name in system.parameters]], dtype=float)
+    code, mode, _ = set_up(program, given, stack_of_one(tables))
     if code != Status.COMPLETED:
         where, what = f"mode {system.mode_names[max(mode, 0)]!r}", SETUP_ERRORS[Status(code)]
         if mode < 0:
             where, what = "the period", "it is not a positive finite number for these parameters"
-        given = ", ".join(f"{k} = {v:g}" for k, v in values.items())
-        raise ModelError(f"{system.name}, {where}: {what} ({given})")
+        numbers = ", ".join(f"{k} = {v:g}" for k, v in values.items())
+        raise ModelError(f"{system.name}, {where}: {what} ({numbers})")
     return tables
 
 
@@ -179,7 +180,7 @@ def run_plan(
     begin: Instant = _ZERO,
     mode: int = -1,
     keep_events: bool = True,
-    derivatives: Derivatives = _NO_DERIVATIVES,
+    derivatives: Derivatives = NO_DERIVATIVES,
 ) -> Outcome:
     """Run a plan from an anchor, or from a state at an instant; `NoMode` when none fits."""
     sizes = tables.sizes

@@ -27,8 +27,9 @@ from nonsmooth.simulation.runner import (
     build_tables,
     run_plan,
 )
-from nonsmooth.simulation.slow import check_slow_tangent, run_slow, tables_of
+from nonsmooth.simulation.slow import check_slow_tangent, run_slow
 from nonsmooth.simulation.slow_plan import plan_slow_run
+from nonsmooth.simulation.slow_run import tables_of
 from nonsmooth.simulation.slow_start import resolve_slow_start
 from nonsmooth.simulation.start import Start, explain_misfit, resolve_start, start_at_end
 from nonsmooth.system.slow import SlowParameters

@@ -20,12 +20,13 @@ _UNIT = float(np.finfo(float).eps)
 _SAME = 1e-9  # of the distance of samples: equal up to rounding
 
 Array = npt.NDArray[np.float64]
+Integers = npt.NDArray[np.int64]
 
 
 class Part(NamedTuple):
     """Samples in one period, and its end where the run ends in it."""
 
-    number: npt.NDArray[np.int64]
+    number: Integers
     phase: Array
     end: Instant | None
 
@@ -69,13 +70,35 @@ class SlowPlan:
         if self.grid is None:
             phase = phase[phase <= last + same]
         self.taken += phase.size
-        boundary = phase >= window * (1.0 - 4.0 * _UNIT)
-        number = period.number + boundary.astype(np.int64)
-        phase = np.where(boundary, 0.0, phase)
+        number, phase = _wrapped(period.number, phase, window)
         meets = end is not None and phase.size > 0 and number[-1] == end.number
         if meets and end is not None and abs(phase[-1] - end.phase) <= same:
             end = Instant(end.number, float(phase[-1]))
         return Part(number, phase, end)
+
+    def whole(self, first: int, origins: Array, window: float) -> int:
+        """Number of periods, of some in a row from number ``first`` on, before that of the end."""
+        if self.periods is not None:
+            left = self.start.number - first + self.share + self.periods - np.arange(origins.size)
+            return int(np.count_nonzero(left > 1.0 + 1e-12))
+        slack = 4.0 * _UNIT * abs(self.t_end)
+        return int(np.count_nonzero(self.t_end - origins > window + slack))
+
+    def parts(self, first: int, origins: Array, window: float) -> Part:
+        """Samples of whole periods in a row, none of them that of the start or of the end."""
+        numbers, phases = first + np.arange(origins.size, dtype=np.int64), np.empty(0)
+        if self.grid is None:
+            phase = self._parts(1, window)
+            numbers, phases = np.repeat(numbers, phase.size), np.tile(phase, origins.size)
+            self.taken += phases.size
+        else:
+            cuts = []
+            for number, origin in zip(numbers, origins, strict=True):
+                cuts.append(self._times(Frozen(int(number), float(origin), {}), window))
+                self.taken += cuts[-1].size
+            numbers = np.repeat(numbers, [cut.size for cut in cuts])
+            phases = np.concatenate(cuts)
+        return Part(*_wrapped(numbers, phases, window), None)
 
     def _end(self, period: Frozen, window: float) -> Instant | None:
         if self.periods is not None:
@@ -112,6 +135,12 @@ class SlowPlan:
         phase = self.grid[self.taken : last] - period.origin
         low = self.start.phase if period.number == self.start.number else 0.0
         return np.where(phase >= window - slack, window, np.maximum(phase, low))
+
+
+def _wrapped(number: int | Integers, phase: Array, window: float) -> tuple[Integers, Array]:
+    """Samples by number and phase: those at the end of a period begin the next one."""
+    boundary = phase >= window * (1.0 - 4.0 * _UNIT)
+    return number + np.asarray(boundary, np.int64), np.where(boundary, 0.0, phase)
 
 
 def plan_slow_run(

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import ModelError
-from nonsmooth.system.checks import first_unmet
+from nonsmooth.system.checks import condition_of, first_unmet
 from nonsmooth.system.equations import Equation, check_references
-from nonsmooth.system.evaluate import evaluate_shared
+from nonsmooth.system.evaluate import evaluate, evaluate_shared
 from nonsmooth.system.expressions import Call, Expression, Name
 from nonsmooth.system.graph import Graph
 from nonsmooth.system.mode_equations import ModeEquations
@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from nonsmooth.system.system import System
 
 __all__ = ["SlowParameters", "read_slow"]
+
+Array = npt.NDArray[np.float64]
 
 
 def read_slow(
@@ -80,21 +82,41 @@ class SlowParameters:
         self.names = tuple(system.structure.slow)
         self._fixed = {k: v for k, v in system.parameter_values.items() if k not in self.names}
 
+    @property
+    def changes_clock(self) -> bool:
+        """Whether the period, or a frequency of the equations, follows a slow parameter."""
+        structure = self.system.structure
+        nodes = [*structure.period_nodes, *structure.frequencies]
+        return any(name in _names_in(node) for node in nodes for name in self.names)
+
     def at(self, time: float) -> dict[str, float]:
         """Values at a time."""
-        names = {**self._fixed, "t": time, "pi": np.pi}
+        values = self.at_times(np.array([time]))
+        return {name: float(each[0]) for name, each in values.items()}
+
+    def at_times(self, times: Array) -> dict[str, Array]:
+        """Values at several times, each with the same digits as alone."""
+        names = {**self._fixed, "t": times, "pi": np.pi}
         return {
-            name: float(evaluate_shared(node, names, {}, lambda _: None))
+            name: np.broadcast_to(evaluate_shared(node, names, {}, lambda _: None), times.shape)
             for name, node in self.system.structure.slow.items()
         }
 
-    def all_values(self, values: Mapping[str, float]) -> dict[str, float]:
+    def admissible(self, values: Mapping[str, Array]) -> npt.NDArray[np.bool_]:
+        """Which of several values the system takes; `fault` says why not."""
+        admissible = np.all([np.isfinite(each) for each in values.values()], axis=0)
+        names = {**self.system.parameter_values, **values}
+        for condition in self.system.require:
+            admissible &= np.asarray(evaluate(condition_of(condition), names), dtype=bool)
+        return np.asarray(admissible)
+
+    def all_values(self, values: Mapping[str, Any]) -> dict[str, Any]:
         """Values of all parameters."""
         return {**self.system.parameter_values, **values}
 
-    def array(self, values: Mapping[str, float]) -> npt.NDArray[np.float64]:
-        """Values of all parameters in their order."""
-        return np.array(list(self.all_values(values).values()), dtype=float)
+    def rows(self, values: Mapping[str, Array]) -> Array:
+        """Values of all parameters in their order, a row for each of several times."""
+        return np.stack(np.broadcast_arrays(*self.all_values(values).values()), axis=-1)
 
     def fault(self, values: Mapping[str, float]) -> str:
         """What the system has against some values; empty where it takes them."""

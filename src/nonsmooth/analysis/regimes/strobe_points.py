@@ -1,0 +1,111 @@
+"""Points in order out of whatever holds them: one a period of a run, a section, a list."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.system.system import System
+
+__all__ = ["StrobePoints", "strobe_points"]
+
+_SAME_PHASE = 1e-9  # of a period
+_SAME_STEP = 1e-6  # of a step, between samples that count as equidistant
+
+Floats = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class StrobePoints:
+    """Points, their dataset without other samples, and which variables they are."""
+
+    values: Floats  # (K, d)
+    names: tuple[str, ...]
+    dim: str = "point"
+    data: xr.Dataset = field(default_factory=xr.Dataset)
+    slow: tuple[str, ...] = ()  # parameters of the dataset that vary from point to point
+
+
+def strobe_points(data: Any, variables: Any) -> StrobePoints:
+    """Points of a run with one sample per period, of a map or section, or of an array."""
+    if not isinstance(data, xr.Dataset):
+        return _of_array(data, variables)
+    dims = [dim for dim in ("time", "point") if dim in data.dims]
+    if not dims:
+        raise OptionError(
+            f"data: a dataset over {', '.join(map(str, data.dims)) or 'nothing'}; give a run or"
+            " the result of stroboscopic_map, over time or point"
+        )
+    dim = dims[0]
+    system = System.from_toml(data.attrs["system"]) if "system" in data.attrs else None
+    data = _one_per_period(data, dim)
+    known = [str(n) for n, v in data.data_vars.items() if v.dims == (dim,) and v.dtype.kind == "f"]
+    slow = tuple(n for n in (system.slow if system else ()) if n in known)
+    if variables is None:
+        drifting = system.drift_states if system else ()
+        states = system.states if system else [n for n in known if n not in slow]
+        names = [n for n in states if n in known and n not in drifting]
+    else:
+        names = [variables] if isinstance(variables, str) else [str(n) for n in variables]
+    for name in names:
+        if name not in known:
+            raise OptionError(f"variables: {unknown_name('variable', name, known)}")
+    if not names:
+        raise OptionError(f"variables: name some of {', '.join(known)}")
+    values = np.stack([data[name].values.astype(float) for name in names], axis=1)
+    return StrobePoints(_finite(values, names), tuple(names), dim, data, slow)
+
+
+def _of_array(data: Any, variables: Any) -> StrobePoints:
+    if variables is not None:
+        raise OptionError(f"variables = {variables!r:.60}: data without names; leave it out")
+    try:
+        values = np.asarray(data, dtype=float)
+    except (TypeError, ValueError):
+        raise OptionError(f"data = {data!r:.60}: give a run, or an array of points") from None
+    if values.ndim not in (1, 2):
+        raise OptionError(
+            f"data: an array over {values.ndim} dimensions; give numbers in order, or points as"
+            " rows of an array"
+        )
+    values = values.reshape(len(values), -1)
+    names = tuple(f"column {k}" for k in range(values.shape[1]))
+    return StrobePoints(_finite(values, list(names)), names)
+
+
+def _finite(values: Floats, names: list[str]) -> Floats:
+    bad = np.argwhere(~np.isfinite(values))
+    if bad.size:
+        row, column = bad[0]
+        raise OptionError(
+            f"data: {names[column]} is {values[row, column]:g} at point {row}; give a part of it"
+            " in which all numbers are finite"
+        )
+    return values
+
+
+def _one_per_period(data: xr.Dataset, dim: str) -> xr.Dataset:
+    """The samples at the phase of the last one; without phases, samples in equal steps."""
+    if dim == "point":
+        return data
+    period = data.attrs.get("period")
+    if "phase" in data and period is not None and data.sizes[dim]:
+        phase = data["phase"].values
+        window = float(data.attrs.get("window", period))
+        if data.attrs.get("slow_values"):  # periods that change have phases of their own
+            parts = int(data.attrs.get("samples_per_period", 1))
+            return data if parts == 1 else data.isel({dim: phase == 0.0})
+        away = np.abs(phase - phase[-1])
+        return data.isel({dim: np.minimum(away, window - away) < _SAME_PHASE * window})
+    steps = np.diff(data["time"].values)
+    if steps.size and steps.max() - steps.min() > _SAME_STEP * steps.mean():
+        raise OptionError(
+            "the samples are not equidistant; simulate with samples_per_period=1, or with times="
+            " at multiples of the period of the forcing"
+        )
+    return data

@@ -1,0 +1,77 @@
+"""Checks of the numbers that are handed to fracture mechanics, and of the data of a specimen."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.errors import ModelError, OptionError
+
+__all__ = ["Array", "crack_lengths", "finite_array", "finite_number", "like", "set_numbers"]
+
+Array = npt.NDArray[np.float64]
+
+
+def set_numbers(thing: Any, positive: Mapping[str, str]) -> None:
+    """Turn the fields of a frozen dataclass into finite numbers, some of which are positive.
+
+    ``positive`` has the reason for each field that must be.
+    """
+    for item in fields(thing):
+        object.__setattr__(thing, item.name, finite_number(item.name, getattr(thing, item.name)))
+    for name, reason in positive.items():
+        if getattr(thing, name) <= 0.0:
+            raise ModelError(f"{name} = {getattr(thing, name):g} must be positive: {reason}")
+
+
+def finite_number(name: str, value: Any) -> float:
+    """One number of a specimen or curve, or an error that names it."""
+    try:
+        number = math.nan if isinstance(value, (bool, str)) else float(value)
+    except (TypeError, ValueError):
+        number = math.nan
+    if not math.isfinite(number):
+        raise ModelError(f"{name} = {value!r:.60} is not a finite number")
+    return number
+
+
+def finite_array(name: str, values: Any) -> Array:
+    """Values as numbers that are all finite, or an error that shows the first one that is not."""
+    try:
+        numbers = np.asarray(values, dtype=float)
+    except (TypeError, ValueError):
+        raise OptionError(f"{name} = {values!r:.60} is no number, nor are its parts") from None
+    if not np.all(np.isfinite(numbers)):
+        place = int(np.flatnonzero(~np.isfinite(numbers))[0])
+        where = f"{name}[{place}]" if numbers.ndim else name
+        raise OptionError(f"{where} = {numbers.flat[place]:g} is not finite")
+    return numbers
+
+
+def crack_lengths(crack: Any, width: float, *, through: bool = False) -> Array:
+    """Lengths of cracks that fit into a beam; one ``through`` all of it only where that is said."""
+    lengths = finite_array("crack", crack)
+    if np.any(lengths < 0.0):
+        worst = float(lengths.min())
+        raise OptionError(
+            f"crack = {worst:g} mm is negative; a crack in a beam of width = {width:g} mm has a"
+            " length from 0 on"
+        )
+    worst = float(lengths.max(initial=0.0))
+    if worst > width or (worst == width and not through):
+        kind = "is longer than" if worst > width else "is as long as"
+        raise OptionError(
+            f"crack = {worst:g} mm {kind} the specimen's width = {width:g} mm, so there is no"
+            " ligament left; give a crack shorter than the width"
+        )
+    return lengths
+
+
+def like(values: Any, given: Any) -> Any:
+    """Numbers as they were given: a float for a float, an array for an array."""
+    return values if np.ndim(given) else float(values)
