@@ -28,6 +28,11 @@ __all__ = [
     "from_arrays",
     "read_columns",
     "low_pass",
+<<<<<<< HEAD
+    "read_columns",
+=======
+    "low_pass",
+>>>>>>> g-crack
     "read_csv",
     "section",
     "synchronous",
