@@ -26,13 +26,8 @@ __all__ = [
     "dimensionless",
     "displacements",
     "from_arrays",
-    "read_columns",
     "low_pass",
-<<<<<<< HEAD
     "read_columns",
-=======
-    "low_pass",
->>>>>>> g-crack
     "read_csv",
     "section",
     "synchronous",
