@@ -5,7 +5,8 @@ import pytest
 from mpmath import mp, mpf
 
 import nonsmooth as ns
-from nonsmooth.simulation.one_lane import OneLane
+from nonsmooth.engine.lanes import run_lanes
+from nonsmooth.simulation import slow_run
 from nonsmooth.system.slow import SlowParameters
 
 
@@ -89,21 +90,35 @@ def test_a_value_that_is_refused_ends_the_run_where_it_comes(monkeypatch):
 
 def test_an_interrupted_run_keeps_what_it_has_and_goes_on(monkeypatch):
     whole = ns.simulate(wall(), periods=300, samples_per_period=3)
-    original, calls = OneLane.run, []
+    calls = []
 
-    def impatient(self, *given):
+    def impatient(*given):
         calls.append(given)
-        if len(calls) == 150:
+        done = run_lanes(*given)
+        if len(calls) == 4:
             raise KeyboardInterrupt
-        return original(self, *given)
+        return done
 
     with monkeypatch.context() as patch:
-        patch.setattr(OneLane, "run", impatient)
+        patch.setattr(slow_run, "_AHEAD", 40)
+        patch.setattr(slow_run, "run_lanes", impatient)
         with pytest.warns(ns.RunWarning, match="interrupted"):
             first = ns.simulate(wall(), periods=300, samples_per_period=3)
     assert first.attrs["status"] == "interrupted"
-    assert first.sizes["time"] == 1 + 3 * 150
+    # each time one period alone and 40 at once
+    assert first.sizes["time"] == 1 + 3 * 4 * 41
     assert np.array_equal(first["x"], whole["x"][: first.sizes["time"]])
     rest = ns.simulate(wall(), first.isel(time=-1), t_end=whole.attrs["end_time"])
     # a point is a start of its own, with the time as one number
     assert np.allclose(rest["end_state"], whole["end_state"], atol=1e-9)
+
+
+def test_the_number_of_periods_in_a_call_changes_no_digit(monkeypatch):
+    whole = ns.simulate(wall(), periods=200, samples_per_period=3)
+    for count in (1, 7, 64):
+        with monkeypatch.context() as patch:
+            patch.setattr(slow_run, "_AHEAD", count)
+            assert ns.simulate(wall(), periods=200, samples_per_period=3).identical(whole)
+    with monkeypatch.context() as patch:
+        patch.setattr(slow_run, "_TOGETHER", 1)  # no memory for more than one
+        assert ns.simulate(wall(), periods=200, samples_per_period=3).identical(whole)
