@@ -1,0 +1,1 @@
+"""Section 3: a specimen with a fatigue crack that breathes and grows."""
