@@ -26,11 +26,8 @@ __all__ = [
     "dimensionless",
     "displacements",
     "from_arrays",
-<<<<<<< HEAD
-    "read_columns",
-=======
     "low_pass",
->>>>>>> g-signals
+    "read_columns",
     "read_csv",
     "section",
     "synchronous",

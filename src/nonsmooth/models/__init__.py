@@ -7,8 +7,13 @@ from nonsmooth.models.chua import chua
 from nonsmooth.models.clearance_rotor import clearance_rotor
 from nonsmooth.models.drift_reconstruction import drift_reconstruction
 from nonsmooth.models.duffing import duffing
+from nonsmooth.models.fatigue_contact import check_contact
+from nonsmooth.models.fatigue_preload import least_preload
+from nonsmooth.models.fatigue_reduction import OneMass, one_mass, reduction_error
 from nonsmooth.models.fatigue_rig import fatigue_rig
+from nonsmooth.models.fatigue_rig_si import FatigueRig
 from nonsmooth.models.gear_pair import gear_pair
+from nonsmooth.models.load_setting import set_load
 from nonsmooth.models.massive_ring_rotor import massive_ring_rotor
 from nonsmooth.models.matrix_rotor import MatrixRotor
 from nonsmooth.models.moling import moling
@@ -26,22 +31,29 @@ from nonsmooth.models.static_contact import static_contact
 from nonsmooth.models.trilinear import trilinear
 
 __all__ = [
+    "FatigueRig",
     "MatrixRotor",
     "MolingRig",
+    "OneMass",
     "RotorRig",
     "breathing_crack",
+    "check_contact",
     "chua",
     "clearance_rotor",
     "drift_reconstruction",
     "duffing",
     "fatigue_rig",
     "gear_pair",
+    "least_preload",
     "massive_ring_rotor",
     "moling",
+    "one_mass",
     "percussive_drilling",
     "progression",
+    "reduction_error",
     "rotor",
     "rubbing_rotor",
+    "set_load",
     "snubber_boundaries",
     "snubber_ring",
     "snubber_rub",

@@ -39,6 +39,20 @@ _LABELS = {
 }
 
 
+_OPEN_LABEL = {"open_stiffness": "stiffness of the specimen with its crack open over that closed"}
+_REQUIRE = {
+    "eta > 0": "the base must shake",
+    "theta > 0": "the specimen needs a stiffness",
+    "eps > 0": "the contacts need a stiffness",
+    "xi_s > 0": "the specimen has no mass, so without damping it has no rate",
+    "xi_Ls >= 0": "negative damping would feed energy in",
+    "xi_p1 >= 0": "negative damping would feed energy in",
+    "xi_p2 >= 0": "negative damping would feed energy in",
+}
+# by the signs of the contacts of mass 1 and of mass 2
+_PHASES = {"++": "i", "-+": "ii", "+-": "iii", "--": "iv"}
+
+
 def fatigue_rig(
     eta: Text = 3.0,
     lambda1: Text = 2.0,
@@ -51,9 +65,124 @@ def fatigue_rig(
     xi_s: Text = 0.002,
     xi_p1: Text = 0.4,
     xi_p2: Text = 0.4,
+    open_stiffness: Text | None = None,
 ) -> System:
-    r"""Two-mass fatigue-testing rig, dimensionless."""
-    parameters = {
+    r"""Two-mass fatigue-testing rig on its shaker, dimensionless, chapter sections 3.3 and 3.5.
+
+    Two equal masses on leaf springs press a bending specimen from above (mass 1) and from below
+    (mass 2), each backed by a pneumatic cylinder, while the base moves by
+    :math:`A_b \sin \Omega t`. Displacements are relative to the base, count from the position of
+    rest in which both masses press, and are positive downward, as is the load: a positive one opens
+    the crack. Lengths are in units of :math:`A_b`, time in :math:`1/\omega_{Ls}`, forces in
+    :math:`k_{Ls} A_b`. With the contact forces
+    :math:`R_1 = \max(X_1 - X_3 + \Delta_1, 0)/\epsilon` and
+    :math:`R_2 = \max(X_3 - X_4 - \Delta_2, 0)/\epsilon` Eq. (43) reads
+
+    .. math::
+
+        X_1'' + 2(\xi_{Ls} + \xi_{p1}\lambda_1) X_1' + (1 + \lambda_1^2) X_1
+        &= -R_1 - \delta_1 + f_1 + \eta^2 \sin \eta\tau, \\
+        2\vartheta\xi_s X_3' + \vartheta^2 (X_3 + \gamma) &= R_1 - R_2, \\
+        X_4'' + 2(\xi_{Ls} + \xi_{p2}\lambda_2) X_4' + (1 + \lambda_2^2) X_4
+        &= R_2 - \delta_2 - f_2 + \eta^2 \sin \eta\tau.
+
+    The chapter leaves out the balance at rest. With both contacts closed and no load in the
+    cylinders it is :math:`\delta_1 + \Delta_1/\epsilon = f_1`,
+    :math:`\delta_2 + \Delta_2/\epsilon = -f_2`,
+    :math:`\vartheta^2 \gamma = (\Delta_1 + \Delta_2)/\epsilon`,
+    :math:`\Delta_i = \delta_i - \gamma`, hence
+
+    .. math::
+
+        \gamma = \frac{f_1 - f_2}{2 + \vartheta^2 (1 + \epsilon)}, \quad
+        \Delta_1 = \frac{\epsilon (f_1 - \gamma)}{1 + \epsilon}, \quad
+        \Delta_2 = -\frac{\epsilon (f_2 + \gamma)}{1 + \epsilon}.
+
+    An edge crack lowers the stiffness of the specimen to ``open_stiffness`` times
+    :math:`\vartheta^2` while its deflection :math:`X_3 + \gamma` is positive; at rest it is open
+    where :math:`f_1 > f_2`.
+
+    ======== ============== ======== ===========================================================
+    symbol   argument       default  source
+    ======== ============== ======== ===========================================================
+    eta_Ls   eta            3        Fig. 24: frequency of the base over omega_Ls
+    lambda_1 lambda1        2        Fig. 24: natural frequency on cylinder 1 over omega_Ls
+    lambda_2 lambda2        2        Fig. 24: the same for mass 2
+    theta    theta          7.828    Fig. 24: natural frequency on the specimen over omega_Ls
+    epsilon  eps            0.002012 Fig. 24: stiffness of a leaf spring over that of a contact
+    f_1      f1             3.75     Fig. 24: force on mass 1 downward, P_1 + m g
+    f_2      f2             3.75     Fig. 24: force on mass 2 upward, P_2 - m g
+    xi_Ls    xi_Ls          0.00255  Fig. 24: damping ratio of a leaf spring
+    xi_s     xi_s           0.002    Fig. 24: damping ratio of the specimen
+    xi_p1    xi_p1          0.4      Fig. 24: damping ratio of cylinder 1
+    xi_p2    xi_p2          0.4      Fig. 24: the same for mass 2
+    ======== ============== ======== ===========================================================
+
+    Parameters
+    ----------
+    eta, lambda1, lambda2, theta, eps, f1, f2, xi_Ls, xi_s, xi_p1, xi_p2 : float or str
+        Dimensionless parameters as in the table.
+    open_stiffness : float or str, optional
+        Stiffness of the specimen while its crack is open over that while it is closed. Left out,
+        the specimen has no crack.
+
+    Returns
+    -------
+    System
+        States ``X1 X2`` (displacement and velocity of mass 1), ``X3`` (specimen), ``X4 X5``
+        (mass 2). Phase words have the chapter's phases: ``i`` both masses in contact, ``ii`` mass 2
+        alone, ``iii`` mass 1 alone, ``iv`` none. Outputs: ``deflection`` of the specimen, that at
+        rest included; ``load`` on it, contact forces ``contact1 contact2``, dynamic forces
+        ``pneumatic1 pneumatic2`` of the cylinders; accelerations ``acceleration1 acceleration2``
+        relative to the base, ``absolute1 absolute2`` and ``base``.
+
+    Raises
+    ------
+    ModelError
+        When ``eta``, ``theta``, ``eps``, ``xi_s`` or ``open_stiffness`` is not positive, another
+        damping ratio is negative, or a mass does not press on the specimen at rest.
+
+    See Also
+    --------
+    FatigueRig : the same machine in kg, N/m, N, mm and Hz.
+    least_preload : the forces f1 and f2 that keep both masses in contact.
+    one_mass : reduction to one degree of freedom.
+    breathing_crack : one mass on a specimen with a crack.
+
+    Notes
+    -----
+    The specimen has no mass: X3 relaxes at rates from 2e3 with no mass on it to 3e4 with both. The
+    flow is in closed form and takes no small steps.
+
+    Traps of the printed equations. The definitions of X2 and X5 lack the dots on z. The force that
+    vanishes in Phase (ii) is printed with z_m2 where the static displacement of contact 1 belongs,
+    and several superscripts "st" are lost. Eqs. (38)-(41) agree with (43) only under the balance
+    above; Phase (i) as printed has it worked in.
+
+    The motion of Fig. 24 has all four phases while it starts up from rest. Its steady motion passes
+    iii, iv, ii, iv in each period: both masses never press at once.
+
+    References
+    ----------
+    M. Wiercigroch, E. Pavlovskaia, Engineering applications of non-smooth dynamics, section 3;
+    C. H. Foong, M. Wiercigroch, E. Pavlovskaia, W. F. Deans, Nonlinear vibration caused by fatigue,
+    Journal of Sound and Vibration 303, 58-77 (2007).
+
+    Examples
+    --------
+    >>> import nonsmooth as ns
+    >>> run = ns.simulate(ns.models.fatigue_rig(), periods=20)
+    >>> sorted(set(ns.phase_word(run))), run.attrs["phase_word"]
+    (['i', 'ii', 'iii', 'iv'], 'iv iii iv ii iv')
+
+    The load at rest is nearly the difference of the forces:
+
+    >>> rig = ns.models.fatigue_rig(eta=2.5, lambda1=4.36, lambda2=4.36, f1=5.44, f2=3.52)
+    >>> run = ns.simulate(rig, times=[0.0])
+    >>> round(float(run["load"][0]), 4), round(float(run["deflection"][0]), 4)
+    (1.8557, 0.0303)
+    """
+    parameters: dict[str, Text] = {
         "eta": eta,
         "lambda1": lambda1,
         "lambda2": lambda2,
@@ -66,25 +195,30 @@ def fatigue_rig(
         "xi_p1": xi_p1,
         "xi_p2": xi_p2,
     }
+    labels, require = dict(_LABELS), dict(_REQUIRE)
+    at_rest = now = "theta**2"
+    cells = dict(_PHASES)
+    if open_stiffness is not None:
+        parameters["open_stiffness"] = open_stiffness
+        labels |= _OPEN_LABEL
+        require["open_stiffness > 0"] = "a specimen of no stiffness carries no load: it is broken"
+        at_rest += "*where(f1 > f2, open_stiffness, 1)"
+        now += "*where(X3 + gamma > 0, open_stiffness, 1)"
+        cells = {signs + crack: phase for signs, phase in _PHASES.items() for crack in "+-"}
+    share = f"(f1 - f2)/(2 + {at_rest}*(1 + eps))"
+    require |= {
+        f"f1 > {share}": "at rest mass 1 must press on the specimen; raise f1",
+        f"f2 > -{share}": "at rest mass 2 must press on the specimen; raise f2",
+    }
     return System(
         name="fatigue_rig",
         states=["X1", "X2", "X3", "X4", "X5"],
         period="2*pi/eta",
         parameters=parameters,
-        require={
-            "eta > 0": "the base must shake",
-            "theta > 0": "the specimen needs a stiffness",
-            "eps > 0": "the contacts need a stiffness",
-            "xi_s > 0": "the specimen has no mass, so without damping it has no rate",
-            "xi_Ls >= 0": "negative damping would feed energy in",
-            "xi_p1 >= 0": "negative damping would feed energy in",
-            "xi_p2 >= 0": "negative damping would feed energy in",
-            "f1 > (f1 - f2)/(2 + theta**2*(1 + eps))": "at rest mass 1 must press on the specimen; raise f1",
-            "f2 > (f2 - f1)/(2 + theta**2*(1 + eps))": "at rest mass 2 must press on the specimen; raise f2",
-        },
-        describe=_LABELS,
+        require=require,
+        describe=labels,
         definitions={
-            "gamma": "(f1 - f2)/(2 + theta**2*(1 + eps))",
+            "gamma": share,
             "Delta1": "eps*(f1 - gamma)/(1 + eps)",
             "Delta2": "-eps*(f2 + gamma)/(1 + eps)",
             "delta1": "gamma + Delta1",
@@ -94,6 +228,7 @@ def fatigue_rig(
             "R2": "max(X3 - X4 - Delta2, 0)/eps",
             "P1": "lambda1**2*X1 + 2*xi_p1*lambda1*X2",
             "P2": "lambda2**2*X4 + 2*xi_p2*lambda2*X5",
+            "bending": f"{now}*(X3 + gamma)",
         },
         outputs={
             "deflection": "X3 + gamma",
@@ -113,11 +248,11 @@ def fatigue_rig(
                 {
                     "X1": "X2",
                     "X2": "-X1 - 2*xi_Ls*X2 - P1 - R1 - delta1 + f1 + shaking",
-                    "X3": "(R1 - R2)/(2*theta*xi_s) - theta*(X3 + gamma)/(2*xi_s)",
+                    "X3": "(R1 - R2 - bending)/(2*theta*xi_s)",
                     "X4": "X5",
                     "X5": "-X4 - 2*xi_Ls*X5 - P2 + R2 - delta2 - f2 + shaking",
                 },
-                cells={"++": "i", "-+": "ii", "+-": "iii", "--": "iv"},
+                cells=cells,
             )
         },
     )

@@ -15,10 +15,13 @@ __all__ = ["check_data"]
 def check_data(rig: Any, positive: Mapping[str, str], not_negative: Mapping[str, str]) -> None:
     """Turn the fields of a frozen dataclass into finite numbers, some of which have a sign.
 
+    A field whose default is None may be left out.
     The mappings give the reason for each field that must be positive, or must not be negative.
     """
     for item in fields(rig):
         value = getattr(rig, item.name)
+        if value is None and item.default is None:
+            continue  # left out
         try:
             number = float(value)
         except (TypeError, ValueError):
@@ -27,7 +30,7 @@ def check_data(rig: Any, positive: Mapping[str, str], not_negative: Mapping[str,
             raise ModelError(f"{item.name} = {value!r:.60} is not a finite number")
         object.__setattr__(rig, item.name, number)
     for name, reason in positive.items():
-        if getattr(rig, name) <= 0.0:
+        if getattr(rig, name) is not None and getattr(rig, name) <= 0.0:
             raise ModelError(f"{name} = {getattr(rig, name):g} must be positive: {reason}")
     for name, reason in not_negative.items():
         if getattr(rig, name) < 0.0:

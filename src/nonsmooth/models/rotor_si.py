@@ -12,10 +12,11 @@ import xarray as xr
 
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.models.rig_data import check_data
+from nonsmooth.models.rig_scaling import changed_parameters, in_si
+from nonsmooth.models.rig_ties import check_system, units_of_ties, with_likes
+from nonsmooth.models.rig_units import Unit, Units
 from nonsmooth.models.rotor import rotor
-from nonsmooth.models.rotor_scaling import changed_parameters, in_si
-from nonsmooth.models.rotor_ties import check_system, units_of_ties, with_likes
-from nonsmooth.models.rotor_units import PARAMETERS, Unit, Units
+from nonsmooth.models.rotor_units import PARAMETERS, rotor_units
 from nonsmooth.models.static_contact import static_contact
 from nonsmooth.system.system import System
 
@@ -45,6 +46,7 @@ _FIELDS = {
     "eta_m": "unbalance_mass", "rho": "unbalance_radius", "eps_x": "eccentricity_x",
     "eps_y": "eccentricity_y", "delta_x": "preload_x", "delta_y": "preload_y", "phi0": "phase",
 }  # fmt: skip
+_FREE = ("eta", "phi0")  # the speed may be that of any run
 _MILLI = 1e-3
 
 
@@ -160,7 +162,7 @@ class RotorRig:
             "phi0": Unit(1.0, "rad"),
         }
         force = self.rotor_stiffness * self.gap * _MILLI
-        return Units(self.gap, 1.0 / self._rate, force, parameters, PARAMETERS)
+        return rotor_units(self.gap, 1.0 / self._rate, force, parameters)
 
     def parameters(self) -> dict[str, float]:
         """Dimensionless parameters of the model, by name.
@@ -361,7 +363,7 @@ class RotorRig:
             raise OptionError("the dataset is in SI units already")
         units, values, changed = self.units, self.parameters(), changed_parameters(data)
         if "system" in data.attrs:
-            ties = check_system(data.attrs["system"], self.system(), changed)
+            ties = check_system(data.attrs["system"], self.system(), changed, PARAMETERS, _FREE)
             parameters, labels = units_of_ties(ties, units.parameters, units.labels, like or {})
             units = replace(units, parameters=parameters, labels=labels)
             values = ties.values

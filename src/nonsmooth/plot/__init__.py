@@ -8,6 +8,7 @@ from __future__ import annotations
 from nonsmooth.plot.attractor_sets import attractors
 from nonsmooth.plot.basin_cells import basins
 from nonsmooth.plot.cascades import waterfall
+from nonsmooth.plot.compared_lives import lives
 from nonsmooth.plot.comparisons import comparison
 from nonsmooth.plot.diagrams import bifurcation
 from nonsmooth.plot.exponents import exponents
@@ -15,6 +16,7 @@ from nonsmooth.plot.figures import print_figure, save_figure
 from nonsmooth.plot.fracture import crack_lengths, stiffness_laws, stress_intensity
 from nonsmooth.plot.growth_curves import growth_curve
 from nonsmooth.plot.histories import time_history
+from nonsmooth.plot.load_cycles import load_cycles
 from nonsmooth.plot.markers import event_markers
 from nonsmooth.plot.mode_spans import phases
 from nonsmooth.plot.orbits import orbit
@@ -23,6 +25,7 @@ from nonsmooth.plot.portrait_stack import phase_portrait_3d
 from nonsmooth.plot.regimes import regime_map
 from nonsmooth.plot.ring_regions import contact_regions
 from nonsmooth.plot.sections import section
+from nonsmooth.plot.shaking import shaking
 from nonsmooth.plot.spectrum import spectrum
 from nonsmooth.plot.statistic_curves import statistics
 from nonsmooth.plot.style import PALETTE, axis_label, mode_colours
@@ -42,6 +45,8 @@ __all__ = [
     "event_markers",
     "exponents",
     "growth_curve",
+    "lives",
+    "load_cycles",
     "mode_colours",
     "orbit",
     "phase_portrait",
@@ -51,6 +56,7 @@ __all__ = [
     "regime_map",
     "save_figure",
     "section",
+    "shaking",
     "spectrum",
     "statistics",
     "stiffness_laws",

@@ -1,16 +1,16 @@
-"""Whether a rotor's system is that of a rig, and the units of parameters that were tied."""
+"""Whether a system is that of a rig, and the units of parameters that were tied."""
 
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from nonsmooth.errors import OptionError, unknown_name
-from nonsmooth.models.rotor_units import PARAMETERS, Unit
+from nonsmooth.models.rig_units import Unit
 from nonsmooth.system.evaluate import evaluate
 from nonsmooth.system.expressions import names_in
 from nonsmooth.system.grammar import parse
@@ -18,7 +18,6 @@ from nonsmooth.system.system import System
 
 __all__ = ["Ties", "check_system", "units_of_ties", "with_likes"]
 
-_FREE = ("eta", "phi0")  # the speed may be that of any run
 _TEXTS = ("describe", "require")  # say the same of tied parameters in other words
 
 
@@ -31,21 +30,27 @@ class Ties:
     values: dict[str, float]  # parameters of the model that have a value of their own
 
 
-def check_system(text: str, own: System, changed: Mapping[str, float]) -> Ties:
-    """Compare a system, as text, with that of a rig.
+def check_system(
+    text: str,
+    own: System,
+    changed: Mapping[str, float],
+    names: Collection[str],
+    free: Collection[str],
+) -> Ties:
+    """Compare a system, as text, with that of a rig with parameters of these names.
 
-    None but its speed, ties, and what a verb was told to change may differ.
+    None but free parameters such as its speed, ties, and what a verb was told to change may differ.
     """
     theirs, mine = tomllib.loads(text), tomllib.loads(own.to_toml())
     system = System.from_toml(text)
     given, definitions = theirs["parameters"], theirs.get("definitions", {})
-    tied = {name: str(definitions.pop(name)) for name in PARAMETERS if name in definitions}
+    tied = {name: str(definitions.pop(name)) for name in names if name in definitions}
     slow = theirs.pop("slow", {})
     for part in (theirs, mine):
         part["parameters"] = {
             name: value
             for name, value in part["parameters"].items()
-            if name in PARAMETERS and name not in (*_FREE, *tied, *slow, *changed)
+            if name in names and name not in (*free, *tied, *slow, *changed)
         }
         for name in _TEXTS:
             part.pop(name, None)
@@ -55,8 +60,8 @@ def check_system(text: str, own: System, changed: Mapping[str, float]) -> Ties:
             " values dataclasses.replace(rig, ...) or parameters= of a verb"
         )
     known = system.parameter_values
-    values = {name: known[name] for name in PARAMETERS if name in given and name not in slow}
-    return Ties(tied, tuple(n for n in given if n not in PARAMETERS), values)
+    values = {name: known[name] for name in names if name in given and name not in slow}
+    return Ties(tied, tuple(n for n in given if n not in names), values)
 
 
 def with_likes(
@@ -64,13 +69,15 @@ def with_likes(
 ) -> tuple[dict[str, Unit], dict[str, str]]:
     """Units and labels with those of new parameters that are said to be like known ones."""
     if not isinstance(like, Mapping):
-        raise OptionError(f'like = {like!r:.60}: give a mapping, such as {{"delta": "delta_x"}}')
+        raise OptionError(
+            f"like = {like!r:.60}: give a mapping, such as {{'new': {next(iter(parameters))!r}}}"
+        )
     units, words = dict(parameters), dict(labels)
     for name, model in like.items():
-        if name in PARAMETERS:
+        if name in parameters:
             raise OptionError(f"like: {name!r} is a parameter of the rig, whose unit is known")
-        if model is not None and model not in PARAMETERS:
-            raise OptionError(f"like: {unknown_name('parameter', str(model), PARAMETERS)}")
+        if model is not None and model not in parameters:
+            raise OptionError(f"like: {unknown_name('parameter', str(model), parameters)}")
         units[name] = Unit() if model is None else parameters[model]
         words[name] = str(name)
     return units, words
@@ -93,10 +100,11 @@ def units_of_ties(
             found = {units[tied] for tied, text in followers.items() if _is_linear(text, name)}
             plain = all(_is_linear(text, name) for text in followers.values())
             if len(found) != 1 or not plain:
+                example = next(iter(followers), next(iter(parameters)))
                 how = "; ".join(f"{tied} = {text!r}" for tied, text in followers.items())
                 raise OptionError(
                     f"the unit of {name!r} does not follow from {how or 'any tie'}; say like which"
-                    f" parameter it is, as in like={{{name!r}: 'delta_x'}}, or None for a number"
+                    f" parameter it is, as in like={{{name!r}: {example!r}}}, or None for a number"
                 )
             units[name] = found.pop()
         if units[name].name:  # a ratio is not what follows it

@@ -1,4 +1,4 @@
-"""A rotor's dataset in SI units: every variable, coordinate and attribute of it."""
+"""The dataset of a rig in SI units: every variable, coordinate and attribute of it."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from nonsmooth.models.rotor_units import DERIVATIVES, OF_STATES, Unit, Units, unit_of
+from nonsmooth.models.rig_units import DERIVATIVES, OF_STATES, Unit, Units, unit_of
 from nonsmooth.simulation.labels import labels_of
 from nonsmooth.system.system import System
 
@@ -55,7 +55,7 @@ def _over_states(data: xr.Dataset, name: str, units: Units) -> xr.DataArray:
     """States in their units, or derivatives in theirs over those of what they are by."""
     factors = data["state"].copy(data=_factors(units.states(np.atleast_1d(data["state"])), data))
     scaled = data[name] * factors.drop_vars("state")
-    text = "mm; mm/s for velocities; 1 for mu"
+    text = units.states_text
     if name in DERIVATIVES:
         by = DERIVATIVES[name]
         names = [str(each) for each in np.atleast_1d(data[by])]

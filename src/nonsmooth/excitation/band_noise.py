@@ -1,0 +1,80 @@
+"""`band_noise`: Gaussian noise within a band of frequencies."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from nonsmooth.errors import OptionError
+from nonsmooth.excitation.record import Excitation, sample_count
+from nonsmooth.fatigue.given import positive
+
+__all__ = ["band_noise"]
+
+
+def band_noise(
+    low: float = 15.0,
+    high: float = 25.0,
+    rms: float = 1.0,
+    *,
+    duration: float = 20.0,
+    samples_per_period: int = 32,
+    seed: int = 0,
+) -> Excitation:
+    """Stochastic base acceleration: Gaussian lines within a band, nothing outside of it.
+
+    Lines one over the duration apart have independent normal parts, so the record is a stationary
+    Gaussian process that repeats itself after its duration.
+
+    Parameters
+    ----------
+    low, high : float
+        Ends of the band, in Hz, included.
+    rms : float
+        Root mean square of this record, m/s^2.
+
+    Other Parameters
+    ----------------
+    duration : float, optional
+        Length in s.
+    samples_per_period : int, optional
+        Samples in a period of the highest frequency.
+    seed : int, optional
+        Seed of the random numbers.
+
+    Returns
+    -------
+    Excitation
+        The record; it is periodic.
+
+    Raises
+    ------
+    OptionError
+        For a band that is empty or holds no line.
+
+    Examples
+    --------
+    >>> import nonsmooth as ns
+    >>> noise = ns.excitation.band_noise(15.0, 25.0, rms=2.0, seed=1)
+    >>> round(noise.power(), 9), 15 <= noise.dominant_frequency <= 25
+    (4.0, True)
+    """
+    first, last = positive("low", low, "Hz"), positive("high", high, "Hz")
+    if last < first:
+        raise OptionError(f"the band ends at {last:g} Hz, below its beginning, {first:g} Hz")
+    size = positive("rms", rms, "m/s^2")
+    count, step = sample_count(duration, last, samples_per_period)
+    frequency = np.fft.rfftfreq(count, step)
+    slack = 1e-9 * last
+    inside = np.flatnonzero((frequency >= first - slack) & (frequency <= last + slack))
+    if inside.size == 0:
+        raise OptionError(
+            f"no line, one every {1 / (count * step):.4g} Hz, lies between {first:g} and {last:g}"
+            " Hz; give a longer duration"
+        )
+    rng = np.random.default_rng(seed)
+    lines = np.zeros(frequency.size, dtype=complex)
+    lines[inside] = rng.standard_normal(inside.size) + 1j * rng.standard_normal(inside.size)
+    values = np.fft.irfft(lines, count)
+    values *= size / np.sqrt(np.mean(values**2))
+    details = {"low": first, "high": last, "gain": size, "seed": int(seed)}
+    return Excitation(step * np.arange(count), values, "noise", True, details)

@@ -1,0 +1,225 @@
+"""Laws of fatigue crack growth: growth in a cycle by the range of stress intensity."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.errors import OptionError
+from nonsmooth.fatigue.given import Floats, finite, positive
+
+__all__ = ["Forman", "GrowthLaw", "Paris", "Walker"]
+
+
+class GrowthLaw(Protocol):
+    """What `life` asks of a law."""
+
+    @property
+    def source(self) -> str:
+        """Where the constants come from."""
+        ...
+
+    def rate(self, delta_K: Any, R: Any = 0.0) -> Floats:
+        """Growth in mm per cycle."""
+        ...
+
+
+@dataclass(frozen=True)
+class Paris:
+    r"""Paris' law :math:`da/dN = C\,\Delta K^m`, whatever the load ratio.
+
+    Parameters
+    ----------
+    C : float
+        Growth in mm per cycle at a range of 1 MPa sqrt(m).
+    m : float
+        Exponent.
+    threshold : float, optional
+        Range in MPa sqrt(m) below which nothing grows.
+    source : str, optional
+        Where the constants come from.
+
+    Raises
+    ------
+    OptionError
+        For constants that are not positive.
+
+    See Also
+    --------
+    published_laws : laws with constants of published sources.
+
+    Examples
+    --------
+    >>> from nonsmooth.fatigue import Paris
+    >>> float(Paris(C=2e-8, m=3.0).rate(10.0))
+    2e-05
+    """
+
+    C: float
+    m: float
+    threshold: float = 0.0
+    source: str = ""
+
+    def __post_init__(self) -> None:
+        _check(self, "C", "m")
+
+    def rate(self, delta_K: npt.ArrayLike, R: npt.ArrayLike = 0.0) -> Floats:
+        """Growth in mm per cycle.
+
+        Parameters
+        ----------
+        delta_K : array_like
+            Ranges of stress intensity, MPa sqrt(m); a range that is not positive grows nothing.
+        R : array_like
+            Load ratios, minimum by maximum; without influence.
+
+        Returns
+        -------
+        numpy.ndarray
+            Growth in mm per cycle.
+        """
+        size, _ = np.broadcast_arrays(np.asarray(delta_K, dtype=float), R)
+        return _above(size, self.threshold, self.C * np.maximum(size, 0.0) ** self.m)
+
+
+@dataclass(frozen=True)
+class Walker:
+    r"""Walker's law :math:`da/dN = C\,[\Delta K/(1-R)^{1-\gamma}]^m`.
+
+    Parameters
+    ----------
+    C : float
+        Growth in mm per cycle at a range of 1 MPa sqrt(m) and R = 0.
+    m : float
+        Exponent.
+    gamma : float
+        Influence of the load ratio: none at 1; at 0 the largest value alone counts.
+    threshold : float, optional
+        Equivalent range, that in brackets, in MPa sqrt(m), below which nothing grows.
+    source : str, optional
+        Where the constants come from.
+
+    Raises
+    ------
+    OptionError
+        For C or m that are not positive.
+
+    References
+    ----------
+    K. Walker, in ASTM STP 462, 1-14 (1970).
+
+    Examples
+    --------
+    >>> from nonsmooth.fatigue import Walker
+    >>> float(Walker(C=2e-8, m=3.0, gamma=0.5).rate(10.0, R=0.75))
+    0.00016
+    """
+
+    C: float
+    m: float
+    gamma: float
+    threshold: float = 0.0
+    source: str = ""
+
+    def __post_init__(self) -> None:
+        _check(self, "C", "m")
+        finite("gamma", self.gamma)
+
+    def rate(self, delta_K: npt.ArrayLike, R: npt.ArrayLike = 0.0) -> Floats:
+        """Growth in mm per cycle.
+
+        Parameters
+        ----------
+        delta_K : array_like
+            Ranges of stress intensity, MPa sqrt(m); a range that is not positive grows nothing.
+        R : array_like
+            Load ratios, minimum by maximum, below one.
+
+        Returns
+        -------
+        numpy.ndarray
+            Growth in mm per cycle.
+        """
+        size, ratio = np.broadcast_arrays(np.asarray(delta_K, dtype=float), R)
+        size, ratio = np.maximum(size, 0.0), np.where(size > 0.0, ratio, 0.0)
+        size = size / (1.0 - ratio) ** (1.0 - self.gamma)
+        return _above(size, self.threshold, self.C * size**self.m)
+
+
+@dataclass(frozen=True)
+class Forman:
+    r"""Forman's law :math:`da/dN = C\,\Delta K^m/[(1-R)K_c - \Delta K]`.
+
+    It rises without bound where the largest stress intensity reaches :math:`K_c`; beyond it the
+    rate is infinite.
+
+    Parameters
+    ----------
+    C : float
+        Constant in mm per cycle, for ranges in MPa sqrt(m).
+    m : float
+        Exponent.
+    K_c : float
+        Stress intensity at fracture, MPa sqrt(m).
+    threshold : float, optional
+        Range in MPa sqrt(m) below which nothing grows.
+    source : str, optional
+        Where the constants come from.
+
+    Raises
+    ------
+    OptionError
+        For constants that are not positive.
+
+    Examples
+    --------
+    >>> from nonsmooth.fatigue import Forman
+    >>> float(Forman(C=4e-6, m=3.0, K_c=50.0).rate(10.0))
+    0.0001
+    """
+
+    C: float
+    m: float
+    K_c: float
+    threshold: float = 0.0
+    source: str = ""
+
+    def __post_init__(self) -> None:
+        _check(self, "C", "m", "K_c")
+
+    def rate(self, delta_K: npt.ArrayLike, R: npt.ArrayLike = 0.0) -> Floats:
+        """Growth in mm per cycle.
+
+        Parameters
+        ----------
+        delta_K : array_like
+            Ranges of stress intensity, MPa sqrt(m); a range that is not positive grows nothing.
+        R : array_like
+            Load ratios, minimum by maximum, below one.
+
+        Returns
+        -------
+        numpy.ndarray
+            Growth in mm per cycle.
+        """
+        size, ratio = np.broadcast_arrays(np.asarray(delta_K, dtype=float), R)
+        size, ratio = np.maximum(size, 0.0), np.where(size > 0.0, ratio, 0.0)
+        left = (1.0 - ratio) * self.K_c - size
+        safe = np.where(left > 0.0, left, 1.0)
+        return _above(
+            size, self.threshold, np.where(left > 0.0, self.C * size**self.m / safe, np.inf)
+        )
+
+
+def _above(size: Floats, threshold: float, rate: Floats) -> Floats:
+    return np.where(size > threshold, rate, 0.0)
+
+
+def _check(law: Any, *names: str) -> None:
+    for name in names:
+        positive(name, getattr(law, name))
+    if finite("threshold", law.threshold) < 0.0:
+        raise OptionError(f"threshold = {law.threshold:g} MPa sqrt(m): it cannot be negative")

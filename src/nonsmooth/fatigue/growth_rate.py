@@ -1,0 +1,108 @@
+"""Growth per s at given lengths of the crack, under loads of any kind."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from nonsmooth.errors import OptionError
+from nonsmooth.fatigue.closure import Closure, effective_range
+from nonsmooth.fatigue.given import Floats
+from nonsmooth.fatigue.growth_laws import GrowthLaw
+from nonsmooth.fatigue.load_block import LoadBlock
+from nonsmooth.fatigue.load_table import LoadTable
+
+__all__ = [
+    "Loads",
+    "StressIntensity",
+    "block_at",
+    "block_rate",
+    "check_loads",
+    "growth_rate",
+    "intensity",
+]
+
+StressIntensity = Callable[[Any, Any], Any]  # of load in N and crack in mm
+Loads = Any  # LoadBlock, LoadTable, or a function of the crack that gives a LoadBlock
+_AT_ONCE = 2_000_000  # numbers
+
+
+def check_loads(loads: Loads) -> None:
+    """Refuse what is no load."""
+    if not isinstance(loads, LoadBlock | LoadTable) and not callable(loads):
+        raise OptionError(
+            f"loads = {loads!r:.60}: give a LoadBlock, a LoadTable, or a function of the length of"
+            " the crack in mm that gives a LoadBlock"
+        )
+
+
+def intensity(stress_intensity: StressIntensity, load: Any, crack: Any) -> Floats:
+    """Stress intensity, checked."""
+    found = np.asarray(stress_intensity(load, crack), dtype=float)
+    shape = np.broadcast_shapes(np.shape(load), np.shape(crack))
+    if found.shape != shape:
+        raise OptionError(
+            f"stress_intensity gave an array of shape {found.shape} for {shape}: write it with"
+            " numpy, so that arrays of loads and of cracks broadcast"
+        )
+    bad = ~np.isfinite(found)
+    if bad.any():
+        where = float(np.broadcast_to(crack, shape)[bad][0])
+        raise OptionError(
+            f"stress_intensity is not finite at a crack of {where:.6g} mm; end before it"
+        )
+    return found
+
+
+def block_rate(
+    block: LoadBlock,
+    lengths: Floats,
+    stress_intensity: StressIntensity,
+    law: GrowthLaw,
+    closure: Closure,
+) -> Floats:
+    """Growth in mm/s of one block at each length."""
+    step = max(1, _AT_ONCE // block.count.size)
+    total = np.empty(lengths.size)
+    for first in range(0, lengths.size, step):
+        part = lengths[first : first + step, None]
+        low = intensity(stress_intensity, block.minimum[None, :], part)
+        high = intensity(stress_intensity, block.maximum[None, :], part)
+        size, ratio = effective_range(low, high, closure)
+        total[first : first + step] = law.rate(size, ratio) @ block.count
+    return total / block.duration
+
+
+def growth_rate(
+    loads: Loads,
+    lengths: Floats,
+    stress_intensity: StressIntensity,
+    law: GrowthLaw,
+    closure: Closure,
+) -> Floats:
+    """Growth in mm/s at each length."""
+    if isinstance(loads, LoadBlock):
+        return block_rate(loads, lengths, stress_intensity, law, closure)
+    if isinstance(loads, LoadTable):
+        total = np.zeros(lengths.size)
+        for row, block in zip(loads.weights(lengths), loads.blocks, strict=True):
+            there = row > 0.0
+            if there.any():
+                rate = block_rate(block, lengths[there], stress_intensity, law, closure)
+                total[there] += row[there] * rate
+        return total
+    parts = [
+        block_rate(block_at(loads, a), np.array([a]), stress_intensity, law, closure)
+        for a in lengths
+    ]
+    return np.concatenate(parts)
+
+
+def block_at(loads: Any, crack: float) -> LoadBlock:
+    """Block that a function of the crack gives."""
+    block = loads(float(crack))
+    if not isinstance(block, LoadBlock):
+        raise OptionError(f"loads({crack:.6g}) gave {block!r:.60}; it has to give a LoadBlock")
+    return block

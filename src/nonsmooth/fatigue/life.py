@@ -1,0 +1,205 @@
+"""`life`: time in which a crack grows from one length to another."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from nonsmooth.errors import OptionError
+from nonsmooth.fatigue.closure import NewmanClosure, closure_text
+from nonsmooth.fatigue.fracture import final_length
+from nonsmooth.fatigue.given import Floats, finite, positive
+from nonsmooth.fatigue.growth_laws import GrowthLaw
+from nonsmooth.fatigue.growth_rate import (
+    Loads,
+    StressIntensity,
+    block_at,
+    check_loads,
+    growth_rate,
+)
+from nonsmooth.fatigue.load_block import LoadBlock
+from nonsmooth.fatigue.load_table import LoadTable
+from nonsmooth.fatigue.quadrature import panel_integrals
+
+__all__ = ["life", "life_dataset"]
+
+_POINTS = 65  # of the curve of growth
+
+
+def life(
+    stress_intensity: StressIntensity,
+    law: GrowthLaw,
+    loads: Loads,
+    *,
+    initial: float,
+    final: float,
+    toughness: float | None = None,
+    closure: str | float | NewmanClosure = "shut",
+    tolerance: float = 1e-11,
+) -> xr.Dataset:
+    """Time in which a crack grows from one length to another, and its length over time.
+
+    The growth per s is summed over the cycles of a block at a fixed length of the crack, and its
+    inverse integrated over the length. Cycles do not know of each other: no retardation after
+    overloads.
+
+    Parameters
+    ----------
+    stress_intensity : callable
+        Stress intensity in MPa sqrt(m) of a load in N and a crack in mm, both arrays that
+        broadcast, such as ``Specimen().stress_intensity``.
+    law : Paris, Walker or Forman
+        Law of growth in mm per cycle; anything with ``rate(delta_K, R)`` and ``source``.
+    loads : LoadBlock, LoadTable or callable
+        Load that repeats itself, or what it is at each length of the crack in mm.
+
+    Other Parameters
+    ----------------
+    initial, final : float
+        First and last length of the crack, in mm.
+    toughness : float, optional
+        Stress intensity at fracture, MPa sqrt(m): the life ends where the largest load reaches
+        it, if that is before the last length.
+    closure : {"shut", "none"}, float or NewmanClosure, optional
+        Part of a cycle that does no work; see `effective_range`.
+    tolerance : float, optional
+        Relative error of the integral.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``point``, evenly in length: ``crack`` in mm, ``time`` in s, ``cycles`` and ``rate`` in
+        mm/s. Attributes: ``life`` in s and ``life_cycles``, infinite where a crack does not grow;
+        ``ended`` (``"final length"``, ``"fracture"`` or ``"no growth"``), ``law``, ``source``,
+        ``closure``, ``initial``, ``final``, and ``integration_error``, relative.
+
+    Raises
+    ------
+    OptionError
+        For a last length that is not above the first, a crack that is broken from the start, and
+        stress intensities that are not finite.
+
+    See Also
+    --------
+    life_by_cycle : the same one cycle after the other.
+    compare_lives : beside measured lives.
+
+    Examples
+    --------
+    A wide plate under a tension of 1 MPa per N, with Paris' exponent 4, takes
+    (1/a - 1/b)/(C pi**2 100**4) cycles, lengths in m:
+
+    >>> import numpy as np
+    >>> import nonsmooth as ns
+    >>> def plate(load, crack):
+    ...     return load * np.sqrt(np.pi * crack * 1e-3)
+    >>> load = ns.fatigue.LoadBlock.constant_amplitude(50.0, 50.0, frequency=20.0)
+    >>> grown = ns.fatigue.life(
+    ...     plate, ns.fatigue.Paris(C=1e-8, m=4.0), load, initial=2.0, final=10.0
+    ... )
+    >>> round(grown.attrs["life_cycles"], 6), round(400 / (1e-11 * np.pi**2 * 1e8), 6)
+    (40528.473457, 40528.473457)
+    """
+    check_loads(loads)
+    first, last = _lengths(initial, final)
+    limit = None if toughness is None else positive("toughness", toughness, "MPa sqrt(m)")
+    end, ended = final_length(stress_intensity, loads, first, last, limit)
+
+    def rate(lengths: Floats) -> Floats:
+        return growth_rate(loads, lengths, stress_intensity, law, closure)
+
+    edges = np.linspace(first, end, _POINTS)
+    at_edges = _checked(rate(edges), edges)
+    if isinstance(loads, LoadTable):
+        inner = loads.cracks[(loads.cracks > first) & (loads.cracks < end)]
+        panels = np.unique(np.concatenate([edges, inner]))
+    else:
+        panels = edges
+    times, error = _times(rate, edges, panels, float(tolerance))
+    if not np.isfinite(times[-1]):
+        ended = "no growth"
+    return life_dataset(edges, times, at_edges, loads, {
+        "ended": ended, "law": repr(law), "source": str(getattr(law, "source", "")),
+        "closure": closure_text(closure), "initial": first, "final": end,
+        "integration_error": error, "method": "integrated over the length of the crack",
+    })  # fmt: skip
+
+
+def _lengths(initial: Any, final: Any) -> tuple[float, float]:
+    first, last = positive("initial", initial, "mm"), finite("final", final)
+    if last <= first:
+        raise OptionError(
+            f"final = {last:g} mm is not above initial = {first:g} mm: cracks do not heal"
+        )
+    return first, last
+
+
+def _checked(rate: Floats, lengths: Floats) -> Floats:
+    bad = np.flatnonzero(np.isnan(rate) | (rate < 0.0))
+    if bad.size:
+        raise OptionError(
+            f"the law gives a growth of {rate[bad[0]]:g} mm/s at a crack of"
+            f" {lengths[bad[0]]:.6g} mm; it has to be zero or above"
+        )
+    return rate
+
+
+def _times(rate: Any, edges: Floats, panels: Floats, tolerance: float) -> tuple[Floats, float]:
+    """Time at each edge; infinite from the first length on at which nothing grows."""
+    stuck = np.flatnonzero(rate(panels) == 0.0)
+    still = np.inf if stuck.size == 0 else float(panels[stuck[0]])
+
+    def slowness(lengths: Floats) -> Floats:
+        speed = rate(lengths)
+        return 1.0 / np.where(speed > 0.0, speed, np.finfo(float).tiny)
+
+    if still <= panels[0]:
+        return np.where(np.arange(edges.size) == 0, 0.0, np.inf), 0.0
+    kept = panels[panels < still]
+    if kept.size < 2:
+        return np.where(np.arange(edges.size) == 0, 0.0, np.inf), 0.0
+    parts, error = panel_integrals(slowness, kept, tolerance)
+    clock = np.concatenate([[0.0], np.cumsum(parts)])
+    clock[clock > 1e250] = np.inf  # a panel in which the growth stops
+    times = np.full(edges.size, np.inf)
+    there = edges < still
+    times[there] = clock[np.searchsorted(kept, edges[there])]
+    return times, error
+
+
+def life_dataset(
+    cracks: Floats, times: Floats, rates: Floats, loads: Loads, attrs: dict[str, Any]
+) -> xr.Dataset:
+    """Curve of growth with its attributes."""
+    per_second = np.array([_cycles_per_second(loads, a) for a in cracks])
+    # by the trapezium where the count changes with the crack, exact where it does not
+    with np.errstate(invalid="ignore"):
+        steps = np.diff(times) * 0.5 * (per_second[1:] + per_second[:-1])
+    cycles = np.concatenate([[0.0], np.cumsum(steps)])
+    if np.ptp(per_second) == 0.0:
+        cycles = times * per_second[0]
+    attrs = {"life": float(times[-1]), "life_cycles": float(cycles[-1]), **attrs}
+    columns = {
+        "crack": (cracks, "crack length", "mm"),
+        "time": (times, "time", "s"),
+        "cycles": (cycles, "cycles", ""),
+        "rate": (rates, "crack growth", "mm/s"),
+    }
+    return xr.Dataset(
+        {
+            name: ("point", values, {"long_name": text} | ({"units": unit} if unit else {}))
+            for name, (values, text, unit) in columns.items()
+        },
+        attrs=attrs,
+    )
+
+
+def _cycles_per_second(loads: Loads, crack: float) -> float:
+    if isinstance(loads, LoadBlock):
+        return loads.n_cycles / loads.duration
+    if isinstance(loads, LoadTable):
+        return sum(w * b.n_cycles / b.duration for w, b in loads.at(crack))
+    block = block_at(loads, crack)
+    return block.n_cycles / block.duration

@@ -1,0 +1,100 @@
+"""An error that names the phase in which the fatigue rig lost contact, and what keeps it."""
+
+from __future__ import annotations
+
+import xarray as xr
+
+from nonsmooth.errors import NonsmoothError, OptionError, RunError
+from nonsmooth.models.fatigue_motion import Loss, first_loss
+from nonsmooth.models.fatigue_preload import least_preload
+from nonsmooth.system.system import System
+
+__all__ = ["GRAVITY", "check_contact", "loss_message"]
+
+GRAVITY = 9.80665  # m/s^2
+_WHO = {
+    "ii": "mass 1 has left the specimen",
+    "iii": "mass 2 has left the specimen",
+    "iv": "both masses have left the specimen",
+}
+
+
+def check_contact(run: xr.Dataset) -> xr.Dataset:
+    """Pass a run of the fatigue rig on if both masses pressed on the specimen all the time.
+
+    What assumes contact all the time, such as `one_mass` or a load read from the deflection,
+    holds for such runs alone.
+
+    Parameters
+    ----------
+    run : xarray.Dataset
+        Result of `nonsmooth.simulate` for `fatigue_rig`, with its event log, or `to_si` of
+        `FatigueRig` of one. Cut the transient off by starting the run late.
+
+    Returns
+    -------
+    xarray.Dataset
+        The same.
+
+    Raises
+    ------
+    RunError
+        When contact was lost; the message names the phase, when it began and the least preload,
+        ``status`` is ``"contact lost"`` and ``time`` that of the loss.
+    OptionError
+        When the dataset is no run of the rig with its event log.
+
+    Examples
+    --------
+    >>> import nonsmooth as ns
+    >>> rig = ns.models.fatigue_rig(eta=2.5, lambda1=4.36, lambda2=4.36, f1=5.44, f2=4.7)
+    >>> run = ns.models.check_contact(ns.simulate(rig, periods=20))
+    >>> run = ns.simulate(rig, periods=20, parameters={"f2": 3.52})
+    >>> ns.models.check_contact(run)
+    Traceback (most recent call last):
+    nonsmooth.errors.RunError: contact is lost: phase iii began at time 0.5169, where mass 2 has ...
+    """
+    if str(run.attrs.get("system_name", "")) != "fatigue_rig":
+        raise OptionError(
+            f"the dataset is no run of the fatigue rig but of {run.attrs.get('system_name')!r:.60}"
+        )
+    loss = first_loss(run)
+    if loss is None:
+        return run
+    raise RunError(
+        loss_message(run, loss), status="contact lost", time=loss.time, partial=run
+    ) from None
+
+
+def loss_message(run: xr.Dataset, loss: Loss) -> str:
+    """What was lost when, and the least forces that would have kept it."""
+    unit = " s" if "dimensionless_system" in run.attrs else ""
+    return (
+        f"contact is lost: phase {loss.phase} began at time {loss.time:.4g}{unit}, where"
+        f" {_WHO[loss.phase]}; what assumes contact does not hold. {_cure(run, unit != '')}"
+    )
+
+
+def _cure(run: xr.Dataset, si: bool) -> str:
+    text = run.attrs.get("dimensionless_system", run.attrs.get("system", ""))
+    system = System.from_toml(str(text))
+    steady = float(run["time"][0]) > 0.0
+    motion = "steady motion" if steady else "a start-up from rest"
+    try:
+        least = least_preload(system, motion="steady" if steady else "start-up", tolerance=1e-4)
+    except NonsmoothError as error:
+        return f"No least preload was found ({error})"
+    pairs = [tuple(map(float, least[f"least_{n}"].values)) for n in ("at_ratio", "alone")]
+    names, to = ("f1", "f2"), ""
+    if si:
+        attrs = {k: float(run.attrs[f"rig_{k}"]) for k in ("leaf_stiffness", "base_amplitude")}
+        weight = GRAVITY * float(run.attrs["rig_mass"])
+        factor = attrs["leaf_stiffness"] * attrs["base_amplitude"] * 1e-3
+        pairs = [(factor * pair[0] - weight, factor * pair[1] + weight) for pair in pairs]
+        names, to = ("the force of cylinder 1", "that of cylinder 2"), " N"
+    (both1, both2), (one, two) = pairs
+    return (
+        f"In {motion} contact is kept from {names[0]} = {both1:.4g}{to} and {names[1]} ="
+        f" {both2:.4g}{to} on, or with {names[0]} = {one:.4g}{to} alone, or {names[1]} ="
+        f" {two:.4g}{to} alone; raise the preloads, or shake less"
+    )

@@ -1,0 +1,156 @@
+"""The fatigue rig as one mass on a specimen with a breathing crack, from its SI data."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import xarray as xr
+
+from nonsmooth.errors import OptionError
+from nonsmooth.models.breathing_crack import breathing_crack
+from nonsmooth.models.fatigue_contact import GRAVITY
+from nonsmooth.models.fatigue_reduction import refuse_lost_contact
+from nonsmooth.system.evaluate import evaluate
+from nonsmooth.system.grammar import parse
+from nonsmooth.system.system import System
+
+__all__ = ["Lumped", "breathing", "check_one_mass", "lumped"]
+
+
+@dataclass(frozen=True)
+class Lumped:
+    """Eq. (45) in SI units; stiffnesses of the specimen have the contacts in them if repaired."""
+
+    mass: float
+    stiffness: float
+    specimen_stiffness: float
+    open_stiffness: float | None
+    damping: float
+    leaf_stiffness: float
+    static_force: float
+
+    @property
+    def rate(self) -> float:
+        """Natural angular frequency without a specimen in rad/s."""
+        return math.sqrt(self.stiffness / self.mass)
+
+    @property
+    def natural_frequency(self) -> float:
+        """The same in Hz."""
+        return self.rate / (2.0 * math.pi)
+
+    @property
+    def damping_ratio(self) -> float:
+        """Damping ratio without a specimen's stiffness."""
+        return self.damping / (2.0 * self.mass * self.rate)
+
+
+def lumped(rig: Any, version: str = "chapter") -> Lumped:
+    """Mass, stiffnesses and damping of both masses together."""
+    if version not in ("chapter", "repaired"):
+        raise OptionError(f"version = {version!r:.60} must be 'repaired' or 'chapter'")
+    soft = 0.5 / rig.contact_stiffness if version == "repaired" else 0.0
+
+    def series(stiffness: float | None) -> float | None:
+        return None if stiffness is None else stiffness / (1.0 + soft * stiffness)
+
+    closed = rig.specimen_stiffness
+    springs = 2.0 * rig.leaf_stiffness + rig.cylinder_stiffness_1 + rig.cylinder_stiffness_2
+    dampers = 2.0 * rig.leaf_damping + rig.cylinder_damping_1 + rig.cylinder_damping_2
+    return Lumped(
+        mass=2.0 * rig.mass,
+        stiffness=springs,
+        specimen_stiffness=closed / (1.0 + soft * closed),
+        open_stiffness=series(rig.open_stiffness),
+        damping=dampers + rig.specimen_damping / (1.0 + soft * closed) ** 2,
+        leaf_stiffness=rig.leaf_stiffness,
+        static_force=rig.cylinder_force_1 + 2.0 * rig.mass * GRAVITY - rig.cylinder_force_2,
+    )
+
+
+def breathing(
+    rig: Any,
+    crack: float | None,
+    law: Any,
+    specimen: Any,
+    growth: str | None,
+    grows: Any,
+    version: Any,
+    checked: bool,
+) -> System:
+    """System of Eqs. (50) and (51) with the data of a rig."""
+    if growth is not None:
+        if crack is not None or specimen is not None or version != "chapter":
+            raise OptionError(
+                "growth= is in place of crack=, and for the chapter's specimen with rigid contacts"
+            )
+        crack = float(evaluate(parse(growth, where="growth"), {"t": 0.0}))
+    if crack is not None:
+        rig = rig.cracked(crack, law=law, specimen=specimen)
+    if rig.open_stiffness is None:
+        raise OptionError("give crack= in mm, growth=, or a rig with open_stiffness")
+    if checked:
+        refuse_lost_contact(rig.system())
+    one = lumped(rig, version)
+    assert one.open_stiffness is not None
+    common: dict[str, Any] = {
+        "xi": one.damping_ratio,
+        "eta": 2.0 * math.pi * rig.frequency / one.rate,
+        "d": _static_load(one, rig.base_amplitude),
+    }
+    if growth is not None:
+        scale = one.specimen_stiffness / one.stiffness / _CLOSED
+        return breathing_crack(**common, s=scale, law=law, growth=growth, grows=grows)
+    return breathing_crack(
+        **common,
+        kappa_open=one.open_stiffness / one.stiffness,
+        kappa_closed=one.specimen_stiffness / one.stiffness,
+    )
+
+
+_CLOSED = 14.327  # of `breathing_crack`, for s = 1
+
+
+def _static_load(one: Lumped, base_amplitude: float) -> float:
+    """d = (1 - rho) gamma + f, with nothing in the cylinders at rest."""
+    force = one.static_force / (1e-3 * one.stiffness * base_amplitude)
+    at_rest = one.open_stiffness if force > 0.0 else one.specimen_stiffness
+    assert at_rest is not None
+    rho = 2.0 * one.leaf_stiffness / one.stiffness
+    return (1.0 - rho) * force / (rho + at_rest / one.stiffness) + force
+
+
+def check_one_mass(rig: Any, data: xr.Dataset, changed: Mapping[str, float]) -> None:
+    """Refuse a result that is not of this rig as one mass."""
+    name = data.attrs["system_name"]
+    if name not in ("breathing_crack", "one_mass_rig"):
+        raise OptionError(
+            f"the dataset is of {name!r:.60}; this rig has units for those of its system(),"
+            " breathing_crack() and one_mass"
+        )
+    words = tomllib.loads(data.attrs["system"])
+    given = {k: v for k, v in words["parameters"].items() if k not in words.get("slow", {})}
+    swept = {*changed, str(data.attrs.get("parameter", "")), *map(str, data.coords)}
+    ratios = [_ratios(lumped(rig, version)) for version in ("chapter", "repaired")]
+    fits = any(
+        all(
+            math.isclose(float(given[n]), value, rel_tol=1e-9)
+            for n, value in row.items()
+            if n in given and n not in swept
+        )
+        for row in ratios
+    )
+    if not fits:
+        raise OptionError(
+            "the dataset was not made with breathing_crack() or one_mass of this rig; for other"
+            " values use dataclasses.replace(rig, ...) or parameters= of a verb"
+        )
+
+
+def _ratios(one: Lumped) -> dict[str, float]:
+    closed = one.specimen_stiffness / one.stiffness
+    return {"xi": one.damping_ratio, "kappa_closed": closed, "kappa": closed, "s": closed / _CLOSED}

@@ -1,0 +1,170 @@
+"""Least preload: against a linear solver, against runs at and below it, and what is said of loss.
+
+The linear solver has the matrix of the 50-digit automaton, so signs and statics are not the
+library's own. Runs are bracketed at 1e-6 around a force found: contact above, a loss below.
+"""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from mpmath import mp
+
+import nonsmooth as ns
+from contract.rig import DIGITS, automaton
+from models.fatigue_truth import FIGURE_25, other_names
+from nonsmooth.models import FatigueRig, check_contact, fatigue_rig, least_preload
+from nonsmooth.models.fatigue_motion import first_loss, settled_motion
+
+UNEQUAL = FIGURE_25 | {"lambda2": 3.2, "xi_p2": 0.2, "f1": 9.0, "f2": 4.0}
+
+
+def linear_forces(system):
+    """Contact forces at rest and their amplitudes in Phase (i) by numpy on the automaton."""
+    p = system.parameter_values
+    with mp.workdps(DIGITS):
+        mode = automaton(other_names(p))["both"]
+        rows = np.array([[float(x) for x in row] for row in mode.matrix])
+        guards = np.array([[float(x) for x in exit.guard] for exit in mode.exits])
+    drive = rows[:5, 6]  # what multiplies sin
+    motion = np.linalg.solve(1j * p["eta"] * np.eye(5) - rows[:5, :5], drive)
+    return guards[:, 7] / p["eps"], np.abs(guards[:, :5] @ motion) / p["eps"]
+
+
+def steady_keeps(system):
+    return first_loss(settled_motion(system).run) is None
+
+
+def start_up_keeps(system):
+    return first_loss(ns.simulate(system, periods=40)) is None
+
+
+@pytest.mark.parametrize("changes", [{}, FIGURE_25, UNEQUAL])
+def test_margin_by_a_linear_solver(changes):
+    system = fatigue_rig(**changes)
+    static, amplitude = linear_forces(system)
+    found = least_preload(system)
+    # the solver subtracts displacements that differ by 1e-3 of their size
+    assert np.allclose(found["static"], static, rtol=1e-11)
+    assert np.allclose(found["amplitude"], amplitude, rtol=1e-9)
+    assert np.allclose(found["margin"], static - amplitude, rtol=1e-8)
+    assert found.attrs["method"] == "closed form"
+
+
+@pytest.mark.parametrize("changes", [{}, FIGURE_25, UNEQUAL])
+@pytest.mark.parametrize(
+    ("motion", "keeps"), [("steady", steady_keeps), ("start-up", start_up_keeps)]
+)
+def test_contact_is_kept_from_the_forces_found_on(changes, motion, keeps):
+    system = fatigue_rig(**changes)
+    found = least_preload(system, motion=motion)
+    force = found["force"].values
+    alone = found["least_alone"].values
+    cases = [
+        found["least_pair"].values,
+        found["least_at_ratio"].values,
+        np.array([alone[0], force[1]]),
+        np.array([force[0], alone[1]]),
+    ]
+    raised = [(0, 1), (0, 1), (0,), (1,)]
+    for least, which in zip(cases, raised, strict=True):
+        for factor, kept in ((1 + 1e-6, True), (1 - 1e-6, False)):
+            f = [x * (factor if i in which else 1.0) for i, x in enumerate(least)]
+            try:
+                changed = system.with_parameters(f1=f[0], f2=f[1])
+            except ns.ModelError:
+                assert not kept
+                continue
+            assert keeps(changed) is kept, (least, factor)
+
+
+def test_start_up_asks_for_more_than_steady_motion():
+    system = fatigue_rig(**FIGURE_25)
+    steady, start = (least_preload(system, motion=m) for m in ("steady", "start-up"))
+    assert (start["least_pair"] >= steady["least_pair"]).all()
+    assert (start["margin"] <= steady["margin"]).all()
+
+
+@pytest.mark.parametrize("motion", ["steady", "start-up"])
+def test_bisection_finds_the_closed_form(motion):
+    """A crack that hardly changes the stiffness goes by simulation, and has the linear forces."""
+    system = fatigue_rig(**UNEQUAL)
+    nearly = fatigue_rig(**UNEQUAL, open_stiffness=1 - 1e-12)
+    closed, bisected = (least_preload(each, motion=motion) for each in (system, nearly))
+    assert bisected.attrs["method"] == "bisection"
+    for name in ("least_alone", "least_at_ratio"):
+        assert np.allclose(closed[name], bisected[name], rtol=3e-8), name
+
+
+def test_a_breathing_crack_asks_for_other_forces():
+    system = fatigue_rig(**FIGURE_25 | {"f1": 4.5}, open_stiffness=0.4)
+    found = least_preload(system, ratio=0.8)
+    f1, f2 = found["least_at_ratio"].values
+    assert f2 == pytest.approx(0.8 * f1)
+    assert steady_keeps(system.with_parameters(f1=f1, f2=f2))
+    assert not steady_keeps(system.with_parameters(f1=f1 * (1 - 1e-6), f2=f2 * (1 - 1e-6)))
+    linear = least_preload(fatigue_rig(**FIGURE_25 | {"f1": 4.5}), ratio=0.8)
+    assert abs(float(linear["least_at_ratio"][0]) / f1 - 1) > 0.05
+
+
+def test_forces_of_cylinders_in_newtons():
+    rig = FatigueRig.from_dimensionless()
+    found = rig.least_preload(ratio=0.9)
+    P1, P2 = found["least_at_ratio"].values
+    assert found["margin"].attrs["units"] == "N"
+    scale = rig.leaf_stiffness * 2.8e-3
+    weight = rig.mass * 9.80665
+    assert (P2 - weight) / (P1 + weight) == pytest.approx(0.9, rel=1e-12)
+    own = least_preload(fatigue_rig(**FIGURE_25), ratio=0.9)
+    assert (P1 + weight) / scale == pytest.approx(float(own["least_at_ratio"][0]), rel=1e-9)
+    assert np.allclose(found["margin"], scale * own["margin"], rtol=1e-9)
+    kept = dataclasses.replace(rig, cylinder_force_1=P1 * 1.001, cylinder_force_2=P2 * 1.001)
+    assert steady_keeps(kept.system())
+
+
+@pytest.mark.parametrize(
+    ("changes", "phase"),
+    [(FIGURE_25, "iii"), (FIGURE_25 | {"f1": 3.5, "f2": 6.0}, "ii"), ({}, "iii")],
+)
+def test_an_error_names_the_phase_and_when(changes, phase):
+    run = ns.simulate(fatigue_rig(**changes), periods=5)
+    with pytest.raises(
+        ns.RunError, match=f"phase {phase} began at time .*raise the preloads"
+    ) as info:
+        check_contact(run)
+    assert info.value.status == "contact lost"
+    names = run["event_to"].attrs["flag_meanings"].split()
+    entered = [names[int(number)] for number in run["event_to"].values].index(phase)
+    assert info.value.time == float(run["event_time"][entered])
+
+
+def test_full_contact_passes():
+    run = ns.simulate(fatigue_rig(f1=30, f2=25), periods=5)
+    assert check_contact(run) is run
+
+
+def test_the_least_preload_that_the_error_names_keeps_contact():
+    rig = FatigueRig.from_dimensionless()
+    run = rig.to_si(ns.simulate(rig.system(), periods=5))
+    with pytest.raises(ns.RunError, match=r"time [\d.]+ s, where mass 2") as info:
+        check_contact(run)
+    words = str(info.value).split("contact is kept from ")[1]
+    P1 = float(words.split("cylinder 1 = ")[1].split(" N")[0])
+    P2 = float(words.split("cylinder 2 = ")[1].split(" N")[0])
+    # four digits are shown
+    raised = dataclasses.replace(rig, cylinder_force_1=P1 * 1.002, cylinder_force_2=P2 * 1.002)
+    check_contact(ns.simulate(raised.system(), periods=40))
+
+
+def test_bad_input():
+    system = fatigue_rig()
+    with pytest.raises(ns.OptionError, match="'steady' or 'start-up'"):
+        least_preload(system, motion="slow")
+    with pytest.raises(ns.OptionError, match="ratio = -1"):
+        least_preload(system, ratio=-1)
+    with pytest.raises(ns.OptionError, match="duffing"):
+        least_preload(ns.models.duffing())
+    with pytest.raises(ns.OptionError, match="duffing"):
+        check_contact(ns.simulate(ns.models.duffing(), periods=1))
+    with pytest.raises(ns.OptionError, match="event log"):
+        check_contact(ns.simulate(system, periods=1, events=False))

@@ -1,0 +1,74 @@
+import numpy as np
+import pytest
+
+import nonsmooth as ns
+from fatigue.bending import bent_beam, table_3
+from nonsmooth.errors import OptionError
+
+
+@pytest.fixture(scope="module")
+def cycles():
+    noise = ns.excitation.band_noise(5.0, 60.0, 40.0, duration=20.0, seed=1)
+    times, values = noise.closed()
+    return ns.fatigue.count_cycles(values, times, repeating=True)
+
+
+def test_bars_hold_all_cycles(ax, cycles):
+    ns.plot.load_cycles(cycles, ax=ax, per_second=True)
+    total = sum(bar.get_height() for bar in ax.patches)
+    assert total == pytest.approx(cycles.attrs["n_cycles"] / 20.0)
+    assert ax.get_ylabel() == "cycles per second"
+
+
+def test_the_matrix_holds_all_cycles(ax, cycles):
+    ns.plot.load_cycles(cycles, ax=ax, kind="matrix", bins=12)
+    assert ax.collections[0].get_array().sum() == pytest.approx(cycles.attrs["n_cycles"])
+
+
+def test_a_matrix_of_equal_cycles(ax):
+    same = ns.fatigue.count_cycles([0.0, 1.0] * 5 + [0.0], repeating=True)
+    ns.plot.load_cycles(same, ax=ax, kind="matrix")
+    assert ax.collections[0].get_array().sum() == pytest.approx(5.0)
+
+
+def test_shaking_marks_the_strongest_line():
+    sine = ns.excitation.harmonic(20.0, 3.0, duration=8.0)
+    time, frequency = ns.plot.shaking(sine.to_dataset(), span=0.1)
+    assert time.get_xlim()[1] == pytest.approx(0.1, rel=0.02)
+    assert frequency.lines[0].get_xdata()[0] == pytest.approx(20.0)
+    assert frequency.get_ylabel() == "power density [(m/s^2)²/Hz]"
+
+
+def test_lives_of_two_laws(ax):
+    tests = table_3()
+    law = ns.fatigue.published_laws()["walker 2024-T3"]
+    published = ns.fatigue.compare_lives(tests, bent_beam, law)
+    ns.plot.lives(published, ax=ax, label="published")
+    fitted = ns.fatigue.fit_law(tests, bent_beam, law)
+    ns.plot.lives(ns.fatigue.compare_lives(tests, bent_beam, fitted), ax=ax, label="fit")
+    texts = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert texts == ["published", "fit (fitted, in sample)"]
+    np.testing.assert_array_equal(ax.collections[0].get_offsets()[:, 1], published["predicted"])
+    low, high = ax.get_ylim()
+    assert low < published["measured"].min() and high > published["predicted"].max()
+    assert len(ax.lines) == 3
+
+
+def test_bad_input(cycles):
+    with pytest.raises(OptionError, match="count_cycles"):
+        ns.plot.load_cycles(table_3())
+    with pytest.raises(OptionError, match="draw 'histogram'"):
+        ns.plot.load_cycles(cycles, kind="bars")
+    with pytest.raises(OptionError, match="bins = 0"):
+        ns.plot.load_cycles(cycles, bins=0)
+    with pytest.raises(OptionError, match="none to draw"):
+        ns.plot.load_cycles(cycles.isel(cycle=slice(0, 0)))
+    with pytest.raises(OptionError, match="no 'load' over time"):
+        ns.plot.shaking(ns.excitation.harmonic().to_dataset(), "load")
+    with pytest.raises(OptionError, match="1 axes came"):
+        ns.plot.shaking(ns.excitation.harmonic().to_dataset(), axes=[None])
+    with pytest.raises(OptionError, match="compare_lives"):
+        ns.plot.lives(table_3())
+    with pytest.raises(OptionError, match="below one"):
+        lives = table_3().rename(life="measured").assign(predicted=("test", np.ones(8)))
+        ns.plot.lives(lives, factor=0.5)
