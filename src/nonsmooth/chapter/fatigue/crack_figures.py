@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
@@ -104,7 +104,8 @@ def _curve(data: xr.Dataset) -> Figure:
     }
     flat = {crack: part.reset_index("strobe", drop=True) for crack, part in sections.items()}
     growth_curve(data[["crack"]], flat, ax=ax, places=_PLACES)
-    for inset, crack in zip(ax.child_axes, CRACKS, strict=True):
+    insets: Any = ax.child_axes
+    for inset, crack in zip(insets, CRACKS, strict=True):
         found = sorted(set(data["period"].sel(length=crack).values.tolist()))
         words = ", ".join(str(n) if n else "none" for n in found)
         inset.set_title(
@@ -140,11 +141,13 @@ def fig30() -> tuple[Figure, xr.Dataset]:
             part.isel(time=thin), "u", "v", labels=labels.sel(time=part["time"].isel(time=thin)),
             colour="crack", ax=ax,
         )  # fmt: skip
+        ax.locator_params(axis="x", nbins=5)
         names, counts = np.unique(known.values, return_counts=True)
         most = int(names[counts.argmax()])
         label = f"period {most}" if most else "no period"
         ax.set_title(
-            f"({letter}) " + rf"$\tau$ {first:,.0f} to {last:,.0f}" + f"\n{label} (chapter: {printed})",
+            rf"({letter}) $\tau$ {first:,.0f} to {last:,.0f}"
+            + f"\n{label} (chapter: {printed})",
             loc="left", fontsize=_TEXT - 0.5,
         )  # fmt: skip
     _periods(axes[5])
@@ -172,4 +175,4 @@ def _periods(ax: Axes) -> None:
     ax.set_yticks(range(5))
     ax.set_xlabel("crack length [mm]")
     ax.set_ylabel("local period, 0 for none")
-    ax.set_title("(f) both ways of growing; lines: printed times", loc="left", fontsize=_TEXT - 0.5)
+    ax.set_title("(f) both ways of growing\nlines: printed times", loc="left", fontsize=_TEXT - 0.5)
