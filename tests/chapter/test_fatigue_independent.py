@@ -57,7 +57,7 @@ def test_cycle_is_one_of_the_integrator_too(crack, period):
     """It comes back after so many periods and none before, and settles to what it left."""
     row = next(row for row in motions(beam(crack)) if row["period"] == period)
     y = np.array(row["point"])
-    off = y + [1e-3, -1e-3]
+    off = y + np.array([1e-3, -1e-3])
     returns, far = [], []
     for _ in range(8 * period):
         y, off = one_period(crack, y), one_period(crack, off)

@@ -43,6 +43,18 @@ _FIGURES = {
     ),
     "fig12": _Entry("mole.basins", "fig12", "basins of attraction of the mole, six frequencies"),
     "phases": _Entry("mole.phases", "period_one_phases", "four phases of a period-one motion"),
+    "fig27": _Entry(
+        "fatigue.stiffness", "fig27", "restoring force of a specimen with a breathing crack"
+    ),
+    "fig28": _Entry(
+        "fatigue.portraits", "fig28", "phase portraits at four crack ratios by two stiffness laws"
+    ),
+    "fig29": _Entry(
+        "fatigue.crack_figures", "fig29", "crack growth curve with sections at four lengths"
+    ),
+    "fig30": _Entry(
+        "fatigue.crack_figures", "fig30", "transient sections of a beam whose crack grows"
+    ),
     "fig31": _Entry("rotor.schematics", "fig31", "model of the rotor in its ring, and coordinates"),
     "fig32": _Entry("rotor.schematics", "fig32", "force of the ring against the normal of contact"),
     "fig33": _Entry("rotor.schematics", "fig33", "four forces of the ring over its displacement"),
