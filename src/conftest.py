@@ -1,7 +1,6 @@
-"""Pictures that examples in docstrings draw are closed after each of them.
+"""Examples in docstrings leave no figure open, for pyplot warns of more than 20."""
 
-pyplot keeps those that are new, and warns of more than twenty.
-"""
+from __future__ import annotations
 
 import sys
 from collections.abc import Iterator
@@ -10,7 +9,7 @@ import pytest
 
 
 @pytest.fixture(autouse=True)
-def closed_figures() -> Iterator[None]:
+def close_figures() -> Iterator[None]:
     """Close what an example has drawn."""
     yield
     if "matplotlib.pyplot" in sys.modules:

@@ -162,6 +162,9 @@ def test_bad_input():
         least_preload(system, motion="slow")
     with pytest.raises(ns.OptionError, match="ratio = -1"):
         least_preload(system, ratio=-1)
+    # the specimen, bent by mass 1, presses on a mass 2 that nothing holds up
+    lifted = fatigue_rig(**FIGURE_25 | {"f1": 30.0, "f2": -0.1})
+    assert least_preload(lifted).attrs["ratio"] == 1.0
     with pytest.raises(ns.OptionError, match="duffing"):
         least_preload(ns.models.duffing())
     with pytest.raises(ns.OptionError, match="duffing"):

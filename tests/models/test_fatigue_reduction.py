@@ -184,6 +184,8 @@ def test_growing_crack_of_a_rig():
         ({"crack": 20.0}, "width"),
         ({"crack": -1.0}, "-1"),
         ({"crack": 10.0, "growth": "10"}, "in place of crack"),
+        ({"growth": "5 + x"}, "uses 'x'"),
+        ({"growth": "25"}, "width"),
         ({"crack": 10.0, "law": "linear"}, "law"),
         ({"crack": 10.0, "version": "better"}, "version"),
         ({"crack": 10.0, "contact": "lost"}, "contact"),

@@ -168,6 +168,15 @@ def test_axes_of_sweeps():
     assert force == pytest.approx(4.0 * 19.2e3 * 2.8e-3 + 8.3 * G, rel=1e-12)
 
 
+def test_forces_that_are_tied_keep_their_unit():
+    system = ns.tie_parameters(RIG.system(), {"f1": "f", "f2": "0.8*f"}, f=6.0)
+    grid = RIG.from_si({"f": [300.0, 400.0]}, like={"f": "f1"})["f"]
+    si = RIG.to_si(ns.bifurcation_diagram(system, "f", grid, transient=5, record=1))
+    assert np.allclose(si["parameter"], [300.0, 400.0], rtol=1e-12)
+    assert si["parameter"].attrs["units"] == "N"
+    assert not {"rig_cylinder_force_1", "rig_cylinder_force_2"} & set(si.attrs)
+
+
 def test_spectra_are_in_the_machines_units():
     run = ns.simulate(RIG.system(), periods=60)
     spectrum = RIG.to_si(ns.power_spectrum(run, "X1", transient=20))
@@ -238,7 +247,11 @@ def test_bad_input():
         RIG.from_si({"X1": "far"})
     with pytest.raises(ns.OptionError, match="model"):
         RIG.from_si({"X1": 1.0}, model="three")
-    with pytest.raises(ns.ModelError, match="frequency"):
+    with pytest.raises(ns.OptionError, match=r"frequency = .* must be a positive number"):
         FatigueRig.from_dimensionless(frequency=-1.0)
+    with pytest.raises(ns.OptionError, match="base_amplitude = 'far'"):
+        FatigueRig.from_dimensionless(base_amplitude="far")
+    with pytest.raises(ns.OptionError, match="crack = 'ten'"):
+        RIG.cracked("ten")
     with pytest.raises(ns.ModelError, match="raise f1"):
         FatigueRig.from_dimensionless(f1=-1.0)

@@ -85,6 +85,13 @@ def test_a_load_out_of_reach_says_why():
         set_load(RIG, 5000.0, contact="any")
 
 
+def test_a_motion_that_does_not_repeat_is_told():
+    free = FatigueRig.from_dimensionless(xi_p1=0, xi_p2=0, xi_Ls=0, xi_s=1e-6, f1=50, f2=50)
+    with pytest.warns(ns.errors.ResultWarning, match="does not repeat"):
+        found = set_load(free, 100.0)
+    assert found.attrs["period"] == 0
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

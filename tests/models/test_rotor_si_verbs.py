@@ -161,8 +161,8 @@ RESULTS = {
                        | {"normal_force": N}),
 }  # fmt: skip
 NO_RESULTS = {  # verbs, and what else there is, that give no dataset of a motion of their own
-    "PoincareMap", "StroboscopicMap", "System", "Exit", "Mode", "Signal", "measured", "models",
-    "plot", "phase_word", "tie_parameters", "__version__",
+    "PoincareMap", "StroboscopicMap", "System", "Exit", "Mode", "Signal", "excitation", "fatigue",
+    "measured", "models", "plot", "phase_word", "tie_parameters", "__version__",
 }  # fmt: skip
 
 

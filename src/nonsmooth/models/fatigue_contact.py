@@ -54,6 +54,8 @@ def check_contact(run: xr.Dataset) -> xr.Dataset:
     Traceback (most recent call last):
     nonsmooth.errors.RunError: contact is lost: phase iii began at time 0.5169, where mass 2 has ...
     """
+    if not isinstance(run, xr.Dataset):
+        raise OptionError(f"{run!r:.60} is no run; give the result of nonsmooth.simulate")
     if str(run.attrs.get("system_name", "")) != "fatigue_rig":
         raise OptionError(
             f"the dataset is no run of the fatigue rig but of {run.attrs.get('system_name')!r:.60}"

@@ -261,7 +261,10 @@ def reduction_error(system: System, eps: npt.ArrayLike | None = None) -> xr.Data
     array([0.00415, 0.03931])
     """
     p = _symmetric(system)
-    grid = np.atleast_1d(np.asarray(p["eps"] if eps is None else eps, float))
+    try:
+        grid = np.atleast_1d(np.asarray(p["eps"] if eps is None else eps, float))
+    except (TypeError, ValueError):
+        grid = np.array([np.nan])
     if grid.ndim != 1 or not np.all(np.isfinite(grid) & (grid > 0.0)):
         raise OptionError("eps must be positive numbers, the compliances of the contacts")
     rows: dict[str, list[list[float]]] = {n: [] for n in _ERROR_LABELS if n != "exact_amplitude"}

@@ -20,7 +20,7 @@ from nonsmooth.models.fatigue_preload import least_preload
 from nonsmooth.models.fatigue_reduction import Version
 from nonsmooth.models.fatigue_rig import fatigue_rig
 from nonsmooth.models.fatigue_units import TWO_MASSES, one_mass_units, two_mass_units
-from nonsmooth.models.rig_data import check_data
+from nonsmooth.models.rig_data import check_data, one_number
 from nonsmooth.models.rig_scaling import changed_parameters, in_si
 from nonsmooth.models.rig_ties import check_system, units_of_ties, with_likes
 from nonsmooth.models.rig_units import Units
@@ -202,7 +202,9 @@ class FatigueRig:
         Raises
         ------
         ModelError
-            When no rig has these data.
+            When no rig has these parameters.
+        OptionError
+            When the frequency, the amplitude or the stiffness is no positive number.
 
         Examples
         --------
@@ -222,11 +224,9 @@ class FatigueRig:
         }  # fmt: skip
         if open_stiffness is not None:
             given["open_stiffness"] = open_stiffness
-        scales = (("frequency", frequency), ("base_amplitude", base_amplitude),
-                  ("specimen_stiffness", k_s))  # fmt: skip
-        for name, value in scales:
-            if not (math.isfinite(value) and value > 0.0):
-                raise ModelError(f"{name} = {value!r:.60} must be a positive number")
+        frequency = one_number("frequency", frequency, positive=True)
+        base_amplitude = one_number("base_amplitude", base_amplitude, positive=True)
+        k_s = one_number("specimen_stiffness", k_s, positive=True)
         system = fatigue_rig(**given)  # refuses what no rig has
         p = {name: float(value) for name, value in system.parameter_values.items()}
         leaf = k_s / p["theta"] ** 2
@@ -326,6 +326,7 @@ class FatigueRig:
         >>> round(rig.cracked(10.0).parameters()["open_stiffness"], 4)
         0.5718
         """
+        crack = one_number("crack", crack)
         if law == "cubic":
             ratio = float(cubic_stiffness(crack)) / float(cubic_stiffness(5.0))
         elif law == "guinea":
@@ -337,7 +338,7 @@ class FatigueRig:
                     f" rig {self.specimen_stiffness:.6g} N/m; give the specimen= of this rig, or"
                     " open_stiffness= as a number"
                 )
-            ratio = specimen.stiffness(float(crack)) / specimen.closed_stiffness
+            ratio = specimen.stiffness(crack) / specimen.closed_stiffness
         else:
             raise OptionError(f"law = {law!r:.60} must be 'guinea' or 'cubic'")
         return replace(self, open_stiffness=ratio * self.specimen_stiffness)
