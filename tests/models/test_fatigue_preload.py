@@ -14,7 +14,7 @@ import nonsmooth as ns
 from contract.rig import DIGITS, automaton
 from models.fatigue_truth import FIGURE_25, other_names
 from nonsmooth.models import FatigueRig, check_contact, fatigue_rig, least_preload
-from nonsmooth.models.fatigue_motion import first_loss, settled_motion
+from nonsmooth.models.fatigue_rigs.motion import first_loss, settled_motion
 
 UNEQUAL = FIGURE_25 | {"lambda2": 3.2, "xi_p2": 0.2, "f1": 9.0, "f2": 4.0}
 

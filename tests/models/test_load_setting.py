@@ -7,8 +7,8 @@ import pytest
 
 import nonsmooth as ns
 from nonsmooth.models import FatigueRig, set_load
-from nonsmooth.models.fatigue_motion import settled_motion
-from nonsmooth.models.fatigue_response import full_contact
+from nonsmooth.models.fatigue_rigs.motion import settled_motion
+from nonsmooth.models.fatigue_rigs.response import full_contact
 
 RIG = FatigueRig.from_dimensionless(frequency=20.0, f1=8.0, f2=6.0)
 COMPLIANCE = 1 / ns.fatigue.Specimen().closed_stiffness  # mm/N

@@ -121,9 +121,9 @@ def breathing_crack(
     attractor is quasi-periodic. Many periodic ones may coexist, and chaotic transients are long;
     say where a run started and how many periods were dropped.
 
-    A crack that grows within the flow is solved by Taylor series, a frozen one in closed form. A
-    frozen crack ends the run as ``refused`` in the period in which it is through; one within
-    the flow by the event ``broken``.
+    Growth within the flow is solved by Taylor series, a frozen crack in closed form. The run ends
+    where the specimen is through: as ``refused`` at the beginning of a period, or within the flow
+    by the event ``broken``.
 
     References
     ----------
@@ -138,7 +138,7 @@ def breathing_crack(
     >>> run.attrs["phase_word"]
     'open closed open closed open'
 
-    A crack that grows:
+    Growth from 10.67 mm on:
 
     >>> beam = ns.models.breathing_crack(growth="5 + 1e-3*exp(t/54734 - 7.8)")
     >>> run = ns.simulate(beam, t_start=9e5, periods=200, samples_per_period=1)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import xarray as xr
 
 from nonsmooth.errors import NonsmoothError, OptionError, RunError
-from nonsmooth.models.fatigue_motion import Loss, first_loss
 from nonsmooth.models.fatigue_preload import least_preload
+from nonsmooth.models.fatigue_rigs.motion import Loss, first_loss
 from nonsmooth.system.system import System
 
 __all__ = ["GRAVITY", "check_contact", "loss_message"]

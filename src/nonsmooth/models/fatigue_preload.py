@@ -9,9 +9,9 @@ import numpy as np
 import xarray as xr
 
 from nonsmooth.errors import ModelError, OptionError
-from nonsmooth.models.fatigue_motion import first_loss, settled_motion, swing
-from nonsmooth.models.fatigue_response import full_contact, is_cracked, rig_values
-from nonsmooth.models.rig_data import one_number
+from nonsmooth.models.fatigue_rigs.motion import first_loss, settled_motion, swing
+from nonsmooth.models.fatigue_rigs.response import full_contact, is_cracked, rig_values
+from nonsmooth.models.rigs.data import one_number
 from nonsmooth.simulation.simulate import simulate
 from nonsmooth.system.system import System
 

@@ -13,8 +13,8 @@ import xarray as xr
 
 from nonsmooth.errors import ModelError, OptionError
 from nonsmooth.models.fatigue_contact import loss_message
-from nonsmooth.models.fatigue_motion import first_loss, settled_motion
-from nonsmooth.models.fatigue_response import full_contact, is_cracked, rig_values
+from nonsmooth.models.fatigue_rigs.motion import first_loss, settled_motion
+from nonsmooth.models.fatigue_rigs.response import full_contact, is_cracked, rig_values
 from nonsmooth.system.parts import Mode
 from nonsmooth.system.system import System
 

@@ -65,6 +65,7 @@ def fatigue_rig(
     xi_s: Text = 0.002,
     xi_p1: Text = 0.4,
     xi_p2: Text = 0.4,
+    *,
     open_stiffness: Text | None = None,
 ) -> System:
     r"""Two-mass fatigue-testing rig on its shaker, dimensionless, chapter sections 3.3 and 3.5.

@@ -14,16 +14,16 @@ from nonsmooth.errors import ModelError, OptionError, unknown_name
 from nonsmooth.fatigue.specimen import Specimen
 from nonsmooth.fatigue.stiffness_laws import cubic_stiffness
 from nonsmooth.models.fatigue_contact import GRAVITY
-from nonsmooth.models.fatigue_data import data_of, parameters_of
 from nonsmooth.models.fatigue_one_mass import Lumped, breathing, check_one_mass, lumped
 from nonsmooth.models.fatigue_preload import least_preload
 from nonsmooth.models.fatigue_reduction import Version
 from nonsmooth.models.fatigue_rig import fatigue_rig
-from nonsmooth.models.fatigue_units import TWO_MASSES, one_mass_units, two_mass_units
-from nonsmooth.models.rig_data import check_data, one_number
-from nonsmooth.models.rig_scaling import changed_parameters, in_si
-from nonsmooth.models.rig_ties import check_system, units_of_ties, with_likes
-from nonsmooth.models.rig_units import Units
+from nonsmooth.models.fatigue_rigs.data import data_of, parameters_of
+from nonsmooth.models.fatigue_rigs.units import TWO_MASSES, one_mass_units, two_mass_units
+from nonsmooth.models.rigs.data import check_data, one_number
+from nonsmooth.models.rigs.scaling import changed_parameters, in_si
+from nonsmooth.models.rigs.ties import check_system, units_of_ties, with_likes
+from nonsmooth.models.rigs.units import Units
 from nonsmooth.system.system import System
 
 __all__ = ["FatigueRig"]

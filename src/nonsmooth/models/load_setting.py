@@ -13,9 +13,9 @@ from scipy.optimize import brentq
 from nonsmooth.errors import OptionError, ResultWarning, RunError
 from nonsmooth.fatigue.specimen import Specimen
 from nonsmooth.models.fatigue_contact import loss_message
-from nonsmooth.models.fatigue_motion import first_loss, settled_motion, swing
 from nonsmooth.models.fatigue_rig_si import FatigueRig
-from nonsmooth.models.rig_data import one_number
+from nonsmooth.models.fatigue_rigs.motion import first_loss, settled_motion, swing
+from nonsmooth.models.rigs.data import one_number
 
 __all__ = ["set_load"]
 
