@@ -99,8 +99,8 @@ _PROTOCOL = (
     f" of {_STEP:g} mm, beside it from six starts in steps of {_STARTS_STEP:g}; eta, xi, d and s"
     f" changed one at a time; records of {STROBES} strobes of u from rest, 1000 periods dropped,"
     f" with normal noise of {', '.join(f'{level:.1%}' for level in NOISE)} of the amplitude: alarm"
-    f" by scatter about a cycle of at most 8 points above {THRESHOLD:.0%} of the amplitude, and by K"
-    " > 0.5 of the 0-1 test. True when for changed eta, xi and d the onset stays within"
+    f" by scatter about a cycle of at most 8 points above {THRESHOLD:.0%} of the amplitude, and by"
+    " K > 0.5 of the 0-1 test. True when for changed eta, xi and d the onset stays within"
     f" {_SHIFT:.0%}, alarms by scatter are wrong in {_RATE:.0%} at most at 1 % noise, and more than"
     f" {_LASTING:.0%} of the lengths behind the onset are aperiodic"
 )
