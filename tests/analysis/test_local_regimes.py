@@ -73,6 +73,24 @@ def test_branches_within_the_tolerance_are_one():
         assert np.all(labels[620:] == period)
 
 
+def test_a_drift_too_quick_for_a_line_is_no_long_period():
+    """A parabola over N points leaves L^2 / (6 sqrt(5) N^2) of a line over L of them.
+
+    So 120 points leave too much and 110 do not, which eleven branches have in a window of 120.
+    """
+    k, tolerance = np.arange(3000.0), 115**2 / (6 * np.sqrt(5) * 3000**2)
+    assert np.all(ns.local_regimes(k * k, tolerance=tolerance)["period"] == 0)
+    shorter = ns.local_regimes(k * k, tolerance=tolerance, window=110, most_period=11)
+    assert np.all(shorter["period"] == 1)
+
+
+@pytest.mark.parametrize(("rest", "period"), [(119, 0), (120, 1)])
+def test_a_rest_shorter_than_a_window_is_no_long_period(rest, period):
+    chaos = logistic(np.full(1000, 4.0), 0.3)
+    points = np.concatenate([chaos[:500], np.full(rest, 0.123456), chaos[500:]])
+    assert np.all(ns.local_regimes(points)["period"][510 : 490 + rest] == period)
+
+
 @pytest.mark.parametrize("multiplier", [-0.9, -0.98, -0.99, -0.995])
 def test_alternating_while_it_settles_is_no_doubled_period(multiplier):
     """The distance of both branches fades, so they are none."""
@@ -179,8 +197,8 @@ def test_kept_in_files(tmp_path):
         (np.zeros(500), {"variables": "u"}, "without names"),
         ("none", {}, "give a run"),
         (xr.Dataset({"u": ("lane", np.zeros(9))}), {}, "over lane"),
-        (xr.Dataset({"u": ("point", np.zeros(500))}), {"variables": "w"}, "did you mean|known"),
-        (xr.Dataset({"u": ("point", np.zeros(500))}), {"parameter": "w"}, "did you mean|known"),
+        (xr.Dataset({"u": ("point", np.zeros(500))}), {"variables": "w"}, r"did you mean|known"),
+        (xr.Dataset({"u": ("point", np.zeros(500))}), {"parameter": "w"}, r"did you mean|known"),
         (
             xr.Dataset({"u": ("time", np.zeros(500))}, {"time": np.arange(500.0) ** 2}),
             {},

@@ -17,12 +17,16 @@ PNG = b"\x89PNG\r\n\x1a\n"
 SHOWN = {
     "fig8": {"b", "y", "period", "per_period", "first_50"},
     "fig12": {"label", "period", "kind", "fraction", "points"},
+    "fig30": {"u", "v", "crack", "period"},
     "fig36": {"eta", "x", "period", "status"},
     "fig37": {"eta", "x", "vx"},
     "fig40": {"x", "period", "section_x", "section_vx"},
     "fig41": {"x", "period", "section_x", "section_vx"},
 }
 OF_MODEL = {  # quick ones without a run of the mole
+    "fig27": {"force", "stiffness_open", "crack", "deflection"},
+    "fig28": {"u", "v", "period", "ratio"},
+    "fig29": {"u", "v", "period", "crack", "length"},
     "fig31": {"x", "y", "sx", "sy"},
     "fig32": {"sx", "force_x", "normal_force"},
     "fig33": {"F1", "F2", "F3", "F4", "resultant"},
@@ -31,7 +35,10 @@ OF_MODEL = {  # quick ones without a run of the mole
     "fig38": {"sx", "ring_vx"},
     "fig42": {"x", "y", "vx", "vy", "mode"},
 }
-LABELLED = {"fig8": "y", "fig12": "label", "fig33": "F1", "fig37": "eta", "fig38": "sx"}
+LABELLED = {
+    "fig8": "y", "fig12": "label", "fig27": "force", "fig28": "u", "fig29": "u", "fig30": "u",
+    "fig33": "F1", "fig37": "eta", "fig38": "sx",
+}  # fmt: skip
 
 
 @pytest.mark.parametrize(
@@ -52,6 +59,7 @@ def test_figure_writes_picture_and_data(name, tmp_path):
         first = data[LABELLED.get(name, "x")]
         assert first.attrs["long_name"]
         assert np.all(np.isfinite(first.values)) or name in (
+            "fig28",
             "fig37",
             "fig38",
         )  # rows of two lengths

@@ -48,6 +48,31 @@ def test_a_section(call, files, tmp_path):
     np.testing.assert_allclose(points["x"], 2 * np.cos(0.4 - np.arccos(0.1)), atol=1e-3)
 
 
+def test_accelerations_are_integrated(call, files, tmp_path):
+    """-A w^2 cos w t gives A cos w t; the marks are those of the pulse."""
+    file, speed = tmp_path / "s.nc", 90.0
+    t = np.arange(8000) / RATE
+    table = np.column_stack([t, -3e3 * np.cos(speed * t) + 5e3, np.cos(speed * t - 0.4)])
+    path = tmp_path / "accelerations.csv"
+    np.savetxt(path, table, fmt="%.7f", delimiter=",", header="t,a [mm/s^2],key", comments="")
+    result = call(
+        "measured", path, "--columns", "x=a", "--mark", "key", "--low-pass", "300", "--lowest", "6",
+        "--save", file,
+    )  # fmt: skip
+    assert result.exit_code == 0, result.stderr
+    assert "integrated, right to 0.01 from the frequency 6 on" in result.stdout
+    with xr.open_dataset(file, engine="h5netcdf") as saved:
+        assert saved["x"].attrs["units"] == "mm" and saved["vx"].attrs["units"] == "mm/s"
+        height = 3e3 / speed**2
+        np.testing.assert_allclose(saved["x"], height * np.cos(0.4 - np.pi / 2), atol=0.01 * height)
+    for options, words in (
+        (("--lowest", "6", "--highest", "50"), "--low-pass"),
+        (("--low-pass", "2000"), "below half the sample rate, 1000"),
+    ):
+        result = call("measured", path, "--columns", "x=a", "--mark", "key", *options)
+        assert result.exit_code == 2 and words in result.stderr
+
+
 def test_a_diagram(call, files, tmp_path):
     picture, file = tmp_path / "d.pdf", tmp_path / "d.nc"
     result = call(

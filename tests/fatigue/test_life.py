@@ -136,6 +136,24 @@ def test_nothing_grows_below_a_threshold():
     assert np.isfinite(whole.attrs["life"])
 
 
+def test_growth_that_stops_on_the_way():
+    """A load that falls as the crack grows: the curve is right until then, infinite after."""
+
+    def falling(crack):
+        return LoadBlock.constant_amplitude(0, 200 - 20 * crack, FREQUENCY)
+
+    def constant(load, crack):
+        return 0.05 * load + 0.0 * crack
+
+    law = Paris(1e-7, 1.0, threshold=0.05 * 100.0)  # reached at 5 mm
+    found = life(constant, law, falling, initial=2.0, final=9.0)
+    assert found.attrs["ended"] == "no growth" and found.attrs["life"] == np.inf
+    there = found["crack"].values < 4.9
+    exact = np.log(160 / (200 - 20 * found["crack"].values[there])) / (20 * 0.05e-7 * FREQUENCY)
+    np.testing.assert_allclose(found["time"].values[there], exact, rtol=1e-9)
+    assert np.all(np.isinf(found["time"].values[found["crack"].values > 5.2]))
+
+
 def test_a_threshold_that_one_of_two_cycles_passes_on_the_way():
     """A kink of the growth inside the interval: both parts in closed form."""
     law = Paris(1e-8, 4.0, threshold=float(plate(60.0, 5.0)))  # the small one works from 5 mm on

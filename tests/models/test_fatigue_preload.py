@@ -14,7 +14,7 @@ import nonsmooth as ns
 from contract.rig import DIGITS, automaton
 from models.fatigue_truth import FIGURE_25, other_names
 from nonsmooth.models import FatigueRig, check_contact, fatigue_rig, least_preload
-from nonsmooth.models.fatigue_motion import first_loss, settled_motion
+from nonsmooth.models.fatigue_rigs.motion import first_loss, settled_motion
 
 UNEQUAL = FIGURE_25 | {"lambda2": 3.2, "xi_p2": 0.2, "f1": 9.0, "f2": 4.0}
 
@@ -162,6 +162,9 @@ def test_bad_input():
         least_preload(system, motion="slow")
     with pytest.raises(ns.OptionError, match="ratio = -1"):
         least_preload(system, ratio=-1)
+    # the specimen, bent by mass 1, presses on a mass 2 that nothing holds up
+    lifted = fatigue_rig(**FIGURE_25 | {"f1": 30.0, "f2": -0.1})
+    assert least_preload(lifted).attrs["ratio"] == 1.0
     with pytest.raises(ns.OptionError, match="duffing"):
         least_preload(ns.models.duffing())
     with pytest.raises(ns.OptionError, match="duffing"):

@@ -10,7 +10,7 @@ import nonsmooth as ns
 from models.fatigue_truth import FIGURE_25
 from models.test_fatigue_preload import linear_forces
 from nonsmooth.models import FatigueRig, fatigue_rig, one_mass, reduction_error
-from nonsmooth.models.fatigue_motion import settled_motion, swing
+from nonsmooth.models.fatigue_rigs.motion import settled_motion, swing
 
 PRESSED = FIGURE_25 | {"f1": 9.0, "f2": 7.0}
 
@@ -184,6 +184,8 @@ def test_growing_crack_of_a_rig():
         ({"crack": 20.0}, "width"),
         ({"crack": -1.0}, "-1"),
         ({"crack": 10.0, "growth": "10"}, "in place of crack"),
+        ({"growth": "5 + x"}, "uses 'x'"),
+        ({"growth": "25"}, "width"),
         ({"crack": 10.0, "law": "linear"}, "law"),
         ({"crack": 10.0, "version": "better"}, "version"),
         ({"crack": 10.0, "contact": "lost"}, "contact"),

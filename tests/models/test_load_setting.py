@@ -7,8 +7,8 @@ import pytest
 
 import nonsmooth as ns
 from nonsmooth.models import FatigueRig, set_load
-from nonsmooth.models.fatigue_motion import settled_motion
-from nonsmooth.models.fatigue_response import full_contact
+from nonsmooth.models.fatigue_rigs.motion import settled_motion
+from nonsmooth.models.fatigue_rigs.response import full_contact
 
 RIG = FatigueRig.from_dimensionless(frequency=20.0, f1=8.0, f2=6.0)
 COMPLIANCE = 1 / ns.fatigue.Specimen().closed_stiffness  # mm/N
@@ -83,6 +83,13 @@ def test_a_load_out_of_reach_says_why():
         set_load(RIG, 100.0, largest=0.1)
     with pytest.raises(ns.RunError, match=r"not reached.*phase ii\w* began.*raise the preloads"):
         set_load(RIG, 5000.0, contact="any")
+
+
+def test_a_motion_that_does_not_repeat_is_told():
+    free = FatigueRig.from_dimensionless(xi_p1=0, xi_p2=0, xi_Ls=0, xi_s=1e-6, f1=50, f2=50)
+    with pytest.warns(ns.errors.ResultWarning, match="does not repeat"):
+        found = set_load(free, 100.0)
+    assert found.attrs["period"] == 0
 
 
 @pytest.mark.parametrize(

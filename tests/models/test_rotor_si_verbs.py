@@ -116,6 +116,9 @@ RESULTS = {
                           {"begin": S, "eta": HERTZ, "contacts": ONE, "contact_share": ONE}
                           | {f"x_{key}": MM for key in ("min", "max", "amplitude")}
                           | {f"force_{key}": N for key in ("min", "max", "amplitude")}),
+    "local_regimes": (lambda: ns.local_regimes(run_up(), most_period=3, window=20),
+                      {"time": S, "eta": HERTZ, "from_time": S, "to_time": S,
+                       "from_eta": HERTZ, "to_eta": HERTZ}),
     "attractors": (lambda: ns.attractors(SYSTEM, {"x": (-0.4, 1.4)}, samples=8, record=200),
                    ATTRACTOR),
     "basins_of_attraction": (lambda: basins(lambda found: found), ATTRACTOR | {"x": MM, "y": MM}),
@@ -161,8 +164,8 @@ RESULTS = {
                        | {"normal_force": N}),
 }  # fmt: skip
 NO_RESULTS = {  # verbs, and what else there is, that give no dataset of a motion of their own
-    "PoincareMap", "StroboscopicMap", "System", "Exit", "Mode", "Signal", "measured", "models",
-    "plot", "phase_word", "tie_parameters", "__version__",
+    "PoincareMap", "StroboscopicMap", "System", "Exit", "Mode", "Signal", "excitation", "fatigue",
+    "measured", "models", "plot", "phase_word", "tie_parameters", "__version__",
 }  # fmt: skip
 
 

@@ -92,7 +92,8 @@ def local_regimes(
       0.993. Meanwhile it has no period, unless it settles along a line, where one real multiplier
       is near 1: then it has the period that it settles to. A multiplier near -1 makes points
       alternate; those are not taken for a doubled period while their distance changes by more than
-      half within a window.
+      half within a window. So a doubled period lacks about a window where its branches part or
+      merge.
     - 0 does not mean chaos: it may be a longer period, a quasi-periodic motion, or one that drifts
       too quickly for a line through a window. A shorter ``window`` tells the last one.
     - In a shorter window a chaotic motion may pass for periodic, while it stays close to an

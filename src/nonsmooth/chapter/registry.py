@@ -68,6 +68,18 @@ _FIGURES = {
     "fig25": _Entry(
         "fatigue.rig_figures", "fig25", "theoretical histories of the rig, dimensionless and in SI"
     ),
+    "fig27": _Entry(
+        "fatigue.stiffness", "fig27", "restoring force of a specimen with a breathing crack"
+    ),
+    "fig28": _Entry(
+        "fatigue.portraits", "fig28", "phase portraits at four crack ratios by two stiffness laws"
+    ),
+    "fig29": _Entry(
+        "fatigue.crack_figures", "fig29", "crack growth curve with sections at four lengths"
+    ),
+    "fig30": _Entry(
+        "fatigue.crack_figures", "fig30", "transient sections of a beam whose crack grows"
+    ),
     "fig31": _Entry("rotor.schematics", "fig31", "model of the rotor in its ring, and coordinates"),
     "fig32": _Entry("rotor.schematics", "fig32", "force of the ring against the normal of contact"),
     "fig33": _Entry("rotor.schematics", "fig33", "four forces of the ring over its displacement"),
@@ -97,7 +109,7 @@ def figure_ids() -> list[str]:
     --------
     >>> from nonsmooth.chapter import figure_ids
     >>> figure_ids()
-    ['fig5b', 'fig5d', 'fig6', 'fig7', 'fig8', 'fig11', 'fig12', 'phases', 'fig31', ...]
+    ['fig5b', 'fig5d', 'fig6', 'fig7', 'fig8', 'fig11', 'fig12', 'phases', 'fig27', ...]
     """
     return list(_FIGURES)
 

@@ -58,6 +58,16 @@ def measured(
         typer.Option(help="Highest frequency of velocities, in cycles; 10 per revolution without."),
     ] = None,
     bias: Annotated[float, typer.Option(help="Relative error allowed there.")] = 0.01,
+    low_pass: Annotated[
+        float | None,
+        typer.Option(help="Cut-off frequency of a filter without delay, before all else."),
+    ] = None,
+    lowest: Annotated[
+        float | None,
+        typer.Option(
+            help="Columns are accelerations; integrate twice what is above this frequency."
+        ),
+    ] = None,
     transient: Annotated[int, typer.Option(help="Marks to drop first.")] = 0,
     phase: options.Phase = None,
     unit: Annotated[str | None, typer.Option(help="Speed in a diagram: rad/s, Hz or rpm.")] = None,
@@ -89,7 +99,10 @@ def measured(
         "threshold": threshold, "bad_marks": bad_marks,
     }  # fmt: skip
     scale = _scale(length, natural_frequency)
-    records = [_record(file, channels, reading, scale, highest, bias) for file in files]
+    treatment = {"low_pass": low_pass, "lowest": lowest, "highest": highest, "bias": bias}
+    if lowest is not None and highest is not None:
+        raise OptionError("--highest is of velocities, which --lowest integrates; use --low-pass")
+    records = [_record(file, channels, reading, scale, treatment) for file in files]
     at: dict[str, Any] = {"transient": transient, "phase": phase or 0.0}
     if len(records) == 1:
         result = section(records[0], **at)
@@ -132,20 +145,27 @@ def _record(
     channels: dict[str, Any],
     reading: dict[str, Any],
     scale: dict[str, Any] | None,
-    highest: float | None,
-    bias: float,
+    treatment: dict[str, Any],
 ) -> xr.Dataset:
     """Record with velocities; warnings as lines of text."""
-    from nonsmooth.measured import dimensionless, read_csv, velocities
+    from nonsmooth import measured as rig
 
     with warnings.catch_warnings(record=True) as raised:
         warnings.simplefilter("always", ResultWarning)
-        record = read_csv(file, channels, **reading)
+        record = rig.read_csv(file, channels, **reading)
     for warning in raised:
         typer.echo(f"nonsmooth: {warning.message}", err=True)
+    bias, lowest = treatment["bias"], treatment["lowest"]
+    if treatment["low_pass"] is not None:
+        record = rig.low_pass(record, treatment["low_pass"])
+    if lowest is not None:
+        names = {name: name for name in channels}
+        record = rig.displacements(record, names, lowest=lowest, bias=bias)
     if scale is not None:
-        record = dimensionless(record, **scale)
-    return velocities(record, highest=highest, bias=bias)
+        record = rig.dimensionless(record, **scale)
+    if lowest is not None:
+        return record
+    return rig.velocities(record, highest=treatment["highest"], bias=bias)
 
 
 def _rows(record: xr.Dataset, points: xr.Dataset) -> Iterator[tuple[str, str]]:
@@ -160,7 +180,12 @@ def _rows(record: xr.Dataset, points: xr.Dataset) -> Iterator[tuple[str, str]]:
     for name in map(str, record.data_vars):
         words = record[name].attrs
         text = f"noise {words['noise']:.3g} {words.get('units', '')}".rstrip()
-        if "derivative_of" in words:
+        if "lowest" in words:
+            text += (
+                f" (gain {words['noise_gain']:.4g}); integrated, right to {words['bias']:g} from"
+                f" the frequency {words['lowest']:.4g} on"
+            )
+        if "bandwidth" in words:
             text += (
                 f" (gain {words['noise_gain']:.4g}); right to {words['bias']:g} up to the"
                 f" frequency {words['highest']:.4g}, -3 dB at {words['bandwidth']:.4g}"

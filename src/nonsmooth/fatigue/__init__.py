@@ -1,4 +1,4 @@
-"""Fracture and fatigue mechanics without any time stepping: specimen, crack growth, lives.
+"""Fracture and fatigue mechanics of a cracked beam, cycles and lives, without any time stepping.
 
 Lengths are in mm, loads in N, stress intensities in MPa sqrt(m), frequencies in Hz, times in s.
 """

@@ -26,6 +26,7 @@ from nonsmooth.fatigue.quadrature import panel_integrals
 __all__ = ["life", "life_dataset"]
 
 _POINTS = 65  # of the curve of growth
+_STILL, _FOREVER = 1e-200, 1e150  # mm/s in place of none, and s that are infinite
 
 
 def life(
@@ -153,7 +154,7 @@ def _times(rate: Any, edges: Floats, panels: Floats, tolerance: float) -> tuple[
 
     def slowness(lengths: Floats) -> Floats:
         speed = rate(lengths)
-        return 1.0 / np.where(speed > 0.0, speed, np.finfo(float).tiny)
+        return 1.0 / np.maximum(speed, _STILL)
 
     if still <= panels[0]:
         return np.where(np.arange(edges.size) == 0, 0.0, np.inf), 0.0
@@ -162,7 +163,7 @@ def _times(rate: Any, edges: Floats, panels: Floats, tolerance: float) -> tuple[
         return np.where(np.arange(edges.size) == 0, 0.0, np.inf), 0.0
     parts, error = panel_integrals(slowness, kept, tolerance)
     clock = np.concatenate([[0.0], np.cumsum(parts)])
-    clock[clock > 1e250] = np.inf  # a panel in which the growth stops
+    clock[clock > _FOREVER] = np.inf  # a panel in which the growth stops
     times = np.full(edges.size, np.inf)
     there = edges < still
     times[there] = clock[np.searchsorted(kept, edges[there])]

@@ -9,11 +9,13 @@ from __future__ import annotations
 from nonsmooth.measured.channel import Channel
 from nonsmooth.measured.columns import read_columns
 from nonsmooth.measured.differentiator import Differentiator
+from nonsmooth.measured.integration import displacements
 from nonsmooth.measured.reading import read_csv
 from nonsmooth.measured.record import from_arrays
 from nonsmooth.measured.resampling import synchronous
 from nonsmooth.measured.scaling import dimensionless
 from nonsmooth.measured.sections import section
+from nonsmooth.measured.smoothing import low_pass
 from nonsmooth.measured.speed_diagram import diagram
 from nonsmooth.measured.velocity import velocities
 
@@ -22,7 +24,9 @@ __all__ = [
     "Differentiator",
     "diagram",
     "dimensionless",
+    "displacements",
     "from_arrays",
+    "low_pass",
     "read_columns",
     "read_csv",
     "section",

@@ -14,6 +14,9 @@ from nonsmooth.simulation.options import finite_number
 
 __all__ = ["dimensionless"]
 
+_RATES = ("bandwidth", "highest", "lowest", "low_pass")  # attributes that are frequencies
+_TIMES = ("edge", "period")
+
 
 def dimensionless(
     record: xr.Dataset,
@@ -78,9 +81,7 @@ def dimensionless(
         words = {key: word for key, word in values.attrs.items() if key != "units"}
         if "noise" in words:
             words["noise"] = float(words["noise"]) * factor
-        for key in ("noise_gain", "bandwidth", "highest"):
-            if key in words:
-                words[key] = float(words[key]) / rate
+        words = _scaled_words(words, unit, rate, moving, _is_integrated(record, str(name)))
         shifted = values.values - shifts.get(str(name), 0.0)
         found[name] = (values.dims, shifted * factor, words)
     for name in ("time", "mark_time"):
@@ -91,6 +92,26 @@ def dimensionless(
         attrs[key] = float(attrs[key]) * rate**power
     found.attrs = attrs | {"length": unit, "natural_frequency": rate}
     return found
+
+
+def _scaled_words(
+    words: dict[str, Any], unit: float, rate: float, moving: bool, integrated: bool
+) -> dict[str, Any]:
+    """Attributes that are frequencies, times, or what noise is multiplied with."""
+    powers = dict.fromkeys(_RATES, -1) | dict.fromkeys(_TIMES, 1)
+    # the noise is that of a displacement, or of the acceleration that was integrated
+    # and of a low-pass a plain number
+    powers["noise_gain"] = (2 if integrated else 0) - (1 if moving else 0)
+    found = {key: float(words[key]) * rate**power for key, power in powers.items() if key in words}
+    if "residual" in words:
+        found["residual"] = float(words["residual"]) / (unit * rate**2)
+    return words | found
+
+
+def _is_integrated(record: xr.Dataset, name: str) -> bool:
+    """Whether a displacement or a velocity comes from an acceleration."""
+    source = record[name].attrs.get("derivative_of", name)
+    return source in record and "integral_of" in record[source].attrs
 
 
 def _positive(name: str, value: Any) -> float:

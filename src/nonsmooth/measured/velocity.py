@@ -6,22 +6,17 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
-import numpy.typing as npt
 import xarray as xr
 
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.measured.channel import check_name
 from nonsmooth.measured.differentiator import Differentiator
+from nonsmooth.measured.noise import noise_before_filters
 from nonsmooth.measured.record import check_record
 
-__all__ = ["displacements_of", "velocities", "white_noise"]
+__all__ = ["displacements_of", "velocities"]
 
 _HARMONICS = 10.0  # of the speed, that are kept by default
-_NOISE_ORDER = 6  # of the differences by which noise is told from a sampled motion
-_NORMAL = 0.674489750196082  # median of the size of a standard normal variable
-
-Floats = npt.NDArray[np.float64]
 
 
 def velocities(
@@ -126,17 +121,6 @@ def displacements_of(record: xr.Dataset) -> list[str]:
     return [str(n) for n, v in record.data_vars.items() if "derivative_of" not in v.attrs]
 
 
-def white_noise(values: Floats) -> float:
-    """Standard deviation of white noise on a motion that is smooth from sample to sample.
-
-    Differences of sixth order leave next to nothing of the motion; their median size does not
-    feel the few samples about a contact.
-    """
-    differences = np.diff(values, _NOISE_ORDER)
-    gain = math.sqrt(math.comb(2 * _NOISE_ORDER, _NOISE_ORDER))
-    return float(np.median(np.abs(differences))) / _NORMAL / gain
-
-
 def _names(record: xr.Dataset, given: Any) -> dict[str, str]:
     if not isinstance(given, Mapping):
         raise OptionError(f"names = {given!r:.60}: give a mapping such as {{'x': 'vx'}}")
@@ -169,15 +153,16 @@ def _with_velocities(
     variables: dict[str, Any] = {}
     for name, velocity in names.items():
         values = record[name].values
-        noise = white_noise(values)
+        before = noise_before_filters(record[name])
         words = dict(record[name].attrs)
+        noise = words["noise"] if "low_pass" in words else before
         unit = words.get("units", "")
         units = {"units": f"{unit}/{time_unit}"} if unit and time_unit else {}
         variables[name] = ("time", cut[name].values, words | {"noise": noise})
         variables[velocity] = (
             "time", chosen(values),
             {"long_name": f"velocity of {name}", **units, "derivative_of": name, **common,
-             "noise": noise * chosen.noise_gain},
+             "noise": before * chosen.noise_gain},
         )  # fmt: skip
     order = [*names, *names.values()]
     return cut.drop_vars(list(cut.data_vars)).assign({n: variables[n] for n in order})

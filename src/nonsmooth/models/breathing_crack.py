@@ -121,9 +121,9 @@ def breathing_crack(
     attractor is quasi-periodic. Many periodic ones may coexist, and chaotic transients are long;
     say where a run started and how many periods were dropped.
 
-    A crack that grows within the flow is solved by Taylor series, a frozen one in closed form. A
-    frozen crack ends the run as ``refused`` in the period in which it is through; one within
-    the flow by the event ``broken``.
+    Growth within the flow is solved by Taylor series, a frozen crack in closed form. The run ends
+    where the specimen is through: as ``refused`` at the beginning of a period, or within the flow
+    by the event ``broken``.
 
     References
     ----------
@@ -138,12 +138,12 @@ def breathing_crack(
     >>> run.attrs["phase_word"]
     'open closed open closed open'
 
-    A crack that grows:
+    Growth from 10.67 mm on:
 
     >>> beam = ns.models.breathing_crack(growth="5 + 1e-3*exp(t/54734 - 7.8)")
     >>> run = ns.simulate(beam, t_start=9e5, periods=200, samples_per_period=1)
     >>> run["crack"].values[[0, -1]].round(3).tolist()
-    [10.659, 10.773]
+    [10.671, 10.786]
     """
     if law not in _LAWS:
         raise ModelError(f"law = {law!r:.60} must be 'cubic' or 'guinea'")

@@ -15,6 +15,7 @@ from nonsmooth.models.breathing_crack import breathing_crack
 from nonsmooth.models.fatigue_contact import GRAVITY
 from nonsmooth.models.fatigue_reduction import refuse_lost_contact
 from nonsmooth.system.evaluate import evaluate
+from nonsmooth.system.expressions import names_in
 from nonsmooth.system.grammar import parse
 from nonsmooth.system.system import System
 
@@ -88,7 +89,7 @@ def breathing(
             raise OptionError(
                 "growth= is in place of crack=, and for the chapter's specimen with rigid contacts"
             )
-        crack = float(evaluate(parse(growth, where="growth"), {"t": 0.0}))
+        crack = _at_start(growth)
     if crack is not None:
         rig = rig.cracked(crack, law=law, specimen=specimen)
     if rig.open_stiffness is None:
@@ -110,6 +111,14 @@ def breathing(
         kappa_open=one.open_stiffness / one.stiffness,
         kappa_closed=one.specimen_stiffness / one.stiffness,
     )
+
+
+def _at_start(growth: str) -> float:
+    """Length of a growing crack at t = 0."""
+    rule = parse(growth, where="growth")
+    if others := sorted({each.name for each in names_in(rule)} - {"t", "pi"}):
+        raise OptionError(f"growth = {growth!r:.60} uses {others[0]!r}; give a text of t alone")
+    return float(evaluate(rule, {"t": 0.0}))
 
 
 _CLOSED = 14.327  # of `breathing_crack`, for s = 1

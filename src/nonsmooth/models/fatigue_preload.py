@@ -9,8 +9,9 @@ import numpy as np
 import xarray as xr
 
 from nonsmooth.errors import ModelError, OptionError
-from nonsmooth.models.fatigue_motion import first_loss, settled_motion, swing
-from nonsmooth.models.fatigue_response import full_contact, is_cracked, rig_values
+from nonsmooth.models.fatigue_rigs.motion import first_loss, settled_motion, swing
+from nonsmooth.models.fatigue_rigs.response import full_contact, is_cracked, rig_values
+from nonsmooth.models.rigs.data import one_number
 from nonsmooth.simulation.simulate import simulate
 from nonsmooth.system.system import System
 
@@ -57,7 +58,8 @@ def least_preload(
     system : System
         `fatigue_rig` with its parameters.
     ratio : float, optional
-        Ratio f2/f1 at which ``least_at_ratio`` is found; that of the system if left out.
+        Ratio f2/f1 at which ``least_at_ratio`` is found; that of the system if left out, or 1
+        where one of its forces is not positive.
     motion : {"steady", "start-up"}
         The motion in which contact is kept: the steady one alone, reached with contact all the
         time or not, or that from the state of rest as well.
@@ -109,9 +111,9 @@ def least_preload(
     p = rig_values(system)
     if motion not in ("steady", "start-up"):
         raise OptionError(f"motion = {motion!r:.60} must be 'steady' or 'start-up'")
-    ratio = p["f2"] / p["f1"] if ratio is None else float(ratio)
-    if not (np.isfinite(ratio) and ratio > 0.0):
-        raise OptionError(f"ratio = {ratio!r:.60} of f2 to f1 must be a positive number")
+    if ratio is None:
+        ratio = p["f2"] / p["f1"] if min(p["f1"], p["f2"]) > 0.0 else 1.0
+    ratio = one_number("ratio", ratio, positive=True)
     attrs: dict[str, str | float] = {"system": system.to_toml(), "motion": motion, "ratio": ratio}
     force = np.array([p["f1"], p["f2"]])
     if is_cracked(p):

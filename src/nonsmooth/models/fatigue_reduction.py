@@ -13,8 +13,8 @@ import xarray as xr
 
 from nonsmooth.errors import ModelError, OptionError
 from nonsmooth.models.fatigue_contact import loss_message
-from nonsmooth.models.fatigue_motion import first_loss, settled_motion
-from nonsmooth.models.fatigue_response import full_contact, is_cracked, rig_values
+from nonsmooth.models.fatigue_rigs.motion import first_loss, settled_motion
+from nonsmooth.models.fatigue_rigs.response import full_contact, is_cracked, rig_values
 from nonsmooth.system.parts import Mode
 from nonsmooth.system.system import System
 
@@ -261,7 +261,10 @@ def reduction_error(system: System, eps: npt.ArrayLike | None = None) -> xr.Data
     array([0.00415, 0.03931])
     """
     p = _symmetric(system)
-    grid = np.atleast_1d(np.asarray(p["eps"] if eps is None else eps, float))
+    try:
+        grid = np.atleast_1d(np.asarray(p["eps"] if eps is None else eps, float))
+    except (TypeError, ValueError):
+        grid = np.array([np.nan])
     if grid.ndim != 1 or not np.all(np.isfinite(grid) & (grid > 0.0)):
         raise OptionError("eps must be positive numbers, the compliances of the contacts")
     rows: dict[str, list[list[float]]] = {n: [] for n in _ERROR_LABELS if n != "exact_amplitude"}

@@ -14,16 +14,17 @@ from nonsmooth.errors import ModelError, OptionError, unknown_name
 from nonsmooth.fatigue.specimen import Specimen
 from nonsmooth.fatigue.stiffness_laws import cubic_stiffness
 from nonsmooth.models.fatigue_contact import GRAVITY
-from nonsmooth.models.fatigue_data import data_of, parameters_of
 from nonsmooth.models.fatigue_one_mass import Lumped, breathing, check_one_mass, lumped
 from nonsmooth.models.fatigue_preload import least_preload
 from nonsmooth.models.fatigue_reduction import Version
 from nonsmooth.models.fatigue_rig import fatigue_rig
-from nonsmooth.models.fatigue_units import TWO_MASSES, one_mass_units, two_mass_units
-from nonsmooth.models.rig_data import check_data
-from nonsmooth.models.rig_scaling import changed_parameters, in_si
-from nonsmooth.models.rig_ties import check_system, units_of_ties, with_likes
-from nonsmooth.models.rig_units import Units
+from nonsmooth.models.fatigue_rigs.data import data_of, parameters_of
+from nonsmooth.models.fatigue_rigs.units import TWO_MASSES, one_mass_units, two_mass_units
+from nonsmooth.models.rigs.data import check_data, one_number
+from nonsmooth.models.rigs.scaling import changed_parameters, in_si
+from nonsmooth.models.rigs.ties import check_system, units_of_ties, with_likes
+from nonsmooth.models.rigs.units import Units
+from nonsmooth.system.signals import Signal
 from nonsmooth.system.system import System
 
 __all__ = ["FatigueRig"]
@@ -202,7 +203,9 @@ class FatigueRig:
         Raises
         ------
         ModelError
-            When no rig has these data.
+            When no rig has these parameters.
+        OptionError
+            When the frequency, the amplitude or the stiffness is no positive number.
 
         Examples
         --------
@@ -216,17 +219,15 @@ class FatigueRig:
         k_s = (
             1e3 * Specimen().closed_stiffness if specimen_stiffness is None else specimen_stiffness
         )
-        given = {
+        given: dict[str, Any] = {
             "eta": eta, "lambda1": lambda1, "lambda2": lambda2, "theta": theta, "eps": eps,
             "f1": f1, "f2": f2, "xi_Ls": xi_Ls, "xi_s": xi_s, "xi_p1": xi_p1, "xi_p2": xi_p2,
         }  # fmt: skip
         if open_stiffness is not None:
             given["open_stiffness"] = open_stiffness
-        scales = (("frequency", frequency), ("base_amplitude", base_amplitude),
-                  ("specimen_stiffness", k_s))  # fmt: skip
-        for name, value in scales:
-            if not (math.isfinite(value) and value > 0.0):
-                raise ModelError(f"{name} = {value!r:.60} must be a positive number")
+        frequency = one_number("frequency", frequency, positive=True)
+        base_amplitude = one_number("base_amplitude", base_amplitude, positive=True)
+        k_s = one_number("specimen_stiffness", k_s, positive=True)
         system = fatigue_rig(**given)  # refuses what no rig has
         p = {name: float(value) for name, value in system.parameter_values.items()}
         leaf = k_s / p["theta"] ** 2
@@ -267,8 +268,14 @@ class FatigueRig:
         """
         return parameters_of(self)
 
-    def system(self) -> System:
+    def system(self, base: Signal | None = None) -> System:
         """Dimensionless system of this rig.
+
+        Parameters
+        ----------
+        base : Signal, optional
+            Acceleration of the base in m/s^2 over s, in place of harmonic shaking;
+            ``base_amplitude`` then is the unit of length alone.
 
         Returns
         -------
@@ -278,7 +285,7 @@ class FatigueRig:
         Raises
         ------
         ModelError
-            When a mass does not press on the specimen at rest.
+            When a mass does not press on the specimen at rest, or ``base`` is no signal.
 
         Examples
         --------
@@ -287,7 +294,14 @@ class FatigueRig:
         'fatigue_rig'
         """
         values: dict[str, Any] = self.parameters()
-        return fatigue_rig(**values)
+        if isinstance(base, Signal):
+            units = self.units
+            base = Signal(
+                np.asarray(base.times) / units.time,
+                np.asarray(base.values) / units.quantities["base"].factor,
+                base.method,
+            )
+        return fatigue_rig(**values, base=base)
 
     def cracked(
         self,
@@ -326,6 +340,7 @@ class FatigueRig:
         >>> round(rig.cracked(10.0).parameters()["open_stiffness"], 4)
         0.5718
         """
+        crack = one_number("crack", crack)
         if law == "cubic":
             ratio = float(cubic_stiffness(crack)) / float(cubic_stiffness(5.0))
         elif law == "guinea":
@@ -337,7 +352,7 @@ class FatigueRig:
                     f" rig {self.specimen_stiffness:.6g} N/m; give the specimen= of this rig, or"
                     " open_stiffness= as a number"
                 )
-            ratio = specimen.stiffness(float(crack)) / specimen.closed_stiffness
+            ratio = specimen.stiffness(crack) / specimen.closed_stiffness
         else:
             raise OptionError(f"law = {law!r:.60} must be 'guinea' or 'cubic'")
         return replace(self, open_stiffness=ratio * self.specimen_stiffness)
@@ -577,12 +592,15 @@ class FatigueRig:
                 result, {k: v for k, v in self.parameters().items() if k != "eta"}
             )
         units = self.units
-        ties = check_system(data.attrs["system"], self.system(), changed, TWO_MASSES, _FREE)
+        shaker = System.from_toml(data.attrs["system"]).signals.get("shaker")
+        values: dict[str, Any] = self.parameters()
+        own = fatigue_rig(**values, base=shaker)
+        ties = check_system(data.attrs["system"], own, changed, TWO_MASSES, _FREE)
         parameters, labels = units_of_ties(ties, units.parameters, units.labels, like or {})
         result = in_si(data, replace(units, parameters=parameters, labels=labels))
         swept = {str(data.attrs.get("parameter", "")), *map(str, data.variables)}
-        values = {k: changed.get(k, v) for k, v in ties.values.items() if k not in swept}
-        return self._with_data(result, values)
+        found = {k: changed.get(k, v) for k, v in ties.values.items() if k not in swept}
+        return self._with_data(result, found)
 
     def _with_data(self, data: xr.Dataset, values: Mapping[str, float]) -> xr.Dataset:
         """Attributes with the rig's data, as the values of the parameters have them."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import math
+import warnings
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any, Literal
 
@@ -10,11 +10,12 @@ import numpy as np
 import xarray as xr
 from scipy.optimize import brentq
 
-from nonsmooth.errors import OptionError, RunError
+from nonsmooth.errors import OptionError, ResultWarning, RunError
 from nonsmooth.fatigue.specimen import Specimen
 from nonsmooth.models.fatigue_contact import loss_message
-from nonsmooth.models.fatigue_motion import first_loss, settled_motion, swing
 from nonsmooth.models.fatigue_rig_si import FatigueRig
+from nonsmooth.models.fatigue_rigs.motion import first_loss, settled_motion, swing
+from nonsmooth.models.rigs.data import one_number
 
 __all__ = ["set_load"]
 
@@ -116,6 +117,11 @@ def set_load(
         When the load or ``largest`` is not positive, for a crack that does not fit, or a gain of
         zero.
 
+    Warns
+    -----
+    ResultWarning
+        When the motion found does not repeat itself after some periods.
+
     Notes
     -----
     Eq. (33) takes the compliance of the open crack. While a crack is shut the specimen is
@@ -132,9 +138,8 @@ def set_load(
     >>> [round(float(found[n]), 3) for n in ("base_amplitude", "voltage", "load_amplitude")]
     [0.628, 0.425, 100.0]
     """
-    for name, value in (("load", load), ("largest", largest)):
-        if not (isinstance(value, int | float) and math.isfinite(value) and value > 0.0):
-            raise OptionError(f"{name} = {value!r:.60} must be a positive number")
+    load = one_number("load", load, positive=True)
+    largest = one_number("largest", largest, positive=True)
     if contact not in ("kept", "any"):
         raise OptionError(f"contact = {contact!r:.60} must be 'kept' or 'any'")
     beam = Specimen() if specimen is None else specimen
@@ -157,6 +162,14 @@ def set_load(
             f"a load of {load:g} N is reached at a base amplitude of {root:.4g} mm, but"
             f" {_loss(best)}",
             status="contact lost",
+        )
+    if not best["period"]:
+        warnings.warn(
+            "the motion at the amplitude found does not repeat itself, so its voltage is half the"
+            " range over the last periods alone; give the rig more damping, or judge the load by"
+            " cycle counting",
+            ResultWarning,
+            stacklevel=2,
         )
     return _dataset(search, best)
 

@@ -11,7 +11,7 @@ import xarray as xr
 
 from nonsmooth.errors import OptionError
 from nonsmooth.models.moling import moling
-from nonsmooth.models.rig_data import check_data
+from nonsmooth.models.rigs.data import check_data
 from nonsmooth.system.system import System
 
 __all__ = ["MolingRig"]

@@ -11,12 +11,12 @@ import numpy as np
 import xarray as xr
 
 from nonsmooth.errors import OptionError, unknown_name
-from nonsmooth.models.rig_data import check_data
-from nonsmooth.models.rig_scaling import changed_parameters, in_si
-from nonsmooth.models.rig_ties import check_system, units_of_ties, with_likes
-from nonsmooth.models.rig_units import Unit, Units
+from nonsmooth.models.rigs.data import check_data
+from nonsmooth.models.rigs.scaling import changed_parameters, in_si
+from nonsmooth.models.rigs.ties import check_system, units_of_ties, with_likes
+from nonsmooth.models.rigs.units import Unit, Units
 from nonsmooth.models.rotor import rotor
-from nonsmooth.models.rotor_units import PARAMETERS, rotor_units
+from nonsmooth.models.rotors.units import PARAMETERS, rotor_units
 from nonsmooth.models.static_contact import static_contact
 from nonsmooth.system.system import System
 

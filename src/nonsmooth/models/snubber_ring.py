@@ -10,7 +10,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from nonsmooth.errors import ModelError, OptionError
-from nonsmooth.models.snubber_statics import (
+from nonsmooth.models.snubbers.statics import (
     REGIMES,
     RingPosition,
     ring_energy,

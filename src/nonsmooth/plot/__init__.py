@@ -14,12 +14,14 @@ from nonsmooth.plot.diagrams import bifurcation
 from nonsmooth.plot.exponents import exponents
 from nonsmooth.plot.figures import print_figure, save_figure
 from nonsmooth.plot.fracture import crack_lengths, stiffness_laws, stress_intensity
+from nonsmooth.plot.growth_curves import growth_curve
 from nonsmooth.plot.histories import time_history
 from nonsmooth.plot.load_cycles import load_cycles
 from nonsmooth.plot.markers import event_markers
 from nonsmooth.plot.mode_spans import phases
 from nonsmooth.plot.orbits import orbit
 from nonsmooth.plot.portrait import phase_portrait
+from nonsmooth.plot.portrait_stack import phase_portrait_3d
 from nonsmooth.plot.regimes import regime_map
 from nonsmooth.plot.ring_regions import contact_regions
 from nonsmooth.plot.sections import section
@@ -27,6 +29,7 @@ from nonsmooth.plot.shaking import shaking
 from nonsmooth.plot.spectrum import spectrum
 from nonsmooth.plot.statistic_curves import statistics
 from nonsmooth.plot.style import PALETTE, axis_label, mode_colours
+from nonsmooth.plot.transient_points import transient_section
 from nonsmooth.plot.translation import translation
 from nonsmooth.plot.uncertainty_curve import uncertainty
 
@@ -41,11 +44,13 @@ __all__ = [
     "crack_lengths",
     "event_markers",
     "exponents",
+    "growth_curve",
     "lives",
     "load_cycles",
     "mode_colours",
     "orbit",
     "phase_portrait",
+    "phase_portrait_3d",
     "phases",
     "print_figure",
     "regime_map",
@@ -57,6 +62,7 @@ __all__ = [
     "stiffness_laws",
     "stress_intensity",
     "time_history",
+    "transient_section",
     "translation",
     "uncertainty",
     "waterfall",

@@ -67,7 +67,8 @@ def lives(
     ...     {"measured": ("test", [100.0, 900.0]), "predicted": ("test", [200.0, 1000.0])},
     ...     attrs={"in_sample": 1},
     ... )
-    >>> ax = ns.plot.lives(found, label="Walker")
+    >>> _, (ax,) = ns.plot.print_figure()
+    >>> ax = ns.plot.lives(found, ax=ax, label="Walker")
     >>> [text.get_text() for text in ax.get_legend().get_texts()]
     ['Walker (fitted, in sample)']
     """

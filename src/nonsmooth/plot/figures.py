@@ -77,14 +77,15 @@ def print_figure(
     return figure, axes
 
 
-def new_axes() -> Axes:
+def new_axes(projection: str | None = None) -> Any:
     """Axes of a figure that pyplot knows, so that ``plt.show()`` finds it."""
     import matplotlib
     import matplotlib.pyplot as plt
 
     with matplotlib.rc_context(_STYLE):
         size = (8.0 * _CENTIMETRES, 6.0 * _CENTIMETRES)
-        _, ax = plt.subplots(figsize=size, layout="constrained")
+        how = {"projection": projection}
+        _, ax = plt.subplots(figsize=size, layout="constrained", subplot_kw=how)
     _set_ticks(ax)
     return ax
 

@@ -59,7 +59,8 @@ def load_cycles(
     >>> import nonsmooth as ns
     >>> t = np.arange(2001) / 1000.0
     >>> load = 100 * np.sin(40 * np.pi * t) + 30 * np.sin(170 * np.pi * t)
-    >>> ax = ns.plot.load_cycles(ns.fatigue.count_cycles(load, t), bins=10)
+    >>> _, (ax,) = ns.plot.print_figure()
+    >>> ax = ns.plot.load_cycles(ns.fatigue.count_cycles(load, t), ax=ax, bins=10)
     >>> float(sum(bar.get_height() for bar in ax.patches))  # cycles in all, half ones included
     170.5
     """

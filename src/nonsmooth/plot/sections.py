@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-__all__ = ["section"]
+__all__ = ["diameter_of", "section"]
 
 # diameter in points by the number of places with a point: single ones are seen, many leave
 # gaps between them
@@ -93,7 +93,7 @@ def section(
         )
     across, up = points[x].values.ravel(), points[y].values.ravel()
     ax = new_axes() if ax is None else ax
-    diameter = _diameter(across, up) if size is None else size
+    diameter = diameter_of(across, up) if size is None else size
     sets = {"": np.ones(across.size, bool)}
     colours = {"": LINES[0]["color"]}
     if phases:
@@ -132,7 +132,7 @@ def _check_variable(points: xr.Dataset, name: str) -> None:
         raise OptionError(unknown_name("variable", name, known))
 
 
-def _diameter(across: npt.NDArray[np.float64], up: npt.NDArray[np.float64]) -> float:
+def diameter_of(across: npt.NDArray[np.float64], up: npt.NDArray[np.float64]) -> float:
     """Diameter by the number of places: the many points of a periodic motion lie on a few."""
     places = _place(across) * _PLACES + _place(up)
     count = np.count_nonzero(np.bincount(places, minlength=1))

@@ -33,28 +33,21 @@ class _Lines(NamedTuple):
 def local_periods(points: Floats, window: int, most_period: int, tolerance: float) -> npt.NDArray:
     """Least period that the points about each one follow, 0 where there is none.
 
-    A window follows period n when lines fit all its n branches to the tolerance, when those of no
-    part of n do, and when branches that such a part would join lie apart by more than what the
-    lines leave, and neither merge nor part quickly: those of a motion that settles with a
-    multiplier near -1 do. A point has the least period of all windows that hold it, so labels
-    reach to the very change of a regime.
+    A window follows period n when lines fit all its n branches to the tolerance, and branches that
+    a part of n would join lie apart by more than what the lines leave, and neither merge nor part
+    quickly: those of a motion that settles with a multiplier near -1 do. A point has the least
+    period of all windows that hold it, so labels reach to the very change of a regime.
 
     points: (K, d) in units in which the tolerance is meant; K at least ``window``
     """
     columns = np.ascontiguousarray(points.T)
     count = len(points)
     periods = np.zeros(count, np.int64)
-    fits: dict[int, Flags] = {}
     for n in range(1, most_period + 1):
         lines = _lines(columns, n, window // n)
-        fits[n] = _all_of(np.all(lines.misfit <= tolerance, axis=0), n)
-        parts = [n // p for p in range(2, n + 1) if n % p == 0 and _is_prime(p)]
-        follows = fits[n].copy()
-        for part in parts:
-            # windows of two periods differ in length by less than a period
-            both = min(follows.size, fits[part].size)
-            follows[:both] &= ~fits[part][:both]
-            follows &= _stay_apart(lines, n, part)[: follows.size]
+        follows = _all_of(np.all(lines.misfit <= tolerance, axis=0), n)
+        for part in (n // p for p in range(2, n + 1) if n % p == 0 and _is_prime(p)):
+            follows &= _stay_apart(lines, n, part, tolerance)[: follows.size]
         covered = _covered(follows, n * lines.visits, count)
         periods[(periods == 0) & covered] = n
     return periods
@@ -84,7 +77,7 @@ def _all_of(flags: Flags, n: int) -> Flags:
     return _sums(flags, n) == n
 
 
-def _stay_apart(lines: _Lines, n: int, part: int) -> Flags:
+def _stay_apart(lines: _Lines, n: int, part: int, tolerance: float) -> Flags:
     """Whether branches that a shorter period would join are apart, and keep their distance."""
     along = lines.slope[:, :-part] * (part / n)  # what the drift alone would do
     distance = lines.mean[:, part:] - lines.mean[:, :-part] - along
@@ -93,7 +86,8 @@ def _stay_apart(lines: _Lines, n: int, part: int) -> Flags:
         _sums((values * values).sum(axis=0), n - part)
         for values in (change, distance, lines.misfit[:, :-part])
     )
-    return np.asarray((parting <= _MERGING**2 * apart) & (apart >= _APART**2 * left))
+    least = np.maximum(_APART**2 * left, tolerance * tolerance)
+    return np.asarray((parting <= _MERGING**2 * apart) & (apart >= least))
 
 
 def _covered(windows: Flags, length: int, count: int) -> Flags:

@@ -109,10 +109,10 @@ def _is_among(label: str, fixed: list[str]) -> bool:
 CHECKS = (
     Check(
         "F57",
-        f"s = 1, d = 0; lengths from {_FIRST:g} to {_LAST:g} mm in steps of {_STEP:g}; growing crack"
-        " from rest at 5 mm, frozen per period, by local labels; fixed crack: all attractors of"
-        f" {BOX_STARTS} starts; true when the label of the growing crack is among theirs at every"
-        " length",
+        f"s = 1, d = 0; lengths from {_FIRST:g} to {_LAST:g} mm in steps of {_STEP:g}; growing"
+        " crack from rest at 5 mm, frozen per period, by local labels; fixed crack: all attractors"
+        f" of {BOX_STARTS} starts; true when the label of the growing crack is among theirs at"
+        " every length",
         stations,
         _judge,
     ),

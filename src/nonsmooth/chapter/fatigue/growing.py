@@ -117,9 +117,7 @@ def labelled_stretches(labels: xr.Dataset) -> list[Evidence]:
     return rows
 
 
-def local_exponent(
-    run: xr.Dataset, first: float, last: float, **parameters: float
-) -> Evidence:
+def local_exponent(run: xr.Dataset, first: float, last: float, **parameters: float) -> Evidence:
     """Growth of small deviations along a stretch of a run, per period.
 
     Parameters

@@ -48,10 +48,10 @@ def _told(predicate: Predicate, value: Callable[[Row], Any]) -> Callable[[], Evi
         return {
             "runs": [
                 {"grows": row["grows"], "start": row["start"], "first": row["first"],
-                 "true": predicate(row), "value": value(row)}
+                 "true": bool(predicate(row)), "value": value(row)}
                 for row in rows
             ],
-            "scan": {"cases": len(scan), "true": sum(predicate(row) for row in scan)},
+            "scan": {"cases": len(scan), "true": sum(bool(predicate(row)) for row in scan)},
         }  # fmt: skip
 
     return compute
@@ -94,9 +94,10 @@ def _loss_text(value: Evidence) -> str:
     if value["length"] is None:
         return "period one throughout"
     jumps = ", ".join(f"{jump:.2f}" for jump in value["jumps"])
+    jumps = f", with jumps to other such motions at {jumps} mm" if jumps else ""
     return (
         f"period one to {value['length']:.3f} mm (tau {tau_at(value['length']):.0f}), then"
-        f" {value['other']}" + (f", with jumps to other such motions at {jumps} mm" if jumps else "")
+        f" {value['other']}{jumps}"
     )
 
 
@@ -164,10 +165,10 @@ def _retreats() -> Evidence:
         retreat = longest_retreat(run)
         rows.append(
             {"grows": row["grows"], "start": row["start"], "first": row["first"],
-             "true": min(retreat.values()) <= _BACK, "value": retreat}
+             "true": bool(min(retreat.values()) <= _BACK), "value": retreat}
         )  # fmt: skip
     scan = scanned_histories()
-    true = sum(min(row["retreat"].values()) <= _BACK for row in scan)
+    true = sum(bool(min(row["retreat"].values()) <= _BACK) for row in scan)
     return {"runs": rows, "scan": {"cases": len(scan), "true": true}}
 
 
@@ -176,9 +177,7 @@ def _retreat_text(value: Evidence) -> str:
 
 
 _NAMES = {"frozen": "frozen per period", "flow": "within the flow"}
-_RANGE = (
-    f"s {S_RANGE[0]:g} to {S_RANGE[1]:g}, d {D_RANGE[0]:.2f} to {D_RANGE[1]:.2f}"
-)
+_RANGE = f"s {S_RANGE[0]:g} to {S_RANGE[1]:g}, d {D_RANGE[0]:.2f} to {D_RANGE[1]:.2f}"
 _PROTOCOL = (
     f"a(tau) of the caption, tau 0 to {TAU_END:.0f}, from rest, s = 1, d = 0; frozen per period"
     " decides; local labels up to period 8 in windows of 64 strobes, exponent of every stretch"

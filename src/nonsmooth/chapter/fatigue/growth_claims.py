@@ -22,8 +22,8 @@ _LINEAR = 0.05  # of the growth of a stretch: a line that is closer describes it
 
 
 def _reached(printed: str = "10.7", tau: float = 900_514.0) -> Evidence:
-    value = crack_at(tau)
-    return {"tau": tau, "crack": value, "printed": printed, "tau_of_printed": tau_at(float(printed))}
+    then = tau_at(float(printed))
+    return {"tau": tau, "crack": crack_at(tau), "printed": printed, "tau_of_printed": then}
 
 
 def _judge_reached(evidence: Evidence) -> Finding:
@@ -101,8 +101,8 @@ def _judge_growth_law(evidence: Evidence) -> Finding:
     here = (
         "no chaos up to the end"
         if onset["crack"] is None
-        else f"chaos from {onset['crack']:.2f} mm, at {evidence['share_of_time']:.1%} of the record,"
-        f" where the growth so far departs from a line by {evidence['before']:.0%}"
+        else f"chaos from {onset['crack']:.2f} mm, at {evidence['share_of_time']:.1%} of the"
+        f" record, where the growth so far departs from a line by {evidence['before']:.0%}"
     )
     at_onset = evidence["before"] is not None and evidence["before"] < _LINEAR
     return Finding(

@@ -210,9 +210,7 @@ def separators(row: Evidence, after: float) -> list[Evidence]:
                 "behind": second["period"],
                 "from_crack": first["to_crack"],
                 "to_crack": second["from_crack"],
-                "chaotic": any(
-                    each.get("chaotic", False) for each in stretches[one + 1 : other]
-                ),
+                "chaotic": any(each.get("chaotic", False) for each in stretches[one + 1 : other]),
             }
         )
     return rows

@@ -119,9 +119,7 @@ def alarm_rates(seed: int = 0) -> tuple[Evidence, ...]:
         drawn = random.standard_normal(strobes.shape) * level * amplitudes[:, None]
         seen = strobes + drawn
         alarms = {
-            "scatter": np.array(
-                [scatter(row) > THRESHOLD * size for row, size in zip(seen, amplitudes, strict=True)]
-            ),
+            "scatter": np.array([scatter(row) for row in seen]) > THRESHOLD * amplitudes,
             "zero_one": np.array([float(zero_one_test(row)["K"]) > _K for row in seen]),
         }
         row: Evidence = {

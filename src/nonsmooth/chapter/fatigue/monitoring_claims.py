@@ -64,10 +64,10 @@ def _judge(evidence: Evidence) -> Finding:
     lasts = evidence["aperiodic_behind"] > _LASTING
     return Finding(
         stays and told and lasts,
-        f"s = 1, d = 0: followed, chaos begins at {onset:.2f} mm ({evidence['share_of_time']:.1%} of"
-        f" the record), from any of six starts at {evidence['from_starts']['crack']:.1f} mm; behind"
-        f" it {evidence['aperiodic_behind']:.0%} of the lengths are aperiodic; onset when changed:"
-        f" {_changes(evidence)}; alarms: {_alarms(evidence)}",
+        f"s = 1, d = 0: followed, chaos begins at {onset:.2f} mm ({evidence['share_of_time']:.1%}"
+        f" of the record), from any of six starts at {evidence['from_starts']['crack']:.1f} mm;"
+        f" behind it {evidence['aperiodic_behind']:.0%} of the lengths are aperiodic; onset when"
+        f" changed: {_changes(evidence)}; alarms: {_alarms(evidence)}",
     )
 
 
@@ -94,18 +94,15 @@ def _alarms(evidence: Evidence) -> str:
     return f"{counts}, {listed}"
 
 
-CHECKS = (
-    Check(
-        "F59",
-        "s = 1, d = 0; onset: first length with a chaotic motion followed up from rest at 5 mm in"
-        f" steps of {_STEP:g} mm, and from six starts in steps of {_STARTS_STEP:g}; changed eta, xi,"
-        f" d and s one at a time; records of {STROBES} strobes of u from rest, 1000 periods dropped,"
-        f" with normal noise of {', '.join(f'{level:.1%}' for level in NOISE)} of the amplitude:"
-        f" alarm by scatter about a cycle of at most 8 points above {THRESHOLD:.0%} of the"
-        " amplitude, and by K > 0.5 of the 0-1 test. True when for changed eta, xi and d the onset"
-        f" stays within {_SHIFT:.0%}, alarms by scatter are wrong in {_RATE:.0%} at most at 1 %"
-        f" noise, and more than {_LASTING:.0%} of the lengths behind the onset are aperiodic",
-        _onsets,
-        _judge,
-    ),
+_PROTOCOL = (
+    "s = 1, d = 0; onset: first length with a chaotic motion followed up from rest at 5 mm in steps"
+    f" of {_STEP:g} mm, beside it from six starts in steps of {_STARTS_STEP:g}; eta, xi, d and s"
+    f" changed one at a time; records of {STROBES} strobes of u from rest, 1000 periods dropped,"
+    f" with normal noise of {', '.join(f'{level:.1%}' for level in NOISE)} of the amplitude: alarm"
+    f" by scatter about a cycle of at most 8 points above {THRESHOLD:.0%} of the amplitude, and by"
+    " K > 0.5 of the 0-1 test. True when for changed eta, xi and d the onset stays within"
+    f" {_SHIFT:.0%}, alarms by scatter are wrong in {_RATE:.0%} at most at 1 % noise, and more than"
+    f" {_LASTING:.0%} of the lengths behind the onset are aperiodic"
 )
+
+CHECKS = (Check("F59", _PROTOCOL, _onsets, _judge),)

@@ -125,9 +125,9 @@ def scan_of_orbits() -> Evidence:
             if all(orbit[:, 0].min() < 0.0 < orbit[:, 0].max() for orbit in motions):
                 distance = arc_distance([orbit[orbit[:, 0] <= 0.0] for orbit in motions])
                 least = min(least, distance)
-                counts["one_path"] += distance <= _SAME_PATH
+                counts["one_path"] += bool(distance <= _SAME_PATH)
                 counts["crossing"] += 1
-                counts["visible"] += min(ratios) - 1.0 >= _VISIBLE
+                counts["visible"] += bool(min(ratios) - 1.0 >= _VISIBLE)
     return {"cases": cases, **counts, "distance": float(least), "slope": float(slope)}
 
 

@@ -59,9 +59,7 @@ def _judge_losses(evidence: Evidence) -> Finding:
         " notched"
         for row in rows
     )
-    little = [
-        row["ratio"] for row in rows if 1.0 - max(_kept(row).values()) <= _LITTLE_STIFFNESS
-    ]
+    little = [row["ratio"] for row in rows if 1.0 - max(_kept(row).values()) <= _LITTLE_STIFFNESS]
     return Finding(
         len(little) == len(rows),
         f"{listed}; little (a loss of {_LITTLE_STIFFNESS:.0%} at most, by the more favourable"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from nonsmooth.models.rig_units import Unit, Units
+from nonsmooth.models.rigs.units import Unit, Units
 
 __all__ = ["PARAMETERS", "rotor_units"]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from nonsmooth.models.rig_units import Unit, Units
+from nonsmooth.models.rigs.units import Unit, Units
 
 __all__ = ["ONE_MASS", "TWO_MASSES", "one_mass_units", "two_mass_units"]
 

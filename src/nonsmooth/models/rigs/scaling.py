@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from nonsmooth.models.rig_units import DERIVATIVES, OF_STATES, Unit, Units, unit_of
+from nonsmooth.models.rigs.units import DERIVATIVES, OF_STATES, Unit, Units, unit_of
 from nonsmooth.simulation.labels import labels_of
 from nonsmooth.system.system import System
 

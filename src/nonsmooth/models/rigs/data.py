@@ -7,9 +7,21 @@ from collections.abc import Mapping
 from dataclasses import fields
 from typing import Any
 
-from nonsmooth.errors import ModelError
+from nonsmooth.errors import ModelError, OptionError
 
-__all__ = ["check_data"]
+__all__ = ["check_data", "one_number"]
+
+
+def one_number(name: str, value: Any, *, positive: bool = False) -> float:
+    """One finite number, positive if it must be, or an error that names the argument."""
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        number = math.nan
+    if not math.isfinite(number) or (positive and number <= 0.0):
+        kind = "positive number" if positive else "finite number"
+        raise OptionError(f"{name} = {value!r:.60} must be a {kind}")
+    return number
 
 
 def check_data(rig: Any, positive: Mapping[str, str], not_negative: Mapping[str, str]) -> None:

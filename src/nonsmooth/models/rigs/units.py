@@ -13,7 +13,7 @@ __all__ = ["DERIVATIVES", "OF_STATES", "Unit", "Units", "unit_of"]
 
 _TIMES = (
     "time", "phase", "event_time", "event_phase", "begin", "end_time",
-    "contact_duration", "shortest_contact", "longest_contact",
+    "contact_duration", "shortest_contact", "longest_contact", "from_time", "to_time",
 )  # fmt: skip
 _RATES = ("lyapunov_exponent", "running_exponent", "exponent_sum")  # per unit time
 _STATISTICS = (
@@ -126,6 +126,9 @@ def _special(data: xr.Dataset, name: str, units: Units) -> Unit | None:
         return Unit(units.time, "s")  # as a number it is that of the forcing, else a count
     if name in ("amplitude", "p", "q"):
         return of
+    end = name.removeprefix("from_").removeprefix("to_")  # of a stretch of one regime
+    if end != name and end in units.parameters:
+        return units.parameters[end]
     if name == "power_density" and of is not None:
         square = f"({of.name})^2" if "/" in of.name else f"{of.name}^2"
         return Unit(of.factor**2 * units.time, f"{square}/Hz" if of.name else "1/Hz")

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from nonsmooth.errors import OptionError, unknown_name
-from nonsmooth.models.rig_units import Unit
+from nonsmooth.models.rigs.units import Unit
 from nonsmooth.system.evaluate import evaluate
 from nonsmooth.system.expressions import names_in
 from nonsmooth.system.grammar import parse

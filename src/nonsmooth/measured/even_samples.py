@@ -1,0 +1,67 @@
+"""Samples in equal steps of time: of a record or of a run."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from nonsmooth.errors import OptionError, unknown_name
+
+__all__ = ["check_even", "check_variables", "over_time"]
+
+_OFF = 1e-6  # of a step, between samples that count as equidistant
+_FEWEST = 16  # samples
+
+
+def check_even(data: Any) -> float:
+    """Time between samples, or an error that says what may be wrong with them."""
+    if not isinstance(data, xr.Dataset) or "time" not in data.dims or "time" not in data.coords:
+        raise OptionError(
+            "data: give a record (measured.read_csv, measured.from_arrays) or a result of simulate"
+        )
+    times = data["time"].values.astype(float)
+    if times.size < _FEWEST:
+        raise OptionError(f"data: {times.size} samples are too few; {_FEWEST} are needed at least")
+    steps = np.diff(times)
+    step = float((times[-1] - times[0]) / steps.size)
+    slack = _OFF * step + 4.0 * np.finfo(float).eps * np.abs(times).max()
+    if step <= 0.0 or float(np.abs(steps - step).max()) > slack:
+        raise OptionError(
+            "data: the samples are not equidistant; simulate whole periods with"
+            " samples_per_period=, or with equidistant times="
+        )
+    return step
+
+
+def check_variables(data: xr.Dataset, names: Any, option: str) -> list[str]:
+    """Names of variables over time, each of them finite; all there are without names."""
+    known = [
+        str(name)
+        for name, v in data.data_vars.items()
+        if v.dims == ("time",) and v.dtype.kind == "f"
+    ]
+    chosen = known if names is None else [names] if isinstance(names, str) else list(names)
+    if not chosen:
+        raise OptionError(f"{option}: name some of {', '.join(known)}")
+    for name in chosen:
+        if name not in known:
+            raise OptionError(f"{option}: {unknown_name('variable', str(name), known)}")
+        if not np.all(np.isfinite(data[name].values)):
+            raise OptionError(f"{name}: some samples are not finite; cut the data to where all are")
+    return [str(name) for name in chosen]
+
+
+def over_time(data: xr.Dataset, variables: dict[str, Any], part: slice) -> xr.Dataset:
+    """Dataset of new variables with the coordinates and attributes of the old one.
+
+    The log of events of a run stays behind: the states in it have not been through the filter.
+    """
+    kept = {
+        name: coord
+        for name, coord in data.coords.items()
+        if coord.dims == ("time",) or "mark" in coord.dims
+    }
+    bare = xr.Dataset(coords=kept, attrs=dict(data.attrs)).isel(time=part)
+    return bare.assign(variables)

@@ -1,0 +1,1 @@
+"""What the two-mass fatigue rig consists of, behind its public functions."""

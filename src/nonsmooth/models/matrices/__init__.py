@@ -1,0 +1,1 @@
+"""Matrices of a rotor from arrays and files."""

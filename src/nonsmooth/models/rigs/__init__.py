@@ -1,0 +1,1 @@
+"""Data and units of machines in SI, whatever the machine."""

@@ -1,0 +1,1 @@
+"""What the rotors are measured in."""

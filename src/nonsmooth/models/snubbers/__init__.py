@@ -1,0 +1,1 @@
+"""Statics of the snubber ring, behind its public functions."""
