@@ -158,6 +158,7 @@ def with_rates(data: Mapping[str, float]) -> System:
     System
         Outputs ``rate_X1`` to ``rate_X5`` besides.
     """
-    system = fatigue_rig(**data)
+    values: dict[str, Any] = dict(data)
+    system = fatigue_rig(**values)
     rates = {f"rate_{name}": f"rate({name})" for name in STATES}
     return replace(system, outputs={**system.outputs, **rates})

@@ -66,9 +66,9 @@ def _judge_asymmetry(evidence: Evidence) -> Finding:
         parts.append(
             f"{name} rig, even harmonics of displacement and acceleration: {listed} (least load"
             f" {rows[0]['least_load']:.1f} N at {rows[0]['crack']:g} mm,"
-            f" {rows[-1]['least_load']:.1f} N at {rows[-1]['crack']:g} mm); mean deflection from {rows[0]['deflection']:.3f} to"
-            f" {rows[-1]['deflection']:.3f} mm, amplitude from {rows[0]['swing']:.3f} to"
-            f" {rows[-1]['swing']:.3f} mm"
+            f" {rows[-1]['least_load']:.1f} N at {rows[-1]['crack']:g} mm); mean deflection from"
+            f" {rows[0]['deflection']:.3f} to {rows[-1]['deflection']:.3f} mm, amplitude from"
+            f" {rows[0]['swing']:.3f} to {rows[-1]['swing']:.3f} mm"
         )
     return Finding(
         all(broken) if len(set(broken)) == 1 else None,
@@ -147,6 +147,7 @@ CHECKS = (
           f" over the first; broken: above {_BROKEN:.0%} in both records and growing",
           _asymmetry, _judge_asymmetry),
     Check("F19", f"{_RIG}; mean 0, Ueda's wave of equal mean square, {_DROP:g} s of 12 dropped;"
-          f" very similar: {_ALIKE:g} at least for the acceleration of mass 1, lags up to half a period",
+          f" very similar: {_ALIKE:g} at least for the acceleration of mass 1, lags up to"
+          " half a period",
           _likeness, _judge_likeness),
 )  # fmt: skip

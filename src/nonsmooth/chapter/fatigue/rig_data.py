@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -21,16 +22,16 @@ __all__ = [
     "steady",
 ]
 
-SET_24 = {
+SET_24: dict[str, Any] = {
     "eta": 3.0, "lambda1": 2.0, "lambda2": 2.0, "theta": 7.828, "eps": 0.002012, "f1": 3.75,
     "f2": 3.75, "xi_Ls": 0.00255, "xi_s": 0.002, "xi_p1": 0.4, "xi_p2": 0.4,
 }  # fmt: skip
-SET_25 = SET_24 | {"eta": 2.5, "lambda1": 4.36, "lambda2": 4.36, "f1": 5.44, "f2": 3.52}
+SET_25: dict[str, Any] = SET_24 | {"eta": 2.5, "lambda1": 4.36, "lambda2": 4.36, "f1": 5.44, "f2": 3.52}
 
 Stay = tuple[str, float, float]  # phase, when it begins, when it ends
 
 
-def rig_system(data: dict[str, float] | None = None, **changes: float) -> System:
+def rig_system(data: dict[str, Any] | None = None, **changes: float) -> System:
     """Two-mass rig with the data of a figure.
 
     Parameters

@@ -13,7 +13,7 @@ from functools import lru_cache
 import numpy as np
 import xarray as xr
 
-from nonsmooth import Signal, System, simulate
+from nonsmooth import simulate
 from nonsmooth.chapter.fatigue.rig_data import SET_24
 from nonsmooth.chapter.fatigue.rig_si_claims import rig_of_fig_25
 from nonsmooth.excitation import Excitation
@@ -120,34 +120,6 @@ def harmonic(
     return rig.to_si(simulate(rig.system(), begin, periods=periods, samples_per_period=samples))
 
 
-def shaken_by(rig: FatigueRig, record: Excitation) -> tuple[System, np.ndarray]:
-    """System of a rig whose base follows a record, and the times of its samples.
-
-    Parameters
-    ----------
-    rig : FatigueRig
-        The rig.
-    record : Excitation
-        Base acceleration in m/s^2.
-
-    Returns
-    -------
-    system : System
-        Dimensionless as of `FatigueRig.system`.
-    times : numpy.ndarray
-        Dimensionless.
-    """
-    system, units = rig.system(), rig.units
-    seconds, acceleration = record.closed()
-    times = (seconds - seconds[0]) / units.time
-    push = -acceleration / units.quantities["base"].factor
-    definitions = {k: v for k, v in system.definitions.items() if k != "shaking"}
-    shaken = replace(
-        system, definitions=definitions, signals={"shaking": Signal(times, push)}, period=None
-    )
-    return shaken, times
-
-
 def chaotic(
     name: str, crack: float, mean: float, record: Excitation, drop: float, finer: int = 1
 ) -> xr.Dataset:
@@ -172,24 +144,14 @@ def chaotic(
         The records of `RECORDS` over ``time``, in SI units; attribute ``phases``.
     """
     rig = tested_rig(name, crack, mean)
-    system, knots = shaken_by(rig, record)
+    knots, _ = record.closed()
     count = finer * (knots.size - 1) + 1
-    times = np.interp(np.arange(count) / finer, np.arange(knots.size), knots)
-    run = simulate(system, times=times)
-    units = rig.units
-    keep = slice(int(np.searchsorted(times * units.time, drop)), None)
-    found = {
-        each: ("time", units.quantities[each].factor * run[each].values[keep],
-               {"long_name": text, "units": units.quantities[each].name})
-        for each, text in RECORDS.items()
-    }  # fmt: skip
-    seconds = {"long_name": "time", "units": "s"}
-    names = run["mode"].attrs["flag_meanings"].split()
-    seen = {names[int(number)] for number in run["event_to"].values} | {
-        names[int(number)] for number in run["mode"].values
-    }
-    return xr.Dataset(
-        found,
-        {"time": ("time", times[keep] * units.time, seconds)},
-        {"phases": " ".join(sorted(seen)), "crack": crack, "mean_load": mean},
-    )
+    seconds = np.interp(np.arange(count) / finer, np.arange(knots.size), knots)
+    times = np.asarray(rig.from_si({"time": seconds})["time"])
+    run = simulate(rig.system(record.as_signal()), times=times, t_start=float(times[0]))
+    seen_in = run["mode"].attrs["flag_meanings"].split()
+    found = rig.to_si(run)
+    seen = {seen_in[int(number)] for name in ("event_to", "mode") for number in run[name].values}
+    found = found[list(RECORDS)].isel(time=slice(int(np.searchsorted(seconds, drop)), None))
+    found.attrs = {"phases": " ".join(sorted(seen)), "crack": crack, "mean_load": mean}
+    return found
