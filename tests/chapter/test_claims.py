@@ -7,6 +7,7 @@ import pytest
 
 from chapter.test_basin_claims import SLOW
 from chapter.test_fatigue_claims import SLOW_CRACK
+from chapter.test_fatigue_rig_claims import SLOW_RIG
 from chapter.test_rotor_claims import SLOW_ROTOR
 from chapter.test_sweep_claims import LONG
 from nonsmooth.chapter import claim_ids, evaluate_claims
@@ -21,7 +22,7 @@ COUNTS = {"G": 3, "M": 57, "F": 59, "R": 57}
 @pytest.fixture(scope="module")
 def rows():
     """Verdicts that take seconds; those from diagrams have tests of their own."""
-    long = {*LONG, *SLOW, *SLOW_CRACK, *SLOW_ROTOR}
+    long = {*LONG, *SLOW, *SLOW_CRACK, *SLOW_RIG, *SLOW_ROTOR}
     quick = [name for name in claim_ids(judged=True) if name not in long]
     return {row["id"]: row for row in evaluate_claims(ids=quick)}
 

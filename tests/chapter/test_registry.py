@@ -17,6 +17,10 @@ PNG = b"\x89PNG\r\n\x1a\n"
 SHOWN = {
     "fig8": {"b", "y", "period", "per_period", "first_50"},
     "fig12": {"label", "period", "kind", "fraction", "points"},
+    "fig16": {"base", "absolute1", "X3", "pneumatic1"},
+    "fig17": {"base", "absolute1", "X3", "pneumatic1"},
+    "fig21": {"harmonic", "chaotic", "crack", "ratios"},
+    "fig22": {"harmonic", "chaotic", "crack", "ratios"},
     "fig30": {"u", "v", "crack", "period"},
     "fig36": {"eta", "x", "period", "status"},
     "fig37": {"eta", "x", "vx"},
@@ -24,6 +28,11 @@ SHOWN = {
     "fig41": {"x", "period", "section_x", "section_vx"},
 }
 OF_MODEL = {  # quick ones without a run of the mole
+    "fig18": {"time", "time_49", "life", "crack"},
+    "fig19": {"time", "time_49", "life", "crack"},
+    "fig20": {"time", "time_49", "life", "crack"},
+    "fig24": {"X1", "X3", "X4", "mode", "steady_X1"},
+    "fig25": {"X1", "X3", "X4", "base", "acceleration1", "mode"},
     "fig27": {"force", "stiffness_open", "crack", "deflection"},
     "fig28": {"u", "v", "period", "ratio"},
     "fig29": {"u", "v", "period", "crack", "length"},
@@ -36,7 +45,9 @@ OF_MODEL = {  # quick ones without a run of the mole
     "fig42": {"x", "y", "vx", "vy", "mode"},
 }
 LABELLED = {
-    "fig8": "y", "fig12": "label", "fig27": "force", "fig28": "u", "fig29": "u", "fig30": "u",
+    "fig8": "y", "fig12": "label", "fig16": "base", "fig17": "base", "fig18": "time",
+    "fig19": "time", "fig20": "time", "fig21": "crack", "fig22": "crack", "fig24": "X1",
+    "fig25": "X1", "fig27": "force", "fig28": "u", "fig29": "u", "fig30": "u",
     "fig33": "F1", "fig37": "eta", "fig38": "sx",
 }  # fmt: skip
 

@@ -163,14 +163,20 @@ def stated_lives(mean: float) -> xr.Dataset:
     )  # fmt: skip
 
 
-@lru_cache(maxsize=2)
-def spread(rig: str) -> xr.Dataset:
+@lru_cache(maxsize=8)
+def spread(
+    rig: str, waves: tuple[str, ...] = tuple(WAVES), dampings: tuple[float, ...] = DAMPINGS
+) -> xr.Dataset:
     """Ratios of lives over the unknowns, for one rig.
 
     Parameters
     ----------
     rig : str
         One of `RIGS`.
+    waves : tuple of str, optional
+        Some of `WAVES`.
+    dampings : tuple of float, optional
+        Damping ratios.
 
     Returns
     -------
@@ -179,8 +185,8 @@ def spread(rig: str) -> xr.Dataset:
     """
     laws = {"published": published_laws()[_LAW], "fitted": fitted_law()}
     return spread_of_life_ratio(
-        shaken(rig), sine(), {name: wave(name) for name in WAVES}, Specimen().stress_intensity,
-        laws, mean_loads=MEANS, dampings=DAMPINGS, measures=MEASURES, load_amplitude=AMPLITUDE,
+        shaken(rig), sine(), {name: wave(name) for name in waves}, Specimen().stress_intensity,
+        laws, mean_loads=MEANS, dampings=dampings, measures=MEASURES, load_amplitude=AMPLITUDE,
         cracks=CRACKS, transient=TRANSIENT,
     )  # fmt: skip
 

@@ -9,7 +9,15 @@ import xarray as xr
 from scipy.interpolate import PchipInterpolator
 
 from nonsmooth.chapter.fatigue.beam_data import RATE, tau_at
-from nonsmooth.chapter.fatigue.chaotic_loads import RIGS, curves, fitted_law, spread, stated_lives
+from nonsmooth.chapter.fatigue.chaotic_loads import (
+    DAMPINGS,
+    RIGS,
+    WAVES,
+    curves,
+    fitted_law,
+    spread,
+    stated_lives,
+)
 from nonsmooth.fatigue import CrackCurve, LoadBlock, Specimen, chapter_tests, life
 from nonsmooth.plot import PALETTE, print_figure
 
@@ -143,8 +151,17 @@ def _drawn(data: xr.Dataset, tests: xr.Dataset, title: str) -> Figure:
     return figure
 
 
-def fig21() -> tuple[Figure, xr.Dataset]:
+def fig21(
+    waves: tuple[str, ...] = tuple(WAVES), dampings: tuple[float, ...] = DAMPINGS
+) -> tuple[Figure, xr.Dataset]:
     """Fig. 21: crack length under harmonic and chaotic shaking of equal power, mean load zero.
+
+    Parameters
+    ----------
+    waves : tuple of str, optional
+        Waves of the spread, by name.
+    dampings : tuple of float, optional
+        Damping ratios of the spread.
 
     Returns
     -------
@@ -156,15 +173,22 @@ def fig21() -> tuple[Figure, xr.Dataset]:
 
     Examples
     --------
-    >>> figure, data = fig21()
+    >>> figure, data = fig21(waves=("Ueda, displacement",), dampings=(0.392,))
     >>> bool(data["ratio_least"] < data["ratio_stated"] < data["ratio_most"])
     True
     """
-    return _shaken(0.0, 4.0)
+    return _shaken(0.0, 4.0, waves, dampings)
 
 
-def fig22() -> tuple[Figure, xr.Dataset]:
+def fig22(
+    waves: tuple[str, ...] = tuple(WAVES), dampings: tuple[float, ...] = DAMPINGS
+) -> tuple[Figure, xr.Dataset]:
     """Fig. 22: the same at a mean load of 150 N.
+
+    Parameters
+    ----------
+    waves, dampings : optional
+        As of `fig21`.
 
     Returns
     -------
@@ -173,13 +197,15 @@ def fig22() -> tuple[Figure, xr.Dataset]:
     data : xarray.Dataset
         As of `fig21`.
     """
-    return _shaken(150.0, 56.0)
+    return _shaken(150.0, 56.0, waves, dampings)
 
 
-def _shaken(mean: float, printed: float) -> tuple[Figure, xr.Dataset]:
+def _shaken(
+    mean: float, printed: float, waves: tuple[str, ...], dampings: tuple[float, ...]
+) -> tuple[Figure, xr.Dataset]:
     first, second = curves(mean)
     every = np.concatenate(
-        [spread(rig)["ratio"].sel(mean_load=mean).values.ravel() for rig in RIGS]
+        [spread(rig, waves, dampings)["ratio"].sel(mean_load=mean).values.ravel() for rig in RIGS]
     )
     low, top = float(first["crack"][0]), float(first["crack"][-1])
     cracks = low + (top - low) * np.concatenate([[0.0], np.geomspace(1e-4, 1.0, _POINTS)])

@@ -7,14 +7,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from nonsmooth.chapter.fatigue.chaotic_loads import wave
-from nonsmooth.chapter.fatigue.rig_data import stays
-from nonsmooth.chapter.fatigue.tested_rig import (
+from nonsmooth.chapter.fatigue.loaded_rig import (
     FREQUENCY,
     RIGS,
     base_amplitude,
     chaotic,
     harmonic,
 )
+from nonsmooth.chapter.fatigue.rig_data import stays
 from nonsmooth.chapter.judgement import Check, Evidence, Finding
 from nonsmooth.excitation import Excitation
 
@@ -83,7 +83,7 @@ def chaotic_shaking(name: str, mean: float) -> Excitation:
     Parameters
     ----------
     name : str
-        One of the rigs of `tested_rig`.
+        One of the rigs of `loaded_rig`.
     mean : float
         Mean load in N.
 

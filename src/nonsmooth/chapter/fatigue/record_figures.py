@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from nonsmooth.chapter.fatigue.record_claims import chaotic_shaking
-from nonsmooth.chapter.fatigue.tested_rig import (
+from nonsmooth.chapter.fatigue.loaded_rig import (
     FREQUENCY,
     RECORDS,
     RIGS,
@@ -16,6 +15,7 @@ from nonsmooth.chapter.fatigue.tested_rig import (
     chaotic,
     harmonic,
 )
+from nonsmooth.chapter.fatigue.record_claims import chaotic_shaking
 from nonsmooth.plot import PALETTE, print_figure
 
 if TYPE_CHECKING:

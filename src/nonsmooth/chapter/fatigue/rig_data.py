@@ -26,7 +26,13 @@ SET_24: dict[str, Any] = {
     "eta": 3.0, "lambda1": 2.0, "lambda2": 2.0, "theta": 7.828, "eps": 0.002012, "f1": 3.75,
     "f2": 3.75, "xi_Ls": 0.00255, "xi_s": 0.002, "xi_p1": 0.4, "xi_p2": 0.4,
 }  # fmt: skip
-SET_25: dict[str, Any] = SET_24 | {"eta": 2.5, "lambda1": 4.36, "lambda2": 4.36, "f1": 5.44, "f2": 3.52}
+SET_25: dict[str, Any] = SET_24 | {
+    "eta": 2.5,
+    "lambda1": 4.36,
+    "lambda2": 4.36,
+    "f1": 5.44,
+    "f2": 3.52,
+}
 
 Stay = tuple[str, float, float]  # phase, when it begins, when it ends
 

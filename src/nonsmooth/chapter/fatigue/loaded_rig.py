@@ -19,7 +19,7 @@ from nonsmooth.chapter.fatigue.rig_si_claims import rig_of_fig_25
 from nonsmooth.excitation import Excitation
 from nonsmooth.models import FatigueRig, set_load
 
-__all__ = ["FREQUENCY", "RECORDS", "RIGS", "base_amplitude", "chaotic", "harmonic", "tested_rig"]
+__all__ = ["FREQUENCY", "RECORDS", "RIGS", "base_amplitude", "chaotic", "harmonic", "loaded_rig"]
 
 FREQUENCY = 20.0  # Hz
 START = 6.4  # mm, length at which the base amplitude of a test is set
@@ -35,7 +35,7 @@ RECORDS = {
 }
 
 
-def tested_rig(name: str = RIGS[0], crack: float = START, mean: float = 100.0) -> FatigueRig:
+def loaded_rig(name: str = RIGS[0], crack: float = START, mean: float = 100.0) -> FatigueRig:
     """Rig with a crack in its specimen and a mean load on it, at 20 Hz.
 
     Parameters
@@ -54,7 +54,7 @@ def tested_rig(name: str = RIGS[0], crack: float = START, mean: float = 100.0) -
     Examples
     --------
     >>> import nonsmooth as ns
-    >>> rig = tested_rig(crack=10.0)
+    >>> rig = loaded_rig(crack=10.0)
     >>> run = rig.to_si(ns.simulate(rig.system(), times=[0.0]))
     >>> round(float(run["load"][0]), 9)
     100.0
@@ -92,7 +92,7 @@ def base_amplitude(name: str, mean: float, load: float = 100.0) -> float:
     float
         In mm.
     """
-    rig = tested_rig(name, START, mean)
+    rig = loaded_rig(name, START, mean)
     return float(set_load(rig, load, crack=START)["base_amplitude"])
 
 
@@ -115,7 +115,7 @@ def harmonic(
     xarray.Dataset
         In SI units.
     """
-    rig = replace(tested_rig(name, crack, mean), base_amplitude=base_amplitude(name, mean))
+    rig = replace(loaded_rig(name, crack, mean), base_amplitude=base_amplitude(name, mean))
     begin = simulate(rig.system(), periods=dropped, samples_per_period=1)
     return rig.to_si(simulate(rig.system(), begin, periods=periods, samples_per_period=samples))
 
@@ -143,7 +143,7 @@ def chaotic(
     xarray.Dataset
         The records of `RECORDS` over ``time``, in SI units; attribute ``phases``.
     """
-    rig = tested_rig(name, crack, mean)
+    rig = loaded_rig(name, crack, mean)
     knots, _ = record.closed()
     count = finer * (knots.size - 1) + 1
     seconds = np.interp(np.arange(count) / finer, np.arange(knots.size), knots)
