@@ -255,3 +255,27 @@ def test_bad_input():
         RIG.cracked("ten")
     with pytest.raises(ns.ModelError, match="raise f1"):
         FatigueRig.from_dimensionless(f1=-1.0)
+
+
+def test_a_record_of_the_base_in_place_of_a_sine():
+    """A sampled sine is the harmonic base, up to the interpolation between its samples."""
+    rate, samples = 2 * np.pi * RIG.frequency, 400
+    t = np.arange(0.0, 0.5, 1.0 / RIG.frequency / samples)
+    acceleration = -1e-3 * RIG.base_amplitude * rate**2 * np.sin(rate * t)  # m/s^2
+    system = RIG.system(base=ns.Signal(t, acceleration))
+    assert "eta" not in system.parameters and system.period is None
+    times = RIG.from_si({"time": t[::40]})["time"]
+    recorded, sine = ns.simulate(system, times=times), ns.simulate(RIG.system(), times=times)
+    for name in ("X1", "X3", "X4", "load", "base", "absolute2"):
+        size = float(np.abs(sine[name]).max())
+        # a spline through 400 samples of a sine is off by (2 pi / 400)^4 / 384 of it
+        assert np.abs(recorded[name] - sine[name]).max() < 2e-9 * size
+    si, expected = RIG.to_si(recorded), RIG.to_si(sine)
+    assert float(si["load"][-1]) == pytest.approx(float(expected["load"][-1]), abs=1e-5)
+    assert si["base"].attrs["units"] == "m/s^2" and "rig_frequency" not in si.attrs
+    assert si["base"].values == pytest.approx(acceleration[::40], abs=1e-9)
+    with pytest.raises(ns.ModelError, match="must be a Signal"):
+        RIG.system(base=[1.0, 2.0])
+    other = dataclasses.replace(RIG, mass=9.0)
+    with pytest.raises(ns.OptionError, match="not made with the system of this rig"):
+        other.to_si(recorded)

@@ -2,7 +2,11 @@ r"""The chapter's fatigue-testing rig: two masses on a bending specimen."""
 
 from __future__ import annotations
 
+from typing import Any
+
+from nonsmooth.errors import ModelError
 from nonsmooth.system.parts import Mode, Text
+from nonsmooth.system.signals import Signal
 from nonsmooth.system.system import System
 
 __all__ = ["fatigue_rig"]
@@ -67,6 +71,7 @@ def fatigue_rig(
     xi_p2: Text = 0.4,
     *,
     open_stiffness: Text | None = None,
+    base: Signal | None = None,
 ) -> System:
     r"""Two-mass fatigue-testing rig on its shaker, dimensionless, chapter sections 3.3 and 3.5.
 
@@ -126,6 +131,9 @@ def fatigue_rig(
     open_stiffness : float or str, optional
         Stiffness of the specimen while its crack is open over that while it is closed. Left out,
         the specimen has no crack.
+    base : Signal, optional
+        Acceleration of the base in :math:`A_b \omega_{Ls}^2` over :math:`\omega_{Ls} t`, for
+        shaking that is not harmonic; ``eta`` then plays no part, and the system has no period.
 
     Returns
     -------
@@ -141,7 +149,8 @@ def fatigue_rig(
     ------
     ModelError
         When ``eta``, ``theta``, ``eps``, ``xi_s`` or ``open_stiffness`` is not positive, another
-        damping ratio is negative, or a mass does not press on the specimen at rest.
+        damping ratio is negative, a mass does not press on the specimen at rest, or ``base`` is no
+        signal.
 
     See Also
     --------
@@ -206,6 +215,16 @@ def fatigue_rig(
         at_rest += "*where(f1 > f2, open_stiffness, 1)"
         now += "*where(X3 + gamma > 0, open_stiffness, 1)"
         cells = {signs + crack: phase for signs, phase in _PHASES.items() for crack in "+-"}
+    shaking = "eta**2*sin(eta*t)"
+    more: dict[str, Any] = {"period": "2*pi/eta"}
+    if base is not None:
+        if not isinstance(base, Signal):
+            raise ModelError(
+                f"base = {base!r:.60} must be a Signal of the acceleration of the base; for"
+                " harmonic shaking leave it out"
+            )
+        shaking, more = "-shaker", {"signals": {"shaker": base}}
+        del parameters["eta"], labels["eta"], require["eta > 0"]
     share = f"(f1 - f2)/(2 + {at_rest}*(1 + eps))"
     require |= {
         f"f1 > {share}": "at rest mass 1 must press on the specimen; raise f1",
@@ -214,7 +233,6 @@ def fatigue_rig(
     return System(
         name="fatigue_rig",
         states=["X1", "X2", "X3", "X4", "X5"],
-        period="2*pi/eta",
         parameters=parameters,
         require=require,
         describe=labels,
@@ -224,7 +242,7 @@ def fatigue_rig(
             "Delta2": "-eps*(f2 + gamma)/(1 + eps)",
             "delta1": "gamma + Delta1",
             "delta2": "gamma + Delta2",
-            "shaking": "eta**2*sin(eta*t)",
+            "shaking": shaking,
             "R1": "max(X1 - X3 + Delta1, 0)/eps",
             "R2": "max(X3 - X4 - Delta2, 0)/eps",
             "P1": "lambda1**2*X1 + 2*xi_p1*lambda1*X2",
@@ -256,4 +274,5 @@ def fatigue_rig(
                 cells=cells,
             )
         },
+        **more,
     )

@@ -24,6 +24,7 @@ from nonsmooth.models.rigs.data import check_data, one_number
 from nonsmooth.models.rigs.scaling import changed_parameters, in_si
 from nonsmooth.models.rigs.ties import check_system, units_of_ties, with_likes
 from nonsmooth.models.rigs.units import Units
+from nonsmooth.system.signals import Signal
 from nonsmooth.system.system import System
 
 __all__ = ["FatigueRig"]
@@ -218,7 +219,7 @@ class FatigueRig:
         k_s = (
             1e3 * Specimen().closed_stiffness if specimen_stiffness is None else specimen_stiffness
         )
-        given = {
+        given: dict[str, Any] = {
             "eta": eta, "lambda1": lambda1, "lambda2": lambda2, "theta": theta, "eps": eps,
             "f1": f1, "f2": f2, "xi_Ls": xi_Ls, "xi_s": xi_s, "xi_p1": xi_p1, "xi_p2": xi_p2,
         }  # fmt: skip
@@ -267,8 +268,14 @@ class FatigueRig:
         """
         return parameters_of(self)
 
-    def system(self) -> System:
+    def system(self, base: Signal | None = None) -> System:
         """Dimensionless system of this rig.
+
+        Parameters
+        ----------
+        base : Signal, optional
+            Acceleration of the base in m/s^2 over s, in place of harmonic shaking;
+            ``base_amplitude`` then is the unit of length alone.
 
         Returns
         -------
@@ -278,7 +285,7 @@ class FatigueRig:
         Raises
         ------
         ModelError
-            When a mass does not press on the specimen at rest.
+            When a mass does not press on the specimen at rest, or ``base`` is no signal.
 
         Examples
         --------
@@ -287,7 +294,14 @@ class FatigueRig:
         'fatigue_rig'
         """
         values: dict[str, Any] = self.parameters()
-        return fatigue_rig(**values)
+        if isinstance(base, Signal):
+            units = self.units
+            base = Signal(
+                np.asarray(base.times) / units.time,
+                np.asarray(base.values) / units.quantities["base"].factor,
+                base.method,
+            )
+        return fatigue_rig(**values, base=base)
 
     def cracked(
         self,
@@ -578,12 +592,15 @@ class FatigueRig:
                 result, {k: v for k, v in self.parameters().items() if k != "eta"}
             )
         units = self.units
-        ties = check_system(data.attrs["system"], self.system(), changed, TWO_MASSES, _FREE)
+        shaker = System.from_toml(data.attrs["system"]).signals.get("shaker")
+        values: dict[str, Any] = self.parameters()
+        own = fatigue_rig(**values, base=shaker)
+        ties = check_system(data.attrs["system"], own, changed, TWO_MASSES, _FREE)
         parameters, labels = units_of_ties(ties, units.parameters, units.labels, like or {})
         result = in_si(data, replace(units, parameters=parameters, labels=labels))
         swept = {str(data.attrs.get("parameter", "")), *map(str, data.variables)}
-        values = {k: changed.get(k, v) for k, v in ties.values.items() if k not in swept}
-        return self._with_data(result, values)
+        found = {k: changed.get(k, v) for k, v in ties.values.items() if k not in swept}
+        return self._with_data(result, found)
 
     def _with_data(self, data: xr.Dataset, values: Mapping[str, float]) -> xr.Dataset:
         """Attributes with the rig's data, as the values of the parameters have them."""
