@@ -6,7 +6,7 @@ import numpy as np
 
 from nonsmooth.errors import OptionError
 from nonsmooth.excitation.record import Excitation, sample_count
-from nonsmooth.fatigue.given import positive
+from nonsmooth.fatigue.checks import positive
 
 __all__ = ["band_noise"]
 

@@ -9,7 +9,7 @@ import numpy as np
 from nonsmooth.analysis.lyapunov_spectrum import lyapunov_spectrum
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.excitation.record import Excitation, sample_count
-from nonsmooth.fatigue.given import finite, positive
+from nonsmooth.fatigue.checks import finite, positive
 from nonsmooth.models.duffing import duffing as oscillator
 from nonsmooth.simulation.simulate import simulate
 from nonsmooth.system.system import System

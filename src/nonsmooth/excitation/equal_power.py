@@ -8,11 +8,12 @@ import numpy as np
 
 from nonsmooth.errors import OptionError
 from nonsmooth.excitation.record import MEASURES, Excitation
-from nonsmooth.fatigue.given import Floats, record_values
+from nonsmooth.fatigue.checks import Array
+from nonsmooth.fatigue.record_checks import record_values
 
 __all__ = ["equal_power", "power_ratio"]
 
-Response = Callable[[Excitation], Floats]
+Response = Callable[[Excitation], Array]
 _ROUNDS, _CLOSE = 60, 1e-10
 _SLOPES = (0.5, 12.0)  # of the power by the factor, in logarithms; 2 in proportion
 

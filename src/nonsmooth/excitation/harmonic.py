@@ -6,7 +6,7 @@ import numpy as np
 
 from nonsmooth.errors import OptionError
 from nonsmooth.excitation.record import Excitation, sample_count
-from nonsmooth.fatigue.given import finite, positive
+from nonsmooth.fatigue.checks import finite, positive
 
 __all__ = ["harmonic"]
 

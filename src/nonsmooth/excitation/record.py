@@ -10,7 +10,8 @@ import numpy as np
 import xarray as xr
 
 from nonsmooth.errors import OptionError
-from nonsmooth.fatigue.given import Floats, check_times, finite, positive, record_values
+from nonsmooth.fatigue.checks import Array, finite, positive
+from nonsmooth.fatigue.record_checks import check_times, record_values
 from nonsmooth.system.signals import Signal
 
 __all__ = ["MEASURES", "Excitation"]
@@ -92,7 +93,7 @@ class Excitation:
         """Time of the record in s, with the step after the last sample where it is periodic."""
         return float(self.step * (self.times.size - (0 if self.periodic else 1)))
 
-    def spectrum(self) -> tuple[Floats, Floats]:
+    def spectrum(self) -> tuple[Array, Array]:
         """Mean square acceleration by frequency.
 
         A periodic record is transformed as it is; another one under a Hann window, scaled so
@@ -195,7 +196,7 @@ class Excitation:
         times, values = self.closed()
         return Signal(times, values, method)
 
-    def closed(self) -> tuple[Floats, Floats]:
+    def closed(self) -> tuple[Array, Array]:
         """Times and accelerations, with the first sample again at the end of a periodic record.
 
         Returns

@@ -11,7 +11,7 @@ import xarray as xr
 
 from nonsmooth.errors import ModelError, OptionError, RunError
 from nonsmooth.excitation.record import Excitation
-from nonsmooth.fatigue.given import Floats, finite, positive
+from nonsmooth.fatigue.checks import Array, finite, positive
 from nonsmooth.simulation.simulate import simulate
 from nonsmooth.system.parts import Mode
 from nonsmooth.system.system import System
@@ -226,7 +226,7 @@ class ShakenSpecimen:
         found: xr.DataArray = run["load"]
         return found.isel(time=slice(int(np.searchsorted(times, times[0] + drop)), None))
 
-    def load_values(self, excitation: Excitation, crack: float, transient: float = 8.0) -> Floats:
+    def load_values(self, excitation: Excitation, crack: float, transient: float = 8.0) -> Array:
         """The same as an array, as `equal_power` takes it.
 
         Parameters
@@ -243,7 +243,7 @@ class ShakenSpecimen:
         numpy.ndarray
             Load in N.
         """
-        values: Floats = self.load(excitation, crack, transient).values
+        values: Array = self.load(excitation, crack, transient).values
         return values
 
     def _rest(self, crack: float) -> dict[str, float]:

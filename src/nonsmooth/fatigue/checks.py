@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import fields
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,16 @@ import numpy.typing as npt
 
 from nonsmooth.errors import ModelError, OptionError
 
-__all__ = ["Array", "crack_lengths", "finite_array", "finite_number", "like", "set_numbers"]
+__all__ = [
+    "Array",
+    "crack_lengths",
+    "finite",
+    "finite_array",
+    "finite_number",
+    "like",
+    "positive",
+    "set_numbers",
+]
 
 Array = npt.NDArray[np.float64]
 
@@ -37,6 +47,21 @@ def finite_number(name: str, value: Any) -> float:
         number = math.nan
     if not math.isfinite(number):
         raise ModelError(f"{name} = {value!r:.60} is not a finite number")
+    return number
+
+
+def finite(name: str, value: Any) -> float:
+    """A finite number."""
+    if isinstance(value, bool) or not isinstance(value, Real) or not math.isfinite(value):
+        raise OptionError(f"{name} = {value!r:.60} is not a finite number")
+    return float(value)
+
+
+def positive(name: str, value: Any, unit: str = "") -> float:
+    """A finite number above zero."""
+    number = finite(name, value)
+    if number <= 0.0:
+        raise OptionError(f"{name} = {number:g}{unit and ' ' + unit}: it must be above zero")
     return number
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError
-from nonsmooth.fatigue.given import Floats, finite
+from nonsmooth.fatigue.checks import Array, finite
 
 __all__ = ["Closure", "NewmanClosure", "closure_text", "effective_range"]
 
@@ -64,7 +64,7 @@ class NewmanClosure:
         if self.reference is not None and not -1.0 <= finite("reference", self.reference) < 1.0:
             raise OptionError(f"reference = {self.reference:g}: from -1 to below 1")
 
-    def opening(self, R: npt.ArrayLike) -> Floats:
+    def opening(self, R: npt.ArrayLike) -> Array:
         """Stress intensity at which the crack opens, by the largest one.
 
         Parameters
@@ -89,7 +89,7 @@ class NewmanClosure:
 
 def effective_range(
     K_min: npt.ArrayLike, K_max: npt.ArrayLike, closure: str | float | NewmanClosure = "shut"
-) -> tuple[Floats, Floats]:
+) -> tuple[Array, Array]:
     """Range of stress intensity that works, and the load ratio that a law is given with it.
 
     Parameters

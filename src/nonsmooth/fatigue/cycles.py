@@ -8,7 +8,8 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from nonsmooth.fatigue.given import Floats, check_times, record_values
+from nonsmooth.fatigue.checks import Array
+from nonsmooth.fatigue.record_checks import check_times, record_values
 from nonsmooth.fatigue.reversals import refined, turning_places
 
 __all__ = ["count_cycles"]
@@ -110,7 +111,7 @@ def count_cycles(
     return _dataset(rows, moments, unit, "s" if times is not None else "samples", attrs)
 
 
-def _refined(values: Floats, repeating: bool) -> Floats:
+def _refined(values: Array, repeating: bool) -> Array:
     """Samples with refined reversals, also at the join of a block that closes."""
     if not repeating or abs(values[0] - values[-1]) > _CLOSED * np.ptp(values):
         return refined(values)
@@ -118,7 +119,7 @@ def _refined(values: Floats, repeating: bool) -> Floats:
     return around[values.size - 1 : 2 * values.size - 1]
 
 
-def _rainflow(values: Floats, repeating: bool) -> Floats:
+def _rainflow(values: Array, repeating: bool) -> Array:
     """Rows of range, mean, count, first and last reversal."""
     from rainflow import extract_cycles
 
@@ -136,7 +137,7 @@ def _rainflow(values: Floats, repeating: bool) -> Floats:
 
 
 def _dataset(
-    rows: Floats, moments: Floats, unit: str, time_unit: str, attrs: dict[str, Any]
+    rows: Array, moments: Array, unit: str, time_unit: str, attrs: dict[str, Any]
 ) -> xr.Dataset:
     size, mean = rows[:, 0], rows[:, 1]
     ends = rows[:, 3:].astype(int)

@@ -10,9 +10,9 @@ import numpy.typing as npt
 import xarray as xr
 
 from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.fatigue.checks import Array
 from nonsmooth.fatigue.closure import NewmanClosure, closure_text
 from nonsmooth.fatigue.compared_lives import check_tests, predicted_lives
-from nonsmooth.fatigue.given import Floats
 from nonsmooth.fatigue.growth_laws import Paris, Walker
 from nonsmooth.fatigue.growth_rate import StressIntensity
 
@@ -59,7 +59,7 @@ class FittedLaw:
         """True: the constants come from the lives themselves."""
         return True
 
-    def rate(self, delta_K: npt.ArrayLike, R: npt.ArrayLike = 0.0) -> Floats:
+    def rate(self, delta_K: npt.ArrayLike, R: npt.ArrayLike = 0.0) -> Array:
         """Growth in mm per cycle, as of the law.
 
         Parameters
@@ -151,7 +151,7 @@ def fit_law(
                                "closure": closure}  # fmt: skip
     measured = np.log(table["life"].values.astype(float))
 
-    def off(shape: Floats) -> Floats:
+    def off(shape: Array) -> Array:
         """Log of predicted by measured life, its mean taken off, for that is C."""
         trial = _with(law, names, shape, 1.0)
         found = np.log(predicted_lives(table, stress_intensity, trial, frequency, options))
@@ -177,7 +177,7 @@ def fit_law(
     return FittedLaw(found, ("C", *names), errors, count, spread, text)
 
 
-def _with(law: Paris | Walker, names: list[str], shape: Floats, C: float) -> Paris | Walker:
+def _with(law: Paris | Walker, names: list[str], shape: Array, C: float) -> Paris | Walker:
     """Law with other constants, whose source is that of no publication."""
     changes: dict[str, Any] = dict(zip(names, map(float, shape), strict=True))
     return replace(law, **changes, C=C, source="")
@@ -199,7 +199,7 @@ def _free(free: Any, law: Any, n_tests: int) -> list[str]:
     return names
 
 
-def _errors(off: Any, shape: Floats, rest: Floats) -> tuple[tuple[float, ...], float]:
+def _errors(off: Any, shape: Array, rest: Array) -> tuple[tuple[float, ...], float]:
     """Standard errors of log C and the others, and the scatter as a factor."""
     count, free = rest.size, shape.size + 1
     if count <= free:

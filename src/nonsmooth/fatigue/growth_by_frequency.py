@@ -7,10 +7,11 @@ import numpy.typing as npt
 import xarray as xr
 
 from nonsmooth.errors import OptionError
+from nonsmooth.fatigue.checks import positive
 from nonsmooth.fatigue.closure import NewmanClosure, effective_range
-from nonsmooth.fatigue.given import positive, record_values
 from nonsmooth.fatigue.growth_laws import GrowthLaw
 from nonsmooth.fatigue.growth_rate import StressIntensity, intensity
+from nonsmooth.fatigue.record_checks import record_values
 
 __all__ = ["growth_by_frequency"]
 

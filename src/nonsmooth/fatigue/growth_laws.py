@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError
-from nonsmooth.fatigue.given import Floats, finite, positive
+from nonsmooth.fatigue.checks import Array, finite, positive
 
 __all__ = ["Forman", "GrowthLaw", "Paris", "Walker"]
 
@@ -22,7 +22,7 @@ class GrowthLaw(Protocol):
         """Where the constants come from."""
         ...
 
-    def rate(self, delta_K: Any, R: Any = 0.0) -> Floats:
+    def rate(self, delta_K: Any, R: Any = 0.0) -> Array:
         """Growth in mm per cycle."""
         ...
 
@@ -66,7 +66,7 @@ class Paris:
     def __post_init__(self) -> None:
         _check(self, "C", "m")
 
-    def rate(self, delta_K: npt.ArrayLike, R: npt.ArrayLike = 0.0) -> Floats:
+    def rate(self, delta_K: npt.ArrayLike, R: npt.ArrayLike = 0.0) -> Array:
         """Growth in mm per cycle.
 
         Parameters
@@ -128,7 +128,7 @@ class Walker:
         _check(self, "C", "m")
         finite("gamma", self.gamma)
 
-    def rate(self, delta_K: npt.ArrayLike, R: npt.ArrayLike = 0.0) -> Floats:
+    def rate(self, delta_K: npt.ArrayLike, R: npt.ArrayLike = 0.0) -> Array:
         """Growth in mm per cycle.
 
         Parameters
@@ -190,7 +190,7 @@ class Forman:
     def __post_init__(self) -> None:
         _check(self, "C", "m", "K_c")
 
-    def rate(self, delta_K: npt.ArrayLike, R: npt.ArrayLike = 0.0) -> Floats:
+    def rate(self, delta_K: npt.ArrayLike, R: npt.ArrayLike = 0.0) -> Array:
         """Growth in mm per cycle.
 
         Parameters
@@ -214,7 +214,7 @@ class Forman:
         )
 
 
-def _above(size: Floats, threshold: float, rate: Floats) -> Floats:
+def _above(size: Array, threshold: float, rate: Array) -> Array:
     return np.where(size > threshold, rate, 0.0)
 
 

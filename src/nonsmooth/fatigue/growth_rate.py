@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from nonsmooth.errors import OptionError
+from nonsmooth.fatigue.checks import Array
 from nonsmooth.fatigue.closure import Closure, effective_range
-from nonsmooth.fatigue.given import Floats
 from nonsmooth.fatigue.growth_laws import GrowthLaw
 from nonsmooth.fatigue.load_block import LoadBlock
 from nonsmooth.fatigue.load_table import LoadTable
@@ -38,7 +38,7 @@ def check_loads(loads: Loads) -> None:
         )
 
 
-def intensity(stress_intensity: StressIntensity, load: Any, crack: Any) -> Floats:
+def intensity(stress_intensity: StressIntensity, load: Any, crack: Any) -> Array:
     """Stress intensity, checked."""
     found = np.asarray(stress_intensity(load, crack), dtype=float)
     shape = np.broadcast_shapes(np.shape(load), np.shape(crack))
@@ -58,11 +58,11 @@ def intensity(stress_intensity: StressIntensity, load: Any, crack: Any) -> Float
 
 def block_rate(
     block: LoadBlock,
-    lengths: Floats,
+    lengths: Array,
     stress_intensity: StressIntensity,
     law: GrowthLaw,
     closure: Closure,
-) -> Floats:
+) -> Array:
     """Growth in mm/s of one block at each length."""
     step = max(1, _AT_ONCE // block.count.size)
     total = np.empty(lengths.size)
@@ -77,11 +77,11 @@ def block_rate(
 
 def growth_rate(
     loads: Loads,
-    lengths: Floats,
+    lengths: Array,
     stress_intensity: StressIntensity,
     law: GrowthLaw,
     closure: Closure,
-) -> Floats:
+) -> Array:
     """Growth in mm/s at each length."""
     if isinstance(loads, LoadBlock):
         return block_rate(loads, lengths, stress_intensity, law, closure)

@@ -8,9 +8,9 @@ import numpy as np
 import xarray as xr
 
 from nonsmooth.errors import OptionError
+from nonsmooth.fatigue.checks import Array, finite, positive
 from nonsmooth.fatigue.closure import NewmanClosure, closure_text
 from nonsmooth.fatigue.fracture import final_length
-from nonsmooth.fatigue.given import Floats, finite, positive
 from nonsmooth.fatigue.growth_laws import GrowthLaw
 from nonsmooth.fatigue.growth_rate import (
     Loads,
@@ -108,7 +108,7 @@ def life(
     limit = None if toughness is None else positive("toughness", toughness, "MPa sqrt(m)")
     end, ended = final_length(stress_intensity, loads, first, last, limit)
 
-    def rate(lengths: Floats) -> Floats:
+    def rate(lengths: Array) -> Array:
         return growth_rate(loads, lengths, stress_intensity, law, closure)
 
     edges = np.linspace(first, end, _POINTS)
@@ -137,7 +137,7 @@ def _lengths(initial: Any, final: Any) -> tuple[float, float]:
     return first, last
 
 
-def _checked(rate: Floats, lengths: Floats) -> Floats:
+def _checked(rate: Array, lengths: Array) -> Array:
     bad = np.flatnonzero(np.isnan(rate) | (rate < 0.0))
     if bad.size:
         raise OptionError(
@@ -147,12 +147,12 @@ def _checked(rate: Floats, lengths: Floats) -> Floats:
     return rate
 
 
-def _times(rate: Any, edges: Floats, panels: Floats, tolerance: float) -> tuple[Floats, float]:
+def _times(rate: Any, edges: Array, panels: Array, tolerance: float) -> tuple[Array, float]:
     """Time at each edge; infinite from the first length on at which nothing grows."""
     stuck = np.flatnonzero(rate(panels) == 0.0)
     still = np.inf if stuck.size == 0 else float(panels[stuck[0]])
 
-    def slowness(lengths: Floats) -> Floats:
+    def slowness(lengths: Array) -> Array:
         speed = rate(lengths)
         return 1.0 / np.maximum(speed, _STILL)
 
@@ -171,7 +171,7 @@ def _times(rate: Any, edges: Floats, panels: Floats, tolerance: float) -> tuple[
 
 
 def life_dataset(
-    cracks: Floats, times: Floats, rates: Floats, loads: Loads, attrs: dict[str, Any]
+    cracks: Array, times: Array, rates: Array, loads: Loads, attrs: dict[str, Any]
 ) -> xr.Dataset:
     """Curve of growth with its attributes."""
     per_second = np.array([_cycles_per_second(loads, a) for a in cracks])

@@ -6,8 +6,8 @@ import numpy as np
 import xarray as xr
 
 from nonsmooth.errors import OptionError
+from nonsmooth.fatigue.checks import Array
 from nonsmooth.fatigue.closure import NewmanClosure, closure_text, effective_range
-from nonsmooth.fatigue.given import Floats
 from nonsmooth.fatigue.growth_laws import GrowthLaw
 from nonsmooth.fatigue.growth_rate import StressIntensity, intensity
 from nonsmooth.fatigue.life import _lengths, life_dataset
@@ -122,7 +122,7 @@ def _growth(
     return float(law.rate(size, ratio))
 
 
-def _mean_rate(lengths: Floats, times: Floats) -> Floats:
+def _mean_rate(lengths: Array, times: Array) -> Array:
     """Growth per s of each block; of the last one again at the end."""
     rates = np.diff(lengths) / np.diff(times)
     return np.append(rates, rates[-1])

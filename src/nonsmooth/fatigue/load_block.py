@@ -10,8 +10,9 @@ import numpy.typing as npt
 import xarray as xr
 
 from nonsmooth.errors import OptionError
+from nonsmooth.fatigue.checks import finite, positive
 from nonsmooth.fatigue.cycles import count_cycles
-from nonsmooth.fatigue.given import finite, positive, record_values
+from nonsmooth.fatigue.record_checks import record_values
 
 __all__ = ["LoadBlock"]
 

@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 
 from nonsmooth.errors import OptionError
-from nonsmooth.fatigue.given import Floats, record_values
+from nonsmooth.fatigue.checks import Array
 from nonsmooth.fatigue.load_block import LoadBlock
+from nonsmooth.fatigue.record_checks import record_values
 
 __all__ = ["LoadTable"]
 
@@ -57,7 +58,7 @@ class LoadTable:
         object.__setattr__(self, "cracks", lengths)
         object.__setattr__(self, "blocks", blocks)
 
-    def weights(self, lengths: Floats) -> Floats:
+    def weights(self, lengths: Array) -> Array:
         """Weight of each block at some lengths.
 
         Parameters

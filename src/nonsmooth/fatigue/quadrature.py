@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from nonsmooth.fatigue.given import Floats
+from nonsmooth.fatigue.checks import Array
 
 __all__ = ["panel_integrals"]
 
@@ -15,8 +15,8 @@ _ROUNDS = 40
 
 
 def panel_integrals(
-    function: Callable[[Floats], Floats], edges: Floats, tolerance: float
-) -> tuple[Floats, float]:
+    function: Callable[[Array], Array], edges: Array, tolerance: float
+) -> tuple[Array, float]:
     """Integral over each panel, and a bound of the relative error of their sum.
 
     A panel is halved while its halves differ from it by more than its share of the tolerance.
@@ -46,7 +46,7 @@ def panel_integrals(
     return found, error / total if total > 0.0 else 0.0
 
 
-def _gauss(function: Callable[[Floats], Floats], left: Floats, right: Floats) -> Floats:
+def _gauss(function: Callable[[Array], Array], left: Array, right: Array) -> Array:
     nodes, weights = np.polynomial.legendre.leggauss(_POINTS)
     half = 0.5 * (right - left)
     points = 0.5 * (left + right)[:, None] + half[:, None] * nodes

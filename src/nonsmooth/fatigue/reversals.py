@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.fatigue.given import Floats, record_values
+from nonsmooth.fatigue.checks import Array
+from nonsmooth.fatigue.record_checks import record_values
 
 __all__ = ["refined", "reversals", "turning_places"]
 
@@ -35,7 +36,7 @@ def reversals(values: npt.ArrayLike) -> npt.NDArray[np.intp]:
     return turning_places(record_values("values", values))
 
 
-def turning_places(found: Floats) -> npt.NDArray[np.intp]:
+def turning_places(found: Array) -> npt.NDArray[np.intp]:
     """The same of checked samples."""
     last = np.flatnonzero(np.append(found[1:] != found[:-1], True))
     rising = np.diff(found[last]) > 0.0
@@ -43,7 +44,7 @@ def turning_places(found: Floats) -> npt.NDArray[np.intp]:
     return np.concatenate([[0], inner, [found.size - 1]]).astype(np.intp)
 
 
-def refined(found: Floats) -> Floats:
+def refined(found: Array) -> Array:
     """Samples whose reversals have the values of parabolas through the nearest three samples."""
     inner = turning_places(found)[1:-1]
     before, at, after = found[inner - 1], found[inner], found[inner + 1]

@@ -1,37 +1,18 @@
-"""Checks of numbers and records that are given, with messages that say which one is wrong."""
+"""Checks of records: samples and their times."""
 
 from __future__ import annotations
 
-import math
-from numbers import Real
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from nonsmooth.errors import OptionError
+from nonsmooth.fatigue.checks import Array
 
-__all__ = ["Floats", "check_times", "finite", "positive", "record_values"]
-
-Floats = npt.NDArray[np.float64]
-
-
-def finite(name: str, value: Any) -> float:
-    """A finite number."""
-    if isinstance(value, bool) or not isinstance(value, Real) or not math.isfinite(value):
-        raise OptionError(f"{name} = {value!r:.60} is not a finite number")
-    return float(value)
+__all__ = ["check_times", "record_values"]
 
 
-def positive(name: str, value: Any, unit: str = "") -> float:
-    """A finite number above zero."""
-    number = finite(name, value)
-    if number <= 0.0:
-        raise OptionError(f"{name} = {number:g}{unit and ' ' + unit}: it must be above zero")
-    return number
-
-
-def record_values(name: str, values: Any) -> Floats:
+def record_values(name: str, values: Any) -> Array:
     """Samples of a record: one dimension, two at least, all finite."""
     try:
         found = np.asarray(values, dtype=float)
@@ -50,7 +31,7 @@ def record_values(name: str, values: Any) -> Floats:
     return found
 
 
-def check_times(times: Any, size: int) -> Floats:
+def check_times(times: Any, size: int) -> Array:
     """Times of samples: as many, increasing."""
     found = record_values("times", times)
     if found.size != size:
