@@ -1,5 +1,10 @@
 """Slow parameters in many periods at once: the same digits as period by period."""
 
+import os
+import signal
+import threading
+import warnings
+
 import numpy as np
 import pytest
 from mpmath import mp, mpf
@@ -111,6 +116,31 @@ def test_an_interrupted_run_keeps_what_it_has_and_goes_on(monkeypatch):
     rest = ns.simulate(wall(), first.isel(time=-1), t_end=whole.attrs["end_time"])
     # a point is a start of its own, with the time as one number
     assert np.allclose(rest["end_state"], whole["end_state"], atol=1e-9)
+
+
+@pytest.mark.parametrize("slow", [True, False])
+def test_control_c_at_any_time_keeps_what_was_computed(slow):
+    """A signal from outside, at times that nothing in the run is tuned to."""
+    system = wall() if slow else wall(slow={})
+    whole = ns.simulate(system, periods=20_000, samples_per_period=1)
+    seen = set()
+    for delay in np.linspace(0.002, 0.1, 15):
+        timer = threading.Timer(delay, os.kill, (os.getpid(), signal.SIGINT))
+        timer.start()
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", ns.RunWarning)
+                run = ns.simulate(system, periods=20_000, samples_per_period=1)
+            timer.join()
+        except KeyboardInterrupt:  # before the run or after it
+            continue
+        seen.add(run.attrs["status"])
+        count = run.sizes["time"]
+        assert np.array_equal(run["x"], whole["x"][:count])
+        assert count == 20_001 or run.attrs["status"] == "interrupted"
+        assert float(run["time"][-1]) <= run.attrs.get("end_time", np.inf)
+        assert float(run["event_time"][-1]) <= float(run["time"][-1]) + np.pi
+    assert "interrupted" in seen
 
 
 def test_the_number_of_periods_in_a_call_changes_no_digit(monkeypatch):

@@ -37,6 +37,7 @@ from nonsmooth.errors import ModelError
 from nonsmooth.simulation.clock import Instant, Plan
 from nonsmooth.simulation.event_log import FIRST_CAPACITY, EventLog
 from nonsmooth.simulation.history import History
+from nonsmooth.simulation.interrupts import HeldInterrupts
 from nonsmooth.simulation.kernels import announce_compilation, announce_derivatives
 from nonsmooth.simulation.progress import Progress
 from nonsmooth.system.system import System
@@ -49,6 +50,7 @@ __all__ = [
     "advance",
     "build_derivatives",
     "build_tables",
+    "last_instant",
     "log_going_on",
     "run_plan",
 ]
@@ -199,15 +201,16 @@ def run_plan(
     log = EventLog(keep_events)
     lane = (tables, derivatives.rates, derivatives.scratch, anchor, segment, tangent)
     windows = max(1, plan.end.number - int(anchor.place[0]))
-    with Progress("simulating", windows) as progress:
-        status, records = advance(
-            lane, plan.end, records, log, tolerance, progress.update, mode=mode
-        )
+    with HeldInterrupts() as held, Progress("simulating", windows) as progress:
+
+        def report(done: int) -> None:
+            progress.update(done)
+            held.check()
+
+        status, records = advance(lane, plan.end, records, log, tolerance, report, mode=mode)
     if status == Status.INADMISSIBLE and records.cursor[at.EVENTS] == 0:
         raise NoMode(segment.z.copy())
-    end = plan.end
-    if status != Status.COMPLETED:
-        end = Instant(int(anchor.place[0]), float(anchor.phase[0]))
+    end = plan.end if status == Status.COMPLETED else last_instant(anchor, records)
     integers, floats = log.rows(records)
     return Outcome(
         status=status,
@@ -260,6 +263,14 @@ def advance(
             report(int(anchor.place[0]) - first)
         except KeyboardInterrupt:
             return Status.INTERRUPTED, records
+
+
+def last_instant(anchor: Anchor, records: Records) -> Instant:
+    """Instant that a run has come to which ended early: an event, or the end of a call before."""
+    reached = Instant(int(anchor.place[0]), float(anchor.phase[0]))
+    if not np.all(np.isfinite(records.since)):
+        return reached
+    return max(reached, Instant(int(records.since[0]), float(records.since[1])))
 
 
 def log_going_on(

@@ -23,8 +23,9 @@ from nonsmooth.errors import OptionError
 from nonsmooth.simulation.clock import Instant, Plan
 from nonsmooth.simulation.event_log import FIRST_CAPACITY, EventLog
 from nonsmooth.simulation.history import Frozen
+from nonsmooth.simulation.interrupts import HeldInterrupts
 from nonsmooth.simulation.progress import Progress
-from nonsmooth.simulation.runner import NoMode, Outcome, log_going_on
+from nonsmooth.simulation.runner import NoMode, Outcome, last_instant, log_going_on
 from nonsmooth.simulation.slow_plan import SlowPlan
 from nonsmooth.simulation.slow_run import SlowRun
 from nonsmooth.simulation.start import Start
@@ -85,18 +86,19 @@ def run_slow(
         run.records.since[:] = start.instant
     end = None
     try:
-        with Progress("simulating", plan.total) as progress:
+        with HeldInterrupts() as held, Progress("simulating", plan.total) as progress:
             while status == Status.COMPLETED:
                 part = plan.part(run.history.periods[-1], run.history.windows[-1])
-                status, end = run.pass_period(part), part.end
+                status, end = run.pass_period(part, held.check), part.end
                 if status == Status.INADMISSIBLE and run.records.cursor[at.EVENTS] == 0:
                     raise NoMode(run.segment.z.copy())
                 if end is not None or status != Status.COMPLETED:
                     break
-                status = run.pass_ahead(plan)
+                status = run.pass_ahead(plan, held.check)
                 progress.update(plan.done(run.history.periods[-1]))
                 if status == Status.COMPLETED:
                     status = run.next_period()
+                held.check()
     except KeyboardInterrupt:
         status = Status.INTERRUPTED
     return _outcome(run, status, end)
@@ -106,7 +108,7 @@ def _outcome(run: SlowRun, status: Status, end: Instant | None) -> Outcome:
     if status == Status.REFUSED:
         end = Instant(run.history.periods[-1].number + 1, 0.0)
     elif end is None or status != Status.COMPLETED:
-        end = Instant(int(run.anchor.place[0]), float(run.anchor.phase[0]))
+        end = last_instant(run.anchor, run.records)
     arrays = [_joined(run, i) for i in range(5)]
     records = run.records._replace(
         sample_number=arrays[0],

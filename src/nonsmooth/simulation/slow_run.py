@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -74,8 +74,11 @@ class SlowRun:
         )
         self.history.add(period, float(tables.clock[0]))
 
-    def pass_period(self, part: Part) -> Status:
-        """Run to the end of the period, or of the run, and keep the samples."""
+    def pass_period(self, part: Part, check: Callable[[], None]) -> Status:
+        """Run to the end of the period, or of the run, and keep the samples.
+
+        ``check`` raises KeyboardInterrupt where the run shall stop.
+        """
         number = self.history.periods[-1].number
         end = part.end or Instant(number + 1, 0.0)
         carried = self.tangent.columns.shape[0]
@@ -87,7 +90,7 @@ class SlowRun:
             self.segment, self.tangent,
         )  # fmt: skip
         status, self.records = advance(
-            arrays, end, self.records, self.log, self.tolerance, lambda _: None, mode=self.mode
+            arrays, end, self.records, self.log, self.tolerance, lambda _: check(), mode=self.mode
         )
         self.mode = GOES_ON
         self.history.samples[-1] = self._keep_samples(part)
@@ -123,7 +126,7 @@ class SlowRun:
         self.records.cursor[at.WINDOW_EVENTS] = 0
         self.mode = SAME - int(anchor.place[1])
 
-    def pass_ahead(self, plan: SlowPlan) -> Status:
+    def pass_ahead(self, plan: SlowPlan, check: Callable[[], None]) -> Status:
         """Run through whole periods whose values are known beforehand, if there are any.
 
         They are where neither the period nor a frequency varies, and no columns of derivatives
@@ -148,7 +151,7 @@ class SlowRun:
         part = plan.parts(last.number + 1, origins[:count], window)
         self._expect(part)
         stack = part_of_stack(stack, slice(count))
-        status, samples = self._pass_stack(stack, origins, plan)
+        status, samples = self._pass_stack(stack, origins, plan, check)
         for k, written in enumerate(np.diff(samples, prepend=0).tolist()):
             frozen = {name: float(values[name][k]) for name in self.slow.names}
             self.history.add(Frozen(last.number + 1 + k, float(origins[k]), frozen), window)
@@ -157,7 +160,9 @@ class SlowRun:
         self._keep_samples(part)
         return status
 
-    def _pass_stack(self, stack: Tables, origins: Array, plan: SlowPlan) -> tuple[Status, Integers]:
+    def _pass_stack(
+        self, stack: Tables, origins: Array, plan: SlowPlan, check: Callable[[], None]
+    ) -> tuple[Status, Integers]:
         """Run through the periods of a stack; samples by the end of each that was begun."""
         count = stack.clock.shape[0]
         first = self.history.periods[-1].number + 1
@@ -178,6 +183,8 @@ class SlowRun:
                     done = plan.done(Frozen(first + reached, float(origins[reached]), {}))
                     self.records = self.log.make_room(self.records, done / plan.total)
                 modes[0] = GOES_ON
+                if status == Status.PAUSED:
+                    check()
         except KeyboardInterrupt:
             status = Status.INTERRUPTED
         return status, passed[1 : 2 + passed[0]]
