@@ -190,11 +190,30 @@ def test_a_crack_that_is_through_ends_the_run():
     assert str(run["event_name"].values[-1]) == "broken"
 
 
+def test_a_crack_that_shrinks_below_its_law_ends_the_run():
+    for law, least in (("cubic", 5), ("guinea", 0)):
+        flow = ns.models.breathing_crack(growth=f"{least} + 1 - t/10", grows="flow", law=law)
+        run = ns.simulate(flow, t_end=50.0)
+        assert run.attrs["status"] == "stopped" and str(run["event_name"].values[-1]) == "shrunk"
+        assert float(run["event_time"][-1]) == pytest.approx(10.0, abs=1e-12)
+        frozen = ns.models.breathing_crack(growth=f"{least} + 1 - t/10", law=law)
+        with pytest.warns(ns.RunWarning, match=f"crack >= {least}"):
+            assert ns.simulate(frozen, periods=9).attrs["status"] == "refused"
+    with pytest.raises(ns.OptionError, match="length"):
+        ns.simulate(ns.models.breathing_crack(growth="-3 + t/10", grows="flow"), t_end=50.0)
+
+
 @pytest.mark.parametrize(
     ("given", "words"),
     [
         ({"crack": 20}, "the specimen is 20 mm wide"),
-        ({"crack": -0.1}, "crack >= 0"),
+        ({"crack": -0.1, "law": "guinea"}, "crack >= 0"),
+        ({"crack": 4.9}, "below which the cubic law is stiffer open"),
+        ({"crack": 7, "growth": GROWTH}, "crack = 7 plays no part"),
+        ({"grows": "flow"}, "needs the length of the crack over time"),
+        ({"kappa_open": 1, "kappa_closed": 2, "crack": 25}, "crack plays no part"),
+        ({"kappa_open": 1, "kappa_closed": 2, "s": 2}, "s plays no part"),
+        ({"kappa_open": 1, "kappa_closed": 2, "law": "guinea"}, "law plays no part"),
         ({"kappa_open": -1, "kappa_closed": 2}, "negative stiffness"),
         ({"kappa_open": 1}, "kappa_closed is missing"),
         ({"kappa_open": 1, "kappa_closed": 2, "growth": "5"}, "leave out"),

@@ -30,13 +30,19 @@ _LABELS = {
 }
 _WIDTH = 20  # mm
 _CLOSED = "s*14.327"
-_LAWS = ("cubic", "guinea")
+_CRACK = 5.0  # mm
+# shortest length in mm that a law is for
+_LEAST = {
+    "cubic": (5, "the notch is 5 mm, below which the cubic law is stiffer open than closed; for"
+              " shorter cracks see law='guinea'"),
+    "guinea": (0, "a crack has a length"),
+}  # fmt: skip
 
 
 def breathing_crack(
     xi: Text = 0.014,
     eta: Text = 1.1475,
-    crack: Text = 5.0,
+    crack: Text = _CRACK,
     d: Text = 0.0,
     s: Text = 1.0,
     *,
@@ -78,7 +84,8 @@ def breathing_crack(
     Parameters
     ----------
     xi, eta, crack, d, s : float or str
-        Parameters as in the table; dimensionless, the crack in mm from 0 to 20.
+        Parameters as in the table; dimensionless, the crack in mm up to 20, from 5 on by the cubic
+        law, which is stiffer open than closed below, and from 0 on by that of Guinea et al.
     law : {"cubic", "guinea"}
         How the open stiffness follows from the length of the crack.
     kappa_open, kappa_closed : float or str, optional
@@ -102,9 +109,9 @@ def breathing_crack(
     Raises
     ------
     ModelError
-        When the crack is negative or as long as the specimen is wide, for a negative stiffness,
-        ``eta`` or ``s`` that is not positive, stiffnesses beside a growing crack or one of them
-        alone, and unknown words in ``law`` or ``grows``.
+        When the crack is shorter than its law is for, or as long as the specimen is wide, for a
+        negative stiffness, ``eta`` or ``s`` that is not positive, arguments that play no part
+        beside others, one stiffness alone, and unknown words in ``law`` or ``grows``.
 
     See Also
     --------
@@ -123,7 +130,7 @@ def breathing_crack(
 
     Growth within the flow is solved by Taylor series, a frozen crack in closed form. The run ends
     where the specimen is through: as ``refused`` at the beginning of a period, or within the flow
-    by the event ``broken``.
+    by the event ``broken``; likewise, by ``shrunk``, below the shortest length of the law.
 
     References
     ----------
@@ -145,19 +152,12 @@ def breathing_crack(
     >>> run["crack"].values[[0, -1]].round(3).tolist()
     [10.671, 10.786]
     """
-    if law not in _LAWS:
+    if law not in _LEAST:
         raise ModelError(f"law = {law!r:.60} must be 'cubic' or 'guinea'")
     if grows not in ("frozen", "flow"):
         raise ModelError(f"grows = {grows!r:.60} must be 'frozen' or 'flow'")
     given = kappa_open is not None or kappa_closed is not None
-    if given and growth is not None:
-        raise ModelError(
-            "growth= is a length, and kappa_open and kappa_closed say nothing of one; leave out"
-            " either"
-        )
-    if given and (kappa_open is None or kappa_closed is None):
-        lacks = "kappa_open" if kappa_open is None else "kappa_closed"
-        raise ModelError(f"{lacks} is missing; give both stiffnesses, or a crack length alone")
+    _check_arguments(crack, s, law, (kappa_open, kappa_closed), growth, grows)
     parameters: dict[str, Any] = {"xi": xi, "eta": eta, "d": d}
     definitions: dict[str, Text] = {"kappa": "where(u > 0, kappa_open, kappa_closed)"}
     require = {"xi >= 0": "negative damping would feed energy in", "eta > 0": "the base must shake"}
@@ -173,11 +173,39 @@ def breathing_crack(
         within = growth is not None and grows == "flow"
         definitions |= _stiffnesses(law, "length" if within else "crack")
         require |= {
-            "crack >= 0": "a crack has a length",
+            f"crack >= {_LEAST[law][0]}": _LEAST[law][1],
             f"crack < {_WIDTH}": f"the specimen is {_WIDTH} mm wide; a longer crack is a break",
             "s > 0": "the specimen is a spring",
         }
-    return _system(parameters, definitions, require, more, growth, grows == "frozen")
+    least = _LEAST[law][0]
+    return _system(parameters, definitions, require, more, growth, grows == "frozen", least)
+
+
+def _check_arguments(
+    crack: Text,
+    s: Text,
+    law: str,
+    stiffnesses: tuple[Text | None, Text | None],
+    growth: str | None,
+    grows: str,
+) -> None:
+    """Refuse arguments that would play no part beside others."""
+    missing = [each is None for each in stiffnesses]
+    if any(missing) and not all(missing):
+        lacks = ("kappa_open", "kappa_closed")[missing.index(True)]
+        raise ModelError(f"{lacks} is missing; give both stiffnesses, or a crack length alone")
+    if not any(missing):
+        beside = {"crack": crack != _CRACK, "s": s != 1.0, "law": law != "cubic"}
+        beside["growth"] = growth is not None
+        for name in (name for name, is_given in beside.items() if is_given):
+            raise ModelError(
+                f"{name} plays no part beside kappa_open and kappa_closed, which say nothing of a"
+                f" length; leave out {name} or both stiffnesses"
+            )
+    if growth is not None and crack != _CRACK:
+        raise ModelError(f"crack = {crack!r:.60} plays no part beside growth=; leave out either")
+    if growth is None and grows != "frozen":
+        raise ModelError(f"grows = {grows!r} needs the length of the crack over time as growth=")
 
 
 def _stiffnesses(law: str, crack: str) -> dict[str, Text]:
@@ -197,6 +225,7 @@ def _system(
     more: dict[str, Any],
     growth: str | None,
     frozen: bool,
+    least: int,
 ) -> System:
     """The system, with a crack that grows or not."""
     exits = []
@@ -207,7 +236,10 @@ def _system(
         definitions = {"length": growth, **definitions}
         require = {text: why for text, why in require.items() if "crack" not in text}
         more["outputs"] = {"crack": "length"}
-        exits = [Exit(f"{_WIDTH} - length", to="stop", name="broken")]
+        exits = [
+            Exit(f"{_WIDTH} - length", to="stop", name="broken"),
+            Exit(f"length - {least}", to="stop", name="shrunk"),
+        ]
     outputs = {
         "load": "kappa*u",
         "acceleration": "rate(v)",
