@@ -152,3 +152,14 @@ def test_the_number_of_periods_in_a_call_changes_no_digit(monkeypatch):
     with monkeypatch.context() as patch:
         patch.setattr(slow_run, "_TOGETHER", 1)  # no memory for more than one
         assert ns.simulate(wall(), periods=200, samples_per_period=3).identical(whole)
+
+
+@pytest.mark.parametrize("slow", [True, False])
+def test_samples_are_found_by_the_times_asked_for(slow):
+    system = wall() if slow else wall(slow={})
+    times = np.sort(np.random.default_rng(2).uniform(0.0, 2000.0, 300))
+    run = ns.simulate(system, times=times)
+    assert np.array_equal(run["time"], times)
+    assert run.sel(time=times[[3, 200]]).sizes["time"] == 2
+    again = ns.simulate(system, times=times[:200])
+    assert np.array_equal(again["x"], run["x"][:200])

@@ -38,6 +38,7 @@ class Plan(NamedTuple):
     end: Instant
     sample_number: npt.NDArray[np.int64]
     sample_phase: npt.NDArray[np.float64]
+    times: npt.NDArray[np.float64] | None = None  # of the samples, where they were asked for
 
 
 def instants(
@@ -128,7 +129,8 @@ def _plan_times(window: float, start: Instant, grid: npt.NDArray[np.float64]) ->
             f"times[0] = {grid[0]:g} lies before the start, t = {t_start:g}; runs go forward only"
         )
     number, phase = instants(grid[-1:], window)
-    return _grid_of_times(window, start, Instant(int(number[0]), float(phase[0])), grid)
+    plan = _grid_of_times(window, start, Instant(int(number[0]), float(phase[0])), grid)
+    return plan._replace(times=grid)
 
 
 def _grid_of_times(

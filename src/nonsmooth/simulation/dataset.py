@@ -54,8 +54,10 @@ def _samples(system: System, labels: Labels, outcome: Outcome) -> tuple[Columns,
     states = outcome.records.sample_state[:count].T.copy()
     modes = outcome.records.sample_mode[:count]
     clock = sample_clock(outcome, number, phase)
+    asked = outcome.plan.times
+    time = clock.time if asked is None else asked[:count]  # so that a sample is found by its time
     coords: Columns = {
-        "time": (over_time, clock.time, labels.attributes("time")),
+        "time": (over_time, time, labels.attributes("time")),
         "state": (("state",), labels.states, {}),
     }
     if system.period_value is not None:

@@ -101,10 +101,12 @@ def run_slow(
                 held.check()
     except KeyboardInterrupt:
         status = Status.INTERRUPTED
-    return _outcome(run, status, end)
+    return _outcome(run, status, end, plan.grid)
 
 
-def _outcome(run: SlowRun, status: Status, end: Instant | None) -> Outcome:
+def _outcome(
+    run: SlowRun, status: Status, end: Instant | None, times: npt.NDArray[np.float64] | None
+) -> Outcome:
     if status == Status.REFUSED:
         end = Instant(run.history.periods[-1].number + 1, 0.0)
     elif end is None or status != Status.COMPLETED:
@@ -122,7 +124,7 @@ def _outcome(run: SlowRun, status: Status, end: Instant | None) -> Outcome:
         tables=run.tables,
         columns=None if run.chosen is None else arrays[4],
         chosen=run.chosen or (),
-        plan=Plan(end, arrays[0], arrays[1]),
+        plan=Plan(end, arrays[0], arrays[1], times),
         anchor=run.anchor,
         records=records,
         n_samples=arrays[0].size,
