@@ -90,6 +90,8 @@ def test_bad_options():
         one_mass(fatigue_rig(**PRESSED), version="better")
     with pytest.raises(ns.OptionError, match="positive"):
         reduction_error(fatigue_rig(**PRESSED), [0.0])
+    with pytest.raises(ns.OptionError, match="one or more"):
+        reduction_error(fatigue_rig(**PRESSED), [])
     with pytest.raises(ns.OptionError, match="not the two-mass"):
         reduction_error(ns.models.soft_impact())
 

@@ -226,6 +226,9 @@ def test_cracks():
         ({"frequency": float("nan")}, "frequency = nan is not a finite number"),
         ({"mass": "heavy"}, "mass = 'heavy'"),
         ({"mass": None}, "mass = None"),
+        ({"mass": "8"}, "mass = '8' is not a finite number"),
+        ({"mass": True}, "mass = True is not a finite number"),
+        ({"open_stiffness": np.True_}, "open_stiffness"),
     ],
 )
 def test_bad_data(bad, words):
@@ -245,6 +248,12 @@ def test_bad_input():
         RIG.from_si({"X9": 1.0})
     with pytest.raises(ns.OptionError, match="no number"):
         RIG.from_si({"X1": "far"})
+    for bad in (np.nan, [1.0, np.inf], float("-inf"), None):
+        with pytest.raises(ns.OptionError, match=r"X1 = .* must be finite"):
+            RIG.from_si({"X1": bad})
+    for bad in ("1.0", ["1", "2"], True, [True], [1.0, [2.0]]):
+        with pytest.raises(ns.OptionError, match=r"X1 = .* no number"):
+            RIG.from_si({"X1": bad})
     with pytest.raises(ns.OptionError, match="model"):
         RIG.from_si({"X1": 1.0}, model="three")
     with pytest.raises(ns.OptionError, match=r"frequency = .* must be a positive number"):

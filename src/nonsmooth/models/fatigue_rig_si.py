@@ -20,7 +20,7 @@ from nonsmooth.models.fatigue_reduction import Version
 from nonsmooth.models.fatigue_rig import fatigue_rig
 from nonsmooth.models.fatigue_rigs.data import data_of, parameters_of
 from nonsmooth.models.fatigue_rigs.units import TWO_MASSES, one_mass_units, two_mass_units
-from nonsmooth.models.rigs.data import check_data, one_number
+from nonsmooth.models.rigs.data import check_data, finite_values, one_number
 from nonsmooth.models.rigs.scaling import changed_parameters, in_si
 from nonsmooth.models.rigs.ties import check_system, units_of_ties, with_likes
 from nonsmooth.models.rigs.units import Units
@@ -515,7 +515,7 @@ class FatigueRig:
         Raises
         ------
         OptionError
-            For an unknown name, another model, or values that are no numbers.
+            For an unknown name, another model, or values that are no finite numbers.
 
         Examples
         --------
@@ -534,12 +534,7 @@ class FatigueRig:
             if unit is None:
                 known = [*units.quantities, *parameters, "time"]
                 raise OptionError(unknown_name("state or parameter", name, known))
-            try:
-                found[name] = (np.asarray(value, float) / unit.factor).tolist()
-            except (TypeError, ValueError):
-                raise OptionError(
-                    f"{name} = {value!r:.60} is no number, nor are its parts"
-                ) from None
+            found[name] = (finite_values(name, value) / unit.factor).tolist()
         return found
 
     def to_si(
