@@ -14,6 +14,7 @@ import nonsmooth as ns
 from contract.rig import DIGITS, automaton
 from models.fatigue_truth import FIGURE_25, other_names
 from nonsmooth.models import FatigueRig, check_contact, fatigue_rig, least_preload
+from nonsmooth.models.fatigue_preload import _least
 from nonsmooth.models.fatigue_rigs.motion import first_loss, settled_motion
 
 UNEQUAL = FIGURE_25 | {"lambda2": 3.2, "xi_p2": 0.2, "f1": 9.0, "f2": 4.0}
@@ -107,6 +108,33 @@ def test_a_breathing_crack_asks_for_other_forces():
     assert abs(float(linear["least_at_ratio"][0]) / f1 - 1) > 0.05
 
 
+@pytest.mark.parametrize("tolerance", [0, -1, float("nan"), float("inf"), 0.5, "1e-9", True])
+@pytest.mark.parametrize("ratio", [None, 0.5])
+def test_a_tolerance_is_a_small_positive_number(tolerance, ratio):
+    system = fatigue_rig(f1=9.0, f2=8.0, open_stiffness=ratio)
+    with pytest.raises(ns.OptionError, match=r"tolerance = .* positive number of at most 0\.1"):
+        least_preload(system, tolerance=tolerance)
+
+
+def test_a_bisection_ends_at_neighbouring_numbers():
+    found = []
+    for tolerance in (1e-9, 1e-300):
+        looks = 0
+
+        def kept(force):
+            nonlocal looks
+            looks += 1
+            return force >= 2.0**0.5
+
+        found.append(_least(kept, 9.0, tolerance))
+        assert looks < 120
+    assert found[0] == pytest.approx(2.0**0.5, rel=3e-9)
+    assert found[1] == 2.0**0.5
+    assert np.isnan(_least(lambda force: False, 9.0, 1e-9))
+    assert np.isnan(_least(lambda force: True, 9.0, 1e-9))
+    assert _least(lambda force: force >= 2.0**0.5, 1e-300, 1e-9) == pytest.approx(2.0**0.5)
+
+
 def test_forces_of_cylinders_in_newtons():
     rig = FatigueRig.from_dimensionless()
     found = rig.least_preload(ratio=0.9)
@@ -136,6 +164,70 @@ def test_an_error_names_the_phase_and_when(changes, phase):
     names = run["event_to"].attrs["flag_meanings"].split()
     entered = [names[int(number)] for number in run["event_to"].values].index(phase)
     assert info.value.time == float(run["event_time"][entered])
+
+
+@pytest.mark.parametrize("si", [False, True])
+def test_a_loss_after_the_last_sample(si):
+    """One sample at the start, the loss at 0.3496, the end at 0.36."""
+    rig = FatigueRig.from_dimensionless(**fatigue_rig().parameter_values)
+    run = ns.simulate(rig.system(), t_end=0.36, samples_per_period=1)
+    assert run.sizes["time"] == 1 and float(run["event_time"][-1]) < 0.36
+    with pytest.raises(ns.RunError, match="phase iii began at time") as info:
+        check_contact(rig.to_si(run) if si else run)
+    unit = rig.units.time if si else 1.0
+    assert info.value.time == pytest.approx(0.34963951813 * unit, rel=1e-9)
+    # until then both masses press
+    check_contact(ns.simulate(rig.system(), t_end=0.349, samples_per_period=1))
+
+
+@pytest.mark.parametrize("si", [False, True])
+def test_a_run_that_never_had_contact(si):
+    rig = FatigueRig.from_dimensionless(f1=3.0, f2=3.0)
+    run = ns.simulate(rig.system(), {"X1": -5.0, "X4": 5.0}, t_end=0.01)
+    with pytest.raises(ns.RunError, match="phase iv began at time 0") as info:
+        check_contact(rig.to_si(run) if si else run)
+    assert info.value.time == 0.0
+
+
+def test_a_phase_that_lasts_no_time_is_none():
+    """The run ends at the very instant of the loss."""
+    system = fatigue_rig()
+    loss = float(ns.simulate(system, t_end=0.36)["event_time"][-1])
+    run = ns.simulate(system, t_end=loss)
+    assert check_contact(run) is run
+
+
+def test_samples_that_begin_late_do_not_hide_the_start():
+    run = ns.simulate(fatigue_rig(), times=[50.0, 51.0])
+    with pytest.raises(ns.RunError, match=r"time 0\.3496.* In a start-up from rest"):
+        check_contact(run)
+
+
+@pytest.mark.parametrize("si", [False, True])
+def test_no_event_log_is_refused(si):
+    rig = FatigueRig.from_dimensionless()
+    bare, run = (ns.simulate(rig.system(), periods=2, events=events) for events in (False, True))
+    part = run.isel(event=slice(0, 1))
+    if si:
+        bare, part = rig.to_si(bare), rig.to_si(run).isel(event=slice(0, 1))
+    with pytest.raises(ns.OptionError, match=r"no event log.*events=False"):
+        check_contact(bare)
+    with pytest.raises(ns.OptionError, match=r"1 of the .* rows of its event log"):
+        check_contact(part)
+
+
+@pytest.mark.parametrize("ratio", [None, 0.5])
+def test_preloads_that_suffice_are_not_to_be_raised(ratio):
+    system = fatigue_rig(f1=40.0, f2=40.0, open_stiffness=ratio)
+    check_contact(ns.simulate(system, periods=1))
+    with pytest.raises(ns.RunError, match=r"f1 = 40 and f2 = 40 keep contact.*start is") as info:
+        check_contact(ns.simulate(system, {"X1": -0.5}, periods=1))
+    assert "raise" not in str(info.value)
+    rig = FatigueRig.from_dimensionless(f1=40.0, f2=40.0)
+    run = rig.to_si(ns.simulate(rig.system(), {"X1": -0.5}, periods=1))
+    force = f"{rig.cylinder_force_1:.4g} N"
+    with pytest.raises(ns.RunError, match=f"cylinder 1 = {force}.*The start is"):
+        check_contact(run)
 
 
 def test_full_contact_passes():

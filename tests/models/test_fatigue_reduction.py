@@ -10,7 +10,8 @@ import nonsmooth as ns
 from models.fatigue_truth import FIGURE_25
 from models.test_fatigue_preload import linear_forces
 from nonsmooth.models import FatigueRig, fatigue_rig, one_mass, reduction_error
-from nonsmooth.models.fatigue_rigs.motion import settled_motion, swing
+from nonsmooth.models.fatigue_rigs.growth import lengths_to_check
+from nonsmooth.models.fatigue_rigs.motion import first_loss, settled_motion, swing
 
 PRESSED = FIGURE_25 | {"f1": 9.0, "f2": 7.0}
 
@@ -90,6 +91,8 @@ def test_bad_options():
         one_mass(fatigue_rig(**PRESSED), version="better")
     with pytest.raises(ns.OptionError, match="positive"):
         reduction_error(fatigue_rig(**PRESSED), [0.0])
+    with pytest.raises(ns.OptionError, match="one or more"):
+        reduction_error(fatigue_rig(**PRESSED), [])
     with pytest.raises(ns.OptionError, match="not the two-mass"):
         reduction_error(ns.models.soft_impact())
 
@@ -165,6 +168,48 @@ def test_breathing_crack_refuses_lost_contact_and_says_when():
     with pytest.raises(ns.ModelError, match=r"contact is lost: phase ii*v? began at time .*raise"):
         rig.breathing_crack(10.0)
     assert rig.breathing_crack(10.0, contact="assumed").name == "breathing_crack"
+
+
+@pytest.mark.parametrize(
+    ("f1", "f2", "safe", "lost", "growth"),
+    [
+        (5.44, 3.52, 12.0, 6.0, "12 - 0.01*t"),
+        (4.5, 4.5, 5.0, 17.0, "5 + 0.01*t"),
+        # kept at both ends and lost between
+        (4.6, 4.1, 19.0, 17.0, "19 - 10*t/(100 + t)"),
+    ],
+)
+def test_a_growing_crack_keeps_contact_at_all_its_lengths(f1, f2, safe, lost, growth):
+    rig = FatigueRig.from_dimensionless(f1=f1, f2=f2)
+    assert first_loss(settled_motion(rig.cracked(safe).system()).run) is None
+    assert first_loss(settled_motion(rig.cracked(lost).system()).run) is not None
+    rig.breathing_crack(growth=f"{safe}")
+    with pytest.raises(ns.ModelError, match=r"growth = .* has by t = .* contact is lost") as info:
+        rig.breathing_crack(growth=growth)
+    named = float(str(info.value).split("with a crack of ")[1].split(" mm")[0])
+    assert first_loss(settled_motion(rig.cracked(named).system()).run) is not None
+    assert rig.breathing_crack(growth=growth, contact="assumed").name == "breathing_crack"
+
+
+@pytest.mark.parametrize(
+    ("growth", "lowest", "highest"),
+    [
+        ("12", 12.0, 12.0),
+        ("5 + 1e-3*exp(t/54734 - 7.8)", 5.0, 19.0),
+        ("12 - 0.01*t", 0.0, 12.0),
+        ("8 + 2*sin(t/100)", 6.0, 10.0),
+        ("10 + 2*t/(1 + t)", 10.0, 12.0),
+        ("5 + 1e9*t", 5.0, 19.0),
+        ("5 + sqrt(-t)", 5.0, 5.0),
+        ("19.5", 19.5, 19.5),
+    ],
+)
+def test_lengths_of_a_growing_crack(growth, lowest, highest):
+    lengths = sorted(each.length for each in lengths_to_check(growth))
+    assert lengths[0] == pytest.approx(lowest, abs=2e-3)
+    assert lengths[-1] == pytest.approx(highest, abs=2e-3)
+    assert np.diff(lengths, append=lengths[-1]).max() <= 2.0
+    assert lengths_to_check(growth)[0].time == 0.0
 
 
 def test_growing_crack_of_a_rig():

@@ -223,6 +223,8 @@ def test_identical_sides_in_contact_move_together():
         ({"eps": -1e-3}, "eps > 0"),
         ({"xi_s": 0}, "xi_s > 0"),
         ({"xi_p1": -0.1}, "xi_p1 >= 0"),
+        ({"lambda1": -2, "f1": 9}, "lambda1 >= 0 .*damping would feed energy"),
+        ({"lambda2": -1e-3}, "lambda2 >= 0"),
         ({"eta": 0}, "eta"),
         ({"open_stiffness": 0}, "open_stiffness > 0"),
         ({"open_stiffness": -0.5}, "open_stiffness > 0"),

@@ -226,6 +226,9 @@ def test_cracks():
         ({"frequency": float("nan")}, "frequency = nan is not a finite number"),
         ({"mass": "heavy"}, "mass = 'heavy'"),
         ({"mass": None}, "mass = None"),
+        ({"mass": "8"}, "mass = '8' is not a finite number"),
+        ({"mass": True}, "mass = True is not a finite number"),
+        ({"open_stiffness": np.True_}, "open_stiffness"),
     ],
 )
 def test_bad_data(bad, words):
@@ -245,6 +248,12 @@ def test_bad_input():
         RIG.from_si({"X9": 1.0})
     with pytest.raises(ns.OptionError, match="no number"):
         RIG.from_si({"X1": "far"})
+    for bad in (np.nan, [1.0, np.inf], float("-inf"), None):
+        with pytest.raises(ns.OptionError, match=r"X1 = .* must be finite"):
+            RIG.from_si({"X1": bad})
+    for bad in ("1.0", ["1", "2"], True, [True], [1.0, [2.0]]):
+        with pytest.raises(ns.OptionError, match=r"X1 = .* no number"):
+            RIG.from_si({"X1": bad})
     with pytest.raises(ns.OptionError, match="model"):
         RIG.from_si({"X1": 1.0}, model="three")
     with pytest.raises(ns.OptionError, match=r"frequency = .* must be a positive number"):
@@ -255,6 +264,30 @@ def test_bad_input():
         RIG.cracked("ten")
     with pytest.raises(ns.ModelError, match="raise f1"):
         FatigueRig.from_dimensionless(f1=-1.0)
+
+
+@pytest.mark.parametrize("ratio", [None, 0.3])
+@pytest.mark.parametrize(
+    ("forces", "number"),
+    [((-1000.0, 270.0), 1), ((211.0, -1000.0), 2), ((-300.0, 60.0), 1), ((-1000.0, -1000.0), 1)],
+)
+def test_a_mass_that_does_not_press_at_rest(ratio, forces, number):
+    """The dimensionless model judges just above and just below the force that is named."""
+    rig = FatigueRig.from_dimensionless(open_stiffness=ratio)
+    one, two = forces
+    bad = dataclasses.replace(rig, cylinder_force_1=one, cylinder_force_2=two)
+    name = f"cylinder_force_{number}"
+    with pytest.raises(ns.ModelError, match=rf"{name} = .* N does not press mass {number}") as info:
+        bad.system()
+    assert "theta" not in str(info.value)
+    least = float(str(info.value).split("more than ")[1].split(" N")[0])
+    step = 1e-5 * abs(least)  # six digits are shown
+    dataclasses.replace(bad, **{name: least + step}).system()
+    below = dataclasses.replace(bad, **{name: least - step})
+    with pytest.raises(ns.ModelError, match="must press on the specimen"):
+        fatigue_rig(**below.parameters())
+    with pytest.raises(ns.ModelError, match="does not press mass"):
+        below.system()
 
 
 def test_a_record_of_the_base_in_place_of_a_sine():

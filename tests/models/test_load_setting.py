@@ -7,7 +7,7 @@ import pytest
 
 import nonsmooth as ns
 from nonsmooth.models import FatigueRig, set_load
-from nonsmooth.models.fatigue_rigs.motion import settled_motion
+from nonsmooth.models.fatigue_rigs.motion import settled_motion, swing
 from nonsmooth.models.fatigue_rigs.response import full_contact
 
 RIG = FatigueRig.from_dimensionless(frequency=20.0, f1=8.0, f2=6.0)
@@ -99,6 +99,11 @@ def test_a_motion_that_does_not_repeat_is_told():
         ({"load": float("nan")}, "load = nan"),
         ({"load": 100.0, "largest": 0.0}, "largest = 0.0"),
         ({"load": 100.0, "gain": 0.0}, "gain"),
+        ({"load": 100.0, "tolerance": -1.0}, "tolerance = -1.0 must be a positive"),
+        ({"load": 100.0, "tolerance": float("nan")}, "tolerance = nan"),
+        ({"load": 100.0, "tolerance": 2.0}, "at most 0.1"),
+        ({"load": "100"}, "load = '100'"),
+        ({"load": True}, "load = True"),
         ({"load": 100.0, "crack": 20.0}, "width"),
         ({"load": 100.0, "contact": "perhaps"}, "contact = 'perhaps'"),
         ({"load": 100.0, "specimen": ns.fatigue.Specimen(width=10.0)}, "specimen's stiffness"),
@@ -119,5 +124,5 @@ def test_settled_motion_says_after_how_many_periods_it_repeats(crack, period):
 
 def test_swing_of_a_sine():
     run = ns.simulate(ns.models.duffing(alpha=1, beta=0, delta=0, gamma=0), {"x": 1.0}, t_end=7)
-    low, high = ns.models.fatigue_motion.swing(run, "x")
+    low, high = swing(run, "x")
     assert high == pytest.approx(1, abs=1e-6) and np.isclose(low, -1, atol=1e-6)

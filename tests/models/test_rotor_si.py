@@ -225,6 +225,8 @@ def test_from_si_undoes_to_si():
     assert {name: float(si[name][0]) for name in start} == pytest.approx(start, rel=1e-14)
     with pytest.raises(ns.OptionError, match="unknown state or parameter 'z'"):
         RIG.from_si({"z": 1.0})
+    with pytest.raises(ns.OptionError, match="x = nan must be finite"):
+        RIG.from_si({"x": float("nan")})
     with pytest.raises(ns.OptionError, match="x = 'far' is no number"):
         RIG.from_si({"x": "far"})
 
@@ -242,6 +244,8 @@ def test_from_si_undoes_to_si():
         ("unbalance_mass", -0.01, "turn the phase"),
         ("rotor_stiffness", float("inf"), "not a finite number"),
         ("phase", "pi", "not a finite number"),
+        ("gap", "0.4", "gap = '0.4' is not a finite number"),
+        ("mass", True, "mass = True is not a finite number"),
     ],
 )
 def test_data_that_no_rig_has(name, value, message):

@@ -29,7 +29,8 @@ def check_contact(run: xr.Dataset) -> xr.Dataset:
     ----------
     run : xarray.Dataset
         Result of `nonsmooth.simulate` for `fatigue_rig`, with its event log, or `to_si` of
-        `FatigueRig` of one. Cut the transient off by starting the run late.
+        `FatigueRig` of one. All of the run counts, also what lies before, between and after its
+        samples; for the motion without its transient go on from a run: ``simulate(rig, run, ...)``.
 
     Returns
     -------
@@ -40,9 +41,10 @@ def check_contact(run: xr.Dataset) -> xr.Dataset:
     ------
     RunError
         When contact was lost; the message names the phase, when it began and the least preload,
-        ``status`` is ``"contact lost"`` and ``time`` that of the loss.
+        or says that the preloads suffice and the start is the cause; ``status`` is
+        ``"contact lost"`` and ``time`` that of the loss.
     OptionError
-        When the dataset is no run of the rig with its event log.
+        When the dataset is no run of the rig with all of its event log.
 
     Examples
     --------
@@ -77,16 +79,25 @@ def loss_message(run: xr.Dataset, loss: Loss) -> str:
     )
 
 
+def _suffice(given: tuple[float, ...], alone: tuple[float, ...]) -> bool:
+    """Whether each force given is at least the one that keeps both contacts beside the other."""
+    return all(force >= least for force, least in zip(given, alone, strict=True))
+
+
 def _cure(run: xr.Dataset, si: bool) -> str:
     text = run.attrs.get("dimensionless_system", run.attrs.get("system", ""))
     system = System.from_toml(str(text))
-    steady = float(run["time"][0]) > 0.0
+    # samples may begin after the run does
+    steady = float(run["event_time"][0]) > 0.0
     motion = "steady motion" if steady else "a start-up from rest"
     try:
         least = least_preload(system, motion="steady" if steady else "start-up", tolerance=1e-4)
     except NonsmoothError as error:
         return f"No least preload was found ({error})"
-    pairs = [tuple(map(float, least[f"least_{n}"].values)) for n in ("at_ratio", "alone")]
+    given, both, alone = (
+        tuple(map(float, least[n].values)) for n in ("force", "least_at_ratio", "least_alone")
+    )
+    pairs, suffice = [given, both, alone], _suffice(given, alone)
     names, to = ("f1", "f2"), ""
     if si:
         attrs = {k: float(run.attrs[f"rig_{k}"]) for k in ("leaf_stiffness", "base_amplitude")}
@@ -94,7 +105,14 @@ def _cure(run: xr.Dataset, si: bool) -> str:
         factor = attrs["leaf_stiffness"] * attrs["base_amplitude"] * 1e-3
         pairs = [(factor * pair[0] - weight, factor * pair[1] + weight) for pair in pairs]
         names, to = ("the force of cylinder 1", "that of cylinder 2"), " N"
-    (both1, both2), (one, two) = pairs
+    (given1, given2), (both1, both2), (one, two) = pairs
+    if suffice:
+        return (
+            f"The preloads are not the cause: {names[0]} = {given1:.4g}{to} and {names[1]} ="
+            f" {given2:.4g}{to} keep contact in {motion}, which takes {both1:.4g}{to} and"
+            f" {both2:.4g}{to}. The start is: begin at rest, without initial=, or nearer to it,"
+            " or let the motion settle and go on from that run"
+        )
     return (
         f"In {motion} contact is kept from {names[0]} = {both1:.4g}{to} and {names[1]} ="
         f" {both2:.4g}{to} on, or with {names[0]} = {one:.4g}{to} alone, or {names[1]} ="

@@ -8,14 +8,14 @@ from typing import Literal
 import numpy as np
 import xarray as xr
 
-from nonsmooth.errors import ModelError, OptionError
+from nonsmooth.errors import ModelError, OptionError, RunError
 from nonsmooth.models.fatigue_rigs.motion import first_loss, settled_motion, swing
 from nonsmooth.models.fatigue_rigs.response import full_contact, is_cracked, rig_values
 from nonsmooth.models.rigs.data import one_number
 from nonsmooth.simulation.simulate import simulate
 from nonsmooth.system.system import System
 
-__all__ = ["least_preload"]
+__all__ = ["LOOSEST", "least_preload"]
 
 _LABELS = {
     "force": "force on the mass, that at rest",
@@ -27,6 +27,8 @@ _LABELS = {
     "least_at_ratio": "least forces at their ratio",
 }
 _WIDEST = 60  # doublings of a bracket
+_FINEST = 200  # halvings of a bracket
+LOOSEST = 0.1  # a tolerance beyond it is a slip of the pen
 
 
 def least_preload(
@@ -66,7 +68,8 @@ def least_preload(
     periods : int, optional
         Periods of a start-up, after which it counts as steady.
     tolerance : float, optional
-        Width of the last bracket of the bisection, relative.
+        Width of the last bracket of the bisection, relative to 1 plus the force: positive and at
+        most 0.1.
 
     Returns
     -------
@@ -81,9 +84,10 @@ def least_preload(
     Raises
     ------
     OptionError
-        When the system is not a fatigue rig, ``ratio`` is not positive, ``motion`` is another word.
+        When the system is not a fatigue rig, ``ratio`` or ``tolerance`` is not such a number, or
+        ``motion`` is another word.
     RunError
-        When no force up to 1e18 times the given one keeps contact.
+        With a crack, when no forces at the ratio up to 1e18 times those given keep contact.
 
     See Also
     --------
@@ -114,6 +118,7 @@ def least_preload(
     if ratio is None:
         ratio = p["f2"] / p["f1"] if min(p["f1"], p["f2"]) > 0.0 else 1.0
     ratio = one_number("ratio", ratio, positive=True)
+    tolerance = one_number("tolerance", tolerance, positive=True, most=LOOSEST)
     attrs: dict[str, str | float] = {"system": system.to_toml(), "motion": motion, "ratio": ratio}
     force = np.array([p["f1"], p["f2"]])
     if is_cracked(p):
@@ -199,7 +204,11 @@ def _by_bisection(
     f1, f2 = force
     at_ratio = _least(lambda x: kept(x, ratio * x), f1, tolerance)
     if np.isnan(at_ratio):
-        raise OptionError(f"no forces at the ratio {ratio:.6g} keep both masses in contact")
+        raise RunError(
+            f"no forces at the ratio {ratio:.6g} were found that keep both masses in contact; try"
+            " another ratio, shake less, or give more damping",
+            status="not reached",
+        )
     alone = [
         _least(lambda x: kept(x, f2), f1, tolerance),
         _least(lambda x: kept(f1, x), f2, tolerance),
@@ -212,13 +221,18 @@ def _by_bisection(
 
 def _least(kept: Callable[[float], bool], guess: float, tolerance: float) -> float:
     """Least value from which on contact is kept, from above; nan where none is found."""
-    unit = abs(guess) or 1.0
+    unit = max(abs(guess), 1.0)
     ladder = [unit * 2.0**k for k in range(_WIDEST)]
     high = next((guess + step - unit for step in ladder if kept(guess + step - unit)), np.nan)
     if np.isnan(high):
         return high
-    low = next(high - 0.5 * step for step in ladder if not kept(high - 0.5 * step))
-    while high - low > tolerance * (1.0 + abs(high)):
+    low = next((high - 0.5 * step for step in ladder if not kept(high - 0.5 * step)), np.nan)
+    if np.isnan(low):
+        return low
+    for _ in range(_FINEST):
         middle = 0.5 * (low + high)
+        # between neighbouring numbers there is none
+        if high - low <= tolerance * (1.0 + abs(high)) or not low < middle < high:
+            break
         low, high = (low, middle) if kept(middle) else (middle, high)
     return high

@@ -250,7 +250,7 @@ def reduction_error(system: System, eps: npt.ArrayLike | None = None) -> xr.Data
     ModelError
         When the sides differ or the specimen has a crack.
     OptionError
-        When the system is not a fatigue rig or a compliance is not positive.
+        When the system is not a fatigue rig or there is no compliance, or one that is not positive.
 
     Examples
     --------
@@ -265,8 +265,10 @@ def reduction_error(system: System, eps: npt.ArrayLike | None = None) -> xr.Data
         grid = np.atleast_1d(np.asarray(p["eps"] if eps is None else eps, float))
     except (TypeError, ValueError):
         grid = np.array([np.nan])
-    if grid.ndim != 1 or not np.all(np.isfinite(grid) & (grid > 0.0)):
-        raise OptionError("eps must be positive numbers, the compliances of the contacts")
+    if grid.ndim != 1 or grid.size == 0 or not np.all(np.isfinite(grid) & (grid > 0.0)):
+        raise OptionError(
+            "eps must be positive numbers, one or more, the compliances of the contacts"
+        )
     rows: dict[str, list[list[float]]] = {n: [] for n in _ERROR_LABELS if n != "exact_amplitude"}
     exact: list[float] = []
     for value in grid:

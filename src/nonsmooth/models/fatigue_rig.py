@@ -46,6 +46,8 @@ _LABELS = {
 _OPEN_LABEL = {"open_stiffness": "stiffness of the specimen with its crack open over that closed"}
 _REQUIRE = {
     "eta > 0": "the base must shake",
+    "lambda1 >= 0": "with a negative frequency of cylinder 1 its damping would feed energy in",
+    "lambda2 >= 0": "with a negative frequency of cylinder 2 its damping would feed energy in",
     "theta > 0": "the specimen needs a stiffness",
     "eps > 0": "the contacts need a stiffness",
     "xi_s > 0": "the specimen has no mass, so without damping it has no rate",
@@ -143,14 +145,15 @@ def fatigue_rig(
         alone, ``iii`` mass 1 alone, ``iv`` none. Outputs: ``deflection`` of the specimen, that at
         rest included; ``load`` on it, contact forces ``contact1 contact2``, dynamic forces
         ``pneumatic1 pneumatic2`` of the cylinders; accelerations ``acceleration1 acceleration2``
-        relative to the base, ``absolute1 absolute2`` and ``base``.
+        relative to the base, ``absolute1 absolute2`` and ``base``. In a run the load is
+        ``run["load"]``; ``run.load`` is a method of xarray.
 
     Raises
     ------
     ModelError
         When ``eta``, ``theta``, ``eps``, ``xi_s`` or ``open_stiffness`` is not positive, another
-        damping ratio is negative, a mass does not press on the specimen at rest, or ``base`` is no
-        signal.
+        damping ratio, ``lambda1`` or ``lambda2`` is negative, a mass does not press on the specimen
+        at rest, or ``base`` is no signal.
 
     See Also
     --------

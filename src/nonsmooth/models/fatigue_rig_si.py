@@ -19,8 +19,9 @@ from nonsmooth.models.fatigue_preload import least_preload
 from nonsmooth.models.fatigue_reduction import Version
 from nonsmooth.models.fatigue_rig import fatigue_rig
 from nonsmooth.models.fatigue_rigs.data import data_of, parameters_of
+from nonsmooth.models.fatigue_rigs.rest import check_at_rest
 from nonsmooth.models.fatigue_rigs.units import TWO_MASSES, one_mass_units, two_mass_units
-from nonsmooth.models.rigs.data import check_data, one_number
+from nonsmooth.models.rigs.data import check_data, finite_values, one_number
 from nonsmooth.models.rigs.scaling import changed_parameters, in_si
 from nonsmooth.models.rigs.ties import check_system, units_of_ties, with_likes
 from nonsmooth.models.rigs.units import Units
@@ -285,7 +286,8 @@ class FatigueRig:
         Raises
         ------
         ModelError
-            When a mass does not press on the specimen at rest, or ``base`` is no signal.
+            When a cylinder does not press its mass on the specimen at rest, with the least force in
+            N, or ``base`` is no signal.
 
         Examples
         --------
@@ -293,6 +295,7 @@ class FatigueRig:
         >>> ns.models.FatigueRig.from_dimensionless().system().name
         'fatigue_rig'
         """
+        check_at_rest(self)
         values: dict[str, Any] = self.parameters()
         if isinstance(base, Signal):
             units = self.units
@@ -419,7 +422,9 @@ class FatigueRig:
             displacement of the masses, of which the specimen has the share
             :math:`1/(1 + k/2k_{sc})`. A growing crack has rigid contacts.
         contact : {"checked", "assumed"}
-            Whether the steady motion of the two-mass rig is looked at for lost contact.
+            Whether the steady motion of the two-mass rig is looked at for lost contact. A growing
+            crack is looked at with its length at t = 0 and all those that it can have later, up to
+            19 mm, 2 mm apart; what happens between them is not looked at.
 
         Returns
         -------
@@ -429,9 +434,15 @@ class FatigueRig:
         Raises
         ------
         ModelError
-            When the masses lose contact, naming the phase and the least preload.
+            When the masses lose contact, naming the phase, the least preload, and the length of a
+            growing crack.
         OptionError
             When there is neither a crack nor an open stiffness, or for a crack that does not fit.
+
+        Notes
+        -----
+        Contact may be lost with a short crack and kept with a longer one, or the other way round:
+        an open crack lets the specimen bend further down, away from mass 1 and onto mass 2.
 
         Examples
         --------
@@ -515,7 +526,7 @@ class FatigueRig:
         Raises
         ------
         OptionError
-            For an unknown name, another model, or values that are no numbers.
+            For an unknown name, another model, or values that are no finite numbers.
 
         Examples
         --------
@@ -534,12 +545,7 @@ class FatigueRig:
             if unit is None:
                 known = [*units.quantities, *parameters, "time"]
                 raise OptionError(unknown_name("state or parameter", name, known))
-            try:
-                found[name] = (np.asarray(value, float) / unit.factor).tolist()
-            except (TypeError, ValueError):
-                raise OptionError(
-                    f"{name} = {value!r:.60} is no number, nor are its parts"
-                ) from None
+            found[name] = (finite_values(name, value) / unit.factor).tolist()
         return found
 
     def to_si(
@@ -591,6 +597,7 @@ class FatigueRig:
             return self._with_data(
                 result, {k: v for k, v in self.parameters().items() if k != "eta"}
             )
+        check_at_rest(self)
         units = self.units
         shaker = System.from_toml(data.attrs["system"]).signals.get("shaker")
         values: dict[str, Any] = self.parameters()

@@ -13,6 +13,7 @@ from scipy.optimize import brentq
 from nonsmooth.errors import OptionError, ResultWarning, RunError
 from nonsmooth.fatigue.specimen import Specimen
 from nonsmooth.models.fatigue_contact import loss_message
+from nonsmooth.models.fatigue_preload import LOOSEST
 from nonsmooth.models.fatigue_rig_si import FatigueRig
 from nonsmooth.models.fatigue_rigs.motion import first_loss, settled_motion, swing
 from nonsmooth.models.rigs.data import one_number
@@ -96,7 +97,7 @@ def set_load(
     largest : float, optional
         Largest amplitude of the base in mm that the shaker can do.
     tolerance : float, optional
-        Of the voltage, relative.
+        Of the voltage, relative: positive and at most 0.1; below 1e-8 it counts as that.
 
     Returns
     -------
@@ -114,8 +115,8 @@ def set_load(
         When the wanted voltage is not reached by ``largest`` or is jumped over, or when contact is
         lost at the amplitude found: the message names the phase and the least preload.
     OptionError
-        When the load or ``largest`` is not positive, for a crack that does not fit, or a gain of
-        zero.
+        When the load, ``largest`` or ``tolerance`` is not such a number, for a crack that does not
+        fit, or a gain of zero.
 
     Warns
     -----
@@ -140,6 +141,7 @@ def set_load(
     """
     load = one_number("load", load, positive=True)
     largest = one_number("largest", largest, positive=True)
+    tolerance = one_number("tolerance", tolerance, positive=True, most=LOOSEST)
     if contact not in ("kept", "any"):
         raise OptionError(f"contact = {contact!r:.60} must be 'kept' or 'any'")
     beam = Specimen() if specimen is None else specimen

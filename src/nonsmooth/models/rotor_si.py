@@ -7,11 +7,10 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
-import numpy as np
 import xarray as xr
 
 from nonsmooth.errors import OptionError, unknown_name
-from nonsmooth.models.rigs.data import check_data
+from nonsmooth.models.rigs.data import check_data, finite_values
 from nonsmooth.models.rigs.scaling import changed_parameters, in_si
 from nonsmooth.models.rigs.ties import check_system, units_of_ties, with_likes
 from nonsmooth.models.rigs.units import Unit, Units
@@ -243,7 +242,7 @@ class RotorRig:
         Raises
         ------
         OptionError
-            For an unknown name or values that are no numbers.
+            For an unknown name or values that are no finite numbers.
 
         Examples
         --------
@@ -270,12 +269,7 @@ class RotorRig:
             if unit is None:
                 known = [*self.system().states, *parameters]
                 raise OptionError(unknown_name("state or parameter", name, known))
-            try:
-                found[name] = (np.asarray(value, float) / unit.factor).tolist()
-            except (TypeError, ValueError):
-                raise OptionError(
-                    f"{name} = {value!r:.60} is no number, nor are its parts"
-                ) from None
+            found[name] = (finite_values(name, value) / unit.factor).tolist()
         return found
 
     def static_equilibrium(self) -> xr.Dataset:

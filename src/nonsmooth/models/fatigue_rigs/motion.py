@@ -71,18 +71,36 @@ def _completed(run: xr.Dataset) -> xr.Dataset:
 def first_loss(run: xr.Dataset) -> Loss | None:
     """The first phase other than i of a run of the rig, from its event log; none in full contact.
 
-    Phases that last no time, at a start or where a contact force touches zero, are none.
+    Phases that last no time, at a start or where a contact force touches zero, are none. The log
+    is that of the whole run, of which the samples may be a part.
     """
-    if "event_to" not in run or "mode" not in run:
+    if "event_to" not in run or "event_time" not in run:
         raise OptionError("the run has no event log; simulate it without events=False")
-    names = run["mode"].attrs["flag_meanings"].split()
-    times = [float(run["time"][0]), *map(float, run["event_time"].values)]
-    modes = [int(run["mode"][0]), *map(int, run["event_to"].values)]
-    ends = [*times[1:], float(run["time"][-1])]
-    for begin, end, mode in zip(times, ends, modes, strict=True):
-        if names[mode] != "i" and end > begin:
-            return Loss(names[mode], begin)
+    rows = run.sizes["event"]
+    if rows == 0 or rows != run.attrs.get("n_rows", rows):
+        raise OptionError(
+            f"the run has {rows} of the {run.attrs.get('n_rows', 'at least 1')} rows of its event"
+            " log; give all of it"
+        )
+    names = run["event_to"].attrs["flag_meanings"].split()
+    # the first row is the start
+    times = [float(time) for time in run["event_time"].values]
+    ends = [*times[1:], _end(run)]
+    for begin, end, mode in zip(times, ends, run["event_to"].values, strict=True):
+        if names[int(mode)] != "i" and end > begin:
+            return Loss(names[int(mode)], begin)
     return None
+
+
+def _end(run: xr.Dataset) -> float:
+    """Time at which a run ended, which may be after its last sample."""
+    attrs = run.attrs
+    if "end_time" in attrs:
+        return float(attrs["end_time"])
+    try:
+        return float(attrs["end_number"] * attrs["window"] + attrs["end_phase"])
+    except KeyError:
+        return float("inf")  # not told: the last phase then counts as one that lasts
 
 
 def swing(run: xr.Dataset, name: str) -> tuple[float, float]:

@@ -7,21 +7,47 @@ from collections.abc import Mapping
 from dataclasses import fields
 from typing import Any
 
+import numpy as np
+import numpy.typing as npt
+
 from nonsmooth.errors import ModelError, OptionError
 
-__all__ = ["check_data", "one_number"]
+__all__ = ["check_data", "finite_values", "one_number"]
 
 
-def one_number(name: str, value: Any, *, positive: bool = False) -> float:
+def one_number(name: str, value: Any, *, positive: bool = False, most: float = math.inf) -> float:
     """One finite number, positive if it must be, or an error that names the argument."""
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
-        number = math.nan
-    if not math.isfinite(number) or (positive and number <= 0.0):
+    number = _float(value)
+    if not math.isfinite(number) or (positive and number <= 0.0) or number > most:
         kind = "positive number" if positive else "finite number"
-        raise OptionError(f"{name} = {value!r:.60} must be a {kind}")
+        limit = f" of at most {most:g}" if math.isfinite(most) else ""
+        raise OptionError(f"{name} = {value!r:.60} must be a {kind}{limit}")
     return number
+
+
+def finite_values(name: str, values: Any) -> npt.NDArray[np.float64]:
+    """Finite numbers of any shape, or an error that names the argument."""
+    try:
+        given = np.asarray(values)
+        # text and truth values would be turned into numbers
+        numbers = given.astype(float) if given.dtype.kind in "iufO" else None
+    except (TypeError, ValueError):
+        numbers = None
+    if numbers is None:
+        raise OptionError(f"{name} = {values!r:.60} is no number, nor are its parts")
+    if not np.all(np.isfinite(numbers)):
+        raise OptionError(f"{name} = {values!r:.60} must be finite")
+    return numbers
+
+
+def _float(value: Any) -> float:
+    """A number as a float; nan for all else, text and truth values included."""
+    if isinstance(value, (bool, np.bool_, str, bytes)):
+        return math.nan
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        return math.nan
 
 
 def check_data(rig: Any, positive: Mapping[str, str], not_negative: Mapping[str, str]) -> None:
@@ -34,10 +60,7 @@ def check_data(rig: Any, positive: Mapping[str, str], not_negative: Mapping[str,
         value = getattr(rig, item.name)
         if value is None and item.default is None:
             continue  # left out
-        try:
-            number = float(value)
-        except (TypeError, ValueError):
-            number = math.nan
+        number = _float(value)
         if not math.isfinite(number):
             raise ModelError(f"{item.name} = {value!r:.60} is not a finite number")
         object.__setattr__(rig, item.name, number)

@@ -98,6 +98,8 @@ def changed_parameters(data: xr.Dataset) -> dict[str, float]:
 
 def _attributes(data: xr.Dataset, units: Units) -> dict[str, Any]:
     attrs = dict(data.attrs)
+    if "end_number" in attrs and "end_time" not in attrs:
+        attrs["end_time"] = float(attrs["end_number"] * attrs["window"] + attrs["end_phase"])
     for name in list(attrs):
         # verbs and plots would read it as if it went with the numbers
         if name in _TEXTS or str(name).startswith("region_"):
