@@ -12,6 +12,7 @@ import numpy as np
 from nonsmooth.errors import ModelError, OptionError
 from nonsmooth.fatigue.checks import finite_array, finite_number, like
 from nonsmooth.fatigue.curve_fit import fitted_curve
+from nonsmooth.fatigue.expression_text import expression_text
 
 __all__ = ["CrackCurve"]
 
@@ -183,7 +184,13 @@ class CrackCurve:
         -------
         str
             Length in mm.
+
+        Raises
+        ------
+        OptionError
+            For a time that is no whole expression.
         """
+        time = expression_text("time", time)
         name = time if time.isidentifier() else f"({time})"
         return f"{self.a0!r} + {self.a1!r}*exp(({name} - {_bracketed(self.a2)})/{self.a3!r})"
 
