@@ -88,11 +88,47 @@ def test_a_period_of_the_force_spans_the_samples(wave):
 @pytest.mark.parametrize("measure", ["acceleration", "velocity", "displacement"])
 def test_equal_power(wave, measure):
     sine = harmonic(20.0, 5.0)
-    scaled = equal_power(wave, sine, measure)
-    assert scaled.power(measure) == pytest.approx(sine.power(measure), rel=1e-12)
-    assert power_ratio(scaled, sine, measure) == pytest.approx(1.0, rel=1e-12)
+    scaled = equal_power(wave, sine, measure, lowest=2.0)
+    assert scaled.power(measure, lowest=2.0) == pytest.approx(sine.power(measure), rel=1e-12)
+    assert power_ratio(scaled, sine, measure, lowest=2.0) == pytest.approx(1.0, rel=1e-12)
     gain = scaled.details["gain"] / wave.details["gain"]
     np.testing.assert_allclose(scaled.acceleration, gain * wave.acceleration, rtol=1e-12)
+
+
+@pytest.mark.parametrize("lowest", [0.1, 1.0, 10.0])
+def test_a_sine_between_lines_does_not_leak_into_its_displacement(lowest):
+    """Not periodic in the record, so that its line falls between two; exact in closed form."""
+    t = np.arange(20 * 1280) / 1280
+    record = Excitation(t, np.sin(2 * np.pi * 20.013 * t + 0.3))
+    exact = 0.5 / (2 * np.pi * 20.013) ** 4
+    assert record.power("displacement", lowest=lowest) == pytest.approx(exact, rel=5e-4)
+
+
+def test_slow_parts_of_the_wave_are_its_own(wave):
+    """Density below the band by Welch over another window: it does not vanish there."""
+    frequency, density = welch(wave.acceleration, 1 / wave.step, "blackmanharris",
+                               nperseg=wave.times.size // 3, detrend="linear")  # fmt: skip
+    slow = (frequency > 0.5) & (frequency < 4.0)
+    turns = (2 * np.pi * frequency[slow]) ** 4
+    exact = float(np.sum(density[slow] / turns) * frequency[1])
+    found = wave.power("displacement", lowest=0.5) - wave.power("displacement", lowest=4.0)
+    assert 0.3 < found / exact < 3.0  # a chaotic record of 30 s, few lines of which count
+    assert density[slow].min() > 1e-4 * density.max()
+
+
+def test_periodic_records_count_whole_but_for_their_mean():
+    noise = band_noise(0.5, 30.0, duration=10.0, seed=3)
+    whole = noise.power("displacement")
+    assert whole == pytest.approx(noise.power("displacement", lowest=0.05), rel=1e-12)
+    moved = Excitation(noise.times, noise.acceleration + 3.0, periodic=True)
+    assert moved.power("displacement") == pytest.approx(whole, rel=1e-9)
+
+
+@pytest.mark.parametrize("duration", [5.0, 3.3, 7.01])
+def test_noise_lasts_as_long_as_wanted(duration):
+    noise = band_noise(10.0, 13.7, 5.0, duration=duration, seed=1)
+    assert noise.duration == pytest.approx(duration, rel=1e-12)
+    assert noise.power() == pytest.approx(25.0, rel=1e-12)
 
 
 def test_equal_power_of_a_load_that_answers_out_of_proportion():
@@ -137,12 +173,21 @@ T = np.arange(100) / 100.0
         (lambda: equal_power(harmonic(), Excitation(T, 0 * T)), "power of the reference"),
         (lambda: power_ratio(harmonic(), Excitation(T, 0 * T)), "is zero"),
         (lambda: equal_power(harmonic(), harmonic(), "load"), "needs response="),
+        (lambda: equal_power(5, harmonic()), "record = 5: give an Excitation"),
+        (lambda: equal_power(harmonic(), None), "reference = None: give an Excitation"),
+        (lambda: power_ratio(T, harmonic()), "record = .*give an Excitation"),
+        (lambda: Excitation(T, T).power("displacement"), "displacement .* give lowest="),
+        (lambda: equal_power(Excitation(T, T), harmonic(), "velocity"), "give lowest="),
+        (lambda: Excitation(T, T).power("velocity", lowest="low"), "lowest = 'low'"),
+        (lambda: band_noise(10, 10.0001, 5, seed=1), "1 of them .*longer duration or a wider band"),
+        (lambda: band_noise(20.0, 20.0), "1 of them between 20 and 20 Hz"),
+        (lambda: Excitation(T, ["1"] * 100), "as numbers"),
         (lambda: equal_power(harmonic(), harmonic(), "power"), "known are"),
         (lambda: harmonic(20.0, 0.0), "amplitude = 0"),
         (lambda: harmonic(20.0, 1.0, duration=0.33), "whole number"),
         (lambda: harmonic(20.0, 1.0, samples_per_period=4), "8 in a period"),
         (lambda: band_noise(25.0, 15.0), "below its beginning"),
-        (lambda: band_noise(15.01, 15.02, duration=1.0), "longer duration"),
+        (lambda: band_noise(15.01, 15.02, duration=1.0), "no of them .*longer duration"),
         (lambda: duffing(variable="y"), "unknown variable"),
         (lambda: duffing(alpha=1.0, gamma=0.1), "not chaotic"),
         (lambda: duffing(duration=1e5), "190,000"),

@@ -8,6 +8,7 @@ import nonsmooth as ns
 from fatigue.bending import bent_beam
 from nonsmooth.errors import ModelError, OptionError
 from nonsmooth.excitation import (
+    Excitation,
     ShakenSpecimen,
     band_noise,
     duffing,
@@ -15,7 +16,7 @@ from nonsmooth.excitation import (
     lives_under_shaking,
     spread_of_life_ratio,
 )
-from nonsmooth.fatigue import Paris, Walker
+from nonsmooth.fatigue import Paris, Specimen, Walker
 
 CLOSED = 1177.0  # N/mm
 
@@ -134,5 +135,30 @@ def test_bad_input():
         rig.load(SINE, 6.0, transient=11.9)
     with pytest.raises(OptionError, match="needs a result of duffing"):
         rig.cascade(SINE, 6.0)
+    beam = ShakenSpecimen(Specimen().stiffness, CLOSED, damping=0.1)
+    with pytest.raises(OptionError, match="crack = 25 mm is longer than the specimen's width"):
+        beam.load(harmonic(20.0, duration=2.0), crack=25)
+    for shake in (rig.load, rig.system, rig.cascade):
+        with pytest.raises(OptionError, match="= 5: give an Excitation"):
+            shake(5, 6.0)
+
+
+def test_bad_input_of_lives_is_told_before_the_rig_runs():
+    def never(crack):
+        raise AssertionError
+
+    rig = ShakenSpecimen(never, CLOSED)
+    wave = Excitation(SINE.times, SINE.acceleration)
+    for bad, says in (
+        ((5, SINE, SINE, bent_beam, LAW), "rig = 5: give a ShakenSpecimen"),
+        ((rig, SINE, 5, bent_beam, LAW), "record = 5: give an Excitation"),
+        ((rig, SINE, SINE, bent_beam, "paris"), "law = 'paris'"),
+        ((rig, SINE, wave, bent_beam, LAW), "give lowest="),
+    ):
+        with pytest.raises(OptionError, match=says):
+            lives_under_shaking(*bad, cracks=[6.0, 8.0], measure="displacement")
+    grid = {"dampings": [0.2], "mean_loads": [0.0], "measures": ["displacement"]}
+    with pytest.raises(OptionError, match="give lowest="):
+        spread_of_life_ratio(rig, SINE, {"wave": wave}, bent_beam, {"walker": LAW}, **grid)
     with pytest.raises(OptionError, match="cracks must increase"):
         lives_under_shaking(rig, SINE, SINE, bent_beam, LAW, cracks=[8.0, 6.0])

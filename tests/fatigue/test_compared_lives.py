@@ -27,6 +27,15 @@ def test_a_fit_finds_the_law_behind_closed_forms():
     assert fitted.scatter == pytest.approx(1.0, abs=1e-6)
 
 
+def test_a_fit_stays_within_the_range_of_its_constants():
+    """Lives that a larger mean load makes longer: gamma ends at 1, and the errors are finite."""
+    tests = table_3()
+    tests["life"] = 1e4 * np.exp(tests["mean_load"] / 300 - tests["load_amplitude"] / 50)
+    fitted = fit_law(tests, plate, Walker(1e-8, 3.0, 0.8), free=("C", "gamma"))
+    assert 0.999 < fitted.law.gamma <= 1.0
+    assert np.all(np.isfinite(fitted.standard_error))
+
+
 def test_a_fit_says_that_it_is_in_sample():
     tests, law = table_3(), published_laws()["walker 2024-T3"]
     fitted = fit_law(tests, bent_beam, law)

@@ -1,6 +1,7 @@
 """Eq. (49): numbers, text, and the fit, whose errors are judged over many noisy records."""
 
 import math
+import warnings
 
 import numpy as np
 import pytest
@@ -54,13 +55,40 @@ def test_standard_errors_over_many_records(constants):
 
     The relative error of a standard deviation of n values is 1/sqrt(2n), 5 %.
     """
-    fits = [CrackCurve.from_measured(*record(0.02, 60, seed, constants)) for seed in range(200)]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of slips, which noise alone makes in one of 100
+        fits = [CrackCurve.from_measured(*record(0.02, 60, seed, constants)) for seed in range(200)]
     for name, true in zip(("a0", "a2", "a3"), np.delete(constants, 1), strict=True):
         scores = [(getattr(fit, name) - true) / fit.standard_errors[name] for fit in fits]
         assert abs(np.mean(scores)) < 4 / math.sqrt(200)
         assert 1 - 4 * 0.05 < np.std(scores) < 1 + 4 * 0.05
     residual = np.mean([fit.standard_errors["residual"] for fit in fits])
     assert residual == pytest.approx(0.02, rel=0.03)
+
+
+@pytest.mark.parametrize("place", [0, 17, 38, 39])
+@pytest.mark.parametrize("slip", [5.0, -5.0, 0.3])
+def test_a_slip_is_told(place, slip):
+    t, a = record(0.02, 40, seed=place)
+    a[place] += slip
+    with pytest.warns(ns.ResultWarning, match=rf"point {place} \(from 0\).* lies off the curve"):
+        curve = CrackCurve.from_measured(t, a)
+    assert curve.outliers[0] == place
+    clean = CrackCurve.from_measured(np.delete(t, place), np.delete(a, place))
+    assert clean.outliers == () and clean.a3 == pytest.approx(250.0, rel=0.05)
+
+
+def test_false_alarms_of_slips():
+    """Binomial of 500 at 1 %: 5 +- 2.2."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        found = [CrackCurve.from_measured(*record(0.02, 40, seed)) for seed in range(500)]
+    assert 0 < sum(bool(curve.outliers) for curve in found) < 5 + 4 * 2.2
+
+
+def test_exact_lengths_have_no_slips():
+    for points in (6, 40, 400):
+        assert CrackCurve.from_measured(*record(0.0, points)).outliers == ()
 
 
 def test_a1_only_moves_a2():

@@ -78,6 +78,8 @@ def test_newman_keeps_the_range_at_its_reference():
         (lambda: Paris(1e-8, -3.0), "m = -3"),
         (lambda: Paris(1e-8, 3.0, threshold=-1.0), "cannot be negative"),
         (lambda: Walker(1e-8, 3.0, float("nan")), "gamma"),
+        (lambda: Walker(1e-8, 3.0, 2.0), "gamma = 2 must be from 0 to 1: above 1 a larger mean"),
+        (lambda: Walker(1e-8, 3.0, -0.1), "gamma = -0.1 must be from 0 to 1"),
         (lambda: Forman(1e-8, 3.0, 0.0), "K_c"),
         (lambda: NewmanClosure(4.0), "alpha"),
         (lambda: NewmanClosure(2.0, 1.0), "stress_ratio"),

@@ -5,11 +5,12 @@ import numpy as np
 import pytest
 
 from fatigue.bending import bent_beam, plate
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import OptionError, ResultWarning
 from nonsmooth.fatigue import (
     LoadBlock,
     LoadTable,
     Paris,
+    Specimen,
     Walker,
     count_cycles,
     growth_by_frequency,
@@ -184,6 +185,65 @@ def test_growth_by_frequency():
 
 
 LOAD = LoadBlock.constant_amplitude(0, 100)
+
+
+def test_a_growth_of_noise_ends_and_says_how_good_it_is():
+    """No halving makes noise smooth: the work is bounded, and the error is told."""
+    rng = np.random.default_rng(0)
+    calls = []
+
+    def noisy(load, crack):
+        calls.append(np.size(crack))
+        return plate(load, crack) * (1 + 0.1 * rng.random(np.shape(load * crack)))
+
+    with pytest.warns(ResultWarning, match="not to tolerance = 1e-11"):
+        found = life(noisy, Paris(1e-8, 3), LOAD, initial=2.0, final=9.0)
+    assert 1e-4 < found.attrs["integration_error"] < 0.1
+    assert sum(calls) < 5e6
+
+
+def test_tolerances_are_kept():
+    """The kink of a threshold, in closed form, to each tolerance from the finest on."""
+    law = Paris(1e-8, 4.0, threshold=float(plate(60.0, 5.0)))
+    block = LoadBlock([0.0, 0.0], [100.0, 60.0], [1.0, 1.0], 0.1)
+    unit = [1e-8 * (0.112 * p * np.sqrt(np.pi * 1e-3)) ** 4 / 0.1 for p in (100.0, 60.0)]
+    exact = (1 / 2 - 1 / 5) / unit[0] + (1 / 5 - 1 / 9) / sum(unit)
+    for goal in (1e-14, 1e-6, 0.1):
+        found = life(plate, law, block, initial=2.0, final=9.0, tolerance=goal)
+        assert found.attrs["life"] == pytest.approx(exact, rel=max(goal, 1e-13))
+
+
+def test_a_crack_that_rests_ends_the_cycles():
+    with pytest.raises(OptionError, match="does not grow from 2 mm on"):
+        life_by_cycle(plate, Paris(1e-8, 3, threshold=1e3), LOAD, initial=2.0, final=9.0)
+
+
+@pytest.mark.parametrize("bad", [float("nan"), -1, 0.0, 1e3, 1e-16, float("inf"), "a", True, None])
+def test_tolerances_that_cannot_be(bad):
+    with pytest.raises(OptionError, match="tolerance = "):
+        life(plate, Paris(1e-8, 3), LOAD, initial=2.0, final=9.0, tolerance=bad)
+    if bad != 1e3:
+        with pytest.raises(OptionError, match="most_cycles = "):
+            life_by_cycle(plate, Paris(1e-8, 3), LOAD, initial=2, final=9, most_cycles=bad)
+
+
+@pytest.mark.parametrize("run", [life, life_by_cycle])
+@pytest.mark.parametrize(
+    ("intensity", "law", "says"),
+    [
+        (plate, "paris", "law = 'paris': give a law of growth"),
+        (plate, Paris, "give a law of growth with its constants"),
+        (plate, None, "law = None"),
+        (3.0, Paris(1e-8, 3), "stress_intensity = 3.0: give a function"),
+        (Specimen(), Paris(1e-8, 3), r"such as Specimen\(\).stress_intensity"),
+        (lambda p, a: "text", Paris(1e-8, 3), "stress_intensity gave 'text'"),
+        (lambda p, a: None, Paris(1e-8, 3), "stress_intensity gave None"),
+        (lambda p, a: 1j * p * a, Paris(1e-8, 3), "has to give numbers in MPa"),
+    ],
+)
+def test_no_law_and_no_stress_intensity(run, intensity, law, says):
+    with pytest.raises(OptionError, match=says):
+        run(intensity, law, LOAD, initial=2.0, final=9.0)
 
 
 @pytest.mark.parametrize(

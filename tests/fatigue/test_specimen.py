@@ -92,6 +92,13 @@ def test_shapes_of_arguments():
         ([5.0, math.nan], r"crack\[1\] = nan is not finite"),
         (math.inf, "crack = inf is not finite"),
         ("long", "is no number"),
+        ("5", "crack = '5' is no number"),
+        (["5", "6"], "is no number"),
+        (True, "crack = True is no number"),
+        ([True, False], "is no number"),
+        (None, "crack = None is no number"),
+        ([5.0, None], "is no number"),
+        (5 + 1j, "is no number"),
     ],
 )
 def test_cracks_that_cannot_be(method, crack, says):
@@ -125,6 +132,18 @@ def test_load_and_voltage_are_inverse():
     assert specimen.voltage(loads, 250.0, lengths) == pytest.approx(np.full(3, 0.7), rel=1e-15)
     with pytest.raises(ns.OptionError, match="gain = 0"):
         specimen.load(0.7, 0.0, 5.0)
+
+
+def test_arrays_that_do_not_go_together():
+    specimen = Specimen()
+    says = r"have the shapes \(3,\) and \(2,\).*a column"
+    with pytest.raises(ns.OptionError, match="load and crack " + says):
+        specimen.stress_intensity([1, 2, 3], [1, 2])
+    with pytest.raises(ns.OptionError, match="voltage and crack " + says):
+        specimen.load([1, 2, 3], 200.0, [1, 2])
+    with pytest.raises(ns.OptionError, match="load and crack " + says):
+        specimen.voltage([1, 2, 3], 200.0, [1, 2])
+    assert specimen.stress_intensity(np.ones((3, 1)), [1, 2]).shape == (3, 2)
 
 
 def test_bending_frequency():

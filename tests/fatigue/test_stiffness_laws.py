@@ -83,6 +83,30 @@ def test_bad_input_of_the_cubic_law(arguments, says):
         cubic_stiffness(**arguments)
 
 
+@pytest.mark.parametrize(
+    "text",
+    ["", "  ", "a b", "(a", "a)", "a +", "a, b", "a < b", "a^2", "a # b", "a.b", "'a'", "a(", "a;b",
+     "a = 1", "f(x=1)", "a if b else c", "(" * 6000, True, None, math.nan],
+)  # fmt: skip
+@pytest.mark.parametrize("argument", ["crack", "factor", "length", "time"])
+def test_texts_of_what_is_no_expression(argument, text):
+    laws = {
+        "length": [cubic_text],
+        "time": [lambda time: ns.fatigue.CrackCurve(5, 1, 2, 3).text(time)],
+    }
+    for law in laws.get(argument, [guinea_text, cubic_text]):
+        with pytest.raises(ns.OptionError, match=f"{argument} = "):
+            law(**{argument: text})
+
+
+def test_a_law_is_one_factor_of_what_is_about_it():
+    """Factors that are sums stay together; lines and blanks do no harm."""
+    assert in_a_system(cubic_text(" crack\n", factor="1 + 1"), 4.0)[0] == pytest.approx(2 * 16**3)
+    text = guinea_text("where(crack > 0, crack, 0)", factor="1 + 1e-3")
+    assert in_a_system(text, 4.0)[0] == pytest.approx(1.001 * guinea_stiffness(4.0), rel=1e-13)
+    assert cubic_text(4) == "0.004245*(20.0 - (4.0))**3"
+
+
 def test_bad_input_of_the_texts():
     with pytest.raises(ns.ModelError, match=r"2\.5 times"):
         guinea_text(span=40.0)

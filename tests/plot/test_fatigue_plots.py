@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from matplotlib.text import Text
 
 import nonsmooth as ns
 from fatigue.bending import bent_beam, table_3
@@ -47,11 +48,40 @@ def test_lives_of_two_laws(ax):
     fitted = ns.fatigue.fit_law(tests, bent_beam, law)
     ns.plot.lives(ns.fatigue.compare_lives(tests, bent_beam, fitted), ax=ax, label="fit")
     texts = [text.get_text() for text in ax.get_legend().get_texts()]
-    assert texts == ["published", "fit (fitted, in sample)"]
+    lines = ["predicted as measured", "a factor of 2 off"]
+    assert texts == ["published", "fit (fitted, in sample)", *lines]
     np.testing.assert_array_equal(ax.collections[0].get_offsets()[:, 1], published["predicted"])
     low, high = ax.get_ylim()
     assert low < published["measured"].min() and high > published["predicted"].max()
     assert len(ax.lines) == 3
+    assert sorted(text.get_text() for text in ax.texts) == sorted(tests["test"].values)
+
+
+@pytest.mark.parametrize("fitted", [False, True])
+def test_names_of_tests_are_free(ax, fitted):
+    """As drawn: no name on another one, on a point, or beyond the axes."""
+    tests, law = table_3(), ns.fatigue.published_laws()["walker 2024-T3"]
+    found = ns.fatigue.compare_lives(tests, bent_beam, law)
+    if fitted:
+        law = ns.fatigue.fit_law(tests, bent_beam, law, free=("C", "m", "gamma"))
+        ns.plot.lives(found, ax=ax, names=False)
+        found = ns.fatigue.compare_lives(tests, bent_beam, law)
+    ns.plot.lives(found, ax=ax)
+    ax.figure.draw_without_rendering()
+    boxes = [Text.get_window_extent(note) for note in ax.texts]
+    assert len(boxes) == 8
+    for k, box in enumerate(boxes):
+        assert not any(box.overlaps(other) for other in boxes[:k])
+        for dots in ax.collections:
+            assert not any(box.contains(*p) for p in ax.transData.transform(dots.get_offsets()))
+        inside = ax.get_window_extent()
+        assert inside.x0 <= box.x0 and box.x1 <= inside.x1 and inside.y0 <= box.y0
+
+
+def test_no_dashed_lines_at_a_factor_of_one(ax):
+    lives = table_3().rename(life="measured").assign(predicted=("test", np.arange(1.0, 9.0)))
+    ns.plot.lives(lives, ax=ax, factor=1.0, names=False)
+    assert len(ax.lines) == 1 and not ax.texts
 
 
 def test_bad_input(cycles):

@@ -10,6 +10,8 @@ from nonsmooth.fatigue.checks import positive
 
 __all__ = ["band_noise"]
 
+_FEWEST = 5  # lines; of less the sum is far from Gaussian, and one is a sine
+
 
 def band_noise(
     low: float = 15.0,
@@ -35,7 +37,7 @@ def band_noise(
     Other Parameters
     ----------------
     duration : float, optional
-        Length in s.
+        Length in s; the record repeats itself after it.
     samples_per_period : int, optional
         Samples in a period of the highest frequency.
     seed : int, optional
@@ -49,7 +51,7 @@ def band_noise(
     Raises
     ------
     OptionError
-        For a band that is empty or holds no line.
+        For a band that is empty or holds less than five lines, of which no noise is made.
 
     Examples
     --------
@@ -62,14 +64,17 @@ def band_noise(
     if last < first:
         raise OptionError(f"the band ends at {last:g} Hz, below its beginning, {first:g} Hz")
     size = positive("rms", rms, "m/s^2")
-    count, step = sample_count(duration, last, samples_per_period)
+    count, _ = sample_count(duration, last, samples_per_period)
+    step = float(duration) / count  # the whole duration, if it holds no whole number of periods
     frequency = np.fft.rfftfreq(count, step)
     slack = 1e-9 * last
     inside = np.flatnonzero((frequency >= first - slack) & (frequency <= last + slack))
-    if inside.size == 0:
+    if inside.size < _FEWEST:
+        number = inside.size or "no"
         raise OptionError(
-            f"no line, one every {1 / (count * step):.4g} Hz, lies between {first:g} and {last:g}"
-            " Hz; give a longer duration"
+            f"a record of {duration:g} s has a line every {1 / duration:.4g} Hz, and {number} of"
+            f" them between {first:.9g} and {last:.9g} Hz; noise needs {_FEWEST}: give a longer"
+            " duration or a wider band"
         )
     rng = np.random.default_rng(seed)
     lines = np.zeros(frequency.size, dtype=complex)

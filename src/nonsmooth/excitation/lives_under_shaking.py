@@ -12,13 +12,13 @@ import xarray as xr
 
 from nonsmooth.errors import OptionError
 from nonsmooth.excitation.equal_power import equal_power, power_ratio
-from nonsmooth.excitation.record import Excitation
+from nonsmooth.excitation.record import MEASURES, Excitation, check_excitation
 from nonsmooth.excitation.shaken_specimen import ShakenSpecimen
 from nonsmooth.fatigue.checks import positive
 from nonsmooth.fatigue.closure import NewmanClosure
 from nonsmooth.fatigue.cycles import count_cycles
 from nonsmooth.fatigue.growth_laws import GrowthLaw
-from nonsmooth.fatigue.growth_rate import StressIntensity, growth_rate
+from nonsmooth.fatigue.growth_rate import StressIntensity, check_law, growth_rate
 from nonsmooth.fatigue.life_ratio import life_ratio
 from nonsmooth.fatigue.load_block import LoadBlock
 from nonsmooth.fatigue.load_table import LoadTable
@@ -52,7 +52,7 @@ def lives_under_shaking(
     closure: str | float | NewmanClosure = "shut",
     toughness: float | None = None,
     transient: float = 8.0,
-    lowest: float = 1.0,
+    lowest: float | None = None,
 ) -> xr.Dataset:
     """Lives of a specimen that is shaken by two records of equal power, and their ratio.
 
@@ -87,7 +87,7 @@ def lives_under_shaking(
     transient : float, optional
         What is dropped of each run, in s.
     lowest : float, optional
-        For powers of velocity and displacement, Hz.
+        For powers of velocity and displacement, in Hz, as of `Excitation.power`.
 
     Returns
     -------
@@ -123,6 +123,7 @@ def lives_under_shaking(
     1.0
     """
     lengths = _lengths(cracks)
+    _check(rig, {"reference": reference, "record": record}, {"law": law}, [measure], lowest)
     base = scaled_to_load(rig, reference, lengths[0], load_amplitude, transient)
     first = answer(rig, base, lengths, transient)
     power: dict[str, Any] = {
@@ -172,6 +173,7 @@ def spread_of_life_ratio(
     closure: str | float | NewmanClosure = "shut",
     toughness: float | None = None,
     transient: float = 8.0,
+    lowest: float | None = None,
 ) -> xr.Dataset:
     """Ratio of lives under two records over what is not known: a full grid, the same every time.
 
@@ -197,7 +199,7 @@ def spread_of_life_ratio(
         that to which the damping of its Fig. 24 reduces.
     measures : sequence of str, optional
         Powers that are made equal.
-    load_amplitude, cracks, closure, toughness, transient : optional
+    load_amplitude, cracks, closure, toughness, transient, lowest : optional
         As of `lives_under_shaking`.
 
     Returns
@@ -225,6 +227,7 @@ def spread_of_life_ratio(
     ('mean_load', 'damping', 'record', 'measure', 'law')
     """
     lengths = _lengths(cracks)
+    _check(rig, {"reference": reference, **records}, laws, measures, lowest)
     options: dict[str, Any] = {"initial": float(lengths[0]), "final": float(lengths[-1]),
                                "toughness": toughness, "closure": closure}  # fmt: skip
     shape = (len(mean_loads), len(dampings), len(records), len(measures), len(laws))
@@ -240,7 +243,7 @@ def spread_of_life_ratio(
 
             for k, record in enumerate(records.values()):
                 for n, measure in enumerate(measures):
-                    other = equal_power(record, base, measure, response=response)
+                    other = equal_power(record, base, measure, response=response, lowest=lowest)
                     second = answer(own, other, lengths, transient)
                     ratio[i, j, k, n] = [
                         float(life_ratio(stress_intensity, law, first.table, second.table,
@@ -260,6 +263,25 @@ def spread_of_life_ratio(
              "cracks": " ".join(f"{a:g}" for a in lengths)}  # fmt: skip
     words = {"long_name": "reference life by life"}
     return xr.Dataset({"ratio": (tuple(coords), ratio, words)}, coords, attrs)
+
+
+def _check(
+    rig: Any,
+    records: Mapping[str, Any],
+    laws: Mapping[str, Any],
+    measures: Sequence[str],
+    lowest: float | None,
+) -> None:
+    """Refuse before the rig is run what would be refused after it."""
+    if not isinstance(rig, ShakenSpecimen):
+        raise OptionError(f"rig = {rig!r:.60}: give a ShakenSpecimen")
+    for name, record in records.items():
+        check_excitation(name, record)
+        for measure in measures:
+            if measure in MEASURES:
+                record.power(measure, lowest=lowest)
+    for law in laws.values():
+        check_law(law)
 
 
 def scaled_to_load(

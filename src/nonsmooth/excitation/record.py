@@ -14,7 +14,7 @@ from nonsmooth.fatigue.checks import Array, finite, positive
 from nonsmooth.fatigue.record_checks import check_times, record_values
 from nonsmooth.system.signals import Signal
 
-__all__ = ["MEASURES", "Excitation"]
+__all__ = ["MEASURES", "Excitation", "check_excitation"]
 
 MEASURES = {"acceleration": 0, "velocity": 1, "displacement": 2}  # integrations
 _OFF = 1e-6  # of a step, a time may be off the even grid
@@ -134,28 +134,52 @@ class Excitation:
         shift = 0.5 * (below - above) / (below - 2.0 * at + above)
         return float((top + shift) * frequency[1])
 
-    def power(self, measure: str = "acceleration", *, lowest: float = 1.0) -> float:
+    def power(self, measure: str = "acceleration", *, lowest: float | None = None) -> float:
         """Mean square of the acceleration, or of the velocity or displacement it integrates to.
 
         Parameters
         ----------
         measure : {"acceleration", "velocity", "displacement"}
             What is squared.
-        lowest : float
-            Frequency in Hz below which velocity and displacement have no part: a record that
-            is not measured to be integrated drifts, and no shaker follows it there.
+        lowest : float, optional
+            Frequency in Hz below which velocity and displacement have no part, such as that down
+            to which the shaker follows. A periodic record has a lowest line of its own, and by
+            default counts whole but for its mean. Another one has no default: chaos and noise have
+            power down to no frequency at all, whose displacement grows without bound.
 
         Returns
         -------
         float
             In (m/s^2)^2, (m/s)^2 or m^2.
+
+        Raises
+        ------
+        OptionError
+            For another measure, and for velocity and displacement of a record that is not
+            periodic without ``lowest``.
+
+        Examples
+        --------
+        >>> import nonsmooth as ns
+        >>> sine = ns.excitation.harmonic(20.0, 1.0)
+        >>> round(1e6 * (2 * sine.power("displacement")) ** 0.5, 3)  # 1/(40 pi)^2, micrometres
+        63.326
+        >>> noise = ns.excitation.band_noise(0.5, 30.0, seed=1)
+        >>> slow, fast = (noise.power("displacement", lowest=low) for low in (0.5, 5.0))
+        >>> slow > 100 * fast
+        True
         """
         if measure not in MEASURES:
             raise OptionError(f"measure = {measure!r:.40}; known are {', '.join(MEASURES)}")
         if measure == "acceleration":
             return float(np.mean(self.acceleration**2))
+        if lowest is None and not self.periodic:
+            raise OptionError(
+                f"the {measure} of a record that is not periodic depends on the frequency in Hz"
+                " from which on it counts; give lowest=, such as the lowest that the shaker follows"
+            )
         frequency, lines = self.spectrum()
-        kept = frequency >= positive("lowest", lowest, "Hz")
+        kept = frequency > 0.0 if lowest is None else frequency >= positive("lowest", lowest, "Hz")
         if not kept.any():
             raise OptionError(f"lowest = {lowest:g} Hz: nothing of the record lies above")
         turns = (2.0 * np.pi * frequency[kept]) ** (2 * MEASURES[measure])
@@ -228,6 +252,16 @@ class Excitation:
         rms = float(np.sqrt(self.power()))
         size = f"{self.times.size} samples, {self.duration:.6g} s"
         return f"<Excitation: {self.kind}, {size}, rms {rms:.6g} m/s^2>"
+
+
+def check_excitation(name: str, record: Any) -> Excitation:
+    """Refuse what is no record of base acceleration."""
+    if not isinstance(record, Excitation):
+        raise OptionError(
+            f"{name} = {record!r:.60}: give an Excitation, such as harmonic(), band_noise() or"
+            " duffing() make, or Excitation(times, acceleration)"
+        )
+    return record
 
 
 def sample_count(duration: Any, frequency: Any, samples_per_period: Any) -> tuple[int, float]:

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from nonsmooth.errors import ModelError, OptionError, RunError
-from nonsmooth.excitation.record import Excitation
+from nonsmooth.excitation.record import Excitation, check_excitation
 from nonsmooth.fatigue.checks import Array, finite, positive
 from nonsmooth.simulation.simulate import simulate
 from nonsmooth.system.parts import Mode
@@ -139,6 +139,7 @@ class ShakenSpecimen:
             States ``u`` in mm and ``v`` in mm/s over s, cells ``open`` and ``closed``, outputs
             ``load`` in N, ``base`` and ``acceleration`` (relative) in m/s^2.
         """
+        check_excitation("excitation", excitation)
         return System(
             name="shaken_specimen",
             states=["u", "v"],
@@ -169,7 +170,7 @@ class ShakenSpecimen:
             States ``u v x w``: with the oscillator's displacement and velocity, which begin
             where the record does.
         """
-        if wave.kind != "duffing":
+        if check_excitation("wave", wave).kind != "duffing":
             raise OptionError(f"the cascade needs a result of duffing(), not a {wave.kind} record")
         of = wave.details
         names = {"omega_d": "omega", "delta": "delta", "alpha": "alpha", "beta": "beta",
@@ -208,7 +209,13 @@ class ShakenSpecimen:
         -------
         xarray.DataArray
             Load in N over ``time``.
+
+        Raises
+        ------
+        OptionError
+            For a crack that the specimen cannot have, and a transient that leaves too little.
         """
+        system = self.system(excitation, crack)
         times, _ = excitation.closed()
         drop = finite("transient", transient)
         if not 0.0 <= drop < 0.9 * (times[-1] - times[0]):
@@ -216,7 +223,6 @@ class ShakenSpecimen:
                 f"transient = {drop:g} s of a record of {times[-1] - times[0]:g} s; leave a tenth"
                 " of it at least"
             )
-        system = self.system(excitation, crack)
         run = simulate(system, times=times, t_start=float(times[0]), events=False)
         if run.attrs["status"] != "completed":
             raise RunError(

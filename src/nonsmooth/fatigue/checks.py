@@ -21,6 +21,8 @@ __all__ = [
     "finite_number",
     "like",
     "positive",
+    "real_numbers",
+    "same_shape",
     "set_numbers",
 ]
 
@@ -68,7 +70,7 @@ def positive(name: str, value: Any, unit: str = "") -> float:
 def finite_array(name: str, values: Any) -> Array:
     """Values as numbers that are all finite, or an error that shows the first one that is not."""
     try:
-        numbers = np.asarray(values, dtype=float)
+        numbers = real_numbers(values)
     except (TypeError, ValueError):
         raise OptionError(f"{name} = {values!r:.60} is no number, nor are its parts") from None
     if not np.all(np.isfinite(numbers)):
@@ -76,6 +78,30 @@ def finite_array(name: str, values: Any) -> Array:
         where = f"{name}[{place}]" if numbers.ndim else name
         raise OptionError(f"{where} = {numbers.flat[place]:g} is not finite")
     return numbers
+
+
+def real_numbers(values: Any) -> Array:
+    """Values as an array of real numbers; a TypeError for texts, truth values and complex ones."""
+    found = np.asarray(values)
+    if found.dtype.kind not in "iufO":
+        raise TypeError("not real numbers")
+    if found.dtype.kind == "O":  # of which numpy would take texts, and None as no number
+        if any(isinstance(v, str | bytes | bool) for v in found.flat):
+            raise TypeError("not numbers alone")
+        return np.array([float(v) for v in found.flat]).reshape(found.shape)
+    return found.astype(float)
+
+
+def same_shape(**arrays: Array) -> None:
+    """Refuse arrays that do not broadcast."""
+    try:
+        np.broadcast_shapes(*(np.shape(array) for array in arrays.values()))
+    except ValueError:
+        shapes = " and ".join(str(np.shape(array)) for array in arrays.values())
+        raise OptionError(
+            f"{' and '.join(arrays)} have the shapes {shapes}, which do not go together; give as"
+            " many of each, one of either, or one of them as a column: values[:, None]"
+        ) from None
 
 
 def crack_lengths(crack: Any, width: float, *, through: bool = False) -> Array:

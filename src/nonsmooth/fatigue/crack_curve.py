@@ -3,15 +3,17 @@ r"""`CrackCurve`: crack length over time by Eq. (49), and its fit to measured le
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from nonsmooth.errors import ModelError, OptionError
+from nonsmooth.errors import ModelError, OptionError, ResultWarning
 from nonsmooth.fatigue.checks import finite_array, finite_number, like
 from nonsmooth.fatigue.curve_fit import fitted_curve
+from nonsmooth.fatigue.expression_text import expression_text
 
 __all__ = ["CrackCurve"]
 
@@ -35,6 +37,8 @@ class CrackCurve:
         the unit of the times, such as s or the dimensionless time of a model.
     standard_errors : mapping of str to float, optional
         Standard errors of ``a0``, ``a2``, ``a3`` and the ``residual`` in mm, of a fitted curve.
+    outliers : tuple of int, optional
+        Points of a fitted record, from 0, that lie too far from the curve for noise.
 
     Raises
     ------
@@ -57,6 +61,7 @@ class CrackCurve:
     a2: float
     a3: float
     standard_errors: Mapping[str, float] = field(default_factory=dict, compare=False)
+    outliers: tuple[int, ...] = field(default=(), compare=False)
 
     def __post_init__(self) -> None:
         for name in ("a0", "a1", "a2", "a3"):
@@ -94,6 +99,12 @@ class CrackCurve:
             For too few points, times that are not in order, and lengths that do not grow ever
             faster, of which no constants follow.
 
+        Warns
+        -----
+        ResultWarning
+            Where a point lies too far from the curve for noise, at a level of 1 %. Nothing is left
+            out of the fit.
+
         Examples
         --------
         >>> import numpy as np
@@ -110,8 +121,20 @@ class CrackCurve:
         a1 = finite_number("a1", a1)
         if a1 <= 0.0:
             raise ModelError(f"a1 = {a1:g} must be positive: the crack grows")
-        a0, a2, a3, errors = fitted_curve(times, lengths, a1)
-        return cls(a0, a1, a2, a3, errors)
+        fit = fitted_curve(times, lengths, a1)
+        curve = cls(fit.a0, a1, fit.a2, fit.a3, fit.errors, fit.outliers)
+        if fit.outliers:
+            k = fit.outliers[0]
+            others = f" and {len(fit.outliers) - 1} more" if len(fit.outliers) > 1 else ""
+            at = float(np.asarray(times)[k])
+            warnings.warn(
+                f"point {k} (from 0){others} lies off the curve: {float(np.asarray(lengths)[k]):g}"
+                f" mm at {at:g}, where the curve has {curve.length(at):.4g} mm; look it up, and fit"
+                " without it if it is a slip",
+                ResultWarning,
+                stacklevel=2,
+            )
+        return curve
 
     def length(self, time: Any) -> Any:
         """Crack length at some times.
@@ -183,7 +206,13 @@ class CrackCurve:
         -------
         str
             Length in mm.
+
+        Raises
+        ------
+        OptionError
+            For a time that is no whole expression.
         """
+        time = expression_text("time", time)
         name = time if time.isidentifier() else f"({time})"
         return f"{self.a0!r} + {self.a1!r}*exp(({name} - {_bracketed(self.a2)})/{self.a3!r})"
 

@@ -3,26 +3,37 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from nonsmooth.errors import OptionError
 from nonsmooth.fatigue.checks import Array, finite_array
+from nonsmooth.fatigue.regression import far_off
 
-__all__ = ["fitted_curve"]
+__all__ = ["Fit", "fitted_curve"]
 
 _FEWEST = 6  # for three constants and an error worth the name
 _GUESSES = 60
 # of a3 over the duration; slower growth cannot be told from a straight line, nor faster from a jump
 _SLOWEST, _FASTEST = 20.0, 0.005
 _LARGEST_ERROR = 0.5  # of the logarithm of a3
+_DOUBTFUL = 0.01  # a record without slips is called faulty this often
+_EXACT = 1e-9  # of the growth, to which the search for the constants is good
 
 
-def fitted_curve(
-    times: Any, lengths: Any, a1: float
-) -> tuple[float, float, float, dict[str, float]]:
-    """Constants a0, a2, a3 of Eq. (49) for a given a1, and their standard errors."""
+class Fit(NamedTuple):
+    """Constants of Eq. (49), their standard errors, and the points that lie off the curve."""
+
+    a0: float
+    a2: float
+    a3: float
+    errors: dict[str, float]
+    outliers: tuple[int, ...]
+
+
+def fitted_curve(times: Any, lengths: Any, a1: float) -> Fit:
+    """Constants a0, a2, a3 of Eq. (49) for a given a1."""
     from scipy.optimize import least_squares
 
     t, a = _checked(times, lengths)
@@ -61,7 +72,14 @@ def fitted_curve(
         "a3": a3 * math.sqrt(covariance[2, 2]),
         "residual": spread,
     }
-    return a0, a2, a3, errors
+    return Fit(a0, a2, a3, errors, _outliers(residuals(found.x), rates(found.x), float(np.ptp(a))))
+
+
+def _outliers(rest: Array, rates: Array, size: float) -> tuple[int, ...]:
+    """Points too far off for noise, by the fit as it is linear near its constants."""
+    basis, _, _ = np.linalg.svd(rates / np.linalg.norm(rates, axis=0), full_matrices=False)
+    leverage = np.sum(basis**2, axis=1)
+    return tuple(far_off(rest, leverage, rates.shape[1], _DOUBTFUL, _EXACT * size))
 
 
 def _checked(times: Any, lengths: Any) -> tuple[Array, Array]:

@@ -18,6 +18,8 @@ from nonsmooth.fatigue.growth_rate import StressIntensity
 
 __all__ = ["FittedLaw", "fit_law"]
 
+_RANGES = {"m": (1e-3, np.inf), "gamma": (0.0, 1.0)}
+
 
 @dataclass(frozen=True)
 class FittedLaw:
@@ -113,7 +115,8 @@ def fit_law(
     Other Parameters
     ----------------
     free : tuple of str, optional
-        Constants to fit, of ``"C"``, ``"m"``, ``"gamma"``; C is always among them.
+        Constants to fit, of ``"C"``, ``"m"``, ``"gamma"``; C is always among them. The exponent
+        stays positive, and gamma from 0 to 1.
     initial, final, toughness, frequency, closure : optional
         As of `compare_lives`.
 
@@ -163,17 +166,20 @@ def fit_law(
 
         shape = least_squares(
             lambda s: off(s) - off(s).mean(), shape, xtol=1e-12, ftol=1e-12, gtol=1e-12,
-            x_scale=np.maximum(np.abs(shape), 0.1),
+            x_scale=np.maximum(np.abs(shape), 0.1), bounds=_bounds(names, shape),
         ).x  # fmt: skip
     rest = off(shape)
     log_c = float(rest.mean())
-    errors, spread = _errors(off, shape, rest - log_c)
+    errors, spread = _errors(off, shape, rest - log_c, _bounds(names, shape))
     found = _with(law, names, shape, float(np.exp(log_c)))
     count = table.sizes["test"]
     text = (
         f"IN SAMPLE: {', '.join(('C', *names))} fitted to {count} measured lives themselves"
         f" (crack {initial:g} to {final:g} mm, closure {closure_text(closure)})"
     )
+    ends = [name for name, value in zip(names, shape, strict=True) if value in _RANGES[name]]
+    if ends:
+        text += f"; {', '.join(ends)} at the end of the range, where the errors mean little"
     return FittedLaw(found, ("C", *names), errors, count, spread, text)
 
 
@@ -199,7 +205,16 @@ def _free(free: Any, law: Any, n_tests: int) -> list[str]:
     return names
 
 
-def _errors(off: Any, shape: Array, rest: Array) -> tuple[tuple[float, ...], float]:
+def _bounds(names: list[str], shape: Array) -> tuple[Array, Array]:
+    """Values that the constants of a law can have."""
+    low = np.array([_RANGES[name][0] for name in names])
+    high = np.array([_RANGES[name][1] for name in names])
+    return np.minimum(low, shape), high
+
+
+def _errors(
+    off: Any, shape: Array, rest: Array, bounds: tuple[Array, Array]
+) -> tuple[tuple[float, ...], float]:
     """Standard errors of log C and the others, and the scatter as a factor."""
     count, free = rest.size, shape.size + 1
     if count <= free:
@@ -209,7 +224,9 @@ def _errors(off: Any, shape: Array, rest: Array) -> tuple[tuple[float, ...], flo
     for k in range(shape.size):
         step = np.zeros(shape.size)
         step[k] = 1e-5 * max(1.0, abs(shape[k]))
-        columns.append((off(shape + step) - off(shape - step)) / (2.0 * step[k]))
+        # to one side only at an end of the range
+        up, down = np.minimum(shape + step, bounds[1]), np.maximum(shape - step, bounds[0])
+        columns.append((off(up) - off(down)) / (up[k] - down[k]))
     jacobian = np.stack(columns, axis=1)
     covariance = variance * np.linalg.pinv(jacobian.T @ jacobian)
     return tuple(float(e) for e in np.sqrt(np.diag(covariance))), float(np.exp(variance**0.5))

@@ -10,7 +10,7 @@ from nonsmooth.errors import OptionError
 from nonsmooth.fatigue.checks import positive
 from nonsmooth.fatigue.closure import NewmanClosure, effective_range
 from nonsmooth.fatigue.growth_laws import GrowthLaw
-from nonsmooth.fatigue.growth_rate import StressIntensity, intensity
+from nonsmooth.fatigue.growth_rate import StressIntensity, check_law, intensity
 from nonsmooth.fatigue.record_checks import record_values
 
 __all__ = ["growth_by_frequency"]
@@ -78,6 +78,7 @@ def growth_by_frequency(
     """
     if "cycle" not in cycles.dims or "duration" not in cycles.attrs:
         raise OptionError("give a result of count_cycles")
+    check_law(law)
     inner = np.atleast_1d(np.asarray(edges, dtype=float))
     if inner.size > 1:
         inner = record_values("edges", inner)

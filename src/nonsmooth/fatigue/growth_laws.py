@@ -96,7 +96,7 @@ class Walker:
     m : float
         Exponent.
     gamma : float
-        Influence of the load ratio: none at 1; at 0 the largest value alone counts.
+        Influence of the load ratio, from 0 to 1: none at 1; at 0 the largest value alone counts.
     threshold : float, optional
         Equivalent range, that in brackets, in MPa sqrt(m), below which nothing grows.
     source : str, optional
@@ -105,7 +105,9 @@ class Walker:
     Raises
     ------
     OptionError
-        For C or m that are not positive.
+        For C or m that are not positive, and gamma out of its range. The bracket is
+        :math:`\Delta K^\gamma K_{max}^{1-\gamma}`: beyond 1 a larger load would slow the growth
+        at the same range, below 0 a larger range would at the same largest load.
 
     References
     ----------
@@ -126,7 +128,11 @@ class Walker:
 
     def __post_init__(self) -> None:
         _check(self, "C", "m")
-        finite("gamma", self.gamma)
+        if not 0.0 <= finite("gamma", self.gamma) <= 1.0:
+            raise OptionError(
+                f"gamma = {self.gamma:g} must be from 0 to 1: above 1 a larger mean load would slow"
+                " the growth, below 0 a larger range would"
+            )
 
     def rate(self, delta_K: npt.ArrayLike, R: npt.ArrayLike = 0.0) -> Array:
         """Growth in mm per cycle.

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from nonsmooth.errors import OptionError
-from nonsmooth.fatigue.checks import Array
+from nonsmooth.fatigue.checks import Array, real_numbers
 from nonsmooth.fatigue.closure import Closure, effective_range
 from nonsmooth.fatigue.growth_laws import GrowthLaw
 from nonsmooth.fatigue.load_block import LoadBlock
@@ -19,6 +19,7 @@ __all__ = [
     "StressIntensity",
     "block_at",
     "block_rate",
+    "check_law",
     "check_loads",
     "growth_rate",
     "intensity",
@@ -38,9 +39,29 @@ def check_loads(loads: Loads) -> None:
         )
 
 
+def check_law(law: Any) -> None:
+    """Refuse what is no law of growth."""
+    if isinstance(law, type) or not callable(getattr(law, "rate", None)):
+        raise OptionError(
+            f"law = {law!r:.60}: give a law of growth with its constants, such as Paris(C, m),"
+            " Walker(C, m, gamma), Forman(C, m, K_c) or one of published_laws()"
+        )
+
+
 def intensity(stress_intensity: StressIntensity, load: Any, crack: Any) -> Array:
     """Stress intensity, checked."""
-    found = np.asarray(stress_intensity(load, crack), dtype=float)
+    if not callable(stress_intensity):
+        raise OptionError(
+            f"stress_intensity = {stress_intensity!r:.60}: give a function of the load in N and"
+            " the crack in mm, such as Specimen().stress_intensity"
+        )
+    value = stress_intensity(load, crack)
+    try:
+        found = real_numbers(value)
+    except (TypeError, ValueError):
+        raise OptionError(
+            f"stress_intensity gave {value!r:.60}; it has to give numbers in MPa sqrt(m)"
+        ) from None
     shape = np.broadcast_shapes(np.shape(load), np.shape(crack))
     if found.shape != shape:
         raise OptionError(

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import OptionError, ResultWarning
 from nonsmooth.fatigue.checks import Array, finite, positive
 from nonsmooth.fatigue.closure import NewmanClosure, closure_text
 from nonsmooth.fatigue.fracture import final_length
@@ -16,6 +17,7 @@ from nonsmooth.fatigue.growth_rate import (
     Loads,
     StressIntensity,
     block_at,
+    check_law,
     check_loads,
     growth_rate,
 )
@@ -26,6 +28,7 @@ from nonsmooth.fatigue.quadrature import panel_integrals
 __all__ = ["life", "life_dataset"]
 
 _POINTS = 65  # of the curve of growth
+_FINEST, _COARSEST = 1e-14, 0.1  # relative errors
 _STILL, _FOREVER = 1e-200, 1e150  # mm/s in place of none, and s that are infinite
 
 
@@ -66,7 +69,7 @@ def life(
     closure : {"shut", "none"}, float or NewmanClosure, optional
         Part of a cycle that does no work; see `effective_range`.
     tolerance : float, optional
-        Relative error of the integral.
+        Relative error of the integral, from 1e-14 to 0.1.
 
     Returns
     -------
@@ -79,8 +82,13 @@ def life(
     Raises
     ------
     OptionError
-        For a last length that is not above the first, a crack that is broken from the start, and
-        stress intensities that are not finite.
+        For a last length that is not above the first, a crack that is broken from the start,
+        stress intensities that are not finite, and a tolerance out of its range.
+
+    Warns
+    -----
+    ResultWarning
+        Where the integral is not as good as ``tolerance``, for a growth that is noisy or jumps.
 
     See Also
     --------
@@ -104,7 +112,9 @@ def life(
     (40528.473457, 40528.473457)
     """
     check_loads(loads)
+    check_law(law)
     first, last = _lengths(initial, final)
+    goal = _tolerance(tolerance)
     limit = None if toughness is None else positive("toughness", toughness, "MPa sqrt(m)")
     end, ended = final_length(stress_intensity, loads, first, last, limit)
 
@@ -118,9 +128,16 @@ def life(
         panels = np.unique(np.concatenate([edges, inner]))
     else:
         panels = edges
-    times, error = _times(rate, edges, panels, float(tolerance))
+    times, error = _times(rate, edges, panels, goal)
     if not np.isfinite(times[-1]):
         ended = "no growth"
+    elif not error <= goal:
+        warnings.warn(
+            f"the life is right to {error:.2g} of it and not to tolerance = {goal:g}: the growth"
+            " over the length is noisy or jumps; allow more with tolerance=, or make it smooth",
+            ResultWarning,
+            stacklevel=2,
+        )
     return life_dataset(edges, times, at_edges, loads, {
         "ended": ended, "law": repr(law), "source": str(getattr(law, "source", "")),
         "closure": closure_text(closure), "initial": first, "final": end,
@@ -135,6 +152,16 @@ def _lengths(initial: Any, final: Any) -> tuple[float, float]:
             f"final = {last:g} mm is not above initial = {first:g} mm: cracks do not heal"
         )
     return first, last
+
+
+def _tolerance(tolerance: Any) -> float:
+    goal = finite("tolerance", tolerance)
+    if not _FINEST <= goal <= _COARSEST:
+        raise OptionError(
+            f"tolerance = {goal:g}: give a relative error from {_FINEST:g}, the rounding of a sum,"
+            f" to {_COARSEST:g}"
+        )
+    return goal
 
 
 def _checked(rate: Array, lengths: Array) -> Array:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import xarray as xr
 
 from nonsmooth.errors import OptionError
-from nonsmooth.fatigue.checks import Array
+from nonsmooth.fatigue.checks import Array, positive
 from nonsmooth.fatigue.closure import NewmanClosure, closure_text, effective_range
 from nonsmooth.fatigue.growth_laws import GrowthLaw
-from nonsmooth.fatigue.growth_rate import StressIntensity, intensity
+from nonsmooth.fatigue.growth_rate import StressIntensity, check_law, intensity
 from nonsmooth.fatigue.life import _lengths, life_dataset
 from nonsmooth.fatigue.load_block import LoadBlock
 
@@ -59,7 +61,7 @@ def life_by_cycle(
     ------
     OptionError
         As of `life`, for loads that are no block, and when the crack is not as long after so many
-        cycles.
+        cycles or does not grow in a whole block.
 
     See Also
     --------
@@ -80,13 +82,17 @@ def life_by_cycle(
     """
     if not isinstance(loads, LoadBlock):
         raise OptionError("life_by_cycle takes one LoadBlock, the same at every length")
+    check_law(law)
     first, last = _lengths(initial, final)
+    most = _whole(most_cycles)
     size = loads.count.size
     cracks, blocks, crack, n = [first], [0.0], first, 0
     while crack < last:
         k = n % size
         step = loads.count[k] * _growth(stress_intensity, law, loads, k, crack, closure)
-        if n >= most_cycles:
+        if not step >= 0.0:
+            raise OptionError(f"the law gives a growth of {step:g} mm at a crack of {crack:.6g} mm")
+        if n >= most:
             raise OptionError(
                 f"after {n} cycles the crack is {crack:.6g} mm long, not {last:g}; use life(), or"
                 " allow more with most_cycles="
@@ -98,6 +104,11 @@ def life_by_cycle(
         crack += step
         n += 1
         if n % size == 0:
+            if crack == cracks[-1]:
+                raise OptionError(
+                    f"the crack does not grow from {crack:.6g} mm on: no cycle of the block does"
+                    " any work there, or less than rounding; use life()"
+                )
             cracks.append(crack)
             blocks.append(n / size)
     lengths, times = np.array(cracks), np.array(blocks) * loads.duration
@@ -106,6 +117,13 @@ def life_by_cycle(
         "closure": closure_text(closure), "initial": first, "final": last,
         "method": "cycle by cycle",
     })  # fmt: skip
+
+
+def _whole(most: Any) -> int:
+    number = positive("most_cycles", most)
+    if number != int(number):
+        raise OptionError(f"most_cycles = {number:g} is no whole number")
+    return int(number)
 
 
 def _growth(

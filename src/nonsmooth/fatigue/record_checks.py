@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from nonsmooth.errors import OptionError
-from nonsmooth.fatigue.checks import Array
+from nonsmooth.fatigue.checks import Array, real_numbers
 
 __all__ = ["check_times", "record_values"]
 
@@ -15,7 +15,7 @@ __all__ = ["check_times", "record_values"]
 def record_values(name: str, values: Any) -> Array:
     """Samples of a record: one dimension, two at least, all finite."""
     try:
-        found = np.asarray(values, dtype=float)
+        found = real_numbers(values)
     except (TypeError, ValueError):
         raise OptionError(f"{name}: give samples as numbers, not {values!r:.60}") from None
     if found.ndim != 1:

@@ -1,4 +1,4 @@
-"""A straight line through readings, and the tests whether they follow one."""
+"""A straight line through readings, and the tests whether they follow it or another curve."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 from nonsmooth.fatigue.checks import Array
 
-__all__ = ["Line", "curvature", "outlying", "straight_line"]
+__all__ = ["Line", "curvature", "far_off", "outlying", "straight_line"]
 
 
 class Line(NamedTuple):
@@ -55,22 +55,28 @@ def curvature(x: Array, y: Array, line: Line) -> tuple[float, float]:
 
 
 def outlying(x: Array, y: Array, line: Line, level: float) -> list[int]:
-    """Readings that noise puts there with less than this chance, for all of them together.
+    """Readings that noise puts off a line with less than this chance, for all of them together."""
+    rest = y - line.constant - line.slope * x
+    leverage = 1.0 / x.size + (x - x.mean()) ** 2 / np.sum((x - x.mean()) ** 2)
+    return far_off(rest, leverage, 2, level, 4.0 * np.spacing(float(np.abs(y).max())))
 
-    Each is compared with the line through the others (externally studentised residuals), at the
-    level over their number (Bonferroni).
+
+def far_off(
+    rest: Array, leverage: Array, constants: int, level: float, rounding: float
+) -> list[int]:
+    """Places of residuals that noise makes so large with less than this chance, largest first.
+
+    Each reading is compared with the fit to the others (externally studentised residuals), at the
+    level over their number (Bonferroni). Below the rounding nothing is told.
     """
     from scipy.stats import t
 
-    freedom = x.size - 3
-    rest = y - line.constant - line.slope * x
-    leverage = 1.0 / x.size + (x - x.mean()) ** 2 / np.sum((x - x.mean()) ** 2)
+    freedom = rest.size - constants - 1
     weight = np.maximum(1.0 - leverage, 1e-12)
     total = float(rest @ rest)
     others = np.maximum(total - rest**2 / weight, 0.0) / freedom
-    # below the rounding of the readings nothing is told
-    floor = (4.0 * np.spacing(float(np.abs(y).max()))) ** 2 + 1e-14 * total
+    floor = rounding**2 + 1e-14 * total
     away = np.abs(rest) / np.sqrt(weight * np.maximum(others, floor))
-    limit = float(t.isf(0.5 * level / x.size, freedom))
+    limit = float(t.isf(0.5 * level / rest.size, freedom))
     order = np.argsort(-away)
     return [int(k) for k in order if away[k] > limit]

@@ -9,7 +9,14 @@ from typing import Any, Literal
 import numpy as np
 
 from nonsmooth.errors import ModelError, OptionError
-from nonsmooth.fatigue.checks import Array, crack_lengths, finite_array, like, set_numbers
+from nonsmooth.fatigue.checks import (
+    Array,
+    crack_lengths,
+    finite_array,
+    like,
+    same_shape,
+    set_numbers,
+)
 from nonsmooth.fatigue.compliance import (
     LEAST_SPAN_RATIO,
     beam_part,
@@ -282,8 +289,8 @@ class Specimen:
         Raises
         ------
         OptionError
-            For a crack that does not fit into the width, an unknown formula, or one that does not
-            hold for this span.
+            For a crack that does not fit into the width, loads and cracks that do not broadcast,
+            an unknown formula, or one that does not hold for this span.
 
         Examples
         --------
@@ -302,6 +309,7 @@ class Specimen:
             )
         forces = finite_array("load", load)
         ratio, ligament = self._ratios(crack)
+        same_shape(load=forces, crack=ratio)
         shape = shape_of(formula, ratio, ligament, self.span_ratio)
         if plane == "strain":
             shape = shape / math.sqrt(1.0 - self.poissons_ratio**2)
@@ -340,7 +348,9 @@ class Specimen:
         >>> round(ns.fatigue.Specimen().load(0.5, 200.0, 6.4), 2)
         94.93
         """
-        found = _MICRO * _gain(gain) * finite_array("voltage", voltage) * self.stiffness(crack)
+        volts, stiffness = finite_array("voltage", voltage), self.stiffness(crack)
+        same_shape(voltage=volts, crack=stiffness)
+        found = _MICRO * _gain(gain) * volts * stiffness
         return found if np.ndim(found) else float(found)
 
     def voltage(self, load: Any, gain: float, crack: Any) -> Any:
@@ -365,7 +375,9 @@ class Specimen:
         OptionError
             For a gain of zero, or a crack that does not fit into the width.
         """
-        found = finite_array("load", load) * self.compliance(crack) / (_MICRO * _gain(gain))
+        forces, compliance = finite_array("load", load), self.compliance(crack)
+        same_shape(load=forces, crack=compliance)
+        found = forces * compliance / (_MICRO * _gain(gain))
         return found if np.ndim(found) else float(found)
 
     def _ratios(self, crack: Any) -> tuple[Array, Array]:

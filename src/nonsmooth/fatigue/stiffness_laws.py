@@ -20,6 +20,7 @@ from typing import Any
 from nonsmooth.errors import OptionError
 from nonsmooth.fatigue.checks import Array, crack_lengths, finite_array, like
 from nonsmooth.fatigue.compliance import TERMS, beam_part
+from nonsmooth.fatigue.expression_text import expression_text
 from nonsmooth.fatigue.specimen import Specimen
 
 __all__ = ["cubic_stiffness", "cubic_text", "guinea_stiffness", "guinea_text"]
@@ -150,6 +151,8 @@ def guinea_text(
     ------
     ModelError
         For data that are none of a specimen.
+    OptionError
+        For a crack or a factor that is no whole expression.
 
     See Also
     --------
@@ -172,7 +175,7 @@ def guinea_text(
     specimen = Specimen(
         width=width, thickness=thickness, span=span, youngs_modulus=youngs_modulus, notch=0.0
     )
-    ratio = f"(({crack})/{specimen.width!r})"
+    ratio = f"(({expression_text('crack', crack)})/{specimen.width!r})"
     ligament = f"(1 - {ratio})"
     parts = [f"{beam_part(specimen.span_ratio)!r}"]
     for k, term in enumerate(TERMS):
@@ -183,7 +186,8 @@ def guinea_text(
         value += f"{_horner(term.numerator, ratio)}/{below})"
         parts.append(f"{specimen.span_ratio**k!r}*{ratio}**2*{value}")
     stiffness = f"{specimen.modulus_times_thickness!r}/({' + '.join(parts)})"
-    return stiffness if factor == 1.0 else f"({_factor(factor)})*{stiffness}"
+    size = _factor("factor", factor)
+    return stiffness if size == "1.0" else f"{size}*{stiffness}"
 
 
 def cubic_text(
@@ -206,6 +210,11 @@ def cubic_text(
         Stiffness in units of ``factor`` times mm^3. A system does not check the length: beyond
         ``length`` the stiffness is negative.
 
+    Raises
+    ------
+    OptionError
+        For a crack, a factor or a length that is no whole expression, or no positive number.
+
     See Also
     --------
     cubic_stiffness : the same law on numbers.
@@ -216,9 +225,8 @@ def cubic_text(
     >>> ns.fatigue.cubic_text("a")
     '0.004245*(20.0 - (a))**3'
     """
-    size = f"({factor})" if isinstance(factor, str) else repr(_positive("factor", factor))
-    end = f"({length})" if isinstance(length, str) else repr(_positive("length", length))
-    return f"{size}*({end} - ({crack}))**3"
+    size, end = _factor("factor", factor), _factor("length", length)
+    return f"{size}*({end} - ({expression_text('crack', crack)}))**3"
 
 
 def _horner(coefficients: tuple[float, ...], x: str) -> str:
@@ -232,8 +240,10 @@ def _bracketed(text: str) -> str:
     return f"({text})" if text.startswith("-") else text
 
 
-def _factor(factor: float | str) -> str:
-    return factor if isinstance(factor, str) else repr(_positive("factor", factor))
+def _factor(name: str, value: float | str) -> str:
+    if isinstance(value, str):
+        return f"({expression_text(name, value)})"
+    return repr(_positive(name, value))
 
 
 def _positive(name: str, value: Any) -> float:

@@ -8,6 +8,7 @@ import numpy as np
 
 from nonsmooth.errors import OptionError
 from nonsmooth.plot.figures import new_axes
+from nonsmooth.plot.point_names import named_points, write_names
 from nonsmooth.plot.style import PALETTE, axis_label, finish_axes, place_legend
 
 if TYPE_CHECKING:
@@ -18,7 +19,6 @@ __all__ = ["lives"]
 
 _MARKS = "osD^v<>P"
 _ROOM = 2.5  # factor left free around the points
-_EDGE = 0.25  # part of the axis near whose ends names go inward
 
 
 def lives(
@@ -32,7 +32,7 @@ def lives(
 ) -> Axes:
     """Predicted lives over measured ones, both logarithmic, with the line on which they agree.
 
-    Two calls on the same axes show two laws together.
+    Two calls on the same axes show two laws together; tests of one name are named once.
 
     Parameters
     ----------
@@ -43,11 +43,11 @@ def lives(
     label : str, optional
         Text of the legend; it says by itself where a law was fitted to these lives.
     factor : float, optional
-        Dashed lines at this factor above and below.
+        Dashed lines at this factor above and below; none for one.
     names : bool, optional
         Whether to write the names of the tests beside the points.
     legend : bool, optional
-        Whether to draw a legend.
+        Whether to draw a legend, of the points and of the lines.
 
     Returns
     -------
@@ -70,7 +70,7 @@ def lives(
     >>> _, (ax,) = ns.plot.print_figure()
     >>> ax = ns.plot.lives(found, ax=ax, label="Walker")
     >>> [text.get_text() for text in ax.get_legend().get_texts()]
-    ['Walker (fitted, in sample)']
+    ['Walker (fitted, in sample)', 'predicted as measured', 'a factor of 2 off']
     """
     if "measured" not in compared or "predicted" not in compared or "test" not in compared.dims:
         raise OptionError("give a result of fatigue.compare_lives")
@@ -92,11 +92,17 @@ def lives(
     ax.set_xscale("log")
     ax.set_yscale("log")
     _limits(ax, factor)
-    if names and "test" in compared.coords:
-        _write_names(ax, compared["test"].values[there], x[there], y[there])
     finish_axes(ax, _axis(compared, "measured"), _axis(compared, "predicted"))
     if legend:
         place_legend(ax)
+    named = named_points(ax)
+    if names and "test" in compared.coords:
+        known = {name for name, _ in named}
+        tests = [str(name) for name in compared["test"].values[there]]
+        points = zip(tests, zip(x[there], y[there], strict=True), strict=True)
+        named += [(name, (float(a), float(b))) for name, (a, b) in points if name not in known]
+    if named:
+        write_names(ax, named, float(ax.xaxis.label.get_fontsize()) - 2.0)
     return ax
 
 
@@ -114,26 +120,10 @@ def _limits(ax: Axes, factor: float) -> None:
     for line in list(ax.lines):
         line.remove()
     ends = np.array([min(low) / factor, max(high) * factor])
-    for times, style in ((1.0, "-"), (factor, "--"), (1.0 / factor, "--")):
-        ax.plot(ends, times * ends, color="black", linestyle=style, linewidth=0.6, zorder=1)
-
-
-def _write_names(ax: Axes, names: np.ndarray, x: np.ndarray, y: np.ndarray) -> None:
-    """Names left of points above the line of agreement and right of others, none on another."""
-    (left, right), (low, high) = np.log(ax.get_xlim()), np.log(ax.get_ylim())
-    across, up = (np.log(x) - left) / (right - left), (np.log(y) - low) / (high - low)
-    figure = ax.get_figure(root=True)
-    assert figure is not None
-    height = ax.get_window_extent().height / figure.dpi * 72.0  # points
-    size = float(ax.xaxis.label.get_fontsize()) - 2.0
-    to_left = np.where(across < _EDGE, False, (y > x) | (across > 1.0 - _EDGE))
-    for side in (True, False):
-        below = -np.inf
-        for k in sorted(np.flatnonzero(to_left == side), key=lambda k: up[k]):
-            place = max(up[k] * height, below + size)
-            below = place
-            ax.annotate(
-                str(names[k]), (x[k], y[k]), (-4.0 if side else 4.0, place - up[k] * height),
-                textcoords="offset points", fontsize=size, ha="right" if side else "left",
-                va="center",
-            )  # fmt: skip
+    rows = [(1.0, "-", "predicted as measured")]
+    if factor > 1.0:
+        rows += [(factor, "--", f"a factor of {factor:g} off"), (1.0 / factor, "--", None)]
+    for times, style, text in rows:
+        ax.plot(
+            ends, times * ends, color="black", linestyle=style, linewidth=0.6, zorder=1, label=text
+        )
