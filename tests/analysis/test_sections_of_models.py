@@ -14,7 +14,7 @@ from nonsmooth.cli.arguments import model_functions
 from nonsmooth.system.section import with_section
 
 MODELS = {name: make() for name, make in model_functions().items()}
-SHARES = (0.123, 0.5, 0.871)  # of the range of a variable, where the section lies
+SHARES = (0.123, 0.487, 0.871)  # of the range of a variable, where the section lies
 # radius, gap and slip of a rotor have a kink at zero, where they are at rest
 ROTORS = ("clearance_rotor", "massive_ring_rotor", "rotor", "rubbing_rotor", "snubber_rub")
 START = {name: {"x": 1e-3} for name in ROTORS}
@@ -51,8 +51,6 @@ def test_crossings_are_sign_changes(sampled, model, variable):
             )
         above = values >= level
         found = np.flatnonzero(above[1:] != above[:-1])
-        if values[0] == level:  # a start on the section is no crossing
-            found = found[found > 0]
         # where an event lies between two samples, a jump may have changed the sign
         events = np.searchsorted(time, run["event_time"].values, side="left") - 1
         met = np.searchsorted(time, points["time"].values, side="left") - 1
