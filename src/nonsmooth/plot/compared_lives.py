@@ -120,7 +120,7 @@ def _limits(ax: Axes, factor: float) -> None:
     for line in list(ax.lines):
         line.remove()
     ends = np.array([min(low) / factor, max(high) * factor])
-    rows = [(1.0, "-", "predicted as measured")]
+    rows: list[tuple[float, str, str | None]] = [(1.0, "-", "predicted as measured")]
     if factor > 1.0:
         rows += [(factor, "--", f"a factor of {factor:g} off"), (1.0 / factor, "--", None)]
     for times, style, text in rows:
