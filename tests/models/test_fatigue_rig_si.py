@@ -312,3 +312,13 @@ def test_a_record_of_the_base_in_place_of_a_sine():
     other = dataclasses.replace(RIG, mass=9.0)
     with pytest.raises(ns.OptionError, match="not made with the system of this rig"):
         other.to_si(recorded)
+
+
+def test_a_crack_that_stiffens_is_refused():
+    with pytest.raises(ns.ModelError, match="a crack softens"):
+        dataclasses.replace(RIG, open_stiffness=2e6)
+    with pytest.raises(ns.ModelError, match="lengths from 5 mm on"):
+        RIG.cracked(0.0, law="cubic")
+    with pytest.raises(ns.ModelError, match="a crack softens"):
+        fatigue_rig(open_stiffness=1.1)
+    assert RIG.cracked(5.0, law="cubic").open_stiffness == RIG.specimen_stiffness

@@ -151,9 +151,9 @@ def fatigue_rig(
     Raises
     ------
     ModelError
-        When ``eta``, ``theta``, ``eps``, ``xi_s`` or ``open_stiffness`` is not positive, another
-        damping ratio, ``lambda1`` or ``lambda2`` is negative, a mass does not press on the specimen
-        at rest, or ``base`` is no signal.
+        When ``eta``, ``theta``, ``eps``, ``xi_s`` or ``open_stiffness`` is not positive, the last
+        is above one, another damping ratio, ``lambda1`` or ``lambda2`` is negative, a mass does
+        not press on the specimen at rest, or ``base`` is no signal.
 
     See Also
     --------
@@ -214,7 +214,10 @@ def fatigue_rig(
     if open_stiffness is not None:
         parameters["open_stiffness"] = open_stiffness
         labels |= _OPEN_LABEL
-        require["open_stiffness > 0"] = "a specimen of no stiffness carries no load: it is broken"
+        require |= {
+            "open_stiffness > 0": "a specimen of no stiffness carries no load: it is broken",
+            "open_stiffness <= 1": "a crack softens the specimen",
+        }
         at_rest += "*where(f1 > f2, open_stiffness, 1)"
         now += "*where(X3 + gamma > 0, open_stiffness, 1)"
         cells = {signs + crack: phase for signs, phase in _PHASES.items() for crack in "+-"}

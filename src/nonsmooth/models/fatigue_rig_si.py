@@ -155,6 +155,12 @@ class FatigueRig:
                     f" frequency it is scaled; give a small cylinder_stiffness_{i}, or add the"
                     " damping to leaf_damping"
                 )
+        if self.open_stiffness is not None and self.open_stiffness > self.specimen_stiffness:
+            raise ModelError(
+                f"open_stiffness = {self.open_stiffness:g} N/m is more than specimen_stiffness ="
+                f" {self.specimen_stiffness:g} N/m, and a crack softens; the cubic law is for"
+                " lengths from 5 mm on"
+            )
 
     @classmethod
     def from_dimensionless(
