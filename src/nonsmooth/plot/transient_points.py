@@ -84,9 +84,9 @@ def transient_section(
 
     Notes
     -----
-    A branch that stays where it is gets no arrow, and of more than 24 arrows those of the branches
-    that move least are left out. Set limits of the axes before drawing, as arrows keep their
-    distance from the points on paper.
+    A branch that is shorter than an arrow gets none, nor does one whose arrow would meet that of a
+    longer branch, and of more than 24 those of the branches that move least are left out. Set
+    limits of the axes before drawing, as arrows keep their distance from the points on paper.
 
     Examples
     --------
@@ -178,5 +178,6 @@ def _draw_arrows(ax: Axes, across: Floats, up: Floats, stretches: list[_Stretch]
             paths.append(np.column_stack([across[chosen], up[chosen]]))
     width, height = np.ptp(across) or 1.0, np.ptp(up) or 1.0
     way = [np.hypot(*((path[-1] - path[0]) / (width, height))) for path in paths]
+    drawn: list[Floats] = []
     for k in np.argsort(way)[::-1][:_MOST_ARROWS]:
-        draw_arrow(ax, paths[k])
+        draw_arrow(ax, paths[k], drawn)
