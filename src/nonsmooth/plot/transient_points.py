@@ -91,7 +91,7 @@ def transient_section(
     Examples
     --------
     >>> import nonsmooth as ns
-    >>> beam = ns.models.breathing_crack(growth="10.7 + 1e-3*t")
+    >>> beam = ns.models.breathing_crack(growth="9 + 1e-3*t")
     >>> run = ns.simulate(beam, {"u": 0.0, "v": 0.1}, periods=400, samples_per_period=1)
     >>> labels = ns.local_regimes(run.isel(time=slice(100, None)), window=60)
     >>> ax = ns.plot.transient_section(run.isel(time=slice(100, None)), "u", "v", labels=labels)
