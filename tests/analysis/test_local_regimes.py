@@ -116,6 +116,55 @@ def test_quasi_periodic_points_have_none(turn):
     assert np.all(found["period"] == 0)
 
 
+def slow_turn(away: float, count: int) -> np.ndarray:
+    """Quasi-periodic points that nearly repeat after three."""
+    return np.cos(2 * np.pi * np.arange(count) * (1 / 3 + away))
+
+
+def test_a_slow_turn_near_a_third_shows_by_its_drift():
+    """Within a window it is a drifting motion of period three; the whole stretch turns back.
+
+    Branches go once round, from end to end of the spread and back: a way of 2 in parts of it.
+    """
+    found = ns.local_regimes(slow_turn(1e-4, 10_001))  # a whole turn of each branch
+    np.testing.assert_array_equal(found["stretch_period"], [3])
+    assert float(found["drift"][0]) == pytest.approx(2.0, abs=0.08)
+    assert float(found["net_drift"][0]) < 0.15
+    longer = ns.local_regimes(slow_turn(1e-4, 10_001), window=1200)
+    assert np.all(longer["period"] == 0)
+
+
+def test_a_drift_that_goes_on_is_as_long_as_its_way():
+    """Branches that move on straight, by a known part of the spread."""
+    points = branches(3, 3000, drift=1e-4)
+    ways = np.random.default_rng(0).uniform(-1, 1, (2, 3, 2))[1]
+    moved = 0.3 * np.linalg.norm(ways / np.ptp(points, axis=0), axis=1).mean()
+    found = ns.local_regimes(points)
+    # means over windows lie a window apart from begin to end
+    assert float(found["drift"][0]) == pytest.approx(moved * (1 - 120 / 3000), rel=1e-3)
+    assert float(found["net_drift"][0]) == pytest.approx(float(found["drift"][0]), rel=1e-9)
+    chaos = ns.local_regimes(logistic(np.full(500, 4.0), 0.3))
+    assert np.isnan(chaos["drift"]).all() and np.isnan(chaos["net_drift"]).all()
+
+
+@pytest.mark.parametrize("where", [0, 400])
+@pytest.mark.parametrize("wrong", [[1e4], [-1e4, 1e4], [300.0, 1e6, 300.0]])
+def test_a_few_wrong_readings_change_no_label_away_from_them(where, wrong):
+    good = np.resize([0.1, 0.7, 0.4], 800)
+    points = np.concatenate([good[:where], wrong, good[where:]])
+    labels = ns.local_regimes(points)["period"].values
+    assert np.all(labels[where + len(wrong) + 1 :] == 3) and np.all(labels[:where] == 3)
+    assert np.all(labels[where : where + len(wrong)] == 0)
+
+
+@pytest.mark.parametrize("multiplier", [0.05, 0.5, -0.5])
+def test_settling_quickly_is_no_wrong_reading(multiplier):
+    """To zero and to elsewhere; within some strobes by whatever scale, and for good."""
+    for rest in (0.0, 1.0, 1e6):
+        found = ns.local_regimes(rest + multiplier ** np.arange(5000.0))
+        assert found["stretch_period"][-1] == 1 and found["first"][-1] < 50
+
+
 def test_a_spiral_has_no_period_until_it_has_settled():
     """Complex multipliers of modulus 0.97 leave 1e-3 after ln(1000)/0.03 = 227 strobes."""
     points = (0.97 * np.exp(1j)) ** np.arange(1000)
@@ -188,6 +237,9 @@ def test_kept_in_files(tmp_path):
 @pytest.mark.parametrize(
     ("data", "options", "words"),
     [
+        ([], {}, "without points"),
+        (np.zeros((5, 0)), {}, "without points"),
+        (xr.Dataset({"u": ("point", np.zeros(0))}), {}, "no points over point"),
         (np.zeros(50), {}, "50 strobes are less than a window of 120"),
         (np.zeros(500), {"window": 40}, "must hold 4 visits"),
         (np.zeros(500), {"tolerance": 0.0}, "between 0 and 1"),

@@ -73,6 +73,35 @@ def test_accelerations_are_integrated(call, files, tmp_path):
         assert result.exit_code == 2 and words in result.stderr
 
 
+def test_a_record_without_marks(call, files, tmp_path):
+    """Integrated, or as it is; what is taken once per revolution asks for marks."""
+    file, picture = tmp_path / "s.nc", tmp_path / "s.png"
+    t = np.arange(8000) / RATE
+    table = np.column_stack([t, -30.0 * np.cos(90.0 * t)])
+    path = tmp_path / "accelerations.csv"
+    np.savetxt(path, table, fmt="%.7f", delimiter=",", header="t,a [m/s^2]", comments="")
+    arguments = ["measured", path, "--columns", "x=a"]
+    result = call(*arguments, "--lowest", "6", "--save", file, "--plot", picture)
+    assert result.exit_code == 0, result.stderr
+    assert "no marks" in result.stdout and "integrated" in result.stdout
+    with xr.open_dataset(file, engine="h5netcdf") as saved:
+        assert saved["x"].attrs["units"] == "m"
+        truth = 30.0 / 90.0**2 * np.cos(90.0 * saved["time"])
+        np.testing.assert_allclose(saved["x"], truth, atol=0.01 * 30.0 / 90.0**2)
+    assert picture.stat().st_size > 1000
+    for options in ((), ("--low-pass", "300"), ("--highest", "50", "--variables", "x,vx")):
+        result = call(*arguments, *options, "--plot", picture)
+        assert result.exit_code == 0, result.stderr
+    for options, words in (
+        (("--transient", "2"), "--transient is that of a section: name the column of --mark"),
+        (("--phase", "0.5"), "--phase is that"),
+        ((files[0],), "several files make a diagram"),
+        (("--plot", picture, "--variables", "x,x,x"), "must name 1 or 2 of x"),
+    ):
+        result = call(*arguments, *options)
+        assert result.exit_code == 2 and words in result.stderr
+
+
 def test_a_diagram(call, files, tmp_path):
     picture, file = tmp_path / "d.pdf", tmp_path / "d.nc"
     result = call(

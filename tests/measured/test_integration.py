@@ -205,7 +205,11 @@ def test_the_route_of_fig_25(route):
         ("mm s^-2", "s", "mm", "mm/s"),
         ("mm s⁻²", "s", "mm", "mm/s"),
         ("A_b omega^2", "", "A_b", "A_b omega"),
-        ("g", "s", "g s^2", "g s"),
+        ("m/s/s", "s", "m", "m/s"),
+        ("mm/s**2", "", "mm", "mm/s"),
+        ("µm·s⁻²", "s", "µm", "µm/s"),
+        ("g", "s", "m", "m/s"),
+        ("g_n", "s", "m", "m/s"),
         ("", "s", "", ""),
     ],
 )
@@ -216,6 +220,62 @@ def test_units(unit, time, first, second):
     found = ns.measured.displacements(record, "acceleration1", period=1 / 19.15)
     assert found["x1"].attrs.get("units", "") == first
     assert found["vx1"].attrs.get("units", "") == second
+
+
+@pytest.mark.parametrize(
+    ("unit", "time", "words"),
+    [
+        ("mm", "s", "is in 'mm', which is no unit of an acceleration; known are g, .*m/s"),
+        ("m/s", "s", "no unit of an acceleration"),
+        ("V", "s", "no unit of an acceleration"),
+        ("mg", "s", "no unit of an acceleration"),
+        ("mm s^2", "s", "no unit of an acceleration"),
+        ("m/s^2", "ms", "the time in 'ms'; give the time in s"),
+        ("g", "ms", "give the time in s"),
+    ],
+)
+def test_units_of_no_acceleration_are_refused(unit, time, words):
+    t = np.arange(200) / 1000.0
+    record = data(t, motion(t, 2), unit)
+    record["time"].attrs["units"] = time
+    with pytest.raises(ns.OptionError, match=words):
+        ns.measured.displacements(record, "acceleration1", period=1 / 19.15)
+
+
+@pytest.mark.parametrize("how", [{"lowest": 5.0}, {"period": 1 / 19.15}])
+def test_readings_in_g_are_those_in_metres(how):
+    """Standard gravity is 9.80665 m/s^2 by definition; what noise costs is told per m/s^2."""
+    t = np.arange(4000) / 1000.0
+    noisy = motion(t, 2) + np.random.default_rng(0).normal(0, 50.0, t.size)
+    metres = ns.measured.displacements(data(t, noisy, "m/s^2"), "acceleration1", **how)
+    gravities = ns.measured.displacements(data(t, noisy / 9.80665, "g"), "acceleration1", **how)
+    for name in ("x1", "vx1"):
+        np.testing.assert_allclose(gravities[name], metres[name], rtol=1e-9, atol=1e-9)
+        assert gravities[name].attrs["units"] == metres[name].attrs["units"]
+        for key in {"noise", "noise_gain", "residual"} & set(metres[name].attrs):
+            assert gravities[name].attrs[key] == pytest.approx(metres[name].attrs[key], rel=1e-9)
+
+
+def test_the_unit_is_that_of_the_acceleration_from_arrays_and_files(tmp_path):
+    t = np.arange(400) / 1000.0
+    for unit, length in (("m/s²", "m"), ("mm/s²", "mm"), ("g", "m")):
+        rows = "\n".join(f"{a:.3f},{b:.6f}" for a, b in zip(t, motion(t, 2), strict=True))
+        (tmp_path / "a.csv").write_text(f"time [s],A [{unit}]\n{rows}", encoding="utf-8")
+        for record in (
+            ns.measured.read_csv(tmp_path / "a.csv", {"a": "A"}),
+            ns.measured.from_arrays({"a": motion(t, 2)}, times=t, units=unit),
+        ):
+            found = ns.measured.displacements(record, {"a": "z"}, period=1 / 19.15)
+            assert found["z"].attrs["units"] == length
+            assert found["vz"].attrs["units"] == f"{length}/s"
+
+
+def test_names_that_the_data_have_are_refused():
+    t = np.arange(400) / 1000.0
+    record = ns.measured.from_arrays({"a": motion(t, 2), "vy": motion(t, 1)}, times=t)
+    for given, taken in (({"a": "a"}, "a"), ({"a": "vy"}, "vy"), ({"a": "y"}, "vy")):
+        with pytest.raises(ns.OptionError, match=f"have '{taken}' already.* such as .'a': 'z1'"):
+            ns.measured.displacements(record, given, period=1 / 19.15)
 
 
 def test_a_record_goes_on_to_its_section():

@@ -104,7 +104,8 @@ def test_a_run_up_is_no_fault():
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({}, "either marks= or pulse="),
+        ({"threshold": 0.5}, "threshold= is about marks .* none came"),
+        ({"bad_marks": "repair"}, "bad_marks= is about marks"),
         ({"marks": MARKS, "pulse": X["x"]}, "either marks= or pulse="),
         ({"marks": []}, "no marks lie within"),
         ({"marks": MARKS[:2]}, "2 marks lie within"),

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+import xarray as xr
 
 import nonsmooth as ns
 from measured import rigs
@@ -126,15 +127,20 @@ def cut(line, cell, new):
         (text_of(), {"mark": True}, "mark = True: give the header"),
         (text_of(), {"mark": 3}, "numbered from 0 to 2"),
         (text_of("time [h],CH1,tacho"), {}, "times are in 'h'"),
-        (cut(40, 1, ""), {}, "x: 1 samples are not finite, the first at t = 0.0195"),
+        (cut(40, 1, ""), {},
+         r"^run.csv, line 41, column .CH1 .V.. is missing. x: 1 samples .* t = 0.0195"),
         (cut(40, 1, "over"), {}, "line 41, column 1 .*'over' is no number"),
-        (cut(40, 1, "nan"), {}, "x: 1 samples are not finite, the first at t = 0.0195"),
-        (cut(40, 2, "inf"), {}, "pulse: 1 samples are not finite"),
-        (cut(40, 0, "0.5"), {}, "times must increase"),
+        (cut(40, 1, "nan"), {}, "^run.csv, line 41, column .CH1 .V.. holds .nan., which is no"),
+        (cut(40, 2, "inf"), {}, "line 41, column .tacho. holds .inf.*mark: 1 samples are not"),
+        (cut(40, 1, "1e38"), {}, r"x: .* is beyond 1e.30 \(line 41\)"),
+        (cut(40, 0, ""), {"mark": None},
+         "^run.csv, line 41, column .time. is missing. times: line"),
+        (cut(40, 0, "0.5"), {}, "times must increase, and line 42 at 0.02 follows 0.5; are"),
         (cut(40, 0, "1,5"), {}, "times must increase"),
         ("\n".join(text_of().splitlines()[:900]) + "\n0.4", {}, "line 901 has 1 cells"),
         ("\n".join(text_of().splitlines()[:900]) + "\n0.4495,", {}, "line 901 has 1 cells"),
-        ("\n".join(text_of().splitlines()[:900]) + "\n0.4495,3", {}, "pulse: 1 samples are not"),
+        ("\n".join(text_of().splitlines()[:900]) + "\n0.4495,3", {},
+         "line 901, column .tacho. is missing. mark: 1 samples are not"),
         (text_of() + "Mean,0.3,0.2\n", {}, "line 1202, column 0 .*'Mean' is no"),
         (text_of() + "\n" + text_of(), {}, "line 1202 is blank and numbers follow"),
         (text_of() + text_of(), {}, "'CH1 .V.' is no number"),
@@ -150,7 +156,7 @@ def cut(line, cell, new):
         (text_of(), {"delimiter": "::"}, "one character"),
         (text_of(), {"decimal": "'"}, "'.' or ','"),
         (text_of(), {"sample_rate": 3.0, "time": "time"}, "either the column time="),
-        (text_of(), {"mark": None}, "the column mark=, or their times"),
+        (text_of(), {"marks": MARKS}, "either the column mark= or their times"),
         (text_of(), {"columns": "x"}, "give the names of columns"),
         (text_of(), {"columns": {}}, "columns= is empty"),
         (text_of(), {"columns": {"x": 1.5}}, "header of a column, or its number"),
@@ -160,6 +166,33 @@ def cut(line, cell, new):
 def test_bad_files(read, text, options, message):
     with pytest.raises(OptionError, match=message):
         read(text, **options)
+
+
+def test_lines_count_from_the_top_of_the_file_whatever_part_is_kept(read):
+    text = "Rig 2\n\n" + cut(400, 1, "")
+    with pytest.raises(OptionError, match=r"line 403, column 'CH1 .V.' is missing"):
+        read(text, time_range=(0.15, 0.5))
+    cells = text_of(header="0,0,0", rows=ROWS).splitlines()[1:]
+    cells[6] = cells[6].rsplit(",", 1)[0]
+    with pytest.raises(OptionError, match=r"line 7, column 2 \(from 0\) is missing"):
+        read("\n".join(cells), {"x": 1}, time=0, mark=2)
+
+
+def test_a_record_without_marks(read):
+    """As of an accelerometer on a shaker: filters take it, and sections say what they lack."""
+    found = read(text_of(), mark=None)
+    np.testing.assert_allclose(found["x"], X, atol=2e-9)
+    assert "mark_time" not in found.coords
+    assert not {"speed", "speed_spread", "n_marks", "mark_error", "n_repaired"} & set(found.attrs)
+    xr.testing.assert_identical(
+        found.drop_attrs(), read(text_of()).drop_vars("mark_time").drop_attrs()
+    )
+
+
+@pytest.mark.parametrize("columns", [["x"], {}])
+def test_a_missing_file_is_told_before_all_else(columns):
+    with pytest.raises(OptionError, match=r"nowhere\.csv.*No such file"):
+        ns.measured.read_csv("nowhere.csv", columns, time="t", sample_rate=3.0)
 
 
 @pytest.mark.parametrize("path", ["nowhere.csv", ".", 3.5, None])

@@ -37,6 +37,35 @@ def test_points_and_velocities_are_those_of_the_motion():
     assert 0.1 * bound < away.max() < bound
 
 
+def test_a_record_without_marks_goes_as_far_as_it_can():
+    """Rates and scales want no marks; what is taken once per revolution says that it does."""
+    bare = ns.measured.from_arrays({"x": rigs.derivative(TIMES, 0)}, times=TIMES, units="mm")
+    marked = recorded()
+    for how in (
+        {"highest": 80.0},
+        {"differentiator": ns.measured.Differentiator(1 / RATE, 21)},
+    ):
+        rates = [ns.measured.velocities(one, **how)["vx"] for one in (bare, marked)]
+        np.testing.assert_array_equal(*rates)
+    scaled = [
+        ns.measured.dimensionless(one, length=0.5, natural_frequency=50.0) for one in (bare, marked)
+    ]
+    np.testing.assert_array_equal(*(one["x"] for one in scaled))
+    assert scaled[0].attrs["sample_rate"] == RATE / 50.0 and "speed" not in scaled[0].attrs
+    np.testing.assert_array_equal(*(ns.measured.low_pass(one, 80.0)["x"] for one in (bare, marked)))
+    with pytest.raises(OptionError, match=r"no marks .* give highest="):
+        ns.measured.velocities(bare)
+    for verb in (
+        ns.measured.section,
+        ns.measured.synchronous,
+        lambda one: ns.measured.diagram([one]),
+    ):
+        with pytest.raises(OptionError, match=r"no marks of revolutions, and .* mark=.* marks="):
+            verb(bare)
+    with pytest.raises(OptionError, match="give a result of"):
+        ns.measured.velocities(ns.measured.synchronous(marked), highest=80.0)
+
+
 def test_harmonics_are_biased_as_stated():
     record = ns.measured.velocities(recorded(), highest=46.0, bias=0.02)
     filter = ns.measured.Differentiator(1 / RATE, record["vx"].attrs["window"])

@@ -43,6 +43,23 @@ def test_a_transient_section_has_colours_of_time_and_an_arrow_per_branch(driftin
     assert right[0] > 0 and abs(right[1]) < 1e-6
 
 
+def test_short_branches_get_no_arrow_and_arrows_do_not_pile_up(ax):
+    """Two bows side by side cross the axes; two other branches are shorter than an arrow."""
+    k = np.arange(6000)
+    far = 10.0 * k / k[-1]
+    bow = 0.2 * far * (10.0 - far)
+    u = np.select([k % 4 == 0, k % 4 == 1, k % 4 == 2], [far, far, 5.0], 0.03 * far)
+    v = np.select([k % 4 == 0, k % 4 == 1, k % 4 == 2], [bow, bow + 0.05, 0.03 * far], 3.0)
+    points = xr.Dataset({"u": ("time", u), "v": ("time", v)}, {"time": ("time", 1.0 * k)})
+    labels = ns.local_regimes(points)
+    np.testing.assert_array_equal(labels["stretch_period"], [4])
+    ns.plot.transient_section(points, "u", "v", labels=labels, ax=ax)
+    (way,) = arrows(ax)
+    assert way[0] > 0
+    tip = ax.texts[0].xy
+    assert tip[1] > 0.2 * tip[0] * (10.0 - tip[0])  # above the bows
+
+
 def test_part_of_a_run_takes_the_labels_of_all_of_it(drifting, ax):
     labels = ns.local_regimes(drifting, window=48, variables=["u", "v"])
     part = drifting.isel(time=slice(201, None, 2))

@@ -19,7 +19,12 @@ __all__ = ["local_regimes"]
 
 _VISITS = 10  # of each branch of the longest period in a window, by default
 _FLOOR = 1e-6  # of the size of a variable: a spread below it is none
+_TINY = 1e-9  # of the largest value, points that lie apart from all others included
+_FEW, _SHARE = 3, 1000  # points at either end of the range that may lie apart: of any, of so many
+_FAR = 10.0  # times the range of all others is apart
 _MOST = 1000  # visits and periods; a longer window is no local one
+
+Floats = npt.NDArray[np.float64]
 
 
 def local_regimes(
@@ -67,7 +72,9 @@ def local_regimes(
         motion has none within ``most_period``, as where it is chaotic or settles anew. Over
         ``stretch``, one row for each stretch of one period: ``first`` and ``last`` (numbers of
         points), ``from_time`` and ``to_time``, likewise of each parameter (such as
-        ``from_crack``), ``stretch_period``, and ``regime``, 'periodic' or 'aperiodic'.
+        ``from_crack``), ``stretch_period``, and ``regime``, 'periodic' or 'aperiodic'; ``drift``,
+        the way that the branches take within the stretch, and ``net_drift``, the distance from
+        its begin to its end, both on the average over branches and in parts of the spread.
         `to_dataframe` of those makes a table.
 
     Raises
@@ -99,8 +106,16 @@ def local_regimes(
     - In a shorter window a chaotic motion may pass for periodic, while it stays close to an
       unstable periodic orbit or passes a fold that is about to happen.
 
+    - A slow quasi-periodic motion looks like a drift: points that turn by 1/3 + 1e-4 per strobe
+      move on, within a window, as a slowly drifting motion of period three does. In a long stretch
+      ``drift`` tells: it is as large as the spread or larger although the parameter hardly
+      changes, and larger than ``net_drift`` where branches turn back although the parameter does
+      not. A longer ``window`` takes the label away. One of 1e-3 per strobe alternates between 1
+      where it turns back and 0 between.
+
     The spread counts what a transient at the beginning adds; leave that out by
-    ``data.isel(time=slice(100, None))``.
+    ``data.isel(time=slice(100, None))``. A few points that lie apart by more than ten times the
+    range of all others, up to a thousandth of them, or three, do not count.
 
     Examples
     --------
@@ -135,8 +150,11 @@ def local_regimes(
     allowed = finite_number("tolerance", tolerance)
     if not 0.0 < allowed < 1.0:
         raise OptionError(f"tolerance = {allowed:g} must lie between 0 and 1")
-    periods = local_periods(_scaled(points.values), length, most, allowed)
-    return _dataset(points, periods, _parameters(points, parameter), {
+    scaled = _scaled(points.values)
+    periods = local_periods(scaled, length, most, allowed)
+    names = _parameters(points, parameter)
+    columns = stretch_columns(points, periods, names, scaled, length)
+    return _dataset(points, periods, columns, names, {
         "window_length": length, "most_period": most, "tolerance": allowed,
     })  # fmt: skip
 
@@ -148,13 +166,34 @@ def _whole(name: str, value: Any, most: int = _MOST) -> int:
     return number
 
 
-def _scaled(values: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+def _scaled(values: Floats) -> Floats:
     """Points in units of the spread of each variable; one that rests does not count."""
-    spread = np.ptp(values, axis=0)
-    unit = np.maximum(spread, _FLOOR * np.abs(values).max(axis=0))
-    middle = values.min(axis=0) + 0.5 * spread
-    scaled: npt.NDArray[np.float64] = (values - middle) / np.where(unit > 0.0, unit, 1.0)
+    low, high = _range(values)
+    spread = high - low
+    unit = np.maximum(spread, _FLOOR * np.maximum(np.abs(low), np.abs(high)))
+    unit = np.maximum(unit, _TINY * np.abs(values).max(axis=0))
+    scaled: Floats = (values - (low + 0.5 * spread)) / np.where(unit > 0.0, unit, 1.0)
     return scaled
+
+
+def _range(values: Floats) -> tuple[Floats, Floats]:
+    """Range of each variable, without a few points that lie far away from all others.
+
+    One reading that went wrong must not make the rest look as if it rested. What settles is no
+    such thing: its points lie closer and closer.
+    """
+    count = len(values)
+    few = min(max(_FEW, count // _SHARE), count // 10)
+    if few == 0:
+        return values.min(axis=0), values.max(axis=0)
+    ordered = np.partition(values, (few, count - 1 - few), axis=0)
+    low, high = ordered[few], ordered[count - 1 - few]
+    room = _FAR * (high - low)
+    near = (values >= low - room) & (values <= high + room)
+    return (
+        np.where(near, values, np.inf).min(axis=0),
+        np.where(near, values, -np.inf).max(axis=0),
+    )
 
 
 def _parameters(points: StrobePoints, parameter: str | None) -> list[str]:
@@ -169,10 +208,10 @@ def _parameters(points: StrobePoints, parameter: str | None) -> list[str]:
 def _dataset(
     points: StrobePoints,
     periods: npt.NDArray[np.int64],
+    columns: dict[str, Any],
     parameters: list[str],
     used: dict[str, Any],
 ) -> xr.Dataset:
-    columns = stretch_columns(points, periods, parameters)
     wanted = ("time", "period_number", *parameters)
     coords = {
         n: points.data[n].variable

@@ -1,4 +1,4 @@
-"""``nonsmooth measured``: section of a measured motion, or a diagram of several."""
+"""``nonsmooth measured``: a measured motion, its section, or a diagram of several."""
 
 from __future__ import annotations
 
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 __all__ = ["measured"]
 
 _WIDTH, _HEIGHT = 10.0, 8.0  # centimetres
+_READING = "acceleration_"  # before the name of a displacement: what it is integrated from
 
 
 def measured(
@@ -28,7 +29,10 @@ def measured(
     columns: Annotated[
         str, typer.Option(metavar="x=CH1,y=CH2", help="Displacements: names and columns.")
     ],
-    mark: Annotated[str, typer.Option(metavar="COLUMN", help="One pulse per revolution.")],
+    mark: Annotated[
+        str | None,
+        typer.Option(metavar="COLUMN", help="One pulse per revolution; without it no section."),
+    ] = None,
     time: Annotated[
         str | None, typer.Option(metavar="COLUMN", help="Times; 'time' or 't' by default.")
     ] = None,
@@ -72,26 +76,35 @@ def measured(
     phase: options.Phase = None,
     unit: Annotated[str | None, typer.Option(help="Speed in a diagram: rad/s, Hz or rpm.")] = None,
     variables: Annotated[
-        str | None, typer.Option(metavar="x,vx", help="To draw; one of a diagram.")
+        str | None,
+        typer.Option(metavar="x,vx", help="To draw; one of a diagram, one or two of a record."),
     ] = None,
     plot: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Draw section or diagram: .png or .pdf.")
+        Path | None,
+        typer.Option(metavar="FILE", help="Draw record, section or diagram: .png or .pdf."),
     ] = None,
     save: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Save section or diagram as netCDF: .nc.")
+        Path | None,
+        typer.Option(metavar="FILE", help="Save record, section or diagram as netCDF: .nc."),
     ] = None,
 ) -> None:
-    """Poincare section of a measured motion with one mark per revolution; a diagram of several."""
+    """Section of a measured motion with one mark per revolution; a diagram of several.
+
+    Without marks: the motion itself, filtered, integrated or differentiated.
+    """
     check_files(plot, save)
     if plot is None and variables is not None:
         raise OptionError("--variables are drawn into a file: name it with --plot FILE")
     if unit is not None and len(files) == 1:
         raise OptionError("--unit is that of a diagram, which several files give")
+    if mark is None:
+        _check_unmarked(files, {"--transient": transient, "--phase": phase})
     from nonsmooth.measured import Channel, diagram, section
     from nonsmooth.system.columns import harmless
 
+    before = "" if lowest is None else _READING
     channels = {
-        name: Channel(_column(column), sensitivity=sensitivity, offset=offset, units=units)
+        before + name: Channel(_column(column), sensitivity=sensitivity, offset=offset, units=units)
         for name, column in _columns(columns).items()
     }
     reading: dict[str, Any] = {
@@ -104,19 +117,32 @@ def measured(
         raise OptionError("--highest is of velocities, which --lowest integrates; use --low-pass")
     records = [_record(file, channels, reading, scale, treatment) for file in files]
     at: dict[str, Any] = {"transient": transient, "phase": phase or 0.0}
-    if len(records) == 1:
+    if mark is None:
+        result = records[0]
+        shown = _shown(result, variables, 1, 2)
+        text = table(result.attrs["system_name"], list(_rows(result)))
+    elif len(records) == 1:
         result = section(records[0], **at)
-        shown = _shown(result, variables, 2)
+        shown = _shown(result, variables, 2, 2)
         text = table(records[0].attrs["system_name"], list(_rows(records[0], result)))
     else:
         result = diagram(records, unit=unit, **at)
-        shown = _shown(result, variables, 1)
+        shown = _shown(result, variables, 1, 1)
         text = table(f"{len(records)} records", list(_columns_of(result)))
     typer.echo(harmless(text))
     if save is not None:
         save_dataset(result, save)
     if plot is not None:
         _plot(result, shown, plot)
+
+
+def _check_unmarked(files: list[Path], sections: dict[str, Any]) -> None:
+    """Refuse what only marks give."""
+    if len(files) > 1:
+        raise OptionError("several files make a diagram of sections: name the column of --mark")
+    for name, value in sections.items():
+        if value:
+            raise OptionError(f"{name} is that of a section: name the column of --mark")
 
 
 def _columns(text: str) -> dict[str, str]:
@@ -147,7 +173,7 @@ def _record(
     scale: dict[str, Any] | None,
     treatment: dict[str, Any],
 ) -> xr.Dataset:
-    """Record with velocities; warnings as lines of text."""
+    """Record with velocities, where their band is known; warnings as lines of text."""
     from nonsmooth import measured as rig
 
     with warnings.catch_warnings(record=True) as raised:
@@ -159,17 +185,27 @@ def _record(
     if treatment["low_pass"] is not None:
         record = rig.low_pass(record, treatment["low_pass"])
     if lowest is not None:
-        names = {name: name for name in channels}
+        names = {name: name.removeprefix(_READING) for name in channels}
         record = rig.displacements(record, names, lowest=lowest, bias=bias)
     if scale is not None:
         record = rig.dimensionless(record, **scale)
-    if lowest is not None:
+    unmarked = "speed" not in record.attrs and treatment["highest"] is None
+    if lowest is not None or unmarked:
         return record
     return rig.velocities(record, highest=treatment["highest"], bias=bias)
 
 
-def _rows(record: xr.Dataset, points: xr.Dataset) -> Iterator[tuple[str, str]]:
-    """What a user wants to know of a record before believing its section."""
+def _rows(record: xr.Dataset, points: xr.Dataset | None = None) -> Iterator[tuple[str, str]]:
+    """What a user wants to know of a record before believing it, or its section."""
+    if points is None:
+        rate = record.attrs["sample_rate"]
+        yield "samples", f"{record.sizes['time']}, {rate:.6g} per unit time; no marks"
+    else:
+        yield from _mark_rows(record, points)
+    yield from _variable_rows(record)
+
+
+def _mark_rows(record: xr.Dataset, points: xr.Dataset) -> Iterator[tuple[str, str]]:
     attrs, unit = points.attrs, points["speed"].attrs.get("units", "")
     if "speed" in attrs:
         yield "speed", f"{attrs['speed']:.7g} {unit} +- {attrs['speed_spread']:.2g}"
@@ -177,8 +213,14 @@ def _rows(record: xr.Dataset, points: xr.Dataset) -> Iterator[tuple[str, str]]:
     if attrs["n_repaired"]:
         yield "repaired", f"{attrs['n_repaired']} marks"
     yield "mark error", f"by sampling at most {attrs['mark_error']:.3g} {_unit(record['time'])}"
+
+
+def _variable_rows(record: xr.Dataset) -> Iterator[tuple[str, str]]:
     for name in map(str, record.data_vars):
         words = record[name].attrs
+        if "noise" not in words:  # neither filtered, integrated nor differentiated
+            yield name, str(words["long_name"])
+            continue
         text = f"noise {words['noise']:.3g} {words.get('units', '')}".rstrip()
         if "lowest" in words:
             text += (
@@ -206,12 +248,13 @@ def _unit(values: xr.DataArray) -> str:
     return str(values.attrs.get("units", ""))
 
 
-def _shown(result: xr.Dataset, text: str | None, count: int) -> list[str]:
-    """Variables to draw: by default the first displacement, in a section with its velocity."""
-    known = [str(n) for n, v in result.data_vars.items() if "point" in v.dims]
+def _shown(result: xr.Dataset, text: str | None, fewest: int, most: int) -> list[str]:
+    """Variables to draw: by default the first displacement, with its velocity but in a diagram."""
+    known = [str(n) for n, v in result.data_vars.items() if {"point", "time"} & set(v.dims)]
     velocity = [n for n in known if result[n].attrs.get("derivative_of") == known[0]]
-    chosen = names(text) if text is not None else [known[0], *velocity][:count]
-    if len(chosen) != count:
+    chosen = names(text) if text is not None else [known[0], *velocity][:most]
+    if not fewest <= len(chosen) <= most:
+        count = most if fewest == most else f"{fewest} or {most}"
         raise OptionError(f"--variables: {text!r} must name {count} of {', '.join(known)}")
     for name in chosen:
         if name not in known:
@@ -220,11 +263,14 @@ def _shown(result: xr.Dataset, text: str | None, count: int) -> list[str]:
 
 
 def _plot(result: xr.Dataset, shown: list[str], path: Path) -> None:
-    from nonsmooth.plot import bifurcation, print_figure, save_figure
+    from nonsmooth.plot import bifurcation, phase_portrait, print_figure, save_figure, time_history
     from nonsmooth.plot import section as draw
 
     figure, (ax,) = print_figure(width=_WIDTH, height=_HEIGHT)
-    if len(shown) == 1:
+    if "time" in result.dims:
+        draw_motion = time_history if len(shown) == 1 else phase_portrait
+        draw_motion(result, *shown, ax=ax)
+    elif len(shown) == 1:
         bifurcation(result, shown[0], ax=ax)
     else:
         draw(result, *shown, ax=ax)

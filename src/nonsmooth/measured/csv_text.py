@@ -72,6 +72,13 @@ class Table:
         known = [split_units(cell)[0] for cell in row if cell]
         raise OptionError(f"{self.name}, {what}: {unknown_name('column', wanted, known)}")
 
+    def called(self, place: int) -> str:
+        """A column in words: by its header, or by its number."""
+        for row in self.headers:
+            if _is_name(row[place]):
+                return f"column {row[place]!r:.60}"
+        return f"column {place} (from 0)"
+
     def _units(self, place: int) -> str:
         """Units of a column: in its header, or in a row of their own below the headers."""
         for row in self.headers:

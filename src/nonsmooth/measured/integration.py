@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import re
+import itertools
 from collections.abc import Mapping
 from typing import Any
 
@@ -11,6 +11,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from nonsmooth.errors import OptionError
+from nonsmooth.measured.acceleration_units import integral_units
 from nonsmooth.measured.channel import check_name
 from nonsmooth.measured.even_samples import check_even, check_variables, over_time
 from nonsmooth.measured.fourier_integral import FourierIntegral
@@ -21,7 +22,6 @@ from nonsmooth.simulation.options import finite_number
 __all__ = ["displacements"]
 
 _EDGES = ("keep", "cut")
-_SECOND = r"\s*(?:/\s*{t}\s*(?:\^|\*\*)?\s*2|/\s*{t}²|\s{t}\s*(?:\^|\*\*)?\s*-2|\s{t}⁻²)$"
 
 Floats = npt.NDArray[np.float64]
 
@@ -51,7 +51,7 @@ def displacements(
     accelerations : str, list of str, or mapping of str to str
         Variables to integrate; a mapping gives the name of each displacement. Without it
         ``acceleration1`` gives ``x1``, any other one ``x_`` and its name. Velocities have a ``v``
-        in front.
+        in front. Names that the data have already are refused.
 
     Other Parameters
     ----------------
@@ -78,9 +78,12 @@ def displacements(
     -------
     xarray.Dataset
         Displacements and velocities over time with the coordinates of the data; the mean of a
-        displacement is not known, and zero. Attributes of each displacement: ``integral_of``;
-        ``noise_gain``, the standard deviation of its noise for one of 1 in the acceleration
-        (white noise); ``noise``, that times the noise of the acceleration, which is estimated;
+        displacement is not known, and zero. Displacements are in the length of the accelerations:
+        mm of mm/s^2, m of m/s^2, and m of g, 9.80665 m/s^2, wherever the record comes from; they
+        have no units where accelerations have none. Attributes of each displacement:
+        ``integral_of``; ``noise_gain``, the standard deviation of its noise for one of 1 in the
+        acceleration (white noise; of g: in m/s^2); ``noise``, that times the noise of the
+        acceleration, which is estimated;
         and ``lowest`` with ``bias`` and ``edge``, or ``period`` with ``harmonics`` and
         ``residual``, what is not periodic in the acceleration (root mean square). Velocities have
         ``derivative_of``, ``noise_gain`` and ``noise`` likewise.
@@ -88,8 +91,9 @@ def displacements(
     Raises
     ------
     OptionError
-        For samples that are not equidistant, neither or both of ``lowest`` and ``period``, or
-        data that are too short for them.
+        For samples that are not equidistant, units that are not those of an acceleration, names
+        that are taken, neither or both of ``lowest`` and ``period``, or data that are too short
+        for them.
 
     See Also
     --------
@@ -152,15 +156,19 @@ def displacements(
     found: dict[str, Any] = {}
     rates: dict[str, Any] = {}
     for source, name in names.items():
-        values = data[source].values.astype(float)
+        units = integral_units(
+            source, data[source].attrs.get("units"), data["time"].attrs.get("units")
+        )
+        values = units.factor * data[source].values.astype(float)
         x, v, words = method(values)
-        units = _units(data, source)
-        noise = noise_before_filters(data[source])
+        noise = units.factor * noise_before_filters(data[source])
         about = {"integral_of": source} | words
         costs = [{"noise_gain": gain, "noise": gain * noise} for gain in method.noise_gains]
-        words = {"long_name": f"displacement {name}"} | units[0] | about | costs[0]
+        words = {"long_name": f"displacement {name}"} | _unit(units.displacement) | about | costs[0]
         found[name] = ("time", x[part], words)
-        words = {"long_name": f"velocity of {name}"} | units[1] | {"derivative_of": name}
+        words = (
+            {"long_name": f"velocity of {name}"} | _unit(units.velocity) | {"derivative_of": name}
+        )
         rates[f"v{name}"] = ("time", v[part], words | costs[1])
     return over_time(data, found | rates, part)
 
@@ -181,23 +189,21 @@ def _names(data: xr.Dataset, given: Any) -> dict[str, str]:
     found: dict[str, str] = {}
     for source, name in zip(sources, wanted, strict=True):
         check_name(name, [*found.values(), *(f"v{other}" for other in found.values())])
+        for new in (name, f"v{name}"):
+            if new in data.variables:
+                raise OptionError(
+                    f"accelerations: the data have {new!r} already; call the displacement of"
+                    f" {source} otherwise, such as {{{source!r}: {_free(data)!r}}}"
+                )
         found[source] = name
     return found
 
 
-def _units(data: xr.Dataset, name: str) -> tuple[dict[str, str], dict[str, str]]:
-    """Units of a displacement and of a velocity by those of the acceleration, if it has some."""
-    unit = str(data[name].attrs.get("units", "")).strip()
-    time = str(data["time"].attrs.get("units", "")).strip()
-    if not unit:
-        return {}, {}
-    if time:
-        bare = re.sub(_SECOND.format(t=re.escape(time)), "", unit)
-        if bare != unit:
-            return {"units": bare}, {"units": f"{bare}/{time}"}
-    scaled = re.fullmatch(r"(.+) (\S+)\^2", unit)
-    if scaled:  # such as A_b omega^2
-        return {"units": scaled[1]}, {"units": f"{scaled[1]} {scaled[2]}"}
-    if time:
-        return {"units": f"{unit} {time}^2"}, {"units": f"{unit} {time}"}
-    return {}, {}
+def _free(data: xr.Dataset) -> str:
+    """Name of a displacement that is not taken, nor that of its velocity."""
+    numbers = itertools.count(1)
+    return next(x for x in (f"z{k}" for k in numbers) if not {x, f"v{x}"} & set(data.variables))
+
+
+def _unit(unit: str) -> dict[str, str]:
+    return {"units": unit} if unit else {}

@@ -14,7 +14,9 @@ from nonsmooth.errors import OptionError, ResultWarning
 from nonsmooth.measured.channel import Channel, channels_of
 from nonsmooth.measured.csv_numbers import numbers_of
 from nonsmooth.measured.csv_text import Table, read_table
-from nonsmooth.measured.record import from_arrays
+from nonsmooth.measured.marking import Marking
+from nonsmooth.measured.places import FilePlaces
+from nonsmooth.measured.record import record_of
 
 __all__ = ["read_csv"]
 
@@ -38,7 +40,7 @@ def read_csv(
     delimiter: str | None = None,
     decimal: str | None = None,
 ) -> xr.Dataset:
-    r"""Record of a measured motion from a CSV file: displacements, and one mark per revolution.
+    r"""Record of a measured motion from a CSV file, with one mark per revolution or without.
 
     Columns are found by their headers, with or without units in brackets behind the name, or by
     number. Lines above the header are skipped; commas, semicolons, tabs, bars or spaces part the
@@ -62,7 +64,9 @@ def read_csv(
     mark : str or int, optional
         Column of the signal that marks revolutions, such as that of a tacho or an optoswitch.
     marks : array_like, optional
-        Times of the marks in s, in place of a column.
+        Times of the marks in s, in place of a column. With neither the record has no marks, as
+        one of accelerometers that `low_pass` and `displacements` take; `section`, `diagram` and
+        `synchronous` want them.
     threshold : float, optional
         Level of an edge, in units of the column; midway between its extremes without it.
     hysteresis : float, optional
@@ -88,7 +92,7 @@ def read_csv(
     ------
     OptionError
         For a file that is no table of numbers, a column that is not there, samples that are not
-        even in time or missing, and marks that are not one per revolution.
+        even in time or missing, with their line, and marks that are not one per revolution.
 
     Warns
     -----
@@ -118,46 +122,41 @@ def read_csv(
     >>> round(record.attrs["speed"])
     100
     """
+    table = read_table(path, delimiter, decimal)
     channels = channels_of(columns)
     if time is not None and sample_rate is not None:
         raise OptionError("give either the column time= or sample_rate=")
-    if (mark is None) == (marks is None):
-        raise OptionError("give the marks of revolutions: the column mark=, or their times marks=")
-    table = read_table(path, delimiter, decimal)
-    places = {name: table.column(one.column, name) for name, one in channels.items()}
-    wanted = [place for place, _ in places.values()]
+    if mark is not None and marks is not None:
+        raise OptionError(
+            "give the marks of revolutions by either the column mark= or their times marks="
+        )
+    found = {name: table.column(one.column, name) for name, one in channels.items()}
+    places = {name: place for name, (place, _) in found.items()}
     factor = 1.0
     if sample_rate is None:
-        place, factor = _time_column(table, time)
-        wanted.append(place)
+        places["time"], factor = _time_column(table, time)
     if mark is not None:
-        wanted.append(table.column(mark, "mark")[0])
-    numbers = list(numbers_of(table, wanted))
+        places["mark"] = table.column(mark, "mark")[0]
+    numbers = list(numbers_of(table, list(places.values())))
     pulse = numbers.pop() if mark is not None else None
     times = numbers.pop() * factor if sample_rate is None else None
     values = {
         name: one.displacement(array)
         for (name, one), array in zip(channels.items(), numbers, strict=True)
     }
-    units = {name: one.units or places[name][1] for name, one in channels.items()}
+    units = {name: one.units or found[name][1] for name, one in channels.items()}
     try:
-        record = from_arrays(
+        record = record_of(
             values,
-            times=times,
-            sample_rate=sample_rate,
-            marks=marks,
-            pulse=pulse,
-            units=units,
-            labels={name: one.long_name for name, one in channels.items()},
-            threshold=threshold,
-            hysteresis=hysteresis,
-            edge=edge,
-            bad_marks=bad_marks,
-            time_range=time_range,
-            name=os.path.splitext(table.name)[0],
+            (times, sample_rate, time_range),
+            Marking(marks, pulse, threshold, hysteresis, edge, bad_marks),
+            (units, {name: one.long_name for name, one in channels.items()}),
+            os.path.splitext(table.name)[0],
+            FilePlaces(table, places),
         )
     except OptionError as error:
-        raise OptionError(f"{table.name}: {error}") from None
+        between = ", " if str(error).startswith("line ") else ": "
+        raise OptionError(f"{table.name}{between}{error}") from None
     still = [name for name in channels if float(record[name].min()) == float(record[name].max())]
     if still:
         warnings.warn(

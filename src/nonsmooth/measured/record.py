@@ -1,10 +1,9 @@
-"""`from_arrays`: displacements and marks as a dataset over time."""
+"""`from_arrays`: displacements or accelerations, with marks or without, as a dataset over time."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -12,16 +11,13 @@ import xarray as xr
 
 from nonsmooth.errors import OptionError
 from nonsmooth.measured.channel import check_name
-from nonsmooth.measured.marks import check_marks, find_edges, given_marks
-from nonsmooth.measured.speeds import speed_attributes
-from nonsmooth.simulation.options import finite_number
+from nonsmooth.measured.clock import FEWEST, clock_of, numbers
+from nonsmooth.measured.gaps import check_finite
+from nonsmooth.measured.marking import Marking, marks_of
+from nonsmooth.measured.places import Places
 from nonsmooth.version import __version__
 
-__all__ = ["check_record", "from_arrays"]
-
-_FEWEST = 16  # samples
-_LARGEST = 1e30  # a reading; codes for none are often larger still
-_OFF = 0.1  # of a step, a time may be off the even grid
+__all__ = ["check_record", "from_arrays", "record_of"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -47,7 +43,7 @@ def from_arrays(
     Parameters
     ----------
     displacements : mapping of str to array_like
-        Samples by the name of the variable.
+        Samples by the name of the variable; of accelerations, too.
 
     Other Parameters
     ----------------
@@ -57,7 +53,9 @@ def from_arrays(
     sample_rate : float, optional
         Samples per s, the first one at time 0.
     marks : array_like, optional
-        Times of the marks, one per revolution. Or ``pulse``.
+        Times of the marks, one per revolution or period of the forcing. Or ``pulse``; neither
+        where the record has none: `section`, `diagram` and `synchronous` want them, `velocities`
+        does without ``highest``.
     pulse : array_like, optional
         Samples of the signal that marks revolutions, whose edges are taken.
     units : str or mapping of str to str, optional
@@ -82,11 +80,12 @@ def from_arrays(
     Returns
     -------
     xarray.Dataset
-        The displacements over ``time``, and ``mark_time`` over ``mark``. Attributes:
-        ``sample_rate``, ``speed`` in rad/s (that of the whole revolutions between the first and
+        The displacements over ``time``. Attributes: ``sample_rate``; ``time_off``, how far times
+        were off the even grid, in steps. With marks ``mark_time`` over ``mark``, and ``speed`` in
+        rad/s (that of the whole revolutions between the first and
         the last mark) and ``speed_spread``, the standard deviation over single revolutions;
         ``mark_error``, a bound of what sampling the pulse does to the time of a mark;
-        ``n_marks``, ``n_repaired``, ``time_off``, how far times were off the even grid, in steps.
+        ``n_marks``, ``n_repaired``.
 
     Raises
     ------
@@ -110,57 +109,71 @@ def from_arrays(
     >>> round(record.attrs["speed"], 6), record.sizes["mark"]
     (100.0, 39)
     """
+    return record_of(
+        displacements,
+        (times, sample_rate, time_range),
+        Marking(marks, pulse, threshold, hysteresis, edge, bad_marks),
+        (units, labels),
+        name,
+        Places(),
+    )
+
+
+def record_of(
+    displacements: Any,
+    timing: tuple[Any, Any, Any],
+    marking: Marking,
+    words: tuple[Any, Any],
+    name: str,
+    places: Places,
+) -> xr.Dataset:
+    """Record of checked arrays.
+
+    timing: times, sample rate and the range of time that is kept; words: units and labels
+    """
     arrays = _arrays(displacements)
-    clock = _clock(times, sample_rate, next(iter(arrays.values())).size, time_range)
-    start, step, first, last = clock.start, clock.step, clock.first, clock.last
-    arrays = {key: values[first:last] for key, values in arrays.items()}
-    count = last - first
-    if count < _FEWEST:
-        raise OptionError(f"{count} samples are too few; {_FEWEST} are needed at least")
-    _check_finite(arrays, start, step)
-    if (marks is None) == (pulse is None):
-        raise OptionError("give the marks of revolutions, either marks= or pulse=")
-    if marks is not None:
-        places, error = given_marks(marks), 0.0
-        places = places[(places >= start) & (places <= start + (count - 1) * step)]
-    else:
-        signal = _numbers("pulse", pulse)
-        if signal.size < last:
-            raise OptionError(f"pulse: {signal.size} samples came, and displacements have more")
-        signal = signal[first:last]
-        _check_finite({"pulse": signal}, start, step)
-        edges = find_edges(signal, threshold, hysteresis, edge)
-        places, error = start + step * edges.places, step * edges.error
-    kept, repaired = check_marks(places, bad_marks)
+    times, sample_rate, time_range = timing
+    count = next(iter(arrays.values())).size
+    clock = clock_of(times, sample_rate, count, time_range, places)
+    arrays = {key: values[clock.first : clock.last] for key, values in arrays.items()}
+    count = clock.last - clock.first
+    if count < FEWEST:
+        raise OptionError(f"{count} samples are too few; {FEWEST} are needed at least")
+    check_finite(arrays, clock.start, clock.step, clock.first, places)
+    marks = marks_of(marking, clock, places)
     attrs: dict[str, Any] = {
         "system_name": str(name),
         "nonsmooth_version": __version__,
         "status": "completed",
         "message": "completed",
-        "sample_rate": 1.0 / step,
+        "sample_rate": 1.0 / clock.step,
         "time_off": clock.off,
-        **speed_attributes(kept),
-        "mark_error": error,
-        "n_repaired": repaired,
     }
-    words = _words(arrays, units, labels)
+    about = {"long_name": "time", "units": "s"}
+    coords: dict[str, Any] = {"time": ("time", clock.start + clock.step * np.arange(count), about)}
+    if marks is not None:
+        about = {"long_name": "time of the mark", "units": "s"}
+        coords["mark_time"] = "mark", marks[0], about
+        attrs |= marks[1]
+    said = _words(arrays, *words)
     return xr.Dataset(
-        {key: ("time", values, words[key]) for key, values in arrays.items()},
-        {
-            "time": (
-                "time", start + step * np.arange(count), {"long_name": "time", "units": "s"},
-            ),
-            "mark_time": ("mark", kept, {"long_name": "time of the mark", "units": "s"}),
-        },
-        attrs,
-    )  # fmt: skip
+        {key: ("time", values, said[key]) for key, values in arrays.items()}, coords, attrs
+    )
 
 
 def check_record(record: Any) -> xr.Dataset:
-    """The record of a measured motion, or an error that says what is one."""
-    if not isinstance(record, xr.Dataset) or "mark_time" not in record.coords:
+    """The record of a measured motion, or an error that says what is one.
+
+    Marks it may have or not; what has been resampled by angle is no record any more.
+    """
+    if (
+        not isinstance(record, xr.Dataset)
+        or "time" not in record.dims
+        or "sample_rate" not in record.attrs
+        or "measured_time" in record.coords
+    ):
         raise OptionError("record: give a result of measured.read_csv or measured.from_arrays")
-    count, rate = record.sizes["time"], float(record.attrs.get("sample_rate", math.nan))
+    count, rate = record.sizes["time"], float(record.attrs["sample_rate"])
     if count < 2:
         raise OptionError("record: it has no samples")
     span = float(record["time"][-1] - record["time"][0]) * rate
@@ -178,127 +191,11 @@ def _arrays(displacements: Any) -> dict[str, Floats]:
     found: dict[str, Floats] = {}
     for name, values in displacements.items():
         check_name(name, found)
-        found[name] = _numbers(name, values)
+        found[name] = numbers(name, values)
     sizes = {name: values.size for name, values in found.items()}
     if len(set(sizes.values())) > 1:
         raise OptionError(f"displacements differ in their number of samples: {sizes}")
     return found
-
-
-def _numbers(name: str, values: Any) -> Floats:
-    try:
-        given = np.asarray(values)
-        numbers = np.array(given, dtype=float) if given.dtype.kind != "c" else None
-    except (TypeError, ValueError):
-        raise OptionError(f"{name} = {values!r:.60}: give numbers") from None
-    if numbers is None or numbers.ndim != 1 or numbers.size == 0:
-        raise OptionError(f"{name}: give real samples in one dimension, one at least")
-    return numbers
-
-
-class _Clock(NamedTuple):
-    """Even times of the samples from ``first`` to before ``last``, and how far off they were."""
-
-    start: float
-    step: float
-    off: float
-    first: int
-    last: int
-
-
-def _clock(times: Any, sample_rate: Any, count: int, time_range: Any) -> _Clock:
-    if (times is None) == (sample_rate is None):
-        raise OptionError("give either the times= of the samples or their sample_rate=")
-    low, high = (-math.inf, math.inf) if time_range is None else _two_times(time_range)
-    if times is None:
-        rate = finite_number("sample_rate", sample_rate)
-        if rate <= 0.0:
-            raise OptionError(f"sample_rate = {rate:g} must be positive, in samples per s")
-        given = np.arange(count) / rate
-    else:
-        given = _numbers("times", times)
-        if given.size != count:
-            raise OptionError(f"{given.size} times came for {count} samples")
-    # what is outside the part that is kept does no harm; the rounding of a time neither
-    slack = 1e-9 * max(abs(float(v)) for v in (low, high, 1.0) if math.isfinite(v))
-    kept = np.flatnonzero((given >= low - slack) & (given <= high + slack))
-    if time_range is not None and kept.size == 0:
-        raise OptionError(
-            f"time_range = ({low:g}, {high:g}) must run forward and meet the record, which covers"
-            f" {np.nanmin(given):g} to {np.nanmax(given):g}"
-        )
-    first, last = (int(kept[0]), int(kept[-1]) + 1) if time_range is not None else (0, count)
-    part = given[first:last]
-    if not np.all(np.isfinite(part)):
-        k = first + int(np.flatnonzero(~np.isfinite(part))[0])
-        raise OptionError(f"times: sample {k} (from 0) has no time; give sample_rate= instead")
-    if times is None:
-        return _Clock(float(part[0]), 1.0 / rate, 0.0, first, last)
-    return _Clock(*_even_grid(part, first), first, last)
-
-
-def _even_grid(times: Floats, first: int) -> tuple[float, float, float]:
-    """The even grid closest to some times, refused where they are not even."""
-    if times.size < _FEWEST:
-        raise OptionError(f"{times.size} samples are too few; {_FEWEST} are needed at least")
-    steps = np.diff(times)
-    back = np.flatnonzero(steps <= 0.0)
-    if back.size:
-        k = int(back[0])
-        raise OptionError(
-            f"times must increase, and sample {first + k + 1} at {times[k + 1]:.9g} follows"
-            f" {times[k]:.9g} (samples from 0); are two records in one file, or"
-            " times rounded too coarsely? For even samples give sample_rate= instead"
-        )
-    number = np.arange(times.size) - 0.5 * (times.size - 1)
-    step = float(number @ (times - times.mean()) / (number @ number))
-    start = float(times.mean() + step * number[0])
-    away = np.abs(times - (start + step * np.arange(times.size))) / step
-    if away.max() > _OFF:
-        k = int(np.argmax(steps))
-        usual = float(np.median(steps))
-        what = (
-            f"the longest step, after sample {first + k} at {times[k]:.9g}, is"
-            f" {steps[k] / usual:.3g} usual ones"
-        )
-        raise OptionError(
-            f"times are up to {away.max():.3g} steps off an even grid, allowed is {_OFF}; {what}."
-            " Where samples were lost take a part without a gap by time_range=; resample uneven"
-            " ones; where only the times are bad give sample_rate= instead"
-        )
-    return start, step, float(away.max())
-
-
-def _two_times(time_range: Any) -> tuple[float, float]:
-    try:
-        low, high = (float(value) for value in time_range)
-    except (TypeError, ValueError):
-        raise OptionError(f"time_range = {time_range!r:.60}: give two times") from None
-    return low, high
-
-
-def _check_finite(arrays: dict[str, Floats], start: float, step: float) -> None:
-    """Refuse gaps, and say which part of the record has none."""
-    for name, values in arrays.items():
-        with np.errstate(invalid="ignore"):
-            large = np.isfinite(values) & (np.abs(values) > _LARGEST)
-        if large.any():
-            k = int(np.argmax(large))
-            raise OptionError(
-                f"{name}: {values[k]:g} at t = {start + step * k:.7g} is beyond {_LARGEST:g}; what"
-                " does the recorder write where it has no reading?"
-            )
-        bad = np.flatnonzero(~np.isfinite(values))
-        if bad.size == 0:
-            continue
-        ends = np.concatenate([[-1], bad, [values.size]])
-        k = int(np.argmax(np.diff(ends)))
-        low, high = start + step * (ends[k] + 1), start + step * (ends[k + 1] - 1)
-        raise OptionError(
-            f"{name}: {bad.size} samples are not finite, the first at t ="
-            f" {start + step * bad[0]:.7g}; the longest part without a gap is"
-            f" time_range=({low:.9g}, {high:.9g})"
-        )
 
 
 def _words(arrays: dict[str, Floats], units: Any, labels: Any) -> dict[str, Any]:

@@ -10,6 +10,7 @@ import xarray as xr
 
 from nonsmooth.errors import OptionError
 from nonsmooth.measured.interpolation import inside, interpolated
+from nonsmooth.measured.marking import check_marked
 from nonsmooth.measured.record import check_record
 from nonsmooth.measured.sections import revolutions_of
 from nonsmooth.simulation.options import whole_number
@@ -40,7 +41,7 @@ def synchronous(record: xr.Dataset, samples_per_period: int = 64) -> xr.Dataset:
     Raises
     ------
     OptionError
-        When less than a revolution is left.
+        When the record has no marks, or less than a revolution is left.
 
     See Also
     --------
@@ -61,6 +62,7 @@ def synchronous(record: xr.Dataset, samples_per_period: int = 64) -> xr.Dataset:
     array([0., 1., 0.])
     """
     record = check_record(record)
+    check_marked(record, "synchronous")
     count = whole_number("samples_per_period", samples_per_period)
     times, number, _ = revolutions_of(record, np.arange(count) / count)
     start, rate = float(record["time"][0]), float(record.attrs["sample_rate"])

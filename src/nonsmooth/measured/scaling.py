@@ -84,12 +84,13 @@ def dimensionless(
         words = _scaled_words(words, unit, rate, moving, _is_integrated(record, str(name)))
         shifted = values.values - shifts.get(str(name), 0.0)
         found[name] = (values.dims, shifted * factor, words)
-    for name in ("time", "mark_time"):
+    for name in (name for name in ("time", "mark_time") if name in record.coords):
         words = {key: word for key, word in record[name].attrs.items() if key != "units"}
         found = found.assign_coords({name: (record[name].dims, record[name].values * rate, words)})
     attrs = dict(record.attrs)
     for key, power in (("sample_rate", -1), ("speed", -1), ("speed_spread", -1), ("mark_error", 1)):
-        attrs[key] = float(attrs[key]) * rate**power
+        if key in attrs:  # without marks there is no speed
+            attrs[key] = float(attrs[key]) * rate**power
     found.attrs = attrs | {"length": unit, "natural_frequency": rate}
     return found
 

@@ -11,6 +11,7 @@ import xarray as xr
 
 from nonsmooth.errors import OptionError
 from nonsmooth.measured.interpolation import inside, interpolated
+from nonsmooth.measured.marking import check_marked
 from nonsmooth.measured.record import check_record
 from nonsmooth.measured.speeds import speed_attributes
 from nonsmooth.simulation.options import finite_number
@@ -45,7 +46,7 @@ def section(record: xr.Dataset, *, transient: int = 0, phase: float = 0.0) -> xr
     Raises
     ------
     OptionError
-        When no mark is left, or for an option out of its range.
+        When the record has no marks, no mark is left, or for an option out of its range.
 
     See Also
     --------
@@ -71,6 +72,7 @@ def section(record: xr.Dataset, *, transient: int = 0, phase: float = 0.0) -> xr
     (38, 0.0, -99.99997)
     """
     record = check_record(record)
+    check_marked(record, "a section")
     part = finite_number("phase", phase)
     if not 0.0 <= part < 1.0:
         raise OptionError(f"phase = {part:g} must lie between 0 and less than 1")

@@ -39,7 +39,7 @@ def velocities(
     ----------------
     highest : float, optional
         Highest frequency that is kept, in cycles per unit time; ten times that of the revolutions
-        by default. The lower, the less noise.
+        by default, so a record without marks wants it. The lower, the less noise.
     bias : float, optional
         Largest relative error of a sine up to ``highest``.
     order : int, optional
@@ -91,6 +91,11 @@ def velocities(
     (158, 1.0)
     """
     record = check_record(record)
+    if differentiator is None and highest is None and "speed" not in record.attrs:
+        raise OptionError(
+            "the record has no marks of revolutions, so no speed by which to choose the highest"
+            " frequency; give highest=, or read the record with mark= or marks="
+        )
     step = 1.0 / float(record.attrs["sample_rate"])
     if differentiator is None:
         top = _HARMONICS * record.attrs["speed"] / (2.0 * math.pi) if highest is None else highest

@@ -12,25 +12,27 @@ if TYPE_CHECKING:
 
 __all__ = ["draw_arrow"]
 
-_LENGTH, _LEAST = 18.0, 3.0  # points: of an arrow, and of a way that gets one
-_BESIDE = 5.0  # distance from the points
+_LENGTH = 18.0  # points; a way that is shorter gets no arrow
+_LEAST = 3.0  # points, of a way that has a direction
+_BESIDE = 5.0  # points from the path
+_CLEAR = 3.0  # points from other arrows
 
 Floats = npt.NDArray[np.float64]
 
 
-def draw_arrow(ax: Axes, path: Floats) -> None:
-    """Arrow beside the middle of a path; none where it hardly moves.
+def draw_arrow(ax: Axes, path: Floats, others: list[Floats]) -> None:
+    """Arrow beside the middle of a path; none where the path is shorter, or another one is there.
 
-    It lies outside of the bow of the path.
+    It lies outside of the bow of the path, and joins the others.
 
-    shapes: path (K, 2), in units of the data
+    shapes: path (K, 2), in units of the data; others (n, 2), points along arrows on paper
     """
     figure = ax.get_figure(root=True)
     assert figure is not None
     unit = 72.0 / figure.dpi
     seen = ax.transData.transform(path) * unit
     away = np.hypot(*(seen - seen[-1]).T)
-    if len(path) < 2 or away.max() < _LEAST:
+    if len(path) < 2 or away.max() < _LENGTH:
         return
     # half way to the end; the beginning may wind where the motion settles
     k = int(np.flatnonzero(away >= 0.5 * away.max())[-1])
@@ -48,6 +50,10 @@ def draw_arrow(ax: Axes, path: Floats) -> None:
         across = -across
     tail = middle + _BESIDE * across - 0.5 * _LENGTH * along
     tip = tail + _LENGTH * along
+    arrow = np.linspace(tail, tip, int(_LENGTH))
+    if any(np.hypot(*(arrow[:, None] - one).T).min() < _CLEAR for one in others):
+        return
+    others.append(arrow)
     back = ax.transData.inverted()
     start, end = (back.transform(place / unit) for place in (tail, tip))
     ax.annotate(

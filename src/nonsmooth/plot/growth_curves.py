@@ -93,7 +93,8 @@ def growth_curve(
     >>> import xarray as xr
     >>> t = np.linspace(0.0, 9.4e5, 500)
     >>> crack = xr.Dataset(
-    ...     {"crack": ("time", 5 + 1e-3 * np.exp(t / 54734 - 7.8), {"units": "mm"})}, {"time": t}
+    ...     {"crack": ("time", 5 + 1e-3 * np.exp(t / 54734 - 7.8), {"units": "mm"})},
+    ...     {"time": ("time", t, {"units": "1/omega_M"})},
     ... )
     >>> points = {
     ...     a: ns.stroboscopic_map(ns.models.breathing_crack(crack=a), transient=300, record=50)

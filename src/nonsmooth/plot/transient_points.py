@@ -84,14 +84,14 @@ def transient_section(
 
     Notes
     -----
-    A branch that stays where it is gets no arrow, and of more than 24 arrows those of the branches
-    that move least are left out. Set limits of the axes before drawing, as arrows keep their
-    distance from the points on paper.
+    A branch that is shorter than an arrow gets none, nor does one whose arrow would meet that of a
+    longer branch, and of more than 24 those of the branches that move least are left out. Set
+    limits of the axes before drawing, as arrows keep their distance from the points on paper.
 
     Examples
     --------
     >>> import nonsmooth as ns
-    >>> beam = ns.models.breathing_crack(growth="10.7 + 1e-3*t")
+    >>> beam = ns.models.breathing_crack(growth="9 + 1e-3*t")
     >>> run = ns.simulate(beam, {"u": 0.0, "v": 0.1}, periods=400, samples_per_period=1)
     >>> labels = ns.local_regimes(run.isel(time=slice(100, None)), window=60)
     >>> ax = ns.plot.transient_section(run.isel(time=slice(100, None)), "u", "v", labels=labels)
@@ -178,5 +178,6 @@ def _draw_arrows(ax: Axes, across: Floats, up: Floats, stretches: list[_Stretch]
             paths.append(np.column_stack([across[chosen], up[chosen]]))
     width, height = np.ptp(across) or 1.0, np.ptp(up) or 1.0
     way = [np.hypot(*((path[-1] - path[0]) / (width, height))) for path in paths]
+    drawn: list[Floats] = []
     for k in np.argsort(way)[::-1][:_MOST_ARROWS]:
-        draw_arrow(ax, paths[k])
+        draw_arrow(ax, paths[k], drawn)

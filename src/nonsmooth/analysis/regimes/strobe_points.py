@@ -57,6 +57,8 @@ def strobe_points(data: Any, variables: Any) -> StrobePoints:
             raise OptionError(f"variables: {unknown_name('variable', name, known)}")
     if not names:
         raise OptionError(f"variables: name some of {', '.join(known)}")
+    if data.sizes[dim] == 0:
+        raise OptionError(f"data: there are no points over {dim}; give a run that has samples")
     values = np.stack([data[name].values.astype(float) for name in names], axis=1)
     return StrobePoints(_finite(values, names), tuple(names), dim, data, slow)
 
@@ -73,6 +75,8 @@ def _of_array(data: Any, variables: Any) -> StrobePoints:
             f"data: an array over {values.ndim} dimensions; give numbers in order, or points as"
             " rows of an array"
         )
+    if values.size == 0:
+        raise OptionError("data: an array without points; give numbers in order, or points as rows")
     values = values.reshape(len(values), -1)
     names = tuple(f"column {k}" for k in range(values.shape[1]))
     return StrobePoints(_finite(values, list(names)), names)

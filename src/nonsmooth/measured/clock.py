@@ -1,0 +1,117 @@
+"""Times of samples: the even grid that they stand for, and the part of a record that is kept."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.errors import OptionError
+from nonsmooth.measured.places import Places
+from nonsmooth.simulation.options import finite_number
+
+__all__ = ["FEWEST", "Clock", "clock_of", "numbers"]
+
+FEWEST = 16  # samples
+_OFF = 0.1  # of a step, a time may be off the even grid
+
+Floats = npt.NDArray[np.float64]
+
+
+def numbers(name: str, values: Any) -> Floats:
+    """Real samples in one dimension, or an error that names what they are."""
+    try:
+        given = np.asarray(values)
+        found = np.array(given, dtype=float) if given.dtype.kind != "c" else None
+    except (TypeError, ValueError):
+        raise OptionError(f"{name} = {values!r:.60}: give numbers") from None
+    if found is None or found.ndim != 1 or found.size == 0:
+        raise OptionError(f"{name}: give real samples in one dimension, one at least")
+    return found
+
+
+class Clock(NamedTuple):
+    """Even times of the samples from ``first`` to before ``last``, and how far off they were."""
+
+    start: float
+    step: float
+    off: float
+    first: int
+    last: int
+
+
+def clock_of(times: Any, sample_rate: Any, count: int, time_range: Any, places: Places) -> Clock:
+    """Even times of the samples that are kept, by their times or their rate."""
+    if (times is None) == (sample_rate is None):
+        raise OptionError("give either the times= of the samples or their sample_rate=")
+    low, high = (-math.inf, math.inf) if time_range is None else _two_times(time_range)
+    if times is None:
+        rate = finite_number("sample_rate", sample_rate)
+        if rate <= 0.0:
+            raise OptionError(f"sample_rate = {rate:g} must be positive, in samples per s")
+        given = np.arange(count) / rate
+    else:
+        given = numbers("times", times)
+        if given.size != count:
+            raise OptionError(f"{given.size} times came for {count} samples")
+    # what is outside the part that is kept does no harm; the rounding of a time neither
+    slack = 1e-9 * max(abs(float(v)) for v in (low, high, 1.0) if math.isfinite(v))
+    kept = np.flatnonzero((given >= low - slack) & (given <= high + slack))
+    if time_range is not None and kept.size == 0:
+        raise OptionError(
+            f"time_range = ({low:g}, {high:g}) must run forward and meet the record, which covers"
+            f" {np.nanmin(given):g} to {np.nanmax(given):g}"
+        )
+    first, last = (int(kept[0]), int(kept[-1]) + 1) if time_range is not None else (0, count)
+    part = given[first:last]
+    if not np.all(np.isfinite(part)):
+        k = first + int(np.flatnonzero(~np.isfinite(part))[0])
+        raise OptionError(
+            f"{places.fault('time', k)}times: {places.at(k)} has no time{places.note}; give"
+            " sample_rate= instead"
+        )
+    if times is None:
+        return Clock(float(part[0]), 1.0 / rate, 0.0, first, last)
+    return Clock(*_even_grid(part, first, places), first, last)
+
+
+def _even_grid(times: Floats, first: int, places: Places) -> tuple[float, float, float]:
+    """The even grid closest to some times, refused where they are not even."""
+    if times.size < FEWEST:
+        raise OptionError(f"{times.size} samples are too few; {FEWEST} are needed at least")
+    steps = np.diff(times)
+    back = np.flatnonzero(steps <= 0.0)
+    if back.size:
+        k = int(back[0])
+        raise OptionError(
+            f"times must increase, and {places.at(first + k + 1)} at {times[k + 1]:.9g} follows"
+            f" {times[k]:.9g}{places.note}; are two records in one file, or"
+            " times rounded too coarsely? For even samples give sample_rate= instead"
+        )
+    number = np.arange(times.size) - 0.5 * (times.size - 1)
+    step = float(number @ (times - times.mean()) / (number @ number))
+    start = float(times.mean() + step * number[0])
+    away = np.abs(times - (start + step * np.arange(times.size))) / step
+    if away.max() > _OFF:
+        k = int(np.argmax(steps))
+        usual = float(np.median(steps))
+        what = (
+            f"the longest step, after {places.at(first + k)} at {times[k]:.9g}, is"
+            f" {steps[k] / usual:.3g} usual ones"
+        )
+        raise OptionError(
+            f"times are up to {away.max():.3g} steps off an even grid, allowed is {_OFF}; {what}."
+            " Where samples were lost take a part without a gap by time_range=; resample uneven"
+            " ones; where only the times are bad give sample_rate= instead"
+        )
+    return start, step, float(away.max())
+
+
+def _two_times(time_range: Any) -> tuple[float, float]:
+    try:
+        low, high = (float(value) for value in time_range)
+    except (TypeError, ValueError):
+        raise OptionError(f"time_range = {time_range!r:.60}: give two times") from None
+    return low, high
