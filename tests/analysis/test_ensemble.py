@@ -190,8 +190,9 @@ def slow_work(**options):
     )  # fmt: skip
 
 
-def test_an_interruption_keeps_what_is_done(tmp_path):
+def test_an_interruption_keeps_what_is_done(tmp_path, interrupts):
     """A true Ctrl-C; half an hour of work ends at once."""
+    ns.ensemble(ns.models.soft_impact(), {"x": [0.0, 1.0]}, transient=1, record=1)  # all imported
     for options in ({}, {"store": tmp_path / "s"}):
         sent = []
 
@@ -202,7 +203,7 @@ def test_an_interruption_keeps_what_is_done(tmp_path):
         timer = threading.Timer(1.0, interrupt)
         timer.start()
         runs = slow_work(**options)
-        assert time.monotonic() - sent[0] < 3.0  # on a busy machine; one second otherwise
+        assert time.monotonic() - sent[0] < 10.0  # on a busy machine; one second otherwise
         timer.join()
         assert runs.attrs["status"] == "interrupted"
         assert set(runs["status"].values) == {"completed", "interrupted"}

@@ -118,7 +118,7 @@ RESULTS = {
                           | {f"force_{key}": N for key in ("min", "max", "amplitude")}),
     "local_regimes": (lambda: ns.local_regimes(run_up(), most_period=3, window=20),
                       {"time": S, "eta": HERTZ, "from_time": S, "to_time": S,
-                       "from_eta": HERTZ, "to_eta": HERTZ}),
+                       "from_eta": HERTZ, "to_eta": HERTZ, "drift": ONE, "net_drift": ONE}),
     "attractors": (lambda: ns.attractors(SYSTEM, {"x": (-0.4, 1.4)}, samples=8, record=200),
                    ATTRACTOR),
     "basins_of_attraction": (lambda: basins(lambda found: found), ATTRACTOR | {"x": MM, "y": MM}),

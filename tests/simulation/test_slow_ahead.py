@@ -119,7 +119,7 @@ def test_an_interrupted_run_keeps_what_it_has_and_goes_on(monkeypatch):
 
 
 @pytest.mark.parametrize("slow", [True, False])
-def test_control_c_at_any_time_keeps_what_was_computed(slow):
+def test_control_c_at_any_time_keeps_what_was_computed(slow, interrupts):
     """A signal from outside, at times that nothing in the run is tuned to."""
     system = wall() if slow else wall(slow={})
     whole = ns.simulate(system, periods=20_000, samples_per_period=1)

@@ -169,10 +169,10 @@ def test_everything_else_goes_to_the_system():
 @pytest.mark.parametrize("n", [8, 40, 59])
 def test_dense_systems_are_built_at_once_and_are_exact(n):
     matrix = np.random.default_rng(n).normal(size=(n, n))
-    began = time.perf_counter()
+    began = time.process_time()
     system = System.from_matrices(matrix)
-    # measured: 2 ms, 40 ms and 90 ms
-    assert time.perf_counter() - began < (0.1 if n == 8 else 2.0)
+    # measured: 2 ms, 40 ms and 90 ms; a bound for what grows with a high power of n
+    assert time.process_time() - began < (0.2 if n == 8 else 5.0)
     assert np.array_equal(matrix_of(system), matrix)
     assert len(system.modes["flow"].flow["x1"]) < 3000
 

@@ -109,7 +109,7 @@ def figure_ids() -> list[str]:
     --------
     >>> from nonsmooth.chapter import figure_ids
     >>> figure_ids()
-    ['fig5b', 'fig5d', 'fig6', 'fig7', 'fig8', 'fig11', 'fig12', 'phases', 'fig27', ...]
+    ['fig5b', 'fig5d', 'fig6', 'fig7', 'fig8', 'fig11', 'fig12', 'phases', 'fig16', ...]
     """
     return list(_FIGURES)
 

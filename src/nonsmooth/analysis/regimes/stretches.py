@@ -50,7 +50,7 @@ def stretch_columns(
         ("drift", ways[:, 0], "way of the branches, in parts of the spread"),
         ("net_drift", ways[:, 1], "distance from begin to end of the branches, likewise"),
     ):
-        columns[key] = ("stretch", values, {"long_name": label, "units": "1"})
+        columns[key] = ("stretch", values, {"long_name": label})
     return columns
 
 
@@ -76,7 +76,7 @@ def _drift(points: Floats, period: int, window: int) -> tuple[float, float]:
 
 def period_words() -> dict[str, str]:
     """Attributes of a period in strobes."""
-    return {"long_name": "local period, 0 where there is none", "units": "1"}
+    return {"long_name": "local period, 0 where there is none"}
 
 
 def _words(points: StrobePoints, name: str) -> dict[str, str]:

@@ -33,7 +33,7 @@ _NUMBERS = {
     "boundary_basin_entropy", "boundary_basin_entropy_error", "uncertainty_exponent",
     "boundary_dimension", "uncertain_fraction", "largest_distance", "fraction_within",
     "box_dimension", "correlation_dimension", "correlation_sum", "fit", "distance",
-    "standard_error",
+    "standard_error", "drift", "net_drift",
 }  # fmt: skip
 
 
