@@ -101,6 +101,15 @@ def test_claims_as_json(call, chapter):
     assert set(first) == {*CLAIM, "id", "printed", "computed", "verdict"}
 
 
+def test_claims_by_name(call):
+    """Two that take no time, as the package has them."""
+    result = call("chapter", "claims", "F42", "F40", "--json")
+    assert result.exit_code == 0, result.stderr
+    assert [row["id"] for row in json.loads(result.stdout)] == ["F40", "F42"]
+    result = call("chapter", "claims", "F99")
+    assert result.exit_code == 2 and "unknown claim 'F99'" in result.stderr
+
+
 def test_claims_with_a_verdict(call, chapter):
     result = call("chapter", "claims", "--json", "--verdict", "agrees")
     assert [row["id"] for row in json.loads(result.stdout)] == ["2.1-a"]

@@ -57,6 +57,9 @@ def run(
 
 @app.command()
 def claims(
+    ids: Annotated[
+        list[str] | None, typer.Argument(metavar="ID...", help="Claims, such as F45; all if none.")
+    ] = None,
     section: Annotated[int | None, typer.Option(help="Those of this section.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON with all details.")] = False,
     verdict: Annotated[str | None, typer.Option(help="Those with this verdict.")] = None,
@@ -64,7 +67,7 @@ def claims(
     """Compare what the chapter states with what is computed."""
     from nonsmooth.chapter.claims import evaluate_claims
 
-    rows = evaluate_claims(section=section)
+    rows = evaluate_claims(section=section, ids=ids or None)
     if verdict is not None:
         verdicts = {str(row["verdict"]) for row in rows}
         if verdict not in verdicts:
