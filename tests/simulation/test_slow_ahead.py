@@ -143,6 +143,24 @@ def test_control_c_at_any_time_keeps_what_was_computed(slow, interrupts):
     assert "interrupted" in seen
 
 
+def test_control_c_in_the_last_call_keeps_the_run(monkeypatch, interrupts):
+    """A run of one call: its results are there when the signal is looked at."""
+    from nonsmooth.simulation import runner
+
+    system, original = wall(slow={}), runner.run
+    whole = ns.simulate(system, periods=50)
+
+    def interrupted(*given):
+        os.kill(os.getpid(), signal.SIGINT)
+        return original(*given)
+
+    monkeypatch.setattr(runner, "run", interrupted)
+    with pytest.warns(ns.RunWarning, match="interrupted"):
+        run = ns.simulate(system, periods=50)
+    assert run.attrs["status"] == "interrupted"
+    assert np.array_equal(run["x"], whole["x"]) and np.array_equal(run["time"], whole["time"])
+
+
 def test_the_number_of_periods_in_a_call_changes_no_digit(monkeypatch):
     whole = ns.simulate(wall(), periods=200, samples_per_period=3)
     for count in (1, 7, 64):

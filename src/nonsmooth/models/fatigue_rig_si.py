@@ -593,9 +593,14 @@ class FatigueRig:
         ('mm', 1.044386)
         """
         if "rig_mass" in data.attrs:
-            raise OptionError("the dataset is in SI units already")
+            raise OptionError(
+                "the dataset is in SI units already; give the result of the verb as it came"
+            )
         if "system" not in data.attrs or "system_name" not in data.attrs:
-            raise OptionError("the dataset does not say by which system it was made")
+            raise OptionError(
+                "the dataset does not say by which system it was made; give the result of a verb"
+                " with its attributes"
+            )
         changed = changed_parameters(data)
         if data.attrs["system_name"] != "fatigue_rig":
             check_one_mass(self, data, changed)

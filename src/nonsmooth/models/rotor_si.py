@@ -354,7 +354,9 @@ class RotorRig:
         ('mm', 0.5)
         """
         if "rig_gap" in data.attrs:
-            raise OptionError("the dataset is in SI units already")
+            raise OptionError(
+                "the dataset is in SI units already; give the result of the verb as it came"
+            )
         units, values, changed = self.units, self.parameters(), changed_parameters(data)
         if "system" in data.attrs:
             ties = check_system(data.attrs["system"], self.system(), changed, PARAMETERS, _FREE)

@@ -201,13 +201,16 @@ def run_plan(
     log = EventLog(keep_events)
     lane = (tables, derivatives.rates, derivatives.scratch, anchor, segment, tangent)
     windows = max(1, plan.end.number - int(anchor.place[0]))
-    with HeldInterrupts() as held, Progress("simulating", windows) as progress:
+    try:
+        with HeldInterrupts() as held, Progress("simulating", windows) as progress:
 
-        def report(done: int) -> None:
-            progress.update(done)
-            held.check()
+            def report(done: int) -> None:
+                progress.update(done)
+                held.check()
 
-        status, records = advance(lane, plan.end, records, log, tolerance, report, mode=mode)
+            status, records = advance(lane, plan.end, records, log, tolerance, report, mode=mode)
+    except KeyboardInterrupt:  # it came in the last call, whose results are kept too
+        status = Status.INTERRUPTED
     if status == Status.INADMISSIBLE and records.cursor[at.EVENTS] == 0:
         raise NoMode(segment.z.copy())
     end = plan.end if status == Status.COMPLETED else last_instant(anchor, records)

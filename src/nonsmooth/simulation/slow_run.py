@@ -30,7 +30,7 @@ _WHOLE = 1e-12  # of a turn: a frequency that turns whole times in a period
 Array = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
 
-_AHEAD = 5000  # periods in one call at most: a few hundredths of a second
+_AHEAD = 5000  # periods in one call at most: a tenth of a second for a beam
 _TOGETHER = 2**25  # bytes of their tables
 
 
@@ -130,7 +130,7 @@ class SlowRun:
         """Run through whole periods whose values are known beforehand, if there are any.
 
         They are where neither the period nor a frequency varies, and no columns of derivatives
-        have to be restarted. A period alone costs twenty times as much, for its calls of kernels.
+        have to be restarted. A period alone costs several times as much, for its calls of kernels.
         """
         if self.chosen is not None or self.slow.changes_clock:
             return Status.COMPLETED

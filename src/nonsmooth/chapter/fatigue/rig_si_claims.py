@@ -177,6 +177,7 @@ def _reduction(ladder: Sequence[float] = _LADDER, periods: int = 60) -> Evidence
     masses = 0.5 * (whole["X1"] + whole["X4"]).values[late]
     runs = {}
     for version in errors:
+        # the keys are the two versions, which typing takes for any text
         made = one_mass(system, version=version)  # type: ignore[arg-type]
         run = simulate(made.system(), periods=periods, samples_per_period=200)
         off = np.abs(run["y"].values[late] - masses).max() / np.abs(masses).max()
