@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from nonsmooth.plot.attractor_sets import attractors
 from nonsmooth.plot.basin_cells import basins
+from nonsmooth.plot.branches import branch
 from nonsmooth.plot.cascades import waterfall
 from nonsmooth.plot.compared_lives import lives
 from nonsmooth.plot.comparisons import comparison
@@ -19,7 +20,9 @@ from nonsmooth.plot.histories import time_history
 from nonsmooth.plot.load_cycles import load_cycles
 from nonsmooth.plot.markers import event_markers
 from nonsmooth.plot.mode_spans import phases
+from nonsmooth.plot.multipliers import multipliers
 from nonsmooth.plot.orbits import orbit
+from nonsmooth.plot.periodic_orbits import orbit_history, periodic_orbit
 from nonsmooth.plot.portrait import phase_portrait
 from nonsmooth.plot.portrait_stack import phase_portrait_3d
 from nonsmooth.plot.regimes import regime_map
@@ -39,6 +42,7 @@ __all__ = [
     "axis_label",
     "basins",
     "bifurcation",
+    "branch",
     "comparison",
     "contact_regions",
     "crack_lengths",
@@ -48,7 +52,10 @@ __all__ = [
     "lives",
     "load_cycles",
     "mode_colours",
+    "multipliers",
     "orbit",
+    "orbit_history",
+    "periodic_orbit",
     "phase_portrait",
     "phase_portrait_3d",
     "phases",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,9 +12,17 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-__all__ = ["event_markers"]
+__all__ = ["EVENT_MARK", "EVENT_SHAPES", "event_markers"]
 
-_SHAPES = "osv^D<>p"
+EVENT_SHAPES = "osv^D<>p"
+EVENT_MARK: dict[str, Any] = {
+    "linestyle": "none",
+    "markersize": 3.5,
+    "markerfacecolor": "white",
+    "markeredgecolor": "black",
+    "markeredgewidth": 0.7,
+    "zorder": 3,
+}
 
 
 def event_markers(
@@ -75,13 +83,8 @@ def event_markers(
         ax.plot(
             times[here],
             values[here],
-            linestyle="none",
-            marker=_SHAPES[i % len(_SHAPES)],
-            markersize=3.5,
-            markerfacecolor="white",
-            markeredgecolor="black",
-            markeredgewidth=0.7,
-            zorder=3,
+            marker=EVENT_SHAPES[i % len(EVENT_SHAPES)],
+            **EVENT_MARK,
             rasterized=bool(np.count_nonzero(here) > DENSE),
             # one entry in the legend, also when several curves of the axes are marked
             label="_" + label if label in known else label,

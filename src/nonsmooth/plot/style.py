@@ -134,10 +134,10 @@ def finish_axes(ax: Axes, x_label: str, y_label: str) -> None:
         ax.set_ylabel(wrapped(y_label))
 
 
-def place_legend(ax: Axes) -> None:
+def place_legend(ax: Axes, most_rows: int = _MOST_ROWS) -> None:
     """Put the legend above the axes, where it hides no curve; nothing without labels.
 
-    Of more entries than a few rows hold, the last ones are counted only.
+    Of more entries than so many rows hold, the last ones are counted only.
     """
     from matplotlib.patches import Patch
 
@@ -148,8 +148,8 @@ def place_legend(ax: Axes) -> None:
         ax.xaxis.label.get_fontsize()
     )  # axes of the caller may have larger texts than ours
     columns = _legend_columns(ax, labels, size)
-    if len(labels) > columns * _MOST_ROWS:
-        kept = columns * _MOST_ROWS - 1
+    if len(labels) > columns * most_rows:
+        kept = columns * most_rows - 1
         labels = [*labels[:kept], f"and {len(labels) - kept} more"]
         handles = [*handles[:kept], Patch(alpha=0.0)]
     ax.legend(
