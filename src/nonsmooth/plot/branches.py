@@ -41,7 +41,7 @@ _COLOURS = (
     LINES[3]["color"],
 )
 _DOTS, _BEHIND = "0.6", "brute force"  # a diagram behind: its grey, its name
-_MOST_ROWS = 6  # of the legend; kinds of points that it leaves out would be a riddle
+_MOST_ROWS = 8  # of the legend; kinds of points that it leaves out would be a riddle
 _MANY = 3_000  # dots that are drawn small
 
 

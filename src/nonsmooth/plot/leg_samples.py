@@ -29,8 +29,9 @@ def over_time(samples: xr.Dataset) -> list[str]:
 
 def exits_of_legs(samples: xr.Dataset, legs: int) -> list[str]:
     """Names of the exits passed at the end of each leg, "" at the section."""
-    if "leg_exit" not in samples:
-        return ["event"] * (legs - 1) + [""]
+    if "leg_exit" not in samples:  # then it is no event where a mode is cut by the section
+        modes = samples["mode"].values
+        return ["event"] * (legs - 1) + ["event" if modes[0] != modes[-1] else ""]
     names = [str(name) for name in samples["leg_exit"].values]
     if samples["leg_exit"].dims == ("time",):
         leg = np.append(samples["leg"].values.astype(int), -1)
