@@ -104,6 +104,14 @@ def test_history(ax):
     assert drawn["section"].get_xydata() == pytest.approx(np.array([[5.0, 0.0]]))
 
 
+def test_an_event_with_the_name_of_a_mode_is_named_too(ax):
+    legs = np.where(drifting()["leg"] == 0, "rest", "")
+    ns.plot.orbit_history(
+        drifting().assign(leg_exit=("time", legs)), ["s", "w"], ax=ax, events=True
+    )
+    assert texts(ax).count("rest") == 2  # a colour, and a mark for both curves
+
+
 def test_an_inadmissible_orbit_is_dotted_and_says_so(ax):
     ax.plot([0, 1], [0, 1], label="other")
     ns.plot.periodic_orbit(bounce().assign(admissible=False), "h", "u", ax=ax)

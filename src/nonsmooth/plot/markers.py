@@ -22,6 +22,7 @@ EVENT_MARK: dict[str, Any] = {
     "markeredgecolor": "black",
     "markeredgewidth": 0.7,
     "zorder": 3,
+    "gid": "event",
 }
 
 
@@ -74,7 +75,8 @@ def event_markers(
     labels = run["event_name"].values.astype(str)
     labels = np.where(kinds == "graze", np.char.add(labels, " (graze)"), labels)
     crossing = kinds != "start"
-    known = ax.get_legend_handles_labels()[1]
+    # a mode or a variable may have the same name
+    known = {line.get_label() for line in ax.lines if line.get_gid() == EVENT_MARK["gid"]}
     # all names of the run, so that a range does not change the shapes
     for i, label in enumerate(np.unique(labels[crossing])):
         here = crossing & (labels == label) & (times >= low) & (times <= high)
