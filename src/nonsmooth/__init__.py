@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from nonsmooth.analysis.contact_statistics import contact_statistics
     from nonsmooth.analysis.correlation_dimension import correlation_dimension
     from nonsmooth.analysis.ensemble import ensemble
+    from nonsmooth.analysis.find_orbit import find_orbit
     from nonsmooth.analysis.full_spectrum import full_spectrum
     from nonsmooth.analysis.local_regimes import local_regimes
     from nonsmooth.analysis.lyapunov_spectrum import lyapunov_spectrum
@@ -77,6 +78,7 @@ __all__ = [
     "ensemble",
     "excitation",
     "fatigue",
+    "find_orbit",
     "full_spectrum",
     "local_regimes",
     "lyapunov_spectrum",
@@ -121,6 +123,7 @@ _HOME = {
     "contact_statistics": "nonsmooth.analysis.contact_statistics",
     "correlation_dimension": "nonsmooth.analysis.correlation_dimension",
     "ensemble": "nonsmooth.analysis.ensemble",
+    "find_orbit": "nonsmooth.analysis.find_orbit",
     "full_spectrum": "nonsmooth.analysis.full_spectrum",
     "local_regimes": "nonsmooth.analysis.local_regimes",
     "lyapunov_spectrum": "nonsmooth.analysis.lyapunov_spectrum",
