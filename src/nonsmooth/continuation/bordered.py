@@ -20,6 +20,9 @@ from nonsmooth.continuation.refusals import SingularMatrix
 
 __all__ = ["Determinant", "Solved", "solve_bordered"]
 
+_SMALL = 2.0**-13  # a power of two changes no digit
+_LOG_SMALL = math.log(_SMALL)
+
 
 class Determinant(NamedTuple):
     """Sign and logarithm of a determinant."""
@@ -86,22 +89,37 @@ def _dense(at: Linearised, border: Array, scale: Array) -> tuple[Array, tuple[fl
 
 def _sparse(at: Linearised, border: Array, scale: Array) -> tuple[Array, tuple[float, float]]:
     n = at.r.size
-    upper = sparse.hstack(
-        [sparse.csr_array(at.J_u) * scale[None, :n], sparse.csr_array(at.J_p[:, None] * scale[n])],
-        format="csr",
+    J_u = sparse.csc_array(at.J_u)
+    counts = np.diff(J_u.indptr)
+    above = J_u.data * np.repeat(scale[:n], counts)
+    beside = at.J_p * scale[n]
+    rows = np.abs(beside)
+    np.maximum.at(rows, J_u.indices, np.abs(above))
+    _row_sizes(rows)
+    # Each column gets one entry more, and the parameter's column is full. The last row is full
+    # too: it is made small so that it is not taken as a pivot early, which would fill the rest.
+    ends = J_u.indptr[1:].astype(np.intp)
+    data = np.concatenate(
+        [
+            np.insert(above / rows[J_u.indices], ends, _SMALL * border[:n]),
+            beside / rows,
+            [_SMALL * border[n]],
+        ]
     )
-    rows = _row_sizes(abs(upper).max(axis=1).toarray().ravel())
-    upper = sparse.diags_array(1.0 / rows) @ upper
-    matrix = sparse.vstack([upper, sparse.csr_array(border[None, :])], format="csc")
+    indices = np.concatenate([np.insert(J_u.indices, ends, n), np.arange(n + 1)])
+    starts = np.append(J_u.indptr + np.arange(n + 1), data.size)
+    matrix = sparse.csc_array((data, indices, starts), shape=(n + 1, n + 1))
     try:
-        factors = splu(matrix, permc_spec="MMD_AT_PLUS_A")  # the last row is full
+        factors = splu(matrix, permc_spec="MMD_AT_PLUS_A")
     except RuntimeError as error:  # "Factor is exactly singular"
         raise SingularMatrix(str(error)) from None
     diagonal = factors.U.diagonal()
     if not diagonal.all():
         raise SingularMatrix("the bordered matrix is singular")
     odd = _odd(factors.perm_r) ^ _odd(factors.perm_c) ^ bool(np.count_nonzero(diagonal < 0) % 2)
-    return factors.solve(_right_sides(at, rows)), (-1.0 if odd else 1.0, _log_of(diagonal, rows))
+    sides = _right_sides(at, rows)
+    sides[n, 1] = _SMALL
+    return factors.solve(sides), (-1.0 if odd else 1.0, _log_of(diagonal, rows) - _LOG_SMALL)
 
 
 def _log_of(diagonal: Array, rows: Array) -> float:

@@ -23,6 +23,6 @@ def message_of(ended: str, node: Node, options: Options, reason: str) -> str:
         "singular": f"the derivatives are singular {where}{why}: no single smooth curve goes on; if"
         " branches cross there, branch_directions says where they go",
         "smallest_step": f"no step from {smallest} on was taken {where}{why}: the curve has a"
-        " corner or a jump there, or derivatives that are given are wrong; try a smaller smallest_step=,"
-        " more max_newton=, or no derivatives",
+        " corner or a jump there, or derivatives that are given are wrong; try a smaller"
+        " smallest_step=, more max_newton=, or no derivatives",
     }[ended]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -14,7 +15,7 @@ from nonsmooth.errors import OptionError
 
 __all__ = ["Equations", "Linearised", "call"]
 
-_RELATIVE_STEP = float(np.finfo(float).eps) ** (1 / 3)  # error of a central difference is least
+_RELATIVE_STEP = math.cbrt(np.finfo(float).eps)  # error of a central difference is least
 _DENSE_BELOW = 150  # unknowns, up to which a dense solver is faster than a sparse one
 # What the module math says of arguments outside a function's domain, which is a ValueError there.
 _MATH_DOMAIN = ("math domain error", "expected a")
@@ -94,8 +95,7 @@ class Equations:
         return J_u, _difference(lambda by: self.value(u, p + by), r, step)
 
     def _step(self, value: float, place: int) -> float:
-        size: float = max(abs(float(value)), float(self.sizes[place]))
-        return _RELATIVE_STEP * size
+        return _RELATIVE_STEP * max(abs(float(value)), float(self.sizes[place]))
 
 
 def call(function: Callable[..., Any], *arguments: Any) -> Any:
