@@ -13,9 +13,9 @@ from nonsmooth.continuation.arrays import Array, Matrix
 from nonsmooth.continuation.refusals import OutsideDomain, PastBound
 from nonsmooth.errors import OptionError
 
-__all__ = ["Equations", "Linearised", "call"]
+__all__ = ["RELATIVE_STEP", "Equations", "Linearised", "call", "difference", "has_derivatives"]
 
-_RELATIVE_STEP = math.cbrt(np.finfo(float).eps)  # error of a central difference is least
+RELATIVE_STEP = math.cbrt(np.finfo(float).eps)  # error of a central difference is least
 _DENSE_BELOW = 150  # unknowns, up to which a dense solver is faster than a sparse one
 # What the module math says of arguments outside a function's domain, which is a ValueError there.
 _MATH_DOMAIN = ("math domain error", "expected a")
@@ -49,6 +49,7 @@ class Equations:
         self.scale = sizes.copy()
         self.scale[:-1] *= np.sqrt(self.n)
         self.evaluations = 0
+        self.by_differences = False  # as the residual showed when it was asked last
 
     def linearised(self, u: Array, p: float) -> Linearised:
         """Residual and derivatives; `Refused` outside the domain and the bounds."""
@@ -56,6 +57,7 @@ class Equations:
         if not low <= p <= high:
             raise PastBound
         r, J_u, J_p = self._parts(u, p)
+        self.by_differences = J_u is None
         if J_u is None:
             J_u, J_p = self._differences(u, p, r)
         return Linearised(r, J_u, J_p)
@@ -69,7 +71,7 @@ class Equations:
         self.evaluations += 1
         found = call(self.residual, u, p)
         n = self.n
-        r, J_u, J_p = found if _has_derivatives(found, n) else (found, None, None)
+        r, J_u, J_p = found if has_derivatives(found, n) else (found, None, None)
         r = _numbers("the residual", r, (n,))
         if J_u is not None:
             J_p = _numbers("the derivative J_p", J_p, (n,))
@@ -85,17 +87,18 @@ class Equations:
                 at[i] += by
                 return self.value(at, p)
 
-            J_u[:, i] = _difference(moved, r, self._step(u[i], i))
+            J_u[:, i] = difference(moved, r, self._step(u[i], i))
         low, high = self.bounds
         step = self._step(p, -1)
         if p + step > high or p - step < low:  # one-sided, towards the middle
             inward = step if p + 2 * step <= high else -step
             near = self.value(u, p + inward)
             return J_u, (4.0 * near - 3.0 * r - self.value(u, p + 2 * inward)) / (2.0 * inward)
-        return J_u, _difference(lambda by: self.value(u, p + by), r, step)
+        J_p: Array = difference(lambda by: self.value(u, p + by), r, step)
+        return J_u, J_p
 
     def _step(self, value: float, place: int) -> float:
-        return _RELATIVE_STEP * max(abs(float(value)), float(self.sizes[place]))
+        return RELATIVE_STEP * max(abs(float(value)), float(self.sizes[place]))
 
 
 def call(function: Callable[..., Any], *arguments: Any) -> Any:
@@ -111,7 +114,7 @@ def call(function: Callable[..., Any], *arguments: Any) -> Any:
         raise
 
 
-def _difference(moved: Callable[[float], Array], r: Array, step: float) -> Array:
+def difference(moved: Callable[[float], Any], r: Any, step: float) -> Any:
     """Central difference, one-sided where the domain ends."""
     try:
         above = moved(step)
@@ -124,11 +127,11 @@ def _difference(moved: Callable[[float], Array], r: Array, step: float) -> Array
     return (above - below) / (2.0 * step)
 
 
-def _has_derivatives(found: Any, n: int) -> bool:
-    """Whether a residual came with derivatives; three numbers may be a residual of three."""
-    if not (isinstance(found, tuple) and len(found) == 3):
+def has_derivatives(found: Any, n: int, lengths: tuple[int, ...] = (3,)) -> bool:
+    """Whether a residual of n numbers came with derivatives; three numbers may be one of three."""
+    if not (isinstance(found, tuple) and len(found) in lengths):
         return False
-    return n != 3 or sparse.issparse(found[1]) or np.ndim(found[1]) == 2
+    return len(found) != n or np.size(found[0]) == n
 
 
 def _numbers(what: str, values: Any, shape: tuple[int, ...]) -> Array:

@@ -8,12 +8,10 @@ from typing import Any
 import numpy as np
 
 from nonsmooth.continuation.arrays import Array
+from nonsmooth.continuation.begin import begin
 from nonsmooth.continuation.branch import Branch
-from nonsmooth.continuation.corrector import Corrector
-from nonsmooth.continuation.equations import Equations
 from nonsmooth.continuation.options import checked_options, sizes_of, start_of
 from nonsmooth.continuation.point import Point
-from nonsmooth.continuation.start import first_node, scaled_direction
 from nonsmooth.errors import OptionError
 
 __all__ = ["follow"]
@@ -127,8 +125,4 @@ def follow(
         parameter, step, smallest_step, largest_step, bounds, steps, tests, tolerance, max_newton
     )
     sizes = sizes_of(unknowns, parameter, scale, parameter_scale, options.bounds)
-    equations = Equations(residual, sizes, options.bounds)
-    corrector = Corrector(equations, options.tolerance, options.max_newton)
-    ahead, given = scaled_direction(direction, unknowns.size, equations.scale)
-    first = first_node(corrector, unknowns, parameter, ahead, given)
-    return Branch(corrector, options, first)
+    return begin(residual, unknowns, parameter, direction, sizes, options)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from typing import NamedTuple
 
 from nonsmooth.continuation.corrector import Corrector, Node
@@ -17,6 +18,7 @@ from nonsmooth.errors import OptionError
 __all__ = ["Mark", "Observer"]
 
 _STILL = 1e-10  # slopes of the parameter by the arclength that are rounding
+_TURNS = 1e-6  # the same at a cusp, which lies at a zero found to rounding
 _VANISHES = 0.1  # part of its larger end value that a determinant must fall to where it is zero
 
 
@@ -33,7 +35,7 @@ class Observer:
     """Tests of points, and the places where they vanish."""
 
     def __init__(self, corrector: Corrector, options: Options) -> None:
-        self.corrector, self.tests = corrector, options.tests
+        self.corrector, self.options, self.tests = corrector, options, options.tests
 
     def point(self, node: Node, step: float, name: str = "") -> Point:
         """A point as users get it, tested."""
@@ -48,6 +50,7 @@ class Observer:
     def marks(self, segment: Segment) -> list[Mark]:
         """All special points of a step, in order; `Jump` where it joins two branches."""
         found = [*self._branch_point(segment), *self._fold(segment), *self._tests(segment)]
+        found += self._unknown_bound(segment)
         return sorted(found, key=lambda mark: mark.x)
 
     def _branch_point(self, segment: Segment) -> Iterator[Mark]:
@@ -74,7 +77,17 @@ class Observer:
         if max(map(abs, ends)) > _STILL:
             found = segment.locate(lambda node: float(node.tangent[-1]))
             if found:
-                yield Mark(*found, "fold")
+                still = abs(float(found[1].tangent[-2])) < _TURNS
+                yield Mark(*found, "cusp" if self.options.cusps and still else "fold")
+
+    def _unknown_bound(self, segment: Segment) -> Iterator[Mark]:
+        """Where the last unknown comes to a bound that it has."""
+        for bound in self.options.unknown_bounds:
+            if math.isfinite(bound):
+                found = segment.locate(partial(_distance, bound))
+                if found and (found[0] > 0.0):
+                    found[1].u[-1] = bound
+                    yield Mark(*found, "bound", last=True)
 
     def _tests(self, segment: Segment) -> Iterator[Mark]:
         before, after = self.tested(segment.first), self.tested(segment.last)
@@ -119,3 +132,7 @@ class Observer:
             float(node.tangent[-1] * scale[-1]), node.arclength, step, node.iterations,
             node.residual, tests, name,
         )  # fmt: skip
+
+
+def _distance(bound: float, node: Node) -> float:
+    return float(node.u[-1]) - bound

@@ -13,9 +13,17 @@ import numpy as np
 from nonsmooth.continuation.arrays import Array
 from nonsmooth.errors import OptionError
 
-__all__ = ["Options", "checked_options", "sizes_of", "start_of"]
+__all__ = [
+    "OWN_NAMES",
+    "Options",
+    "checked_bounds",
+    "checked_options",
+    "number",
+    "sizes_of",
+    "start_of",
+]
 
-OWN_NAMES = ("fold", "branch_point", "bound", "closed")
+OWN_NAMES = ("fold", "branch_point", "bound", "closed", "cusp")
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,6 +38,8 @@ class Options:
     tests: Callable[[Any], Mapping[str, float]] | None
     tolerance: float
     max_newton: int
+    unknown_bounds: tuple[float, float] = (-math.inf, math.inf)  # of the last unknown
+    cusps: bool = False  # a fold at which the last unknown turns too is one
 
 
 def checked_options(
@@ -44,11 +54,6 @@ def checked_options(
             f"smallest_step = {smallest:g}, step = {first:g}, largest_step = {largest:g}: each must"
             " be at most the next; give all three when you change one by much"
         )
-    low, high = _bounds(bounds)
-    if not low <= p <= high:
-        raise OptionError(
-            f"p = {p:g} is outside of bounds = ({low:g}, {high:g}): start inside them"
-        )
     if tests is not None and not callable(tests):
         raise OptionError(
             f"tests = {tests!r:.60} is no function; give tests(point) that returns a mapping of"
@@ -58,7 +63,7 @@ def checked_options(
     if not 1e-15 <= goal <= 1e-3:
         raise OptionError(f"tolerance = {goal:g}: from 1e-15 to 1e-3, relative to the unknowns")
     return Options(
-        first, smallest, largest, (low, high), _count("steps", steps, 0), tests, goal,
+        first, smallest, largest, checked_bounds(p, bounds), _count("steps", steps, 0), tests, goal,
         _count("max_newton", max_newton, 2),
     )  # fmt: skip
 
@@ -80,7 +85,7 @@ def start_of(u: Any, p: Any) -> tuple[Array, float]:
     if not np.isfinite(unknowns).all():
         place = int(np.flatnonzero(~np.isfinite(unknowns))[0])
         raise OptionError(f"u[{place}] = {unknowns[place]} is not finite")
-    return unknowns, _number("p", p)
+    return unknowns, number("p", p)
 
 
 def sizes_of(
@@ -104,17 +109,23 @@ def sizes_of(
     return sizes
 
 
-def _bounds(bounds: Any) -> tuple[float, float]:
+def checked_bounds(p: float, bounds: Any) -> tuple[float, float]:
+    """Bounds that are in order, with the start inside them."""
     try:
         low, high = (float(bound) for bound in bounds)
     except (TypeError, ValueError):
         raise OptionError(f"bounds = {bounds!r:.60}: two numbers (low, high)") from None
     if not low < high:
         raise OptionError(f"bounds = ({low:g}, {high:g}): the first must be below the second")
+    if not low <= p <= high:
+        raise OptionError(
+            f"the start {p:g} is outside of bounds = ({low:g}, {high:g}): start inside them"
+        )
     return low, high
 
 
-def _number(name: str, value: Any) -> float:
+def number(name: str, value: Any) -> float:
+    """A finite number."""
     if isinstance(value, np.ndarray) and value.size == 1:
         value = value.item()
     if isinstance(value, bool) or not isinstance(value, Real) or not math.isfinite(value):
@@ -123,10 +134,10 @@ def _number(name: str, value: Any) -> float:
 
 
 def _positive(name: str, value: Any) -> float:
-    number = _number(name, value)
-    if number <= 0.0:
-        raise OptionError(f"{name} = {number:g} must be positive")
-    return number
+    found = number(name, value)
+    if found <= 0.0:
+        raise OptionError(f"{name} = {found:g} must be positive")
+    return found
 
 
 def _count(name: str, value: Any, least: int) -> int:
