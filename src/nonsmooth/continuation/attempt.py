@@ -53,6 +53,8 @@ def attempt(
 def _ahead(corrector: Corrector, node: Node, step: float) -> tuple[Node, bool]:
     """The point a step ahead; whether it is the end of the bounds, which a step never passes."""
     y = corrector.scaled(node.u, node.p) + step * node.tangent
+    if node.curvature is not None:
+        y += 0.5 * step * step * node.curvature
     scale = corrector.equations.scale
     p = float(y[-1] * scale[-1])
     low, high = corrector.equations.bounds
@@ -84,6 +86,8 @@ def _judged(
     if work > _HARDEST:
         raise Jump("the curve turns too much")
     segment.placed(end)
+    curvature = (end.tangent - node.tangent) / segment.length
+    end.curvature = curvature - end.tangent * float(end.tangent @ curvature)
     marks = observer.marks(segment)
     if bound:
         marks.append(Mark(1.0, end, "bound", last=True))

@@ -32,6 +32,7 @@ class Node:
     contraction: float
     arclength: float = 0.0
     step: float = 0.0
+    curvature: Array | None = None  # of the step that came here
     tests: Mapping[str, float] | None = None  # not asked yet
 
     def turned(self, along: Array) -> Node:

@@ -13,10 +13,18 @@ from nonsmooth.continuation.arrays import Array, Matrix
 from nonsmooth.continuation.refusals import OutsideDomain, PastBound
 from nonsmooth.errors import OptionError
 
-__all__ = ["RELATIVE_STEP", "Equations", "Linearised", "call", "difference", "has_derivatives"]
+__all__ = [
+    "DENSE_BELOW",
+    "RELATIVE_STEP",
+    "Equations",
+    "Linearised",
+    "call",
+    "difference",
+    "has_derivatives",
+]
 
 RELATIVE_STEP = math.cbrt(np.finfo(float).eps)  # error of a central difference is least
-_DENSE_BELOW = 150  # unknowns, up to which a dense solver is faster than a sparse one
+DENSE_BELOW = 150  # unknowns, up to which a dense solver is faster than a sparse one
 # What the module math says of arguments outside a function's domain, which is a ValueError there.
 _MATH_DOMAIN = ("math domain error", "expected a")
 
@@ -145,7 +153,7 @@ def _numbers(what: str, values: Any, shape: tuple[int, ...]) -> Array:
             f"{what} is {values!r:.60}, not real numbers ({error}); residual(u, p) returns an array"
             " r, or (r, J_u, J_p) with derivatives"
         ) from None
-    if numbers.size != int(np.prod(shape)):
+    if numbers.size != math.prod(shape):
         raise OptionError(
             f"{what} has the shape {numbers.shape} where u has {shape[0]} unknowns; residual(u, p)"
             f" returns as many equations as u has numbers, so {shape} here: the parameter's own"
@@ -161,7 +169,7 @@ def _matrix(J_u: Any, n: int) -> Matrix:
         return _numbers("the derivative J_u", J_u, (n, n))
     if J_u.shape != (n, n):
         raise OptionError(f"the sparse J_u has the shape {J_u.shape}, not {(n, n)}")
-    if n <= _DENSE_BELOW:
+    if n <= DENSE_BELOW:
         return _numbers("the derivative J_u", J_u.toarray(), (n, n))
     if not np.isfinite(J_u.data).all():
         raise OutsideDomain("the derivative J_u is not finite")

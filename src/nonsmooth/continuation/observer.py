@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
 
 from nonsmooth.continuation.corrector import Corrector, Node
-from nonsmooth.continuation.equations import call
+from nonsmooth.continuation.crossing import crossing_near
+from nonsmooth.continuation.equations import DENSE_BELOW, call
 from nonsmooth.continuation.options import OWN_NAMES, Options
 from nonsmooth.continuation.point import Point
-from nonsmooth.continuation.refusals import Jump, OutsideDomain
+from nonsmooth.continuation.refusals import Jump, OutsideDomain, Refused
 from nonsmooth.continuation.segment import Segment
 from nonsmooth.errors import OptionError
 
@@ -19,6 +21,7 @@ __all__ = ["Mark", "Observer"]
 
 _STILL = 1e-10  # slopes of the parameter by the arclength that are rounding
 _TURNS = 1e-6  # the same at a cusp, which lies at a zero found to rounding
+_NEAR = 0.05  # of the step, within which a crossing is the one that was found along the branch
 _VANISHES = 0.1  # part of its larger end value that a determinant must fall to where it is zero
 
 
@@ -70,7 +73,20 @@ class Observer:
         found = segment.locate(value, zero_where_singular=True)
         if found is None or abs(value(found[1])) > _VANISHES:
             raise Jump("the branch found has the other orientation")
-        yield Mark(*found, "branch_point")
+        yield Mark(found[0], self._refined(segment, found[1]), "branch_point")
+
+    def _refined(self, segment: Segment, node: Node) -> Node:
+        """The crossing itself: along the branch it is found to half of the digits only."""
+        if self.corrector.equations.n > DENSE_BELOW:
+            return node
+        try:
+            there = crossing_near(self.corrector.equations, node.u, node.p)
+        except Refused:
+            return node
+        apart = self.corrector.scaled(there.u, there.p) - self.corrector.scaled(node.u, node.p)
+        if math.sqrt(float(apart @ apart)) > _NEAR * segment.length:
+            return node
+        return replace(node, u=there.u, p=there.p, tests=None)
 
     def _fold(self, segment: Segment) -> Iterator[Mark]:
         ends = (segment.first.tangent[-1], segment.last.tangent[-1])
