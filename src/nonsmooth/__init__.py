@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from nonsmooth.version import __version__
 
 if TYPE_CHECKING:
-    from nonsmooth import excitation, fatigue, measured, models, plot
+    from nonsmooth import continuation, excitation, fatigue, measured, models, plot
     from nonsmooth.analysis.attractors import attractors
     from nonsmooth.analysis.basin_entropy import basin_entropy
     from nonsmooth.analysis.basin_fractions import basin_fractions
@@ -74,6 +74,7 @@ __all__ = [
     "bifurcation_diagram",
     "box_dimension",
     "contact_statistics",
+    "continuation",
     "correlation_dimension",
     "ensemble",
     "excitation",
@@ -145,7 +146,7 @@ _HOME = {
 
 
 def __getattr__(name: str) -> Any:
-    if name in ("excitation", "fatigue", "measured", "models", "plot"):
+    if name in ("continuation", "excitation", "fatigue", "measured", "models", "plot"):
         return importlib.import_module(f"nonsmooth.{name}")
     if name not in _HOME:
         raise AttributeError(f"module 'nonsmooth' has no attribute {name!r}")
