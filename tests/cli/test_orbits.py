@@ -22,6 +22,7 @@ def orbit(status="completed", message="completed", length=7.853981633974483):
             "log_determinant": -0.3,
             "admissible": True,
             "stable": False,
+            "primitive_parts": 1,
             "word": "free contact free",
             "multipliers": ("multiplier", np.array([-2.5 + 0j, 0.3 - 0.4j])),
             "durations": ("leg", [5.0, 1.0, 1.5]),
@@ -29,7 +30,7 @@ def orbit(status="completed", message="completed", length=7.853981633974483):
             "leg_exit": ("leg", ["contact", "free", ""]),
             "leg_time": ("leg", [0.0, 5.0, 6.0]),
         },
-        {"time": 0.0},
+        {"time": 0.0, "state": ["x", "v"]},
         {"system_name": "soft_impact", "status": status, "message": message, "period": 1},
     )
 
@@ -112,6 +113,23 @@ def test_an_orbit(call, asked, tmp_path):
     rows = [line.split() for line in result.stdout.splitlines()]
     assert ["1", "contact", "5", "1", "free"] in rows
     assert ["2", "free", "6", "1.5", "section"] in rows
+
+
+def test_an_orbit_of_the_mole(call, tmp_path):
+    """As the regime says it, from strobes of a simulation; and it repeats when it is simulated."""
+    file, picture = tmp_path / "o.nc", tmp_path / "o.png"
+    result = call("orbit", "moling", "--multipliers", "--plot", picture, "--save", file)
+    assert result.exit_code == 0, result.stderr
+    seen = ns.regime(ns.models.moling())
+    drift = value(result.stdout, "drift of v")
+    assert float(drift.split()[0]) == pytest.approx(float(seen["v_per_period"]), rel=1e-8)
+    assert float(drift.split()[3]) == pytest.approx(float(seen["v_per_time"]), rel=1e-8)
+    largest = float(value(result.stdout, "multipliers").split(",")[0])
+    assert abs(largest) == pytest.approx(float(seen["multiplier_modulus"][0]), rel=1e-4)
+    assert value(result.stdout, "stable") == "yes" and picture.is_file()
+    with xr.open_dataset(file, engine="h5netcdf") as saved:
+        again = ns.simulate(ns.models.moling(), saved.load(), periods=3)
+        assert float(again["y"][-1]) == pytest.approx(float(saved["y"]), abs=1e-10)
 
 
 @pytest.mark.parametrize(

@@ -37,7 +37,7 @@ def continue_(
     start: options.Start = None,
     period: OrbitPeriod = 1,
     word: Word = None,
-    transient: OrbitTransient = 0,
+    transient: OrbitTransient = None,
     mode: options.StartMode = None,
     plot: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Draw the branch: .png or .pdf.")

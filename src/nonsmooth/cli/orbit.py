@@ -34,7 +34,7 @@ def orbit(
     start: options.Start = None,
     period: OrbitPeriod = 1,
     word: Word = None,
-    transient: OrbitTransient = 0,
+    transient: OrbitTransient = None,
     mode: options.StartMode = None,
     plot: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Draw the orbit: .png or .pdf.")
@@ -110,17 +110,19 @@ def orbit_rows(found: xr.Dataset) -> Iterator[tuple[str, str]]:
     yield "word", str(found["word"].item())
     length = f"{found['length'].item():.9g}"
     yield "length", f"{length}, period {attrs['period']}" if "period" in attrs else length
-    states = [name for name in map(str, found.data_vars) if _is_state(found, name)]
-    yield "section point", ", ".join(f"{name} = {found[name].item():.10g}" for name in states)
+    states = (f"{name} = {found[name].item():.10g}" for name in found["state"].values)
+    yield "section point", ", ".join(states)
     yield "at time", f"{found['time'].item():.7g}"
-    for name in map(str, found.data_vars):
-        for unit in ("period", "time"):
-            if name.endswith(f"_per_{unit}"):
-                drift = name.removesuffix(f"_per_{unit}")
-                yield f"drift of {drift}", f"{found[name].item():.9g} per {unit}"
+    for name in found["drift_state"].values if "drift_state" in found else ():
+        per = (
+            f"{found[f'{name}_per_{unit}'].item():.9g} per {unit}" for unit in ("period", "time")
+        )
+        yield f"drift of {name}", ", ".join(per)
     if found["multipliers"].size:
         yield "multipliers", ", ".join(complex_text(mu) for mu in found["multipliers"].values)
     yield "stable", "yes" if found["stable"].item() else "no"
+    if int(found["primitive_parts"]) > 1:
+        yield "repeats", f"a shorter orbit {int(found['primitive_parts'])} times"
     yield "admissible", "yes" if found["admissible"].item() else "no, no motion follows it"
     yield "residual", f"{found['residual'].item():.2g}"
 
@@ -129,13 +131,6 @@ def exists(found: xr.Dataset) -> bool:
     """Whether there is an orbit, be it inadmissible."""
     length = float(found["length"].item())
     return length == length
-
-
-def _is_state(found: xr.Dataset, name: str) -> bool:
-    other = ("length", "residual", "log_determinant")
-    return found[name].dims == () and found[name].dtype.kind == "f" and not (
-        name in other or name.endswith(("_per_period", "_per_time"))
-    )  # fmt: skip
 
 
 def complex_text(number: complex) -> str:

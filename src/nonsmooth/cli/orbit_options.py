@@ -8,11 +8,12 @@ import typer
 
 __all__ = ["OrbitPeriod", "OrbitTransient", "Word", "modes_of_word"]
 
-OrbitPeriod = Annotated[
-    int, typer.Option("--period", help="Periods of the forcing, or returns, that one turn takes.")
-]
+OrbitPeriod = Annotated[int, typer.Option("--period", help="Periods of the forcing in one turn.")]
 OrbitTransient = Annotated[
-    int, typer.Option("--transient", help="Periods to simulate first, towards an attractor.")
+    int | None,
+    typer.Option(
+        "--transient", help="Periods to simulate first; 200 by default, with --start none."
+    ),
 ]
 Word = Annotated[
     str | None,
