@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from nonsmooth.analysis.bifurcation_diagram import bifurcation_diagram
     from nonsmooth.analysis.box_dimension import box_dimension
     from nonsmooth.analysis.contact_statistics import contact_statistics
+    from nonsmooth.analysis.continue_orbit import continue_orbit
     from nonsmooth.analysis.correlation_dimension import correlation_dimension
     from nonsmooth.analysis.ensemble import ensemble
     from nonsmooth.analysis.find_orbit import find_orbit
@@ -75,6 +76,7 @@ __all__ = [
     "box_dimension",
     "contact_statistics",
     "continuation",
+    "continue_orbit",
     "correlation_dimension",
     "ensemble",
     "excitation",
@@ -125,6 +127,7 @@ _HOME = {
     "correlation_dimension": "nonsmooth.analysis.correlation_dimension",
     "ensemble": "nonsmooth.analysis.ensemble",
     "find_orbit": "nonsmooth.analysis.find_orbit",
+    "continue_orbit": "nonsmooth.analysis.continue_orbit",
     "full_spectrum": "nonsmooth.analysis.full_spectrum",
     "local_regimes": "nonsmooth.analysis.local_regimes",
     "lyapunov_spectrum": "nonsmooth.analysis.lyapunov_spectrum",
