@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.analysis.returns.borders import border_kinds, find_borders, same_piece
+from nonsmooth.analysis.returns.borders import border_kinds, find_borders, pieces
 from nonsmooth.analysis.returns.coordinate import Coordinate, read_coordinate
 from nonsmooth.analysis.returns.family import Family, read_family
 from nonsmooth.analysis.returns.fixed_points import find_fixed_points
@@ -176,7 +176,7 @@ def return_map(
         "order": order,
         "longest": most,
         "initial_mode": mode or "",
-        "completion": str(dict(completion)) if completion else "",
+        "completion": str(dict(completion)) if isinstance(completion, Mapping) else "",
         "tolerance": float(tolerance),
         "changed_parameters": str(dict(parameters)) if parameters else "",
     }
@@ -255,12 +255,13 @@ def _of_family(
         kinds = border_kinds(reduced, borders, branch)
         low, high = reduced.at(borders.low), reduced.at(borders.high)
         whole = reduced.at(np.unique(np.concatenate([values, borders.low, borders.high])))
-        fixed = find_fixed_points(reduced, whole)
+        piece = pieces(whole, borders)
+        fixed = find_fixed_points(reduced, whole, piece)
         deviations = deviations_of_family(reduced, whole)
         at_fixed = deviations_of_family(reduced, fixed)
     median, largest = relative(coordinate, whole, deviations)
     reduction = Reduction(deviations, median, largest)
-    variables, coords = over_starts(imaging, coordinate, whole, _pieces(whole), reduction)
+    variables, coords = over_starts(imaging, coordinate, whole, piece, reduction)
     variables |= over_borders(coordinate, BorderTable(low, high, kinds))
     variables |= over_fixed(coordinate, fixed, at_fixed)
     attrs = common_attributes(imaging.chosen, coordinate, whole, options)
@@ -295,16 +296,6 @@ def _of_points(
     attrs = common_attributes(imaging.chosen, coordinate, branch, options)
     _tell_spread(imaging.chosen, coordinate, reduction)
     return xr.Dataset(variables, coords, attrs)
-
-
-def _pieces(branch: Branch) -> npt.NDArray[np.int64]:
-    """Numbers of the pieces that starts lie in."""
-    fresh = np.concatenate([[False], ~same_piece(branch)])
-    number = np.cumsum(fresh)
-    there = branch.images.there
-    found = np.full(there.size, -1)
-    found[there] = np.unique(number[there], return_inverse=True)[1]
-    return found
 
 
 def _tell_spread(chosen: Map, coordinate: Coordinate, reduction: Reduction) -> None:

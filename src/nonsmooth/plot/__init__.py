@@ -9,6 +9,7 @@ from nonsmooth.plot.attractor_sets import attractors
 from nonsmooth.plot.basin_cells import basins
 from nonsmooth.plot.cascades import waterfall
 from nonsmooth.plot.compared_lives import lives
+from nonsmooth.plot.cobwebs import cobweb
 from nonsmooth.plot.comparisons import comparison
 from nonsmooth.plot.diagrams import bifurcation
 from nonsmooth.plot.exponents import exponents
@@ -23,6 +24,7 @@ from nonsmooth.plot.orbits import orbit
 from nonsmooth.plot.portrait import phase_portrait
 from nonsmooth.plot.portrait_stack import phase_portrait_3d
 from nonsmooth.plot.regimes import regime_map
+from nonsmooth.plot.return_maps import return_map
 from nonsmooth.plot.ring_regions import contact_regions
 from nonsmooth.plot.sections import section
 from nonsmooth.plot.shaking import shaking
@@ -39,6 +41,7 @@ __all__ = [
     "axis_label",
     "basins",
     "bifurcation",
+    "cobweb",
     "comparison",
     "contact_regions",
     "crack_lengths",
@@ -54,6 +57,7 @@ __all__ = [
     "phases",
     "print_figure",
     "regime_map",
+    "return_map",
     "save_figure",
     "section",
     "shaking",

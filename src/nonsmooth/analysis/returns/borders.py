@@ -7,9 +7,10 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.analysis.returns.hidden_jumps import JUMP, extent_of, hidden_jumps
 from nonsmooth.analysis.returns.reduced_map import Branch, ReducedMap
 
-__all__ = ["KINDS", "Borders", "border_kinds", "find_borders", "same_piece"]
+__all__ = ["KINDS", "Borders", "border_kinds", "find_borders", "pieces"]
 
 Floats = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]
@@ -18,7 +19,6 @@ KINDS = ("jump", "corner", "root", "smooth", "end")
 _MOST = 200  # borders that are looked for; where impacts accumulate there is no end of them
 _WIDTH = 8.0 * float(np.finfo(float).eps)  # of a border, beside the values and the interval
 _NEAR, _FAR = 1e-9, 1e-7  # of the interval: places beside a border that tell its kind
-_JUMP = 1e-6  # of the range of images, which no continuous map moves within such a place
 _STEEP = 30.0  # how much steeper a root is by the nearer place, or slopes by rounding
 _BEND = 1e-5  # of slopes, above which they differ
 
@@ -36,6 +36,15 @@ def same_piece(branch: Branch) -> Flags:
     images = branch.images
     same: Flags = images.status[1:] == images.status[:-1]
     return same & (images.exits[1:] == images.exits[:-1]) & (images.words[1:] == images.words[:-1])
+
+
+def pieces(branch: Branch, borders: Borders) -> npt.NDArray[np.int64]:
+    """Numbers of the pieces that starts lie in, -1 where there is no image."""
+    fresh = ~same_piece(branch) | np.isin(branch.values[:-1], borders.low)
+    number, there = np.concatenate([[0], np.cumsum(fresh)]), branch.images.there
+    found = np.full(there.size, -1)
+    found[there] = np.unique(number[there], return_inverse=True)[1]
+    return found
 
 
 def find_borders(reduced: ReducedMap, branch: Branch) -> Borders:
@@ -68,6 +77,7 @@ def find_borders(reduced: ReducedMap, branch: Branch) -> Borders:
         if low.size + len(done) > _MOST:
             complete, kept = False, max(0, _MOST - len(done))
             low, high, left, right = low[:kept], high[:kept], left[:kept], right[:kept]
+    done += zip(*hidden_jumps(reduced, branch, same_piece(branch)), strict=True)
     done.sort()
     return Borders(np.array([a for a, _ in done]), np.array([b for _, b in done]), complete)
 
@@ -80,8 +90,7 @@ def border_kinds(reduced: ReducedMap, borders: Borders, branch: Branch) -> list[
     if not borders.low.size:
         return []
     coordinate, span = reduced.coordinate, float(np.ptp(branch.values))
-    finite = branch.image[np.isfinite(branch.image)]
-    extent = max(float(np.ptp(finite)) if finite.size else 0.0, _WIDTH)
+    extent = extent_of(branch.image)
     sides = [(borders.low, -span), (borders.high, span)]
     at = [reduced.at(place) for place, _ in sides]
     near = [reduced.at(place + _NEAR * way) for place, way in sides]
@@ -97,7 +106,7 @@ def border_kinds(reduced: ReducedMap, borders: Borders, branch: Branch) -> list[
         ]
         root = any(s and g for s, g in zip(steep, grows, strict=True))
         change = float(coordinate.change(at[1].image[i : i + 1] - at[0].image[i : i + 1])[0])
-        if abs(change) > (_JUMP if root else _NEAR) * extent:
+        if abs(change) > (JUMP if root else _NEAR) * extent:
             kinds.append("jump")
         elif root:
             kinds.append("root")

@@ -5,21 +5,21 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.analysis.returns.borders import same_piece
 from nonsmooth.analysis.returns.reduced_map import Branch, ReducedMap, some_values
 
 __all__ = ["find_fixed_points"]
 
 Floats = npt.NDArray[np.float64]
+Integers = npt.NDArray[np.int64]
 
 _STEPS = 80
 _RESIDUAL = 1e-9  # beside value and interval; a jump that no two starts told has a larger one
 _ROUNDING = 4.0 * float(np.finfo(float).eps)
 
 
-def find_fixed_points(reduced: ReducedMap, branch: Branch) -> Branch:
-    """The map at its fixed points, in order."""
-    low, high, below = _brackets(reduced, branch)
+def find_fixed_points(reduced: ReducedMap, branch: Branch, piece: Integers) -> Branch:
+    """The map at its fixed points, in order; ``piece`` are the pieces that starts lie in."""
+    low, high, below = _brackets(reduced, branch, piece[1:] == piece[:-1])
     if low.size:
         roots = _refined(reduced, low, high, below)
     else:
@@ -31,14 +31,16 @@ def find_fixed_points(reduced: ReducedMap, branch: Branch) -> Branch:
     return some_values(found, np.abs(_change(reduced, found)) <= _RESIDUAL * size)
 
 
-def _brackets(reduced: ReducedMap, branch: Branch) -> tuple[Floats, Floats, Floats]:
+def _brackets(
+    reduced: ReducedMap, branch: Branch, same: npt.NDArray[np.bool_]
+) -> tuple[Floats, Floats, Floats]:
     """Intervals over which the map crosses the diagonal, and the sign at their low ends.
 
     Between two starts on one side of it, the cubic through values and slopes tells where it
     comes nearest, and the map there whether it comes through.
     """
     x, change = branch.values, _change(reduced, branch)
-    inner = same_piece(branch) & branch.images.there[1:] & np.isfinite(change[1:] + change[:-1])
+    inner = same & branch.images.there[1:] & np.isfinite(change[1:] + change[:-1])
     turn = reduced.coordinate.turn
     if turn is not None:  # the other side of the circle is no crossing
         inner &= (np.abs(change[1:]) < 0.25 * turn) & (np.abs(change[:-1]) < 0.25 * turn)

@@ -93,7 +93,7 @@ def _along(
     matrices = matrices[:, kept][:, :, kept]
     begin = _two_directions(len(kept))
     frame, other = begin, begin[:, ::-1] @ np.array([0.8, 0.6])
-    slopes, growth, counted = np.full(count, np.nan), np.zeros(2), 0
+    slopes, growth, settled = np.full(count, np.nan), np.full((count, 2), np.nan), False
     follows = _follows(imaging, branch)
     for i in range(count):
         if not np.all(np.isfinite(matrices[i])) or (i and not follows[i - 1]):
@@ -101,7 +101,7 @@ def _along(
         if not np.all(np.isfinite(matrices[i])):
             continue
         leading = frame[:, 0]
-        aligned = 1.0 - abs(float(leading @ other)) <= 0.5 * _ALIGNED**2
+        aligned = np.linalg.norm(other - (leading @ other) * leading) <= _ALIGNED
         moved = matrices[i] @ frame
         if aligned and leading[place] != 0.0:
             slopes[i] = moved[place, 0] / leading[place]
@@ -109,11 +109,13 @@ def _along(
         other = matrices[i] @ other
         size = float(np.linalg.norm(other))
         other = other / size if size > 0.0 else begin[:, 1]
-        if aligned:
+        if aligned and not settled:  # what came before belongs to the directions at the beginning
+            growth[:i], settled = np.nan, True
+        if aligned or not settled:
             with np.errstate(divide="ignore"):
-                growth += np.log(np.abs(np.diag(sizes)))
-            counted += 1
-    return slopes, growth / counted if counted else np.full(2, np.nan)
+                growth[i] = np.log(np.abs(np.diag(sizes)))
+    counted = growth[~np.isnan(growth[:, 0])]
+    return slopes, counted.mean(axis=0) if len(counted) else np.full(2, np.nan)
 
 
 def _two_directions(n: int) -> Floats:

@@ -44,6 +44,7 @@ class Images(NamedTuple):
     certified: npt.NDArray[np.bool_]  # (L,)
     n_rows: Integers  # (L,) of the event log up to the image
     jumped: npt.NDArray[np.bool_]  # (L,): the start was reset
+    begun: Floats  # (L, n): the start with all states that the mode gives
 
     @property
     def there(self) -> npt.NDArray[np.bool_]:
@@ -79,7 +80,7 @@ class Imaging:
 
     def modes_of_engine(self, modes: Integers) -> Integers:
         """Modes to try, as the engine numbers them; a mode may have become several there."""
-        if len(self.origin) == len(self.chosen.system.mode_names):
+        if not modes.size or len(self.origin) == len(self.chosen.system.mode_names):
             return modes
         several = {int(m): np.flatnonzero(self.origin == m) for m in np.unique(modes)}
         several[ANY] = np.array([ANY])
@@ -137,6 +138,7 @@ class Imaging:
             there & (np.bincount(lanes[doubtful], minlength=there.size) == 0),
             way.last + 1 - first,
             begun.jumped,
+            np.where(np.isnan(starts.states), begun.anchors.state, starts.states),
         )
 
     def _texts(

@@ -25,6 +25,7 @@ Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
 
 _ROOM = 64  # rows of the log of a lane in one call of the kernel
+_ROUNDING = 1e-9  # of states that are put on a relation
 _AT_START = 2  # rows after which a lane stops that has only begun
 
 
@@ -73,8 +74,9 @@ def settle(
         began = records.cursor[:, at.EVENTS] > 0
         # a lane that began and is inadmissible afterwards is so in any case
         passed[left] = began & (records.event_integers[:, 0, at.PASSES] > 0)
-        both = records.event_floats[:, 0, at.EVENT_FLOATS :]
-        jumped[left] = passed[left] & np.any(both[:, :n] != both[:, n:], axis=1)
+        given = starts.states[left]
+        apart = np.abs(some.state - given) > _ROUNDING * (1.0 + np.abs(given))
+        jumped[left] = passed[left] & np.any(apart, axis=1)  # nan, left open, is no jump
     return Settled(anchors, status, passed, jumped, columns)
 
 
@@ -160,7 +162,7 @@ def _records(count: int, n: int, room: int) -> Records:
         sample_state=np.empty((count, 0, n)),
         sample_mode=np.empty((count, 0), np.int64),
         event_integers=np.zeros((count, room, at.EVENT_INTEGERS), np.int64),
-        event_floats=np.zeros((count, room, at.EVENT_FLOATS + 2 * n)),
+        event_floats=np.empty((count, room, at.EVENT_FLOATS + 2 * n)),
         cursor=np.zeros((count, 6), np.int64),
         end_state=np.full((count, n), np.nan),
         since=np.full((count, 2), -np.inf),

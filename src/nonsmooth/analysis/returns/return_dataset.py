@@ -60,7 +60,7 @@ def over_starts(
         "status": ("start", np.array(statuses), {"long_name": "how the way to the image ended"}),
         "piece": ("start", piece, {
             "long_name": "part of the map without a border, from 0; -1 without an image"}),
-        "start_state": (("start", "state"), branch.starts.states, {
+        "start_state": (("start", "state"), images.begun, {
             "long_name": "states at the start"}),
         "image_state": (("start", "state"), images.states, {"long_name": "states at the image"}),
         "spread": ((), reduction.median, {
@@ -105,7 +105,7 @@ def over_fixed(coordinate: Coordinate, fixed: Branch, deviations: Floats) -> dic
         "fixed_deviation": ("fixed_point", deviations, {
             **words, "long_name": "what the coordinate alone does not tell at a fixed point"}),
         "fixed_word": ("fixed_point", fixed.images.words, {"long_name": "modes on the way"}),
-        "fixed_state": (("fixed_point", "state"), fixed.starts.states, {
+        "fixed_state": (("fixed_point", "state"), fixed.images.begun, {
             "long_name": "states at a fixed point"}),
     }  # fmt: skip
 

@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.returns.coordinate import Coordinate
+from nonsmooth.analysis.returns.hidden_jumps import extent_of
 from nonsmooth.analysis.returns.reduced_map import Branch, ReducedMap
 
 __all__ = ["deviations_of_family", "deviations_of_points", "relative"]
@@ -44,12 +45,9 @@ def deviations_of_points(coordinate: Coordinate, branch: Branch) -> Floats:
 def relative(coordinate: Coordinate, branch: Branch, deviations: Floats) -> tuple[float, float]:
     """Median and largest deviation beside the range of the images; nan where there is none."""
     finite = np.abs(deviations[np.isfinite(deviations)])
-    image = branch.image[np.isfinite(branch.image)]
     if not finite.size:
         return np.nan, np.nan
-    extent = float(np.ptp(image))
+    extent = extent_of(branch.image)
     if coordinate.turn is not None:
         extent = min(extent, 0.5 * coordinate.turn)
-    if extent == 0.0:
-        return 0.0, 0.0
     return float(np.median(finite)) / extent, float(finite.max()) / extent
