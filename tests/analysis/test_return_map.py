@@ -115,7 +115,9 @@ def test_jump():
     )
     assert found["border_kind"].values.tolist() == ["jump"]
     assert float(found["border_start"][0]) == pytest.approx(0.5, abs=2e-12)
-    assert float(found["image_before"][0] - found["image_after"][0]) == pytest.approx(0.25, abs=1e-11)
+    assert float(found["image_before"][0] - found["image_after"][0]) == pytest.approx(
+        0.25, abs=1e-11
+    )
 
 
 def test_what_one_coordinate_does_not_tell():
@@ -256,7 +258,7 @@ def test_strobed_system_and_its_derivative():
 
 
 def test_mole_behind_its_progression():
-    """The slider has relaxed there, so that the phase says all, and one fixed point is the orbit."""
+    """The slider has relaxed there, so the phase says all, and the fixed point is the orbit."""
     mole = ns.models.moling()
     end = ns.PoincareMap(mole, "2*xi*y + q = 1", direction=-1)
     found = ns.return_map(
@@ -282,7 +284,7 @@ def test_mole_behind_its_progression():
 
 
 def test_mole_in_points():
-    """Chaos that one direction carries: the second exponent is that of a contraction to rounding."""
+    """Motion in one direction: the second exponent is that of a contraction to rounding."""
     mole = ns.models.moling(b=0.1)
     points = ns.poincare_section(mole, section="impact", transient=200, record=60)
     found = ns.return_map(ns.PoincareMap(mole, "impact"), "phase", points=points)

@@ -16,7 +16,7 @@ from nonsmooth.analysis.returns.fixed_points import find_fixed_points
 from nonsmooth.analysis.returns.from_points import map_of_points
 from nonsmooth.analysis.returns.images import Imaging, imaging_of
 from nonsmooth.analysis.returns.lane_log import settle
-from nonsmooth.analysis.returns.reduced_map import Branch, ReducedMap
+from nonsmooth.analysis.returns.reduced_map import ReducedMap
 from nonsmooth.analysis.returns.return_dataset import (
     BorderTable,
     Reduction,
@@ -113,7 +113,8 @@ def return_map(
         Over ``fixed_point``, with ``between``: ``fixed_start``, ``fixed_slope``,
         ``fixed_stable``, ``fixed_deviation``, ``fixed_word``, ``fixed_state``.
 
-        ``spread`` and ``largest_spread``: median and largest deviation over the range of the
+        ``turn``, for a phase or an angle: where it begins anew. ``spread`` and
+        ``largest_spread``: median and largest deviation over the range of the
         images. With ``points``, ``exponent_per_return``: growth of the two fastest directions.
 
     Raises
@@ -161,8 +162,12 @@ def return_map(
     >>> ball = ns.System(
     ...     states=["h", "u"],
     ...     parameters={"r": 0.8, "w": 0.1},
-    ...     modes={"flight": ns.Mode({"h": "u - w", "u": "-1"}, exits=[
-    ...         ns.Exit("h", reset={"u": "w + r*(w - u)"}, name="impact")])},
+    ...     modes={
+    ...         "flight": ns.Mode(
+    ...             {"h": "u - w", "u": "-1"},
+    ...             exits=[ns.Exit("h", reset={"u": "w + r*(w - u)"}, name="impact")],
+    ...         )
+    ...     },
     ... )
     >>> bounce = ns.PoincareMap(ball, "impact", side="after")
     >>> found = ns.return_map(bounce, "u", (0.2, 2.0), samples=10)
@@ -187,14 +192,16 @@ def return_map(
         )
     if points is not None:
         if completion or mode:
-            raise OptionError("points bring their states and modes: leave out completion= and mode=")
+            raise OptionError(
+                "points bring their states and modes: leave out completion= and mode="
+            )
         return _of_points(imaging, name, points, options)
     low, high = _interval(between)
     if count < 3:
         raise OptionError(f"samples = {count}: give at least 3 starts")
     timed = isinstance(chosen, PoincareMap) and chosen.system.period_value is not None
     family = read_family(chosen.system, name, imaging.begin, completion, mode, timed=timed)
-    options |= {"low": low, "high": high, "samples": count}
+    options |= {"between": str((low, high)), "samples": count}
     return _of_family(imaging, name, family, np.linspace(low, high, count), options)
 
 

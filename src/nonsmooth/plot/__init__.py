@@ -8,8 +8,8 @@ from __future__ import annotations
 from nonsmooth.plot.attractor_sets import attractors
 from nonsmooth.plot.basin_cells import basins
 from nonsmooth.plot.cascades import waterfall
-from nonsmooth.plot.compared_lives import lives
 from nonsmooth.plot.cobwebs import cobweb
+from nonsmooth.plot.compared_lives import lives
 from nonsmooth.plot.comparisons import comparison
 from nonsmooth.plot.diagrams import bifurcation
 from nonsmooth.plot.exponents import exponents

@@ -16,6 +16,7 @@ from nonsmooth.plot.map_graph import (
     image_at,
     of_motion,
     require_map,
+    turn_of,
 )
 from nonsmooth.plot.style import PALETTE, place_legend
 
@@ -121,8 +122,9 @@ def _range(data: xr.Dataset) -> tuple[float, float]:
     values = np.concatenate([data["start"].values, data["image"].values])
     values = values[np.isfinite(values)]
     low, high = float(values.min()), float(values.max())
-    if "turn" in data.attrs:
-        low, high = min(low, 0.0), max(high, float(data.attrs["turn"]))
+    turn = turn_of(data)
+    if turn is not None:
+        low, high = min(low, 0.0), max(high, turn)
     return (low, high) if high > low else (low - 0.5, high + 0.5)
 
 

@@ -15,10 +15,9 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-__all__ = ["curves", "draw_diagonal", "finish_map", "image_at", "of_motion", "require_map"]
+__all__ = ["curves", "draw_diagonal", "finish_map", "image_at", "of_motion", "require_map", "turn_of"]
 
 Floats = npt.NDArray[np.float64]
-
 
 
 def require_map(data: xr.Dataset) -> None:
@@ -35,10 +34,15 @@ def of_motion(data: xr.Dataset) -> bool:
     return "exponent_per_return" in data
 
 
+def turn_of(data: xr.Dataset) -> float | None:
+    """Length after which the coordinate begins anew; None where it does not."""
+    return float(data["turn"]) if "turn" in data else None
+
+
 def curves(data: xr.Dataset) -> Iterator[tuple[int, Floats, Floats]]:
     """Piece, starts and images of each part of the graph that is one curve."""
     start, image = data["start"].values, data["image"].values
-    piece, turn = data["piece"].values, float(data.attrs.get("turn", np.inf))
+    piece, turn = data["piece"].values, turn_of(data) or np.inf
     breaks = np.flatnonzero(
         (piece[1:] != piece[:-1]) | (np.abs(np.diff(image)) > 0.5 * turn)  # around the circle
     )
@@ -53,7 +57,7 @@ def image_at(data: xr.Dataset, value: float) -> float:
     Where these lie in different pieces there is none either.
     """
     start, image, slope = (data[n].values for n in ("start", "image", "slope"))
-    piece, turn = data["piece"].values, data.attrs.get("turn")
+    piece, turn = data["piece"].values, turn_of(data)
     i = int(np.searchsorted(start, value, side="right")) - 1
     i -= int(i == start.size - 1 and value == start[-1])
     if not 0 <= i < start.size - 1 or piece[i] < 0:

@@ -118,7 +118,7 @@ def _label(text: str) -> str:
             words.append(names[i])
             i += 1
         else:
-            words.append(f"{count} × {block if length == 1 else f'({block})'}")
+            words.append(f"{count} times {block if length == 1 else f'({block})'}")
             i += length * count
     label = ", ".join(words) or "no exit"
     return wrapped(label if len(label) <= _LONGEST else label[: _LONGEST - 1] + "…")

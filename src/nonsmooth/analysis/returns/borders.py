@@ -101,9 +101,7 @@ def border_kinds(reduced: ReducedMap, borders: Borders, branch: Branch) -> list[
             kinds.append("end")
             continue
         steep = [abs(n.slope[i]) > 3.0 * abs(f.slope[i]) for n, f in zip(near, far, strict=True)]
-        grows = [
-            abs(a.slope[i]) > _STEEP * abs(n.slope[i]) for a, n in zip(at, near, strict=True)
-        ]
+        grows = [abs(a.slope[i]) > _STEEP * abs(n.slope[i]) for a, n in zip(at, near, strict=True)]
         root = any(s and g for s, g in zip(steep, grows, strict=True))
         change = float(coordinate.change(at[1].image[i : i + 1] - at[0].image[i : i + 1])[0])
         if abs(change) > (JUMP if root else _NEAR) * extent:

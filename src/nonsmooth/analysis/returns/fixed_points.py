@@ -20,10 +20,7 @@ _ROUNDING = 4.0 * float(np.finfo(float).eps)
 def find_fixed_points(reduced: ReducedMap, branch: Branch, piece: Integers) -> Branch:
     """The map at its fixed points, in order; ``piece`` are the pieces that starts lie in."""
     low, high, below = _brackets(reduced, branch, piece[1:] == piece[:-1])
-    if low.size:
-        roots = _refined(reduced, low, high, below)
-    else:
-        roots = np.zeros(0)
+    roots = _refined(reduced, low, high, below) if low.size else low
     change = reduced.coordinate.change(branch.image - branch.values)
     exact = branch.values[branch.images.there & (change == 0.0)]
     found = reduced.at(np.unique(np.concatenate([roots, exact])))
@@ -60,9 +57,7 @@ def _brackets(
     return np.concatenate(low), np.concatenate(high), np.concatenate(below)
 
 
-def _turning(
-    x: Floats, change: Floats, slope: Floats, near: npt.NDArray[np.int64]
-) -> Floats:
+def _turning(x: Floats, change: Floats, slope: Floats, near: npt.NDArray[np.int64]) -> Floats:
     """Where the cubic between two starts is nearest to zero, nan where it is so at an end."""
     width = x[near + 1] - x[near]
     rise, first, last = change[near + 1] - change[near], slope[near], slope[near + 1]

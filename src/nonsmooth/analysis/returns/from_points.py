@@ -15,6 +15,7 @@ from nonsmooth.analysis.returns.tangents import Tangents
 from nonsmooth.engine.loop import ANY
 from nonsmooth.errors import OptionError
 from nonsmooth.simulation.clock import instants
+from nonsmooth.simulation.driving import is_driven
 
 __all__ = ["Motion", "map_of_points"]
 
@@ -32,9 +33,7 @@ class Motion(NamedTuple):
     exponents: Floats  # (2,) per return, nan where points do not follow each other
 
 
-def map_of_points(
-    imaging: Imaging, coordinate: Coordinate, points: Any, report: Any
-) -> Motion:
+def map_of_points(imaging: Imaging, coordinate: Coordinate, points: Any, report: Any) -> Motion:
     """The map at points of a motion."""
     starts = _starts(imaging, points)
     tangents = Tangents(imaging)
@@ -88,7 +87,8 @@ def _along(
     system, count = imaging.chosen.system, branch.values.size
     kept = [i for i, name in enumerate(system.states) if name not in system.drift_states]
     kept += [] if coordinate.place in kept or coordinate.is_phase else [coordinate.place]
-    kept.append(len(system.states))
+    if imaging.at_rows and is_driven(imaging.engine.tables):  # else nothing depends on time
+        kept.append(len(system.states))
     place = kept.index(coordinate.place)
     matrices = matrices[:, kept][:, :, kept]
     begin = _two_directions(len(kept))

@@ -53,7 +53,8 @@ def hidden_jumps(
     for _ in range(_HALVINGS):
         wide = high - low > _WIDTH * (np.abs(low) + span)
         kept = np.isfinite(left + right) & (np.abs(change(right - left)) > JUMP * extent)
-        low, high, left, right, wide = (part[kept] for part in (low, high, left, right, wide))
+        low, high, left, right = (part[kept] for part in (low, high, left, right))
+        wide = wide[kept]
         if not wide.any():
             break
         middle = 0.5 * (low + high)

@@ -69,6 +69,7 @@ class Imaging:
     origin: Integers  # number in the system of each mode of the engine
     begin: Instant  # of starts that bring no phase
     at_rows = False  # whether images are rows of the event log
+    side = 0  # of an event at which an image lies: just before, or 1 just after
 
     def __init__(self, chosen: StroboscopicMap | PoincareMap, tolerance: float, longest: int):
         self.chosen, self.tolerance, self.longest = chosen, tolerance, longest
@@ -145,11 +146,15 @@ class Imaging:
         self, lanes: Integers, entered: Integers, rows: Integers, mode: Integers
     ) -> tuple[Texts, Texts]:
         """Words of modes, and names of exits in order; lanes that do the same share a text."""
-        kinds, which = np.unique(rows[:, [at.FROM, at.PATH, at.PASSES]], axis=0, return_inverse=True)
+        kinds, which = np.unique(
+            rows[:, [at.FROM, at.PATH, at.PASSES]], axis=0, return_inverse=True
+        )
         labels = labels_of(self.engine.system)
-        own = {name for of_mode in self.chosen.system.compiled.exit_names for name in of_mode}
-        paths = [labels.path(*map(int, kind)).split(">") for kind in kinds]
-        names = [">".join(name for name in path if name in {*own, "..."}) for path in paths]
+        own = {"...", *(n for names in self.chosen.system.compiled.exit_names for n in names)}
+        names = [
+            ">".join(name for name in labels.path(*map(int, kind)).split(">") if name in own)
+            for kind in kinds
+        ]
         codes = np.column_stack([which.ravel(), entered]).astype(np.int64)
         cuts = np.searchsorted(lanes, np.arange(mode.size + 1))
         known: dict[tuple[int, bytes], tuple[str, str]] = {}
@@ -223,13 +228,12 @@ class SectionImaging(Imaging):
             starts.number, starts.phase, known, starts.states
         )
         phase, before = starts.phase - step, starts.phase < step
-        return Starts(
-            moved, starts.number - before, np.where(before, phase + self.window, phase), starts.modes
-        )
+        phase = np.where(before, phase + self.window, phase)
+        return Starts(moved, starts.number - before, phase, starts.modes)
 
     def follow(self, starts: Starts, log: LaneLog) -> Way:
         """Run until each lane has come to its image."""
-        count, wanted = log.status.size, self.chosen.every
+        wanted = self.chosen.every
         left = np.flatnonzero(log.status == Status.COMPLETED)
         end = Instant(int(starts.number.max(initial=0)), 0.0)
         length, waited = _FIRST, 0
@@ -259,9 +263,7 @@ class SectionImaging(Imaging):
         own: npt.NDArray[np.bool_] = (rows[:, at.PASSES] == 1) & (rows[:, at.EXIT] >= 0)
         return own & (rows[:, at.EXIT] == self.gate[rows[:, at.FROM]])
 
-    def _look(
-        self, starts: Starts, log: LaneLog, wanted: int
-    ) -> tuple[Way, npt.NDArray[np.bool_]]:
+    def _look(self, starts: Starts, log: LaneLog, wanted: int) -> tuple[Way, npt.NDArray[np.bool_]]:
         """The images that the log holds, and which lanes have one."""
         lanes, rows, values = log.rows()
         count, n = starts.states.shape

@@ -40,7 +40,15 @@ class Settled(NamedTuple):
 
     def anchor(self, i: int) -> Anchor:
         """Copy of the anchor of one lane."""
-        return Anchor(*(part[i].copy() for part in self.anchors))
+        return some_anchors(self.anchors, i)
+
+
+def some_anchors(anchors: Anchor, chosen: int | slice | Integers) -> Anchor:
+    """Copy of one anchor or of several."""
+    return Anchor(
+        anchors.place[chosen].copy(), anchors.phase[chosen].copy(), anchors.state[chosen].copy(),
+        anchors.order[chosen].copy(),
+    )  # fmt: skip
 
 
 def settle(
@@ -59,7 +67,7 @@ def settle(
         left = np.flatnonzero(status == Status.INADMISSIBLE)
         if not left.size:
             break
-        some = Anchor(*(part[left] for part in anchors))
+        some = some_anchors(anchors, left)
         some.state[:] = starts.states[left]
         records = _records(left.size, n, _AT_START)
         tangent = _of_lanes(many, left.size)
@@ -85,7 +93,7 @@ class LaneLog:
 
     def __init__(self, engine: LaneRunner, settled: Settled, tolerance: float) -> None:
         self.engine, self.tolerance = engine, tolerance
-        self.anchors = Anchor(*(part.copy() for part in settled.anchors))
+        self.anchors = some_anchors(settled.anchors, slice(None))
         self.status = settled.status.copy()
         self.ends = np.full((self.status.size, int(engine.sizes[0])), np.nan)
         self._since = np.full((self.status.size, 2), -np.inf)
@@ -99,7 +107,7 @@ class LaneLog:
 
         ``ends`` and ``status`` are those at the instant.
         """
-        some = Anchor(*(part[chosen] for part in self.anchors))
+        some = some_anchors(self.anchors, chosen)
         n = some.state.shape[1]
         records = _records(chosen.size, n, _ROOM)
         records.since[:], records.cursor[:] = self._since[chosen], self._cursor[chosen]

@@ -6,7 +6,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-import xarray as xr
 
 from nonsmooth.analysis.returns.coordinate import Coordinate
 from nonsmooth.analysis.returns.images import Imaging
@@ -16,7 +15,14 @@ from nonsmooth.maps.of_system import Map
 from nonsmooth.simulation.labels import labels_of
 from nonsmooth.version import __version__
 
-__all__ = ["BorderTable", "Reduction", "common_attributes", "over_borders", "over_fixed", "over_starts"]
+__all__ = [
+    "BorderTable",
+    "Reduction",
+    "common_attributes",
+    "over_borders",
+    "over_fixed",
+    "over_starts",
+]
 
 Floats = npt.NDArray[np.float64]
 
@@ -51,7 +57,8 @@ def over_starts(
         "slope": ("start", branch.slope, {"long_name": "derivative of the image by the start"}),
         "deviation": ("start", reduction.deviations, {
             **words, "long_name": "what the coordinate alone does not tell of an image"}),
-        "return_time": ("start", np.where(images.there, length, np.nan), {**time, "long_name": "time from the start to the image"}),
+        "return_time": ("start", np.where(images.there, length, np.nan), {
+            **time, "long_name": "time from the start to the image"}),
         "word": ("start", images.words, {"long_name": "modes on the way"}),
         "exits": ("start", images.exits, {"long_name": "exits passed on the way"}),
         "n_events": ("start", images.n_events, {"long_name": "events on the way"}),
@@ -68,6 +75,9 @@ def over_starts(
         "largest_spread": ((), reduction.largest, {
             "long_name": "largest deviation over the range of the images"}),
     }  # fmt: skip
+    if coordinate.turn is not None:
+        turn = {**words, "long_name": "length after which the coordinate begins anew"}
+        variables["turn"] = ((), coordinate.turn, turn)
     coords = {
         "start": ("start", branch.values, words),
         "state": ("state", np.array(system.states), {"long_name": "state"}),
@@ -126,8 +136,6 @@ def common_attributes(
     }
     if system.period_value is not None:
         attrs["period"] = system.period_value
-    if coordinate.turn is not None:
-        attrs["turn"] = coordinate.turn
     lost = branch.images.status[~branch.images.there]
     counts = {Status(int(code)).word: int(np.sum(lost == code)) for code in np.unique(lost)}
     attrs["message"] = "completed"

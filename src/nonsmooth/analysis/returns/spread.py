@@ -35,7 +35,10 @@ def deviations_of_points(coordinate: Coordinate, branch: Branch) -> Floats:
     if here.size < 3:
         return found
     x, image = branch.values[here], branch.image[here]
-    left, right = coordinate.change(image[:-2] - image[1:-1]), coordinate.change(image[2:] - image[1:-1])
+    left, right = (
+        coordinate.change(image[:-2] - image[1:-1]),
+        coordinate.change(image[2:] - image[1:-1]),
+    )
     width = x[2:] - x[:-2]
     share = np.divide(x[1:-1] - x[:-2], width, out=np.full(width.size, 0.5), where=width > 0.0)
     found[here[1:-1]] = -(left + share * (right - left))

@@ -100,7 +100,7 @@ class Tangents:
         if status != Status.BUFFER_FULL:
             return np.full((n + 1, n), np.nan)
         row, value = records.event_integers[rows - 1], records.event_floats[rows - 1]
-        side = int(self.imaging.chosen.side == "after")
+        side = self.imaging.side
         now = (tangent.now, tangent.columns)[side][:, :n].T
         # the moment of a knot of a signal is known, so nothing shifts it
         at_knot = self.knots and value[at.GUARD_RATE] == 0.0
