@@ -15,7 +15,15 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-__all__ = ["curves", "draw_diagonal", "finish_map", "image_at", "of_motion", "require_map", "turn_of"]
+__all__ = [
+    "curves",
+    "draw_diagonal",
+    "finish_map",
+    "image_at",
+    "of_motion",
+    "require_map",
+    "turn_of",
+]
 
 Floats = npt.NDArray[np.float64]
 
@@ -91,10 +99,9 @@ def finish_map(ax: Axes, data: xr.Dataset) -> None:
 
 
 def _image_label(data: xr.Dataset) -> str:
-    words: dict[str, Any] = dict(data["image"].attrs)
+    """Label of the images: that of the starts, and which return it is."""
     order = int(data.attrs.get("order", 1))
-    if order > 1:
-        words["long_name"] = str(words.get("long_name", "image")).replace(
-            "the next point", f"point {order} behind"
-        )
-    return axis_label(data["image"].copy(data=data["image"].values).assign_attrs(words))
+    which = "next point" if order == 1 else f"{order} points on"
+    words: dict[str, Any] = dict(data["start"].attrs)
+    words["long_name"] = f"{words.get('long_name') or 'start'}, {which}"
+    return axis_label(data["start"].assign_attrs(words))

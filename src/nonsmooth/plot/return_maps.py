@@ -8,7 +8,7 @@ import numpy as np
 
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.map_graph import curves, draw_diagonal, finish_map, of_motion, require_map
-from nonsmooth.plot.style import PALETTE, place_legend, wrapped
+from nonsmooth.plot.style import PALETTE, place_legend
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -18,7 +18,7 @@ __all__ = ["return_map"]
 
 _COLOURS = [colour for name, colour in PALETTE.items() if name != "yellow"]  # faint as a line
 _DASHES = ("-", "--", ":", "-.")
-_LONGEST = 66  # letters of a label
+_LONGEST = 44  # letters of a label
 
 
 def return_map(
@@ -118,10 +118,10 @@ def _label(text: str) -> str:
             words.append(names[i])
             i += 1
         else:
-            words.append(f"{count} times {block if length == 1 else f'({block})'}")
+            words.append(f"{count}({block})")
             i += length * count
-    label = ", ".join(words) or "no exit"
-    return wrapped(label if len(label) <= _LONGEST else label[: _LONGEST - 1] + "…")
+    label = " ".join(words) or "no exit"
+    return label if len(label) <= _LONGEST else label[: _LONGEST - 1] + "…"
 
 
 def _repeats(names: list[str], length: int) -> int:

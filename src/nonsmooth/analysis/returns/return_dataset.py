@@ -53,7 +53,7 @@ def over_starts(
     length = (images.number - starts.number) * imaging.window + (images.phase - starts.phase)
     statuses = [Status(int(code)).word for code in images.status]
     variables: dict[str, Any] = {
-        "image": ("start", branch.image, {**words, "long_name": f"{label} at the next point"}),
+        "image": ("start", branch.image, {**words, "long_name": f"{label}, at the image"}),
         "slope": ("start", branch.slope, {"long_name": "derivative of the image by the start"}),
         "deviation": ("start", reduction.deviations, {
             **words, "long_name": "what the coordinate alone does not tell of an image"}),
@@ -91,13 +91,13 @@ def over_borders(coordinate: Coordinate, table: BorderTable) -> dict[str, Any]:
     low, high = table.low, table.high
     return {
         "border_start": ("border", 0.5 * (low.values + high.values), {
-            **words, "long_name": f"{label} at a border"}),
+            **words, "long_name": f"{label}, at a border"}),
         "border_kind": ("border", np.array(table.kinds, dtype=str), {
             "long_name": "what the map does at a border"}),
         "image_before": ("border", low.image, {
-            **words, "long_name": f"{label} at the image of a start just below"}),
+            **words, "long_name": f"{label}, at the image of a start just below"}),
         "image_after": ("border", high.image, {
-            **words, "long_name": f"{label} at the image of a start just above"}),
+            **words, "long_name": f"{label}, at the image of a start just above"}),
         "exits_before": ("border", low.images.exits, {"long_name": "exits passed just below"}),
         "exits_after": ("border", high.images.exits, {"long_name": "exits passed just above"}),
     }  # fmt: skip
@@ -108,7 +108,7 @@ def over_fixed(coordinate: Coordinate, fixed: Branch, deviations: Floats) -> dic
     words, label = dict(coordinate.words), coordinate.words["long_name"]
     return {
         "fixed_start": ("fixed_point", fixed.values, {
-            **words, "long_name": f"{label} at a fixed point"}),
+            **words, "long_name": f"{label}, at a fixed point"}),
         "fixed_slope": ("fixed_point", fixed.slope, {"long_name": "derivative at a fixed point"}),
         "fixed_stable": ("fixed_point", np.abs(fixed.slope) < 1.0, {
             "long_name": "whether the map of one coordinate is stable there"}),

@@ -68,11 +68,12 @@ class Tangents:
         first = self.rates.of_many(
             anchors.place[:, 0], anchors.phase[:, 0], anchors.place[:, 1], anchors.state
         )
-        for k, i in enumerate(there):
-            whole = self._to_image(begun.anchor(k), begun.columns[k], images, int(i))
-            found[i, :, :n] = whole @ entry[k]
-            # the motion from a later start is that from a start as much behind on the way
-            found[i, :, n] = -whole @ first[k] if self.imaging.at_rows else 0.0
+        with np.errstate(invalid="ignore"):  # slopes without bound where a motion just touches
+            for k, i in enumerate(there):
+                whole = self._to_image(begun.anchor(k), begun.columns[k], images, int(i))
+                found[i, :, :n] = whole @ entry[k]
+                # the motion from a later start is that from a start as much behind on the way
+                found[i, :, n] = -whole @ first[k] if self.imaging.at_rows else 0.0
         return found
 
     def _to_image(self, anchor: Anchor, columns: Floats, images: Images, i: int) -> Floats:
