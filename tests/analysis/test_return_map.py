@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import nonsmooth as ns
-from maps.balls import logistic_ball
+from maps.balls import logistic_ball, rigid_wall
 
 
 def table_ball(r=0.8, w=0.1):
@@ -291,6 +291,56 @@ def test_mole_in_points():
     assert np.allclose(found["image"].values[:-1], points["phase"].values[1:], atol=1e-11)
     assert set(found["status"].values) == {"completed"}
     assert found["exponent_per_return"].values[1] < -20.0
+
+
+BEFORE = {"completion": {"q": 0.1, "y": 0.5, "p": "q+g"}, "mode": "no_contact"}
+AFTER = {"completion": {"q": 0.1, "y": 0.5}, "mode": "contact"}
+AT_WALL = {"completion": {"x": 0, "v": 0.6}}
+OFF_WALL = {"completion": {"x": 0, "v": -0.48}}
+
+
+@pytest.mark.filterwarnings("ignore::nonsmooth.ResultWarning")
+@pytest.mark.parametrize(
+    ("system", "at", "before", "after"),
+    [
+        (ns.models.moling(), (5.0, 20.0, 40.0), BEFORE, AFTER),
+        (rigid_wall(omega=2.8), (0.3, 1.0), AT_WALL, OFF_WALL),
+    ],
+    ids=["mole", "wall"],
+)
+def test_starts_on_either_side_of_an_event(system, at, before, after):
+    """The same motions, and slopes that are difference quotients."""
+    step = 1e-5
+    for phase in at:
+        found = [
+            ns.return_map(
+                ns.PoincareMap(system, "impact", side=side), "phase",
+                (phase - step, phase + step), samples=3, **how,
+            )
+            for side, how in (("before", before), ("after", after))
+        ]  # fmt: skip
+        one, other = found
+        assert np.allclose(one["image"], other["image"], rtol=0, atol=1e-11)
+        assert one["exits"].values.tolist() == other["exits"].values.tolist()
+        assert one["word"].values.tolist() == other["word"].values.tolist()
+        quotient = float(other["image"][-1] - other["image"][0]) / (2 * step)
+        for each in found:
+            assert float(each["slope"][1]) == pytest.approx(quotient, rel=1e-8)
+
+
+def test_chaos_of_the_mole_in_one_dimension():
+    """The exponent is the mean of the slopes' logarithms, as on a line, and no other is near."""
+    mole = ns.models.moling(b=0.05)
+    end = "2*xi*y + q = 1"
+    points = ns.poincare_section(mole, section=end, direction=-1, transient=200, record=400)
+    found = ns.return_map(ns.PoincareMap(mole, end, direction=-1), "phase", points=points)
+    slopes = found["slope"].values[np.isfinite(found["slope"].values)]
+    first, second = found["exponent_per_return"].values
+    assert slopes.size > 390
+    # q relaxes within each progression, so that nothing but the phase is left
+    assert first == pytest.approx(np.mean(np.log(np.abs(slopes))), abs=1e-6)
+    assert first > 0.5
+    assert second < -20.0
 
 
 def test_no_return():

@@ -60,7 +60,7 @@ def test_jumps_and_the_end_of_the_circle_are_not_joined(mole):
     assert ax.get_xlim() == ax.get_ylim()
     assert ax.get_ylim()[1] > ns.models.moling().period_value
     assert "black" not in {labelled(ax)["steps"].get_color()}
-    assert ax.get_ylabel().replace("\n", " ") == "time since the period began, next point"
+    assert ax.get_ylabel().replace("\n", " ") == "time since the period began, next"
     steps = labelled(ax)["steps"].get_xdata()
     assert steps[-1] == pytest.approx(float(mole["fixed_start"][0]), abs=1e-6)
 

@@ -124,7 +124,8 @@ class Crossings:
         count, n = states.shape
         shifts = np.vstack([np.ones(n), 1.0 + _SHIFT * np.eye(n)])
         shifted = (states[:, None] * shifts).reshape(-1, n)
-        number, phase = (np.repeat(c, n + 1) for c in (rows[:, at.NUMBER], values[:, at.PHASE]))
+        number = np.repeat(rows[:, at.NUMBER], n + 1)
+        phase = np.repeat(values[:, at.PHASE], n + 1)
         system = self.section.system
         clock, modes = Clock(number, phase, self.tables), np.full(number.size, mode)
         found = output_values(system, clock, shifted.T, modes)[self.section.value]

@@ -101,7 +101,7 @@ def finish_map(ax: Axes, data: xr.Dataset) -> None:
 def _image_label(data: xr.Dataset) -> str:
     """Label of the images: that of the starts, and which return it is."""
     order = int(data.attrs.get("order", 1))
-    which = "next point" if order == 1 else f"{order} points on"
+    which = "next" if order == 1 else f"{order} points on"
     words: dict[str, Any] = dict(data["start"].attrs)
     words["long_name"] = f"{words.get('long_name') or 'start'}, {which}"
     return axis_label(data["start"].assign_attrs(words))

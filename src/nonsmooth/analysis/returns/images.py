@@ -206,7 +206,7 @@ class SectionImaging(Imaging):
         split = chosen.split
         self.engine = LaneRunner(chosen.system if split is None else split.system, tolerance)
         self.origin = np.arange(len(chosen.system.mode_names)) if split is None else split.origin
-        self.side = 0 if chosen.side == "before" else 1
+        self.section, self.side = chosen.section, 0 if chosen.side == "before" else 1
         self.begin = Instant(0, 0.0)
         self.pick: Crossings | NamedEvents
         if split is None:
@@ -218,6 +218,8 @@ class SectionImaging(Imaging):
 
     def prepared(self, starts: Starts) -> Starts:
         """Starts that lie just before events a little earlier on their motions."""
+        if self.gate is None and self.side == 0 and np.all(starts.modes == ANY):
+            starts = starts._replace(modes=self._modes_before(starts.modes))
         starts = super().prepared(starts)
         known = starts.modes[:, 0]
         if self.gate is not None or self.side == 1 or not np.all(known >= 0):
@@ -230,6 +232,13 @@ class SectionImaging(Imaging):
         phase, before = starts.phase - step, starts.phase < step
         phase = np.where(before, phase + self.window, phase)
         return Starts(moved, starts.number - before, phase, starts.modes)
+
+    def _modes_before(self, modes: Integers) -> Integers:
+        """The mode that the event of the section ends, where it is one, and then any."""
+        exits = self.chosen.system.compiled.exit_names
+        ended = [m for m, names in enumerate(exits) if self.section in names]
+        first = np.full((len(modes), 1), ended[0] if len(ended) == 1 else ANY, np.int64)
+        return np.hstack([first, modes])
 
     def follow(self, starts: Starts, log: LaneLog) -> Way:
         """Run until each lane has come to its image."""
