@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from nonsmooth.analysis.power_spectrum import power_spectrum
     from nonsmooth.analysis.regime import regime
     from nonsmooth.analysis.regime_map import regime_map
+    from nonsmooth.analysis.return_map import return_map
     from nonsmooth.analysis.stroboscopic_map import stroboscopic_map
     from nonsmooth.analysis.tie_parameters import tie_parameters
     from nonsmooth.analysis.uncertainty_exponent import uncertainty_exponent
@@ -95,6 +96,7 @@ __all__ = [
     "power_spectrum",
     "regime",
     "regime_map",
+    "return_map",
     "simulate",
     "stroboscopic_map",
     "tie_parameters",
@@ -138,6 +140,7 @@ _HOME = {
     "power_spectrum": "nonsmooth.analysis.power_spectrum",
     "regime": "nonsmooth.analysis.regime",
     "regime_map": "nonsmooth.analysis.regime_map",
+    "return_map": "nonsmooth.analysis.return_map",
     "simulate": "nonsmooth.simulation.simulate",
     "stroboscopic_map": "nonsmooth.analysis.stroboscopic_map",
     "tie_parameters": "nonsmooth.analysis.tie_parameters",

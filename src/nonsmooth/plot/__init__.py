@@ -9,6 +9,7 @@ from nonsmooth.plot.attractor_sets import attractors
 from nonsmooth.plot.basin_cells import basins
 from nonsmooth.plot.branches import branch
 from nonsmooth.plot.cascades import waterfall
+from nonsmooth.plot.cobwebs import cobweb
 from nonsmooth.plot.compared_lives import lives
 from nonsmooth.plot.comparisons import comparison
 from nonsmooth.plot.diagrams import bifurcation
@@ -26,6 +27,7 @@ from nonsmooth.plot.periodic_orbits import orbit_history, periodic_orbit
 from nonsmooth.plot.portrait import phase_portrait
 from nonsmooth.plot.portrait_stack import phase_portrait_3d
 from nonsmooth.plot.regimes import regime_map
+from nonsmooth.plot.return_maps import return_map
 from nonsmooth.plot.ring_regions import contact_regions
 from nonsmooth.plot.sections import section
 from nonsmooth.plot.shaking import shaking
@@ -43,6 +45,7 @@ __all__ = [
     "basins",
     "bifurcation",
     "branch",
+    "cobweb",
     "comparison",
     "contact_regions",
     "crack_lengths",
@@ -61,6 +64,7 @@ __all__ = [
     "phases",
     "print_figure",
     "regime_map",
+    "return_map",
     "save_figure",
     "section",
     "shaking",
