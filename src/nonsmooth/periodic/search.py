@@ -100,7 +100,10 @@ def equations_for(wanted: Wanted, legs: Legs, guess: Guess) -> OrbitEquations:
 
 
 def solve_guess(wanted: Wanted, legs: Legs, guess: Guess) -> Found:
-    """Newton's method from a guess."""
+    """Newton's method from a guess; drifts begin at zero."""
+    drifting = np.array([name in wanted.system.drift_states for name in wanted.system.states])
+    states = guess.turn.states - np.where(drifting, guess.turn.states[0], 0.0)
+    guess = Guess(guess.word, Turn(states, guess.turn.instants))
     equations = equations_for(wanted, legs, guess)
     solution = solve_orbit(equations, equations.pack(guess.turn))
     if solution.status != "completed":
