@@ -108,7 +108,7 @@ class Observer:
     def _tests(self, segment: Segment) -> Iterator[Mark]:
         before, after = self.tested(segment.first), self.tested(segment.last)
         for name in after:
-            if name in before:
+            if name in before and not before[name] * after[name] > 0.0:
                 found = segment.locate(self._named(name))
                 if found:
                     yield Mark(*found, name)

@@ -50,6 +50,13 @@ def solve_orbit(
         if not well:
             return Solution(unknowns, size, iteration, "singular")
         length = float(np.abs(step).max())
+        if size <= _CLOSED and min(length, last) <= _SMALL:
+            # one more step takes what rounding allows
+            size_there, found = _try(equations, unknowns + step * scale, rows)
+            if size_there < size:
+                return Solution(unknowns + step * scale, size_there, iteration, "completed")
+            equations.evaluate(unknowns)
+            return Solution(unknowns, size, iteration, "completed")
         part = _longest_part(equations, unknowns, step * scale)
         for _ in range(_MOST_HALVINGS):
             new = unknowns + part * step * scale
@@ -58,10 +65,8 @@ def solve_orbit(
                 break
             part *= 0.5
         else:
-            # rounding is all that is left of the residual, or there is no way on
             equations.evaluate(unknowns)
-            there = size <= _CLOSED and min(length, last) <= _SMALL
-            return Solution(unknowns, size, iteration, "completed" if there else "no_orbit")
+            return Solution(unknowns, size, iteration, "no_orbit")
         assert found is not None
         unknowns, size, last = new, size_there, length
         residual, jacobian = found

@@ -77,7 +77,7 @@ class Word:
             mode = int(wiring[mode, 1 + e, at.TARGET])
         return mode
 
-    @property
+    @cached_property
     def path_bits(self) -> Integers:
         """Paths as the event log keeps them."""
         bits = [sum((e + 1) << (PATH_BITS * k) for k, e in enumerate(path)) for path in self.paths]
