@@ -80,17 +80,12 @@ def take_turn(course: Course, free: Sequence[mpf], guesses: Sequence[mpf]) -> Tu
             duration = course.start + course.span - time
         else:
             duration = _until(leg, state, time, mpf(guesses[i]))
+        state = leg.flow(state, time, duration)
         time += duration
-        state = leg.flow(state, durations_start(time, duration), duration)
         if leg.after is not None:
             state = leg.after(state, time)
         durations.append(duration)
     return Turn(tuple(durations), tuple(states), state)
-
-
-def durations_start(time: mpf, duration: mpf) -> mpf:
-    """Time at which a leg began that ends at ``time``."""
-    return time - duration
 
 
 def _until(leg: Leg, state: State, time: mpf, guess: mpf) -> mpf:
@@ -202,6 +197,59 @@ def fold(
             turn = take_turn(course, unknown[:-1], guesses)
             return unknown[-1], Orbit(course, unknown[:-1], turn, slope)
     raise NoOrbit("Newton's method does not converge to a fold")
+
+
+def lasting(
+    make: Callable[[mpf], Course], leg: int, duration, near, free: Sequence, guesses: Sequence
+) -> tuple[mpf, Orbit]:
+    """The parameter for which a leg lasts so long, and the orbit: regular at folds and grazing.
+
+    The unknowns are the free states, the other durations and the parameter; each guard is zero
+    at the end of its leg.
+    """
+    n, legs = len(free), len(make(mpf(near)).legs)
+    unknown = (*map(mpf, free), *map(mpf, guesses[: legs - 1]), mpf(near))
+    small = mpf(10) ** -25
+
+    def miss(values: State) -> list[mpf]:
+        course, lasts = make(values[-1]), values[n:-1]
+        turn, gaps = _timed_turn(course, values[:n], lasts)
+        closing = [a - b for a, b in zip(course.off(turn.end), values[:n], strict=True)]
+        return [*closing, *gaps, lasts[leg] - mpf(duration)]
+
+    for _ in range(60):
+        here = miss(unknown)
+        columns = [
+            [(a - b) / small for a, b in zip(miss(_moved(unknown, j, small)), here, strict=True)]
+            for j in range(len(unknown))
+        ]
+        change = mp.lu_solve(matrix(columns).T, -matrix(here))
+        unknown = tuple(x + c for x, c in zip(unknown, change, strict=True))
+        if mp.norm(change) < mpf(10) ** -32:
+            course = make(unknown[-1])
+            turn, _ = _timed_turn(course, unknown[:n], unknown[n:-1])
+            slope = tangent(course, unknown[:n], turn.durations)
+            return unknown[-1], Orbit(course, unknown[:n], turn, slope)
+    raise NoOrbit("Newton's method does not converge to an orbit with this duration")
+
+
+def _timed_turn(
+    course: Course, free: Sequence[mpf], lasts: Sequence[mpf]
+) -> tuple[Turn, list[mpf]]:
+    """A turn whose legs last so long, whatever their guards are then, and those guards."""
+    state, time = course.onto(tuple(free)), course.start
+    durations, states, gaps = [], [], []
+    for i, leg in enumerate(course.legs):
+        states.append(state)
+        duration = lasts[i] if leg.guard else course.start + course.span - time
+        state = leg.flow(state, time, duration)
+        time += duration
+        if leg.guard:
+            gaps.append(leg.guard(state, time))
+        if leg.after is not None:
+            state = leg.after(state, time)
+        durations.append(duration)
+    return Turn(tuple(durations), tuple(states), state), gaps
 
 
 def repeated(course: Course, times: int) -> Course:
