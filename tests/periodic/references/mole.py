@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from functools import partial
 
 from mpmath import mp, mpf
+from reference.mole import mole_events
 from reference.mole_modes import MODES, Mole
 from reference.mole_modes import State as Full
 
@@ -54,3 +55,15 @@ def _on(mole: Mole, to: str):
     if to == "no_contact":
         return None
     return lambda z, time: (z[2] + mole.g, *z[1:])
+
+
+def certify(case, orbit) -> bool:
+    """Whether the certified reference goes through the same modes and comes back."""
+    parameters = PARAMETERS | case.parameters | {"phi": mp.pi / 2}
+    state = dict(zip(Full._fields, orbit.turn.states[0], strict=True))
+    run = mole_events(parameters, state, case.periods)
+    modes = [orbit.course.legs[0].mode, *(to for _, _, to in run.events)]
+    if modes != [leg.mode for leg in orbit.course.legs]:
+        return False
+    misses = [abs(a - b) for a, b in zip(run.final[:3], orbit.turn.end[:3], strict=True)]
+    return max(misses) < mpf(10) ** -20

@@ -13,9 +13,18 @@ from typing import NamedTuple
 
 from mpmath import matrix, mp, mpf
 
-DIGITS = 60
-STEP = mpf(10) ** -20
-CLOSED = mpf(10) ** -40
+DIGITS = 60  # to be set by those who call, with mp.workdps
+
+
+def step() -> mpf:
+    """Of central differences: a third of the digits, so that two thirds remain."""
+    return mpf(10) ** -(mp.dps // 3)
+
+
+def closed() -> mpf:
+    """How small Newton's last change must be."""
+    return mpf(10) ** -(2 * mp.dps // 3)
+
 
 State = tuple[mpf, ...]
 
@@ -94,7 +103,7 @@ def _until(leg: Leg, state: State, time: mpf, guess: mpf) -> mpf:
     def gap(s: mpf) -> mpf:
         return leg.guard(leg.flow(state, time, s), time + s)
 
-    old, new = guess, guess + STEP * 10**10
+    old, new = guess, guess * (1 + mpf(10) ** -10)
     before, now = gap(old), gap(new)
     for _ in range(60):
         if now == before:
@@ -111,10 +120,10 @@ def tangent(course: Course, free: State, guesses: Sequence[mpf]) -> matrix:
     columns = []
     for j in range(len(free)):
         ends = [
-            course.off(take_turn(course, _moved(free, j, sign * STEP), guesses).end)
+            course.off(take_turn(course, _moved(free, j, sign * step()), guesses).end)
             for sign in (1, -1)
         ]
-        columns.append([(a - b) / (2 * STEP) for a, b in zip(*ends, strict=True)])
+        columns.append([(a - b) / (2 * step()) for a, b in zip(*ends, strict=True)])
     return matrix(columns).T
 
 
@@ -134,7 +143,7 @@ def close(course: Course, free: Sequence, guesses: Sequence, steps: int = 30) ->
         change = mp.lu_solve(slope - mp.eye(len(free)), -miss)
         free = tuple(x + c for x, c in zip(free, change, strict=True))
         guesses = turn.durations
-        if mp.norm(change) < CLOSED:
+        if mp.norm(change) < closed():
             return Orbit(course, free, take_turn(course, free, guesses), slope)
         if mp.norm(change) > 10**6:
             break
