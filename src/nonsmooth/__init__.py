@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from nonsmooth.version import __version__
 
 if TYPE_CHECKING:
-    from nonsmooth import excitation, fatigue, measured, models, plot
+    from nonsmooth import continuation, excitation, fatigue, measured, models, plot
     from nonsmooth.analysis.attractors import attractors
     from nonsmooth.analysis.basin_entropy import basin_entropy
     from nonsmooth.analysis.basin_fractions import basin_fractions
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from nonsmooth.analysis.contact_statistics import contact_statistics
     from nonsmooth.analysis.correlation_dimension import correlation_dimension
     from nonsmooth.analysis.ensemble import ensemble
+    from nonsmooth.analysis.find_orbit import find_orbit
     from nonsmooth.analysis.full_spectrum import full_spectrum
     from nonsmooth.analysis.local_regimes import local_regimes
     from nonsmooth.analysis.lyapunov_spectrum import lyapunov_spectrum
@@ -73,10 +74,12 @@ __all__ = [
     "bifurcation_diagram",
     "box_dimension",
     "contact_statistics",
+    "continuation",
     "correlation_dimension",
     "ensemble",
     "excitation",
     "fatigue",
+    "find_orbit",
     "full_spectrum",
     "local_regimes",
     "lyapunov_spectrum",
@@ -121,6 +124,7 @@ _HOME = {
     "contact_statistics": "nonsmooth.analysis.contact_statistics",
     "correlation_dimension": "nonsmooth.analysis.correlation_dimension",
     "ensemble": "nonsmooth.analysis.ensemble",
+    "find_orbit": "nonsmooth.analysis.find_orbit",
     "full_spectrum": "nonsmooth.analysis.full_spectrum",
     "local_regimes": "nonsmooth.analysis.local_regimes",
     "lyapunov_spectrum": "nonsmooth.analysis.lyapunov_spectrum",
@@ -142,7 +146,7 @@ _HOME = {
 
 
 def __getattr__(name: str) -> Any:
-    if name in ("excitation", "fatigue", "measured", "models", "plot"):
+    if name in ("continuation", "excitation", "fatigue", "measured", "models", "plot"):
         return importlib.import_module(f"nonsmooth.{name}")
     if name not in _HOME:
         raise AttributeError(f"module 'nonsmooth' has no attribute {name!r}")

@@ -20,10 +20,11 @@ _CONVERGED = 2.0**-32  # last term beside the largest; those left out are a seve
 
 @inlined
 def carry_by_series(tables, rates, segment, tangent, m, s):
-    """Columns after s of the present step, into tangent.now."""
+    """Columns after s of the present step, into tangent.now; s may be negative."""
     n, count, dual = tables.sizes[0], tangent.columns.shape[0], tangent.dual
     series, columns = segment.series, tangent.columns
-    passed, length = 0.0, s
+    way, whole = (1.0, s) if s >= 0.0 else (-1.0, -s)
+    passed, length = 0.0, whole
     while True:
         if tangent.ready[0] == 0:
             for i in range(columns.shape[1]):
@@ -36,17 +37,17 @@ def carry_by_series(tables, rates, segment, tangent, m, s):
                 rates.harmonics, series, dual, 0, at.ORDER, dual.shape[1],
             )  # fmt: skip
             tangent.ready[0] = 1
-        while length > _SHORTEST * s and not _converge(n, count, dual, length):
+        while length > _SHORTEST * whole and not _converge(n, count, dual, length):
             length *= 0.5
-        if passed + length >= s:
-            _evaluate(n, dual, s - passed, tangent.now)
+        if passed + length >= whole:
+            _evaluate(n, dual, way * (whole - passed), tangent.now)
             break
         series, columns = tangent.series, tangent.piece
-        _evaluate(columns.shape[1], dual, length, columns)
+        _evaluate(columns.shape[1], dual, way * length, columns)
         passed += length
-        _fill_piece(tables, segment.series, m, passed, series)
+        _fill_piece(tables, segment.series, m, way * passed, series)
         tangent.ready[0] = 0
-        length = min(2.0 * length, s - passed)
+        length = min(2.0 * length, whole - passed)
     if passed > 0.0:
         tangent.ready[0] = 0  # the series are those of the last piece
 

@@ -1,0 +1,138 @@
+"""`find_orbit`: a periodic orbit, stable or not, from a guess, a motion or a word."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from nonsmooth.analysis.orbit_search.options import read_wanted, said_of_options
+from nonsmooth.maps.stroboscopic import StroboscopicMap
+from nonsmooth.periodic.legs import Legs
+from nonsmooth.periodic.orbit_dataset import failed_dataset, orbit_dataset
+from nonsmooth.periodic.search import search_orbit
+from nonsmooth.system.system import System
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["find_orbit"]
+
+
+def find_orbit(
+    system: System | StroboscopicMap,
+    initial: Any = None,
+    *,
+    period: int = 1,
+    word: Any = None,
+    transient: int | None = None,
+    parameters: Mapping[str, float] | None = None,
+    phase: float = 0.0,
+    mode: str | None = None,
+    tolerance: float = 1e-12,
+) -> xr.Dataset:
+    """Find a periodic orbit, with its stability; drifts apart.
+
+    Parameters
+    ----------
+    system : System or StroboscopicMap
+        The system, driven or not; a map says at which phase the orbit is reported.
+    initial : mapping, dataset or run, optional
+        Start of the motion from which the orbit is guessed, as in `simulate`; the rest state
+        without it. A point of another orbit is one.
+    period : int, optional
+        Periods of the forcing in one turn. Where nothing drives the system, turns of the cycle.
+    word : str or sequence of str, optional
+        Modes of one turn in order, as `phase_word` gives them, for an orbit that no motion
+        follows: ``"no_contact contact progression contact no_contact"``. It ends in the mode in
+        which it begins.
+    transient : int, optional
+        Periods that the motion is left to itself before the guess is taken; 0 where ``initial`` is
+        given, 200 otherwise.
+    parameters : mapping of str to float, optional
+        Changed values of parameters.
+
+    Other Parameters
+    ----------------
+    phase : float, optional
+        Part of the period at which the orbit is reported, from 0 to less than 1.
+    mode : str, optional
+        Mode of the start, as in `simulate`.
+    tolerance : float, optional
+        As in `simulate`.
+
+    Returns
+    -------
+    xarray.Dataset
+        Scalars: the states by name where the orbit is reported, with the coordinate ``time``, so
+        that ``simulate(system, orbit, ...)`` runs along it; ``length`` (time of one turn),
+        ``word``, ``residual`` (what the equations leave, as a part of the states), ``admissible``
+        (whether it is a motion: no guard is passed that the word does not name), ``stable``,
+        ``primitive_parts`` (how often the turn repeats a shorter orbit), ``log_determinant`` of
+        the tangent over one turn, and for every drifting state its change per period and per unit
+        time, as in ``v_per_period``. ``drift`` over ``drift_state``: the change over the turn.
+        ``multipliers`` (complex) over ``multiplier``, the largest first: those of drifts are left
+        out, and in a system that nothing drives that of the motion along itself; directions that
+        an event or a slaved state wipes out have exactly 0. Over ``leg``: ``durations``,
+        ``leg_mode``, ``leg_exit`` (exits passed at its end), ``leg_time`` (its start) and
+        ``leg_states``, the state there. Attributes: ``status``, ``message``, ``period``.
+
+    Raises
+    ------
+    OptionError
+        When the start fits no mode, the word cannot be one of the system, or an option is out of
+        its range.
+
+    See Also
+    --------
+    orbits : all orbits up to a period.
+    continue_orbit : an orbit over a parameter.
+    regime : what a motion settles to.
+
+    Notes
+    -----
+    The unknowns are the state at the start of each leg, a stay in one mode, and the instants of
+    the events between them; the equations, that each leg leads to the next, that its guard
+    vanishes at its end, and that the turn closes. Flows and all derivatives are exact (for linear
+    modes in closed form), so Newton's method converges in a few steps, to orbits of any stability.
+    The chapter's construction minimises a function of two unknowns for one word (Eqs. (18)-(23));
+    this is the same for any word and system. Afterwards the engine passes each event itself and
+    searches each leg for its first crossing: a solution that goes through a guard is reported with
+    ``admissible`` false and the status ``inadmissible``.
+
+    Status words: ``completed``; ``inadmissible``, the construction exists and is no motion;
+    ``no_orbit``, none was found near the guess; ``singular``, the equations do not determine one
+    there; or that of the motion which ended before a guess could be taken. The message says what
+    to try. States of an orbit that was not found are nan.
+
+    References
+    ----------
+    E. Pavlovskaia and M. Wiercigroch, Analytical drift reconstruction for visco-elastic impact
+    oscillators operating in periodic and chaotic regimes, Chaos, Solitons and Fractals 19 (2004).
+
+    Examples
+    --------
+    >>> import nonsmooth as ns
+    >>> mole = ns.models.moling(a=0.3, b=0.15, xi=0.05, omega=0.1)
+    >>> orbit = ns.find_orbit(mole)
+    >>> orbit["word"].item(), orbit["stable"].item()
+    ('progression contact no_contact contact progression', True)
+    >>> round(float(orbit["v_per_period"]), 6)
+    31.240876
+
+    The same orbit where it is unstable, before the period doubles:
+
+    >>> ns.find_orbit(mole, orbit, parameters={"b": 0.1})["stable"].item()
+    False
+    """
+    wanted, names = read_wanted(
+        system, initial, period=period, word=word, transient=transient, parameters=parameters,
+        phase=phase, mode=mode, tolerance=tolerance, verb="find_orbit",
+    )  # fmt: skip
+    legs = Legs(wanted.system)
+    legs.set_values(wanted.system.parameter_values)
+    found = search_orbit(wanted, legs)
+    attrs = {"status": found.status, "message": found.message, "period": wanted.period}
+    attrs |= said_of_options(wanted, parameters, names)
+    if found.orbit is None:
+        return failed_dataset(wanted.system, attrs)
+    return orbit_dataset(wanted.system, found.orbit, attrs)

@@ -1,0 +1,1 @@
+"""Helpers of the verbs that find and follow periodic orbits."""

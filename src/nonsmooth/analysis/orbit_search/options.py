@@ -1,0 +1,94 @@
+"""Options of `find_orbit` and of the verbs that begin as it does."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from nonsmooth.errors import OptionError
+from nonsmooth.maps.poincare import PoincareMap
+from nonsmooth.maps.stroboscopic import StroboscopicMap
+from nonsmooth.periodic.search import Wanted
+from nonsmooth.periodic.word_names import read_word, words_of_names
+from nonsmooth.simulation.driving import is_driven
+from nonsmooth.simulation.options import check_run_options, finite_number, whole_number
+from nonsmooth.simulation.runner import build_tables
+from nonsmooth.simulation.stroboscopic import check_phase
+
+__all__ = ["read_wanted", "said_of_options"]
+
+_TRANSIENT = 200
+_MOST_PERIODS = 1000
+
+
+def read_wanted(
+    system: Any,
+    initial: Any,
+    *,
+    period: Any,
+    word: Any,
+    transient: Any,
+    parameters: Mapping[str, float] | None,
+    phase: Any,
+    mode: str | None,
+    tolerance: float,
+    verb: str,
+) -> tuple[Wanted, tuple[str, ...]]:
+    """What orbit is wanted, and the names of its word where one is given."""
+    every = 1
+    if isinstance(system, StroboscopicMap):
+        if phase != 0.0:
+            raise OptionError(
+                f"phase = {phase!r:.60}: the map has a phase of its own; give it there"
+            )
+        if system.period is not None:
+            raise OptionError(
+                f"{verb}: the strobes of this map are not those of the forcing; give the system"
+            )
+        system, phase, every = system.system, system.phase, system.every
+    if isinstance(system, PoincareMap):
+        raise OptionError(
+            f"{verb} takes a system or a StroboscopicMap; give the system of this map: where"
+            " nothing drives it, its cycle is found from an event to its return"
+        )
+    system = check_run_options(system, parameters, mode, tolerance)
+    if system.slow or system.signals:
+        what = "slow=" if system.slow else "signals="
+        raise OptionError(
+            f"{system.name}: with {what} no motion repeats exactly; leave it out and give fixed"
+            " values"
+        )
+    period = whole_number("period", period)
+    if period > _MOST_PERIODS:
+        raise OptionError(f"period = {period}: at most {_MOST_PERIODS}")
+    tables = build_tables(system)
+    driven = is_driven(tables)
+    if driven and system.period_value is None:
+        raise OptionError(
+            f"{system.name}: something drives it, and no period is declared; give the system"
+            " period=, after which the forcing repeats"
+        )
+    names = () if word is None else read_word(system, word)
+    words = words_of_names(system, names, autonomous=not driven) if names else []
+    if transient is None:
+        transient = _TRANSIENT if initial is None and not names else 0
+    elif finite_number("transient", transient) != int(transient) or transient < 0:
+        raise OptionError(f"transient = {transient}: give a whole number of periods, 0 or more")
+    wanted = Wanted(
+        system, initial, period * every, check_phase(phase), int(transient), mode, tuple(words),
+        tolerance,
+    )  # fmt: skip
+    return wanted, names
+
+
+def said_of_options(
+    wanted: Wanted, parameters: Mapping[str, float] | None, names: tuple[str, ...]
+) -> dict[str, Any]:
+    """Attributes that tell what was asked for."""
+    return {
+        "transient": wanted.transient,
+        "phase_of_period": wanted.phase,
+        "word_asked_for": " ".join(names),
+        "tolerance": float(wanted.tolerance),
+        "changed_parameters": str(dict(parameters)) if parameters else "",
+    }

@@ -1,0 +1,102 @@
+"""Newton's method from a predicted point to the curve, across a given direction."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from nonsmooth.continuation.arrays import Array
+from nonsmooth.continuation.bordered import Determinant, solve_bordered
+from nonsmooth.continuation.equations import Equations
+from nonsmooth.continuation.refusals import NotConverged
+
+__all__ = ["Corrector", "Node"]
+
+_ROUNDING = 1e3  # times the tolerance: steps this small that no longer shrink are rounding
+_SHRINK = 0.25  # of a Newton step by the next one, above which it no longer does
+
+
+@dataclass(slots=True)
+class Node:
+    """A point of the curve while it is worked on; the tangent is a unit vector in scaled terms."""
+
+    u: Array
+    p: float
+    tangent: Array
+    determinant: Determinant
+    iterations: int
+    residual: float
+    contraction: float
+    arclength: float = 0.0
+    step: float = 0.0
+    curvature: Array | None = None  # of the step that came here
+    tests: Mapping[str, float] | None = None  # not asked yet
+
+    def turned(self, along: Array) -> Node:
+        """The same with its tangent on the side of another direction."""
+        if float(self.tangent @ along) < 0.0:
+            self.tangent = -self.tangent
+            self.determinant = Determinant(-self.determinant.sign, self.determinant.log)
+        return self
+
+
+@dataclass(slots=True)
+class Corrector:
+    """Newton's method on the bordered equations."""
+
+    equations: Equations
+    tolerance: float
+    max_newton: int
+
+    def across(self, u: Array, p: float, border: Array, reach: float = np.inf) -> Node:
+        """The solution in the plane through a point at right angles to ``border``.
+
+        `Refused` when there is none within ``reach`` that Newton's method comes to.
+        """
+        return self._newton(u, p, border, reach, fixed=False)
+
+    def at_parameter(self, u: Array, p: float, reach: float = np.inf) -> Node:
+        """The solution at exactly this parameter; its tangent points to larger ones."""
+        border = np.zeros(self.equations.n + 1)
+        border[-1] = 1.0
+        return self._newton(u, p, border, reach, fixed=True)
+
+    def _newton(self, u: Array, p: float, border: Array, reach: float, fixed: bool) -> Node:
+        scale = self.equations.scale
+        n, before, contraction, gone = self.equations.n, math.inf, 0.0, 0.0
+        size = 1.0 + self.length(u, p)
+        for iteration in range(1, self.max_newton + 1):
+            at = self.equations.linearised(u, p)
+            step, tangent, determinant = solve_bordered(at, border, scale)
+            u = u - step[:n] * scale[:n]
+            if not fixed:
+                p = p - float(step[n]) * float(scale[n])
+            length = math.sqrt(float(step @ step))
+            gone += length
+            if iteration == 2:
+                contraction = length / before if before > 0.0 else 0.0
+            small = length <= self.tolerance * size
+            floor = length <= _ROUNDING * self.tolerance * size and length > _SHRINK * before
+            if small or floor:
+                residual = float(np.abs(at.r).max())
+                return Node(u, p, tangent, determinant, iteration, residual, contraction)
+            if gone > reach or length > 2.0 * before:
+                break
+            before = length
+        raise NotConverged("Newton's method does not settle")
+
+    def length(self, u: Array, p: float) -> float:
+        """Distance from the origin in scaled terms."""
+        y = self.scaled(u, p)
+        return math.sqrt(float(y @ y))
+
+    def scaled(self, u: Array, p: float) -> Array:
+        """Unknowns and parameter in units of their scales."""
+        scale = self.equations.scale
+        y = np.empty(scale.size)
+        np.divide(u, scale[:-1], out=y[:-1])
+        y[-1] = p / scale[-1]
+        return y

@@ -1,0 +1,240 @@
+"""Whether an orbit is a motion: every guard stays positive until its leg ends, by certified search.
+
+A construction of a given word goes through walls if the equations want it to. Here each of its
+events is passed by the engine itself, which begins in the middle of the leg before, so that what
+is zero behind the event is known by construction; and from there the engine looks for the first
+event to come. Legs are looked at side by side, each from the state of the construction, so nothing
+adds up along an unstable orbit.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.engine import records as at
+from nonsmooth.engine.lanes import run_lanes
+from nonsmooth.engine.layout import allocate_segment, stack_of_one
+from nonsmooth.engine.loop import GOES_ON
+from nonsmooth.engine.records import Anchor, Records
+from nonsmooth.engine.status import EventKind, Status
+from nonsmooth.engine.tangent import allocate_tangent
+from nonsmooth.engine.variation_tables import no_columns, no_rates
+from nonsmooth.periodic.equations import OrbitEquations, Turn
+from nonsmooth.periodic.legs import LegError, Legs
+from nonsmooth.periodic.word import Word, path_of_bits
+from nonsmooth.simulation.labels import labels_of
+
+__all__ = ["Admissibility", "check_admissible"]
+
+Floats = npt.NDArray[np.float64]
+Integers = npt.NDArray[np.int64]
+
+_ROWS = 3  # of the event log of a lane: its start, one event, one to spare
+_LATE = 1e-9  # part of the turn by which the engine may find an event elsewhere
+_ROUNDING = 1e-11  # of the terms of a guard, likewise, over its rate
+
+
+class Admissibility(NamedTuple):
+    """What the engine says of an orbit."""
+
+    admissible: bool
+    reason: str = ""
+    leg: int = -1  # in which the orbit is no motion
+    path: tuple[int, ...] = ()  # exits that the engine passes instead, empty where it passes none
+    instant: float = np.nan  # and when
+
+
+class _Lanes(NamedTuple):
+    anchors: Anchor
+    records: Records
+    status: Integers
+
+
+def check_admissible(equations: OrbitEquations, turn: Turn, tolerance: float) -> Admissibility:
+    """Follow an orbit that solves its equations, event by event.
+
+    The results that the equations hold are overwritten.
+    """
+    word, legs = equations.word, equations.legs
+    short = np.flatnonzero(turn.durations <= 0.0)
+    if short.size:
+        k = int(short[0])
+        return Admissibility(False, f"leg {k + 1} ({_name(equations, k)}) lasts no time", k)
+    if word.n_events == 0:
+        return _check_without_events(equations, turn, tolerance)
+    allowed = _allowed(equations, turn)
+    instants = turn.instants[:-1] + 0.5 * turn.durations
+    try:
+        middles = _middles(equations, turn, instants)
+    except LegError as fault:
+        return Admissibility(False, str(fault))
+    count, length = word.n_events, float(turn.instants[-1] - turn.instants[0])
+    end = float(turn.instants[-1]) + length
+    lanes = _start(legs, middles[:count], instants[:count])
+    _run(legs, lanes, word.mode_array[:count].copy(), end, tolerance)
+    for j in range(count):
+        found = _compare(equations, lanes, j, j, float(turn.instants[1 + j]), allowed[j])
+        if not found.admissible:
+            return found
+    # on from behind each event, from the state of the construction there
+    lanes = _behind(legs, lanes, turn)
+    _run(legs, lanes, np.full(count, GOES_ON), end + length, tolerance)
+    for j in range(count):
+        later = (j + 1) % count
+        expected = float(turn.instants[1 + later]) + (length if later <= j else 0.0)
+        found = _compare(equations, lanes, j, later, expected, allowed[later])
+        if not found.admissible:
+            return found
+    return Admissibility(True)
+
+
+def _check_without_events(equations: OrbitEquations, turn: Turn, tolerance: float) -> Admissibility:
+    """Follow an orbit within one mode, in which nothing may happen."""
+    lanes = _start(equations.legs, turn.states[:1], turn.instants[:1])
+    end = float(turn.instants[-1])
+    _run(equations.legs, lanes, equations.word.mode_array.copy(), end, tolerance)
+    row = _first_event(lanes, 0)
+    begins = lanes.records.event_integers[0, 0, at.PASSES] > 0
+    if lanes.status[0] == Status.COMPLETED and row < 0 and not begins:
+        return Admissibility(True)
+    return _instead(equations, lanes, 0, 0, row)
+
+
+def _allowed(equations: OrbitEquations, turn: Turn) -> Floats:
+    """How far the engine may be from the instant of each event: rounding over the guard's rate."""
+    found = equations.legs.follow(equations.word, turn.states, turn.instants)
+    length = float(turn.instants[-1] - turn.instants[0])
+    n = equations.legs.n
+    terms = (np.abs(found.guard_row[:, :n]) * np.abs(found.ends)).sum(axis=1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        slow = _ROUNDING * (terms + np.abs(found.guard)) / np.abs(found.guard_rate)
+    return _LATE * length + np.nan_to_num(slow, nan=0.0, posinf=1e-3 * length)
+
+
+def _middles(equations: OrbitEquations, turn: Turn, instants: Floats) -> Floats:
+    """States in the middle of each leg."""
+    word = equations.word
+    open_word = Word(word.modes, ((),) * len(word))
+    found = equations.legs.follow_each(open_word, turn.states, turn.instants[:-1], instants)
+    return found.ends.copy()
+
+
+def _start(legs: Legs, states: Floats, instants: Floats) -> _Lanes:
+    """Lanes that begin at some states."""
+    count, sizes = len(states), legs.tables.sizes
+    n, window = legs.n, legs.window
+    number = np.floor(instants / window).astype(np.int64)
+    anchors = Anchor(
+        np.stack([number, np.zeros(count, np.int64)], axis=1),
+        (instants - number * window)[:, None],
+        np.array(states),
+        np.zeros((count, int(sizes[5])), np.int64),
+    )
+    records = Records(
+        sample_number=np.zeros(0, np.int64),
+        sample_phase=np.zeros(0),
+        sample_state=np.zeros((count, 0, n)),
+        sample_mode=np.zeros((count, 0), np.int64),
+        event_integers=np.zeros((count, _ROWS, at.EVENT_INTEGERS), np.int64),
+        event_floats=np.zeros((count, _ROWS, at.EVENT_FLOATS + 2 * n)),
+        cursor=np.zeros((count, 6), np.int64),
+        end_state=np.full((count, n), np.nan),
+        since=np.full((count, 2), -np.inf),
+    )
+    return _Lanes(anchors, records, np.zeros(count, np.int64))
+
+
+def _behind(legs: Legs, lanes: _Lanes, turn: Turn) -> _Lanes:
+    """Lanes behind the events that they have passed, at the states of the construction.
+
+    Modes and known zeros are those that the engine has found.
+    """
+    count = len(lanes.status)
+    following = np.arange(1, count + 1) % len(turn.states)
+    new = _start(legs, turn.states[following], turn.instants[1 : 1 + count])
+    new.anchors.place[:, 1] = lanes.anchors.place[:, 1]
+    new.anchors.order[:] = lanes.anchors.order
+    return new
+
+
+def _run(legs: Legs, lanes: _Lanes, how: Integers, end: float, tolerance: float) -> None:
+    """Run each lane to its first event, or to an instant where there is none.
+
+    The log of a lane is full after its first event, so that the engine stops there.
+    """
+    sizes, window = legs.tables.sizes, legs.window
+    number = int(np.floor(end / window))
+    tangent = allocate_tangent(sizes, -1, 0)
+    count = len(lanes.status)
+    tangent = tangent._replace(
+        columns=np.zeros((count, *tangent.columns.shape)),
+        samples=np.zeros((count, *tangent.samples.shape)),
+    )
+    records, starts = lanes.records, how != GOES_ON
+    # rows before the first event: that of the start
+    short = records._replace(
+        event_integers=records.event_integers[:, : 2 + starts.any()],
+        event_floats=records.event_floats[:, : 2 + starts.any()],
+    )
+    first, passed = 0, np.zeros(2, np.int64)
+    while first < count:
+        first = run_lanes(
+            stack_of_one(legs.tables), no_rates(), no_columns(), lanes.anchors,
+            allocate_segment(sizes), tangent, short, how, first, count, number,
+            end - number * window, passed, lanes.status, tolerance,
+        )  # fmt: skip
+        if first < count:
+            how[first] = GOES_ON
+
+
+def _first_event(lanes: _Lanes, j: int) -> int:
+    """Row of the first event of a lane that is no tangency, -1 where there is none."""
+    count = int(lanes.records.cursor[j, at.EVENTS])
+    kinds = lanes.records.event_integers[j, :count, at.KIND]
+    rows = np.flatnonzero((kinds != EventKind.GRAZE) & (kinds != EventKind.START))
+    return int(rows[0]) if rows.size else -1
+
+
+def _compare(
+    equations: OrbitEquations, lanes: _Lanes, j: int, k: int, expected: float, allowed: float
+) -> Admissibility:
+    """Whether the first event of lane j is the one that ends leg k, at the expected instant."""
+    word, row = equations.word, _first_event(lanes, j)
+    if row >= 0:
+        integers = lanes.records.event_integers[j, row]
+        path = path_of_bits(int(integers[at.PATH]), int(integers[at.PASSES]))
+        instant = _instant(equations, lanes, j, row)
+        if path == word.paths[k] and abs(instant - expected) <= allowed:
+            return Admissibility(True)
+    return _instead(equations, lanes, j, k, row)
+
+
+def _instead(equations: OrbitEquations, lanes: _Lanes, j: int, k: int, row: int) -> Admissibility:
+    """What the engine finds instead of the event that ends leg k."""
+    system, name = equations.legs.system, _name(equations, k)
+    where = f"leg {k + 1} ({name})"
+    if row < 0:
+        status = Status(int(lanes.status[j]))
+        if status == Status.INADMISSIBLE:
+            return Admissibility(False, f"{where} runs where a guard of its mode is negative", k)
+        return Admissibility(False, f"in {where} the exit does not fire: {status.word}", k)
+    integers = lanes.records.event_integers[j, row]
+    path = path_of_bits(int(integers[at.PATH]), int(integers[at.PASSES])) or ()
+    instant = _instant(equations, lanes, j, row)
+    words = labels_of(system).path(
+        int(integers[at.FROM]), int(integers[at.PATH]), int(integers[at.PASSES])
+    )
+    reason = f"in {where} the motion leaves by {words!r} at t = {instant:.9g}"
+    return Admissibility(False, reason, k, path, instant)
+
+
+def _instant(equations: OrbitEquations, lanes: _Lanes, j: int, row: int) -> float:
+    number = lanes.records.event_integers[j, row, at.NUMBER]
+    return float(number * equations.legs.window + lanes.records.event_floats[j, row, at.PHASE])
+
+
+def _name(equations: OrbitEquations, k: int) -> str:
+    return equations.legs.system.mode_names[equations.word.modes[k]]

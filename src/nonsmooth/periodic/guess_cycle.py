@@ -1,0 +1,126 @@
+"""Guesses of limit cycles: where a motion that nothing drives comes nearly back."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.engine import records as at
+from nonsmooth.engine.status import CURES, EventKind, Status
+from nonsmooth.errors import OptionError, RunError
+from nonsmooth.periodic.equations import Turn
+from nonsmooth.periodic.guess import Guess
+from nonsmooth.periodic.word import Word, path_of_bits
+from nonsmooth.simulation.clock import Instant, Plan
+from nonsmooth.simulation.runner import NoMode, Outcome, build_tables, run_plan
+from nonsmooth.simulation.start import explain_misfit, resolve_start, start_at_end
+from nonsmooth.system.system import System
+
+__all__ = ["cycle_guess"]
+
+Floats = npt.NDArray[np.float64]
+
+_WINDOWS = 64  # in which a return is looked for, per period
+_SAMPLES = 128  # in a window
+_NEAR = 1e-3  # of the spread of the states: a return as near as that is taken at once
+_MOST_EVENTS = 256
+
+
+def cycle_guess(
+    system: System, initial: Any, *, period: int, transient: int, mode: str | None, tolerance: float
+) -> Guess | None:
+    """Legs of a motion from an event to its nearest return, or around a smooth cycle.
+
+    ``transient`` counts windows. None where the motion does not come back.
+    """
+    tables = build_tables(system)
+    start = resolve_start(system, tables, initial, None, mode, False)
+    if start.anchor is not None:
+        start = start_at_end(start)
+    begin = start.instant.number + transient
+    windows = _WINDOWS * period
+    count = windows * _SAMPLES + 1
+    step = float(tables.clock[0]) / _SAMPLES
+    number = begin + np.arange(count) // _SAMPLES
+    phase: Floats = np.asarray((np.arange(count) % _SAMPLES) * step)
+    if transient == 0:
+        phase[0] = max(phase[0], start.instant.phase)
+    plan = Plan(Instant(begin + windows, 0.0), number, phase)
+    fault: NoMode | None = None
+    for chosen in start.modes:
+        try:
+            outcome = run_plan(
+                tables, plan, tolerance, state=start.state, begin=start.instant, mode=chosen
+            )
+            break
+        except NoMode as refused:
+            fault = refused
+    else:
+        assert fault is not None
+        raise OptionError(explain_misfit(system, tables, start, fault.z))
+    if outcome.status != Status.COMPLETED:
+        raise RunError(
+            f"{system.name}: the motion from which the orbit is guessed ended at"
+            f" t = {outcome.end_time:.6g}: {CURES.get(outcome.status, outcome.status.word)}",
+            status=outcome.status.word,
+            time=outcome.end_time,
+        )
+    drifting = np.array([name in system.drift_states for name in system.states])
+    found = _between_events(system, outcome, begin, drifting, period)
+    return found or _around(outcome, drifting, period, step)
+
+
+def _between_events(
+    system: System, outcome: Outcome, begin: int, drifting: npt.NDArray[np.bool_], period: int
+) -> Guess | None:
+    """From an event to a return of the same kind; the nearest one, the first that is near."""
+    n, window = len(system.states), outcome.window
+    rows, values = outcome.event_integers, outcome.event_floats
+    keep = (rows[:, at.NUMBER] >= begin) & ~np.isin(
+        rows[:, at.KIND], (EventKind.GRAZE, EventKind.START)
+    )
+    rows, values = rows[keep][:_MOST_EVENTS], values[keep][:_MOST_EVENTS]
+    if len(rows) < 2:
+        return None
+    states = values[:, at.EVENT_FLOATS + n :]
+    times = (rows[:, at.NUMBER] - begin) * window + values[:, at.PHASE]
+    same = np.all(rows[:, [at.FROM, at.PATH, at.TO]] == rows[0, [at.FROM, at.PATH, at.TO]], axis=1)
+    samples = np.where(drifting, 0.0, outcome.records.sample_state)
+    spread = np.maximum(np.ptp(samples, axis=0), 1e-12)
+    apart = np.where(drifting, 0.0, np.abs(states - states[0]) / spread).max(axis=1)
+    returns = np.flatnonzero(same)[1:]
+    if returns.size == 0:
+        return None
+    near = returns[apart[returns] <= _NEAR]
+    turn = int(near[0]) if near.size else int(returns[np.argmin(apart[returns])])
+    last = min(turn * period, len(rows) - 1)
+    paths = [path_of_bits(int(r[at.PATH]), int(r[at.PASSES])) for r in rows[1 : last + 1]]
+    if any(path is None for path in paths):
+        return None
+    modes = tuple(int(m) for m in rows[:last, at.TO])
+    word = Word(modes, tuple(path for path in paths if path is not None))
+    return Guess(word, Turn(states[:last].copy(), times[: last + 1] - times[0]))
+
+
+def _around(
+    outcome: Outcome, drifting: npt.NDArray[np.bool_], period: int, step: float
+) -> Guess | None:
+    """Once around a cycle without events, from its first sample."""
+    states = np.where(drifting, 0.0, outcome.records.sample_state)
+    spread = np.ptp(states, axis=0)
+    if not np.any(spread > 1e-9 * (np.abs(states).max(axis=0) + 1e-12)):
+        return None  # at rest
+    scaled = (states - states[0]) / np.where(spread > 0.0, spread, 1.0)
+    forward = scaled @ (scaled[1] - scaled[0])
+    crossings = np.flatnonzero((forward[1:-1] < 0.0) & (forward[2:] >= 0.0)) + 2
+    if crossings.size == 0:
+        return None
+    apart = np.abs(scaled[crossings]).max(axis=1)
+    near = crossings[apart <= 0.1]
+    k = int(near[0]) if near.size else int(crossings[np.argmin(apart)])
+    length = (k - forward[k] / (forward[k] - forward[k - 1])) * step * period
+    word = Word((int(outcome.records.sample_mode[0]),), ((),))
+    first = outcome.records.sample_state[:1].copy()
+    return Guess(word, Turn(first, np.array([0.0, length])))

@@ -1,0 +1,127 @@
+"""The legs of an orbit for one set of parameter values: where they lead, and all derivatives."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.engine.guard_minima import fill_minima
+from nonsmooth.engine.layout import allocate_segment, allocate_tables, augmented_size, stack_of_one
+from nonsmooth.engine.legs import LegResults, allocate_leg_results, pass_legs
+from nonsmooth.engine.setup import set_up
+from nonsmooth.engine.status import Status
+from nonsmooth.engine.tangent import allocate_tangent
+from nonsmooth.engine.variation_setup import set_up_rates
+from nonsmooth.engine.variation_tables import allocate_columns, allocate_rates
+from nonsmooth.periodic.word import Word
+from nonsmooth.simulation.kernels import announce_compilation, announce_derivatives
+from nonsmooth.system.system import System
+
+__all__ = ["LegError", "Legs"]
+
+Floats = npt.NDArray[np.float64]
+
+
+class LegError(ArithmeticError):
+    """Legs that cannot be passed: a parameter, a relation or a series fails there."""
+
+
+class Legs:
+    """Passes the legs of words of one system, with derivatives by some parameters.
+
+    Arrays are made once; what a pass returns is overwritten by the next one.
+    """
+
+    def __init__(self, system: System, chosen: Sequence[str] = ()) -> None:
+        announce_compilation()
+        announce_derivatives()
+        program = system.compiled.program
+        names = list(system.parameters)
+        numbers = np.array([names.index(name) for name in chosen], np.int64)
+        self.system, self.chosen = system, tuple(chosen)
+        self.n, self.n_rates = len(system.states), len(self.chosen)
+        self.tables = allocate_tables(program)
+        self.rates = allocate_rates(program, numbers)
+        self._program, self._stack = program, stack_of_one(self.tables)
+        self._scratch = allocate_columns(program, numbers)
+        self._segment = allocate_segment(program.sizes, self.n_rates)
+        self._tangent = allocate_tangent(program.sizes, self.n_rates, 1)
+        self._no_tangent = allocate_tangent(program.sizes, -1, 0)
+        self._results: dict[int, LegResults] = {}
+        self._names = names
+        self._values = np.full((1, len(names)), np.nan)
+
+    @property
+    def values(self) -> Floats:
+        """Values of all parameters for which the tables stand."""
+        return self._values[0]
+
+    def set_values(self, values: Mapping[str, float] | Floats) -> None:
+        """Set up the tables for other values of the parameters; `LegError` where that fails."""
+        given = values if isinstance(values, np.ndarray) else [values[name] for name in self._names]
+        new = np.asarray(given, float)[None]
+        if np.array_equal(new, self._values):
+            return
+        self._values[:] = np.nan
+        code, _, _ = set_up(self._program, new, self._stack)
+        if code == Status.COMPLETED:
+            code, _ = set_up_rates(self._program, new[0], self.tables, self.rates)
+        if code != Status.COMPLETED:
+            raise LegError("the coefficients are not finite for these parameters")
+        self._values[:] = new
+
+    @property
+    def window(self) -> float:
+        """Period of the forcing, or the window of a system without one."""
+        return float(self.tables.clock[0])
+
+    @property
+    def period_rates(self) -> Floats:
+        """Derivatives of the period by the chosen parameters, zero without a period."""
+        slot = self._program.period_slot
+        return self.rates.slot_rates[slot] if slot >= 0 else np.zeros(self.n_rates)
+
+    def follow(self, word: Word, states: Floats, instants: Floats) -> LegResults:
+        """Pass all legs of a word, each from its own start.
+
+        shapes: states (L, n), instants (L + 1,)
+        """
+        return self.follow_each(word, states, instants[:-1], instants[1:])
+
+    def follow_each(self, word: Word, states: Floats, begins: Floats, ends: Floats) -> LegResults:
+        """Pass legs that need not follow one another.
+
+        shapes: states (L, n), begins and ends (L,)
+        """
+        results = self._room(len(word))
+        passed = pass_legs(
+            self.tables, self.rates, self._scratch, self._segment, self._tangent,
+            word.mode_array, word.path_array, states, begins, ends, results,
+        )  # fmt: skip
+        if passed < len(word):
+            raise LegError(f"leg {passed} of the orbit cannot be passed")
+        return results
+
+    def minima(self, word: Word, states: Floats, instants: Floats) -> tuple[Floats, Floats]:
+        """Lowest interior minimum of each guard in each leg, and the time since the leg began.
+
+        shapes: both (L, e), nan where there is none
+        """
+        shape = (len(word), int(self._program.sizes[5]))
+        lowest, places = np.full(shape, np.nan), np.full(shape, np.nan)
+        fill_minima(
+            self.tables, self.rates, self._segment, self._no_tangent, word.mode_array, states,
+            instants[:-1], instants[1:], lowest, places,
+        )  # fmt: skip
+        return lowest, places
+
+    def _room(self, count: int) -> LegResults:
+        if count not in self._results:
+            sizes = self._program.sizes
+            self._results[count] = allocate_leg_results(
+                self.n, self.n_rates, int(sizes[5]), augmented_size(sizes), count,
+                Word((0,), ((),)).path_array.shape[1],
+            )  # fmt: skip
+        return self._results[count]

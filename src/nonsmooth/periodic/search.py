@@ -1,0 +1,190 @@
+"""From what a user gives to an orbit: guess, Newton's method, and words for what goes wrong."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from nonsmooth.errors import RunError
+from nonsmooth.periodic.equations import OrbitEquations
+from nonsmooth.periodic.guess import Guess, driven_guess
+from nonsmooth.periodic.guess_cycle import cycle_guess
+from nonsmooth.periodic.guess_of_word import guesses_in_motion, random_guesses
+from nonsmooth.periodic.legs import LegError, Legs
+from nonsmooth.periodic.newton import Solution, solve_orbit
+from nonsmooth.periodic.orbit import Orbit, make_orbit
+from nonsmooth.periodic.word import Word
+from nonsmooth.simulation.driving import is_driven
+from nonsmooth.system.system import System
+
+__all__ = ["Found", "Wanted", "equations_for", "is_autonomous", "search_orbit", "solve_guess"]
+
+_RANDOM = 200  # durations tried for a given word
+_PERIODS = 200  # of the motion in which a given word is looked for
+_SEED = 1
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What orbit is looked for."""
+
+    system: System
+    initial: Any
+    period: int
+    phase: float
+    transient: int
+    mode: str | None
+    words: tuple[Word, ...]  # none where the word is that of the motion
+    tolerance: float
+
+
+@dataclass(frozen=True)
+class Found:
+    """An orbit with the equations that it solves, or a status and what to try."""
+
+    orbit: Orbit | None
+    equations: OrbitEquations | None
+    status: str
+    message: str
+
+
+def is_autonomous(legs: Legs) -> bool:
+    """Whether nothing drives a system."""
+    return not is_driven(legs.tables)
+
+
+def search_orbit(wanted: Wanted, legs: Legs) -> Found:
+    """Find the orbit that is wanted."""
+    if wanted.words:
+        return _search_word(wanted, legs)
+    try:
+        guess = _guess(wanted, legs)
+    except RunError as fault:
+        return Found(None, None, fault.status or "no_orbit", str(fault))
+    if guess is None:
+        return Found(
+            None, None, "no_orbit",
+            "the motion does not come back to where it was: it rests, or its cycle is longer than"
+            " the stretch that is looked at; begin nearer to the cycle, or give transient=",
+        )  # fmt: skip
+    return solve_guess(wanted, legs, guess)
+
+
+def equations_for(wanted: Wanted, legs: Legs, guess: Guess) -> OrbitEquations:
+    """Equations of the word of a guess."""
+    return OrbitEquations(
+        legs, guess.word, period=wanted.period, phase=wanted.phase,
+        autonomous=is_autonomous(legs), origin=guess.turn.states[0],
+        reference=guess.turn.states[0].copy(),
+    )  # fmt: skip
+
+
+def solve_guess(wanted: Wanted, legs: Legs, guess: Guess) -> Found:
+    """Newton's method from a guess."""
+    equations = equations_for(wanted, legs, guess)
+    solution = solve_orbit(equations, equations.pack(guess.turn))
+    if solution.status != "completed":
+        return Found(None, equations, solution.status, _failure(wanted, equations, solution))
+    return finish(wanted, equations, solution)
+
+
+def finish(wanted: Wanted, equations: OrbitEquations, solution: Solution) -> Found:
+    """An orbit of a solution, judged."""
+    orbit = make_orbit(equations, solution, wanted.tolerance)
+    said = []
+    if orbit.primitive > 1:
+        said.append(
+            f"the turn passes {orbit.primitive} times through a shorter orbit; the motion has only"
+            " this one there, or the guess is nearer to it"
+        )
+    if not orbit.admissibility.admissible:
+        said.append(
+            f"the equations of the word have this solution, but it is no motion:"
+            f" {orbit.admissibility.reason}; simulate it, or give another word="
+        )
+        return Found(orbit, equations, "inadmissible", "; ".join(said))
+    said = said or ["completed"]
+    return Found(orbit, equations, "completed", "; ".join(said))
+
+
+def _guess(wanted: Wanted, legs: Legs) -> Guess | None:
+    if is_autonomous(legs):
+        return cycle_guess(
+            wanted.system, wanted.initial, period=wanted.period, transient=wanted.transient,
+            mode=wanted.mode, tolerance=wanted.tolerance,
+        )  # fmt: skip
+    return driven_guess(
+        wanted.system, wanted.initial, period=wanted.period, phase=wanted.phase,
+        transient=wanted.transient, mode=wanted.mode, tolerance=wanted.tolerance,
+    )  # fmt: skip
+
+
+def _search_word(wanted: Wanted, legs: Legs) -> Found:
+    """Stretches of motions first, then random durations; motions before constructions."""
+    best: Found | None = None
+    autonomous = is_autonomous(legs)
+    if not autonomous:
+        guesses = guesses_in_motion(
+            wanted.system, wanted.initial, list(wanted.words), period=wanted.period,
+            phase=wanted.phase, periods=_PERIODS + wanted.transient, tolerance=wanted.tolerance,
+        )  # fmt: skip
+        for count, guess in enumerate(guesses):
+            found = solve_guess(wanted, legs, guess)
+            if found.status == "completed":
+                return found
+            best = _better(best, found)
+            if count >= 20:
+                break
+    length = wanted.period * legs.window
+    origin = np.array([wanted.system.rest_state[name] for name in wanted.system.states])
+    for word in wanted.words:
+        equations = OrbitEquations(
+            legs, word, period=wanted.period, phase=wanted.phase, autonomous=autonomous,
+            origin=origin, reference=origin.copy(),
+        )  # fmt: skip
+        tries = _RANDOM if len(word) > 1 else 3
+        for unknowns in random_guesses(equations, length, tries, _SEED):
+            try:
+                solution = solve_orbit(equations, unknowns, steps=25)
+            except LegError:
+                continue
+            if solution.status != "completed" or np.any(
+                equations.unpack(solution.unknowns).durations <= 0.0
+            ):
+                continue
+            found = finish(wanted, equations, solution)
+            if found.status == "completed":
+                return found
+            best = _better(best, found)
+    if best is not None:
+        return best
+    return Found(
+        None, None, "no_orbit",
+        f"no orbit of period {wanted.period} with this word was found, in {_PERIODS} periods of"
+        f" motion and from {_RANDOM} random durations; it may not exist for these parameters:"
+        " follow it from others with continue_orbit, or give initial= near it",
+    )  # fmt: skip
+
+
+def _better(best: Found | None, found: Found) -> Found | None:
+    if found.orbit is None:
+        return best
+    return found if best is None or best.orbit is None else best
+
+
+def _failure(wanted: Wanted, equations: OrbitEquations, solution: Solution) -> str:
+    word = equations.word.text(wanted.system)
+    if solution.status == "singular":
+        return (
+            f"the equations of the word '{word}' are singular near the guess: the orbit grazes, a"
+            " branch folds there, or nothing fixes its amplitude; change a parameter a little, or"
+            " follow a branch with continue_orbit, which passes such points"
+        )
+    return (
+        f"Newton's method finds no orbit of period {wanted.period} with the word '{word}' near the"
+        f" guess (residual {solution.residual:.2g} after {solution.iterations} steps); give"
+        " initial= nearer to it, transient= for a motion that has settled, another period=, or"
+        " word= for the modes that it visits"
+    )

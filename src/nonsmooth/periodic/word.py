@@ -1,0 +1,104 @@
+"""The word of an orbit: its modes in order, and the exits that are passed between them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.engine import layout as at
+from nonsmooth.engine.transitions import PATH_BITS, PATH_LENGTH
+from nonsmooth.simulation.labels import labels_of
+from nonsmooth.simulation.words import word_of_modes
+from nonsmooth.system.system import System
+
+__all__ = ["Word", "path_of_bits"]
+
+Integers = npt.NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Word:
+    """Legs in order. A leg ends with a path of exits; the last one may end at the section instead.
+
+    Modes are numbers of running modes (cells of piecewise modes are modes of their own), exits
+    numbers within the mode that they leave.
+    """
+
+    modes: tuple[int, ...]
+    paths: tuple[tuple[int, ...], ...]
+
+    def __post_init__(self) -> None:
+        assert len(self.modes) == len(self.paths) > 0
+
+    def __len__(self) -> int:
+        return len(self.modes)
+
+    @property
+    def closes_at_event(self) -> bool:
+        """Whether the orbit begins and ends at an event, and not at a section in time."""
+        return bool(self.paths[-1])
+
+    @property
+    def n_events(self) -> int:
+        """Events in one turn."""
+        return len(self) - (not self.closes_at_event)
+
+    @cached_property
+    def mode_array(self) -> Integers:
+        """Modes as the engine takes them."""
+        return np.array(self.modes, np.int64)
+
+    @cached_property
+    def path_array(self) -> Integers:
+        """Exits as the engine takes them, -1 behind the last one of a path."""
+        rows = np.full((len(self), PATH_LENGTH), -1, np.int64)
+        for row, path in zip(rows, self.paths, strict=True):
+            row[: len(path)] = path
+        return rows
+
+    def text(self, system: System) -> str:
+        """Modes by name, joined by blanks; cells of one name in a row count once."""
+        modes = self.modes if not self.closes_at_event else (*self.modes, self.modes[0])
+        return word_of_modes(system.mode_names, np.array(modes))
+
+    def exit_text(self, system: System, leg: int) -> str:
+        """Names of the exits that end a leg, joined by '>'; empty at the section."""
+        path = self.paths[leg]
+        bits = sum((e + 1) << (PATH_BITS * k) for k, e in enumerate(path))
+        return labels_of(system).path(self.modes[leg], bits, len(path))
+
+    def last_target(self, wiring: Integers, leg: int) -> int:
+        """Mode behind the path of a leg; its own where it ends at the section."""
+        mode = self.modes[leg]
+        for e in self.paths[leg]:
+            mode = int(wiring[mode, 1 + e, at.TARGET])
+        return mode
+
+    def without_leg(self, k: int) -> Word:
+        """The word in which a leg has no duration: its exits are passed with those before it."""
+        if len(self) == 1:
+            return self
+        before = (k - 1) % len(self)
+        paths = list(self.paths)
+        paths[before] = paths[before] + paths[k]
+        keep = [i for i in range(len(self)) if i != k]
+        return Word(tuple(self.modes[i] for i in keep), tuple(paths[i] for i in keep))
+
+    def with_leg(
+        self, k: int, exit_before: tuple[int, ...], mode: int, path: tuple[int, ...]
+    ) -> Word:
+        """The word with leg k cut in two, and a leg of another mode between the parts."""
+        modes = (*self.modes[: k + 1], mode, *self.modes[k:])
+        paths = (*self.paths[:k], exit_before, path, *self.paths[k:])
+        return Word(modes, paths)
+
+
+def path_of_bits(bits: int, passes: int) -> tuple[int, ...] | None:
+    """Exits of a path as the event log keeps it; None where it is longer than that."""
+    if passes > PATH_LENGTH:
+        return None
+    mask = (1 << PATH_BITS) - 1
+    return tuple(((bits >> (PATH_BITS * k)) & mask) - 1 for k in range(passes))

@@ -1,0 +1,97 @@
+"""Words that a user gives: names of modes to legs, by the exits that lead from one to the next."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise, product
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.engine import layout as at
+from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.periodic.word import Word
+from nonsmooth.simulation.start import mode_numbers
+from nonsmooth.system.system import System
+
+__all__ = ["read_word", "words_of_names"]
+
+_MOST_EXITS = 3  # passed at one instant
+_MOST_WORDS = 64
+_LONGEST = 1000
+
+
+def read_word(system: System, word: Any) -> tuple[str, ...]:
+    """Names of a word given as text or as a sequence; `OptionError` for what is none."""
+    if isinstance(word, str):
+        names = tuple(word.split())
+    elif isinstance(word, Sequence) and all(isinstance(name, str) for name in word):
+        names = tuple(word)
+    else:
+        names = ()
+    if not 0 < len(names) <= _LONGEST:
+        raise OptionError(
+            f"word = {word!r:.80}: give the modes of one turn in order, from the section on, such"
+            f" as {' '.join(system.mode_names[:2])!r}, or as a list of names; at most {_LONGEST}"
+        )
+    for name in names:
+        try:
+            mode_numbers(system, name)
+        except OptionError:
+            known = dict.fromkeys([*system.modes, *system.mode_names])
+            raise OptionError(f"word: {unknown_name('mode', name, known)}") from None
+    return names
+
+
+def words_of_names(system: System, names: Sequence[str], *, autonomous: bool) -> list[Word]:
+    """Words that names can stand for; several where exits or cells leave a choice.
+
+    The word of an autonomous system ends in the mode in which it begins, at the event that leads
+    there. `OptionError` where no exits lead from a mode to the next one.
+    """
+    wiring = system.compiled.program.wiring
+    choices = [mode_numbers(system, name) for name in names]
+    if names[0] != names[-1]:
+        raise OptionError(
+            f"word: it begins in {names[0]!r} and ends in {names[-1]!r}; a turn ends in the mode in"
+            " which it begins, so name that once more at the end"
+        )
+    found: list[Word] = []
+    for modes in product(*choices):
+        if modes[0] != modes[-1]:
+            continue
+        steps = [_paths(wiring, a, b) for a, b in pairwise(modes)]
+        for paths in product(*steps):
+            if autonomous:
+                found.append(Word(modes[:-1] or modes, paths or ((),)))
+            else:
+                found.append(Word(modes, (*paths, ())))
+            if len(found) >= _MOST_WORDS:
+                return found
+    if not found:
+        for a, b in pairwise(names):
+            if not any(
+                _paths(wiring, i, k)
+                for i in mode_numbers(system, a)
+                for k in mode_numbers(system, b)
+            ):
+                raise OptionError(f"word: no exit leads from {a!r} to {b!r} in {system.name!r}")
+        raise OptionError(f"word: its modes cannot follow one another in {system.name!r}")
+    return found
+
+
+def _paths(wiring: npt.NDArray[np.int64], a: int, b: int) -> list[tuple[int, ...]]:
+    """The shortest ways from mode a to mode b, by exits passed at one instant."""
+    ways: list[tuple[tuple[int, ...], int]] = [((), a)]
+    for _ in range(_MOST_EXITS):
+        ways = [
+            ((*path, e), int(wiring[m, 1 + e, at.TARGET]))
+            for path, m in ways
+            for e in range(int(wiring[m, 0, at.N_EXITS]))
+            if wiring[m, 1 + e, at.TARGET] >= 0
+        ]
+        there = [path for path, m in ways if m == b]
+        if there:
+            return there
+    return []
