@@ -26,7 +26,9 @@ def driven(stiffness, zeta, push, drive, omega, state, time, since):
 def legs_of(orbit):
     """(mode, start state by name, time, duration) of each leg."""
     flags = orbit["leg_mode"].attrs
-    names = dict(zip(np.atleast_1d(flags["flag_values"]), flags["flag_meanings"].split(), strict=True))
+    names = dict(
+        zip(np.atleast_1d(flags["flag_values"]), flags["flag_meanings"].split(), strict=True)
+    )
     for k in range(orbit.sizes["leg"]):
         states = orbit["leg_states"].isel(leg=k)
         by_name = {str(s): float(states.sel(state=s)) for s in orbit["state"].values}

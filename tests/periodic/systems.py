@@ -171,4 +171,8 @@ def assert_state(orbit, expected, tolerance: float = 1e-10) -> None:
     """States on the section, in units of the largest of them or one."""
     scale = max(1.0, *(abs(value) for value in expected.values()))
     for name, value in expected.items():
-        assert abs(float(orbit[name]) - value) < tolerance * scale, (name, float(orbit[name]), value)
+        assert abs(float(orbit[name]) - value) < tolerance * scale, (
+            name,
+            float(orbit[name]),
+            value,
+        )

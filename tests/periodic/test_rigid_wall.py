@@ -87,15 +87,37 @@ def test_below_the_fold_there_is_no_orbit():
 
 
 def test_a_construction_through_the_wall_is_called_inadmissible():
-    """Beyond F = 1.87 the two-period orbit would have to pass the wall between its impacts."""
+    """The two-period orbit, carried on, touches the wall between its impacts and then passes it."""
     wall, words = family(2.8, 0.02, 0.1, 0.8, 2)
-    speed = wall.speeds(2.0)[0]
-    assert wall.clearance(speed, 200) < -1e-3
-    system = rigid_wall(F=2.0, **words)
-    orbit = ns.find_orbit(system, wall.start(speed), period=2, word="free free")
+    before = ns.find_orbit(rigid_wall(F=1.9, **words), wall.start(wall.speeds(1.9)[0]), period=2)
+    assert bool(before["admissible"])
+    orbit = ns.find_orbit(rigid_wall(F=1.95, **words), before, period=2)
     assert orbit.attrs["status"] == "inadmissible" and not bool(orbit["admissible"])
+    speed = wall.speeds(1.95)[0]
+    assert wall.clearance(speed, 200) < -1e-3
     assert_state(orbit, wall.start(speed))
     assert_multipliers(orbit, wall.multipliers(speed))
+
+
+# RigidWall.of(omega=2.8, zeta=0.02, sigma=0.1, r=0.8, n=2).touching(speeds at F = 1.8 and 1.9)
+TOUCHING = 1.928925317900750545320119
+
+
+@pytest.mark.parametrize(("off", "status"), [(-1e-9, "completed"), (1e-9, "inadmissible")])
+def test_admissible_up_to_the_touch(off, status):
+    """The clearance shrinks by 0.06 per unit of force: 1e-9 of it is 1e5 roundings."""
+    wall, words = family(2.8, 0.02, 0.1, 0.8, 2)
+    start = wall.start(wall.speeds(1.9)[0])
+    before = ns.find_orbit(rigid_wall(F=1.9, **words), start, period=2)
+    orbit = ns.find_orbit(rigid_wall(F=TOUCHING + off, **words), before, period=2)
+    assert orbit.attrs["status"] == status
+
+
+@pytest.mark.slow
+def test_the_touch_again():
+    wall, _ = family(2.8, 0.02, 0.1, 0.8, 2)
+    _, force = wall.touching((wall.speeds(1.8)[0], wall.speeds(1.9)[0]))
+    assert abs(float(force) - TOUCHING) < 4 * EPS * TOUCHING
 
 
 def test_without_impact_up_to_grazing():

@@ -10,6 +10,7 @@ from functools import partial
 from pathlib import Path
 
 from mpmath import mp, mpf
+
 from periodic.references.doubling import Flip, flip
 from periodic.references.long_words import WallCourses, close_long
 from periodic.references.mole import certify, mole_course
@@ -101,7 +102,10 @@ def soft_points(old: dict) -> dict:
     word = "free contact free"
     found = flip(
         lambda a: SoftImpact(**SOFT, a=a).course(word),
-        (mpf(rounded([old["flip"]["value"]])[0]), mpf(rounded([old["flip"]["value"]])[0]) + mpf(10) ** -7),
+        (
+            mpf(rounded([old["flip"]["value"]])[0]),
+            mpf(rounded([old["flip"]["value"]])[0]) + mpf(10) ** -7,
+        ),
         guess(old["flip"]),
     )
     value, orbit = fold(

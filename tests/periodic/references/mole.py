@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from functools import partial
 
 from mpmath import mp, mpf
+
 from reference.mole import mole_events
 from reference.mole_modes import MODES, Mole
 from reference.mole_modes import State as Full
@@ -28,7 +29,12 @@ def mole_course(word: str | Sequence[str], *, periods: int = 1, **values) -> Cou
     word = word.split() if isinstance(word, str) else list(word)
     mole = mole_of(values)
     legs = [
-        Leg(mode, partial(_flow, mole, mode), partial(_guard, mole, mode, word[i + 1]), _on(mole, to))
+        Leg(
+            mode,
+            partial(_flow, mole, mode),
+            partial(_guard, mole, mode, word[i + 1]),
+            _on(mole, to),
+        )
         for i, (mode, to) in enumerate(zip(word[:-1], word[1:], strict=True))
     ]
     legs.append(Leg(word[-1], partial(_flow, mole, word[-1])))

@@ -64,7 +64,9 @@ def soft_grazing_frequencies(*, zeta, e, a) -> list[mpf]:
     # e^2 ((1 - u)^2 + 4 zeta^2 u) = a^2 u^2
     square, middle = 1 - (a / e) ** 2, 1 - 2 * zeta**2
     spread = mp.sqrt(middle**2 - square)
-    return sorted(mp.sqrt(u) for u in ((middle - spread) / square, (middle + spread) / square) if u > 0)
+    return sorted(
+        mp.sqrt(u) for u in ((middle - spread) / square, (middle + spread) / square) if u > 0
+    )
 
 
 class Trilinear:
