@@ -23,7 +23,7 @@ def log_determinant() -> float:
 
 
 def test_the_reference_closes_and_keeps_off_the_wall():
-    """136 turns of one period each, in 60 digits, from what is kept in 25; no part of it repeats."""
+    """136 turns of a period each, in 60 digits, from what is kept in 25; no part repeats."""
     with mp.workdps(60):
         wall = WallCourses(**WALL)
         for k, (point, durations) in enumerate(zip(KEPT["points"], KEPT["durations"], strict=True)):

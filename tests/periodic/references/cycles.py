@@ -22,7 +22,7 @@ class Cycle(NamedTuple):
 
 
 def clock(*, zeta, energy) -> Cycle:
-    """Behind the kick, v^2 = 2 energy / (1 - d^2), d what one turn leaves; d^2 is the multiplier."""
+    """Behind the kick v^2 = 2 energy / (1 - d^2), with d what a turn leaves; multiplier d^2."""
     with mp.workdps(DIGITS):
         zeta, energy = mpf(zeta), mpf(energy)
         rate = mp.sqrt(1 - zeta**2)

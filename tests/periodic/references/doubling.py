@@ -8,6 +8,9 @@ from mpmath import matrix, mp, mpf
 from .turn import NoOrbit, Orbit, characteristic, close, repeated, take_turn, where
 
 
+AMPLITUDE = mpf(10) ** -4
+
+
 class Flip(NamedTuple):
     """``curvature``: the doubled orbits lie at value + curvature amplitude^2, along ``along``."""
 
@@ -23,7 +26,7 @@ class Flip(NamedTuple):
         return abs(self.doubled.multipliers[0]) < 1
 
 
-def flip(make: Callable, near: tuple, orbit, amplitude=mpf(10) ** -4) -> Flip:
+def flip(make: Callable, near: tuple, orbit, amplitude=AMPLITUDE) -> Flip:
     """The flip between two values nearby, and the doubled orbit at an amplitude."""
     value, found = where(make, lambda each: characteristic(each, -1), near, orbit)
     along = _kernel(found.tangent + mp.eye(len(found.free)))

@@ -6,6 +6,7 @@ mole uses too; ``certify`` passes an orbit through that reference, which asks ev
 
 from collections.abc import Sequence
 from functools import partial
+from itertools import pairwise
 
 from mpmath import mp, mpf
 
@@ -35,7 +36,7 @@ def mole_course(word: str | Sequence[str], *, periods: int = 1, **values) -> Cou
             partial(_guard, mole, mode, word[i + 1]),
             _on(mole, to),
         )
-        for i, (mode, to) in enumerate(zip(word[:-1], word[1:], strict=True))
+        for i, (mode, to) in enumerate(pairwise(word))
     ]
     legs.append(Leg(word[-1], partial(_flow, mole, word[-1])))
     if word[0] == "no_contact":

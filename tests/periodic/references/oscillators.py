@@ -1,6 +1,7 @@
 """Courses of forced oscillators on springs in pieces: soft impact, trilinear, friction."""
 
 from functools import partial
+from itertools import pairwise
 
 from mpmath import matrix, mp, mpf
 
@@ -82,7 +83,7 @@ class Trilinear:
         modes = word.split()
         legs = [
             Leg(mode, self._flow(mode), partial(self._gap, mode, to))
-            for mode, to in zip(modes[:-1], modes[1:], strict=True)
+            for mode, to in pairwise(modes)
         ]
         legs.append(Leg(modes[-1], self._flow(modes[-1])))
         if half:
