@@ -7,7 +7,6 @@ from mpmath import matrix, mp, mpf
 
 from .turn import NoOrbit, Orbit, characteristic, close, repeated, take_turn, where
 
-
 AMPLITUDE = mpf(10) ** -4
 
 

@@ -4,8 +4,8 @@ x'' + 2 zeta x' + x = F cos(omega t) left of x = sigma, v := -r v there. With th
 before the impact, F times cosine and sine of its phase psi are affine in v and sigma, F (cos psi,
 sin psi) = A v + B sigma, because the motion between impacts is linear. So F^2 = |A v + B sigma|^2
 gives the force for each speed; its least value is a fold, v = 0 is grazing, and the trace of the
-map is affine in sigma / v, which gives the flip. All in closed form (F. Peterka; S. W. Shaw and P. J.
-Holmes), in 40 digits.
+map is affine in sigma / v, which gives the flip. All in closed form (F. Peterka; S. W. Shaw and
+P. J. Holmes), in 40 digits.
 """
 
 from dataclasses import dataclass
