@@ -2,8 +2,10 @@
 
 import numpy as np
 import pytest
+from mpmath import mp
 
 import nonsmooth as ns
+from periodic.references.mole_grazing import touching_b
 from periodic.references.oscillators import soft_grazing_amplitude
 from periodic.references.rigid_wall import RigidWall
 from periodic.references.table_ball import TableBall
@@ -11,8 +13,17 @@ from periodic.sampler import mole_penetration, wall_penetration
 from periodic.systems import ORBITS, ball_on_table, rigid_wall
 from periodic.test_mole_orbits import CASES, DEFAULTS, KEPT, POINTS, start_of
 
+# periodic.references.mole_grazing.touching_b, of the orbit that came back from the fold
+GRAZING = 0.1509775028568871206701931
 SOFT = {"omega": 0.85, "zeta": 0.01, "beta": 29.0, "e": 1.26}
 FOLDED = {"omega": 0.6, "zeta": 0.02, "beta": 29.0, "e": 1.26}
+
+
+def free_start(words: dict, a: float) -> dict[str, float]:
+    """Phase 0 of the motion that does not touch the second spring."""
+    omega = words["omega"]
+    x = -1j * a * omega**2 / (1 - omega**2 + 2j * words["zeta"] * omega)
+    return {"x": x.real, "v": (1j * omega * x).real}
 
 
 def specials(branch, *kinds: str) -> list[float]:
@@ -35,14 +46,29 @@ def test_mole_flip_and_fold_of_the_period_one_branch():
     branch = ns.continue_orbit(system, "b", (0.1, 0.18), initial=orbit)
     assert nearest(branch, float(POINTS["flip_1"]["value"]), "flip") < 1e-9
     assert nearest(branch, float(POINTS["fold"]["value"]), "fold") < 1e-9
-    stable = branch["stable"].values
-    b = branch["b"].values
+    assert nearest(branch, GRAZING, "grazing") < 1e-9
+    # between flip and fold there is a stable orbit; the branch comes back below it, unstable
     low, high = float(POINTS["flip_1"]["value"]), float(POINTS["fold"]["value"])
-    assert np.all(b <= high + 1e-9)
+    b, stable = branch["b"].values, branch["stable"].values
     assert np.all(~stable[b < low - 1e-9])
-    # the branch comes back from the fold, unstable: it is met twice below it
-    ends = branch["b"].values[[0, -1]]
-    assert min(ends) < low
+    fold = int(np.argmin(abs(b - high) + (b > high)))
+    first = slice(int(np.flatnonzero(b > low + 1e-9)[0]), fold)
+    assert np.all(stable[first])
+    after = stable[fold + 1 :][b[fold + 1 :] > GRAZING + 1e-3]
+    assert not after[: np.flatnonzero(b[fold + 1 :] < GRAZING + 1e-3)[0]].any()
+
+
+@pytest.mark.slow
+def test_the_grazing_again():
+    """From the orbit behind the fold, at b = 0.1516, in 50 digits."""
+    with mp.workdps(50):
+        b, _ = touching_b(
+            CASES["flip_passed"].word,
+            ("-0.92", "-0.187", "0"),
+            ("50.06", "0.0916", "8.28", "1.913", "2.485"),
+            near=("0.151", "0.15099"),
+        )
+    assert abs(float(b) - GRAZING) < 1e-16
 
 
 @pytest.mark.parametrize("periods", [2, 4, 8])
@@ -88,6 +114,22 @@ def test_rigid_wall_fold_flip_and_grazing():
     assert nearest(branch, float(wall.grazing_force), "grazing", "lost") < 1e-10
 
 
+def test_no_admissible_point_goes_through_the_wall():
+    words = {"omega": 2.8, "zeta": 0.02, "sigma": 0.1, "r": 0.8}
+    _, branch = wall_branch(2, 0.3, (0.05, 2.2), **words)
+    for k in range(branch.sizes["point"]):
+        point = branch.isel(point=k)
+        legs = point.isel(leg=point["leg_mode"].values >= 0)
+        deepest, joint = wall_penetration(legs, F=float(point["F"]), **words)
+        assert joint < 1e-9
+        # dense samples miss the top of an arc by far less than 1e-6
+        assert (deepest < 1e-9) == bool(point["admissible"]) or abs(deepest) < 1e-6, (
+            k,
+            float(point["F"]),
+            deepest,
+        )
+
+
 def test_rigid_wall_ends_at_grazing_from_above():
     """With one impact per period the speed falls to zero at F_g; the branch goes on without."""
     words = {"omega": 0.8, "zeta": 0.05, "sigma": 0.5, "r": 0.7}
@@ -119,7 +161,7 @@ def test_rigid_wall_from_below_grazing():
 
 def test_soft_impact_through_grazing_to_the_flip():
     system = ns.models.soft_impact(**SOFT, a=0.3)
-    branch = ns.continue_orbit(system, "a", (0.2, 0.49))
+    branch = ns.continue_orbit(system, "a", (0.2, 0.49), initial=free_start(SOFT, 0.3))
     grazing = float(soft_grazing_amplitude(omega="0.85", zeta="0.01", e="1.26"))
     assert nearest(branch, grazing, "grazing", "gained") < 1e-10
     assert nearest(branch, float(ORBITS["soft_points"]["flip"]["value"]), "flip") < 1e-9
@@ -129,7 +171,7 @@ def test_soft_impact_through_grazing_to_the_flip():
 
 def test_soft_impact_through_grazing_to_the_fold():
     system = ns.models.soft_impact(**FOLDED, a=2.0)
-    branch = ns.continue_orbit(system, "a", (1.5, 2.3))
+    branch = ns.continue_orbit(system, "a", (1.5, 2.3), initial=free_start(FOLDED, 2.0))
     grazing = float(soft_grazing_amplitude(omega="0.6", zeta="0.02", e="1.26"))
     assert nearest(branch, grazing, "grazing", "gained") < 1e-10
     assert nearest(branch, float(ORBITS["soft_points"]["fold"]["value"]), "fold") < 1e-9
