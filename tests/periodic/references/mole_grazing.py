@@ -1,10 +1,11 @@
 """Where a flight of a periodic mole touches the slider without an impact, in 40 digits."""
 
 from collections.abc import Callable
+from itertools import pairwise
 
 from mpmath import mp, mpf
 
-from reference.mole_modes import MODES
+from reference.mole_modes import MODES, Mole, NoContact
 from reference.mole_modes import State as Full
 
 from .mole import mole_course, mole_of
@@ -22,22 +23,24 @@ def least_gap(orbit: Orbit, b: mpf) -> mpf:
     ):
         if leg.mode == "no_contact":
             flow = MODES[leg.mode](mole, Full(*start), mole.omega * time + mole.phi)
-            least = min(
-                least, _lowest(lambda s, f=flow: mole.gap(f.at(s)), _rate(mole, flow), lasts)
-            )
+            gap, rate = _gap_and_rate(mole, flow)
+            least = min(least, _lowest(gap, rate, lasts))
         time += lasts
     return least
 
 
-def _rate(mole, flow) -> Callable[[mpf], mpf]:
-    return lambda s: -mole.k * flow.at(s).q - flow.at(s).y
+def _gap_and_rate(mole: Mole, flow: NoContact) -> tuple[Callable, Callable]:
+    return (
+        lambda s: mole.gap(flow.at(s)),
+        lambda s: -mole.k * flow.at(s).q - flow.at(s).y,
+    )
 
 
 def _lowest(gap: Callable, rate: Callable, lasts: mpf) -> mpf:
     """Least value where the rate rises through zero; a release begins with gap and rate zero."""
     times = [lasts * k / PARTS for k in range(1, PARTS + 1)]
     least, before = mp.inf, rate(times[0])
-    for t0, t1 in zip(times, times[1:], strict=False):
+    for t0, t1 in pairwise(times):
         after = rate(t1)
         if before < 0 <= after:
             least = min(least, gap(mp.findroot(rate, (t0, t1), solver="anderson", tol=1e-45)))
