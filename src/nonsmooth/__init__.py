@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from nonsmooth.analysis.full_spectrum import full_spectrum
     from nonsmooth.analysis.local_regimes import local_regimes
     from nonsmooth.analysis.lyapunov_spectrum import lyapunov_spectrum
+    from nonsmooth.analysis.orbit_samples import orbit_samples
     from nonsmooth.analysis.order_tracking import order_tracking
     from nonsmooth.analysis.period_statistics import period_statistics
     from nonsmooth.analysis.poincare_section import poincare_section
@@ -88,6 +89,7 @@ __all__ = [
     "lyapunov_spectrum",
     "measured",
     "models",
+    "orbit_samples",
     "order_tracking",
     "period_statistics",
     "phase_word",
@@ -130,6 +132,7 @@ _HOME = {
     "ensemble": "nonsmooth.analysis.ensemble",
     "find_orbit": "nonsmooth.analysis.find_orbit",
     "continue_orbit": "nonsmooth.analysis.continue_orbit",
+    "orbit_samples": "nonsmooth.analysis.orbit_samples",
     "full_spectrum": "nonsmooth.analysis.full_spectrum",
     "local_regimes": "nonsmooth.analysis.local_regimes",
     "lyapunov_spectrum": "nonsmooth.analysis.lyapunov_spectrum",

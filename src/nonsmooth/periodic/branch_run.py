@@ -24,6 +24,7 @@ Floats = npt.NDArray[np.float64]
 
 _AGAIN = 1e-6  # arclength from the start of a stretch within which its own change is seen again
 _BEYOND = 1e-6  # of the range of the parameter: where the engine is asked
+_CRITICAL = 1e-5  # distance from the unit circle of a multiplier that is on it
 _NEAR_GRAZE = 1e-2  # part of the turn: branches cross there as an excursion vanishes
 
 
@@ -59,7 +60,7 @@ def follow_orbits(
     ``report`` is told how many steps are done; it may raise to stop.
     """
     done, along = 0, 0.0
-    stretch: Stretch | None = Stretch(options, legs, start.equations)
+    stretch: Stretch | None = Stretch(options, legs, start.equations, start.grows)
     ended = Followed(ended="steps", message=f"{options.steps} steps were taken; allow more, steps=")
     while stretch is not None and done < options.steps:
         branch = stretch.branch(start, options.steps - done)
@@ -73,8 +74,10 @@ def follow_orbits(
                 continue
             name = point.special
             kind = name.split(":")[0]
-            if name and point.arclength <= _AGAIN and name == start.grows:
-                if start.kind == "grazing":  # the graze itself, found from its regular side
+            if name and name != "bound" and begin > 0.0 and point.arclength <= _AGAIN:
+                # where the word has just changed; a graze that was approached along an excursion
+                # is located here, from its regular side
+                if start.located and name == start.grows:
                     yield _part(stretch, looked, point, along, "grazing", start.detail)
                 continue
             if name == "branch_point" and _at_graze(stretch, looked):
@@ -95,7 +98,7 @@ def follow_orbits(
             break
         start = following
         done += 1
-        stretch = Stretch(options, legs, start.equations)
+        stretch = Stretch(options, legs, start.equations, start.grows)
     yield ended
 
 
@@ -109,15 +112,19 @@ def kind_of(name: str) -> str:
 def _part(
     stretch: Stretch, looked: Looked, point: Point, along: float, special: str, detail: str
 ) -> BranchPart:
-    if special == "torus" and not _is_torus(looked):
-        special = ""  # two real multipliers whose product is one
+    if special in ("flip", "torus") and not _is_critical(looked, special):
+        special = ""  # a pole of the test, or two real multipliers whose product is one
     return BranchPart(stretch.equations.word, looked, point.p, along, special, detail)
 
 
-def _is_torus(looked: Looked) -> bool:
+def _is_critical(looked: Looked, kind: str) -> bool:
+    """Whether a multiplier is at -1, or a pair of them on the unit circle."""
     values = looked.multipliers.multipliers
-    nearest = values[np.argmin(np.abs(np.abs(values) - 1.0))] if values.size else 0.0
-    return bool(abs(complex(nearest).imag) > 1e-8)
+    values = values[np.isfinite(values)]
+    if kind == "flip":
+        return bool(np.any(np.abs(values + 1.0) <= _CRITICAL))
+    near = np.abs(np.abs(values) - 1.0) <= _CRITICAL
+    return bool(np.any(near & (np.abs(values.imag) > _CRITICAL)))
 
 
 def _at_graze(stretch: Stretch, looked: Looked) -> bool:
@@ -141,6 +148,7 @@ def _changed(
                 return start, None
             start.detail = _detail(stretch, name, start, point)
             if name.startswith("short"):  # the graze is located from the other side
+                start.located = True
                 return start, None
             return start, _part(stretch, looked, point, along, change.kind, start.detail)
     for guess in _motions_beyond(stretch, looked, point):

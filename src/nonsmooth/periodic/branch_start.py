@@ -122,7 +122,7 @@ def _way(
     if not change.grows:
         return 1.0 if dp * point.tangent_p >= 0.0 else -1.0
     size = float(np.sqrt(np.mean((du / scale_of(equations, unknowns)) ** 2))) + abs(dp)
-    tests = BranchTests(equations, stretch.options.tolerance, whole=False)
+    tests = BranchTests(equations, stretch.options.tolerance, whole=False, grows=change.grows)
     found = []
     for way in (1.0, -1.0):
         h = way * _SMALL / max(size, 1e-300)
@@ -136,7 +136,7 @@ def _way(
 
 def _goes_on(stretch: Stretch, start: BranchStart) -> bool:
     """Whether the first orbits of a new stretch are motions."""
-    trial = type(stretch)(stretch.options, stretch.legs, start.equations)
+    trial = Stretch(stretch.options, stretch.legs, start.equations, start.grows)
     step = _FIRST * stretch.options.step
     try:
         branch = follow(

@@ -106,6 +106,16 @@ class OrbitEquations:
             self._close_across_flow(turn, residual, jacobian, moved)
         return residual, jacobian, moved
 
+    def gap(self, turn: Turn, found: LegResults) -> float:
+        """Largest gap between the end of a leg and the start of the next, beside the states."""
+        following = np.roll(turn.states, -1, axis=0)
+        gaps = np.abs(found.nexts - following)
+        gaps[-1, self.drifting] = 0.0
+        moving = np.where(self.drifting, turn.states - turn.states[0], turn.states)
+        size = np.abs(moving).max(axis=0)
+        size = np.where(size > 1e-6 * size.max(), size, max(float(size.max()), 1e-12))
+        return float((gaps / size).max())
+
     def _close_across_flow(
         self, turn: Turn, residual: Floats, jacobian: Floats, moved: Floats
     ) -> None:

@@ -17,6 +17,7 @@ from nonsmooth.periodic.newton import Solution, solve_orbit
 from nonsmooth.periodic.orbit import Orbit, make_orbit
 from nonsmooth.periodic.restart import guess_of_dataset, is_orbit
 from nonsmooth.periodic.word import Word
+from nonsmooth.periodic.word_change import changes_of_word
 from nonsmooth.simulation.driving import is_driven
 from nonsmooth.system.system import System
 
@@ -99,12 +100,35 @@ def equations_for(wanted: Wanted, legs: Legs, guess: Guess) -> OrbitEquations:
 
 
 def solve_guess(wanted: Wanted, legs: Legs, guess: Guess) -> Found:
-    """Newton's method from a guess."""
+    """Newton's method from a guess; drifts begin at zero."""
+    drifting = np.array([name in wanted.system.drift_states for name in wanted.system.states])
+    states = guess.turn.states - np.where(drifting, guess.turn.states[0], 0.0)
+    guess = Guess(guess.word, Turn(states, guess.turn.instants))
     equations = equations_for(wanted, legs, guess)
     solution = solve_orbit(equations, equations.pack(guess.turn))
     if solution.status != "completed":
         return Found(None, equations, solution.status, _failure(wanted, equations, solution))
+    for _ in range(len(guess.word)):
+        turned = _through_section(equations, solution)
+        if turned is None:
+            break
+        equations = equations_for(wanted, legs, turned)
+        solution = solve_orbit(equations, equations.pack(turned.turn))
+        if solution.status != "completed":
+            return Found(None, equations, solution.status, _failure(wanted, equations, solution))
     return finish(wanted, equations, solution)
+
+
+def _through_section(equations: OrbitEquations, solution: Solution) -> Guess | None:
+    """The same orbit where an event has passed the section on the way to it, else None."""
+    turn = equations.unpack(solution.unknowns)
+    if equations.word.closes_at_event or len(equations.word) < 2:
+        return None
+    ends = {"leg:0": turn.durations[0], "leg:last": turn.durations[-1]}
+    name = min(ends, key=lambda each: ends[each])
+    if ends[name] > 0.0:
+        return None
+    return changes_of_word(equations, turn, name)[0].guess
 
 
 def finish(wanted: Wanted, equations: OrbitEquations, solution: Solution) -> Found:
