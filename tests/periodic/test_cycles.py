@@ -57,6 +57,21 @@ def test_round_cycle():
     assert abs(values[0] / float(exact.multipliers[0]) - 1) < 1e-9
 
 
+@pytest.mark.parametrize("start", [{"x": 1.0, "y": 0.001}, {"x": 0.5, "y": 0.1}])
+def test_a_smooth_cycle_without_events(start):
+    """Nothing marks a turn there; it is one turn all the same, once around."""
+    system = ns.System(
+        states=["x", "y"],
+        parameters={"k": 1.0},
+        equations={"x": "x - y - k*x*(x**2 + y**2)", "y": "x + y - k*y*(x**2 + y**2)"},
+    )
+    orbit = ns.find_orbit(system, start, transient=5)
+    assert orbit.attrs["status"] == "completed", orbit.attrs["message"]
+    assert abs(float(orbit["length"]) / (2 * np.pi) - 1) < 1e-10
+    assert abs(np.hypot(float(orbit["x"]), float(orbit["y"])) - 1) < 1e-10
+    assert abs(orbit["multipliers"].values[0] / np.exp(-4 * np.pi) - 1) < 1e-9
+
+
 def test_a_cycle_starts_again_where_it_is_reported():
     """`simulate` goes on from the orbit as it stands, mode and all."""
     system = relay(0.1, 0.3)
