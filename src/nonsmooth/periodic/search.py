@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from nonsmooth.errors import RunError
 from nonsmooth.periodic.equations import OrbitEquations, Turn
@@ -13,7 +14,7 @@ from nonsmooth.periodic.guess import Guess, driven_guess
 from nonsmooth.periodic.guess_cycle import cycle_guess
 from nonsmooth.periodic.guess_of_word import guesses_in_motion, random_guesses
 from nonsmooth.periodic.legs import LegError, Legs
-from nonsmooth.periodic.newton import Solution, solve_orbit
+from nonsmooth.periodic.newton import Solution, null_vector, solve_orbit
 from nonsmooth.periodic.orbit import Orbit, make_orbit
 from nonsmooth.periodic.restart import guess_of_dataset, is_orbit
 from nonsmooth.periodic.word import Word
@@ -23,9 +24,12 @@ from nonsmooth.system.system import System
 
 __all__ = ["Found", "Wanted", "equations_for", "is_autonomous", "search_orbit", "solve_guess"]
 
+Floats = npt.NDArray[np.float64]
+
 _RANDOM = 200  # durations tried for a given word
 _PERIODS = 200  # of the motion in which a given word is looked for
 _SEED = 1
+_OFF_FOLD = (1e-5, 1e-4, 1e-3, 1e-2)  # of the size of an orbit, along the direction of a fold
 
 
 @dataclass(frozen=True)
@@ -105,7 +109,10 @@ def solve_guess(wanted: Wanted, legs: Legs, guess: Guess) -> Found:
     states = guess.turn.states - np.where(drifting, guess.turn.states[0], 0.0)
     guess = Guess(guess.word, Turn(states, guess.turn.instants))
     equations = equations_for(wanted, legs, guess)
-    solution = solve_orbit(equations, equations.pack(guess.turn))
+    unknowns = equations.pack(guess.turn)
+    solution = solve_orbit(equations, unknowns)
+    if solution.status != "completed":
+        solution = _off_fold(equations, unknowns) or solution
     if solution.status != "completed":
         return Found(None, equations, solution.status, _failure(wanted, equations, solution))
     for _ in range(len(guess.word)):
@@ -117,6 +124,20 @@ def solve_guess(wanted: Wanted, legs: Legs, guess: Guess) -> Found:
         if solution.status != "completed":
             return Found(None, equations, solution.status, _failure(wanted, equations, solution))
     return finish(wanted, equations, solution)
+
+
+def _off_fold(equations: OrbitEquations, unknowns: Floats) -> Solution | None:
+    """The orbit near a guess that lies on a fold of the branch, from which no step leads to it."""
+    try:
+        away = null_vector(equations, unknowns)
+    except (LegError, np.linalg.LinAlgError):
+        return None
+    for part in _OFF_FOLD:
+        for way in (part, -part):
+            solution = solve_orbit(equations, unknowns + way * away)
+            if solution.status == "completed":
+                return solution
+    return None
 
 
 def _through_section(equations: OrbitEquations, solution: Solution) -> Guess | None:
