@@ -38,6 +38,7 @@ class BranchPart:
     arclength: float
     special: str = ""
     detail: str = ""
+    test: str = ""  # what vanishes there, as `BranchTests` names it for this word
 
 
 @dataclass
@@ -114,7 +115,8 @@ def _part(
 ) -> BranchPart:
     if special in ("flip", "torus") and not _is_critical(looked, special):
         special = ""  # a pole of the test, or two real multipliers whose product is one
-    return BranchPart(stretch.equations.word, looked, point.p, along, special, detail)
+    test = point.special if special else ""
+    return BranchPart(stretch.equations.word, looked, point.p, along, special, detail, test)
 
 
 def _is_critical(looked: Looked, kind: str) -> bool:

@@ -17,6 +17,7 @@ Floats = npt.NDArray[np.float64]
 
 _MOST_STEPS = 40
 _MOST_HALVINGS = 12
+_LONGEST = 1.0  # step, beside the unknowns: near a fold Newton's steps have no bounds
 _SMALL = 1e-7  # step, beside the unknowns, the square of which is rounding
 _ROUNDING = 1e-14  # residual that no step makes smaller
 _CLOSED = 1e-10  # residual, beside the states, of a solution
@@ -61,6 +62,7 @@ def solve_orbit(
             equations.evaluate(unknowns)
             return Solution(unknowns, size, iteration, "completed")
         part = _longest_part(equations, unknowns, step * scale)
+        part = min(part, _LONGEST / max(length, _LONGEST))
         for _ in range(_MOST_HALVINGS):
             new = unknowns + part * step * scale
             size_there, found = _try(equations, new, rows)

@@ -17,6 +17,7 @@ from nonsmooth.periodic.legs import LegError, Legs
 from nonsmooth.periodic.newton import Solution, null_vector, solve_orbit
 from nonsmooth.periodic.orbit import Orbit, make_orbit
 from nonsmooth.periodic.restart import guess_of_dataset, is_orbit
+from nonsmooth.periodic.stepwise import values_of_orbit, walk_to
 from nonsmooth.periodic.word import Word
 from nonsmooth.periodic.word_change import changes_of_word
 from nonsmooth.simulation.driving import is_driven
@@ -29,7 +30,7 @@ Floats = npt.NDArray[np.float64]
 _RANDOM = 200  # durations tried for a given word
 _PERIODS = 200  # of the motion in which a given word is looked for
 _SEED = 1
-_OFF_FOLD = (1e-5, 1e-4, 1e-3, 1e-2)  # of the size of an orbit, along the direction of a fold
+_OFF_FOLD = (1e-4, 1e-3, 1e-2, 0.1, 0.5)  # of the size of an orbit, along the direction of a fold
 
 
 @dataclass(frozen=True)
@@ -65,23 +66,41 @@ def search_orbit(wanted: Wanted, legs: Legs) -> Found:
     """Find the orbit that is wanted."""
     if wanted.words:
         return _search_word(wanted, legs)
-    if is_orbit(wanted.initial) and wanted.transient == 0:
-        known = guess_of_dataset(wanted.system, wanted.initial)
-        if int(wanted.initial.attrs.get("period", wanted.period)) == wanted.period:
-            found = solve_guess(wanted, legs, _fitted(known, wanted, legs))
-            if found.status == "completed":
-                return found
+    known = _from_orbit(wanted, legs)
+    if known is not None and known.status == "completed":
+        return known
     try:
         guess = _guess(wanted, legs)
     except RunError as fault:
-        return Found(None, None, fault.status or "no_orbit", str(fault))
+        return known or Found(None, None, fault.status or "no_orbit", str(fault))
     if guess is None:
         return Found(
             None, None, "no_orbit",
             "the motion does not come back to where it was: it rests, or its cycle is longer than"
             " the stretch that is looked at; begin nearer to the cycle, or give transient=",
         )  # fmt: skip
-    return solve_guess(wanted, legs, guess)
+    found = solve_guess(wanted, legs, guess)
+    return known if known is not None and found.orbit is None else found
+
+
+def _from_orbit(wanted: Wanted, legs: Legs) -> Found | None:
+    """The orbit from one that was found before, at other parameters or at these."""
+    initial = wanted.initial
+    if not is_orbit(initial) or wanted.transient > 0:
+        return None
+    if int(initial.attrs.get("period", wanted.period)) != wanted.period:
+        return None
+    guess = guess_of_dataset(wanted.system, initial)
+
+    def solve(there: Wanted, legs: Legs, guess: Guess) -> Found:
+        return solve_guess(there, legs, _fitted(guess, there, legs))
+
+    found = solve(wanted, legs, guess)
+    if found.status == "completed":
+        return found
+    begin = values_of_orbit(wanted.system, initial)
+    walked = None if begin is None else walk_to(wanted, legs, guess, begin, solve)
+    return walked or found
 
 
 def _fitted(guess: Guess, wanted: Wanted, legs: Legs) -> Guess:
