@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+import nonsmooth as ns
 from continuation.curves import circle, cubic
 from nonsmooth.continuation import follow
 
@@ -43,6 +44,38 @@ def test_start_on_a_bound():
     assert [point.special for point in outward] == ["bound"] and outward.ended == "bound"
     inward = follow(cubic, 1.6, -2.0, direction=1, bounds=(-2, 2))
     assert len(list(inward)) > 5
+
+
+def test_start_at_a_fold_on_a_bound():
+    for residual in (lambda u, p: (u**2 - p, 2 * u, -1.0), lambda u, p: u**2 - p):
+        *_, last = follow(residual, 0.0, 0.0, bounds=(0, 3))
+        assert last.p == 3 and abs(last.u[0]) == pytest.approx(3**0.5, abs=1e-14)
+
+
+@pytest.mark.parametrize("noise", [1e-10, 1e-8])
+def test_residuals_with_some_noise(noise):
+    random = np.random.default_rng(0)
+
+    def noisy(u, p):
+        r, J_u, J_p = cubic(u, p)
+        return r + noise * random.uniform(-1, 1), J_u, J_p
+
+    points = list(follow(noisy, 1.6, -2.5, bounds=(-2.5, 2.5)))
+    folds = [point.p for point in points if point.special == "fold"]
+    assert folds == pytest.approx([2 / 27**0.5, -2 / 27**0.5], abs=3 * noise)
+    assert points[-1].special == "bound"
+
+
+def test_more_noise_needs_a_larger_tolerance():
+    random = np.random.default_rng(0)
+
+    def noisy(u, p):
+        return cubic(u, p)[0] + 1e-6 * random.uniform(-1, 1), *cubic(u, p)[1:]
+
+    with pytest.raises(ns.RunError, match="from the start at p = -2.5.*larger tolerance="):
+        follow(noisy, 1.6, -2.5, bounds=(-2.5, 2.5))
+    branch = follow(noisy, 1.6, -2.5, bounds=(-2.5, 2.5), tolerance=1e-5)
+    assert sum(point.special == "fold" for point in branch) == 2 and branch.ended == "bound"
 
 
 def nan_beyond(u, p):

@@ -58,7 +58,7 @@ def _ahead(corrector: Corrector, node: Node, step: float) -> tuple[Node, bool]:
     scale = corrector.equations.scale
     p = float(y[-1] * scale[-1])
     low, high = corrector.equations.bounds
-    if not low < p < high:
+    if not low <= p <= high:
         raise PastBound
     return corrector.across(y[:-1] * scale[:-1], p, node.tangent, step), False
 
