@@ -72,7 +72,7 @@ def test_more_noise_needs_a_larger_tolerance():
     def noisy(u, p):
         return cubic(u, p)[0] + 1e-6 * random.uniform(-1, 1), *cubic(u, p)[1:]
 
-    with pytest.raises(ns.RunError, match="from the start at p = -2.5.*larger tolerance="):
+    with pytest.raises(ns.RunError, match=r"from the start at p = -2.5.*larger tolerance="):
         follow(noisy, 1.6, -2.5, bounds=(-2.5, 2.5))
     branch = follow(noisy, 1.6, -2.5, bounds=(-2.5, 2.5), tolerance=1e-5)
     assert sum(point.special == "fold" for point in branch) == 2 and branch.ended == "bound"

@@ -12,7 +12,7 @@ from nonsmooth.continuation.refusals import Jump, PastBound, Refused
 from nonsmooth.continuation.segment import Segment
 from nonsmooth.continuation.steps import effort, next_step
 
-__all__ = ["Attempt", "attempt"]
+__all__ = ["Attempt", "attempt", "leaves"]
 
 _HARDEST = 2.0  # effort of a step that is taken
 _SAME = 1e-6  # scaled distance from the start at which a branch has come back to it
@@ -48,6 +48,13 @@ def attempt(
     except PastBound:
         end = _on_bound(corrector, node, step)
         return _judged(corrector, options, observer, node, origin, step, end, True)
+
+
+def leaves(node: Node, bounds: tuple[float, float]) -> bool:
+    """Whether the branch heads out of its bounds at a point on one of them."""
+    low, high = bounds
+    ahead = float(node.tangent[-1])
+    return (node.p >= high and ahead > 0.0) or (node.p <= low and ahead < 0.0)
 
 
 def _ahead(corrector: Corrector, node: Node, step: float) -> tuple[Node, bool]:
@@ -89,7 +96,7 @@ def _judged(
     curvature = (end.tangent - node.tangent) / segment.length
     end.curvature = curvature - end.tangent * float(end.tangent @ curvature)
     marks = observer.marks(segment)
-    if bound:
+    if bound or leaves(end, options.bounds):
         marks.append(Mark(1.0, end, "bound", last=True))
     home = None if node is origin else _home(segment, origin)
     if home:

@@ -102,8 +102,8 @@ def _nearest(corrector: Corrector, u: Array, p: float, at: Linearised) -> Node:
             break
     raise RunError(
         f"no solution was found from the start at p = {given:g}: Newton's method does not settle;"
-        " give a better u, another p, more max_newton=, a larger tolerance= where the residual is not"
-        " good to 1e-9, and check the derivatives if you give them",
+        " give a better u, another p, more max_newton=, a larger tolerance= where the residual is"
+        " not good to 1e-9, and check the derivatives if you give them",
         status="no_convergence",
     )
 
