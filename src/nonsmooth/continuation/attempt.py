@@ -43,11 +43,11 @@ def attempt(
 ) -> Attempt:
     """A step of this length; `Refused` where there is none."""
     try:
-        end, bound = _ahead(corrector, node, step)
-        return _judged(corrector, options, observer, node, origin, step, end, bound)
+        end = _ahead(corrector, node, step)
+        return _judged(corrector, options, observer, node, origin, step, end)
     except PastBound:
         end = _on_bound(corrector, node, step)
-        return _judged(corrector, options, observer, node, origin, step, end, True)
+        return _judged(corrector, options, observer, node, origin, step, end)
 
 
 def leaves(node: Node, bounds: tuple[float, float]) -> bool:
@@ -57,8 +57,8 @@ def leaves(node: Node, bounds: tuple[float, float]) -> bool:
     return (node.p >= high and ahead > 0.0) or (node.p <= low and ahead < 0.0)
 
 
-def _ahead(corrector: Corrector, node: Node, step: float) -> tuple[Node, bool]:
-    """The point a step ahead; whether it is the end of the bounds, which a step never passes."""
+def _ahead(corrector: Corrector, node: Node, step: float) -> Node:
+    """The point a step ahead; `PastBound` where that is beyond the bounds, which are never passed."""
     y = corrector.scaled(node.u, node.p) + step * node.tangent
     if node.curvature is not None:
         y += 0.5 * step * step * node.curvature
@@ -67,7 +67,7 @@ def _ahead(corrector: Corrector, node: Node, step: float) -> tuple[Node, bool]:
     low, high = corrector.equations.bounds
     if not low <= p <= high:
         raise PastBound
-    return corrector.across(y[:-1] * scale[:-1], p, node.tangent, step), False
+    return corrector.across(y[:-1] * scale[:-1], p, node.tangent, step)
 
 
 def _on_bound(corrector: Corrector, node: Node, step: float) -> Node:
@@ -85,7 +85,7 @@ def _on_bound(corrector: Corrector, node: Node, step: float) -> Node:
 
 def _judged(
     corrector: Corrector, options: Options, observer: Observer, node: Node, origin: Node,
-    step: float, end: Node, bound: bool,
+    step: float, end: Node,
 ) -> Attempt:  # fmt: skip
     """The step with its special points, if it can be believed."""
     segment = Segment(corrector, node, end)
@@ -96,7 +96,7 @@ def _judged(
     curvature = (end.tangent - node.tangent) / segment.length
     end.curvature = curvature - end.tangent * float(end.tangent @ curvature)
     marks = observer.marks(segment)
-    if bound or leaves(end, options.bounds):
+    if leaves(end, options.bounds):
         marks.append(Mark(1.0, end, "bound", last=True))
     home = None if node is origin else _home(segment, origin)
     if home:
