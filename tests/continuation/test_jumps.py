@@ -25,6 +25,21 @@ def test_parallel_branches(gap, waves, step, above):
         assert point.special != "branch_point"
 
 
+@given(st.floats(0.01, 0.3), st.floats(1, 4), st.floats(0.01, 0.2))
+def test_next_but_one_of_three_branches(gap, waves, step):
+    """It has the orientation of the first, so only the bend of the step tells."""
+
+    def three(u, p):
+        x = u - np.sin(waves * p)
+        factors = x - gap * np.arange(3)
+        by_x = factors[[1, 2]].prod() + factors[[0, 2]].prod() + factors[[0, 1]].prod()
+        return factors.prod(), by_x, -waves * np.cos(waves * p) * by_x
+
+    branch = follow(three, 0.0, 0.0, bounds=(0, 6), parameter_scale=1.0, step=step)
+    for point in branch:
+        assert point.u[0] == pytest.approx(np.sin(waves * point.p), abs=1e-8)
+
+
 @pytest.mark.parametrize("gap", [1e-3, 1e-6, 1e-9])
 def test_imperfect_pitchfork(gap):
     """Two branches that nearly touch: the one from the left turns up, whatever the gap."""

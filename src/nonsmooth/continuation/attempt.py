@@ -58,7 +58,7 @@ def leaves(node: Node, bounds: tuple[float, float]) -> bool:
 
 
 def _ahead(corrector: Corrector, node: Node, step: float) -> Node:
-    """The point a step ahead; `PastBound` where that is beyond the bounds, which are never passed."""
+    """The point a step ahead; `PastBound` where that is out of bounds, which are not passed."""
     y = corrector.scaled(node.u, node.p) + step * node.tangent
     if node.curvature is not None:
         y += 0.5 * step * step * node.curvature
