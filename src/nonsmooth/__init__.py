@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from nonsmooth.analysis.bifurcation_diagram import bifurcation_diagram
     from nonsmooth.analysis.box_dimension import box_dimension
     from nonsmooth.analysis.contact_statistics import contact_statistics
+    from nonsmooth.analysis.continue_orbit import continue_orbit
     from nonsmooth.analysis.correlation_dimension import correlation_dimension
     from nonsmooth.analysis.ensemble import ensemble
     from nonsmooth.analysis.find_orbit import find_orbit
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
     from nonsmooth.analysis.power_spectrum import power_spectrum
     from nonsmooth.analysis.regime import regime
     from nonsmooth.analysis.regime_map import regime_map
+    from nonsmooth.analysis.return_map import return_map
     from nonsmooth.analysis.stroboscopic_map import stroboscopic_map
     from nonsmooth.analysis.tie_parameters import tie_parameters
     from nonsmooth.analysis.uncertainty_exponent import uncertainty_exponent
@@ -75,6 +77,7 @@ __all__ = [
     "box_dimension",
     "contact_statistics",
     "continuation",
+    "continue_orbit",
     "correlation_dimension",
     "ensemble",
     "excitation",
@@ -93,6 +96,7 @@ __all__ = [
     "power_spectrum",
     "regime",
     "regime_map",
+    "return_map",
     "simulate",
     "stroboscopic_map",
     "tie_parameters",
@@ -125,6 +129,7 @@ _HOME = {
     "correlation_dimension": "nonsmooth.analysis.correlation_dimension",
     "ensemble": "nonsmooth.analysis.ensemble",
     "find_orbit": "nonsmooth.analysis.find_orbit",
+    "continue_orbit": "nonsmooth.analysis.continue_orbit",
     "full_spectrum": "nonsmooth.analysis.full_spectrum",
     "local_regimes": "nonsmooth.analysis.local_regimes",
     "lyapunov_spectrum": "nonsmooth.analysis.lyapunov_spectrum",
@@ -135,6 +140,7 @@ _HOME = {
     "power_spectrum": "nonsmooth.analysis.power_spectrum",
     "regime": "nonsmooth.analysis.regime",
     "regime_map": "nonsmooth.analysis.regime_map",
+    "return_map": "nonsmooth.analysis.return_map",
     "simulate": "nonsmooth.simulation.simulate",
     "stroboscopic_map": "nonsmooth.analysis.stroboscopic_map",
     "tie_parameters": "nonsmooth.analysis.tie_parameters",

@@ -119,6 +119,20 @@ RESULTS = {
     "local_regimes": (lambda: ns.local_regimes(run_up(), most_period=3, window=20),
                       {"time": S, "eta": HERTZ, "from_time": S, "to_time": S,
                        "from_eta": HERTZ, "to_eta": HERTZ, "drift": ONE, "net_drift": ONE}),
+    "return_map": (lambda: ns.return_map(SYSTEM, "x", (-0.4, 1.4), samples=7),
+                   dict.fromkeys(("start", "image", "deviation", "border_start", "image_before",
+                                  "image_after", "fixed_start", "fixed_deviation"), MM)
+                   | dict.fromkeys(("start_state", "image_state", "fixed_state"))
+                   | dict.fromkeys(("slope", "fixed_slope", "spread", "largest_spread"), ONE)
+                   | {"return_time": S}),
+    "return_map of phases": (lambda: ns.return_map(
+                                 ns.PoincareMap(SYSTEM, "y"), "phase",
+                                 points=ns.poincare_section(SYSTEM, section="y", record=20)),
+                             dict.fromkeys(("start", "image", "deviation", "turn",
+                                            "return_time"), S)
+                             | dict.fromkeys(("start_state", "image_state"))
+                             | dict.fromkeys(("slope", "spread", "largest_spread",
+                                              "exponent_per_return"), ONE)),
     "attractors": (lambda: ns.attractors(SYSTEM, {"x": (-0.4, 1.4)}, samples=8, record=200),
                    ATTRACTOR),
     "basins_of_attraction": (lambda: basins(lambda found: found), ATTRACTOR | {"x": MM, "y": MM}),

@@ -11,6 +11,7 @@ from nonsmooth.cli.attractors import attractors
 from nonsmooth.cli.basins import basins
 from nonsmooth.cli.console import Commands
 from nonsmooth.cli.contacts import contacts
+from nonsmooth.cli.continue_ import continue_
 from nonsmooth.cli.diagram import diagram
 from nonsmooth.cli.ensemble import ensemble
 from nonsmooth.cli.explain import explain
@@ -18,6 +19,7 @@ from nonsmooth.cli.lyapunov import lyapunov
 from nonsmooth.cli.measured import measured
 from nonsmooth.cli.measures import measures
 from nonsmooth.cli.models import models
+from nonsmooth.cli.orbit import orbit
 from nonsmooth.cli.regime import regime
 from nonsmooth.cli.regimes import regimes
 from nonsmooth.cli.section import section
@@ -71,6 +73,8 @@ app.command()(strobe)
 app.command()(diagram)
 app.command()(regime)
 app.command()(regimes)
+app.command()(orbit)
+app.command("continue")(continue_)
 app.command()(ensemble)
 app.command()(attractors)
 app.command()(basins)

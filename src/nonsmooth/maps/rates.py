@@ -30,10 +30,17 @@ class Rates:
 
     def at(self, here: Instant, mode: int, state: Floats) -> Floats:
         """Rates at an instant, in a mode of the tables."""
-        clock = Clock(np.array([here.number]), np.array([here.phase]), self.tables)
-        modes = self.origin[[mode]]
-        found = output_values(self.system, clock, state[:, None], modes)
-        return np.array([float(found[name][0]) for name in self.names])
+        number, phase = np.array([here.number]), np.array([here.phase])
+        rates: Floats = self.of_many(number, phase, np.array([mode]), state[None])[0]
+        return rates
+
+    def of_many(self, number: Integers, phase: Floats, modes: Integers, states: Floats) -> Floats:
+        """Rates at many instants, each in a mode of the tables; shapes: states (L, n)."""
+        clock = Clock(number, phase, self.tables)
+        found = output_values(self.system, clock, states.T, self.origin[modes])
+        rates = [np.broadcast_to(found[name], number.shape) for name in self.names]
+        stacked: Floats = np.stack(rates, axis=1).astype(float)
+        return stacked
 
 
 @lru_cache(maxsize=32)

@@ -51,8 +51,8 @@ class Crossings:
         # a jump may lead over the section, as may an input whose rate jumps at a knot
         doubtful = crosses & (rows[:, at.PASSES] > 1)
         doubtful |= crosses & self.knots & (values[:, at.GUARD_RATE] == 0.0)
-        for k in np.flatnonzero(doubtful):
-            crosses[k] = self._goes_through(rows[k], values[k])
+        if doubtful.any():
+            crosses[doubtful] = self._go_through(rows[doubtful], values[doubtful])
         here = np.flatnonzero(crosses)
         points = _points(rows, values, here, section.origin, way[here])
         # nothing but the side has changed, and behind it the state lies on the section exactly
@@ -64,20 +64,33 @@ class Crossings:
         """Whether a row would not be there without the section."""
         return bool(row[at.EXIT] >= 0 and row[at.EXIT] == self.section.gate[row[at.FROM]])
 
-    def _goes_through(self, row: Integers, values: Floats) -> bool:
-        """Whether the expression is continuous at an event with several exits, or at a knot."""
+    def _go_through(self, rows: Integers, values: Floats) -> Flags:
+        """Whether the expression is continuous at events with several exits, or at knots."""
+        found = np.zeros(len(rows), bool)
+        at_knot = self.knots & (values[:, at.GUARD_RATE] == 0.0)
+        kinds = np.column_stack([rows[:, [at.FROM, at.TO, at.PATH, at.PASSES]], at_knot])
+        distinct, which = np.unique(kinds, axis=0, return_inverse=True)
+        for k in range(len(distinct)):  # events that pass the same exits
+            here = np.flatnonzero(which.ravel() == k)
+            found[here] = self._all_go_through(rows[here], values[here], bool(distinct[k, -1]))
+        return found
+
+    def _all_go_through(self, rows: Integers, values: Floats, at_knot: bool) -> Flags:
+        """The same for events that pass the same exits."""
+        row = rows[0]
         before, after = int(row[at.FROM]), int(row[at.TO])
-        state = values[at.EVENT_FLOATS :].reshape(2, -1)
-        if self.knots and values[at.GUARD_RATE] == 0.0:
-            return self._vanishes(row, values, after, state[1])
+        states = values[:, at.EVENT_FLOATS :].reshape(len(rows), 2, -1)
+        if at_knot:
+            return self._vanish(rows, values, after, states[:, 1])
         read = self._states_read(before) | self._states_read(after)
         if read & self._states_reset(row):
-            return self._vanishes(row, values, before, state[0]) and self._vanishes(
-                row, values, after, state[1]
+            return self._vanish(rows, values, before, states[:, 0]) & self._vanish(
+                rows, values, after, states[:, 1]
             )
-        first, one = self._value(row, values, before, state[1])
-        second, other = self._value(row, values, after, state[1])
-        return bool(abs(first - second) <= _SMALL * (one + other))
+        first, one = self._values(rows, values, before, states[:, 1])
+        second, other = self._values(rows, values, after, states[:, 1])
+        same: Flags = np.abs(first - second) <= _SMALL * (one + other)
+        return same
 
     def _states_read(self, mode: int) -> set[str]:
         """States on which the expression depends in a mode."""
@@ -99,21 +112,25 @@ class Crossings:
         states = self.section.system.states
         return {state for i, state in enumerate(states) if (bits >> i) & 1}
 
-    def _vanishes(self, row: Integers, values: Floats, mode: int, state: Floats) -> bool:
-        value, size = self._value(row, values, mode, state)
-        return abs(value) <= _SMALL * size
+    def _vanish(self, rows: Integers, values: Floats, mode: int, states: Floats) -> Flags:
+        value, size = self._values(rows, values, mode, states)
+        none: Flags = np.abs(value) <= _SMALL * size
+        return none
 
-    def _value(
-        self, row: Integers, values: Floats, mode: int, state: Floats
-    ) -> tuple[float, float]:
-        """Value of the expression, and the size of its terms."""
-        n = state.size
-        shifted = np.vstack([state, state * (1.0 + _SHIFT * np.eye(n))]).T
-        count = np.ones(n + 1, np.int64)
-        clock = Clock(row[at.NUMBER] * count, values[at.PHASE] * count, self.tables)
+    def _values(
+        self, rows: Integers, values: Floats, mode: int, states: Floats
+    ) -> tuple[Floats, Floats]:
+        """Values of the expression at events, and the size of its terms there."""
+        count, n = states.shape
+        shifts = np.vstack([np.ones(n), 1.0 + _SHIFT * np.eye(n)])
+        shifted = (states[:, None] * shifts).reshape(-1, n)
+        number = np.repeat(rows[:, at.NUMBER], n + 1)
+        phase = np.repeat(values[:, at.PHASE], n + 1)
         system = self.section.system
-        found = output_values(system, clock, shifted, mode * count)[self.section.value]
-        return float(found[0]), float(np.abs(found[1:] - found[0]).sum() / _SHIFT)
+        clock, modes = Clock(number, phase, self.tables), np.full(number.size, mode)
+        found = output_values(system, clock, shifted.T, modes)[self.section.value]
+        whole = np.broadcast_to(found, number.shape).reshape(count, n + 1)
+        return whole[:, 0], np.abs(whole[:, 1:] - whole[:, :1]).sum(axis=1) / _SHIFT
 
 
 class NamedEvents:

@@ -74,6 +74,10 @@ class StrobeRunner:
         """Instant at which lanes begin."""
         return self._instants(0, 1)[0]
 
+    def instant_of(self, iterate: int) -> Instant:
+        """Instant of an iterate; the start is iterate 0."""
+        return self._instants(iterate, 1)[0]
+
     def iterate(
         self, lanes: StrobeLanes, count: int, stop: threading.Event | None = None
     ) -> tuple[Floats, Integers]:

@@ -144,13 +144,14 @@ def _legs(system: System, orbits: Sequence[Orbit | None], dims: tuple[str, ...],
     shape = (len(orbits), width)
     durations, times = np.full(shape, np.nan), np.full(shape, np.nan)
     states, modes = np.full((*shape, n), np.nan), np.full(shape, -1, np.int8)
-    exits = [[""] * width for _ in orbits]
+    exits, paths = [[""] * width for _ in orbits], np.zeros(shape, np.int64)
     for k, orbit in enumerate(orbits):
         if orbit is None:
             continue
         count = len(orbit.word)
         durations[k, :count], times[k, :count] = orbit.turn.durations, orbit.turn.instants[:-1]
         states[k, :count], modes[k, :count] = orbit.turn.states, orbit.word.modes
+        paths[k, :count] = orbit.word.path_bits
         exits[k][:count] = [orbit.word.exit_text(system, leg) for leg in range(count)]
     over = (*dims, "leg")
 
@@ -163,6 +164,7 @@ def _legs(system: System, orbits: Sequence[Orbit | None], dims: tuple[str, ...],
         "durations": (over, legs(durations), {"long_name": "time spent in each leg", **units}),
         "leg_mode": (over, legs(modes), labels.mode_flags("mode of each leg")),
         "leg_exit": (over, legs(exits), {"long_name": "exits at the end of each leg"}),
+        "leg_path": (over, legs(paths), {"long_name": "the same exits, coded"}),
         "leg_time": (over, legs(times), {"long_name": "time at which each leg begins", **units}),
         "leg_states": (
             (*over, "state"), legs(states), {"long_name": "state at which each leg begins"},

@@ -8,13 +8,14 @@ from typing import Any
 import numpy as np
 
 from nonsmooth.errors import RunError
-from nonsmooth.periodic.equations import OrbitEquations
+from nonsmooth.periodic.equations import OrbitEquations, Turn
 from nonsmooth.periodic.guess import Guess, driven_guess
 from nonsmooth.periodic.guess_cycle import cycle_guess
 from nonsmooth.periodic.guess_of_word import guesses_in_motion, random_guesses
 from nonsmooth.periodic.legs import LegError, Legs
 from nonsmooth.periodic.newton import Solution, solve_orbit
 from nonsmooth.periodic.orbit import Orbit, make_orbit
+from nonsmooth.periodic.restart import guess_of_dataset, is_orbit
 from nonsmooth.periodic.word import Word
 from nonsmooth.simulation.driving import is_driven
 from nonsmooth.system.system import System
@@ -59,6 +60,12 @@ def search_orbit(wanted: Wanted, legs: Legs) -> Found:
     """Find the orbit that is wanted."""
     if wanted.words:
         return _search_word(wanted, legs)
+    if is_orbit(wanted.initial) and wanted.transient == 0:
+        known = guess_of_dataset(wanted.system, wanted.initial)
+        if int(wanted.initial.attrs.get("period", wanted.period)) == wanted.period:
+            found = solve_guess(wanted, legs, _fitted(known, wanted, legs))
+            if found.status == "completed":
+                return found
     try:
         guess = _guess(wanted, legs)
     except RunError as fault:
@@ -70,6 +77,16 @@ def search_orbit(wanted: Wanted, legs: Legs) -> Found:
             " the stretch that is looked at; begin nearer to the cycle, or give transient=",
         )  # fmt: skip
     return solve_guess(wanted, legs, guess)
+
+
+def _fitted(guess: Guess, wanted: Wanted, legs: Legs) -> Guess:
+    """Legs of an orbit for other parameters: instants stretched to the period there."""
+    turn = guess.turn
+    if is_autonomous(legs) or guess.word.closes_at_event:
+        return guess
+    begin, length = wanted.phase * legs.window, wanted.period * legs.window
+    share = (turn.instants - turn.instants[0]) / (turn.instants[-1] - turn.instants[0])
+    return Guess(guess.word, Turn(turn.states, begin + share * length))
 
 
 def equations_for(wanted: Wanted, legs: Legs, guess: Guess) -> OrbitEquations:

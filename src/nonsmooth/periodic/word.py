@@ -77,23 +77,11 @@ class Word:
             mode = int(wiring[mode, 1 + e, at.TARGET])
         return mode
 
-    def without_leg(self, k: int) -> Word:
-        """The word in which a leg has no duration: its exits are passed with those before it."""
-        if len(self) == 1:
-            return self
-        before = (k - 1) % len(self)
-        paths = list(self.paths)
-        paths[before] = paths[before] + paths[k]
-        keep = [i for i in range(len(self)) if i != k]
-        return Word(tuple(self.modes[i] for i in keep), tuple(paths[i] for i in keep))
-
-    def with_leg(
-        self, k: int, exit_before: tuple[int, ...], mode: int, path: tuple[int, ...]
-    ) -> Word:
-        """The word with leg k cut in two, and a leg of another mode between the parts."""
-        modes = (*self.modes[: k + 1], mode, *self.modes[k:])
-        paths = (*self.paths[:k], exit_before, path, *self.paths[k:])
-        return Word(modes, paths)
+    @property
+    def path_bits(self) -> Integers:
+        """Paths as the event log keeps them."""
+        bits = [sum((e + 1) << (PATH_BITS * k) for k, e in enumerate(path)) for path in self.paths]
+        return np.array(bits, np.int64)
 
 
 def path_of_bits(bits: int, passes: int) -> tuple[int, ...] | None:

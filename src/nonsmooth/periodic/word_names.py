@@ -15,7 +15,7 @@ from nonsmooth.periodic.word import Word
 from nonsmooth.simulation.start import mode_numbers
 from nonsmooth.system.system import System
 
-__all__ = ["read_word", "words_of_names"]
+__all__ = ["read_word", "shortest_paths", "words_of_names"]
 
 _MOST_EXITS = 3  # passed at one instant
 _MOST_WORDS = 64
@@ -61,7 +61,7 @@ def words_of_names(system: System, names: Sequence[str], *, autonomous: bool) ->
     for modes in product(*choices):
         if modes[0] != modes[-1]:
             continue
-        steps = [_paths(wiring, a, b) for a, b in pairwise(modes)]
+        steps = [shortest_paths(wiring, a, b) for a, b in pairwise(modes)]
         for paths in product(*steps):
             if autonomous:
                 found.append(Word(modes[:-1] or modes, paths or ((),)))
@@ -72,7 +72,7 @@ def words_of_names(system: System, names: Sequence[str], *, autonomous: bool) ->
     if not found:
         for a, b in pairwise(names):
             if not any(
-                _paths(wiring, i, k)
+                shortest_paths(wiring, i, k)
                 for i in mode_numbers(system, a)
                 for k in mode_numbers(system, b)
             ):
@@ -81,7 +81,7 @@ def words_of_names(system: System, names: Sequence[str], *, autonomous: bool) ->
     return found
 
 
-def _paths(wiring: npt.NDArray[np.int64], a: int, b: int) -> list[tuple[int, ...]]:
+def shortest_paths(wiring: npt.NDArray[np.int64], a: int, b: int) -> list[tuple[int, ...]]:
     """The shortest ways from mode a to mode b, by exits passed at one instant."""
     ways: list[tuple[tuple[int, ...], int]] = [((), a)]
     for _ in range(_MOST_EXITS):

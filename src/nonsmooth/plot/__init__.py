@@ -7,7 +7,9 @@ from __future__ import annotations
 
 from nonsmooth.plot.attractor_sets import attractors
 from nonsmooth.plot.basin_cells import basins
+from nonsmooth.plot.branches import branch
 from nonsmooth.plot.cascades import waterfall
+from nonsmooth.plot.cobwebs import cobweb
 from nonsmooth.plot.compared_lives import lives
 from nonsmooth.plot.comparisons import comparison
 from nonsmooth.plot.diagrams import bifurcation
@@ -19,10 +21,13 @@ from nonsmooth.plot.histories import time_history
 from nonsmooth.plot.load_cycles import load_cycles
 from nonsmooth.plot.markers import event_markers
 from nonsmooth.plot.mode_spans import phases
+from nonsmooth.plot.multipliers import multipliers
 from nonsmooth.plot.orbits import orbit
+from nonsmooth.plot.periodic_orbits import orbit_history, periodic_orbit
 from nonsmooth.plot.portrait import phase_portrait
 from nonsmooth.plot.portrait_stack import phase_portrait_3d
 from nonsmooth.plot.regimes import regime_map
+from nonsmooth.plot.return_maps import return_map
 from nonsmooth.plot.ring_regions import contact_regions
 from nonsmooth.plot.sections import section
 from nonsmooth.plot.shaking import shaking
@@ -39,6 +44,8 @@ __all__ = [
     "axis_label",
     "basins",
     "bifurcation",
+    "branch",
+    "cobweb",
     "comparison",
     "contact_regions",
     "crack_lengths",
@@ -48,12 +55,16 @@ __all__ = [
     "lives",
     "load_cycles",
     "mode_colours",
+    "multipliers",
     "orbit",
+    "orbit_history",
+    "periodic_orbit",
     "phase_portrait",
     "phase_portrait_3d",
     "phases",
     "print_figure",
     "regime_map",
+    "return_map",
     "save_figure",
     "section",
     "shaking",

@@ -27,11 +27,17 @@ def growing_colours() -> Colormap:
     return ListedColormap(matplotlib.colormaps[_MAP](np.linspace(0.0, _LAST, 256)))
 
 
-def colour_bar(ax: Axes, drawn: Any, label: str) -> None:
-    """Bar beside the axes with texts of the same size."""
+def colour_bar(ax: Axes, drawn: Any, label: str, *, inset: bool = False) -> None:
+    """Bar beside the axes with texts of the same size.
+
+    An inset one is as high as axes that have a shape of their own, such as equal scales.
+    """
     figure = ax.get_figure(root=True)
     assert figure is not None
-    bar = figure.colorbar(drawn, ax=ax, pad=0.02, aspect=25)
+    place: dict[str, Any] = {"ax": ax, "pad": 0.02, "aspect": 25}
+    if inset:
+        place = {"cax": ax.inset_axes((1.03, 0.0, 0.035, 1.0))}
+    bar = figure.colorbar(drawn, **place)
     size = float(ax.xaxis.label.get_fontsize())
     bar.set_label(wrapped(label), fontsize=size)
     bar.ax.tick_params(labelsize=size - 1.0, width=0.6, length=2.5)

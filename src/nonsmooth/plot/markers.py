@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,9 +12,18 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-__all__ = ["event_markers"]
+__all__ = ["EVENT_MARK", "EVENT_SHAPES", "event_markers"]
 
-_SHAPES = "osv^D<>p"
+EVENT_SHAPES = "osv^D<>p"
+EVENT_MARK: dict[str, Any] = {
+    "linestyle": "none",
+    "markersize": 3.5,
+    "markerfacecolor": "white",
+    "markeredgecolor": "black",
+    "markeredgewidth": 0.7,
+    "zorder": 3,
+    "gid": "event",
+}
 
 
 def event_markers(
@@ -66,7 +75,8 @@ def event_markers(
     labels = run["event_name"].values.astype(str)
     labels = np.where(kinds == "graze", np.char.add(labels, " (graze)"), labels)
     crossing = kinds != "start"
-    known = ax.get_legend_handles_labels()[1]
+    # a mode or a variable may have the same name
+    known = {line.get_label() for line in ax.lines if line.get_gid() == EVENT_MARK["gid"]}
     # all names of the run, so that a range does not change the shapes
     for i, label in enumerate(np.unique(labels[crossing])):
         here = crossing & (labels == label) & (times >= low) & (times <= high)
@@ -75,13 +85,8 @@ def event_markers(
         ax.plot(
             times[here],
             values[here],
-            linestyle="none",
-            marker=_SHAPES[i % len(_SHAPES)],
-            markersize=3.5,
-            markerfacecolor="white",
-            markeredgecolor="black",
-            markeredgewidth=0.7,
-            zorder=3,
+            marker=EVENT_SHAPES[i % len(EVENT_SHAPES)],
+            **EVENT_MARK,
             rasterized=bool(np.count_nonzero(here) > DENSE),
             # one entry in the legend, also when several curves of the axes are marked
             label="_" + label if label in known else label,

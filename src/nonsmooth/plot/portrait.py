@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.mode_spans import mode_label
@@ -18,7 +17,14 @@ from nonsmooth.plot.style import (
     place_legend,
 )
 from nonsmooth.plot.surfaces import draw_surfaces
-from nonsmooth.plot.trace import DENSE, Trace, check_range, check_variables, curve
+from nonsmooth.plot.trace import (
+    DENSE,
+    Trace,
+    broken,
+    check_range,
+    check_variables,
+    curve,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -108,29 +114,16 @@ def _draw_by_mode(run: xr.Dataset, trace: Trace, ax: Axes, dense: bool) -> None:
     """A line per mode, broken where the run is in another mode, and one for the jumps."""
     for name, colour in mode_colours(run).items():
         here = np.isin(trace.mode, mode_numbers(run, name))
-        points = _broken(trace.values, here & ~trace.jumps)
+        points = broken(trace.values, here & ~trace.jumps)
         if points.size:
             label = mode_label(name)
             ax.plot(*points, color=colour, linewidth=1.2, label=label, rasterized=dense)
     # slaved states meet their equation at an event, which moves them by rounding
     visible = np.ptp(trace.values, axis=1, keepdims=True) / _CELLS
     moved = np.append(np.any(np.abs(np.diff(trace.values, axis=1)) > visible, axis=0), False)
-    points = _broken(trace.values, trace.jumps & moved)
+    points = broken(trace.values, trace.jumps & moved)
     if points.size:
         ax.plot(*points, color="0.6", linewidth=0.8, label="jump", rasterized=dense, zorder=1)
-
-
-def _broken(
-    values: npt.NDArray[np.float64], ways: npt.NDArray[np.bool_]
-) -> npt.NDArray[np.float64]:
-    """Points at either end of some ways to the next point, with a gap after each chain."""
-    ways = np.append(ways[:-1], False)  # no way leads on from the last point
-    kept = ways | np.append(False, ways[:-1])
-    last = np.flatnonzero(kept & ~ways)
-    points = values[:, kept]
-    # where the chains end among the points kept
-    ends = np.searchsorted(np.flatnonzero(kept), last) + 1
-    return np.insert(points, ends[:-1], np.nan, axis=1)
 
 
 def _without_crowds(trace: Trace) -> Trace:

@@ -16,11 +16,21 @@ from nonsmooth.errors import OptionError, unknown_name
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["DENSE", "Trace", "check_log", "check_range", "check_variables", "curve", "thinned"]
+__all__ = [
+    "DENSE",
+    "Trace",
+    "broken",
+    "check_log",
+    "check_range",
+    "check_variables",
+    "curve",
+    "thinned",
+]
 
 Floats = npt.NDArray[np.float64]
 
 DENSE = 20_000  # points of one curve above which it is thinned or drawn as an image
+_INSTANT = 1e-12  # part of a run that is no time
 _COLUMNS = 2_000  # pixel columns: 8 cm at 600 dots per inch are 1890
 
 
@@ -44,7 +54,7 @@ class Trace(NamedTuple):
 def check_variables(run: xr.Dataset, variables: str | Sequence[str]) -> list[str]:
     """Names of variables over time; an unknown one is an error that lists the known ones."""
     names = [variables] if isinstance(variables, str) else list(variables)
-    known = [str(v) for v in run.data_vars if run[v].dims == ("time",) and v != "mode"]
+    known = [str(v) for v in run.data_vars if run[v].dims == ("time",) and v not in ("mode", "leg")]
     if not names:
         raise OptionError(f"variables: name at least one of {', '.join(known)}")
     for name in names:
@@ -98,6 +108,11 @@ def curve(
     )
     samples = np.stack([run[name].values.astype(float) for name in names])
     trace = Trace(run["time"].values.astype(float), samples, mode, np.zeros(mode.size, bool))
+    if "leg" in run:  # samples of each leg from end to end: nothing is between them
+        time = trace.time
+        jumps = (np.diff(run["leg"].values) != 0) & (np.diff(time) <= _INSTANT * np.ptp(time))
+        trace = trace._replace(jumps=np.append(jumps, False))
+        return trace if time_range is None else _cut(trace, *time_range)
     states = [] if measured else [str(name) for name in run["state"].values]
     if run.sizes.get("event") and all(name in states for name in names):
         trace = _merged(run, trace, [states.index(name) for name in names])
@@ -152,6 +167,17 @@ def _cut(trace: Trace, low: float, high: float) -> Trace:
         np.concatenate(mode),
         np.concatenate(jumps),
     )
+
+
+def broken(values: Floats, ways: npt.NDArray[np.bool_]) -> Floats:
+    """Points at either end of some ways to the next point, with a gap after each chain."""
+    ways = np.append(ways[:-1], False)  # no way leads on from the last point
+    kept = ways | np.append(False, ways[:-1])
+    last = np.flatnonzero(kept & ~ways)
+    points = values[:, kept]
+    # where the chains end among the points kept
+    ends = np.searchsorted(np.flatnonzero(kept), last) + 1
+    return np.insert(points, ends[:-1], np.nan, axis=1)
 
 
 def thinned(time: Floats, values: Floats) -> tuple[Floats, Floats]:

@@ -19,7 +19,7 @@ _TIME_ATTRIBUTES = ("period", "window", "strobe_period", "step", "duration", "en
                     "t_start", "t_end")  # fmt: skip
 _LENGTH_ATTRIBUTES = ("extent",)
 # texts with numbers of the dimensionless system in them
-_TEXTS = ("system", "initial", "completion", "section")
+_TEXTS = ("system", "initial", "completion", "section", "between")
 
 
 def in_si(data: xr.Dataset, units: Units) -> xr.Dataset:

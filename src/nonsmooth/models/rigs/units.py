@@ -14,6 +14,7 @@ __all__ = ["DERIVATIVES", "OF_STATES", "Unit", "Units", "unit_of"]
 _TIMES = (
     "time", "phase", "event_time", "event_phase", "begin", "end_time",
     "contact_duration", "shortest_contact", "longest_contact", "from_time", "to_time",
+    "return_time",
 )  # fmt: skip
 _RATES = ("lyapunov_exponent", "running_exponent", "exponent_sum")  # per unit time
 _STATISTICS = (
@@ -21,7 +22,15 @@ _STATISTICS = (
 )  # fmt: skip
 
 # over ``state``, each in the unit of its state, and derivatives by ``state_0``, ``parameter_0``
-OF_STATES = ("state_before", "state_after", "points", "initial_state", "end_state")
+OF_STATES = (
+    "state_before", "state_after", "points", "initial_state", "end_state", "start_state",
+    "image_state", "fixed_state",
+)  # fmt: skip
+# of a return map, in the unit of its coordinate
+_OF_COORDINATE = (
+    "start", "image", "deviation", "border_start", "image_before", "image_after", "fixed_start",
+    "fixed_deviation", "turn",
+)  # fmt: skip
 DERIVATIVES = {"tangent": "state_0", "sensitivity": "parameter_0"}
 
 # shares, ratios, counts and numbers of tests and of dimensions
@@ -33,7 +42,8 @@ _NUMBERS = {
     "boundary_basin_entropy", "boundary_basin_entropy_error", "uncertainty_exponent",
     "boundary_dimension", "uncertain_fraction", "largest_distance", "fraction_within",
     "box_dimension", "correlation_dimension", "correlation_sum", "fit", "distance",
-    "standard_error", "drift", "net_drift",
+    "standard_error", "drift", "net_drift", "slope", "fixed_slope", "spread", "largest_spread",
+    "exponent_per_return",
 }  # fmt: skip
 
 
@@ -124,7 +134,7 @@ def _special(data: xr.Dataset, name: str, units: Units) -> Unit | None:
         return units.of("lyapunov_exponent")
     if name == "period":
         return Unit(units.time, "s")  # as a number it is that of the forcing, else a count
-    if name in ("amplitude", "p", "q"):
+    if name in ("amplitude", "p", "q") or (name in _OF_COORDINATE and "start" in data.dims):
         return of
     end = name.removeprefix("from_").removeprefix("to_")  # of a stretch of one regime
     if end != name and end in units.parameters:

@@ -1,0 +1,90 @@
+"""A branch of orbits as a dataset: orbits over ``point``, special points over ``special``."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from nonsmooth.periodic.branch_run import BranchPart
+from nonsmooth.periodic.orbit import Orbit
+from nonsmooth.periodic.orbit_dataset import common, orbit_variables
+from nonsmooth.periodic.stretch import BranchOptions
+from nonsmooth.simulation.assemble import Columns
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["branch_dataset"]
+
+
+def branch_dataset(
+    options: BranchOptions, parts: Sequence[BranchPart], attrs: dict[str, Any]
+) -> xr.Dataset:
+    """Dataset of the points of a branch in order."""
+    import xarray as xr
+
+    system, name = options.system, options.parameter
+    over = ("point",)
+    variables = orbit_variables(system, [_orbit(options, part) for part in parts], over)
+    variables[name] = (
+        over, np.array([part.value for part in parts]),
+        {"long_name": system.describe.get(name, name)},
+    )  # fmt: skip
+    variables["arclength"] = (
+        over, np.array([part.arclength for part in parts]), {"long_name": "length of the branch"},
+    )  # fmt: skip
+    variables |= _specials(parts)
+    coords: dict[str, Any] = {
+        "state": (("state",), np.array(system.states)),
+        "point": (over, np.arange(len(parts)), {"long_name": "point of the branch"}),
+        "time": (over, np.array([part.looked.turn.instants[0] for part in parts])),
+    }
+    if system.drift_states:
+        coords["drift_state"] = (("drift_state",), np.array(system.drift_states))
+    return xr.Dataset(variables, coords, common(system) | {"parameter": name} | attrs)
+
+
+def _orbit(options: BranchOptions, part: BranchPart) -> Orbit:
+    looked, system = part.looked, options.system
+    drifting = np.array([name in system.drift_states for name in system.states])
+    return Orbit(
+        part.word, looked.turn, looked.end, looked.values, options.period, options.phase,
+        options.autonomous, looked.window, looked.residual, 0, looked.multipliers,
+        looked.admissibility, 1, drifting,
+    )  # fmt: skip
+
+
+def _specials(parts: Sequence[BranchPart]) -> Columns:
+    """The table of special points."""
+    chosen = [k for k, part in enumerate(parts) if part.special]
+    over = ("special",)
+    multipliers = [_telling(parts[k]) for k in chosen]
+    return {
+        "special_kind": (
+            over, np.array([parts[k].special for k in chosen], str), {"long_name": "what happens"},
+        ),
+        "special_value": (
+            over, np.array([parts[k].value for k in chosen], float),
+            {"long_name": "value of the parameter"},
+        ),
+        "special_point": (
+            over, np.array(chosen, np.int64), {"long_name": "its number among the points"},
+        ),
+        "special_detail": (
+            over, np.array([parts[k].detail for k in chosen], str), {"long_name": "in words"},
+        ),
+        "special_multiplier": (
+            over, np.array(multipliers, complex), {"long_name": "multiplier on the unit circle"},
+        ),
+    }  # fmt: skip
+
+
+def _telling(part: BranchPart) -> complex:
+    """The multiplier that is nearest to the unit circle."""
+    values = part.looked.multipliers.multipliers
+    values = values[np.isfinite(values)]
+    if not values.size:
+        return complex(np.nan)
+    return complex(values[np.argmin(np.abs(np.abs(values) - 1.0))])

@@ -1,0 +1,125 @@
+"""Options of `continue_orbit`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from nonsmooth.analysis.orbit_search.options import read_wanted
+from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.periodic.restart import is_orbit
+from nonsmooth.periodic.search import Wanted
+from nonsmooth.periodic.stretch import BranchOptions
+from nonsmooth.simulation.driving import is_driven
+from nonsmooth.simulation.options import check_flag, finite_number, whole_number
+from nonsmooth.simulation.runner import build_tables
+from nonsmooth.system.system import System
+
+__all__ = ["read_branch_options"]
+
+_WAYS = ("both", "up", "down")
+
+
+def read_branch_options(
+    system: Any,
+    parameter: Any,
+    between: Any,
+    *,
+    initial: Any,
+    period: Any,
+    special: Any,
+    direction: Any,
+    steps: Any,
+    step: Any,
+    largest_step: Any,
+    smallest_step: Any,
+    inadmissible: Any,
+    parameters: Mapping[str, float] | None,
+    **rest: Any,
+) -> tuple[BranchOptions, Wanted, tuple[str, ...], int]:
+    """Options of a branch, its first orbit, the word given, and how a special point is left."""
+    base = getattr(system, "system", system)
+    if isinstance(base, System) and parameter not in base.parameters:
+        raise OptionError(unknown_name("parameter", str(parameter), base.parameters))
+    chosen = -1
+    if special is not None:
+        initial, chosen, value = _at_special(initial, special, parameter)
+        parameters = {**(parameters or {}), parameter: value}
+    elif is_orbit(initial) and parameter in initial and initial[parameter].ndim == 0:
+        parameters = {**(parameters or {}), parameter: float(initial[parameter])}
+    if is_orbit(initial) and period == 1:
+        period = int(initial.attrs.get("period", 1)) * (2 if chosen == 1 else 1)
+    wanted, names = read_wanted(
+        system, initial, period=period, parameters=parameters, verb="continue_orbit", **rest
+    )
+    low, high = _bounds(between)
+    value = float(wanted.system.parameter_values[parameter])
+    if not low <= value <= high:
+        raise OptionError(
+            f"between = ({low:g}, {high:g}): the branch begins at {parameter} = {value:g}, which"
+            " lies outside; give the system, or parameters=, a value within"
+        )
+    if direction not in _WAYS:
+        raise OptionError(f"direction = {direction!r:.60}: give one of {', '.join(_WAYS)}")
+    smallest = _length("smallest_step", smallest_step)
+    first, largest = _length("step", step), _length("largest_step", largest_step)
+    if not smallest <= first <= largest:
+        raise OptionError(
+            f"smallest_step = {smallest:g}, step = {first:g} and largest_step = {largest:g} must"
+            " be in this order"
+        )
+    options = BranchOptions(
+        wanted.system, parameter, (low, high), wanted.period, wanted.phase,
+        not is_driven(build_tables(wanted.system)), whole_number("steps", steps), first, largest,
+        smallest, wanted.tolerance, check_flag("inadmissible", inadmissible),
+    )  # fmt: skip
+    return options, wanted, names, chosen
+
+
+def _bounds(between: Any) -> tuple[float, float]:
+    try:
+        low, high = (finite_number("between", float(each)) for each in between)
+    except (TypeError, ValueError) as fault:
+        if isinstance(fault, OptionError):
+            raise
+        raise OptionError(
+            f"between = {between!r:.60}: give the lowest and the highest value, such as (0.1, 0.2)"
+        ) from None
+    if not low < high:
+        raise OptionError(f"between = ({low:g}, {high:g}): the first must be below the second")
+    return low, high
+
+
+def _length(name: str, value: Any) -> float:
+    number = finite_number(name, value)
+    if not 0.0 < number <= 1.0:
+        raise OptionError(f"{name} = {number:g} must lie above 0, at most 1")
+    return number
+
+
+def _at_special(branch: Any, special: Any, parameter: str) -> tuple[Any, int, float]:
+    """The orbit at a special point of a branch."""
+    if not hasattr(branch, "data_vars") or "special_point" not in branch:
+        raise OptionError("special= needs initial=, a branch that continue_orbit has given")
+    count = branch.sizes["special"]
+    number = finite_number("special", special)
+    if number != int(number) or not 0 <= number < count:
+        raise OptionError(
+            f"special = {special!r:.60}: the branch has {count} special points, numbered from 0"
+        )
+    if branch.attrs.get("parameter") != parameter:
+        raise OptionError(
+            f"special: the branch is one over {branch.attrs.get('parameter')!r}; follow it over"
+            " the same parameter"
+        )
+    kind = str(branch["special_kind"].values[int(number)])
+    if kind not in ("flip", "branch_point"):
+        raise OptionError(
+            f"special = {int(number)}: no other branch begins at a {kind} point; take one of the"
+            " kinds flip and branch_point"
+        )
+    point = branch.isel(point=int(branch["special_point"].values[int(number)]))
+    value = float(np.asarray(point[parameter]))
+    return point, 1 if kind == "flip" else 2, value

@@ -1,0 +1,130 @@
+"""A branch followed in both directions from its first orbit, or from a point where it begins."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from nonsmooth.continuation.branch_directions import branch_directions
+from nonsmooth.errors import NonsmoothError, OptionError
+from nonsmooth.periodic.branch_run import BranchPart, Followed, follow_orbits
+from nonsmooth.periodic.branch_start import tangent_at
+from nonsmooth.periodic.doubled import doubled_start
+from nonsmooth.periodic.legs import Legs
+from nonsmooth.periodic.newton import scale_of
+from nonsmooth.periodic.restart import guess_of_dataset
+from nonsmooth.periodic.search import Wanted, search_orbit, solve_guess
+from nonsmooth.periodic.stretch import BranchOptions, BranchStart, Stretch
+from nonsmooth.simulation.interrupts import HeldInterrupts
+from nonsmooth.simulation.progress import Progress
+
+__all__ = ["both_ways"]
+
+_FLIP, _CROSSING = 1, 2
+
+
+def both_ways(
+    options: BranchOptions, wanted: Wanted, special: int, direction: str
+) -> tuple[list[BranchPart], dict[str, Any]]:
+    """Points of a branch in order, and attributes that say how it ended."""
+    legs = Legs(options.system, (options.parameter,))
+    legs.set_values(options.system.parameter_values)
+    value = float(options.system.parameter_values[options.parameter])
+    start = _first(options, wanted, legs, value, special)
+    ways = {"both": (1.0, -1.0), "up": (1.0,), "down": (-1.0,)}[direction]
+    found: dict[float, tuple[list[BranchPart], Followed]] = {}
+    interrupted = False
+    with HeldInterrupts() as held, Progress("following", len(ways) * options.steps) as progress:
+        for number, way in enumerate(ways):
+
+            def report(done: int, number: int = number) -> None:
+                progress.update(number * options.steps + done)
+                held.check()
+
+            du, dp = start.direction
+            begin = BranchStart(start.equations, start.unknowns, value, (way * du, way * dp))
+            legs.set_values(options.system.parameter_values)
+            parts: list[BranchPart] = []
+            found[way] = parts, Followed(ended="interrupted", message="interrupted by the user")
+            try:
+                for each in follow_orbits(options, legs, begin, report):
+                    if isinstance(each, Followed):
+                        found[way] = parts, each
+                    else:
+                        parts.append(each)
+            except KeyboardInterrupt:
+                interrupted = True
+                break
+            if found[way][1].ended == "closed":
+                break
+    return _joined(found, interrupted)
+
+
+def _joined(
+    found: dict[float, tuple[list[BranchPart], Followed]], interrupted: bool
+) -> tuple[list[BranchPart], dict[str, Any]]:
+    """The way down backwards, then the way up."""
+    down, first = found.get(-1.0, ([], None))
+    up, last = found.get(1.0, ([], None))
+    for part in down:
+        part.arclength = -part.arclength
+    parts = [*reversed(down), *(up[1:] if down else up)]
+    ends = {"end_first": first, "end_last": last}
+    said: dict[str, Any] = {"status": "interrupted" if interrupted else "completed"}
+    messages = []
+    for name, end in ends.items():
+        said[name] = end.ended if end is not None else "start"
+        if end is not None and end.message:
+            messages.append(f"{'first' if name == 'end_first' else 'last'} end: {end.message}")
+    said["message"] = "; ".join(messages)
+    return parts, said
+
+
+def _first(
+    options: BranchOptions, wanted: Wanted, legs: Legs, value: float, special: int
+) -> BranchStart:
+    """Where the branch begins, heading for larger values of the parameter."""
+    if special == _FLIP:
+        start = doubled_start(
+            options, legs, guess_of_dataset(options.system, wanted.initial), value
+        )
+    elif special == _CROSSING:
+        start = _crossing(options, wanted, legs, value)
+    else:
+        found = search_orbit(wanted, legs)
+        if found.orbit is None or found.equations is None:
+            raise OptionError(f"there is no orbit to begin with: {found.message}")
+        if found.status == "inadmissible" and not options.inadmissible:
+            raise OptionError(
+                f"the orbit to begin with is no motion: {found.orbit.admissibility.reason};"
+                " inadmissible=True follows the equations of its word all the same"
+            )
+        equations = found.equations
+        unknowns = equations.pack(found.orbit.turn)
+        legs.set_values(options.system.parameter_values)
+        start = BranchStart(equations, unknowns, value, tangent_at(equations, unknowns))
+    if start.direction[1] < 0.0:
+        start.direction = (-start.direction[0], -start.direction[1])
+    return start
+
+
+def _crossing(options: BranchOptions, wanted: Wanted, legs: Legs, value: float) -> BranchStart:
+    """The other branch at a point where two of them cross."""
+    found = solve_guess(wanted, legs, guess_of_dataset(options.system, wanted.initial))
+    assert found.equations is not None
+    equations = found.equations
+    unknowns = equations.pack(guess_of_dataset(options.system, wanted.initial).turn)
+    stretch = Stretch(options, legs, equations)
+    known = tangent_at(equations, unknowns)
+    low, high = options.bounds
+    try:
+        there = branch_directions(
+            stretch.residual, unknowns, value, along=known, scale=scale_of(equations, unknowns),
+            parameter_scale=high - low,
+        )  # fmt: skip
+    except NonsmoothError as fault:
+        raise OptionError(f"no other branch was found at this point: {fault}") from None
+    legs.set_values(options.system.parameter_values)
+    du, dp = there.directions[1]
+    return BranchStart(equations, np.asarray(there.u), float(there.p), (du, dp))

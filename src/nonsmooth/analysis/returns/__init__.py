@@ -1,0 +1,1 @@
+"""Helpers of `return_map`: starts, images with derivatives, breaks, fixed points, reduction."""

@@ -1,0 +1,166 @@
+"""A family of starts: one for each value of the coordinate, the other states by rules."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.analysis.returns.coordinate import PHASE, Coordinate
+from nonsmooth.engine.loop import ANY
+from nonsmooth.errors import ModelError, OptionError, unknown_name
+from nonsmooth.simulation.clock import Instant
+from nonsmooth.simulation.options import finite_number
+from nonsmooth.simulation.start import mode_numbers
+from nonsmooth.system.differentiate import derivative
+from nonsmooth.system.evaluate import evaluate
+from nonsmooth.system.expressions import Expression, Number, names_in, to_text
+from nonsmooth.system.grammar import parse
+from nonsmooth.system.graph import Graph
+from nonsmooth.system.system import System
+
+__all__ = ["Family", "Starts", "read_family"]
+
+Floats = npt.NDArray[np.float64]
+Integers = npt.NDArray[np.int64]
+
+_STEP = 1e-6  # beside the coordinate: derivative of a text that has none in closed form
+
+
+class Starts(NamedTuple):
+    """Where motions begin; one column of ``modes`` after the other is tried."""
+
+    states: Floats  # (L, n), nan where the mode says what a state is
+    number: Integers  # (L,) window
+    phase: Floats  # (L,)
+    modes: Integers  # (L, c)
+
+    def some(self, chosen: Any) -> Starts:
+        """Some of the starts."""
+        return Starts(*(part[chosen] for part in self))
+
+
+@dataclass(frozen=True)
+class Family:
+    """Starts as functions of the coordinate."""
+
+    system: System
+    coordinate: Coordinate
+    begin: Instant  # where the phase is not the coordinate
+    rules: Mapping[str, Expression]  # of other states and the phase, in order
+    texts: Mapping[str, str]  # as they were written
+    modes: tuple[int, ...]
+    open_states: Floats  # (n,) of states without a rule; nan where the mode says what they are
+
+    def starts(self, values: Floats) -> Starts:
+        """Starts for values of the coordinate."""
+        known = self._known(values)
+        columns = [
+            np.broadcast_to(np.asarray(known.get(name, rest), float), values.shape)
+            for name, rest in zip(self.system.states, self.open_states, strict=True)
+        ]
+        phase = np.broadcast_to(np.asarray(known[PHASE], float), values.shape)
+        turns = np.zeros(values.size)
+        if self.system.period_value is not None:
+            turns = np.floor(phase / self.system.period_value)
+            phase = np.maximum(phase - turns * self.system.period_value, 0.0)
+        number = self.begin.number + turns.astype(np.int64)
+        modes = np.tile(np.array(self.modes, np.int64), (values.size, 1))
+        return Starts(np.column_stack(columns), number, phase.copy(), modes)
+
+    def directions(self, values: Floats) -> Floats:
+        """Derivatives of states and time of the starts by the coordinate; (L, n + 1)."""
+        known, graph = self._known(values), Graph((self.coordinate.name, *self.rules))
+        slopes: dict[str, Expression] = {self.coordinate.name: graph.one}
+        found = np.zeros((values.size, len(self.system.states) + 1))
+        found[:, self.coordinate.place] = 1.0
+        for name, rule in self.rules.items():
+            node = graph.imported(rule)
+            place = self.system.states.index(name) if name != PHASE else -1
+            try:
+                slopes[name] = derivative(graph, node, slopes.__getitem__)
+            except KeyError:  # abs, max and the like; what follows from them is taken so too
+                return self._quotients(values)
+            found[:, place] = evaluate(slopes[name], known)
+        return found
+
+    def _quotients(self, values: Floats) -> Floats:
+        """Derivatives as difference quotients."""
+        step = _STEP * np.maximum(np.abs(values), 1.0)
+        low, high = self.starts(values - step), self.starts(values + step)
+        found = np.column_stack([high.states - low.states, high.phase - low.phase])
+        return np.nan_to_num(found / (2.0 * step[:, None]))
+
+    def _known(self, values: Floats) -> dict[str, Any]:
+        """Numbers of all names, at values of the coordinate."""
+        known: dict[str, Any] = {**self.system.parameter_values, self.coordinate.name: values}
+        known.setdefault(PHASE, self.begin.phase)
+        for name, rule in self.rules.items():
+            known[name] = evaluate(rule, known)
+            if not np.all(np.isfinite(known[name])):
+                raise OptionError(
+                    f"completion[{name!r}] = {self.texts[name]!r:.60} is not a finite number"
+                    f" everywhere on {self.coordinate.name} from {values.min():g} to"
+                    f" {values.max():g}; write it so that it is, or take a part of the interval"
+                )
+        return known
+
+
+def read_family(
+    system: System,
+    coordinate: Coordinate,
+    begin: Instant,
+    completion: Any,
+    mode: str | None,
+    *,
+    timed: bool,
+) -> Family:
+    """Family of starts from the rules of a user; ``timed``: the phase of a start is free."""
+    if completion is not None and not isinstance(completion, Mapping):
+        raise OptionError(
+            f"completion = {completion!r:.60}: give a mapping of states to numbers or expressions"
+            f" of {coordinate.name!r}, such as {{{system.states[-1]!r}: 0.0}}"
+        )
+    rules: dict[str, Expression] = {}
+    known = [*system.parameter_values, coordinate.name]
+    allowed = [*system.states, *([PHASE] if timed and PHASE not in system.states else [])]
+    for name, text in (completion or {}).items():
+        if name == coordinate.name:
+            raise OptionError(f"completion: {name!r} is the coordinate already; leave one out")
+        if name not in allowed:
+            raise OptionError(f"completion: {unknown_name('state', str(name), allowed)}")
+        rules[name] = _rule(f"completion[{name!r}]", text, known)
+        known.append(name)
+    modes = mode_numbers(system, mode)
+    rest = np.array([system.open_state[name] for name in system.states])
+    for i, name in enumerate(system.states):
+        if modes != (ANY,) and all(_is_slaved(system, m, name) for m in modes):
+            rest[i] = np.nan
+    texts = {k: str(v) for k, v in (completion or {}).items()}
+    return Family(system, coordinate, begin, rules, texts, modes, rest)
+
+
+def _is_slaved(system: System, mode: int, state: str) -> bool:
+    parent = system.structure.running[mode].parent
+    return state in (system.modes[parent].slaved if parent in system.modes else {})
+
+
+def _rule(place: str, text: Any, known: list[str]) -> Expression:
+    if not isinstance(text, str):
+        return Number(finite_number(place, text))
+    try:
+        rule = parse(text, where=place)
+    except ModelError as fault:
+        raise OptionError(str(fault)) from None
+    for each in names_in(rule):
+        if each.name not in known and each.name != "pi":
+            raise OptionError(
+                f"{place} = {text!r:.60}: {unknown_name('name', each.name, known)}; the"
+                " coordinate, parameters, and states completed before may stand here"
+            )
+    if "rate(" in to_text(rule):
+        raise OptionError(f"{place} = {text!r:.60}: a start has no rates yet; leave rate() out")
+    return rule

@@ -1,0 +1,308 @@
+"""Images of many starts, with what happened on the way."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.analysis.returns.family import Starts
+from nonsmooth.analysis.returns.lane_log import LaneLog, Settled, settle
+from nonsmooth.engine import records as at
+from nonsmooth.engine.loop import ANY
+from nonsmooth.engine.status import EventKind, Status
+from nonsmooth.maps.poincare import PoincareMap
+from nonsmooth.maps.rates import Rates
+from nonsmooth.maps.section_rows import AT_ONCE, Crossings, NamedEvents
+from nonsmooth.maps.stroboscopic import StroboscopicMap
+from nonsmooth.simulation.clock import Instant
+from nonsmooth.simulation.labels import labels_of
+from nonsmooth.simulation.lane_runner import LaneRunner
+from nonsmooth.simulation.words import word_of_modes
+
+__all__ = ["Images", "Imaging", "SectionImaging", "StrobeImaging", "imaging_of"]
+
+Floats = npt.NDArray[np.float64]
+Integers = npt.NDArray[np.int64]
+Texts = npt.NDArray[np.str_]
+
+_FIRST = 1  # windows of the first part of a search; each further one is twice as long
+
+
+class Images(NamedTuple):
+    """What became of starts; nan, -1 and "" where there is no image."""
+
+    states: Floats  # (L, n)
+    number: Integers  # (L,) window of the image
+    phase: Floats  # (L,)
+    modes: Integers  # (L,) of the image, in the system
+    status: Integers  # (L,)
+    words: Texts  # (L,) modes on the way
+    exits: Texts  # (L,) exits passed on the way
+    n_events: Integers  # (L,)
+    certified: npt.NDArray[np.bool_]  # (L,)
+    n_rows: Integers  # (L,) of the event log up to the image
+    jumped: npt.NDArray[np.bool_]  # (L,): the start was reset
+    begun: Floats  # (L, n): the start with all states that the mode gives
+
+    @property
+    def there(self) -> npt.NDArray[np.bool_]:
+        """Which starts have an image."""
+        return self.status == Status.COMPLETED
+
+
+class Way(NamedTuple):
+    """Where the images lie in the log: the last row that counts, and the instant."""
+
+    last: Integers  # (L,) place of the row of the image in the whole log, or behind the last one
+    number: Integers
+    phase: Floats
+    states: Floats
+    modes: Integers
+
+
+class Imaging:
+    """Applies a map to many starts; what both kinds of maps have in common."""
+
+    engine: LaneRunner
+    origin: Integers  # number in the system of each mode of the engine
+    begin: Instant  # of starts that bring no phase
+    at_rows = False  # whether images are rows of the event log
+    side = 0  # of an event at which an image lies: just before, or 1 just after
+
+    def __init__(self, chosen: StroboscopicMap | PoincareMap, tolerance: float, longest: int):
+        self.chosen, self.tolerance, self.longest = chosen, tolerance, longest
+
+    @property
+    def window(self) -> float:
+        """Length of a window."""
+        return self.engine.window
+
+    def modes_of_engine(self, modes: Integers) -> Integers:
+        """Modes to try, as the engine numbers them; a mode may have become several there."""
+        if not modes.size or len(self.origin) == len(self.chosen.system.mode_names):
+            return modes
+        several = {int(m): np.flatnonzero(self.origin == m) for m in np.unique(modes)}
+        several[ANY] = np.array([ANY])
+        rows = [np.concatenate([several[int(m)] for m in row]) for row in modes]
+        width = max(row.size for row in rows)
+        return np.array([np.pad(row, (0, width - row.size), mode="edge") for row in rows])
+
+    def images(self, starts: Starts) -> Images:
+        """Images of starts."""
+        starts = self.prepared(starts)
+        begun = settle(self.engine, starts, self.tolerance)
+        log = LaneLog(self.engine, begun, self.tolerance)
+        way = self.follow(starts, log)
+        return self._summary(starts, begun, log, way)
+
+    def prepared(self, starts: Starts) -> Starts:
+        """Starts with modes as the engine numbers them."""
+        return starts._replace(modes=self.modes_of_engine(starts.modes))
+
+    def follow(self, starts: Starts, log: LaneLog) -> Way:
+        """Run to the images."""
+        raise NotImplementedError
+
+    def is_own(self, rows: Integers) -> npt.NDArray[np.bool_]:
+        """Which rows are there for the section alone."""
+        return np.zeros(len(rows), bool)
+
+    def _summary(self, starts: Starts, begun: Settled, log: LaneLog, way: Way) -> Images:
+        lanes, rows, values = log.rows()
+        first = np.searchsorted(lanes, np.arange(log.status.size))
+        since = (rows[:, at.NUMBER] - starts.number[lanes]) * self.window
+        since += values[:, at.PHASE] - starts.phase[lanes]
+        here = np.arange(lanes.size)
+        counts = ~self.is_own(rows) & (rows[:, at.KIND] != EventKind.GRAZE)
+        counts &= here <= way.last[lanes]
+        early = counts & (since <= AT_ONCE * self.window)  # of the start itself
+        counts &= ~early
+        entered = self.origin[rows[:, at.TO]]
+        if self.at_rows:
+            entered[here == way.last[lanes]] = -1  # the image lies there
+        mode = self.origin[begun.anchors.place[:, 1]]
+        mode[lanes[early]] = entered[early]  # the last one, as rows are in order
+        words, exits = self._texts(lanes[counts], entered[counts], rows[counts], mode)
+        there = log.status == Status.COMPLETED
+        doubtful = (rows[:, at.IS_CERTIFIED] == 0) & (here <= way.last[lanes])
+        return Images(
+            np.where(there[:, None], way.states, np.nan),
+            np.where(there, way.number, -1),
+            np.where(there, way.phase, np.nan),
+            np.where(there, way.modes, -1),
+            log.status,
+            np.where(there, words, ""),
+            np.where(there, exits, ""),
+            np.where(there, np.bincount(lanes[counts], minlength=there.size), -1),
+            there & (np.bincount(lanes[doubtful], minlength=there.size) == 0),
+            way.last + 1 - first,
+            begun.jumped,
+            np.where(np.isnan(starts.states), begun.anchors.state, starts.states),
+        )
+
+    def _texts(
+        self, lanes: Integers, entered: Integers, rows: Integers, mode: Integers
+    ) -> tuple[Texts, Texts]:
+        """Words of modes, and names of exits in order; lanes that do the same share a text."""
+        kinds, which = np.unique(
+            rows[:, [at.FROM, at.PATH, at.PASSES]], axis=0, return_inverse=True
+        )
+        labels = labels_of(self.engine.system)
+        own = {"...", *(n for names in self.chosen.system.compiled.exit_names for n in names)}
+        names = [
+            ">".join(name for name in labels.path(*map(int, kind)).split(">") if name in own)
+            for kind in kinds
+        ]
+        codes = np.column_stack([which.ravel(), entered]).astype(np.int64)
+        cuts = np.searchsorted(lanes, np.arange(mode.size + 1))
+        known: dict[tuple[int, bytes], tuple[str, str]] = {}
+        words, exits = [], []
+        system = self.chosen.system
+        for i, begin in enumerate(mode):
+            part = codes[cuts[i] : cuts[i + 1]]
+            key = (int(begin), part.tobytes())
+            if key not in known:
+                visited = [int(begin), *(m for m in part[:, 1] if m >= 0)]
+                word = word_of_modes(system.mode_names, np.array(visited))
+                known[key] = word, " ".join(names[k] for k in part[:, 0])
+            words.append(known[key][0])
+            exits.append(known[key][1])
+        return np.array(words, dtype=str), np.array(exits, dtype=str)
+
+
+class StrobeImaging(Imaging):
+    """Images under a stroboscopic map."""
+
+    def __init__(self, chosen: StroboscopicMap, tolerance: float, longest: int) -> None:
+        super().__init__(chosen, tolerance, longest)
+        self.engine = LaneRunner(chosen.system, tolerance)
+        self.origin = np.arange(len(chosen.system.mode_names))
+        runner = chosen.runner(tolerance)
+        self.begin, self.end = runner.begin, runner.instant_of(1)
+
+    def follow(self, starts: Starts, log: LaneLog) -> Way:
+        """Run to the images."""
+        end, count = self.end, log.status.size
+        left = np.flatnonzero(log.status == Status.COMPLETED)
+        while left.size:
+            left = log.run(left, end)
+        lanes, _, _ = log.rows()
+        last = np.searchsorted(lanes, np.arange(count), side="right") - 1
+        return Way(
+            last, np.full(count, end.number), np.full(count, end.phase), log.ends,
+            log.anchors.place[:, 1],
+        )  # fmt: skip
+
+
+class SectionImaging(Imaging):
+    """Images under a Poincaré map."""
+
+    at_rows = True
+
+    def __init__(self, chosen: PoincareMap, tolerance: float, longest: int) -> None:
+        super().__init__(chosen, tolerance, longest)
+        split = chosen.split
+        self.engine = LaneRunner(chosen.system if split is None else split.system, tolerance)
+        self.origin = np.arange(len(chosen.system.mode_names)) if split is None else split.origin
+        self.section, self.side = chosen.section, 0 if chosen.side == "before" else 1
+        self.begin = Instant(0, 0.0)
+        self.pick: Crossings | NamedEvents
+        if split is None:
+            self.pick = NamedEvents(chosen.system, chosen.section)
+            self.gate = None
+        else:
+            self.pick = Crossings(split, self.engine.tables, chosen.way)
+            self.gate = np.asarray(split.gate)
+
+    def prepared(self, starts: Starts) -> Starts:
+        """Starts that lie just before events a little earlier on their motions."""
+        if self.gate is None and self.side == 0 and np.all(starts.modes == ANY):
+            starts = starts._replace(modes=self._modes_before(starts.modes))
+        starts = super().prepared(starts)
+        known = starts.modes[:, 0]
+        if self.gate is not None or self.side == 1 or not np.all(known >= 0):
+            return starts
+        step = 0.1 * AT_ONCE * self.window
+        rates = Rates(self.chosen.system, self.engine.tables)
+        moved = starts.states - step * rates.of_many(
+            starts.number, starts.phase, known, starts.states
+        )
+        phase, before = starts.phase - step, starts.phase < step
+        phase = np.where(before, phase + self.window, phase)
+        return Starts(moved, starts.number - before, phase, starts.modes)
+
+    def _modes_before(self, modes: Integers) -> Integers:
+        """The mode that the event of the section ends, where it is one, and then any."""
+        exits = self.chosen.system.compiled.exit_names
+        ended = [m for m, names in enumerate(exits) if self.section in names]
+        first = np.full((len(modes), 1), ended[0] if len(ended) == 1 else ANY, np.int64)
+        return np.hstack([first, modes])
+
+    def follow(self, starts: Starts, log: LaneLog) -> Way:
+        """Run until each lane has come to its image."""
+        wanted = self.chosen.every
+        left = np.flatnonzero(log.status == Status.COMPLETED)
+        end = Instant(int(starts.number.max(initial=0)), 0.0)
+        length, waited = _FIRST, 0
+        found: Way | None = None
+        while left.size:
+            end, waited = Instant(end.number + length, 0.0), waited + length
+            part = left
+            while part.size:
+                part = log.run(part, end)
+                found, arrived = self._look(starts, log, wanted)
+                part = part[~arrived[part]]
+            done = arrived | (log.status != Status.COMPLETED)
+            left = left[~done[left]]
+            if waited >= self.longest and left.size:
+                log.status[left] = Status.TIME_LIMIT
+                break
+            length = min(2 * length, self.longest - waited) or 1
+        if found is None:
+            found, arrived = self._look(starts, log, wanted)
+        log.status[arrived] = Status.COMPLETED  # whatever became of it behind the image
+        return found
+
+    def is_own(self, rows: Integers) -> npt.NDArray[np.bool_]:
+        """Which rows are there for the section alone."""
+        if self.gate is None:
+            return np.zeros(len(rows), bool)
+        own: npt.NDArray[np.bool_] = (rows[:, at.PASSES] == 1) & (rows[:, at.EXIT] >= 0)
+        return own & (rows[:, at.EXIT] == self.gate[rows[:, at.FROM]])
+
+    def _look(self, starts: Starts, log: LaneLog, wanted: int) -> tuple[Way, npt.NDArray[np.bool_]]:
+        """The images that the log holds, and which lanes have one."""
+        lanes, rows, values = log.rows()
+        count, n = starts.states.shape
+        points, _ = self.pick(rows, values)
+        lane = lanes[points.row]
+        since = (points.number - starts.number[lane]) * self.window
+        since += points.phase - starts.phase[lane]
+        late = np.flatnonzero(since > AT_ONCE * self.window)
+        lane = lane[late]
+        # points are in order of lanes and time
+        rank = np.arange(late.size) - np.searchsorted(lane, lane)
+        chosen = np.flatnonzero(rank == wanted - 1)
+        here, place = lane[chosen], late[chosen]
+        arrived = np.zeros(count, bool)
+        arrived[here] = True
+        last = np.searchsorted(lanes, np.arange(count), side="right") - 1
+        way = Way(
+            last, np.full(count, -1), np.full(count, np.nan), np.full((count, n), np.nan),
+            np.full(count, -1),
+        )  # fmt: skip
+        way.last[here], way.number[here] = points.row[place], points.number[place]
+        way.phase[here], way.states[here] = points.phase[place], points.states[self.side][place]
+        way.modes[here] = points.modes[self.side][place]
+        return way, arrived
+
+
+def imaging_of(
+    chosen: StroboscopicMap | PoincareMap, tolerance: float, longest: int
+) -> StrobeImaging | SectionImaging:
+    """What applies a map to many starts."""
+    if isinstance(chosen, PoincareMap):
+        return SectionImaging(chosen, tolerance, longest)
+    return StrobeImaging(chosen, tolerance, longest)

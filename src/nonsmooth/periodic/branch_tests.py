@@ -1,0 +1,151 @@
+"""What is watched along a branch of orbits: multipliers, and everything that keeps its word valid.
+
+Each is a smooth function of the orbit whose sign changes where something happens. Names tell what:
+``flip`` and ``torus`` for multipliers; ``graze:k:g``, guard g comes down to zero within leg k;
+``corner:k:g``, it is zero at the end of leg k, where another guard is; ``short:k``, leg k is about
+to vanish in a graze; ``leg:k``, it vanishes otherwise; ``rate:k``, the exit of leg k is passed
+without a rate; ``gain:k:j``, exit j of a path is no longer passed at once; ``motion``, the engine
+finds another motion although none of these has changed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.engine import layout as at
+from nonsmooth.periodic.admissibility import Admissibility, check_admissible
+from nonsmooth.periodic.equations import OrbitEquations, Turn
+from nonsmooth.periodic.multipliers import Floquet, floquet
+from nonsmooth.periodic.word import Word
+
+__all__ = ["WORD_TESTS", "BranchTests", "Looked", "is_graze"]
+
+Floats = npt.NDArray[np.float64]
+
+WORD_TESTS = ("graze", "corner", "short", "leg", "rate", "gain", "motion")
+_SHORT = 1e-5  # part of the turn: a contact of this duration is a graze
+_AT_CHANGE = 1e-9  # of a test: the word is about to change
+_ZERO = 1e-9  # of the terms of a guard: zero by construction
+
+
+@dataclass
+class Looked:
+    """An orbit on a branch, looked at."""
+
+    turn: Turn
+    end: Floats
+    values: Floats
+    window: float
+    residual: float
+    multipliers: Floquet
+    admissibility: Admissibility
+    tests: dict[str, float]
+
+
+def is_graze(word: Word, wiring: npt.NDArray[np.int64], k: int) -> bool:
+    """Whether leg k is an excursion out of a mode and back into it, that nothing remains of."""
+    if len(word) < 2 or not word.paths[k] or not word.paths[(k - 1) % len(word)]:
+        return False
+    before, path = word.modes[(k - 1) % len(word)], word.paths[(k - 1) % len(word)]
+    resets = any(
+        wiring[m, 1 + e, at.RESETTING] & ~wiring[m, 0, at.SLAVED]
+        for m, e in _passed(wiring, before, path + word.paths[k])
+    )
+    return not resets and word.last_target(wiring, k) == before
+
+
+def _passed(
+    wiring: npt.NDArray[np.int64], mode: int, path: tuple[int, ...]
+) -> Iterator[tuple[int, int]]:
+    """Modes and the exits passed in them."""
+    for e in path:
+        yield mode, e
+        mode = int(wiring[mode, 1 + e, at.TARGET])
+
+
+class BranchTests:
+    """Looks at the orbits of one word; the last one is remembered."""
+
+    def __init__(self, equations: OrbitEquations, tolerance: float, *, whole: bool = True) -> None:
+        self.equations, self.tolerance, self.whole = equations, tolerance, whole
+        word, wiring = equations.word, equations.legs.tables.wiring
+        self._grazing = [is_graze(word, wiring, k) for k in range(len(word))]
+        self._last: tuple[bytes, Looked] | None = None
+
+    def look(self, unknowns: Floats, residual: float = 0.0) -> Looked:
+        """The orbit of these unknowns, for the parameter values that the legs have."""
+        equations, legs = self.equations, self.equations.legs
+        key = unknowns.tobytes() + legs.values.tobytes()
+        if self._last is not None and self._last[0] == key:
+            return self._last[1]
+        turn = equations.unpack(unknowns)
+        found = legs.follow(equations.word, turn.states, turn.instants)
+        turn = Turn(found.starts.copy(), turn.instants)
+        multipliers = floquet(equations, found)
+        tests = _of_multipliers(multipliers)
+        end, admissibility = found.nexts[-1].copy(), Admissibility(True)
+        kept = self._of_word(turn)
+        tests |= kept
+        if self.whole:
+            if any(abs(value) <= _AT_CHANGE for value in kept.values()):
+                pass  # where the word changes, rounding decides what the engine finds
+            elif all(value > 0.0 for value in kept.values()):
+                admissibility = check_admissible(equations, turn, self.tolerance)
+                tests["motion"] = 1.0 if admissibility.admissible else -1.0
+            else:
+                broken = min(kept, key=lambda name: kept[name])
+                admissibility = Admissibility(False, f"beyond {broken}")
+        looked = Looked(
+            turn, end, legs.values.copy(), legs.window, residual, multipliers, admissibility, tests
+        )
+        self._last = key, looked
+        return looked
+
+    def _of_word(self, turn: Turn) -> dict[str, float]:
+        """What keeps the word valid, positive where it is; results of the legs are those of it."""
+        equations = self.equations
+        word, found = (
+            equations.word,
+            equations.legs.follow(equations.word, turn.states, turn.instants),
+        )
+        length = float(turn.instants[-1] - turn.instants[0])
+        tests: dict[str, float] = {}
+        lowest, _ = equations.legs.minima(word, turn.states, turn.instants)
+        for k, path in enumerate(word.paths):
+            for g in np.flatnonzero(np.isfinite(lowest[k])):
+                if abs(lowest[k, g]) > 1e-200:
+                    tests[f"graze:{k}:{g}"] = float(lowest[k, g])
+            if not path:
+                continue
+            duration = float(turn.durations[k])
+            if self._grazing[k]:
+                tests[f"short:{k}"] = duration / length - _SHORT
+            else:
+                tests[f"leg:{k}"] = duration / length
+            tests[f"rate:{k}"] = -float(found.guard_rate[k])
+            for j in range(1, len(path)):
+                tests[f"gain:{k}:{j}"] = -float(found.passed[k, j])
+            size = float(
+                (np.abs(found.guard_row[k, : equations.legs.n]) * np.abs(found.ends[k])).sum()
+            )
+            for g in np.flatnonzero(np.isfinite(found.others[k])):
+                if g != path[0] and abs(found.others[k, g]) > _ZERO * (size + 1e-12):
+                    tests[f"corner:{k}:{g}"] = float(found.others[k, g])
+        if word.paths[-1] == ():
+            tests["leg:last"] = float(turn.durations[-1]) / length
+        return tests
+
+
+def _of_multipliers(multipliers: Floquet) -> dict[str, float]:
+    values = multipliers.multipliers
+    if not np.all(np.isfinite(values)):
+        return {}
+    tests = {"flip": float(np.prod(values + 1.0).real)}
+    if values.size > 1:
+        i, j = np.triu_indices(values.size, 1)
+        tests["torus"] = float(np.prod(values[i] * values[j] - 1.0).real)
+    return tests

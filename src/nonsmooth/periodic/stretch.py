@@ -1,0 +1,105 @@
+"""A stretch of a branch of orbits that has one word: what the continuation is asked with."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.continuation.branch import Branch
+from nonsmooth.continuation.follow import follow
+from nonsmooth.continuation.point import Point
+from nonsmooth.periodic.branch_tests import WORD_TESTS, BranchTests, Looked
+from nonsmooth.periodic.equations import OrbitEquations
+from nonsmooth.periodic.legs import Legs
+from nonsmooth.periodic.newton import scale_of
+from nonsmooth.system.system import System
+
+__all__ = ["BranchOptions", "BranchStart", "Stretch"]
+
+Floats = npt.NDArray[np.float64]
+
+_ALWAYS = ("leg", "short")  # changes of the word behind which its equations mean nothing
+
+
+@dataclass(frozen=True)
+class BranchOptions:
+    """How a branch is followed."""
+
+    system: System
+    parameter: str
+    bounds: tuple[float, float]
+    period: int
+    phase: float
+    autonomous: bool
+    steps: int
+    step: float
+    largest_step: float
+    smallest_step: float
+    tolerance: float
+    inadmissible: bool  # go on with the word where its orbit is no motion
+
+
+@dataclass
+class BranchStart:
+    """Where a stretch begins; ``grows`` is the test that is zero there."""
+
+    equations: OrbitEquations
+    unknowns: Floats
+    value: float
+    direction: tuple[Floats, float]
+    grows: str = ""
+    kind: str = ""
+    detail: str = ""
+
+
+class Stretch:
+    """A stretch of a branch with one word."""
+
+    def __init__(self, options: BranchOptions, legs: Legs, equations: OrbitEquations) -> None:
+        self.options, self.legs, self.equations = options, legs, equations
+        self.tests = BranchTests(equations, options.tolerance)
+        self._values = legs.values.copy()
+        self._place = list(legs.system.parameters).index(options.parameter)
+
+    def set_parameter(self, p: float) -> None:
+        """Let the legs stand for a value of the parameter."""
+        values = self._values.copy()
+        values[self._place] = p
+        self.legs.set_values(values)
+
+    def residual(self, u: Floats, p: float) -> tuple[Floats, Floats, Floats]:
+        """Equations of the orbit with their derivatives by the unknowns and the parameter."""
+        self.set_parameter(p)
+        residual, jacobian, moved = self.equations.evaluate(u)
+        return residual, jacobian, moved[:, 0]
+
+    def look(self, point: Point) -> Looked:
+        """The orbit of a point, with its multipliers and tests."""
+        self.set_parameter(point.p)
+        return self.tests.look(point.u, point.residual)
+
+    def asked(self, point: Point) -> Mapping[str, float]:
+        """Tests of a point; without most of those of the word where it need not be a motion."""
+        tests = self.look(point).tests
+        if not self.options.inadmissible:
+            return tests
+        kinds = {name: name.split(":")[0] for name in tests}
+        return {
+            name: value
+            for name, value in tests.items()
+            if kinds[name] in _ALWAYS or kinds[name] not in WORD_TESTS
+        }
+
+    def branch(self, start: BranchStart, steps: int) -> Branch:
+        """The branch from a start."""
+        low, high = self.options.bounds
+        return follow(
+            self.residual, start.unknowns, start.value, direction=start.direction,
+            step=self.options.step, smallest_step=self.options.smallest_step,
+            largest_step=self.options.largest_step, bounds=self.options.bounds, steps=steps,
+            tests=self.asked, scale=scale_of(self.equations, start.unknowns),
+            parameter_scale=high - low,
+        )  # fmt: skip

@@ -1,0 +1,192 @@
+"""How the word of an orbit can go on where it stops being valid.
+
+At a graze an excursion into another mode appears or vanishes; a leg may lose its duration, an exit
+passed at once may take time, an event may pass the section. Each change is made on the legs of the
+orbit at that point; where none is known, the engine is asked what it does a little beyond.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.engine import layout as at
+from nonsmooth.periodic.branch_tests import is_graze
+from nonsmooth.periodic.equations import OrbitEquations, Turn
+from nonsmooth.periodic.guess import Guess
+from nonsmooth.periodic.word import Word
+from nonsmooth.periodic.word_names import shortest_paths
+
+__all__ = ["Change", "changes_of_word"]
+
+Floats = npt.NDArray[np.float64]
+Integers = npt.NDArray[np.int64]
+
+_OPENED = 1e-3  # part of the turn that an excursion lasts where a branch with it begins
+
+
+@dataclass(frozen=True)
+class Change:
+    """A word with legs to begin with, and what has to grow from there on."""
+
+    kind: str  # "grazing", "gained", "lost" or "section"
+    guess: Guess
+    grows: str = ""  # test of the new word that is zero at the change, positive behind it
+    opens: int = -1  # leg whose duration is prescribed to begin with, -1 for none
+    duration: float = 0.0
+
+
+def changes_of_word(equations: OrbitEquations, turn: Turn, name: str) -> list[Change]:
+    """Changes that the test of this name calls for; none where only the engine knows.
+
+    The legs of the equations stand for the parameters of the point.
+    """
+    kind, *numbers = name.split(":")
+    if name == "leg:last":
+        return [_section_before_last(equations, turn)]
+    k = int(numbers[0]) if numbers else -1
+    if kind == "leg" and k == 0 and not equations.word.closes_at_event:
+        return [_section_behind_first(equations, turn)]
+    if kind == "leg":
+        return [_without_leg(equations, turn, k)]
+    if kind == "gain":
+        return [_with_leg_of_path(equations, turn, k, int(numbers[1]))]
+    if kind == "short":
+        return [_without_excursion(equations, turn, k)]
+    if kind == "rate":
+        return _without_event(equations, turn, k)
+    if kind == "graze":
+        return _with_excursion(equations, turn, k, int(numbers[1]))
+    return []
+
+
+def _section_behind_first(equations: OrbitEquations, turn: Turn) -> Change:
+    """The first event passes the section backwards: it is then the last one of the turn."""
+    word = equations.word
+    modes = (*word.modes[1:], word.modes[1])
+    paths = (*word.paths[1:-1], word.paths[0], ())
+    last = turn.states[1] + np.where(equations.drifting, turn.states[-1] - turn.states[0], 0.0)
+    states = np.vstack([turn.states[1:], last])
+    instants = np.concatenate([turn.instants[:1], turn.instants[2:], turn.instants[-1:]])
+    return Change("section", Guess(Word(modes, paths), Turn(states, instants)), "leg:last")
+
+
+def _section_before_last(equations: OrbitEquations, turn: Turn) -> Change:
+    """The last event passes the section forwards: it is then the first one of the turn."""
+    word = equations.word
+    modes = (word.modes[-2], *word.modes[:-1])
+    paths = (word.paths[-2], *word.paths[:-2], ())
+    found = equations.legs.follow(word, turn.states, turn.instants)
+    first = found.ends[-2] - np.where(equations.drifting, found.ends[-2] - turn.states[0], 0.0)
+    states = np.vstack([first, turn.states[:-1]])
+    instants = np.concatenate([turn.instants[:1], turn.instants[:-2], turn.instants[-1:]])
+    return Change("section", Guess(Word(modes, paths), Turn(states, instants)), "leg:0")
+
+
+def _without_leg(equations: OrbitEquations, turn: Turn, k: int) -> Change:
+    """Leg k lasts no time: its exits are passed together with those before it."""
+    word, count = equations.word, len(equations.word)
+    before = (k - 1) % count
+    paths = list(word.paths)
+    paths[before] = paths[before] + paths[k]
+    keep = [i for i in range(count) if i != k]
+    new = Word(tuple(word.modes[i] for i in keep), tuple(paths[i] for i in keep))
+    instants = np.delete(turn.instants, k if k else 1)
+    place = before if before < k else before - 1
+    grows = f"gain:{place}:{len(word.paths[before])}"
+    return Change("lost", Guess(new, Turn(turn.states[keep], instants)), grows)
+
+
+def _with_leg_of_path(equations: OrbitEquations, turn: Turn, k: int, j: int) -> Change:
+    """Exit j of the path behind leg k waits: a leg appears in the mode before it."""
+    word = equations.word
+    path = word.paths[k]
+    cut = Word(word.modes, (*word.paths[:k], path[:j], *word.paths[k + 1 :]))
+    found = equations.legs.follow(cut, turn.states, turn.instants)
+    wiring = equations.legs.tables.wiring
+    mode = cut.last_target(wiring, k)
+    modes = (*word.modes[: k + 1], mode, *word.modes[k + 1 :])
+    paths = (*word.paths[:k], path[:j], path[j:], *word.paths[k + 1 :])
+    states = np.insert(turn.states, k + 1, found.nexts[k], axis=0)
+    instants = np.insert(turn.instants, k + 1, turn.instants[k + 1])
+    new = Word(modes, paths)
+    test = "short" if is_graze(new, wiring, k + 1) else "leg"
+    return Change("gained", Guess(new, Turn(states, instants)), f"{test}:{k + 1}")
+
+
+def _without_excursion(equations: OrbitEquations, turn: Turn, k: int) -> Change:
+    """Leg k leaves a mode and comes back at once: the legs around it are one."""
+    word, turn, k = _away_from_ends(equations, turn, k)
+    count = len(word)
+    modes = word.modes[:k] + word.modes[k + 2 :]
+    paths = word.paths[: k - 1] + word.paths[k + 1 :]
+    keep = [i for i in range(count) if i not in (k, k + 1)]
+    instants = np.delete(turn.instants, [k, k + 1])
+    grows = f"graze:{k - 1}:{word.paths[k - 1][0]}"
+    new = Word(modes[: len(paths)], paths)
+    return Change("grazing", Guess(new, Turn(turn.states[keep], instants)), grows)
+
+
+def _away_from_ends(equations: OrbitEquations, turn: Turn, k: int) -> tuple[Word, Turn, int]:
+    """The same turn begun at another event, so that leg k has one before and one behind it."""
+    word, count = equations.word, len(equations.word)
+    if not word.closes_at_event or 0 < k < count - 1 or count < 3:
+        return word, turn, k
+    shift = k - 1
+    order = [(i + shift) % count for i in range(count)]
+    new = Word(tuple(word.modes[i] for i in order), tuple(word.paths[i] for i in order))
+    durations = turn.durations[order]
+    instants = np.concatenate([[0.0], np.cumsum(durations)])
+    return new, Turn(turn.states[order], instants), 1
+
+
+def _without_event(equations: OrbitEquations, turn: Turn, k: int) -> list[Change]:
+    """The exit of leg k is only touched: where it leads back to its mode, it is left out."""
+    word, wiring = equations.word, equations.legs.tables.wiring
+    back = word.last_target(wiring, k) == word.modes[k]
+    if not back or len(word.paths[k]) != 1 or len(word) < 2 or k == len(word) - 1:
+        return []
+    modes = word.modes[: k + 1] + word.modes[k + 2 :]
+    paths = word.paths[:k] + word.paths[k + 1 :]
+    states = np.delete(turn.states, k + 1, axis=0)
+    instants = np.delete(turn.instants, k + 1)
+    grows = f"graze:{k}:{word.paths[k][0]}"
+    return [Change("grazing", Guess(Word(modes, paths), Turn(states, instants)), grows)]
+
+
+def _with_excursion(equations: OrbitEquations, turn: Turn, k: int, g: int) -> list[Change]:
+    """Guard g is touched within leg k: its exit is passed there, and the way back is found."""
+    word, wiring, legs = equations.word, equations.legs.tables.wiring, equations.legs
+    _, places = legs.minima(word, turn.states, turn.instants)
+    instant = float(turn.instants[k] + places[k, g])
+    mode, target = word.modes[k], int(wiring[word.modes[k], 1 + g, at.TARGET])
+    if target < 0 or not np.isfinite(instant):
+        return []
+    touch = Word((mode,), ((g,),))
+    found = legs.follow_each(
+        touch, turn.states[k : k + 1], turn.instants[k : k + 1], np.array([instant])
+    )
+    behind = found.nexts[0].copy()
+    if target == mode:
+        modes = (*word.modes[: k + 1], mode, *word.modes[k + 1 :])
+        paths = (*word.paths[:k], (g,), *word.paths[k:])
+        states = np.insert(turn.states, k + 1, behind, axis=0)
+        instants = np.insert(turn.instants, k + 1, instant)
+        new = Guess(Word(modes, paths), Turn(states, instants))
+        return [Change("grazing", new, f"rate:{k}")]
+    length = float(turn.instants[-1] - turn.instants[0])
+    room = min(instant - turn.instants[k], turn.instants[k + 1] - instant)
+    duration = min(_OPENED * length, 0.5 * room)
+    changes = []
+    for path in shortest_paths(wiring, target, mode):
+        modes = (*word.modes[: k + 1], target, *word.modes[k:])
+        paths = (*word.paths[:k], (g,), path, *word.paths[k:])
+        states = np.insert(turn.states, [k + 1, k + 1], [behind, behind], axis=0)
+        states[k + 2] = found.ends[0]
+        cut = [instant - 0.5 * duration, instant + 0.5 * duration]
+        instants = np.insert(turn.instants, [k + 1, k + 1], cut)
+        new = Guess(Word(modes, paths), Turn(states, instants))
+        changes.append(Change("grazing", new, "", k + 1, duration))
+    return changes

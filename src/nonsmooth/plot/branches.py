@@ -1,0 +1,241 @@
+"""`branch`: orbits over a parameter, stable and unstable ones told apart."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.plot.branch_curves import (
+    INADMISSIBLE,
+    STABLE,
+    UNSTABLE,
+    Curve,
+    branch_curve,
+    check_branch,
+    quantity,
+)
+from nonsmooth.plot.figures import new_axes
+from nonsmooth.plot.special_points import mark_special_points, special_points
+from nonsmooth.plot.style import LINES, PALETTE, axis_label, finish_axes, place_legend
+from nonsmooth.plot.trace import DENSE, broken
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+
+    Branches = xr.Dataset | Sequence[xr.Dataset] | Mapping[str, xr.Dataset]
+
+__all__ = ["branch"]
+
+_STYLES: dict[int, tuple[str, dict[str, Any]]] = {
+    STABLE: ("stable", {"linestyle": "-", "linewidth": 1.1}),
+    UNSTABLE: ("unstable", {"linestyle": (0, (4.0, 1.6)), "linewidth": 1.1}),
+    INADMISSIBLE: ("inadmissible", {"linestyle": (0, (1.0, 1.4)), "linewidth": 1.2}),
+}
+# dark, so that they stand out before the dots of a diagram
+_COLOURS = (
+    *(LINES[0]["color"], PALETTE["blue"], PALETTE["vermilion"], LINES[2]["color"]),
+    LINES[3]["color"],
+)
+_DOTS, _BEHIND = "0.6", "brute force"  # a diagram behind: its grey, its name
+_MOST_ROWS = 8  # of the legend; kinds of points that it leaves out would be a riddle
+_MANY = 3_000  # dots that are drawn small
+
+
+def branch(
+    branches: Branches,
+    y: str,
+    *,
+    x: str | None = None,
+    leg: int | str | None = None,
+    diagram: xr.Dataset | None = None,
+    special: bool = True,
+    ax: Axes | None = None,
+    legend: bool = True,
+) -> Axes:
+    """Branch of orbits over its parameter: stable solid, unstable dashed, inadmissible dotted.
+
+    Parameters
+    ----------
+    branches : xarray.Dataset, sequence or mapping
+        Result of `continue_orbit`; several are told apart by colour, and named in the legend by
+        the keys of a mapping.
+    y : str
+        A variable over the points of the branch, such as a state, ``"v_per_time"``, ``"length"``
+        or ``"residual"``; ``"multipliers"`` for the modulus of the largest one; ``"durations"``
+        for that of ``leg``.
+    x : str, optional
+        Another variable over the points of the branch than its parameter.
+    leg : int or str, optional
+        With ``y="durations"``: the number of a leg, from 0 on, or the name of a mode for the time
+        in it per turn.
+    diagram : xarray.Dataset, optional
+        Result of `bifurcation_diagram` over the same parameter, drawn behind as grey dots.
+    special : bool, optional
+        Whether to mark folds, flips, grazings and other special points.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw; new axes of a column's width by default. Branches that are there already
+        stay, and a legend names what is on the axes once.
+    legend : bool, optional
+        Whether to draw a legend.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes; of each branch one line per kind of orbit, and one set of marks per kind of
+        special point.
+
+    Raises
+    ------
+    OptionError
+        For a dataset that is no branch, an unknown variable, or a diagram over another parameter
+        or without the variable.
+
+    See Also
+    --------
+    bifurcation : a diagram alone.
+    multipliers : why a branch changes its stability.
+
+    Notes
+    -----
+    A change lies at its special point, also where that is between two points of the branch: there
+    the line goes through it. Inadmissible orbits solve the equations of their word, but pass a
+    guard in between, so no motion follows them.
+
+    Examples
+    --------
+    A branch of equilibria that loses its stability at 0.5; those of `continue_orbit` have the
+    same variables, and more.
+
+    >>> import numpy as np
+    >>> import xarray as xr
+    >>> import nonsmooth as ns
+    >>> p = np.linspace(0.0, 1.0, 11)
+    >>> orbits = xr.Dataset(
+    ...     {
+    ...         "p": ("point", p),
+    ...         "x": ("point", p**2),
+    ...         "stable": ("point", p < 0.5),
+    ...         "special_kind": ("special", ["flip"]),
+    ...         "special_value": ("special", [0.47]),
+    ...         "special_point": ("special", [4]),
+    ...     },
+    ...     attrs={"parameter": "p"},
+    ... )
+    >>> ax = ns.plot.branch(orbits, "x")
+    >>> [text.get_text() for text in ax.get_legend().get_texts()]
+    ['stable', 'unstable', 'flip']
+    """
+    named = _named(branches)
+    ax = new_axes() if ax is None else ax
+    if diagram is not None:
+        _draw_diagram(diagram, next(iter(named.values())), x, y, ax)
+    drawn = len({line.get_gid() for line in ax.lines if _is_branch(line)})
+    colours = {name: _COLOURS[(drawn + k) % len(_COLOURS)] for k, name in enumerate(named)}
+    labels = []
+    marks: list[tuple[list[str], Any, Any]] = []
+    for k, (name, one) in enumerate(named.items()):
+        parameter = check_branch(one)
+        across, x_label = quantity(one, x or parameter)
+        up, y_label = quantity(one, y, leg)
+        points = special_points(one)
+        places = (
+            points.value if x in (None, parameter) else points.between(across),
+            points.between(up),
+        )
+        curve = branch_curve(one, (across, up), points, places)
+        _draw(curve, ax, colours[name], f"branch {drawn + k}")
+        labels.append((x_label, y_label))
+        marks.append((points.kind, *places))
+    _explain(ax, colours)
+    for kinds, at_x, at_y in marks if special else ():
+        mark_special_points(ax, kinds, at_x, at_y)
+    finish_axes(ax, *labels[0])
+    if legend:
+        place_legend(ax, _MOST_ROWS)
+        _enlarge_dots(ax)
+    return ax
+
+
+def _named(branches: Branches) -> dict[str, xr.Dataset]:
+    """Branches with their names in the legend."""
+    import xarray as xr
+
+    if isinstance(branches, xr.Dataset):  # which is a mapping too
+        return {"": branches}
+    several: Any = branches
+    if isinstance(branches, Mapping):
+        named = {str(name): one for name, one in several.items()}
+    else:
+        named = {f"branch {k}": one for k, one in enumerate(several, start=1)}
+    if not named:
+        raise OptionError("branches: there is none; give a result of continue_orbit, or several")
+    return named
+
+
+def _is_branch(line: Any) -> bool:
+    return str(line.get_gid() or "").startswith("branch ")
+
+
+def _draw(curve: Curve, ax: Axes, colour: str, gid: str) -> None:
+    """One line per kind of orbit, broken where orbits are of another kind."""
+    if curve.x.size == 1:  # no line leads anywhere
+        ax.plot(curve.x, curve.y, marker=".", color=colour, linestyle="none", gid=gid)
+    points = np.stack([curve.x, curve.y])
+    for kind, (name, style) in _STYLES.items():
+        line = broken(points, curve.ways(kind))
+        if line.size:
+            ax.plot(*line, color=colour, **style, zorder=3, label=f"_{name}", gid=gid)
+
+
+def _explain(ax: Axes, colours: Mapping[str, str]) -> None:
+    """Entries of the legend: kinds of orbits in black, and branches by colour."""
+    known = ax.get_legend_handles_labels()[1]
+    drawn = {line.get_label() for line in ax.lines if _is_branch(line)}
+    for name, style in _STYLES.values():
+        if f"_{name}" in drawn and name not in known:
+            ax.plot([], [], color="black", **style, label=name)
+    for name, colour in colours.items():
+        if name and name not in known:
+            ax.plot([], [], color=colour, linewidth=3.0, label=name)
+
+
+def _enlarge_dots(ax: Axes) -> None:
+    """Let the dots of a diagram be seen in the legend."""
+    from matplotlib.lines import Line2D
+
+    box = ax.get_legend()
+    for handle in box.legend_handles if box else ():
+        if isinstance(handle, Line2D) and handle.get_label() == _BEHIND:
+            handle.set_markersize(5.0)
+
+
+def _draw_diagram(diagram: xr.Dataset, branch: xr.Dataset, x: str | None, y: str, ax: Axes) -> None:
+    """Points of a diagram as grey dots behind all else."""
+    parameter = check_branch(branch)
+    if "parameter" not in diagram.dims or "lane" not in diagram.dims:
+        raise OptionError("diagram: the dataset has no dimensions 'parameter' and 'lane'")
+    over = str(diagram.attrs.get("parameter", parameter))
+    if over != parameter or x not in (None, parameter):
+        raise OptionError(
+            f"diagram: it is over {over!r} and the branch is drawn over {x or parameter!r}; draw"
+            " both over the same parameter"
+        )
+    known = [str(name) for name, values in diagram.data_vars.items() if values.dtype.kind in "fi"]
+    if y not in known:
+        raise OptionError(f"diagram: {unknown_name('variable', y, known)}")
+    values = diagram[y].transpose("parameter", ...).values
+    values = values.reshape(len(values), -1).astype(float)
+    here = np.broadcast_to(diagram["parameter"].values[:, None], values.shape)
+    shown = np.isfinite(values)
+    few = np.count_nonzero(shown) <= _MANY
+    ax.plot(
+        here[shown], values[shown], linestyle="none", marker=".", color=_DOTS,
+        markersize=3.0 if few else 1.5, markeredgewidth=0.0, zorder=1,
+        rasterized=np.count_nonzero(shown) > DENSE, label=_BEHIND, gid="diagram",
+    )  # fmt: skip
+    if not ax.get_ylabel():
+        ax.set_ylabel(axis_label(diagram[y]))

@@ -1,0 +1,194 @@
+"""`multipliers`: multipliers of an orbit, or along a branch, and the unit circle."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.errors import OptionError
+from nonsmooth.plot.branch_curves import check_branch
+from nonsmooth.plot.figures import new_axes
+from nonsmooth.plot.growth_colours import colour_bar, growing_colours
+from nonsmooth.plot.multiplier_paths import path_pieces
+from nonsmooth.plot.special_points import mark_special_points
+from nonsmooth.plot.style import PALETTE, axis_label, finish_axes, place_legend
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+
+__all__ = ["multipliers"]
+
+Complex = npt.NDArray[np.complex128]
+
+_LEAST, _MOST = 1.25, 3.0  # from the middle of the circle to a side of the picture
+_SPACE = 1.12  # from the outermost multiplier to the border
+_OUTSIDE = "0.94"  # grey
+_CROSSING = ("fold", "flip", "torus", "symmetry_breaking")  # of the unit circle
+_SAME = 1e-6  # multipliers closer than this look like one
+
+
+def multipliers(
+    data: xr.Dataset,
+    *,
+    radius: float | None = None,
+    special: bool = True,
+    ax: Axes | None = None,
+    legend: bool = True,
+) -> Axes:
+    """Multipliers in the complex plane, with the unit circle; what is outside of it is grey.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Result of `find_orbit`, or of `continue_orbit`: then each multiplier is a path, in the
+        colour of the parameter.
+    radius : float, optional
+        Largest real and imaginary part shown; by default so that all is seen, but not more
+        than 3.
+    special : bool, optional
+        Whether to mark the multipliers that make the special points of a branch.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw; new axes of a column's width by default.
+    legend : bool, optional
+        Whether to draw a legend.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes, with equal scales.
+
+    Raises
+    ------
+    OptionError
+        For another dataset, or a radius that does not hold the unit circle.
+
+    Notes
+    -----
+    Multipliers of one orbit that lie beyond the picture are drawn at its border, and the legend
+    tells how large they are. Paths end where a multiplier jumps, as it does where an orbit grazes.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import xarray as xr
+    >>> import nonsmooth as ns
+    >>> step = ns.StroboscopicMap(ns.models.duffing()).tangent({"x": 0.1})
+    >>> orbit = xr.Dataset({"multipliers": ("multiplier", np.linalg.eigvals(step) + 0j)})
+    >>> ax = ns.plot.multipliers(orbit)
+    >>> ax.get_aspect(), ax.get_xlabel()
+    (1.0, 'real part of the multiplier')
+    """
+    if "multiplier" not in data.dims or "multipliers" not in data:
+        raise OptionError(
+            "the dataset has no variable 'multipliers'; give it a result of find_orbit or"
+            " continue_orbit"
+        )
+    along = data["multipliers"].dims != ("multiplier",)
+    if along and "point" not in data["multipliers"].dims:
+        raise OptionError(
+            f"there are orbits over {data['multipliers'].dims[0]!r}; choose one, such as"
+            " data.isel(orbit=0)"
+        )
+    values = np.asarray(data["multipliers"].values, dtype=complex)
+    limits = _limits(values, radius)
+    ax = new_axes() if ax is None else ax
+    _draw_circle(ax)
+    if along:
+        _draw_paths(data, ax, special)
+    else:
+        _draw_points(values[np.isfinite(values)], ax, limits)
+    ax.set_aspect("equal", adjustable="box")
+    ax.set_xlim(*limits[:2])
+    ax.set_ylim(-limits[2], limits[2])
+    finish_axes(ax, "real part of the multiplier", "imaginary part")
+    if legend:
+        place_legend(ax)
+    return ax
+
+
+def _limits(values: Complex, radius: float | None) -> tuple[float, float, float]:
+    """Left and right end, and half the height, of a picture in which all is seen."""
+    if radius is not None:
+        if not 1.0 < float(radius) < np.inf:
+            raise OptionError(f"radius = {radius!r:.60} must be more than 1, the unit circle")
+        return -float(radius), float(radius), float(radius)
+    finite = values[np.isfinite(values)]
+    extents = (-finite.real, finite.real, np.abs(finite.imag))
+    left, right, up = (
+        float(np.clip(_SPACE * extent.max(initial=0.0), _LEAST, _MOST)) for extent in extents
+    )
+    return -left, right, up
+
+
+def _draw_circle(ax: Axes) -> None:
+    """The unit circle, white inside, on grey."""
+    from matplotlib.patches import Circle
+
+    ax.set_facecolor(_OUTSIDE)
+    ax.add_patch(Circle((0.0, 0.0), 1.0, facecolor="white", edgecolor="black", linewidth=0.8))
+    for draw in (ax.axhline, ax.axvline):
+        draw(0.0, color="0.6", linewidth=0.4, zorder=1.5)
+
+
+def _draw_points(values: Complex, ax: Axes, limits: tuple[float, float, float]) -> None:
+    """Dots inside and diamonds outside; triangles at the border for what is beyond."""
+    left, right, up = limits
+    excess = np.maximum(values.real / np.where(values.real < 0.0, left, right), 0.0)
+    excess = np.maximum(excess, np.abs(values.imag) / up)
+    beyond = excess > 1.0
+    outside = (np.abs(values) > 1.0) & ~beyond
+    shown = values / np.where(beyond, excess, 1.0)
+    largest = np.abs(values[beyond]).max(initial=0.0)
+    for where, label, marker, colour in (
+        (~outside & ~beyond, "inside", "o", PALETTE["blue"]),
+        (outside, "outside", "D", PALETTE["vermilion"]),
+        (beyond, f"beyond, up to {largest:.3g}", "^", PALETTE["vermilion"]),
+    ):
+        if np.any(where):
+            ax.plot(
+                shown[where].real, shown[where].imag, linestyle="none", marker=marker,
+                markersize=4.5, color=colour, markeredgecolor="black", markeredgewidth=0.5,
+                label=label, clip_on=False, zorder=4,
+            )  # fmt: skip
+    _count(shown, ax)
+
+
+def _count(values: Complex, ax: Axes) -> None:
+    """Write how many multipliers lie on one place, such as those that events contract to 0."""
+    size = float(ax.xaxis.label.get_fontsize()) - 1.0
+    left = np.ones(values.size, bool)
+    for value in values:
+        same = left & (np.abs(values - value) < _SAME)
+        left &= ~same
+        if np.count_nonzero(same) < 2:
+            continue
+        text = f"{np.count_nonzero(same)}\N{MULTIPLICATION SIGN}"
+        ax.annotate(
+            text, (value.real, value.imag), (3.0, 3.0), textcoords="offset points", fontsize=size,
+            zorder=5,
+        )  # fmt: skip
+
+
+def _draw_paths(branch: xr.Dataset, ax: Axes, special: bool) -> None:
+    """Lines in the colour of the parameter, with a bar, and marks at special points."""
+    from matplotlib.collections import LineCollection
+
+    values = branch[check_branch(branch)].values.astype(float)
+    pieces, begin = path_pieces(branch)
+    middle = 0.5 * (values[begin] + values[np.minimum(begin + 1, values.size - 1)])
+    lines = LineCollection(
+        list(pieces), cmap=growing_colours(), linewidths=1.6, zorder=3, capstyle="round",
+    )  # fmt: skip
+    lines.set_array(middle)
+    lines.set_clim(float(np.nanmin(values)), float(np.nanmax(values)))
+    ax.add_collection(lines, autolim=False)
+    colour_bar(ax, lines, axis_label(branch[branch.attrs["parameter"]]), inset=True)
+    if special and branch.sizes.get("special") and "special_multiplier" in branch:
+        marked = branch.isel(special=np.isin(branch["special_kind"].values, _CROSSING))
+        at = np.asarray(marked["special_multiplier"].values, dtype=complex)
+        kinds = [str(kind) for kind in marked["special_kind"].values]
+        # of a pair one is told; the other one of a real number is itself
+        mark_special_points(ax, kinds * 2, np.tile(at.real, 2), np.append(at.imag, -at.imag))

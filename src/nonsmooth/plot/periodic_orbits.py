@@ -1,0 +1,224 @@
+"""`periodic_orbit`, `orbit_history`: one turn of a periodic orbit, its legs in colours."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.plot.histories import common_label
+from nonsmooth.plot.leg_samples import as_run, over_time
+from nonsmooth.plot.markers import EVENT_MARK, EVENT_SHAPES, event_markers
+from nonsmooth.plot.mode_spans import phases
+from nonsmooth.plot.portrait import phase_portrait
+from nonsmooth.plot.style import place_legend
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+
+__all__ = ["orbit_history", "periodic_orbit"]
+
+_MOST_ROWS = 6  # of a legend: modes, events and the section
+_DOTTED: Any = (0, (1.0, 1.2))
+_SECTION: dict[str, Any] = {
+    "linestyle": "none", "marker": "s", "markersize": 4.0, "color": "black", "zorder": 5,
+    "label": "section",
+}  # fmt: skip
+
+
+def periodic_orbit(
+    samples: xr.Dataset,
+    x: str,
+    y: str,
+    *,
+    turns: int = 1,
+    drift: bool = True,
+    events: bool = True,
+    ax: Axes | None = None,
+    legend: bool = True,
+) -> Axes:
+    """Phase portrait of a periodic orbit: each leg in the colour of its mode.
+
+    Parameters
+    ----------
+    samples : xarray.Dataset
+        Result of `orbit_samples`.
+    x, y : str
+        States or outputs.
+    turns : int, optional
+        How often the orbit is run through; more than once only shows where it drifts.
+    drift : bool, optional
+        Whether drifts stay in. Without them the curve closes: each state that drifts is less its
+        mean motion.
+    events : bool, optional
+        Whether to mark the events of the first turn, where they happen.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw; new axes of a column's width by default.
+    legend : bool, optional
+        Whether to draw a legend.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes: a line per mode, one for the jumps, a square at the section point.
+
+    Raises
+    ------
+    OptionError
+        For an unknown variable, a dataset without legs, or a number of turns below one.
+
+    See Also
+    --------
+    orbit_history : variables over time.
+    orbit : the path of a rotor, with equal axes; samples of a periodic orbit are drawn too.
+
+    Notes
+    -----
+    The orbit is drawn as it was sampled, leg by leg, and not simulated: a run would leave an
+    unstable one. The curves of an inadmissible orbit are dotted, and the legend says so.
+
+    Examples
+    --------
+    A mass that bounces between two walls, without loss: two legs.
+
+    >>> import xarray as xr
+    >>> import nonsmooth as ns
+    >>> flags = {"flag_values": [0, 1], "flag_meanings": "right left"}
+    >>> samples = xr.Dataset(
+    ...     {
+    ...         "x": ("time", [0.0, 1.0, 1.0, 0.0]),
+    ...         "v": ("time", [1.0, 1.0, -1.0, -1.0]),
+    ...         "mode": ("time", [0, 0, 1, 1], flags),
+    ...         "leg": ("time", [0, 0, 1, 1]),
+    ...     },
+    ...     {"time": [0.0, 1.0, 1.0, 2.0]},
+    ... )
+    >>> ax = ns.plot.periodic_orbit(samples, "x", "v")
+    >>> [line.get_label() for line in ax.lines]
+    ['right', 'left', 'jump', 'event', 'section']
+    """
+    run = as_run(_checked(samples, [x, y]), turns=turns, drift=drift)
+    before = 0 if ax is None else len(ax.lines)
+    ax = phase_portrait(run, x, y, ax=ax, phases=True, legend=False)
+    _dot(samples, ax, before)
+    if events:
+        _mark_events(run, x, y, ax, turns)
+    ax.plot(run[x].values[:1], run[y].values[:1], **_SECTION)
+    if legend:
+        place_legend(ax, _MOST_ROWS)
+    return ax
+
+
+def orbit_history(
+    samples: xr.Dataset,
+    variables: str | Sequence[str],
+    *,
+    turns: int = 1,
+    drift: bool = True,
+    events: bool = False,
+    ax: Axes | None = None,
+    labels: Mapping[str, str] | None = None,
+    legend: bool = True,
+) -> Axes:
+    """Variables of a periodic orbit over time, from the section point on, with the modes behind.
+
+    Parameters
+    ----------
+    samples : xarray.Dataset
+        Result of `orbit_samples`.
+    variables : str or sequence of str
+        States and outputs.
+    turns : int, optional
+        How often the orbit is run through.
+    drift : bool, optional
+        Whether drifts stay in; without them each state that drifts is less its mean motion.
+    events : bool, optional
+        Whether to mark the events on every curve.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw; new axes of a column's width by default.
+    labels : mapping of str to str, optional
+        Texts of the legend by name of the variable or mode; the name by default.
+    legend : bool, optional
+        Whether to draw a legend.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes; one line per variable, one collection of rectangles per mode, a square at the
+        section point of each curve.
+
+    Raises
+    ------
+    OptionError
+        For an unknown variable, a dataset without legs, or a number of turns below one.
+
+    See Also
+    --------
+    periodic_orbit : one variable over another.
+    phases : the same of a run.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> import nonsmooth as ns
+    >>> flags = {"flag_values": [0, 1], "flag_meanings": "right left"}
+    >>> samples = xr.Dataset(
+    ...     {
+    ...         "x": ("time", [0.0, 1.0, 1.0, 0.0]),
+    ...         "mode": ("time", [0, 0, 1, 1], flags),
+    ...         "leg": ("time", [0, 0, 1, 1]),
+    ...     },
+    ...     {"time": [0.0, 1.0, 1.0, 2.0]},
+    ... )
+    >>> ax = ns.plot.orbit_history(samples, "x", turns=2)
+    >>> ax.get_xlim(), [c.get_label() for c in ax.collections]
+    ((np.float64(0.0), np.float64(4.0)), ['right', 'left'])
+    """
+    names = [variables] if isinstance(variables, str) else list(variables)
+    run = as_run(_checked(samples, names), turns=turns, drift=drift)
+    before = 0 if ax is None else len(ax.lines)
+    ax = phases(run, names, ax=ax, labels=labels, legend=False)
+    if before == 0 and len(names) > 1 and any("less its drift" in str(run[n].attrs) for n in names):
+        ax.set_ylabel(f"{common_label(run, names)} less drift")
+    _dot(samples, ax, before)
+    for k, name in enumerate(names):
+        if events:
+            event_markers(run, name, ax)
+        style = _SECTION | ({"label": "_section"} if k else {})
+        ax.plot(run["time"].values[:1], run[name].values[:1], clip_on=False, **style)
+    if legend:
+        place_legend(ax, _MOST_ROWS)
+    return ax
+
+
+def _checked(samples: xr.Dataset, names: Sequence[str]) -> xr.Dataset:
+    """Samples, if they have some variables; said before anything is made of them."""
+    known = over_time(samples) if "time" in samples.dims else []
+    if "leg" in samples.variables and known:
+        for name in names:
+            if name not in known:
+                raise OptionError(unknown_name("variable", str(name), known))
+    return samples
+
+
+def _dot(samples: xr.Dataset, ax: Axes, before: int) -> None:
+    """Dot the curves of an orbit that no motion follows, and say so."""
+    if "admissible" not in samples or bool(samples["admissible"]):
+        return
+    for line in ax.lines[before:]:
+        line.set_linestyle(_DOTTED)
+    ax.plot([], [], linestyle=_DOTTED, color="0.4", label="inadmissible")
+
+
+def _mark_events(run: xr.Dataset, x: str, y: str, ax: Axes, turns: int) -> None:
+    """Marks at the states just before the events of the first turn, one shape for each name."""
+    names = run["event_name"].values.astype(str)
+    count = run.sizes["event"] // turns
+    states = [str(name) for name in run["state"].values]
+    at = run["state_before"].values[:count][:, [states.index(x), states.index(y)]]
+    for k, name in enumerate(np.unique(names)):
+        here = names[:count] == name
+        ax.plot(*at[here].T, marker=EVENT_SHAPES[k % len(EVENT_SHAPES)], label=name, **EVENT_MARK)

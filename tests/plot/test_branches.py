@@ -1,0 +1,221 @@
+"""Branches: which line an orbit is on, where it changes, and what is marked."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import nonsmooth as ns
+from nonsmooth import OptionError
+
+SPECIAL = ("special_kind", "special_value", "special_point")
+
+
+def branch(p, x, stable, special=(), admissible=None, **more):
+    """A branch with the variables that pictures read."""
+    columns = list(zip(*special, strict=True)) or [(), (), ()]
+    dtypes = (str, float, int)
+    table = {
+        name: ("special", np.array(column, dtype))
+        for name, column, dtype in zip(SPECIAL, columns, dtypes, strict=True)
+    }
+    return xr.Dataset(
+        {
+            "omega": ("point", p, {"long_name": "frequency", "units": "Hz"}),
+            "x": ("point", x, {"long_name": "displacement", "units": "mm"}),
+            "stable": ("point", stable),
+            "admissible": ("point", np.ones(len(p), bool) if admissible is None else admissible),
+            **table,
+            **more,
+        },
+        attrs={"parameter": "omega"},
+    )
+
+
+def saddle_node():
+    """omega = 1 - x^2, stable above; the fold at (1, 0) is between two points."""
+    x = np.linspace(1.0, -0.9, 8)
+    return branch(1.0 - x**2, x, x > 0.0, [("fold", 1.0, 3)])
+
+
+def lines(ax):
+    """Lines of branches by label."""
+    return {line.get_label(): line for line in ax.lines if line.get_gid() == "branch 0"}
+
+
+def texts(ax):
+    return [text.get_text() for text in ax.get_legend().get_texts()]
+
+
+def test_a_fold_is_the_end_of_both_parts():
+    """The parameter turns as a parabola does, so the point between is exact for one."""
+    ax = ns.plot.branch(saddle_node(), "x")
+    drawn = lines(ax)
+    solid, dashed = drawn["_stable"], drawn["_unstable"]
+    np.testing.assert_allclose(
+        [solid.get_xdata()[-1], solid.get_ydata()[-1]], [1.0, 0.0], atol=1e-15
+    )
+    np.testing.assert_allclose(
+        [dashed.get_xdata()[0], dashed.get_ydata()[0]], [1.0, 0.0], atol=1e-15
+    )
+    assert np.all(solid.get_ydata()[:-1] > 0.0) and np.all(dashed.get_ydata()[1:] < 0.0)
+    assert solid.get_linestyle() == "-" and dashed.get_linestyle() == "--"
+    (mark,) = [line for line in ax.lines if line.get_gid() == "special fold"]
+    np.testing.assert_allclose(mark.get_xydata(), [[1.0, 0.0]], atol=1e-15)
+    assert texts(ax) == ["stable", "unstable", "fold"]
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("frequency [Hz]", "displacement [mm]")
+
+
+@pytest.mark.parametrize("flag", [True, False])
+def test_a_change_at_a_point_of_the_branch(flag):
+    """There rounding says which kind the point is, and the picture is the same."""
+    p = np.linspace(0.0, 1.0, 5)
+    one = branch(p, p, np.array([True, True, flag, False, False]), [("flip", 0.5, 1)])
+    drawn = lines(ns.plot.branch(one, "x"))
+    np.testing.assert_array_equal(drawn["_stable"].get_xdata(), [0.0, 0.25, 0.5])
+    np.testing.assert_array_equal(drawn["_unstable"].get_xdata(), [0.5, 0.75, 1.0])
+
+
+def test_inadmissible_orbits_are_dotted_whatever_their_stability():
+    p = np.linspace(0.0, 1.0, 6)
+    one = branch(p, 2.0 * p, p < 0.7, [("grazing", 0.5, 2), ("bound", 1.0, 5)], p < 0.5)
+    ax = ns.plot.branch(one, "x")
+    drawn = lines(ax)
+    assert set(drawn) == {"_stable", "_inadmissible"}
+    np.testing.assert_allclose(drawn["_stable"].get_xdata()[-1], 0.5, rtol=1e-15)
+    np.testing.assert_allclose(drawn["_inadmissible"].get_xydata()[0], [0.5, 1.0], rtol=1e-15)
+    assert drawn["_inadmissible"].get_linestyle() not in ("-", drawn["_stable"].get_linestyle())
+    assert texts(ax) == ["stable", "inadmissible", "grazing", "bound"]
+
+
+def test_parts_that_alternate_are_not_joined():
+    p = np.arange(9.0)
+    stable = np.isin(p, [0, 1, 2, 6, 7, 8])
+    one = branch(p, p, stable, [("flip", 2.5, 2), ("flip", 5.5, 5)])
+    solid = lines(ns.plot.branch(one, "x"))["_stable"].get_xdata()
+    np.testing.assert_array_equal(solid, [0, 1, 2, 2.5, np.nan, 5.5, 6, 7, 8])
+
+
+def test_two_special_points_between_two_points():
+    """They are passed in their order, though the table has another one."""
+    one = branch(
+        np.array([0.0, 1.0]), np.array([0.0, 2.0]), np.array([True, False]),
+        [("flip", 0.75, 0), ("corner", 0.25, 0)],
+    )  # fmt: skip
+    drawn = lines(ns.plot.branch(one, "x"))
+    np.testing.assert_allclose(drawn["_stable"].get_xdata(), [0.0, 0.25, 0.75])
+    np.testing.assert_allclose(drawn["_unstable"].get_ydata(), [1.5, 2.0])
+
+
+def test_all_kinds_are_told_apart():
+    kinds = (
+        *("fold", "flip", "torus", "symmetry_breaking", "grazing", "corner", "gained", "lost"),
+        *("bound", "end", "unheard_of"),
+    )
+    p = np.arange(len(kinds) + 1.0)
+    one = branch(p, p, p >= 0, [(kind, k + 0.5, k) for k, kind in enumerate(kinds)])
+    _, (ax,) = ns.plot.print_figure(width=14.0)  # wide enough for the whole legend
+    ns.plot.branch(one, "x", ax=ax)
+    marks = [line for line in ax.lines if str(line.get_gid()).startswith("special")]
+    assert len({line.get_marker() for line in marks}) == len(kinds)
+    assert texts(ax)[1:] == [kind.replace("_", " ") for kind in kinds]
+    for line in marks[1:]:  # the parameter of a fold is extreme, so its place is not half way
+        assert line.get_xydata() == pytest.approx(np.full((1, 2), line.get_xdata()[0]))
+    ax = ns.plot.branch(one, "x", special=False)
+    assert texts(ax) == ["stable"]
+
+
+def test_quantities():
+    """Largest modulus, duration of a leg, time in a mode; padding is left out of account."""
+    p = np.array([0.0, 1.0, 2.0])
+    flags = {"flag_values": [0, 1], "flag_meanings": "free contact"}
+    one = branch(
+        p, p, p < 5,
+        multipliers=(("point", "multiplier"), np.array([[0.5j, 0], [-3, np.nan], [0.1, -0.2]])),
+        durations=(("point", "leg"), np.array([[1.0, 2.0, 4.0], [1.5, 2.5, 4.5], [3, 5, np.nan]])),
+        leg_mode=(("point", "leg"), np.array([[1, 0, 1], [1, 0, 1], [0, 1, -1]]), flags),
+        v_per_time=("point", p / 2),
+    )  # fmt: skip
+
+    def drawn(*arguments, **options):
+        ax = ns.plot.branch(one, *arguments, **options)
+        return lines(ax)["_stable"].get_xydata().T.tolist(), ax.get_ylabel()
+
+    assert drawn("multipliers") == ([[0, 1, 2], [0.5, 3, 0.2]], "modulus of the largest multiplier")
+    assert drawn("durations", leg=1) == ([[0, 1, 2], [2.0, 2.5, 5.0]], "duration of leg 1")
+    assert drawn("durations", leg="contact") == (
+        [[0, 1, 2], [5.0, 6.0, 5.0]],
+        "time in contact per turn",
+    )
+    assert drawn("x", x="v_per_time")[0] == [[0, 0.5, 1], [0, 1, 2]]
+
+
+def diagram(name="x", parameter="omega"):
+    values = np.array([[[0.1, 0.2]], [[0.3, np.nan]]])
+    return xr.Dataset(
+        {name: (("parameter", "lane", "point"), values)},
+        {"parameter": [0.25, 0.75]},
+        {"parameter": parameter},
+    )
+
+
+def test_a_diagram_lies_behind():
+    ax = ns.plot.branch(saddle_node(), "x", diagram=diagram())
+    (dots,) = [line for line in ax.lines if line.get_gid() == "diagram"]
+    assert sorted(dots.get_xydata().tolist()) == [[0.25, 0.1], [0.25, 0.2], [0.75, 0.3]]
+    assert dots.get_linestyle() == "None"
+    assert all(dots.zorder < line.zorder for line in lines(ax).values())
+    assert texts(ax)[0] == "brute force"
+
+
+def test_several_branches():
+    other = saddle_node()
+    other["x"] = other["x"] + 1.0
+    ax = ns.plot.branch({"period 1": saddle_node(), "period 2": other}, "x")
+    colours = {
+        line.get_gid(): line.get_color() for line in ax.lines if line.get_label() == "_stable"
+    }
+    assert list(colours) == ["branch 0", "branch 1"] and len(set(colours.values())) == 2
+    assert texts(ax) == ["stable", "unstable", "period 1", "period 2", "fold"]
+    # one after the other on the same axes: nothing is named twice, and colours go on
+    ns.plot.branch([saddle_node()], "x", ax=ax)
+    assert texts(ax) == ["stable", "unstable", "period 1", "period 2", "fold", "branch 1"]
+    third = [line.get_color() for line in ax.lines if line.get_gid() == "branch 2"]
+    assert third and third[0] not in colours.values()
+
+
+def test_a_branch_of_one_orbit_is_seen():
+    ax = ns.plot.branch(saddle_node().isel(point=[0], special=[]), "x")
+    assert ax.lines[0].get_marker() == "." and ax.lines[0].get_xydata().tolist() == [[0.0, 1.0]]
+
+
+@pytest.mark.parametrize(
+    ("change", "arguments", "options", "text"),
+    [
+        ({}, ["z"], {}, r"unknown variable 'z' \(known: omega, x"),
+        ({}, ["x"], {"x": "z"}, "unknown variable 'z'"),
+        ({}, ["x"], {"leg": 1}, "'x' has no legs"),
+        ({}, ["x"], {"diagram": diagram("y")}, "diagram: unknown variable 'x'"),
+        ({}, ["x"], {"diagram": diagram(parameter="zeta")}, "it is over 'zeta'"),
+        ({}, ["x"], {"diagram": saddle_node()}, "no dimensions 'parameter' and 'lane'"),
+        ({"durations": (("point", "leg"), np.ones((8, 2)))}, ["durations"], {}, "0 to 1, or the"),
+        (
+            {
+                "durations": (("point", "leg"), np.ones((8, 2))),
+                "leg_mode": (("point", "leg"), np.ones((8, 2), int), {"flag_meanings": "a b"}),
+            },
+            ["durations"], {"leg": "c"}, "leg: unknown mode 'c'",
+        ),
+    ],
+)  # fmt: skip
+def test_wrong_options(change, arguments, options, text):
+    with pytest.raises(OptionError, match=text):
+        ns.plot.branch(saddle_node().assign(change), *arguments, **options)
+
+
+def test_what_is_no_branch():
+    with pytest.raises(OptionError, match="give it a result of continue_orbit"):
+        ns.plot.branch(xr.Dataset({"x": ("time", [1.0])}), "x")
+    with pytest.raises(OptionError, match="no points"):
+        ns.plot.branch(saddle_node().isel(point=[]), "x")
+    with pytest.raises(OptionError, match="there is none"):
+        ns.plot.branch([], "x")

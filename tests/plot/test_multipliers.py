@@ -1,0 +1,130 @@
+"""Multipliers: where they are, how they go on along a branch, and what is out of the picture."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.patches import Circle
+
+import nonsmooth as ns
+from nonsmooth.plot.multiplier_paths import multiplier_paths, path_pieces
+
+
+def along(values, special=()):
+    """A branch of orbits with these multipliers."""
+    points = len(values)
+    return xr.Dataset(
+        {
+            "b": ("point", np.linspace(1.0, 2.0, points), {"long_name": "static force"}),
+            "stable": ("point", np.abs(values).max(axis=1) < 1),
+            "multipliers": (("point", "multiplier"), values.astype(complex)),
+            "special_kind": ("special", np.array([kind for kind, _, _ in special], str)),
+            "special_point": ("special", np.array([at for _, at, _ in special], int)),
+            "special_multiplier": ("special", np.array([mu for _, _, mu in special], complex)),
+        },
+        attrs={"parameter": "b"},
+    )
+
+
+def circling(points=60):
+    """A pair that turns through a third of a circle while a real one passes -1; in any order."""
+    angle = np.linspace(0.5, 2.6, points)
+    paths = np.stack(
+        [0.8 * np.exp(1j * angle), 0.8 * np.exp(-1j * angle), np.linspace(-0.5, -1.5, points)],
+        axis=1,
+    )
+    random = np.random.default_rng(1)
+    return paths, np.stack([row[random.permutation(3)] for row in paths])
+
+
+def test_paths_are_found_again_in_any_order():
+    paths, mixed = circling()
+    found = multiplier_paths(mixed)
+    order = [int(np.argmin(np.abs(paths[0] - start))) for start in found[0]]
+    np.testing.assert_array_equal(found, paths[:, order])
+
+
+def test_paths_with_gaps():
+    """Where an orbit has fewer multipliers, the paths of the others go on."""
+    paths, mixed = circling(20)
+    gone = (0, 2)
+    for path in gone:
+        mixed[7:9][np.isin(mixed[7:9], paths[7:9, path])] = np.nan
+    found = multiplier_paths(mixed)
+    order = [int(np.argmin(np.abs(paths[0] - start))) for start in found[0]]
+    wanted = paths[:, order].copy()
+    wanted[7:9, [order.index(path) for path in gone]] = np.nan
+    np.testing.assert_array_equal(found, wanted)
+
+
+def test_no_line_across_a_jump():
+    values = np.array([[0.5], [0.55], [-3.0], [-3.05]])
+    pieces, begin = path_pieces(along(values))
+    assert begin.tolist() == [0, 1, 2]
+    pieces, begin = path_pieces(along(values, [("grazing", 1, np.nan)]))
+    assert begin.tolist() == [0, 2]
+    np.testing.assert_array_equal(pieces[1], [[-3.0, 0.0], [-3.05, 0.0]])
+
+
+def test_a_branch(ax):
+    _, mixed = circling()
+    flip = ("flip", 29, -1.0)
+    torus = ("torus", 3, 0.6 + 0.8j)
+    ns.plot.multipliers(along(mixed, [flip, torus, ("bound", 59, np.nan)]), ax=ax)
+    (lines,) = ax.collections
+    assert len(lines.get_segments()) == 3 * 59
+    colours = np.asarray(lines.get_array())
+    middles = np.linspace(1.0, 2.0, 60)[:-1] + 0.5 / 59
+    np.testing.assert_allclose(np.unique(colours.round(12)), middles, atol=1e-12)
+    assert lines.get_clim() == (1.0, 2.0)
+    (bar,) = ax.child_axes
+    assert bar.get_ylabel() == "static force"
+    marks = {line.get_label(): line.get_xydata() for line in ax.lines if line.get_gid()}
+    assert set(marks) == {"flip", "torus"}
+    np.testing.assert_array_equal(marks["torus"], [[0.6, 0.8], [0.6, -0.8]])
+
+
+def test_an_orbit(ax):
+    """Fixed point of an oscillator with damping: the closed form of its multipliers."""
+    system = ns.System(
+        states=["x", "v"], period="2*pi/omega", parameters={"omega": 1.3},
+        equations={"x": "v", "v": "cos(omega*t) - 0.2*v - x"},
+    )  # fmt: skip
+    values = np.linalg.eigvals(ns.StroboscopicMap(system).tangent({"x": 0.0}).values)
+    ns.plot.multipliers(xr.Dataset({"multipliers": ("multiplier", values.astype(complex))}), ax=ax)
+    wanted = np.exp((-0.1 + 1j * np.sqrt(1 - 0.01) * np.array([1, -1])) * 2 * np.pi / 1.3)
+    (dots,) = [line for line in ax.lines if line.get_label() == "inside"]
+    found = dots.get_xdata() + 1j * dots.get_ydata()
+    assert sorted(found, key=np.imag) == pytest.approx(sorted(wanted, key=np.imag), abs=1e-12)
+    (circle,) = [patch for patch in ax.patches if isinstance(patch, Circle)]
+    assert circle.center == (0.0, 0.0) and circle.radius == 1.0
+    assert ax.get_aspect() == 1.0 and ax.get_xlim() == (-1.25, 1.25)
+
+
+def test_large_and_equal_multipliers(ax):
+    """What is beyond the picture stands at its border; what lies on one place is counted."""
+    values = np.array([40.0, -1.5, 0.0, 0.0, 0.0, 0.5])
+    ns.plot.multipliers(xr.Dataset({"multipliers": ("multiplier", values + 0j)}), ax=ax)
+    assert ax.get_xlim() == pytest.approx((-1.68, 3.0)) and ax.get_ylim() == (-1.25, 1.25)
+    marks = {line.get_label(): line.get_xydata().tolist() for line in ax.lines}
+    assert marks["beyond, up to 40"] == [[3.0, 0.0]]
+    assert marks["outside"] == [[-1.5, 0.0]]
+    (note,) = ax.texts
+    assert (note.get_text(), note.xy) == ("3\N{MULTIPLICATION SIGN}", (0.0, 0.0))
+    ns.plot.multipliers(xr.Dataset({"multipliers": ("multiplier", values + 0j)}), radius=50, ax=ax)
+    assert ax.get_xlim() == (-50.0, 50.0)
+
+
+@pytest.mark.parametrize(
+    ("data", "options", "text"),
+    [
+        (xr.Dataset({"x": ("time", [1.0])}), {}, "give it a result of find_orbit"),
+        (xr.Dataset({"multipliers": ("multiplier", [1j])}), {"radius": 1.0}, "must be more than 1"),
+        (
+            xr.Dataset({"multipliers": (("orbit", "multiplier"), [[1j]])}), {},
+            r"choose one, such as data.isel\(orbit=0\)",
+        ),
+    ],
+)  # fmt: skip
+def test_wrong_options(data, options, text):
+    with pytest.raises(ns.OptionError, match=text):
+        ns.plot.multipliers(data, **options)
