@@ -8,7 +8,7 @@ from nonsmooth.errors import OptionError
 from nonsmooth.models import moling, progression_start
 
 
-@pytest.mark.parametrize("values", [{}, {"b": 0.1}, {"a": 0.9, "b": 0.4, "xi": 0.01}])
+@pytest.mark.parametrize("values", [{}, {"b": 0.12}, {"a": 0.9, "b": 0.4, "xi": 0.01}])
 def test_as_in_the_motion(values):
     """The first row of the log with that event has the same phase, displacement and velocity."""
     system = moling(**values)
@@ -17,7 +17,7 @@ def test_as_in_the_motion(values):
     assert start.sizes["start"] == 1 and start["entered"].item() == "progression"
     run = ns.simulate(system, orbit, periods=1)
     row = int(np.flatnonzero(run["event_name"].values == "progression")[0])
-    p, y, _, v = run["state_after"].values[row]
+    p, y, _, _ = run["state_after"].values[row]
     assert start["x_0"].item() == pytest.approx(p, abs=1e-9)
     assert start["y_0"].item() == pytest.approx(y, abs=1e-9)
     phase = system.parameter_values["phi"] + system.parameter_values["omega"] * float(

@@ -67,8 +67,8 @@ def pass_four_phases(values: Values, y_0: float, psi_0: float) -> FourPhases:
     Examples
     --------
     >>> values = {"a": 0.3, "b": 0.15, "xi": 0.05, "omega": 0.1, "g": 0.02}
-    >>> pass_four_phases(values, 7.23, 1.165).durations.round(2)
-    array([ 8.46,  1.53, 52.69,  0.15])
+    >>> [round(float(each), 2) for each in pass_four_phases(values, 7.23, 1.165).durations]
+    [8.46, 1.53, 52.8, 0.04]
     """
     values = {**values, "phi": psi_0}  # time begins with progression
     g, twice, period = values["g"], 2.0 * values["xi"], 2.0 * np.pi / values["omega"]

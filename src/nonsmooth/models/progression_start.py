@@ -49,7 +49,7 @@ def progression_start(orbit: xr.Dataset) -> xr.Dataset:
     >>> import nonsmooth as ns
     >>> start = ns.models.progression_start(ns.find_orbit(ns.models.moling(b=0.15)))
     >>> [round(float(start[name][0]), 6) for name in ("psi_0", "x_0", "y_0")]
-    [1.164703, 0.296881, 7.231191]
+    [1.1647, 0.296881, 7.231191]
     """
     values, modes = _read(orbit)
     entered = orbit["leg_exit"].values.astype(str)
