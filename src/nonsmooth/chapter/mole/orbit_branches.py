@@ -19,6 +19,7 @@ __all__ = [
     "FOUR_PHASES",
     "best_stable",
     "branches_of_panel",
+    "first_sheet",
     "four_phase_branch",
     "near_observed",
     "observed",
@@ -222,3 +223,30 @@ def near_observed(branch: xr.Dataset) -> xr.Dataset:
     shown = np.isin(kinds, ("fold", "flip")) & (places >= low) & (places < high)
     part = branch.isel(point=slice(low, high), special=shown)
     return part.assign(special_point=part["special_point"] - low)
+
+
+def first_sheet(branch: xr.Dataset) -> xr.Dataset:
+    """The part of a branch between the folds on both sides of where it began.
+
+    Parameters
+    ----------
+    branch : xarray.Dataset
+        From `four_phase_branch`.
+
+    Returns
+    -------
+    xarray.Dataset
+        Points on which the parameter rises or falls throughout.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> branch = first_sheet(four_phase_branch("b", (0.02, 0.2), xi=0.05))
+    >>> bool(np.all(np.diff(branch["b"]) > 0.0))
+    True
+    """
+    began = int(np.abs(branch["arclength"].values).argmin())
+    folds = branch["special_point"].values[branch["special_kind"].values == "fold"]
+    low = int(max(folds[folds < began], default=0))
+    high = int(min(folds[folds > began], default=branch.sizes["point"] - 1))
+    return branch.isel(point=slice(low, high + 1))
