@@ -60,11 +60,11 @@ def both_ways(
                 break
             if found[way][1].ended == "closed":
                 break
-    return _joined(found, interrupted)
+    return _joined(found, interrupted, options.parameter)
 
 
 def _joined(
-    found: dict[float, tuple[list[BranchPart], Followed]], interrupted: bool
+    found: dict[float, tuple[list[BranchPart], Followed]], interrupted: bool, parameter: str
 ) -> tuple[list[BranchPart], dict[str, Any]]:
     """The way down backwards, then the way up."""
     down, first = found.get(-1.0, ([], None))
@@ -78,7 +78,9 @@ def _joined(
     for name, end in ends.items():
         said[name] = end.ended if end is not None else "start"
         if end is not None and end.message:
-            messages.append(f"{'first' if name == 'end_first' else 'last'} end: {end.message}")
+            # branches of any equations call their parameter p
+            text = end.message.replace(" p = ", f" {parameter} = ")
+            messages.append(f"{'first' if name == 'end_first' else 'last'} end: {text}")
     said["message"] = "; ".join(messages)
     return parts, said
 
