@@ -6,8 +6,8 @@ The orbit of period one at a 0.3, b 0.15, xi 0.05, omega 0.1 from a settled run:
 its multipliers and the certified check; `scipy.optimize.root` (hybr) on the stroboscopic map of
 nonsmooth, with and without its derivative; the same on a map of scipy alone, `solve_ivp` (DOP853,
 rtol 1e-10) with terminal events, restarted at each. Then 500 points of the branch over b by
-`continue_orbit`, through the fold and the grazing, beside scipy's root at one b after the other on
-the map of nonsmooth, which cannot pass the fold and knows no stability. The truth has 25 digits
+`continue_orbit`, through the fold, beside scipy's root at one b after the other on the map of
+nonsmooth, which cannot pass the fold and knows no stability. The truth has 25 digits
 (tests/periodic/references). The command fails where a result is off.
 """
 
@@ -62,7 +62,8 @@ def by_map(system, guess, derivative):
         return both - np.eye(2)
 
     answer = root(gap, guess, jac=slope if derivative else None, tol=1e-12)
-    assert answer.success, answer.message
+    # at the end of its digits hybr says that it makes no progress
+    assert np.abs(answer.fun).max() < 1e-9, answer.message
     return answer.x
 
 
