@@ -132,14 +132,26 @@ def continue_orbit(
 
     Examples
     --------
-    The mole doubles its period where the static force falls, and the branch of period one ends in
-    a fold where it grows:
+    The mole doubles its period where the static force falls; where it grows, its orbit of period one
+    meets a fold and comes back unstable:
 
     >>> import nonsmooth as ns
     >>> mole = ns.models.moling(a=0.3, b=0.15, xi=0.05, omega=0.1)
     >>> branch = ns.continue_orbit(mole, "b", (0.1, 0.2))
     >>> for kind, b in zip(branch["special_kind"].values, branch["special_value"].values):
     ...     print(kind, round(float(b), 9))
+    bound 0.1
+    flip 0.110011731
+    fold 0.167150499
+    grazing 0.150977503
+    flip 0.15097798
+    flip 0.184207204
+    fold 0.190280174
+    grazing 0.176817414
+    flip 0.176818058
+    bound 0.2
+
+    At each grazing the branch turns back with one impact more.
     """
     options, wanted, names, chosen = read_branch_options(
         system, parameter, between, initial=initial, period=period, word=word, special=special,
