@@ -24,37 +24,40 @@ def many_dataset(
     """Dataset over ``orbit``."""
     labels, over = labels_of(system), ("orbit",)
     members = found.members
-    orbits = [member.orbit for member in members]
+    # an orbit that was not found keeps the shapes of variables where there is none
+    orbits = [member.orbit for member in members] or [None]
     variables: Columns = orbit_variables(system, orbits, over)
-    counts = np.array([member.found for member in members], np.int64)
-    periods = np.array([orbit.period for orbit in orbits], np.int64)
+    counts = np.array([member.found for member in members] or [0], np.int64)
+    periods = np.array([0 if orbit is None else orbit.period for orbit in orbits], np.int64)
     variables["period"] = (over, periods, {"long_name": "periods, or returns, in one turn"})
     variables["found"] = (over, counts, {"long_name": "guesses that led to the orbit"})
-    times = np.array([orbit.turn.instants[0] for orbit in orbits], float)
+    times = [np.nan if orbit is None else float(orbit.turn.instants[0]) for orbit in orbits]
     coords: Columns = {
         "orbit": (over, np.arange(len(orbits)), {"long_name": "orbit"}),
-        "time": (over, times, labels.attributes("time")),
+        "time": (over, np.array(times), labels.attributes("time")),
         "state": (("state",), labels.states, {}),
     }
     if system.drift_states:
         coords["drift_state"] = (("drift_state",), np.array(system.drift_states), {})
+    status = "interrupted" if found.interrupted else "completed" if members else "no_orbit"
+    attrs = common(system) | {"status": status, "message": _message(found)}
+    attrs |= said | _options(how)
+    attrs |= {"guesses_tried": found.tried, "guesses_that_failed": found.failed}
+    data = assemble(variables, coords, {"state": labels.state_index}, attrs)
+    return data.isel(orbit=slice(len(members)))
+
+
+def _options(how: HowToCollect) -> dict[str, Any]:
     options: dict[str, Any] = {
         "longest": how.longest, "record": how.record, "samples": how.samples, "seed": how.seed,
         "guesses": how.guesses, "match": how.match, "inadmissible": int(how.inadmissible),
     }  # fmt: skip
     if how.box is not None:
-        box = how.box
-        for name, low, high in zip(
-            box.completion.given, box.low.tolist(), box.high.tolist(), strict=True
-        ):
-            options[f"region_{name}"] = str((low, high))
-        options["completion"] = str(dict(box.completion.texts))
-    status = "interrupted" if found.interrupted else "completed" if orbits else "no_orbit"
-    tried = {"guesses_tried": found.tried, "guesses_that_failed": found.failed}
-    attrs = common(system) | {"status": status, "message": _message(found)}
-    return assemble(
-        variables, coords, {"state": labels.state_index}, attrs | said | options | tried
-    )
+        given, low, high = how.box.completion.given, how.box.low, how.box.high
+        for name, *ends in zip(given, low.tolist(), high.tolist(), strict=True):
+            options[f"region_{name}"] = str(tuple(ends))
+        options["completion"] = str(dict(how.box.completion.texts))
+    return options
 
 
 def _message(found: Collected) -> str:
