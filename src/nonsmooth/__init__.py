@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from nonsmooth.analysis.box_dimension import box_dimension
     from nonsmooth.analysis.contact_statistics import contact_statistics
     from nonsmooth.analysis.continue_orbit import continue_orbit
+    from nonsmooth.analysis.continue_special import continue_special
     from nonsmooth.analysis.correlation_dimension import correlation_dimension
     from nonsmooth.analysis.ensemble import ensemble
     from nonsmooth.analysis.find_orbit import find_orbit
@@ -82,6 +83,7 @@ __all__ = [
     "contact_statistics",
     "continuation",
     "continue_orbit",
+    "continue_special",
     "correlation_dimension",
     "ensemble",
     "excitation",
@@ -138,6 +140,7 @@ _HOME = {
     "find_orbit": "nonsmooth.analysis.find_orbit",
     "continue_orbit": "nonsmooth.analysis.continue_orbit",
     "orbit_samples": "nonsmooth.analysis.orbit_samples",
+    "continue_special": "nonsmooth.analysis.continue_special",
     "full_spectrum": "nonsmooth.analysis.full_spectrum",
     "local_regimes": "nonsmooth.analysis.local_regimes",
     "lyapunov_spectrum": "nonsmooth.analysis.lyapunov_spectrum",
