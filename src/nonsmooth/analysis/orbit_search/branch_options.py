@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from nonsmooth.analysis.orbit_search.options import read_wanted
+from nonsmooth.analysis.orbit_search.options import period_of, read_wanted
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.periodic.restart import is_orbit
 from nonsmooth.periodic.search import Wanted
@@ -50,7 +50,7 @@ def read_branch_options(
     elif is_orbit(initial) and parameter in initial and initial[parameter].ndim == 0:
         parameters = {**(parameters or {}), parameter: float(initial[parameter])}
     if is_orbit(initial) and period == 1:
-        period = int(initial.attrs.get("period", 1)) * (2 if chosen == 1 else 1)
+        period = period_of(initial) * (2 if chosen == 1 else 1)
     wanted, names = read_wanted(
         system, initial, period=period, parameters=parameters, verb="continue_orbit", **rest
     )
