@@ -65,7 +65,7 @@ def branch():
             "special_multiplier": ("special", np.array([1.0, np.nan], complex)),
         },
         attrs={
-            "parameter": "omega", "end_low": "bound", "end_high": "the orbit grazes",
+            "parameter": "omega", "end_first": "bound", "end_last": "grazing",
             "status": "completed", "message": "completed", "system_name": "soft_impact",
         },
     )  # fmt: skip
@@ -80,8 +80,8 @@ def asked(monkeypatch):
         calls["orbit"] = {"system": system, "initial": initial, **options}
         return calls.get("answer", orbit())
 
-    def follow(system, start, parameter, **options):
-        calls["branch"] = {"start": start, "parameter": parameter, **options}
+    def follow(system, parameter, between, **options):
+        calls["branch"] = {"parameter": parameter, "between": between, **options}
         return branch()
 
     monkeypatch.setattr(ns, "find_orbit", find, raising=False)
@@ -166,18 +166,41 @@ def test_a_branch(call, asked, tmp_path):
     assert result.exit_code == 0, result.stderr
     assert asked["branch"]["parameter"] == "omega"
     assert asked["branch"]["between"] == (0.7, 0.9)
-    xr.testing.assert_identical(asked["branch"]["start"], orbit())
+    xr.testing.assert_identical(asked["branch"]["initial"], orbit())
+    assert asked["branch"]["inadmissible"] is False
     assert picture.stat().st_size > 1000 and file.is_file()
     assert value(result.stdout, "omega") == "0.7 to 0.9"
-    assert value(result.stdout, "high end") == "the orbit grazes"
+    assert value(result.stdout, "first end") == "bound, at omega = 0.7"
+    assert value(result.stdout, "last end") == "grazing, at omega = 0.9"
     assert value(result.stdout, "orbits") == "2 stable, 2 unstable, 1 inadmissible"
     rows = [line.split() for line in result.stdout.splitlines()]
     assert ["symmetry", "breaking", "0.765432198765", "1"] in rows
     assert ["grazing", "0.87", "impact", "of", "leg", "2"] in rows
     result = call(
-        "continue", "soft_impact", "--over", "omega=0.7:0.9", "--plot", picture, "--multipliers"
+        "continue", "soft_impact", "--over", "omega=0.7:0.9", "--plot", picture, "--multipliers",
+        "--inadmissible",
+    )  # fmt: skip
+    assert result.exit_code == 0, result.stderr
+    assert asked["branch"]["inadmissible"] is True
+
+
+def test_a_branch_of_the_soft_impact_oscillator(call, tmp_path):
+    """The free motion x = A sin(w t + phi) touches the stop at an amplitude a known in closed form,
+    and goes on with a contact."""
+    file, picture = tmp_path / "b.nc", tmp_path / "b.png"
+    omega, zeta, e = 0.85, 0.01, 1.26
+    graze = e * np.hypot(1 - omega**2, 2 * zeta * omega) / omega**2
+    result = call(
+        "continue", "soft_impact", "a=0.4", "--over", "a=0.4:0.6", "--plot", picture, "--save", file
     )
     assert result.exit_code == 0, result.stderr
+    assert value(result.stdout, "first end") == "bound, at a = 0.4"
+    (row,) = [line.split() for line in result.stdout.splitlines() if "touches 'impact'" in line]
+    assert row[0] == "grazing" and float(row[1]) == pytest.approx(graze, rel=1e-11)
+    assert picture.stat().st_size > 1000
+    with xr.open_dataset(file, engine="h5netcdf") as saved:
+        assert int(np.sum(saved["special_kind"].values == "grazing")) == 1
+        assert float(saved["a"][0]) == 0.4
 
 
 @pytest.mark.parametrize(

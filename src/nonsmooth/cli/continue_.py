@@ -53,6 +53,10 @@ def continue_(
     multipliers: Annotated[
         bool, typer.Option("--multipliers", help="Draw the paths of the multipliers instead.")
     ] = False,
+    inadmissible: Annotated[
+        bool,
+        typer.Option("--inadmissible", help="Follow the word also where its orbit is no motion."),
+    ] = False,
     save: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Save the branch as netCDF: .nc.")
     ] = None,
@@ -83,7 +87,7 @@ def continue_(
         typer.echo(harmless(table(first.attrs["system_name"], list(orbit_rows(first)))))
         typer.echo("there is no orbit to start from; see: nonsmooth orbit --help", err=True)
         raise typer.Exit(ENDED_EARLY)
-    branch = ns.continue_orbit(system, first, parameter, between=between)
+    branch = ns.continue_orbit(system, parameter, between, initial=first, inadmissible=inadmissible)
     typer.echo(harmless(table(branch.attrs["system_name"], list(_rows(branch)))))
     _print_special_points(branch)
     if save is not None:
@@ -162,9 +166,8 @@ def _rows(branch: xr.Dataset) -> Iterator[tuple[str, str]]:
     if not values.size:
         return
     yield str(attrs["parameter"]), f"{values.min():.10g} to {values.max():.10g}"
-    for end, label in (("end_low", "low end"), ("end_high", "high end")):
-        if end in attrs:
-            yield label, str(attrs[end])
+    for end, label, place in (("end_first", "first end", 0), ("end_last", "last end", -1)):
+        yield label, f"{attrs[end]}, at {attrs['parameter']} = {values[place]:.10g}"
     stable, admissible = (branch[name].values.astype(bool) for name in ("stable", "admissible"))
     counts = {
         "stable": stable & admissible,

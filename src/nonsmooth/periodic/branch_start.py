@@ -41,12 +41,7 @@ def tangent_at(equations: OrbitEquations, unknowns: Floats) -> tuple[Floats, flo
 
 def begin_change(stretch: Stretch, change: Change, point: Point) -> BranchStart | None:
     """Start of the stretch behind a change; None where no motion of the new word begins there."""
-    options, legs = stretch.options, stretch.legs
-    equations = OrbitEquations(
-        legs, change.guess.word, period=options.period, phase=options.phase,
-        autonomous=options.autonomous, origin=change.guess.turn.states[0],
-        reference=change.guess.turn.states[0].copy(),
-    )  # fmt: skip
+    equations = stretch.equations.of_word(change.guess.word, change.guess.turn.states[0])
     try:
         unknowns, value = equations.pack(change.guess.turn), point.p
         stretch.set_parameter(value)
@@ -122,7 +117,7 @@ def _way(
     if not change.grows:
         return 1.0 if dp * point.tangent_p >= 0.0 else -1.0
     size = float(np.sqrt(np.mean((du / scale_of(equations, unknowns)) ** 2))) + abs(dp)
-    tests = BranchTests(equations, stretch.options.tolerance, whole=False)
+    tests = BranchTests(equations, stretch.options.tolerance, whole=False, grows=change.grows)
     found = []
     for way in (1.0, -1.0):
         h = way * _SMALL / max(size, 1e-300)
@@ -136,7 +131,7 @@ def _way(
 
 def _goes_on(stretch: Stretch, start: BranchStart) -> bool:
     """Whether the first orbits of a new stretch are motions."""
-    trial = type(stretch)(stretch.options, stretch.legs, start.equations)
+    trial = Stretch(stretch.options, stretch.legs, start.equations, start.grows)
     step = _FIRST * stretch.options.step
     try:
         branch = follow(
@@ -148,10 +143,9 @@ def _goes_on(stretch: Stretch, start: BranchStart) -> bool:
         points = [point for point in branch if not point.special]
     except NonsmoothError:
         return False
-    if len(points) < 2:
-        return False
-    looked = trial.look(points[-1])
-    return looked.admissibility.admissible or stretch.options.inadmissible
+    if stretch.options.inadmissible or start.kind == "section":  # where nothing happens to it
+        return len(points) > 1
+    return any(trial.look(point).admissibility.admissible for point in points[1:])
 
 
 def solved_start(

@@ -17,6 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.engine import layout as at
+from nonsmooth.engine.legs import LegResults
 from nonsmooth.periodic.admissibility import Admissibility, check_admissible
 from nonsmooth.periodic.equations import OrbitEquations, Turn
 from nonsmooth.periodic.multipliers import Floquet, floquet
@@ -29,7 +30,7 @@ Floats = npt.NDArray[np.float64]
 WORD_TESTS = ("graze", "corner", "short", "leg", "rate", "gain", "motion")
 _SHORT = 1e-5  # part of the turn: a contact of this duration is a graze
 _AT_CHANGE = 1e-9  # of a test: the word is about to change
-_ZERO = 1e-9  # of the terms of a guard: zero by construction
+_ZERO = 1e-10  # of the states: a guard that is zero by construction
 
 
 @dataclass
@@ -70,13 +71,18 @@ def _passed(
 class BranchTests:
     """Looks at the orbits of one word; the last one is remembered."""
 
-    def __init__(self, equations: OrbitEquations, tolerance: float, *, whole: bool = True) -> None:
+    def __init__(
+        self, equations: OrbitEquations, tolerance: float, *, whole: bool = True, grows: str = ""
+    ) -> None:
+        """``grows``: the test that is zero where the stretch begins and counts all the same."""
         self.equations, self.tolerance, self.whole = equations, tolerance, whole
+        self._grows = grows
+        self._still: set[str] | None = None  # tests that are zero by construction
         word, wiring = equations.word, equations.legs.tables.wiring
         self._grazing = [is_graze(word, wiring, k) for k in range(len(word))]
         self._last: tuple[bytes, Looked] | None = None
 
-    def look(self, unknowns: Floats, residual: float = 0.0) -> Looked:
+    def look(self, unknowns: Floats) -> Looked:
         """The orbit of these unknowns, for the parameter values that the legs have."""
         equations, legs = self.equations, self.equations.legs
         key = unknowns.tobytes() + legs.values.tobytes()
@@ -84,11 +90,12 @@ class BranchTests:
             return self._last[1]
         turn = equations.unpack(unknowns)
         found = legs.follow(equations.word, turn.states, turn.instants)
+        residual = equations.gap(turn, found)
         turn = Turn(found.starts.copy(), turn.instants)
         multipliers = floquet(equations, found)
         tests = _of_multipliers(multipliers)
         end, admissibility = found.nexts[-1].copy(), Admissibility(True)
-        kept = self._of_word(turn)
+        kept = self._of_word(turn, found)
         tests |= kept
         if self.whole:
             if any(abs(value) <= _AT_CHANGE for value in kept.values()):
@@ -105,20 +112,15 @@ class BranchTests:
         self._last = key, looked
         return looked
 
-    def _of_word(self, turn: Turn) -> dict[str, float]:
-        """What keeps the word valid, positive where it is; results of the legs are those of it."""
-        equations = self.equations
-        word, found = (
-            equations.word,
-            equations.legs.follow(equations.word, turn.states, turn.instants),
-        )
+    def _of_word(self, turn: Turn, found: LegResults) -> dict[str, float]:
+        """What keeps the word valid, positive where it is, from the results of its legs."""
+        equations, word = self.equations, self.equations.word
         length = float(turn.instants[-1] - turn.instants[0])
         tests: dict[str, float] = {}
         lowest, _ = equations.legs.minima(word, turn.states, turn.instants)
         for k, path in enumerate(word.paths):
             for g in np.flatnonzero(np.isfinite(lowest[k])):
-                if abs(lowest[k, g]) > 1e-200:
-                    tests[f"graze:{k}:{g}"] = float(lowest[k, g])
+                tests[f"graze:{k}:{g}"] = float(lowest[k, g])
             if not path:
                 continue
             duration = float(turn.durations[k])
@@ -133,11 +135,18 @@ class BranchTests:
                 (np.abs(found.guard_row[k, : equations.legs.n]) * np.abs(found.ends[k])).sum()
             )
             for g in np.flatnonzero(np.isfinite(found.others[k])):
-                if g != path[0] and abs(found.others[k, g]) > _ZERO * (size + 1e-12):
+                if g != path[0]:
                     tests[f"corner:{k}:{g}"] = float(found.others[k, g])
         if word.paths[-1] == ():
             tests["leg:last"] = float(turn.durations[-1]) / length
-        return tests
+        if self._still is None:
+            size = _ZERO * float(np.abs(turn.states).max(initial=1e-12))
+            self._still = {
+                name
+                for name, value in tests.items()
+                if abs(value) <= size and name != self._grows and name[:3] in ("cor", "gai", "gra")
+            }
+        return {name: value for name, value in tests.items() if name not in self._still}
 
 
 def _of_multipliers(multipliers: Floquet) -> dict[str, float]:

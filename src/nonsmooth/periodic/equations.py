@@ -71,6 +71,13 @@ class OrbitEquations:
         self._across = np.zeros(n)  # normal of the plane at the reference
         self.results: LegResults | None = None
 
+    def of_word(self, word: Word, origin: Floats) -> OrbitEquations:
+        """The same for another word, drifts beginning at a given state."""
+        return OrbitEquations(
+            self.legs, word, period=self.period, phase=self.phase, autonomous=self.autonomous,
+            origin=origin, reference=np.array(origin),
+        )  # fmt: skip
+
     def pack(self, turn: Turn) -> Floats:
         """Unknowns as one vector."""
         return np.concatenate([turn.states.ravel(), turn.instants[1 : 1 + self.n_instants]])
@@ -105,6 +112,16 @@ class OrbitEquations:
         if self.autonomous and not self.word.closes_at_event:
             self._close_across_flow(turn, residual, jacobian, moved)
         return residual, jacobian, moved
+
+    def gap(self, turn: Turn, found: LegResults) -> float:
+        """Largest gap between the end of a leg and the start of the next, beside the states."""
+        following = np.roll(turn.states, -1, axis=0)
+        gaps = np.abs(found.nexts - following)
+        gaps[-1, self.drifting] = 0.0
+        moving = np.where(self.drifting, turn.states - turn.states[0], turn.states)
+        size = np.abs(moving).max(axis=0)
+        size = np.where(size > 1e-6 * size.max(), size, max(float(size.max()), 1e-12))
+        return float((gaps / size).max())
 
     def _close_across_flow(
         self, turn: Turn, residual: Floats, jacobian: Floats, moved: Floats

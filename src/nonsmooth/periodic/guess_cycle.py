@@ -24,7 +24,7 @@ Floats = npt.NDArray[np.float64]
 
 _WINDOWS = 64  # in which a return is looked for, per period
 _SAMPLES = 128  # in a window
-_NEAR = 1e-3  # of the spread of the states: a return as near as that is taken at once
+_NEAR = (1e-3, 1e-2, 5e-2)  # of the spread of the states: the first return as near is taken
 _MOST_EVENTS = 256
 
 
@@ -93,8 +93,11 @@ def _between_events(
     returns = np.flatnonzero(same)[1:]
     if returns.size == 0:
         return None
-    near = returns[apart[returns] <= _NEAR]
-    turn = int(near[0]) if near.size else int(returns[np.argmin(apart[returns])])
+    turn = int(returns[np.argmin(apart[returns])])
+    for near in _NEAR:
+        if np.any(apart[returns] <= near):
+            turn = int(returns[apart[returns] <= near][0])
+            break
     last = min(turn * period, len(rows) - 1)
     paths = [path_of_bits(int(r[at.PATH]), int(r[at.PASSES])) for r in rows[1 : last + 1]]
     if any(path is None for path in paths):
@@ -117,10 +120,13 @@ def _around(
     crossings = np.flatnonzero((forward[1:-1] < 0.0) & (forward[2:] >= 0.0)) + 2
     if crossings.size == 0:
         return None
-    apart = np.abs(scaled[crossings]).max(axis=1)
-    near = crossings[apart <= 0.1]
-    k = int(near[0]) if near.size else int(crossings[np.argmin(apart)])
-    length = (k - forward[k] / (forward[k] - forward[k - 1])) * step * period
+    # between samples, on the plane across the flow at the first one
+    part = forward[crossings] / (forward[crossings] - forward[crossings - 1])
+    before, behind = scaled[crossings - 1], scaled[crossings]
+    apart = np.abs(behind + part[:, None] * (before - behind)).max(axis=1)
+    near = np.flatnonzero(apart <= _NEAR[-1])
+    k = int(near[0]) if near.size else int(np.argmin(apart))
+    length = (crossings[k] - part[k]) * step * period
     word = Word((int(outcome.records.sample_mode[0]),), ((),))
     first = outcome.records.sample_state[:1].copy()
     return Guess(word, Turn(first, np.array([0.0, length])))

@@ -53,14 +53,17 @@ class BranchStart:
     grows: str = ""
     kind: str = ""
     detail: str = ""
+    located: bool = False  # whether the change itself is located behind the start
 
 
 class Stretch:
     """A stretch of a branch with one word."""
 
-    def __init__(self, options: BranchOptions, legs: Legs, equations: OrbitEquations) -> None:
+    def __init__(
+        self, options: BranchOptions, legs: Legs, equations: OrbitEquations, grows: str = ""
+    ) -> None:
         self.options, self.legs, self.equations = options, legs, equations
-        self.tests = BranchTests(equations, options.tolerance)
+        self.tests = BranchTests(equations, options.tolerance, grows=grows)
         self._values = legs.values.copy()
         self._place = list(legs.system.parameters).index(options.parameter)
 
@@ -79,7 +82,7 @@ class Stretch:
     def look(self, point: Point) -> Looked:
         """The orbit of a point, with its multipliers and tests."""
         self.set_parameter(point.p)
-        return self.tests.look(point.u, point.residual)
+        return self.tests.look(point.u)
 
     def asked(self, point: Point) -> Mapping[str, float]:
         """Tests of a point; without most of those of the word where it need not be a motion."""

@@ -32,6 +32,8 @@ def both_ways(
     legs.set_values(options.system.parameter_values)
     value = float(options.system.parameter_values[options.parameter])
     start = _first(options, wanted, legs, value, special)
+    if special == _FLIP:  # both ways lead to the same orbits, a strobe apart
+        direction = "up"
     ways = {"both": (1.0, -1.0), "up": (1.0,), "down": (-1.0,)}[direction]
     found: dict[float, tuple[list[BranchPart], Followed]] = {}
     interrupted = False
@@ -58,11 +60,11 @@ def both_ways(
                 break
             if found[way][1].ended == "closed":
                 break
-    return _joined(found, interrupted)
+    return _joined(found, interrupted, options.parameter)
 
 
 def _joined(
-    found: dict[float, tuple[list[BranchPart], Followed]], interrupted: bool
+    found: dict[float, tuple[list[BranchPart], Followed]], interrupted: bool, parameter: str
 ) -> tuple[list[BranchPart], dict[str, Any]]:
     """The way down backwards, then the way up."""
     down, first = found.get(-1.0, ([], None))
@@ -76,7 +78,9 @@ def _joined(
     for name, end in ends.items():
         said[name] = end.ended if end is not None else "start"
         if end is not None and end.message:
-            messages.append(f"{'first' if name == 'end_first' else 'last'} end: {end.message}")
+            # branches of any equations call their parameter p
+            text = end.message.replace(" p = ", f" {parameter} = ")
+            messages.append(f"{'first' if name == 'end_first' else 'last'} end: {text}")
     said["message"] = "; ".join(messages)
     return parts, said
 
