@@ -158,7 +158,7 @@ def _around(
     there = scaled[crossings] - back[:, None] * (scaled[crossings] - scaled[crossings - 1])
     apart = np.abs(there).max(axis=1)
     near = np.flatnonzero(apart <= 0.1)
-    if not (near.size or last):
+    if not (near.size or final):
         return None
     chosen = int(near[0]) if near.size else int(np.argmin(apart))
     length = float(crossings[chosen] - back[chosen]) * step * period
