@@ -1,5 +1,5 @@
 """`python benchmarks` runs all: long runs, set-up, the stiff rig, Taylor steps, sweeps, basins,
-rotor, growing crack.
+rotor, growing crack, continuation.
 """
 
 import subprocess
@@ -27,6 +27,15 @@ runs = [bench_simulate.main(), bench_setup.main(), bench_rig.main([]), bench_tay
 sys.exit(
     max(
         *runs,
-        *map(alone, ("bench_ensembles.py", "bench_basins.py", "bench_rotor.py", "bench_growth.py")),
+        *map(
+            alone,
+            (
+                "bench_ensembles.py",
+                "bench_basins.py",
+                "bench_rotor.py",
+                "bench_growth.py",
+                "bench_continuation.py",
+            ),
+        ),
     )
 )

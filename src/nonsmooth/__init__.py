@@ -20,12 +20,14 @@ if TYPE_CHECKING:
     from nonsmooth.analysis.box_dimension import box_dimension
     from nonsmooth.analysis.contact_statistics import contact_statistics
     from nonsmooth.analysis.continue_orbit import continue_orbit
+    from nonsmooth.analysis.continue_special import continue_special
     from nonsmooth.analysis.correlation_dimension import correlation_dimension
     from nonsmooth.analysis.ensemble import ensemble
     from nonsmooth.analysis.find_orbit import find_orbit
     from nonsmooth.analysis.full_spectrum import full_spectrum
     from nonsmooth.analysis.local_regimes import local_regimes
     from nonsmooth.analysis.lyapunov_spectrum import lyapunov_spectrum
+    from nonsmooth.analysis.orbit_samples import orbit_samples
     from nonsmooth.analysis.order_tracking import order_tracking
     from nonsmooth.analysis.period_statistics import period_statistics
     from nonsmooth.analysis.poincare_section import poincare_section
@@ -78,6 +80,7 @@ __all__ = [
     "contact_statistics",
     "continuation",
     "continue_orbit",
+    "continue_special",
     "correlation_dimension",
     "ensemble",
     "excitation",
@@ -88,6 +91,7 @@ __all__ = [
     "lyapunov_spectrum",
     "measured",
     "models",
+    "orbit_samples",
     "order_tracking",
     "period_statistics",
     "phase_word",
@@ -130,6 +134,8 @@ _HOME = {
     "ensemble": "nonsmooth.analysis.ensemble",
     "find_orbit": "nonsmooth.analysis.find_orbit",
     "continue_orbit": "nonsmooth.analysis.continue_orbit",
+    "orbit_samples": "nonsmooth.analysis.orbit_samples",
+    "continue_special": "nonsmooth.analysis.continue_special",
     "full_spectrum": "nonsmooth.analysis.full_spectrum",
     "local_regimes": "nonsmooth.analysis.local_regimes",
     "lyapunov_spectrum": "nonsmooth.analysis.lyapunov_spectrum",

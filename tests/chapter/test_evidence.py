@@ -9,12 +9,9 @@ from nonsmooth.chapter.mole.absolute_mole import absolute_mole
 from nonsmooth.chapter.mole.adaptive_mole import adaptive_mole_run
 from nonsmooth.chapter.mole.regime import primitive_period, settled_regime
 from nonsmooth.chapter.mole.soil_claims import push, pushed_slider
-from nonsmooth.chapter.mole.stitched_mole import (
-    mode_solution,
-    solve_switching_times,
-    stitched_states,
-)
+from nonsmooth.chapter.mole.stitched_mole import solve_switching_times, stitched_states
 from nonsmooth.models import MolingRig, moling
+from nonsmooth.models.moling_phases import mode_solution
 
 VALUES = {"a": 0.3, "b": 0.19, "xi": 0.05, "omega": 0.1, "g": 0.02, "phi": np.pi / 2}
 

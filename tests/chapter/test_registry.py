@@ -16,6 +16,7 @@ PNG = b"\x89PNG\r\n\x1a\n"
 
 SHOWN = {
     "fig8": {"b", "y", "period", "per_period", "first_50"},
+    "fig10": {"a_progression", "a_simulated", "b_stable", "c_admissible", "c_period"},
     "fig12": {"label", "period", "kind", "fraction", "points"},
     "fig16": {"base", "absolute1", "X3", "pneumatic1"},
     "fig17": {"base", "absolute1", "X3", "pneumatic1"},
@@ -45,7 +46,8 @@ OF_MODEL = {  # quick ones without a run of the mole
     "fig42": {"x", "y", "vx", "vy", "mode"},
 }
 LABELLED = {
-    "fig8": "y", "fig12": "label", "fig16": "base", "fig17": "base", "fig18": "time",
+    "fig8": "y", "fig10": "a_simulated", "fig12": "label", "fig16": "base", "fig17": "base",
+    "fig18": "time",
     "fig19": "time", "fig20": "time", "fig21": "crack", "fig22": "crack", "fig24": "X1",
     "fig25": "X1", "fig27": "force", "fig28": "u", "fig29": "u", "fig30": "u",
     "fig33": "F1", "fig37": "eta", "fig38": "sx",

@@ -117,7 +117,7 @@ def find_orbit(
     >>> orbit["word"].item(), orbit["stable"].item()
     ('progression contact no_contact contact progression', True)
     >>> round(float(orbit["v_per_period"]), 6)
-    31.240876
+    31.34534
 
     The same orbit where it is unstable, before the period doubles:
 

@@ -38,6 +38,14 @@ _FIGURES = {
     "fig8": _Entry(
         "mole.diagrams", "fig8", "velocity and progression over the static force, three amplitudes"
     ),
+    "fig9": _Entry(
+        "mole.four_stages", "fig9", "four stages of a period-one orbit, with their durations"
+    ),
+    "fig10": _Entry(
+        "mole.best_progression",
+        "fig10",
+        "progression per period over frequency, dynamic and static force, on branches of orbits",
+    ),
     "fig11": _Entry(
         "mole.phases", "fig11", "drifting motion split into bounded oscillation and progression"
     ),
@@ -109,7 +117,7 @@ def figure_ids() -> list[str]:
     --------
     >>> from nonsmooth.chapter import figure_ids
     >>> figure_ids()
-    ['fig5b', 'fig5d', 'fig6', 'fig7', 'fig8', 'fig11', 'fig12', 'phases', 'fig16', ...]
+    ['fig5b', 'fig5d', 'fig6', 'fig7', 'fig8', 'fig9', 'fig10', 'fig11', 'fig12', 'phases', ...]
     """
     return list(_FIGURES)
 

@@ -12,7 +12,7 @@ from nonsmooth.continuation.refusals import Jump, PastBound, Refused
 from nonsmooth.continuation.segment import Segment
 from nonsmooth.continuation.steps import effort, next_step
 
-__all__ = ["Attempt", "attempt"]
+__all__ = ["Attempt", "attempt", "leaves"]
 
 _HARDEST = 2.0  # effort of a step that is taken
 _SAME = 1e-6  # scaled distance from the start at which a branch has come back to it
@@ -43,24 +43,31 @@ def attempt(
 ) -> Attempt:
     """A step of this length; `Refused` where there is none."""
     try:
-        end, bound = _ahead(corrector, node, step)
-        return _judged(corrector, options, observer, node, origin, step, end, bound)
+        end = _ahead(corrector, node, step)
+        return _judged(corrector, options, observer, node, origin, step, end)
     except PastBound:
         end = _on_bound(corrector, node, step)
-        return _judged(corrector, options, observer, node, origin, step, end, True)
+        return _judged(corrector, options, observer, node, origin, step, end)
 
 
-def _ahead(corrector: Corrector, node: Node, step: float) -> tuple[Node, bool]:
-    """The point a step ahead; whether it is the end of the bounds, which a step never passes."""
+def leaves(node: Node, bounds: tuple[float, float]) -> bool:
+    """Whether the branch heads out of its bounds at a point on one of them."""
+    low, high = bounds
+    ahead = float(node.tangent[-1])
+    return (node.p >= high and ahead > 0.0) or (node.p <= low and ahead < 0.0)
+
+
+def _ahead(corrector: Corrector, node: Node, step: float) -> Node:
+    """The point a step ahead; `PastBound` where that is out of bounds, which are not passed."""
     y = corrector.scaled(node.u, node.p) + step * node.tangent
     if node.curvature is not None:
         y += 0.5 * step * step * node.curvature
     scale = corrector.equations.scale
     p = float(y[-1] * scale[-1])
     low, high = corrector.equations.bounds
-    if not low < p < high:
+    if not low <= p <= high:
         raise PastBound
-    return corrector.across(y[:-1] * scale[:-1], p, node.tangent, step), False
+    return corrector.across(y[:-1] * scale[:-1], p, node.tangent, step)
 
 
 def _on_bound(corrector: Corrector, node: Node, step: float) -> Node:
@@ -78,7 +85,7 @@ def _on_bound(corrector: Corrector, node: Node, step: float) -> Node:
 
 def _judged(
     corrector: Corrector, options: Options, observer: Observer, node: Node, origin: Node,
-    step: float, end: Node, bound: bool,
+    step: float, end: Node,
 ) -> Attempt:  # fmt: skip
     """The step with its special points, if it can be believed."""
     segment = Segment(corrector, node, end)
@@ -89,7 +96,7 @@ def _judged(
     curvature = (end.tangent - node.tangent) / segment.length
     end.curvature = curvature - end.tangent * float(end.tangent @ curvature)
     marks = observer.marks(segment)
-    if bound:
+    if leaves(end, options.bounds):
         marks.append(Mark(1.0, end, "bound", last=True))
     home = None if node is origin else _home(segment, origin)
     if home:

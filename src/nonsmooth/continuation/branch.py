@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from nonsmooth.continuation.attempt import Attempt, attempt
+from nonsmooth.continuation.attempt import Attempt, attempt, leaves
 from nonsmooth.continuation.corrector import Corrector, Node
 from nonsmooth.continuation.endings import message_of
 from nonsmooth.continuation.observer import Observer
@@ -80,7 +80,7 @@ class Branch(Iterator[Point]):
 
     def _run(self, first: Node) -> Iterator[Point]:
         options, node, step = self._options, first, self._options.step
-        outward = self._leaves(first)
+        outward = leaves(first, options.bounds)
         yield self._point(first, "bound" if outward else "")
         if outward:
             return self._end("bound", first)
@@ -113,12 +113,6 @@ class Branch(Iterator[Point]):
                 if tried < step:  # a step that was just refused is not tried again at once
                     done.next_step = min(done.next_step, tried)
                 return done
-
-    def _leaves(self, node: Node) -> bool:
-        """Whether a start on a bound heads out of it."""
-        low, high = self._options.bounds
-        ahead = float(node.tangent[-1])
-        return (node.p >= high and ahead > 0.0) or (node.p <= low and ahead < 0.0)
 
     def _point(self, node: Node, name: str) -> Point:
         point = self._observer.point(node, node.arclength - self._last_arclength, name)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from nonsmooth.continuation.arrays import Array
-from nonsmooth.continuation.crossing import Crossing, crossing_near
+from nonsmooth.continuation.crossing import Crossing, crossing_near, zero_directions
 from nonsmooth.continuation.equations import Equations
 from nonsmooth.continuation.options import sizes_of, start_of
 from nonsmooth.continuation.refusals import Refused
@@ -21,7 +21,6 @@ __all__ = ["BranchPoint", "branch_directions"]
 
 _RANK = 1e-5  # singular value, by the largest, that counts as zero
 _GAP = 1e-8  # residual, by the largest singular value, that counts as none
-_ROUNDING = 1e-4  # of the form: below it a discriminant has no sign
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -134,7 +133,7 @@ def branch_directions(
             status="no_branch_point",
         ) from None
     _check(found)
-    vectors = [root @ found.plane for root in _zeros(found.form)]
+    vectors = _directions(found)
     if known is not None:
         vectors.sort(key=lambda vector: -abs(float(vector @ known)))
         vectors = [v if float(v @ known) >= 0.0 else -v for v in vectors]
@@ -159,20 +158,19 @@ def _check(found: Crossing) -> None:
         )
 
 
-def _zeros(form: Array) -> list[Array]:
-    """Unit vectors on which a symmetric form of two variables is zero."""
-    values, vectors = np.linalg.eigh(form)
-    low, high = float(values[0]), float(values[1])
-    if min(abs(low), abs(high)) <= _ROUNDING * max(abs(low), abs(high)):
-        raise RunError(
-            "the branches touch there instead of crossing: their directions are the same to this"
-            " order; follow each of them from a start of its own",
-            status="tangent",
-        )
+def _directions(found: Crossing) -> list[Array]:
+    low, high = np.linalg.eigvalsh(found.form)
+    directions = zero_directions(found)
+    if directions:
+        return directions
     if low * high > 0.0:
         raise RunError(
-            "the point is isolated: no branch goes through it, as where a closed curve appears",
+            f"the point at p = {found.p:.10g} is isolated: no branch goes through it, as where a"
+            " closed curve appears; start from another one",
             status="isolated",
         )
-    across = np.array([math.sqrt(high), math.sqrt(-low)]) / math.sqrt(high - low)
-    return [vectors @ across, vectors @ (across * [1.0, -1.0])]
+    raise RunError(
+        f"the branches at p = {found.p:.10g} touch instead of crossing: their directions are the"
+        " same to second order; follow each of them from a start of its own",
+        status="tangent",
+    )

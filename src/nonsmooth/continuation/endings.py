@@ -24,5 +24,6 @@ def message_of(ended: str, node: Node, options: Options, reason: str) -> str:
         " branches cross there, branch_directions says where they go",
         "smallest_step": f"no step from {smallest} on was taken {where}{why}: the curve has a"
         " corner or a jump there, or derivatives that are given are wrong; try a smaller"
-        " smallest_step=, more max_newton=, or no derivatives",
+        " smallest_step=, more max_newton=, a larger tolerance= for a residual that is not good"
+        " to 1e-9, or no derivatives",
     }[ended]

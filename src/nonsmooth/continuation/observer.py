@@ -9,7 +9,7 @@ from functools import partial
 from typing import NamedTuple
 
 from nonsmooth.continuation.corrector import Corrector, Node
-from nonsmooth.continuation.crossing import crossing_near
+from nonsmooth.continuation.crossing import crossing_near, zero_directions
 from nonsmooth.continuation.equations import DENSE_BELOW, call
 from nonsmooth.continuation.options import OWN_NAMES, Options
 from nonsmooth.continuation.point import Point
@@ -73,9 +73,9 @@ class Observer:
         found = segment.locate(value, zero_where_singular=True)
         if found is None or abs(value(found[1])) > _VANISHES:
             raise Jump("the branch found has the other orientation")
-        yield Mark(found[0], self._refined(segment, found[1]), "branch_point")
+        yield Mark(found[0], self._refined(segment, *found), "branch_point")
 
-    def _refined(self, segment: Segment, node: Node) -> Node:
+    def _refined(self, segment: Segment, x: float, node: Node) -> Node:
         """The crossing itself: along the branch it is found to half of the digits only."""
         if self.corrector.equations.n > DENSE_BELOW:
             return node
@@ -86,7 +86,10 @@ class Observer:
         apart = self.corrector.scaled(there.u, there.p) - self.corrector.scaled(node.u, node.p)
         if math.sqrt(float(apart @ apart)) > _NEAR * segment.length:
             return node
-        return replace(node, u=there.u, p=there.p, tests=None)
+        guess = segment.guess(x)[1]  # tangents of points near a crossing may be anywhere between
+        along = max(zero_directions(there), key=lambda v: abs(float(v @ guess)), default=guess)
+        along = along if float(along @ guess) > 0.0 else -along
+        return replace(node, u=there.u, p=there.p, tangent=along, tests=None)
 
     def _fold(self, segment: Segment) -> Iterator[Mark]:
         ends = (segment.first.tangent[-1], segment.last.tangent[-1])
@@ -108,7 +111,7 @@ class Observer:
     def _tests(self, segment: Segment) -> Iterator[Mark]:
         before, after = self.tested(segment.first), self.tested(segment.last)
         for name in after:
-            if name in before:
+            if name in before and not before[name] * after[name] > 0.0:
                 found = segment.locate(self._named(name))
                 if found:
                     yield Mark(*found, name)

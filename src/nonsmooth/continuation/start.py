@@ -85,7 +85,7 @@ def _nearest(corrector: Corrector, u: Array, p: float, at: Linearised) -> Node:
     """The nearest solution, its parameter free: for starts at folds and where branches cross."""
     equations, scale = corrector.equations, corrector.equations.scale
     size = 1.0 + corrector.length(u, p)
-    start = corrector.scaled(u, p)
+    start, given = corrector.scaled(u, p), p
     for iteration in range(1, 4 * corrector.max_newton):
         wide = np.column_stack([_dense(at), at.J_p]) * scale
         step = np.linalg.lstsq(wide, at.r, rcond=_SMALLEST_RANK)[0]
@@ -101,8 +101,9 @@ def _nearest(corrector: Corrector, u: Array, p: float, at: Linearised) -> Node:
         except Refused:
             break
     raise RunError(
-        f"no solution was found from the start at p = {p:g}: Newton's method does not settle; give"
-        " a better u, another p, more max_newton=, and check the derivatives if you give them",
+        f"no solution was found from the start at p = {given:g}: Newton's method does not settle;"
+        " give a better u, another p, more max_newton=, a larger tolerance= where the residual is"
+        " not good to 1e-9, and check the derivatives if you give them",
         status="no_convergence",
     )
 

@@ -22,7 +22,8 @@ from nonsmooth.engine.transitions import linearise_mode
 __all__ = ["fill_minima"]
 
 _LOOKS = 64  # in a window, and at least that many in a leg of an exact mode
-_FEWEST = 16
+_FEWEST = 32
+_BEGIN = 1e-6  # part of the first step: the first look
 _LOOKS_OF_STEP = 6  # in a step of a series
 _MOST_STEPS = 100_000
 _MOST_HALVINGS = 60
@@ -85,9 +86,8 @@ def _look_at(
     tables, rates, segment, m, g, number, phase, length, looks, passed, duration, minima, places
 ):
     """Find the minima of one guard in one step by the signs of its rate."""
-    low, falls = 0.0, False
-    if passed > 0.0:  # where a leg begins, guards may vanish by construction
-        falls = _guard_at(tables, rates, segment, m, g, number, phase, 0.0)[1] < 0.0
+    low = 0.0 if passed > 0.0 else _BEGIN * length  # at the start guards may vanish by construction
+    falls = _guard_at(tables, rates, segment, m, g, number, phase, low)[1] < 0.0
     for j in range(1, looks + 1):
         s = length * j / looks
         if passed + s >= duration * (1.0 - _CLOSE):

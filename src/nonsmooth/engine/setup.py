@@ -50,6 +50,7 @@ def set_up(program, parameters, stack):
 
 @allocating
 def _set_up_one(program, parameters, tables):
+    """Fill the tables for one set; returns status and mode as `set_up`."""
     slots = tables.values
     run_tape(parameters, program.constants, program.tape, slots)
     for term in range(tables.weights.size):

@@ -12,6 +12,7 @@ from nonsmooth.models.fatigue_preload import least_preload
 from nonsmooth.models.fatigue_reduction import OneMass, one_mass, reduction_error
 from nonsmooth.models.fatigue_rig import fatigue_rig
 from nonsmooth.models.fatigue_rig_si import FatigueRig
+from nonsmooth.models.four_phase_orbit import four_phase_misfit, four_phase_orbit
 from nonsmooth.models.gear_pair import gear_pair
 from nonsmooth.models.load_setting import set_load
 from nonsmooth.models.massive_ring_rotor import massive_ring_rotor
@@ -20,6 +21,7 @@ from nonsmooth.models.moling import moling
 from nonsmooth.models.moling_si import MolingRig
 from nonsmooth.models.percussive_drilling import percussive_drilling
 from nonsmooth.models.progression import progression
+from nonsmooth.models.progression_start import progression_start
 from nonsmooth.models.rotor import rotor
 from nonsmooth.models.rotor_si import RotorRig
 from nonsmooth.models.rubbing_rotor import rubbing_rotor
@@ -43,6 +45,8 @@ __all__ = [
     "drift_reconstruction",
     "duffing",
     "fatigue_rig",
+    "four_phase_misfit",
+    "four_phase_orbit",
     "gear_pair",
     "least_preload",
     "massive_ring_rotor",
@@ -50,6 +54,7 @@ __all__ = [
     "one_mass",
     "percussive_drilling",
     "progression",
+    "progression_start",
     "reduction_error",
     "rotor",
     "rubbing_rotor",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -16,7 +16,7 @@ from nonsmooth.periodic.guess import Guess, driven_guess
 from nonsmooth.periodic.legs import LegError, Legs
 from nonsmooth.periodic.stretch import BranchOptions, BranchStart, Stretch
 from nonsmooth.periodic.word import Word
-from nonsmooth.periodic.word_change import Change, changes_of_word
+from nonsmooth.periodic.word_change import Change, changes_at_once, changes_of_word
 
 __all__ = ["BranchPart", "Followed", "follow_orbits"]
 
@@ -24,6 +24,7 @@ Floats = npt.NDArray[np.float64]
 
 _AGAIN = 1e-6  # arclength from the start of a stretch within which its own change is seen again
 _BEYOND = 1e-6  # of the range of the parameter: where the engine is asked
+_TOGETHER = 1e-8  # of a test, beside the states: it vanishes at the same point as another one
 _CRITICAL = 1e-5  # distance from the unit circle of a multiplier that is on it
 _NEAR_GRAZE = 1e-2  # part of the turn: branches cross there as an excursion vanishes
 
@@ -38,6 +39,7 @@ class BranchPart:
     arclength: float
     special: str = ""
     detail: str = ""
+    test: str = ""  # what vanishes there, as `BranchTests` names it for this word
 
 
 @dataclass
@@ -61,7 +63,11 @@ def follow_orbits(
     """
     done, along = 0, 0.0
     stretch: Stretch | None = Stretch(options, legs, start.equations, start.grows)
-    ended = Followed(ended="steps", message=f"{options.steps} steps were taken; allow more, steps=")
+    ended = Followed(
+        ended="steps",
+        message=f"{options.steps} steps were taken; allow more with steps=, or longer ones with"
+        " largest_step=",
+    )
     while stretch is not None and done < options.steps:
         branch = stretch.branch(start, options.steps - done)
         begin, following = along, None
@@ -82,7 +88,12 @@ def follow_orbits(
                 continue
             if name == "branch_point" and _at_graze(stretch, looked):
                 continue
-            if kind not in WORD_TESTS:
+            if start.located and looked.tests.get(start.grows, 1.0) <= 0.0 and not name:
+                continue  # before the graze, on its other side
+            lost = kind not in WORD_TESTS and not _may_stand(options, looked)
+            if lost:
+                name, point = "motion", replace(point, special="motion")
+            if kind not in WORD_TESTS and not lost:
                 yield _part(stretch, looked, point, along, name, "")
                 done += not name
                 continue
@@ -94,7 +105,8 @@ def follow_orbits(
                 return
             break
         else:
-            ended = Followed(ended=branch.ended, message=branch.message)
+            if branch.ended != "steps":
+                ended = Followed(ended=branch.ended, message=branch.message)
             break
         start = following
         done += 1
@@ -102,11 +114,16 @@ def follow_orbits(
     yield ended
 
 
+def _may_stand(options: BranchOptions, looked: Looked) -> bool:
+    """Whether an orbit is a motion, or need not be one."""
+    return options.inadmissible or looked.admissibility.admissible
+
+
 def kind_of(name: str) -> str:
     """What a test of the word is called where it ends a branch."""
     kind = name.split(":")[0]
     return {"graze": "grazing", "short": "grazing", "rate": "grazing", "leg": "lost",
-            "gain": "gained", "motion": "end"}.get(kind, kind)  # fmt: skip
+            "gain": "gained", "motion": "word_change"}.get(kind, kind)  # fmt: skip
 
 
 def _part(
@@ -114,7 +131,8 @@ def _part(
 ) -> BranchPart:
     if special in ("flip", "torus") and not _is_critical(looked, special):
         special = ""  # a pole of the test, or two real multipliers whose product is one
-    return BranchPart(stretch.equations.word, looked, point.p, along, special, detail)
+    test = point.special if special else ""
+    return BranchPart(stretch.equations.word, looked, point.p, along, special, detail, test)
 
 
 def _is_critical(looked: Looked, kind: str) -> bool:
@@ -140,7 +158,8 @@ def _changed(
     """How a branch goes on behind a change of its word, and the point there if it is special."""
     name = point.special
     stretch.set_parameter(point.p)
-    changes = changes_of_word(stretch.equations, looked.turn, name)
+    changes = changes_at_once(stretch.equations, looked.turn, _vanishing(looked, name))
+    changes = changes or changes_of_word(stretch.equations, looked.turn, name)
     for change in changes:
         start = begin_change(stretch, change, point)
         if start is not None:
@@ -159,6 +178,20 @@ def _changed(
             return start, _part(stretch, looked, point, along, kind_of(name), start.detail)
     detail = "no orbit of a changed word begins there"
     return None, _part(stretch, looked, point, along, kind_of(name), detail)
+
+
+def _vanishing(looked: Looked, name: str) -> list[str]:
+    """Tests of the kind of this one that vanish at the same point; none where it is alone."""
+    if name in ("motion", "leg:0", "leg:last") or name.startswith("corner"):
+        return []
+    kind, size = name.split(":")[0], float(np.abs(looked.turn.states).max(initial=1.0))
+    near = _TOGETHER * (size if kind in ("graze", "rate") else 1.0)
+    found = [
+        other
+        for other, value in looked.tests.items()
+        if other.split(":")[0] == kind and (other == name or abs(value) <= near)
+    ]
+    return found if len(found) > 1 else []
 
 
 def _motions_beyond(stretch: Stretch, looked: Looked, point: Point) -> Iterator[Guess]:

@@ -41,12 +41,7 @@ def tangent_at(equations: OrbitEquations, unknowns: Floats) -> tuple[Floats, flo
 
 def begin_change(stretch: Stretch, change: Change, point: Point) -> BranchStart | None:
     """Start of the stretch behind a change; None where no motion of the new word begins there."""
-    options, legs = stretch.options, stretch.legs
-    equations = OrbitEquations(
-        legs, change.guess.word, period=options.period, phase=options.phase,
-        autonomous=options.autonomous, origin=change.guess.turn.states[0],
-        reference=change.guess.turn.states[0].copy(),
-    )  # fmt: skip
+    equations = stretch.equations.of_word(change.guess.word, change.guess.turn.states[0])
     try:
         unknowns, value = equations.pack(change.guess.turn), point.p
         stretch.set_parameter(value)
@@ -148,10 +143,9 @@ def _goes_on(stretch: Stretch, start: BranchStart) -> bool:
         points = [point for point in branch if not point.special]
     except NonsmoothError:
         return False
-    if len(points) < 2:
-        return False
-    looked = trial.look(points[-1])
-    return looked.admissibility.admissible or stretch.options.inadmissible
+    if stretch.options.inadmissible or start.kind == "section":  # where nothing happens to it
+        return len(points) > 1
+    return any(trial.look(point).admissibility.admissible for point in points[1:])
 
 
 def solved_start(

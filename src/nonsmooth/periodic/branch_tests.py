@@ -17,6 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.engine import layout as at
+from nonsmooth.engine.legs import LegResults
 from nonsmooth.periodic.admissibility import Admissibility, check_admissible
 from nonsmooth.periodic.equations import OrbitEquations, Turn
 from nonsmooth.periodic.multipliers import Floquet, floquet
@@ -94,7 +95,7 @@ class BranchTests:
         multipliers = floquet(equations, found)
         tests = _of_multipliers(multipliers)
         end, admissibility = found.nexts[-1].copy(), Admissibility(True)
-        kept = self._of_word(turn)
+        kept = self._of_word(turn, found)
         tests |= kept
         if self.whole:
             if any(abs(value) <= _AT_CHANGE for value in kept.values()):
@@ -111,13 +112,9 @@ class BranchTests:
         self._last = key, looked
         return looked
 
-    def _of_word(self, turn: Turn) -> dict[str, float]:
-        """What keeps the word valid, positive where it is; results of the legs are those of it."""
-        equations = self.equations
-        word, found = (
-            equations.word,
-            equations.legs.follow(equations.word, turn.states, turn.instants),
-        )
+    def _of_word(self, turn: Turn, found: LegResults) -> dict[str, float]:
+        """What keeps the word valid, positive where it is, from the results of its legs."""
+        equations, word = self.equations, self.equations.word
         length = float(turn.instants[-1] - turn.instants[0])
         tests: dict[str, float] = {}
         lowest, _ = equations.legs.minima(word, turn.states, turn.instants)

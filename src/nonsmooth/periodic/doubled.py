@@ -8,7 +8,7 @@ import numpy.typing as npt
 from nonsmooth.periodic.equations import OrbitEquations, Turn
 from nonsmooth.periodic.guess import Guess
 from nonsmooth.periodic.legs import Legs
-from nonsmooth.periodic.newton import scale_of
+from nonsmooth.periodic.newton import null_vector
 from nonsmooth.periodic.stretch import BranchOptions, BranchStart
 from nonsmooth.periodic.word import Word
 
@@ -42,9 +42,4 @@ def doubled_start(options: BranchOptions, legs: Legs, guess: Guess, value: float
         origin=states[0], reference=states[0].copy(),
     )  # fmt: skip
     unknowns = equations.pack(Turn(states, instants))
-    _, jacobian, _ = equations.evaluate(unknowns)
-    scale = scale_of(equations, unknowns)
-    matrix = jacobian * scale
-    weights = np.abs(matrix).max(axis=1, keepdims=True)
-    null = np.linalg.svd(matrix / np.where(weights > 0.0, weights, 1.0))[2][-1]
-    return BranchStart(equations, unknowns, value, (null * scale, 0.0))
+    return BranchStart(equations, unknowns, value, (null_vector(equations, unknowns), 0.0))

@@ -71,6 +71,13 @@ class OrbitEquations:
         self._across = np.zeros(n)  # normal of the plane at the reference
         self.results: LegResults | None = None
 
+    def of_word(self, word: Word, origin: Floats) -> OrbitEquations:
+        """The same for another word, drifts beginning at a given state."""
+        return OrbitEquations(
+            self.legs, word, period=self.period, phase=self.phase, autonomous=self.autonomous,
+            origin=origin, reference=np.array(origin),
+        )  # fmt: skip
+
     def pack(self, turn: Turn) -> Floats:
         """Unknowns as one vector."""
         return np.concatenate([turn.states.ravel(), turn.instants[1 : 1 + self.n_instants]])

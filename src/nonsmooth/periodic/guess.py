@@ -21,6 +21,8 @@ __all__ = ["Guess", "driven_guess", "legs_of_outcome"]
 
 Floats = npt.NDArray[np.float64]
 
+_LATER = 20  # stretches of a motion that are tried
+
 
 class Guess(NamedTuple):
     """A word with states and instants that nearly close."""
@@ -41,8 +43,27 @@ def driven_guess(
 ) -> Guess:
     """Legs of ``period`` periods of the motion from a start, after a transient.
 
+    Where they end in another mode than they begin in, a stretch some periods later is taken.
     Raises `RunError` where the motion ends before, `OptionError` where no mode admits the start.
     """
+    for later in range(_LATER):
+        guess = _stretch(system, initial, period, phase, transient + later, mode, tolerance)
+        closed = _closed(guess)
+        if closed is not None:
+            return closed
+    raise RunError(
+        f"{system.name}: at phase {phase:g} the motion is in another mode than {period} periods"
+        f" before, {_LATER} times in a row, so no orbit of period {period} is near it; give another"
+        " period=, or transient= for a motion that has settled",
+        status="no_orbit",
+    )
+
+
+def _stretch(
+    system: System, initial: object, period: int, phase: float, transient: int, mode: str | None,
+    tolerance: float,
+) -> Guess:  # fmt: skip
+    """Legs of a motion, wherever they end."""
     tables = build_tables(system)
     window = float(tables.clock[0])
     start = resolve_start(system, tables, initial, None, mode, False)
@@ -73,6 +94,24 @@ def driven_guess(
             time=outcome.end_time,
         )
     return legs_of_outcome(system, outcome, begin, end)
+
+
+def _closed(guess: Guess) -> Guess | None:
+    """A guess that ends in the mode in which it begins, an event next to the section left out."""
+    word, turn = guess
+    if word.modes[0] == word.modes[-1]:
+        return guess
+    found = []
+    if word.modes[-2] == word.modes[0]:
+        paths = (*word.paths[:-2], ())
+        instants = np.delete(turn.instants, -2)
+        new = Guess(Word(word.modes[:-1], paths), Turn(turn.states[:-1], instants))
+        found.append((float(turn.durations[-1]), new))
+    if word.modes[1] == word.modes[-1]:
+        instants = np.delete(turn.instants, 1)
+        new = Guess(Word(word.modes[1:], word.paths[1:]), Turn(turn.states[1:], instants))
+        found.append((float(turn.durations[0]), new))
+    return min(found, key=lambda pair: pair[0])[1] if found else None
 
 
 def legs_of_outcome(system: System, outcome: Outcome, begin: Instant, end: Instant) -> Guess:

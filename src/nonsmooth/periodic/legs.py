@@ -51,7 +51,7 @@ class Legs:
         self._no_tangent = allocate_tangent(program.sizes, -1, 0)
         self._results: dict[int, LegResults] = {}
         self._names = names
-        self._values = np.full((1, len(names)), np.nan)
+        self._values, self._is_set_up = np.zeros((1, len(names))), False
 
     @property
     def values(self) -> Floats:
@@ -62,15 +62,16 @@ class Legs:
         """Set up the tables for other values of the parameters; `LegError` where that fails."""
         given = values if isinstance(values, np.ndarray) else [values[name] for name in self._names]
         new = np.asarray(given, float)[None]
-        if np.array_equal(new, self._values):
+        if self._is_set_up and np.array_equal(new, self._values):
             return
-        self._values[:] = np.nan
+        self._is_set_up = False
         code, _, _ = set_up(self._program, new, self._stack)
         if code == Status.COMPLETED:
             code, _ = set_up_rates(self._program, new[0], self.tables, self.rates)
         if code != Status.COMPLETED:
             raise LegError("the coefficients are not finite for these parameters")
         self._values[:] = new
+        self._is_set_up = True
 
     @property
     def window(self) -> float:

@@ -11,13 +11,15 @@ from scipy.linalg import lapack
 from nonsmooth.periodic.equations import OrbitEquations
 from nonsmooth.periodic.legs import LegError
 
-__all__ = ["Solution", "scale_of", "solve_orbit"]
+__all__ = ["Solution", "null_vector", "scale_of", "solve_orbit"]
 
 Floats = npt.NDArray[np.float64]
 
 _MOST_STEPS = 40
 _MOST_HALVINGS = 12
+_LONGEST = 1.0  # step, beside the unknowns: near a fold Newton's steps have no bounds
 _SMALL = 1e-7  # step, beside the unknowns, the square of which is rounding
+_ROUNDING = 1e-14  # residual that no step makes smaller
 _CLOSED = 1e-10  # residual, beside the states, of a solution
 _BACKWARDS = 0.05  # part of the turn by which a leg may last less than nothing on the way
 _SINGULAR = 1e-15  # reciprocal condition of the scaled Jacobian
@@ -44,13 +46,23 @@ def solve_orbit(
         return Solution(unknowns, np.inf, 0, "no_orbit")
     rows = _row_scale(equations, scale, jacobian)
     size = _size(residual, rows)
+    if size <= _ROUNDING:  # where branches cross, a step would lead away
+        return Solution(unknowns, size, 0, "completed")
     last = np.inf  # size of the step before
     for iteration in range(1, steps + 1):
         step, well = _solve(jacobian * scale / rows[:, None], -residual / rows)
         if not well:
             return Solution(unknowns, size, iteration, "singular")
         length = float(np.abs(step).max())
+        if size <= _CLOSED and min(length, last) <= _SMALL:
+            # one more step takes what rounding allows
+            size_there, found = _try(equations, unknowns + step * scale, rows)
+            if size_there < size:
+                return Solution(unknowns + step * scale, size_there, iteration, "completed")
+            equations.evaluate(unknowns)
+            return Solution(unknowns, size, iteration, "completed")
         part = _longest_part(equations, unknowns, step * scale)
+        part = min(part, _LONGEST / max(length, _LONGEST))
         for _ in range(_MOST_HALVINGS):
             new = unknowns + part * step * scale
             size_there, found = _try(equations, new, rows)
@@ -58,16 +70,24 @@ def solve_orbit(
                 break
             part *= 0.5
         else:
-            # rounding is all that is left of the residual, or there is no way on
             equations.evaluate(unknowns)
-            there = size <= _CLOSED and min(length, last) <= _SMALL
-            return Solution(unknowns, size, iteration, "completed" if there else "no_orbit")
+            return Solution(unknowns, size, iteration, "no_orbit")
         assert found is not None
         unknowns, size, last = new, size_there, length
         residual, jacobian = found
         if size == 0.0:
             return Solution(unknowns, size, iteration, "completed")
     return Solution(unknowns, size, steps, "no_orbit")
+
+
+def null_vector(equations: OrbitEquations, unknowns: Floats) -> Floats:
+    """Direction of the unknowns along which the equations change least."""
+    scale = scale_of(equations, unknowns)
+    _, jacobian, _ = equations.evaluate(unknowns)
+    matrix = jacobian * scale
+    weights = np.abs(matrix).max(axis=1, keepdims=True)
+    vectors = np.linalg.svd(matrix / np.where(weights > 0.0, weights, 1.0))[2]
+    return np.asarray(vectors[-1] * scale)
 
 
 def _try(

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from nonsmooth.errors import RunError
 from nonsmooth.periodic.equations import OrbitEquations, Turn
@@ -14,9 +15,10 @@ from nonsmooth.periodic.guess import Guess, driven_guess
 from nonsmooth.periodic.guess_cycle import cycle_guesses
 from nonsmooth.periodic.guess_of_word import guesses_in_motion, random_guesses
 from nonsmooth.periodic.legs import LegError, Legs
-from nonsmooth.periodic.newton import Solution, solve_orbit
+from nonsmooth.periodic.newton import Solution, null_vector, solve_orbit
 from nonsmooth.periodic.orbit import Orbit, make_orbit
 from nonsmooth.periodic.restart import guess_of_dataset, is_orbit
+from nonsmooth.periodic.stepwise import values_of_orbit, walk_to
 from nonsmooth.periodic.word import Word
 from nonsmooth.periodic.word_change import changes_of_word
 from nonsmooth.simulation.driving import is_driven
@@ -24,9 +26,12 @@ from nonsmooth.system.system import System
 
 __all__ = ["Found", "Wanted", "equations_for", "is_autonomous", "search_orbit", "solve_guess"]
 
+Floats = npt.NDArray[np.float64]
+
 _RANDOM = 200  # durations tried for a given word
 _PERIODS = 200  # of the motion in which a given word is looked for
 _SEED = 1
+_OFF_FOLD = (1e-4, 1e-3, 1e-2, 0.1, 0.5)  # of the size of an orbit, along the direction of a fold
 
 
 @dataclass(frozen=True)
@@ -62,12 +67,9 @@ def search_orbit(wanted: Wanted, legs: Legs) -> Found:
     """Find the orbit that is wanted."""
     if wanted.words:
         return _search_word(wanted, legs)
-    if is_orbit(wanted.initial) and wanted.transient == 0:
-        known = guess_of_dataset(wanted.system, wanted.initial)
-        if int(wanted.initial.attrs.get("period", wanted.period)) == wanted.period:
-            found = solve_guess(wanted, legs, _fitted(known, wanted, legs))
-            if found.status == "completed":
-                return found
+    known = _from_orbit(wanted, legs)
+    if known is not None and known.status == "completed":
+        return known
     found = Found(
         None, None, "no_orbit",
         "the motion does not come back to where it was: it rests, or its cycle is longer than"
@@ -79,8 +81,28 @@ def search_orbit(wanted: Wanted, legs: Legs) -> Found:
             if found.orbit is not None:
                 break
     except RunError as fault:
-        return Found(None, None, fault.status or "no_orbit", str(fault))
-    return found
+        return known or Found(None, None, fault.status or "no_orbit", str(fault))
+    return known if known is not None and found.orbit is None else found
+
+
+def _from_orbit(wanted: Wanted, legs: Legs) -> Found | None:
+    """The orbit from one that was found before, at other parameters or at these."""
+    initial = wanted.initial
+    if not is_orbit(initial) or wanted.transient > 0:
+        return None
+    if int(initial.attrs.get("period", wanted.period)) != wanted.period:
+        return None
+    guess = guess_of_dataset(wanted.system, initial)
+
+    def solve(there: Wanted, legs: Legs, guess: Guess) -> Found:
+        return solve_guess(there, legs, _fitted(guess, there, legs))
+
+    found = solve(wanted, legs, guess)
+    if found.status == "completed":
+        return found
+    begin = values_of_orbit(wanted.system, initial)
+    walked = None if begin is None else walk_to(wanted, legs, guess, begin, solve)
+    return walked or found
 
 
 def _fitted(guess: Guess, wanted: Wanted, legs: Legs) -> Guess:
@@ -103,9 +125,15 @@ def equations_for(wanted: Wanted, legs: Legs, guess: Guess) -> OrbitEquations:
 
 
 def solve_guess(wanted: Wanted, legs: Legs, guess: Guess) -> Found:
-    """Newton's method from a guess."""
+    """Newton's method from a guess; drifts begin at zero."""
+    drifting = np.array([name in wanted.system.drift_states for name in wanted.system.states])
+    states = guess.turn.states - np.where(drifting, guess.turn.states[0], 0.0)
+    guess = Guess(guess.word, Turn(states, guess.turn.instants))
     equations = equations_for(wanted, legs, guess)
-    solution = solve_orbit(equations, equations.pack(guess.turn))
+    unknowns = equations.pack(guess.turn)
+    solution = solve_orbit(equations, unknowns)
+    if solution.status != "completed":
+        solution = _off_fold(equations, unknowns) or solution
     if solution.status != "completed":
         return Found(None, equations, solution.status, _failure(wanted, equations, solution))
     for _ in range(len(guess.word)):
@@ -117,6 +145,20 @@ def solve_guess(wanted: Wanted, legs: Legs, guess: Guess) -> Found:
         if solution.status != "completed":
             return Found(None, equations, solution.status, _failure(wanted, equations, solution))
     return finish(wanted, equations, solution)
+
+
+def _off_fold(equations: OrbitEquations, unknowns: Floats) -> Solution | None:
+    """The orbit near a guess that lies on a fold of the branch, from which no step leads to it."""
+    try:
+        away = null_vector(equations, unknowns)
+    except (LegError, np.linalg.LinAlgError):
+        return None
+    for part in _OFF_FOLD:
+        for way in (part, -part):
+            solution = solve_orbit(equations, unknowns + way * away)
+            if solution.status == "completed":
+                return solution
+    return None
 
 
 def _through_section(equations: OrbitEquations, solution: Solution) -> Guess | None:

@@ -62,7 +62,7 @@ class Word:
     def text(self, system: System) -> str:
         """Modes by name, joined by blanks; cells of one name in a row count once."""
         modes = self.modes if not self.closes_at_event else (*self.modes, self.modes[0])
-        return word_of_modes(system.mode_names, np.array(modes))
+        return word_of_modes(system.mode_names, np.array(modes), whole=True)
 
     def exit_text(self, system: System, leg: int) -> str:
         """Names of the exits that end a leg, joined by '>'; empty at the section."""
@@ -77,7 +77,7 @@ class Word:
             mode = int(wiring[mode, 1 + e, at.TARGET])
         return mode
 
-    @property
+    @cached_property
     def path_bits(self) -> Integers:
         """Paths as the event log keeps them."""
         bits = [sum((e + 1) << (PATH_BITS * k) for k, e in enumerate(path)) for path in self.paths]

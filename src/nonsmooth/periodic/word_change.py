@@ -19,7 +19,7 @@ from nonsmooth.periodic.guess import Guess
 from nonsmooth.periodic.word import Word
 from nonsmooth.periodic.word_names import shortest_paths
 
-__all__ = ["Change", "changes_of_word"]
+__all__ = ["Change", "changes_at_once", "changes_of_word"]
 
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
@@ -36,6 +36,22 @@ class Change:
     grows: str = ""  # test of the new word that is zero at the change, positive behind it
     opens: int = -1  # leg whose duration is prescribed to begin with, -1 for none
     duration: float = 0.0
+
+
+def changes_at_once(equations: OrbitEquations, turn: Turn, names: list[str]) -> list[Change]:
+    """One change for several tests that vanish together, as they do on a symmetric orbit.
+
+    Legs behind others are changed first, so that the numbers of those before stay what they are.
+    """
+    last: Change | None = None
+    for name in sorted(names, key=lambda each: -int(each.split(":")[1])):
+        found = changes_of_word(equations, turn, name)
+        if not found:
+            return []
+        last = found[0]
+        turn = last.guess.turn
+        equations = equations.of_word(last.guess.word, turn.states[0])
+    return [] if last is None else [last]
 
 
 def changes_of_word(equations: OrbitEquations, turn: Turn, name: str) -> list[Change]:

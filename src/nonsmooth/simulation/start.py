@@ -24,6 +24,7 @@ from nonsmooth.engine.tangent import allocate_tangent
 from nonsmooth.engine.variation_tables import no_columns, no_rates
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.simulation.clock import Instant, instants
+from nonsmooth.simulation.labels import labels_of
 from nonsmooth.simulation.options import finite_number
 from nonsmooth.system.system import System
 
@@ -195,7 +196,7 @@ def _from_run(
             " going on needs too; repeat parameters=, or pass parameters={} for the system's own"
         )
     end = Instant(int(run.attrs["end_number"]), float(run.attrs["end_phase"]))
-    if run.attrs["system"] != system.to_toml():
+    if run.attrs["system"] != labels_of(system).system:
         # another system, a changed parameter for instance: same state, same phase
         window = float(tables.clock[0])
         same = math.isclose(window, float(run.attrs["window"]), rel_tol=1e-15)

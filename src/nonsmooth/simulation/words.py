@@ -84,8 +84,10 @@ def last_period_word(system: System, outcome: Outcome) -> str:
     return word_of_modes(system.mode_names, modes)
 
 
-def word_of_modes(names: Sequence[str], modes: np.ndarray) -> str:
-    """Word of modes entered one after the other."""
+def word_of_modes(names: Sequence[str], modes: np.ndarray, *, whole: bool = False) -> str:
+    """Word of modes entered one after the other; the end of a long one, if not the ``whole``."""
+    if whole:
+        return " ".join(_merged(names, modes))
     text = " ".join(_merged(names, modes[-_LONGEST:]))
     return ("... " if modes.size > _LONGEST else "") + text
 

@@ -72,6 +72,9 @@ def _specials(parts: Sequence[BranchPart]) -> Columns:
         "special_point": (
             over, np.array(chosen, np.int64), {"long_name": "its number among the points"},
         ),
+        "special_test": (
+            over, np.array([parts[k].test for k in chosen], str), {"long_name": "what is zero"},
+        ),
         "special_detail": (
             over, np.array([parts[k].detail for k in chosen], str), {"long_name": "in words"},
         ),

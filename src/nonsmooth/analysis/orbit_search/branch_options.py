@@ -17,7 +17,7 @@ from nonsmooth.simulation.options import check_flag, finite_number, whole_number
 from nonsmooth.simulation.runner import build_tables
 from nonsmooth.system.system import System
 
-__all__ = ["read_branch_options"]
+__all__ = ["check_way", "read_bounds", "read_branch_options", "read_steps"]
 
 _WAYS = ("both", "up", "down")
 
@@ -54,22 +54,15 @@ def read_branch_options(
     wanted, names = read_wanted(
         system, initial, period=period, parameters=parameters, verb="continue_orbit", **rest
     )
-    low, high = _bounds(between)
+    low, high = read_bounds(between)
     value = float(wanted.system.parameter_values[parameter])
     if not low <= value <= high:
         raise OptionError(
             f"between = ({low:g}, {high:g}): the branch begins at {parameter} = {value:g}, which"
             " lies outside; give the system, or parameters=, a value within"
         )
-    if direction not in _WAYS:
-        raise OptionError(f"direction = {direction!r:.60}: give one of {', '.join(_WAYS)}")
-    smallest = _length("smallest_step", smallest_step)
-    first, largest = _length("step", step), _length("largest_step", largest_step)
-    if not smallest <= first <= largest:
-        raise OptionError(
-            f"smallest_step = {smallest:g}, step = {first:g} and largest_step = {largest:g} must"
-            " be in this order"
-        )
+    check_way(direction)
+    smallest, first, largest = read_steps(smallest_step, step, largest_step)
     options = BranchOptions(
         wanted.system, parameter, (low, high), wanted.period, wanted.phase,
         not is_driven(build_tables(wanted.system)), whole_number("steps", steps), first, largest,
@@ -78,7 +71,26 @@ def read_branch_options(
     return options, wanted, names, chosen
 
 
-def _bounds(between: Any) -> tuple[float, float]:
+def check_way(direction: Any) -> None:
+    """A direction in which a parameter goes at first."""
+    if direction not in _WAYS:
+        raise OptionError(f"direction = {direction!r:.60}: give one of {', '.join(_WAYS)}")
+
+
+def read_steps(smallest: Any, first: Any, largest: Any) -> tuple[float, float, float]:
+    """Smallest, first and largest step of a branch."""
+    low, begin = _length("smallest_step", smallest), _length("step", first)
+    high = _length("largest_step", largest)
+    if not low <= begin <= high:
+        raise OptionError(
+            f"smallest_step = {low:g}, step = {begin:g} and largest_step = {high:g} must be in"
+            " this order"
+        )
+    return low, begin, high
+
+
+def read_bounds(between: Any) -> tuple[float, float]:
+    """Lowest and highest value of a parameter."""
     try:
         low, high = (finite_number("between", float(each)) for each in between)
     except (TypeError, ValueError) as fault:

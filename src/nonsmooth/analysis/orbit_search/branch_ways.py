@@ -32,6 +32,8 @@ def both_ways(
     legs.set_values(options.system.parameter_values)
     value = float(options.system.parameter_values[options.parameter])
     start = _first(options, wanted, legs, value, special)
+    if special == _FLIP:  # both ways lead to the same orbits, a strobe apart
+        direction = "up"
     ways = {"both": (1.0, -1.0), "up": (1.0,), "down": (-1.0,)}[direction]
     found: dict[float, tuple[list[BranchPart], Followed]] = {}
     interrupted = False

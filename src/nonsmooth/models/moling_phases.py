@@ -1,0 +1,87 @@
+"""Closed forms of the mole's three modes, for the chapter's stitched constructions."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+__all__ = ["mode_solution"]
+
+Values = Mapping[str, float]
+
+
+def mode_solution(
+    values: Values, mode: str, start: np.ndarray, began: float, times: np.ndarray
+) -> np.ndarray:
+    """States p, y, q, v at some times in one mode, in closed form.
+
+    Parameters
+    ----------
+    values : mapping of str to float
+        Parameters a, b, xi, omega, g, phi; xi is not exactly 1.
+    mode : str
+        ``"no_contact"``, ``"contact"`` or ``"progression"``.
+    start : numpy.ndarray
+        States at the time when the mode began.
+    began : float
+        That time.
+    times : numpy.ndarray
+        Times.
+
+    Returns
+    -------
+    numpy.ndarray, shape (time, 4)
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> values = {"a": 0.0, "b": 1.0, "xi": 0.5, "omega": 1.0, "g": 0.1, "phi": 0.0}
+    >>> mode_solution(values, "no_contact", np.zeros(4), 0.0, np.array([2.0]))[0, :2]
+    array([2., 2.])
+    """
+    times = np.atleast_1d(times)
+    if mode == "contact":
+        return _contact(values, start, began, times)
+    net = values["b"] - (mode == "progression")
+    y, travel = _ballistic(values, net, start[1], began, times)
+    decay = np.exp(-(times - began) / (2.0 * values["xi"]))
+    if mode == "no_contact":
+        return np.column_stack(
+            [start[0] + travel, y, start[2] * decay, np.full_like(times, start[3])]
+        )
+    q = 1.0 + (start[2] - 1.0) * decay
+    return np.column_stack([q + values["g"], y, q, start[3] + travel - (q - start[2])])
+
+
+def _ballistic(
+    values: Values, net: float, speed: float, began: float, times: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Velocity and distance under a constant and the harmonic force."""
+    a, omega = values["a"], values["omega"]
+    theta0, theta = omega * began + values["phi"], omega * times + values["phi"]
+    s = times - began
+    y = speed + net * s + a / omega * (np.sin(theta) - np.sin(theta0))
+    wave = np.cos(theta) - np.cos(theta0) + omega * s * np.sin(theta0)
+    return y, speed * s + 0.5 * net * s**2 - a / omega**2 * wave
+
+
+def _contact(values: Values, start: np.ndarray, began: float, times: np.ndarray) -> np.ndarray:
+    """Damped, forced oscillation of mass and slider top together."""
+    a, b, xi, omega, phi = (values[name] for name in ("a", "b", "xi", "omega", "phi"))
+    gain = a / (1.0 - omega**2 + 2j * xi * omega)  # complex response to the harmonic force
+
+    def forced(t: np.ndarray | float) -> tuple[np.ndarray, np.ndarray]:
+        turn = gain * np.exp(1j * (omega * np.asarray(t) + phi))
+        return turn.real + b, (1j * omega * turn).real
+
+    q0, y0 = (float(part) for part in forced(began))
+    root = np.sqrt(complex(xi**2 - 1.0))
+    fast, slow = -xi - root, -xi + root
+    weight = (start[1] - y0 - fast * (start[2] - q0)) / (slow - fast)
+    rest = (start[2] - q0) - weight
+    s = times - began
+    q_forced, y_forced = forced(times)
+    q = q_forced + (weight * np.exp(slow * s) + rest * np.exp(fast * s)).real
+    y = y_forced + (slow * weight * np.exp(slow * s) + fast * rest * np.exp(fast * s)).real
+    return np.column_stack([q + values["g"], y, q, np.full_like(times, start[3])])

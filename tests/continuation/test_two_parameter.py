@@ -1,0 +1,111 @@
+"""Curves over two parameters against their closed forms."""
+
+import math
+
+import numpy as np
+import pytest
+
+from continuation.curves import henon, henon_fixed_point, reaction, reaction_folds
+from nonsmooth.continuation import follow, two_parameter
+
+
+def without(count):
+    """The reaction with some of its derivatives left out."""
+
+    def residual(u, p, q):
+        found = reaction(u, p, q)
+        return found[0] if count == 3 else found[: 4 - count]
+
+    return residual
+
+
+@pytest.mark.parametrize("left_out", [0, 1, 3])
+def test_folds_of_a_reaction(left_out):
+    """Both curves of folds, which meet in a cusp at k = 4, u = 1/2."""
+    q, beta = 14.0, 2.0
+    x, p = reaction_folds(q)
+    curve = two_parameter(
+        without(left_out), "fold", [x[0], q * x[0] / (1 + beta)], p[0], q, direction=-1,
+        second_bounds=(10.0, 14.0), second_scale=1.0, parameter_scale=0.1,
+    )  # fmt: skip
+    points = list(curve)
+    (cusp,) = [point for point in points if point.special == "cusp"]
+    digits = 1e-9 if left_out < 3 else 1e-5
+    assert [cusp.p, *cusp.u] == pytest.approx([12, 0.5, 2, math.exp(-2)], abs=digits)
+    assert curve.ended == "bound" and points[-1].p == 14.0
+    assert points[-1].u[[0, 2]] == pytest.approx([x[1], p[1]], abs=digits)
+    for point in points:
+        k = point.p / (1 + beta)
+        x1 = point.u[0]
+        assert point.u[2] == pytest.approx(x1 / (1 - x1) * math.exp(-k * x1), abs=digits)
+        assert k * x1 * (1 - x1) == pytest.approx(1, abs=digits)
+
+
+def flip_test(u, a, b):
+    """det(M + 1) of the map at a fixed point."""
+    jacobian = np.array([[-2 * a * u[0], 1.0], [b, 0.0]])
+    return np.linalg.det(jacobian + np.eye(2))
+
+
+def flip_test_with_derivatives(u, a, b):
+    """The same: (1 - 2 a x) - b."""
+    return 1 - 2 * a * u[0] - b, np.array([-2 * a, 0.0]), -2 * u[0], -1.0
+
+
+@pytest.mark.parametrize("test", [flip_test, flip_test_with_derivatives])
+@pytest.mark.parametrize("parts", [1, 3, 4])
+def test_flips_of_a_map(test, parts):
+    """The fixed point of the map of Henon doubles its period at a = 3 (1 - b)**2/4."""
+
+    def residual(u, a, b):
+        found = henon(u, a, b)
+        return found[0] if parts == 1 else found[:parts]
+
+    at_one = follow(
+        lambda u, a: henon(u, a, 0.3)[:3], henon_fixed_point(0.1, 0.3), 0.1, bounds=(0.1, 2.0),
+        tests=lambda point: {"flip": flip_test(point.u, point.p, 0.3)},
+    )  # fmt: skip
+    start = next(point for point in at_one if point.special == "flip")
+    assert start.p == pytest.approx(0.75 * 0.7**2, abs=1e-13)
+    curve = two_parameter(residual, test, start.u, start.p, 0.3, second_bounds=(-0.9, 0.9))
+    points = list(curve)
+    assert curve.ended == "bound" and points[-1].p == 0.9
+    for point in points:
+        assert point.u[2] == pytest.approx(0.75 * (1 - point.p) ** 2, abs=1e-12)
+
+
+def test_folds_of_a_map_and_bounds_of_the_first_parameter():
+    """a = -(1 - b)**2/4; the curve ends where a reaches its bound exactly."""
+    b = 0.3
+    curve = two_parameter(
+        henon, "fold", [2 / (1 - b), 2 * b / (1 - b)], -((1 - b) ** 2) / 4, b,
+        bounds=(-1.0, -0.04), second_bounds=(-0.9, 0.9), scale=3.0,
+    )  # fmt: skip
+    points = list(curve)
+    assert curve.ended == "bound" and points[-1].special == "bound"
+    assert points[-1].u[2] == -0.04 and points[-1].p == pytest.approx(0.6, abs=1e-12)
+    for point in points:
+        assert point.u[2] == pytest.approx(-((1 - point.p) ** 2) / 4, abs=1e-12)
+
+
+def test_closed_curve_in_two_parameters():
+    """u = sin-like residual with folds on a circle of (p, q)."""
+
+    def residual(u, p, q):
+        s = p * p + q * q - 1
+        return u**2 - s, 2 * u, -2 * p, -2 * q
+
+    curve = two_parameter(residual, "fold", 0.0, 1.0, 0.0)
+    points = list(curve)
+    assert curve.ended == "closed"
+    assert max(abs(point.u[1] ** 2 + point.p**2 - 1) for point in points) < 1e-12
+    assert max(abs(point.u[0]) for point in points) < 1e-12
+
+
+def test_nan_of_a_test_ends_the_curve():
+    def test(u, p, q):
+        return u[0] - 0.5 if q < 0.3 else math.nan
+
+    curve = two_parameter(lambda u, p, q: u - p - q, test, 0.5, 0.5, 0.0)
+    *_, last = curve
+    assert curve.ended == "domain" and last.p == pytest.approx(0.3, abs=1e-5)
