@@ -17,7 +17,11 @@ __all__ = ["Orbit", "make_orbit", "primitive_parts"]
 
 Floats = npt.NDArray[np.float64]
 
+<<<<<<< HEAD
 _MOST_PARTS = 12  # of a turn in one mode
+=======
+_MOST_TURNS = 12  # of a cycle without events that is passed several times
+>>>>>>> g-guide
 _SAME = 1e-7  # part of the size of a state within which parts of an orbit are the same
 
 
@@ -82,8 +86,6 @@ def primitive_parts(equations: OrbitEquations, turn: Turn) -> int:
     word, count = equations.word, equations.word.n_events
     if not equations.autonomous:
         parts = [d for d in range(equations.period, 1, -1) if equations.period % d == 0]
-    elif count == 0:
-        parts = list(range(_MOST_PARTS, 1, -1))
     else:
         parts = [d for d in range(count, 1, -1) if count % d == 0]
     drifts = equations.drifting
