@@ -134,7 +134,8 @@ def _solve(matrix: Floats, right: Floats) -> tuple[Floats, bool]:
         return right, False
     norm = float(np.abs(matrix).sum(axis=0).max())
     reciprocal, _ = lapack.dgecon(factors, norm)
-    if reciprocal < _SINGULAR:
+    # entries are of order one, so that a matrix of rounding alone is singular too
+    if reciprocal * min(norm, 1.0) < _SINGULAR:
         return right, False
     solution, _ = lapack.dgetrs(factors, pivots, right)
     return solution, bool(np.all(np.isfinite(solution)))

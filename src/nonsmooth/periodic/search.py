@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,7 +12,7 @@ import numpy.typing as npt
 from nonsmooth.errors import RunError
 from nonsmooth.periodic.equations import OrbitEquations, Turn
 from nonsmooth.periodic.guess import Guess, driven_guess
-from nonsmooth.periodic.guess_cycle import cycle_guess
+from nonsmooth.periodic.guess_cycle import cycle_guesses
 from nonsmooth.periodic.guess_of_word import guesses_in_motion, random_guesses
 from nonsmooth.periodic.legs import LegError, Legs
 from nonsmooth.periodic.newton import Solution, null_vector, solve_orbit
@@ -69,17 +70,18 @@ def search_orbit(wanted: Wanted, legs: Legs) -> Found:
     known = _from_orbit(wanted, legs)
     if known is not None and known.status == "completed":
         return known
+    found = Found(
+        None, None, "no_orbit",
+        "the motion does not come back to where it was: it rests, or its cycle is longer than"
+        " the stretch that is looked at; begin nearer to the cycle, or give transient=",
+    )  # fmt: skip
     try:
-        guess = _guess(wanted, legs)
+        for guess in _guesses(wanted, legs):
+            found = solve_guess(wanted, legs, guess)
+            if found.orbit is not None:
+                break
     except RunError as fault:
         return known or Found(None, None, fault.status or "no_orbit", str(fault))
-    if guess is None:
-        return Found(
-            None, None, "no_orbit",
-            "the motion does not come back to where it was: it rests, or its cycle is longer than"
-            " the stretch that is looked at; begin nearer to the cycle, or give transient=",
-        )  # fmt: skip
-    found = solve_guess(wanted, legs, guess)
     return known if known is not None and found.orbit is None else found
 
 
@@ -190,16 +192,22 @@ def finish(wanted: Wanted, equations: OrbitEquations, solution: Solution) -> Fou
     return Found(orbit, equations, "completed", "; ".join(said))
 
 
-def _guess(wanted: Wanted, legs: Legs) -> Guess | None:
+def _guesses(wanted: Wanted, legs: Legs) -> Iterator[Guess]:
     if is_autonomous(legs):
-        return cycle_guess(
+        yield from cycle_guesses(
             wanted.system, wanted.initial, period=wanted.period, transient=wanted.transient,
             mode=wanted.mode, tolerance=wanted.tolerance,
         )  # fmt: skip
-    return driven_guess(
-        wanted.system, wanted.initial, period=wanted.period, phase=wanted.phase,
-        transient=wanted.transient, mode=wanted.mode, tolerance=wanted.tolerance,
-    )  # fmt: skip
+    else:
+        yield driven_guess(
+            wanted.system,
+            wanted.initial,
+            period=wanted.period,
+            phase=wanted.phase,
+            transient=wanted.transient,
+            mode=wanted.mode,
+            tolerance=wanted.tolerance,
+        )
 
 
 def _search_word(wanted: Wanted, legs: Legs) -> Found:
