@@ -78,7 +78,7 @@ def test_cascade_is_supercritical():
         assert row["slope"] == pytest.approx(-1.0, abs=1e-3)
         assert row["coefficient"] > 0.0
         assert row["doubled_stable"] == row["doubled_below"] == row["doubled_points"] > 0
-        assert row["single_unstable_side"] == -1.0
+        assert row["single_stable"] == {"below": False, "above": True}
     for row in evidence["rows"]:
         row.update(doubled_stable=0, coefficient=-1.0)
     assert judged("M14", evidence) == HOLDS
@@ -94,7 +94,7 @@ def test_amplitude_of_the_doubled_orbit_grows_as_a_root():
     apart = []
     for value in b:
         run = ns.simulate(
-            moling(b=value), double.isel(point=int(np.abs(double["b"] - value).argmin())),
+            moling(b=value), double.isel(point=int(np.abs(double["b"].values - value).argmin())),
             periods=4000, samples_per_period=1, events=False,
         )  # fmt: skip
         apart.append(abs(float(run["y"][-1] - run["y"][-2])))
