@@ -53,9 +53,6 @@ def _flips(reach: float = 2e-3, points: int = 17) -> Evidence:
         flip, place = float(single["special_value"][k]), int(single["special_point"][k])
         near = np.abs(double["b"].values - flip) < _NEAR
         near &= np.abs(double["b"].values - flip) > 1e-9  # not the flip itself
-        gaps = single["b"].values - flip
-        beside = (np.abs(gaps) < _NEAR) & (np.abs(gaps) > 1e-9)
-        unstable = gaps[beside & ~single["stable"].values]
         rows.append(
             {
                 "period": int(single.attrs["period"]),
@@ -63,11 +60,20 @@ def _flips(reach: float = 2e-3, points: int = 17) -> Evidence:
                 "doubled_points": int(near.sum()),
                 "doubled_below": int((double["b"].values[near] < flip).sum()),
                 "doubled_stable": int(double["stable"].values[near].sum()),
-                "single_unstable_side": float(np.sign(unstable.mean())) if unstable.size else 0.0,
+                "single_stable": _beside(single, place, flip),
                 **_normal_form(single.isel(point=place), flip, reach, points),
             }
         )
     return {"rows": rows}
+
+
+def _beside(branch: xr.Dataset, place: int, flip: float) -> dict[str, bool]:
+    """Whether the orbits next to a flip are stable, below and above it."""
+    sides = {}
+    for k in (place - 1, place + 1):
+        side = "below" if float(branch["b"][k]) < flip else "above"
+        sides[side] = bool(branch["stable"][k])
+    return sides
 
 
 def _normal_form(orbit: xr.Dataset, b: float, reach: float, points: int) -> Evidence:
@@ -92,7 +98,7 @@ def _normal_form(orbit: xr.Dataset, b: float, reach: float, points: int) -> Evid
     scale = np.abs(away).max()
     fit = np.polynomial.Polynomial.fit(away / scale, np.array(behind) - middle["y"], 6)
     first, second, third = (float(fit.deriv(n)(0.0)) / scale**n for n in (1, 2, 3))
-    return {"slope": first, "coefficient": 0.5 * second**2 + third / 3.0}
+    return {"slope": float(first), "coefficient": float(0.5 * second**2 + third / 3.0)}
 
 
 def _mode(orbit: xr.Dataset) -> str:
@@ -108,7 +114,8 @@ def _judge_flips(evidence: Evidence) -> Finding:
         f"{2 * row['period']} to {row['period']} at b = {row['b']:.9f}: the orbit of twice the"
         f" period lies below it at {row['doubled_below']} of {row['doubled_points']} places and is"
         f" stable at {row['doubled_stable']}, the single one is unstable"
-        f" {'below' if row['single_unstable_side'] < 0 else 'above'}; slope of the return map"
+        f" {' and '.join(side for side, stable in row['single_stable'].items() if not stable)};"
+        " slope of the return map"
         f" {row['slope']:.4f}, coefficient {row['coefficient']:+.3g}"
         for row in rows
     )
