@@ -17,11 +17,7 @@ __all__ = ["Orbit", "make_orbit", "primitive_parts"]
 
 Floats = npt.NDArray[np.float64]
 
-<<<<<<< HEAD
-_MOST_PARTS = 12  # of a turn in one mode
-=======
 _MOST_TURNS = 12  # of a cycle without events that is passed several times
->>>>>>> g-guide
 _SAME = 1e-7  # part of the size of a state within which parts of an orbit are the same
 
 
