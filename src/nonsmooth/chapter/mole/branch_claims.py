@@ -174,8 +174,7 @@ def _judge_maxima(evidence: Evidence) -> Finding:
     rows = evidence["rows"]
     true = [bool(row["inner_maxima"]) for row in rows]
     listed = "; ".join(
-        f"a {row['a']:g}: {row['per_period']:.4g} at b = {row['at']:.4f}"
-        + _inner(row)
+        f"a {row['a']:g}: {row['per_period']:.4g} at b = {row['at']:.4f}" + _inner(row)
         for row in rows
     )
     found = agreed(true)
