@@ -100,9 +100,12 @@ def continue_orbit(
     -----
     Pseudo-arclength continuation of the equations in `find_orbit`. Kinds of special points:
 
-    ``fold``, ``flip``, ``torus``, ``branch_point``
+    ``fold``, ``flip``, ``torus``
         A multiplier 1, where the parameter turns back; -1, where the period doubles; a pair on the
-        unit circle; 1 where branches cross, as where a symmetry breaks.
+        unit circle.
+    ``symmetry_breaking``, ``branch_point``
+        A multiplier 1 where branches cross: on an orbit that is its own mirror image half a turn
+        later, all states negative; on any other.
     ``grazing``
         A guard touches zero within a leg. The orbit beyond has one excursion more or less; where
         the impact has a reset, one impact more or less. The detail tells whether the branch goes
@@ -111,6 +114,8 @@ def continue_orbit(
         Two guards are zero at one instant.
     ``gained``, ``lost``
         A leg appears between two exits that were passed at one instant, or vanishes.
+    ``word_change``
+        The engine finds another motion, although none of these happens.
     ``bound``, ``closed``
         The parameter reaches an end of ``between``; the branch comes back to its beginning.
 
@@ -127,14 +132,31 @@ def continue_orbit(
 
     Examples
     --------
-    The mole doubles its period where the static force falls, and the branch of period one ends in
-    a fold where it grows:
+<<<<<<< HEAD
+    The mole doubles its period where the static force falls; where it grows, its orbit meets a fold
+    and comes back unstable:
+=======
+    The mole doubles its period where the static force falls; where it grows, its orbit of period
+    one meets a fold and comes back unstable:
+>>>>>>> g-guide
 
     >>> import nonsmooth as ns
     >>> mole = ns.models.moling(a=0.3, b=0.15, xi=0.05, omega=0.1)
     >>> branch = ns.continue_orbit(mole, "b", (0.1, 0.2))
     >>> for kind, b in zip(branch["special_kind"].values, branch["special_value"].values):
     ...     print(kind, round(float(b), 9))
+    bound 0.1
+    flip 0.110011731
+    fold 0.167150499
+    grazing 0.150977503
+    flip 0.15097798
+    flip 0.184207204
+    fold 0.190280174
+    grazing 0.176817414
+    flip 0.176818058
+    bound 0.2
+
+    At each grazing the branch turns back with one impact more.
     """
     options, wanted, names, chosen = read_branch_options(
         system, parameter, between, initial=initial, period=period, word=word, special=special,

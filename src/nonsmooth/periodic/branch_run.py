@@ -15,6 +15,7 @@ from nonsmooth.periodic.branch_tests import WORD_TESTS, Looked
 from nonsmooth.periodic.guess import Guess, driven_guess
 from nonsmooth.periodic.legs import LegError, Legs
 from nonsmooth.periodic.stretch import BranchOptions, BranchStart, Stretch
+from nonsmooth.periodic.symmetric import is_symmetric
 from nonsmooth.periodic.word import Word
 from nonsmooth.periodic.word_change import Change, changes_at_once, changes_of_word
 
@@ -131,6 +132,8 @@ def _part(
 ) -> BranchPart:
     if special in ("flip", "torus") and not _is_critical(looked, special):
         special = ""  # a pole of the test, or two real multipliers whose product is one
+    if special == "branch_point" and is_symmetric(stretch.equations, looked.turn):
+        special = "symmetry_breaking"
     test = point.special if special else ""
     return BranchPart(stretch.equations.word, looked, point.p, along, special, detail, test)
 

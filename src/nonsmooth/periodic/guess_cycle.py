@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.engine import records as at
+from nonsmooth.engine.layout import Tables
 from nonsmooth.engine.status import CURES, EventKind, Status
 from nonsmooth.errors import OptionError, RunError
 from nonsmooth.periodic.equations import Turn
@@ -15,39 +17,60 @@ from nonsmooth.periodic.guess import Guess
 from nonsmooth.periodic.word import Word, path_of_bits
 from nonsmooth.simulation.clock import Instant, Plan
 from nonsmooth.simulation.runner import NoMode, Outcome, build_tables, run_plan
-from nonsmooth.simulation.start import explain_misfit, resolve_start, start_at_end
+from nonsmooth.simulation.start import Start, explain_misfit, resolve_start, start_at_end
 from nonsmooth.system.system import System
 
-__all__ = ["cycle_guess"]
+__all__ = ["cycle_guesses"]
 
 Floats = npt.NDArray[np.float64]
 
 _WINDOWS = 64  # in which a return is looked for, per period
 _SAMPLES = 128  # in a window
+_FINER = (4096, 64, 1)  # samples in a window beside that: a fast cycle is found in a short stretch
+_RESOLVED = 0.3  # of the spread of the states: the median way between samples of a cycle
 _NEAR = (1e-3, 1e-2, 5e-2)  # of the spread of the states: the first return as near is taken
 _MOST_EVENTS = 256
 
 
-def cycle_guess(
+def cycle_guesses(
     system: System, initial: Any, *, period: int, transient: int, mode: str | None, tolerance: float
-) -> Guess | None:
+) -> Iterator[Guess]:
     """Legs of a motion from an event to its nearest return, or around a smooth cycle.
 
-    ``transient`` counts windows. None where the motion does not come back.
+    ``transient`` counts windows. Guesses of short cycles come first; none where the motion does not
+    come back.
     """
     tables = build_tables(system)
     start = resolve_start(system, tables, initial, None, mode, False)
     if start.anchor is not None:
         start = start_at_end(start)
     begin = start.instant.number + transient
-    windows = _WINDOWS * period
-    count = windows * _SAMPLES + 1
-    step = float(tables.clock[0]) / _SAMPLES
-    number = begin + np.arange(count) // _SAMPLES
-    phase: Floats = np.asarray((np.arange(count) % _SAMPLES) * step)
+    drifting = np.array([name in system.drift_states for name in system.states])
+    for finer in _FINER:
+        samples, final = _SAMPLES * finer, finer == _FINER[-1]
+        plan, step = _plan(float(tables.clock[0]), samples, period, begin, start, transient)
+        outcome = _run(system, tables, start, plan, tolerance)
+        found = _between_events(system, outcome, begin, drifting, period, final)
+        found = found or _around(outcome, drifting, period, step, final)
+        if found is not None:
+            yield found
+
+
+def _plan(
+    window: float, samples: int, period: int, begin: int, start: Start, transient: int
+) -> tuple[Plan, float]:
+    """Samples of so many per window, their number being the same; and the time between them."""
+    count = _WINDOWS * _SAMPLES * period + 1
+    step = window / samples
+    number = begin + np.arange(count) // samples
+    phase: Floats = np.asarray((np.arange(count) % samples) * step)
     if transient == 0:
         phase[0] = max(phase[0], start.instant.phase)
-    plan = Plan(Instant(begin + windows, 0.0), number, phase)
+    return Plan(Instant(int(number[-1]), float(phase[-1])), number, phase), step
+
+
+def _run(system: System, tables: Tables, start: Start, plan: Plan, tolerance: float) -> Outcome:
+    """The motion from a start, in the first mode that admits it."""
     fault: NoMode | None = None
     for chosen in start.modes:
         try:
@@ -67,15 +90,24 @@ def cycle_guess(
             status=outcome.status.word,
             time=outcome.end_time,
         )
-    drifting = np.array([name in system.drift_states for name in system.states])
-    found = _between_events(system, outcome, begin, drifting, period)
-    return found or _around(outcome, drifting, period, step)
+    return outcome
+
+
+def _is_resolved(outcome: Outcome, drifting: npt.NDArray[np.bool_]) -> bool:
+    """Whether samples follow the motion, rather than being anywhere on it."""
+    states = np.where(drifting, 0.0, outcome.records.sample_state)
+    spread = np.ptp(states, axis=0)
+    if not np.any(spread > 0.0):
+        return True
+    ways = np.abs(np.diff(states, axis=0)) / np.where(spread > 0.0, spread, 1.0)
+    return bool(np.median(ways.max(axis=1)) <= _RESOLVED)
 
 
 def _between_events(
-    system: System, outcome: Outcome, begin: int, drifting: npt.NDArray[np.bool_], period: int
-) -> Guess | None:
-    """From an event to a return of the same kind; the nearest one, the first that is near."""
+    system: System, outcome: Outcome, begin: int, drifting: npt.NDArray[np.bool_], period: int,
+    final: bool,
+) -> Guess | None:  # fmt: skip
+    """From an event to a return of the same kind, the first that is near; at last the nearest."""
     n, window = len(system.states), outcome.window
     rows, values = outcome.event_integers, outcome.event_floats
     keep = (rows[:, at.NUMBER] >= begin) & ~np.isin(
@@ -91,13 +123,23 @@ def _between_events(
     spread = np.maximum(np.ptp(samples, axis=0), 1e-12)
     apart = np.where(drifting, 0.0, np.abs(states - states[0]) / spread).max(axis=1)
     returns = np.flatnonzero(same)[1:]
-    if returns.size == 0:
+<<<<<<< HEAD
+    if returns.size == 0 or not (final or np.any(apart[returns] <= _NEAR[-1])):
         return None
     turn = int(returns[np.argmin(apart[returns])])
+=======
+>>>>>>> g-guide
     for near in _NEAR:
         if np.any(apart[returns] <= near):
             turn = int(returns[apart[returns] <= near][0])
             break
+<<<<<<< HEAD
+=======
+    else:
+        if returns.size == 0 or not final:
+            return None
+        turn = int(returns[np.argmin(apart[returns])])
+>>>>>>> g-guide
     last = min(turn * period, len(rows) - 1)
     paths = [path_of_bits(int(r[at.PATH]), int(r[at.PASSES])) for r in rows[1 : last + 1]]
     if any(path is None for path in paths):
@@ -108,25 +150,40 @@ def _between_events(
 
 
 def _around(
-    outcome: Outcome, drifting: npt.NDArray[np.bool_], period: int, step: float
+    outcome: Outcome, drifting: npt.NDArray[np.bool_], period: int, step: float, final: bool
 ) -> Guess | None:
     """Once around a cycle without events, from its first sample."""
     states = np.where(drifting, 0.0, outcome.records.sample_state)
     spread = np.ptp(states, axis=0)
-    if not np.any(spread > 1e-9 * (np.abs(states).max(axis=0) + 1e-12)):
-        return None  # at rest
+    at_rest = not np.any(spread > 1e-9 * (np.abs(states).max(axis=0) + 1e-12))
+    if at_rest or not _is_resolved(outcome, drifting):
+        return None
     scaled = (states - states[0]) / np.where(spread > 0.0, spread, 1.0)
     forward = scaled @ (scaled[1] - scaled[0])
     crossings = np.flatnonzero((forward[1:-1] < 0.0) & (forward[2:] >= 0.0)) + 2
     if crossings.size == 0:
         return None
+<<<<<<< HEAD
+    # back to the crossing itself: a sample may lie as far behind it as a sample is from the next
+    back = forward[crossings] / (forward[crossings] - forward[crossings - 1])
+    there = scaled[crossings] - back[:, None] * (scaled[crossings] - scaled[crossings - 1])
+    apart = np.abs(there).max(axis=1)
+    near = np.flatnonzero(apart <= 0.1)
+    if not (near.size or final):
+        return None
+    chosen = int(near[0]) if near.size else int(np.argmin(apart))
+    length = float(crossings[chosen] - back[chosen]) * step * period
+=======
     # between samples, on the plane across the flow at the first one
     part = forward[crossings] / (forward[crossings] - forward[crossings - 1])
     before, behind = scaled[crossings - 1], scaled[crossings]
     apart = np.abs(behind + part[:, None] * (before - behind)).max(axis=1)
     near = np.flatnonzero(apart <= _NEAR[-1])
+    if not (near.size or final):
+        return None
     k = int(near[0]) if near.size else int(np.argmin(apart))
     length = (crossings[k] - part[k]) * step * period
+>>>>>>> g-guide
     word = Word((int(outcome.records.sample_mode[0]),), ((),))
     first = outcome.records.sample_state[:1].copy()
     return Guess(word, Turn(first, np.array([0.0, length])))

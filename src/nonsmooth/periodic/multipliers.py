@@ -23,6 +23,7 @@ Floats = npt.NDArray[np.float64]
 Complexes = npt.NDArray[np.complex128]
 
 _TURNS = 20  # of the frame before the product is formed
+_SPLIT = 1e-13  # part of a direction that couples blocks: rounding of orthogonal matrices
 _RANK = 1e-13  # part of an event's matrix below which a direction is wiped out
 
 
@@ -111,9 +112,15 @@ def _eigenvalues(products: Floats, free: npt.NDArray[np.bool_]) -> Complexes:
     exponent = multiply_graded(products, _TURNS, frame, start, triangle, np.zeros_like(frame))
     if np.isnan(exponent):
         return np.zeros(size, complex)
+    turned = start.T @ frame  # by how much the frame has not come back: blocks on the diagonal
+    borders = [k for k in range(1, size) if np.abs(turned[k:, :k]).max() <= _SPLIT]
+    values = []
     with np.errstate(over="ignore"):
         scale = np.exp(exponent)
-        return np.asarray(np.linalg.eigvals(start.T @ frame @ triangle) * scale, complex)
+        for i, k in zip([0, *borders], [*borders, size], strict=True):
+            # block by block, each in its own size: rounding of the largest drowns no other
+            values.append(np.linalg.eigvals(turned[i:k, i:k] @ triangle[i:k, i:k]) * scale)
+    return np.concatenate(values).astype(complex)
 
 
 def _log_determinant(factors: Factors, free: npt.NDArray[np.bool_], rank: int) -> float:

@@ -55,12 +55,14 @@ def solve_orbit(
             return Solution(unknowns, size, iteration, "singular")
         length = float(np.abs(step).max())
         if size <= _CLOSED and min(length, last) <= _SMALL:
-            # one more step takes what rounding allows
+            # further steps take what rounding allows
             size_there, found = _try(equations, unknowns + step * scale, rows)
-            if size_there < size:
-                return Solution(unknowns + step * scale, size_there, iteration, "completed")
-            equations.evaluate(unknowns)
-            return Solution(unknowns, size, iteration, "completed")
+            if found is None or size_there > 0.5 * size:
+                equations.evaluate(unknowns)
+                return Solution(unknowns, size, iteration, "completed")
+            unknowns, size, last = unknowns + step * scale, size_there, length
+            residual, jacobian = found
+            continue
         part = _longest_part(equations, unknowns, step * scale)
         part = min(part, _LONGEST / max(length, _LONGEST))
         for _ in range(_MOST_HALVINGS):
@@ -77,7 +79,7 @@ def solve_orbit(
         residual, jacobian = found
         if size == 0.0:
             return Solution(unknowns, size, iteration, "completed")
-    return Solution(unknowns, size, steps, "no_orbit")
+    return Solution(unknowns, size, steps, "completed" if size <= _ROUNDING else "no_orbit")
 
 
 def null_vector(equations: OrbitEquations, unknowns: Floats) -> Floats:
@@ -134,7 +136,8 @@ def _solve(matrix: Floats, right: Floats) -> tuple[Floats, bool]:
         return right, False
     norm = float(np.abs(matrix).sum(axis=0).max())
     reciprocal, _ = lapack.dgecon(factors, norm)
-    if reciprocal < _SINGULAR:
+    # entries are of order one, so that a matrix of rounding alone is singular too
+    if reciprocal * min(norm, 1.0) < _SINGULAR:
         return right, False
     solution, _ = lapack.dgetrs(factors, pivots, right)
     return solution, bool(np.all(np.isfinite(solution)))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,7 +12,7 @@ import numpy.typing as npt
 from nonsmooth.errors import RunError
 from nonsmooth.periodic.equations import OrbitEquations, Turn
 from nonsmooth.periodic.guess import Guess, driven_guess
-from nonsmooth.periodic.guess_cycle import cycle_guess
+from nonsmooth.periodic.guess_cycle import cycle_guesses
 from nonsmooth.periodic.guess_of_word import guesses_in_motion, random_guesses
 from nonsmooth.periodic.legs import LegError, Legs
 from nonsmooth.periodic.newton import Solution, null_vector, solve_orbit
@@ -30,6 +31,7 @@ Floats = npt.NDArray[np.float64]
 _RANDOM = 200  # durations tried for a given word
 _PERIODS = 200  # of the motion in which a given word is looked for
 _SEED = 1
+_NEUTRAL = 1e-9  # distance of a multiplier from 1
 _OFF_FOLD = (1e-4, 1e-3, 1e-2, 0.1, 0.5)  # of the size of an orbit, along the direction of a fold
 
 
@@ -69,17 +71,18 @@ def search_orbit(wanted: Wanted, legs: Legs) -> Found:
     known = _from_orbit(wanted, legs)
     if known is not None and known.status == "completed":
         return known
+    found = Found(
+        None, None, "no_orbit",
+        "the motion does not come back to where it was: it rests, or its cycle is longer than"
+        " the stretch that is looked at; begin nearer to the cycle, or give transient=",
+    )  # fmt: skip
     try:
-        guess = _guess(wanted, legs)
+        for guess in _guesses(wanted, legs):
+            found = solve_guess(wanted, legs, guess)
+            if found.orbit is not None:
+                break
     except RunError as fault:
         return known or Found(None, None, fault.status or "no_orbit", str(fault))
-    if guess is None:
-        return Found(
-            None, None, "no_orbit",
-            "the motion does not come back to where it was: it rests, or its cycle is longer than"
-            " the stretch that is looked at; begin nearer to the cycle, or give transient=",
-        )  # fmt: skip
-    found = solve_guess(wanted, legs, guess)
     return known if known is not None and found.orbit is None else found
 
 
@@ -180,6 +183,11 @@ def finish(wanted: Wanted, equations: OrbitEquations, solution: Solution) -> Fou
             f"the turn passes {orbit.primitive} times through a shorter orbit; the motion has only"
             " this one there, or the guess is nearer to it"
         )
+    if np.any(np.abs(orbit.multipliers.multipliers - 1.0) <= _NEUTRAL):
+        said.append(
+            "a multiplier is 1: the orbit lies on a fold, where branches cross, or is one of a"
+            " family, as where nothing fixes its amplitude"
+        )
     if not orbit.admissibility.admissible:
         said.append(
             f"the equations of the word have this solution, but it is no motion:"
@@ -190,16 +198,22 @@ def finish(wanted: Wanted, equations: OrbitEquations, solution: Solution) -> Fou
     return Found(orbit, equations, "completed", "; ".join(said))
 
 
-def _guess(wanted: Wanted, legs: Legs) -> Guess | None:
+def _guesses(wanted: Wanted, legs: Legs) -> Iterator[Guess]:
     if is_autonomous(legs):
-        return cycle_guess(
+        yield from cycle_guesses(
             wanted.system, wanted.initial, period=wanted.period, transient=wanted.transient,
             mode=wanted.mode, tolerance=wanted.tolerance,
         )  # fmt: skip
-    return driven_guess(
-        wanted.system, wanted.initial, period=wanted.period, phase=wanted.phase,
-        transient=wanted.transient, mode=wanted.mode, tolerance=wanted.tolerance,
-    )  # fmt: skip
+    else:
+        yield driven_guess(
+            wanted.system,
+            wanted.initial,
+            period=wanted.period,
+            phase=wanted.phase,
+            transient=wanted.transient,
+            mode=wanted.mode,
+            tolerance=wanted.tolerance,
+        )
 
 
 def _search_word(wanted: Wanted, legs: Legs) -> Found:

@@ -79,15 +79,21 @@ def _specials(parts: Sequence[BranchPart]) -> Columns:
             over, np.array([parts[k].detail for k in chosen], str), {"long_name": "in words"},
         ),
         "special_multiplier": (
-            over, np.array(multipliers, complex), {"long_name": "multiplier on the unit circle"},
+            over, np.array(multipliers, complex), {"long_name": "multiplier that tells"},
         ),
     }  # fmt: skip
 
 
 def _telling(part: BranchPart) -> complex:
-    """The multiplier that is nearest to the unit circle."""
+    """The multiplier that makes a point special, or the largest one."""
     values = part.looked.multipliers.multipliers
     values = values[np.isfinite(values)]
     if not values.size:
         return complex(np.nan)
-    return complex(values[np.argmin(np.abs(np.abs(values) - 1.0))])
+    critical = {"flip": -1.0, "fold": 1.0, "branch_point": 1.0}
+    if part.special in critical:
+        return complex(values[np.argmin(np.abs(values - critical[part.special]))])
+    if part.special == "torus":
+        pairs = values[values.imag > 0.0] if np.any(values.imag > 0.0) else values
+        return complex(pairs[np.argmin(np.abs(np.abs(pairs) - 1.0))])
+    return complex(values[0])

@@ -127,10 +127,10 @@ def _at_special(branch: Any, special: Any, parameter: str) -> tuple[Any, int, fl
             " the same parameter"
         )
     kind = str(branch["special_kind"].values[int(number)])
-    if kind not in ("flip", "branch_point"):
+    if kind not in ("flip", "branch_point", "symmetry_breaking"):
         raise OptionError(
             f"special = {int(number)}: no other branch begins at a {kind} point; take one of the"
-            " kinds flip and branch_point"
+            " kinds flip, branch_point and symmetry_breaking"
         )
     point = branch.isel(point=int(branch["special_point"].values[int(number)]))
     value = float(np.asarray(point[parameter]))

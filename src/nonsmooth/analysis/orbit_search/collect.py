@@ -30,7 +30,7 @@ from nonsmooth.analysis.orbit_search.sampled_motions import (
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import RunError
 from nonsmooth.periodic.guess import Guess
-from nonsmooth.periodic.guess_cycle import cycle_guess
+from nonsmooth.periodic.guess_cycle import cycle_guesses
 from nonsmooth.periodic.legs import LegError, Legs
 from nonsmooth.periodic.newton import solve_orbit
 from nonsmooth.periodic.orbit import Orbit
@@ -179,10 +179,11 @@ class _Search:
         for done, initial in enumerate(initials):
             self.report(self.how.samples + done)
             try:
-                guess = cycle_guess(
+                guesses = cycle_guesses(
                     system, initial, period=1, transient=self.how.record, mode=None,
                     tolerance=self.wanted.tolerance,
                 )  # fmt: skip
+                guess = next(guesses, None)
             except (RunError, ValueError):
                 guess = None
             if guess is None:
