@@ -21,6 +21,7 @@ _LONGEST = 1.0  # step, beside the unknowns: near a fold Newton's steps have no 
 _SMALL = 1e-7  # step, beside the unknowns, the square of which is rounding
 _ROUNDING = 1e-14  # residual that no step makes smaller
 _CLOSED = 1e-10  # residual, beside the states, of a solution
+_FURTHER = 4  # steps of an orbit that is found already
 _BACKWARDS = 0.05  # part of the turn by which a leg may last less than nothing on the way
 _SINGULAR = 1e-15  # reciprocal condition of the scaled Jacobian
 
@@ -48,7 +49,7 @@ def solve_orbit(
     size = _size(residual, rows)
     if size <= _ROUNDING:  # where branches cross, a step would lead away
         return Solution(unknowns, size, 0, "completed")
-    last = np.inf  # size of the step before
+    last, further = np.inf, 0  # size of the step before; steps within rounding
     for iteration in range(1, steps + 1):
         step, well = _solve(jacobian * scale / rows[:, None], -residual / rows)
         if not well:
@@ -57,7 +58,8 @@ def solve_orbit(
         if size <= _CLOSED and min(length, last) <= _SMALL:
             # further steps take what rounding allows
             size_there, found = _try(equations, unknowns + step * scale, rows)
-            if found is None or size_there > 0.5 * size:
+            further += 1
+            if found is None or size_there >= size or further > _FURTHER:
                 equations.evaluate(unknowns)
                 return Solution(unknowns, size, iteration, "completed")
             unknowns, size, last = unknowns + step * scale, size_there, length

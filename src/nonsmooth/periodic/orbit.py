@@ -17,11 +17,8 @@ __all__ = ["Orbit", "make_orbit", "primitive_parts"]
 
 Floats = npt.NDArray[np.float64]
 
-<<<<<<< HEAD
-_MOST_PARTS = 12  # of a turn in one mode
-=======
 _MOST_TURNS = 12  # of a cycle without events that is passed several times
->>>>>>> g-guide
+_NEUTRAL = 1e-10  # distance from the unit circle that rounding may make
 _SAME = 1e-7  # part of the size of a state within which parts of an orbit are the same
 
 
@@ -58,7 +55,7 @@ class Orbit:
     def stable(self) -> bool:
         """Whether all multipliers lie inside the unit circle."""
         values = self.multipliers.multipliers
-        return bool(np.all(np.isfinite(values)) and np.all(np.abs(values) < 1.0))
+        return bool(np.all(np.isfinite(values)) and np.all(np.abs(values) < 1.0 - _NEUTRAL))
 
 
 def make_orbit(
