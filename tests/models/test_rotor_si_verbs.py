@@ -147,6 +147,12 @@ RESULTS = {
     "find_orbit": (lambda: ns.find_orbit(SYSTEM), ORBIT),
     "orbits": (lambda: ns.orbits(SYSTEM, samples=4, guesses=8, record=100), ORBIT),
     "continue_orbit": (speeds_of_orbits, ORBIT | BRANCH),
+    "continue_special": (lambda: ns.continue_special(
+                             ns.continue_orbit(SYSTEM, "eta", (1.1, 1.2), parameters={"eta": 1.12}),
+                             1, "delta_x", (0.19, 0.21), steps=3),
+                         ORBIT | BRANCH | {"delta_x": MM, "special_value": MM}),
+    "orbit_samples": (lambda: ns.orbit_samples(ns.find_orbit(SYSTEM)),
+                      MOTION | {"time": S, "length": S}),
     "best_point": (lambda: ns.best_point(speeds_of_orbits(), "x"),
                    ORBIT | {"eta": HERTZ, "best": MM}),
     "attractors": (lambda: ns.attractors(SYSTEM, {"x": (-0.4, 1.4)}, samples=8, record=200),
@@ -195,7 +201,7 @@ RESULTS = {
 }  # fmt: skip
 NO_RESULTS = {  # verbs, and what else there is, that give no dataset of a motion of their own
     "PoincareMap", "StroboscopicMap", "System", "Exit", "Mode", "Signal", "excitation", "fatigue",
-    "measured", "models", "plot", "phase_word", "tie_parameters", "__version__",
+    "continuation", "measured", "models", "plot", "phase_word", "tie_parameters", "__version__",
 }  # fmt: skip
 
 
