@@ -35,6 +35,7 @@ sys.exit(
                 "bench_rotor.py",
                 "bench_growth.py",
                 "bench_continuation.py",
+                "bench_orbits.py",
             ),
         ),
     )

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from nonsmooth.analysis.basin_entropy import basin_entropy
     from nonsmooth.analysis.basin_fractions import basin_fractions
     from nonsmooth.analysis.basins_of_attraction import basins_of_attraction
+    from nonsmooth.analysis.best_point import best_point
     from nonsmooth.analysis.bifurcation_diagram import bifurcation_diagram
     from nonsmooth.analysis.box_dimension import box_dimension
     from nonsmooth.analysis.contact_statistics import contact_statistics
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from nonsmooth.analysis.local_regimes import local_regimes
     from nonsmooth.analysis.lyapunov_spectrum import lyapunov_spectrum
     from nonsmooth.analysis.orbit_samples import orbit_samples
+    from nonsmooth.analysis.orbits import orbits
     from nonsmooth.analysis.order_tracking import order_tracking
     from nonsmooth.analysis.period_statistics import period_statistics
     from nonsmooth.analysis.poincare_section import poincare_section
@@ -75,6 +77,7 @@ __all__ = [
     "basin_entropy",
     "basin_fractions",
     "basins_of_attraction",
+    "best_point",
     "bifurcation_diagram",
     "box_dimension",
     "contact_statistics",
@@ -92,6 +95,7 @@ __all__ = [
     "measured",
     "models",
     "orbit_samples",
+    "orbits",
     "order_tracking",
     "period_statistics",
     "phase_word",
@@ -127,6 +131,7 @@ _HOME = {
     "basin_entropy": "nonsmooth.analysis.basin_entropy",
     "basin_fractions": "nonsmooth.analysis.basin_fractions",
     "basins_of_attraction": "nonsmooth.analysis.basins_of_attraction",
+    "best_point": "nonsmooth.analysis.best_point",
     "bifurcation_diagram": "nonsmooth.analysis.bifurcation_diagram",
     "box_dimension": "nonsmooth.analysis.box_dimension",
     "contact_statistics": "nonsmooth.analysis.contact_statistics",
@@ -139,6 +144,7 @@ _HOME = {
     "full_spectrum": "nonsmooth.analysis.full_spectrum",
     "local_regimes": "nonsmooth.analysis.local_regimes",
     "lyapunov_spectrum": "nonsmooth.analysis.lyapunov_spectrum",
+    "orbits": "nonsmooth.analysis.orbits",
     "order_tracking": "nonsmooth.analysis.order_tracking",
     "period_statistics": "nonsmooth.analysis.period_statistics",
     "phase_word": "nonsmooth.simulation.words",

@@ -100,9 +100,12 @@ def continue_orbit(
     -----
     Pseudo-arclength continuation of the equations in `find_orbit`. Kinds of special points:
 
-    ``fold``, ``flip``, ``torus``, ``branch_point``
+    ``fold``, ``flip``, ``torus``
         A multiplier 1, where the parameter turns back; -1, where the period doubles; a pair on the
-        unit circle; 1 where branches cross, as where a symmetry breaks.
+        unit circle.
+    ``symmetry_breaking``, ``branch_point``
+        A multiplier 1 where branches cross: on an orbit that is its own mirror image half a turn
+        later, all states negative; on any other.
     ``grazing``
         A guard touches zero within a leg. The orbit beyond has one excursion more or less; where
         the impact has a reset, one impact more or less. The detail tells whether the branch goes
@@ -111,6 +114,8 @@ def continue_orbit(
         Two guards are zero at one instant.
     ``gained``, ``lost``
         A leg appears between two exits that were passed at one instant, or vanishes.
+    ``word_change``
+        The engine finds another motion, although none of these happens.
     ``bound``, ``closed``
         The parameter reaches an end of ``between``; the branch comes back to its beginning.
 

@@ -87,9 +87,10 @@ app.command()(explain)
 @app.command()
 def warmup() -> None:
     """Compile the kernels now, once for this installation."""
+    from nonsmooth.periodic.warmup import warm_up_orbits
     from nonsmooth.simulation.warmup import warm_up
 
-    typer.echo(f"kernels ready after {warm_up():.1f} s")
+    typer.echo(f"kernels ready after {warm_up() + warm_up_orbits():.1f} s")
 
 
 app.add_typer(chapter.app, name="chapter")

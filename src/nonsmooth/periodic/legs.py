@@ -16,7 +16,11 @@ from nonsmooth.engine.tangent import allocate_tangent
 from nonsmooth.engine.variation_setup import set_up_rates
 from nonsmooth.engine.variation_tables import allocate_columns, allocate_rates
 from nonsmooth.periodic.word import Word
-from nonsmooth.simulation.kernels import announce_compilation, announce_derivatives
+from nonsmooth.simulation.kernels import (
+    announce_compilation,
+    announce_derivatives,
+    announce_orbits,
+)
 from nonsmooth.system.system import System
 
 __all__ = ["LegError", "Legs"]
@@ -37,6 +41,7 @@ class Legs:
     def __init__(self, system: System, chosen: Sequence[str] = ()) -> None:
         announce_compilation()
         announce_derivatives()
+        announce_orbits()
         program = system.compiled.program
         names = list(system.parameters)
         numbers = np.array([names.index(name) for name in chosen], np.int64)

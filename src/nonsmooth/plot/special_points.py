@@ -23,14 +23,16 @@ _MARKS: dict[str, tuple[str, str]] = {
     "flip": ("D", PALETTE["orange"]),
     "torus": ("s", PALETTE["green"]),
     "symmetry_breaking": ("p", PALETTE["purple"]),
+    "branch_point": ("*", PALETTE["purple"]),
     "grazing": ("^", PALETTE["vermilion"]),
     "corner": ("v", PALETTE["sky"]),
     "gained": ("P", PALETTE["yellow"]),
     "lost": ("X", "white"),
+    "word_change": ("h", "white"),
     "bound": ("|", "black"),
     "end": ("x", "black"),
 }
-_OTHER = ("*", "white")
+_OTHER = ("d", "white")
 _SAME = 1e-9  # part of the way between two points within which a special point is one of them
 
 

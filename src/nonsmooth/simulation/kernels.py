@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import sys
 
-__all__ = ["announce_compilation", "announce_derivatives"]
+__all__ = ["announce_compilation", "announce_derivatives", "announce_orbits"]
 
 _announced = False
 _announced_derivatives = False
+_announced_orbits = False
 
 
 def announce_compilation() -> None:
@@ -42,4 +43,18 @@ def announce_derivatives() -> None:
 
     if not is_warm(set_up_rates):
         text = "nonsmooth: compiling the kernels of derivatives (some seconds)"
+        print(text, file=sys.stderr, flush=True)
+
+
+def announce_orbits() -> None:
+    """Print one line if what periodic orbits need on top is not compiled yet."""
+    global _announced_orbits
+    if _announced_orbits:
+        return
+    _announced_orbits = True
+    from nonsmooth.engine.jit import is_warm
+    from nonsmooth.engine.legs import pass_legs
+
+    if not is_warm(pass_legs):
+        text = "nonsmooth: compiling the kernels of periodic orbits (a minute)"
         print(text, file=sys.stderr, flush=True)

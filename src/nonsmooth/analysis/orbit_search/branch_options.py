@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from nonsmooth.analysis.orbit_search.options import read_wanted
+from nonsmooth.analysis.orbit_search.options import period_of, read_wanted
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.periodic.restart import is_orbit
 from nonsmooth.periodic.search import Wanted
@@ -50,7 +50,7 @@ def read_branch_options(
     elif is_orbit(initial) and parameter in initial and initial[parameter].ndim == 0:
         parameters = {**(parameters or {}), parameter: float(initial[parameter])}
     if is_orbit(initial) and period == 1:
-        period = int(initial.attrs.get("period", 1)) * (2 if chosen == 1 else 1)
+        period = period_of(initial) * (2 if chosen == 1 else 1)
     wanted, names = read_wanted(
         system, initial, period=period, parameters=parameters, verb="continue_orbit", **rest
     )
@@ -127,10 +127,10 @@ def _at_special(branch: Any, special: Any, parameter: str) -> tuple[Any, int, fl
             " the same parameter"
         )
     kind = str(branch["special_kind"].values[int(number)])
-    if kind not in ("flip", "branch_point"):
+    if kind not in ("flip", "branch_point", "symmetry_breaking"):
         raise OptionError(
             f"special = {int(number)}: no other branch begins at a {kind} point; take one of the"
-            " kinds flip and branch_point"
+            " kinds flip, branch_point and symmetry_breaking"
         )
     point = branch.isel(point=int(branch["special_point"].values[int(number)]))
     value = float(np.asarray(point[parameter]))

@@ -8,6 +8,7 @@ from typing import Any
 from nonsmooth.errors import OptionError
 from nonsmooth.maps.poincare import PoincareMap
 from nonsmooth.maps.stroboscopic import StroboscopicMap
+from nonsmooth.periodic.restart import is_orbit
 from nonsmooth.periodic.search import Wanted
 from nonsmooth.periodic.word_names import read_word, words_of_names
 from nonsmooth.simulation.driving import is_driven
@@ -15,7 +16,7 @@ from nonsmooth.simulation.options import check_run_options, finite_number, whole
 from nonsmooth.simulation.runner import build_tables
 from nonsmooth.simulation.stroboscopic import check_phase
 
-__all__ = ["read_wanted", "said_of_options"]
+__all__ = ["period_of", "read_wanted", "said_of_options"]
 
 _TRANSIENT = 200
 _MOST_PERIODS = 1000
@@ -58,7 +59,7 @@ def read_wanted(
             f"{system.name}: with {what} no motion repeats exactly; leave it out and give fixed"
             " values"
         )
-    period = whole_number("period", period)
+    period = period_of(initial) if period == 1 else whole_number("period", period)
     if period > _MOST_PERIODS:
         raise OptionError(f"period = {period}: at most {_MOST_PERIODS}")
     tables = build_tables(system)
@@ -79,6 +80,15 @@ def read_wanted(
         tolerance,
     )  # fmt: skip
     return wanted, names
+
+
+def period_of(initial: Any) -> int:
+    """Period of an orbit that is given as a start; 1 of any other start."""
+    if not is_orbit(initial):
+        return 1
+    if "period" in initial and initial["period"].ndim == 0:  # one of many orbits
+        return int(initial["period"])
+    return int(initial.attrs.get("period", 1))
 
 
 def said_of_options(

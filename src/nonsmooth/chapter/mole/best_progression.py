@@ -6,7 +6,7 @@ motion was detected. Here the curves are branches of orbits, and the dots are mo
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -75,7 +75,7 @@ def fig10(columns: int = 60) -> tuple[Figure, xr.Dataset]:
     (3, ('c_curve', 'c_column'))
     """
     figure, axes = print_figure(3, 1, width=12.0, height=21.0)
-    kept = {}
+    kept: dict[str, Any] = {}
     for panel, ax in zip(PANELS, axes, strict=True):
         whole = branches_of_panel(panel.over, panel.between, panel.curve, panel.values)
         branches = [near_observed(branch) for branch in whole]

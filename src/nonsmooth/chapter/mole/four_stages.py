@@ -109,10 +109,8 @@ def fig9() -> tuple[Figure, xr.Dataset]:
     figure.legend(
         handles, labels, loc="outside upper center", ncols=3, frameon=False, fontsize=_TEXT
     )
-    data = run.assign(
-        durations=orbit["durations"],
-        **{name: start[name][0] for name in ("psi_0", "x_0", "y_0")},
-    )
+    data = run.assign({name: start[name][0] for name in ("psi_0", "x_0", "y_0")})
+    data = data.assign(durations=orbit["durations"])
     data.attrs |= {
         "phases": " ".join(_MODES),
         "note": "parameters of Fig. 7(d); the chapter prints none for Fig. 9",

@@ -230,8 +230,12 @@ CHECKS = (
         _words,
         _judge_words,
     ),
-    Check("M31", "set of Fig. 7(d), orbit from the equations of its word", _durations,
-          _judge_durations),
+    Check(
+        "M31",
+        "set of Fig. 7(d), orbit from the equations of its word",
+        _durations,
+        _judge_durations,
+    ),
     Check(
         "M32",
         "period-one orbits of the sets of M30 and of two in the ranges of Fig. 8, each start of"
@@ -247,4 +251,4 @@ CHECKS = (
         _minima,
         _judge_minima,
     ),
-)  # fmt: skip
+)

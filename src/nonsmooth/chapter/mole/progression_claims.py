@@ -8,6 +8,7 @@ import numpy as np
 
 from nonsmooth import bifurcation_diagram
 from nonsmooth.chapter.judgement import Check, Evidence, Finding
+from nonsmooth.chapter.mole.cascade_claims import cascade
 from nonsmooth.chapter.mole.static_force_sweeps import (
     AMPLITUDES,
     CHAOTIC,
@@ -50,18 +51,45 @@ def _end_of_best(columns: int = _COLUMNS) -> Evidence:
                 "best": float(sweep.per_period[best]),
             }
         )
-    return {"rows": rows}
+    return {"rows": rows, "step": 0.3 / columns, "branch": _end_of_branch()}
+
+
+def _end_of_branch() -> Evidence:
+    """Where the period-one orbit of Fig. 7(d) ends as b rises, and its best progression."""
+    branch = cascade()[0]
+    kinds, places = branch["special_kind"].values, branch["special_point"].values
+    fold = int(places[kinds == "fold"][0])
+    solid = np.asarray(branch["stable"].values & branch["admissible"].values, bool)
+    best = int(np.where(solid, branch["v_per_period"].values, -np.inf).argmax())
+    return {
+        "end": float(branch["b"][fold]),
+        "stable_before": bool(solid[fold - 2]),
+        "stable_behind": bool(solid[fold + 2]),
+        "at_end": float(branch["v_per_period"][fold]),
+        "best_b": float(branch["b"][best]),
+        "best": float(branch["v_per_period"][best]),
+    }
 
 
 def _judge_end_of_best(evidence: Evidence) -> Finding:
-    rows = evidence["rows"]
+    rows, branch = evidence["rows"], evidence["branch"]
+    # columns end within 2 % or a step of the fold, and what is best on the branch is best of all
+    ends = branch["stable_before"] and not branch["stable_behind"]
     true = [
         row["next_label"] == CHAOTIC
         and row["after"] < row["before"]
         and row["best_above"] < row["before"]
         and row["interval"][0] <= row["best_b"] <= row["interval"][1]
+        and ends
+        and at_the_end(row["interval"][1], {"high": branch["end"]}, evidence["step"])
+        and row["best_above"] < branch["best"]
         for row in rows
     ]
+    text = (
+        f"the branch of the orbit ends in a fold at b = {branch['end']:.9f}, progression per period"
+        f" {branch['at_end']:.3f} there and {branch['best']:.3f} at most, at b ="
+        f" {branch['best_b']:.4f}; "
+    )
     listed = "; ".join(
         f"{row['start']}: period one for b from {row['interval'][0]:.4g} to"
         f" {row['interval'][1]:.4g}, progression per period {row['before']:.2f} at its end,"
@@ -69,7 +97,7 @@ def _judge_end_of_best(evidence: Evidence) -> Finding:
         f" {row['best']:.2f} at b = {row['best_b']:.4g}"
         for row in rows
     )
-    return Finding(agreed(true), listed)
+    return Finding(agreed(true), text + listed)
 
 
 def _best(a: float = 0.1, columns: int = _COLUMNS) -> Evidence:
@@ -239,7 +267,9 @@ def _judge_best_regimes(evidence: Evidence) -> Finding:
 
 
 CHECKS = (
-    Check("M17", _PROTOCOL, _end_of_best, _judge_end_of_best),
+    Check(
+        "M17", _PROTOCOL + "; the branch of the orbit beside it", _end_of_best, _judge_end_of_best
+    ),
     Check("M24", _PROTOCOL, _rise, _judge_rise),
     Check("M25", _PROTOCOL, _best, _judge_best),
     Check("M26", _PROTOCOL, _best_middle, _judge_best),

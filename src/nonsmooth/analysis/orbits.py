@@ -1,0 +1,138 @@
+"""`orbits`: all periodic orbits up to a period, stable or not, from many starts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from nonsmooth.analysis.orbit_search.collect import collect_orbits
+from nonsmooth.analysis.orbit_search.many_dataset import many_dataset
+from nonsmooth.analysis.orbit_search.many_options import read_many
+from nonsmooth.analysis.orbit_search.options import said_of_options
+from nonsmooth.maps.stroboscopic import StroboscopicMap
+from nonsmooth.periodic.legs import Legs
+from nonsmooth.system.system import System
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["orbits"]
+
+
+def orbits(
+    system: System | StroboscopicMap,
+    region: Mapping[str, Any] | None = None,
+    *,
+    longest: int = 1,
+    initial: Any = None,
+    completion: Mapping[str, float | str] | None = None,
+    samples: int = 100,
+    seed: int = 0,
+    guesses: int = 200,
+    record: int = 500,
+    match: float = 1e-6,
+    inadmissible: bool = False,
+    transient: int = 0,
+    parameters: Mapping[str, float] | None = None,
+    phase: float = 0.0,
+    mode: str | None = None,
+    tolerance: float = 1e-12,
+) -> xr.Dataset:
+    """Find all periodic orbits up to a period, unstable ones included, from many starts.
+
+    Parameters
+    ----------
+    system : System or StroboscopicMap
+        The system, driven or not; a map says at which phase orbits are reported.
+    region : mapping of str to (float, float), optional
+        For some states the range from which starts are drawn; without it, half as far again as
+        the motion from ``initial`` goes, on either side.
+    longest : int, optional
+        Longest period that is looked for, in periods of the forcing. Where nothing drives the
+        system, returns to the event that the orbit passes most often.
+    initial : mapping, dataset or run, optional
+        Start of a longer motion, in which orbits are looked for too; the rest state without it.
+    completion : mapping of str to float or str, optional
+        States outside the region, as in `attractors`.
+    samples : int, optional
+        Number of starts that are drawn.
+    seed : int, optional
+        Of the scrambled Sobol sequence from which starts are drawn.
+    guesses : int, optional
+        Guesses that are tried for each period, at most.
+    parameters : mapping of str to float, optional
+        Changed values of parameters.
+
+    Other Parameters
+    ----------------
+    record : int, optional
+        Periods of the motion from ``initial``; without a period, windows.
+    match : float, optional
+        Orbits are the same whose points agree to this part of the spread of each state.
+    inadmissible : bool, optional
+        Keep solutions for a word that are no motion, too.
+    transient : int, optional
+        Periods of the motion from ``initial`` that are left out.
+    phase : float, optional
+        Part of the period at which orbits are reported, from 0 to less than 1.
+    mode : str, optional
+        Mode of ``initial``, as in `simulate`.
+    tolerance : float, optional
+        As in `simulate`.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``orbit``, the variables of `find_orbit`, and ``period`` and ``found``, how many
+        guesses led to it; the shortest period first, then the smallest leading multiplier. Words
+        differ in length: legs behind the last one are nan, mode -1. ``orbits.isel(orbit=0)`` is an
+        orbit for `simulate`, `find_orbit` and `continue_orbit`. The message tells how many guesses
+        led to orbits, to solutions that are no motion and to nothing, and how many orbits were
+        found once: where there are such, more guesses find more.
+
+    Raises
+    ------
+    OptionError
+        For an unknown state, an empty range, or an option out of its range.
+
+    See Also
+    --------
+    find_orbit : one orbit.
+    attractors : the stable motions of a region.
+    continue_orbit : an orbit over a parameter.
+
+    Notes
+    -----
+    A chaotic motion, and one on its way to an attractor, come close to unstable orbits again and
+    again. Every stretch of the motions that nearly closes is a guess for Newton's method, as in
+    `find_orbit`: for each period the closest return of each sequence of modes, then the next
+    closest one, and so on. Orbits are compared as sets: an orbit that begins at another of its
+    strobes or events, and the multiple of a shorter one, count as that orbit. A search from motions
+    can miss orbits: those that are very unstable, and those in parts that no start comes to.
+
+    References
+    ----------
+    D. Auerbach, P. Cvitanovic, J.-P. Eckmann, G. Gunaratne and I. Procaccia, Exploring chaotic
+    motion through periodic orbits, Physical Review Letters 58, 2387 (1987).
+
+    Examples
+    --------
+    The mole beside its stable motion, beyond two period doublings:
+
+    >>> import nonsmooth as ns
+    >>> mole = ns.models.moling(a=0.3, b=0.095, xi=0.05, omega=0.1)
+    >>> found = ns.orbits(mole, longest=4, samples=20, guesses=20)
+    >>> found["period"].values.tolist(), found["stable"].values.tolist()
+    ([1, 2, 4], [False, False, True])
+    """
+    wanted, how = read_many(
+        system, region, longest=longest, initial=initial, completion=completion, samples=samples,
+        seed=seed, guesses=guesses, record=record, match=match, inadmissible=inadmissible,
+        transient=transient, parameters=parameters, phase=phase, mode=mode, tolerance=tolerance,
+    )  # fmt: skip
+    legs = Legs(wanted.system)
+    legs.set_values(wanted.system.parameter_values)
+    found = collect_orbits(wanted, how, legs)
+    said = said_of_options(wanted, parameters, ())
+    del said["word_asked_for"]
+    return many_dataset(wanted.system, found, how, said)
