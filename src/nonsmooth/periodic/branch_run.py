@@ -71,7 +71,7 @@ def follow_orbits(
                 continue
             if each.special == "fold":
                 way, section = -way, None
-            elif not each.special:
+            elif not each.special and (section is None or each.arclength > section.arclength):
                 if section is not None and way * each.way < 0.0:
                     yield replace(section, special="fold")  # just where an event passes the section
                 way, section = each.way, None
