@@ -132,8 +132,8 @@ def continue_orbit(
 
     Examples
     --------
-    The mole doubles its period where the static force falls; where it grows, its orbit of period one
-    meets a fold and comes back unstable:
+    The mole doubles its period where the static force falls; where it grows, its orbit of period
+    one meets a fold and comes back unstable:
 
     >>> import nonsmooth as ns
     >>> mole = ns.models.moling(a=0.3, b=0.15, xi=0.05, omega=0.1)

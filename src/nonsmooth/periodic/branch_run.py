@@ -41,6 +41,7 @@ class BranchPart:
     special: str = ""
     detail: str = ""
     test: str = ""  # what vanishes there, as `BranchTests` names it for this word
+    way: float = 0.0  # of the parameter along the branch: its sign
 
 
 @dataclass
@@ -62,6 +63,25 @@ def follow_orbits(
 
     ``report`` is told how many steps are done; it may raise to stop.
     """
+    way, section = 0.0, None
+    for each in _follow(options, legs, start, report):
+        if isinstance(each, BranchPart):
+            if each.special == "section":
+                section = each
+                continue
+            if each.special == "fold":
+                way, section = -way, None
+            elif not each.special and (section is None or each.arclength > section.arclength):
+                if section is not None and way * each.way < 0.0:
+                    yield replace(section, special="fold")  # just where an event passes the section
+                way, section = each.way, None
+        yield each
+
+
+def _follow(
+    options: BranchOptions, legs: Legs, start: BranchStart, report: Callable[[int], None]
+) -> Iterator[BranchPart | Followed]:
+    """The same; an event that passes the section is a point of its own."""
     done, along = 0, 0.0
     stretch: Stretch | None = Stretch(options, legs, start.equations, start.grows)
     ended = Followed(
@@ -135,7 +155,8 @@ def _part(
     if special == "branch_point" and is_symmetric(stretch.equations, looked.turn):
         special = "symmetry_breaking"
     test = point.special if special else ""
-    return BranchPart(stretch.equations.word, looked, point.p, along, special, detail, test)
+    way = float(np.sign(point.tangent_p))
+    return BranchPart(stretch.equations.word, looked, point.p, along, special, detail, test, way)
 
 
 def _is_critical(looked: Looked, kind: str) -> bool:
@@ -167,7 +188,7 @@ def _changed(
         start = begin_change(stretch, change, point)
         if start is not None:
             if change.kind == "section":
-                return start, None
+                return start, _part(stretch, looked, point, along, "section", "")
             start.detail = _detail(stretch, name, start, point)
             if name.startswith("short"):  # the graze is located from the other side
                 start.located = True

@@ -15,7 +15,7 @@ from nonsmooth.periodic.equations import OrbitEquations
 from nonsmooth.periodic.guess import Guess
 from nonsmooth.periodic.legs import LegError, Legs
 from nonsmooth.periodic.newton import scale_of, solve_orbit
-from nonsmooth.periodic.stretch import BranchOptions, BranchStart, Stretch
+from nonsmooth.periodic.stretch import BranchOptions, BranchStart, Stretch, scale_along
 from nonsmooth.periodic.word_change import Change
 
 __all__ = ["begin_change", "solved_start", "tangent_at"]
@@ -133,11 +133,12 @@ def _goes_on(stretch: Stretch, start: BranchStart) -> bool:
     """Whether the first orbits of a new stretch are motions."""
     trial = Stretch(stretch.options, stretch.legs, start.equations, start.grows)
     step = _FIRST * stretch.options.step
+    trial.set_parameter(start.value)
     try:
         branch = follow(
             trial.residual, start.unknowns, start.value, direction=start.direction, step=step,
             smallest_step=stretch.options.smallest_step, largest_step=step, steps=2,
-            bounds=stretch.options.bounds, scale=scale_of(start.equations, start.unknowns),
+            bounds=stretch.options.bounds, scale=scale_along(start.equations, start.unknowns),
             parameter_scale=stretch.options.bounds[1] - stretch.options.bounds[0],
         )  # fmt: skip
         points = [point for point in branch if not point.special]

@@ -123,13 +123,14 @@ def _between_events(
     spread = np.maximum(np.ptp(samples, axis=0), 1e-12)
     apart = np.where(drifting, 0.0, np.abs(states - states[0]) / spread).max(axis=1)
     returns = np.flatnonzero(same)[1:]
-    if returns.size == 0 or not (final or np.any(apart[returns] <= _NEAR[-1])):
-        return None
-    turn = int(returns[np.argmin(apart[returns])])
     for near in _NEAR:
         if np.any(apart[returns] <= near):
             turn = int(returns[apart[returns] <= near][0])
             break
+    else:
+        if returns.size == 0 or not final:
+            return None
+        turn = int(returns[np.argmin(apart[returns])])
     last = min(turn * period, len(rows) - 1)
     paths = [path_of_bits(int(r[at.PATH]), int(r[at.PASSES])) for r in rows[1 : last + 1]]
     if any(path is None for path in paths):
@@ -153,15 +154,15 @@ def _around(
     crossings = np.flatnonzero((forward[1:-1] < 0.0) & (forward[2:] >= 0.0)) + 2
     if crossings.size == 0:
         return None
-    # back to the crossing itself: a sample may lie as far behind it as a sample is from the next
-    back = forward[crossings] / (forward[crossings] - forward[crossings - 1])
-    there = scaled[crossings] - back[:, None] * (scaled[crossings] - scaled[crossings - 1])
-    apart = np.abs(there).max(axis=1)
-    near = np.flatnonzero(apart <= 0.1)
-    if not (near.size or last):
+    # between samples, on the plane across the flow at the first one
+    part = forward[crossings] / (forward[crossings] - forward[crossings - 1])
+    before, behind = scaled[crossings - 1], scaled[crossings]
+    apart = np.abs(behind + part[:, None] * (before - behind)).max(axis=1)
+    near = np.flatnonzero(apart <= _NEAR[-1])
+    if not (near.size or final):
         return None
-    chosen = int(near[0]) if near.size else int(np.argmin(apart))
-    length = float(crossings[chosen] - back[chosen]) * step * period
+    k = int(near[0]) if near.size else int(np.argmin(apart))
+    length = (crossings[k] - part[k]) * step * period
     word = Word((int(outcome.records.sample_mode[0]),), ((),))
     first = outcome.records.sample_state[:1].copy()
     return Guess(word, Turn(first, np.array([0.0, length])))

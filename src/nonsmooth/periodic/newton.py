@@ -21,6 +21,7 @@ _LONGEST = 1.0  # step, beside the unknowns: near a fold Newton's steps have no 
 _SMALL = 1e-7  # step, beside the unknowns, the square of which is rounding
 _ROUNDING = 1e-14  # residual that no step makes smaller
 _CLOSED = 1e-10  # residual, beside the states, of a solution
+_FURTHER = 4  # steps of an orbit that is found already
 _BACKWARDS = 0.05  # part of the turn by which a leg may last less than nothing on the way
 _SINGULAR = 1e-15  # reciprocal condition of the scaled Jacobian
 
@@ -48,19 +49,22 @@ def solve_orbit(
     size = _size(residual, rows)
     if size <= _ROUNDING:  # where branches cross, a step would lead away
         return Solution(unknowns, size, 0, "completed")
-    last = np.inf  # size of the step before
+    last, further = np.inf, 0  # size of the step before; steps within rounding
     for iteration in range(1, steps + 1):
         step, well = _solve(jacobian * scale / rows[:, None], -residual / rows)
         if not well:
             return Solution(unknowns, size, iteration, "singular")
         length = float(np.abs(step).max())
         if size <= _CLOSED and min(length, last) <= _SMALL:
-            # one more step takes what rounding allows
+            # further steps take what rounding allows
             size_there, found = _try(equations, unknowns + step * scale, rows)
-            if size_there < size:
-                return Solution(unknowns + step * scale, size_there, iteration, "completed")
-            equations.evaluate(unknowns)
-            return Solution(unknowns, size, iteration, "completed")
+            further += 1
+            if found is None or size_there >= size or further > _FURTHER:
+                equations.evaluate(unknowns)
+                return Solution(unknowns, size, iteration, "completed")
+            unknowns, size, last = unknowns + step * scale, size_there, length
+            residual, jacobian = found
+            continue
         part = _longest_part(equations, unknowns, step * scale)
         part = min(part, _LONGEST / max(length, _LONGEST))
         for _ in range(_MOST_HALVINGS):
@@ -77,7 +81,7 @@ def solve_orbit(
         residual, jacobian = found
         if size == 0.0:
             return Solution(unknowns, size, iteration, "completed")
-    return Solution(unknowns, size, steps, "no_orbit")
+    return Solution(unknowns, size, steps, "completed" if size <= _ROUNDING else "no_orbit")
 
 
 def null_vector(equations: OrbitEquations, unknowns: Floats) -> Floats:

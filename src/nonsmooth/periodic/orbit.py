@@ -17,7 +17,8 @@ __all__ = ["Orbit", "make_orbit", "primitive_parts"]
 
 Floats = npt.NDArray[np.float64]
 
-_MOST_PARTS = 12  # of a turn in one mode
+_MOST_TURNS = 12  # of a cycle without events that is passed several times
+_NEUTRAL = 1e-10  # distance from the unit circle that rounding may make
 _SAME = 1e-7  # part of the size of a state within which parts of an orbit are the same
 
 
@@ -54,7 +55,7 @@ class Orbit:
     def stable(self) -> bool:
         """Whether all multipliers lie inside the unit circle."""
         values = self.multipliers.multipliers
-        return bool(np.all(np.isfinite(values)) and np.all(np.abs(values) < 1.0))
+        return bool(np.all(np.isfinite(values)) and np.all(np.abs(values) < 1.0 - _NEUTRAL))
 
 
 def make_orbit(
@@ -82,8 +83,6 @@ def primitive_parts(equations: OrbitEquations, turn: Turn) -> int:
     word, count = equations.word, equations.word.n_events
     if not equations.autonomous:
         parts = [d for d in range(equations.period, 1, -1) if equations.period % d == 0]
-    elif count == 0:
-        parts = list(range(_MOST_PARTS, 1, -1))
     else:
         parts = [d for d in range(count, 1, -1) if count % d == 0]
     drifts = equations.drifting

@@ -31,6 +31,7 @@ Floats = npt.NDArray[np.float64]
 _RANDOM = 200  # durations tried for a given word
 _PERIODS = 200  # of the motion in which a given word is looked for
 _SEED = 1
+_NEUTRAL = 1e-9  # distance of a multiplier from 1
 _OFF_FOLD = (1e-4, 1e-3, 1e-2, 0.1, 0.5)  # of the size of an orbit, along the direction of a fold
 
 
@@ -181,6 +182,11 @@ def finish(wanted: Wanted, equations: OrbitEquations, solution: Solution) -> Fou
         said.append(
             f"the turn passes {orbit.primitive} times through a shorter orbit; the motion has only"
             " this one there, or the guess is nearer to it"
+        )
+    if np.any(np.abs(orbit.multipliers.multipliers - 1.0) <= _NEUTRAL):
+        said.append(
+            "a multiplier is 1: the orbit lies on a fold, where branches cross, or is one of a"
+            " family, as where nothing fixes its amplitude"
         )
     if not orbit.admissibility.admissible:
         said.append(

@@ -13,14 +13,16 @@ from nonsmooth.continuation.follow import follow
 from nonsmooth.continuation.point import Point
 from nonsmooth.periodic.branch_tests import WORD_TESTS, BranchTests, Looked
 from nonsmooth.periodic.equations import OrbitEquations
-from nonsmooth.periodic.legs import Legs
+from nonsmooth.periodic.legs import LegError, Legs
 from nonsmooth.periodic.newton import scale_of
+from nonsmooth.periodic.word import Word
 from nonsmooth.system.system import System
 
-__all__ = ["BranchOptions", "BranchStart", "Stretch"]
+__all__ = ["BranchOptions", "BranchStart", "Stretch", "scale_along"]
 
 Floats = npt.NDArray[np.float64]
 
+_WITHIN = 8  # places in each leg at which states are looked at for their size
 _ALWAYS = ("leg", "short")  # changes of the word behind which its equations mean nothing
 
 
@@ -99,10 +101,33 @@ class Stretch:
     def branch(self, start: BranchStart, steps: int) -> Branch:
         """The branch from a start."""
         low, high = self.options.bounds
+        self.set_parameter(start.value)
         return follow(
             self.residual, start.unknowns, start.value, direction=start.direction,
             step=self.options.step, smallest_step=self.options.smallest_step,
             largest_step=self.options.largest_step, bounds=self.options.bounds, steps=steps,
-            tests=self.asked, scale=scale_of(self.equations, start.unknowns),
+            tests=self.asked, scale=scale_along(self.equations, start.unknowns),
             parameter_scale=high - low,
         )  # fmt: skip
+
+
+def scale_along(equations: OrbitEquations, unknowns: Floats) -> Floats:
+    """What counts as large for each unknown, states within the legs included.
+
+    Where an orbit grazes, its velocity at the events is small and not so in between: steps of a
+    branch that were measured by it would be tiny.
+    """
+    scale, legs, count = scale_of(equations, unknowns), equations.legs, len(equations.word)
+    turn = equations.unpack(unknowns)
+    leg = np.repeat(np.arange(count), _WITHIN)
+    begins = turn.instants[leg]
+    ends = begins + np.tile(np.arange(1, _WITHIN + 1) / _WITHIN, count) * turn.durations[leg]
+    open_word = Word(tuple(equations.word.modes[k] for k in leg), ((),) * leg.size)
+    try:
+        states = legs.follow_each(open_word, turn.states[leg], begins, ends).ends
+    except LegError:
+        return scale
+    size = np.abs(states - np.where(equations.drifting, turn.states[0], 0.0)).max(axis=0)
+    n_states = count * legs.n
+    scale[:n_states] = np.maximum(scale[:n_states], np.tile(size, count))
+    return scale

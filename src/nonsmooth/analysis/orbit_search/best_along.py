@@ -116,7 +116,7 @@ def _refined(wanted: WantedBest, run: _Run, values: Floats) -> Best:
     sides = points[max(k - 1, 0)], points[min(k + 1, len(points) - 1)]
     low, high = sorted(sides, key=lambda each: float(parameter[each]))
     a, b = float(parameter[low]), float(parameter[high])
-    if not a < b:
+    if not a < b or wanted.quantity == wanted.parameter:
         return _at_point(wanted, points[k], values, _limit(run, points[k]))
     between = OrbitsBetween(wanted, [points[k], *sides])
     ends = float(values[low]), float(values[high])

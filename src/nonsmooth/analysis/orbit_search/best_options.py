@@ -42,6 +42,10 @@ def read_best(
         raise OptionError(
             f"branch = {type(branch).__name__}: give a branch of orbits, as continue_orbit gives it"
         )
+    if "first_parameter" in branch.attrs:
+        raise OptionError(
+            "branch: this is a curve over two parameters; give a branch of continue_orbit over one"
+        )
     if branch.sizes["point"] == 0:
         raise OptionError("branch: there are no points in it; see its message")
     try:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
-from itertools import islice
 
 import numpy as np
 
 from nonsmooth.analysis.basins.region import Box
 from nonsmooth.analysis.orbit_search.close_returns import (
+    Return,
     close_returns,
     returns_in_turn,
     spread_of,
@@ -29,7 +30,7 @@ from nonsmooth.analysis.orbit_search.sampled_motions import (
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import RunError
 from nonsmooth.periodic.guess import Guess
-from nonsmooth.periodic.guess_cycle import cycle_guess
+from nonsmooth.periodic.guess_cycle import cycle_guesses
 from nonsmooth.periodic.legs import LegError, Legs
 from nonsmooth.periodic.newton import solve_orbit
 from nonsmooth.periodic.orbit import Orbit
@@ -41,7 +42,8 @@ __all__ = ["Collected", "HowToCollect", "collect_orbits"]
 
 _SHORTEST = {True: 32, False: 64}  # periods, or windows, of a motion from a start
 _PER_PERIOD = {True: 4, False: 16}  # of an orbit
-_STEPS = 12  # of Newton's method: guesses that need more seldom lead to an orbit
+_PATIENCE = 10  # guesses of one word in a row that lead to nothing new
+_STEPS = 20  # of Newton's method: guesses that need more seldom lead to an orbit
 _SMOOTH = 20  # starts from which a cycle without events is looked for
 
 
@@ -119,14 +121,27 @@ class _Search:
             self._smooth_cycles()
         for n in range(1, 1 + (0 if smooth else self.how.longest)):
             returns = close_returns(motions, n, self.spread, self.how.guesses)
-            wanted = replace(self.wanted, period=n)
-            before = self.how.samples + (n - 1) * self.how.guesses
-            each_once = returns_in_turn(motions, returns, self.spread)
-            for count, each in enumerate(islice(each_once, self.how.guesses)):
-                self.report(before + count)
-                guess = motions[each.motion].guess(each.i, each.j, self.origin, self.drifting)
-                if guess is not None:
-                    self._solve(wanted, guess)
+            self._solve_returns(motions, returns, replace(self.wanted, period=n))
+
+    def _solve_returns(
+        self, motions: list[Motion], returns: list[Return], wanted: Wanted
+    ) -> None:  # fmt: skip
+        """Guesses for one period; words that lead to nothing new any more are left."""
+        before = self.how.samples + (wanted.period - 1) * self.how.guesses
+        idle: Counter[bytes] = Counter()
+        tried = 0
+        for each in returns_in_turn(motions, returns, self.spread):
+            motion = motions[each.motion]
+            key = motion.word_key(each.i, each.j)
+            if idle[key] >= _PATIENCE:
+                continue
+            guess = motion.guess(each.i, each.j, self.origin, self.drifting)
+            new = guess is not None and self._solve(wanted, guess)
+            idle[key] = 0 if new else idle[key] + 1
+            tried += 1
+            self.report(before + tried)
+            if tried >= self.how.guesses:
+                break
 
     def keep(self) -> None:
         """Write down what was found."""
@@ -164,10 +179,11 @@ class _Search:
         for done, initial in enumerate(initials):
             self.report(self.how.samples + done)
             try:
-                guess = cycle_guess(
+                guesses = cycle_guesses(
                     system, initial, period=1, transient=self.how.record, mode=None,
                     tolerance=self.wanted.tolerance,
                 )  # fmt: skip
+                guess = next(guesses, None)
             except (RunError, ValueError):
                 guess = None
             if guess is None:
@@ -176,8 +192,8 @@ class _Search:
             else:
                 self._solve(replace(self.wanted, period=1), guess)
 
-    def _solve(self, wanted: Wanted, guess: Guess) -> None:
-        """An orbit from a guess, counted."""
+    def _solve(self, wanted: Wanted, guess: Guess) -> bool:
+        """An orbit from a guess, counted; whether it is a new one."""
         assert self.set is not None
         self.found.tried += 1
         orbit = self._orbit(wanted, guess)
@@ -189,7 +205,8 @@ class _Search:
             self.found.no_motion += 1
         else:
             self.found.led_to_orbits += 1
-            self.set.add(orbit)
+            return self.set.add(orbit)
+        return False
 
     def _orbit(self, wanted: Wanted, guess: Guess) -> Orbit | None:
         """The orbit of a guess, passed through once."""

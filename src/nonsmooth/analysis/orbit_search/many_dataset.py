@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from nonsmooth.analysis.orbit_search.collect import Collected, HowToCollect
+from nonsmooth.periodic.orbit import Orbit
 from nonsmooth.periodic.orbit_dataset import common, orbit_variables
 from nonsmooth.simulation.assemble import Columns, assemble
 from nonsmooth.simulation.labels import labels_of
@@ -25,7 +26,8 @@ def many_dataset(
     labels, over = labels_of(system), ("orbit",)
     members = found.members
     # an orbit that was not found keeps the shapes of variables where there is none
-    orbits = [member.orbit for member in members] or [None]
+    orbits: list[Orbit | None] = [member.orbit for member in members]
+    orbits = orbits or [None]
     variables: Columns = orbit_variables(system, orbits, over)
     counts = np.array([member.found for member in members] or [0], np.int64)
     periods = np.array([0 if orbit is None else orbit.period for orbit in orbits], np.int64)
