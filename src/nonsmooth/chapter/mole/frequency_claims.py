@@ -154,7 +154,7 @@ def _frequencies(
 
 def _best_on_branch(a: float, b: float) -> Evidence:
     """Best stable period-one orbit of four phases over the frequency, by both measures."""
-    branch = four_phase_branch("omega", (0.02, 1.0), a=a, b=b)
+    branch = four_phase_branch("omega", (0.03, 0.5), a=a, b=b)
     by_period, by_time = (best_stable(branch, name) for name in ("v_per_period", "v_per_time"))
     if by_period < 0:
         return {}
@@ -203,7 +203,7 @@ CHECKS = (
         "M57",
         "b .15, xi .01 (Fig. 10) and .05, a above b: .3 .5 .7 .9; 41 values of omega from .02 to 2,"
         " even in the logarithm; restart from rest and follow up and down, 300 periods dropped, 100"
-        " kept; beside it the branches of Fig. 10(a); low: a tenth of the natural frequency at most",
+        " kept; also branches of Fig. 10(a); low: a tenth of the natural frequency at most",
         _frequencies,
         _judge_frequencies,
     ),
