@@ -83,7 +83,7 @@ def test_fastest_mole_against_motions(mole, branch):
     assert abs(vertex) < 1e-9
     assert abs(series(vertex) - best["best"].item()) < 1e-9
     sweep = branch["v_per_period"].values[branch["stable"].values & branch["admissible"].values]
-    assert 0.0 < best["best"].item() - sweep.max() < 1e-2
+    assert 0.0 < best["best"].item() - sweep.max() < 0.05  # points of the branch lie about it
     assert abs(ns.best_point(branch, "v_per_time")["b"].item() - b) < 1e-9
 
 

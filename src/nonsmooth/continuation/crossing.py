@@ -17,6 +17,7 @@ __all__ = ["Crossing", "crossing_near", "zero_directions"]
 _ROUNDS = 12
 _SETTLED = 1e-13  # scaled step at which the iteration ends
 _ROUNDING = 1e-7  # the same for one that no longer shrinks
+_AWAY = 1e6  # scaled step that leads to no place nearby
 _DEGENERATE = 1e-4  # part of the other eigenvalue of the form, below which one may be zero
 _BESIDE = 0.01  # scaled distance from a crossing at which its equations have their usual sizes
 _SECOND_STEP = 1e-4  # differences of derivatives, where these are differences themselves
@@ -58,6 +59,9 @@ def crossing_near(equations: Equations, u: Array, p: float) -> Crossing:
             step = np.linalg.solve(matrix, sides)
         except np.linalg.LinAlgError:
             raise SingularMatrix("no second derivatives fix it, as at a fold") from None
+        largest = float(np.abs(step).max())
+        if not largest <= _AWAY:
+            raise SingularMatrix("Newton's method leaves the place")
         u, p = u - step[:-1] * scale[:-1], p - float(step[-1] * scale[-1])
         length = math.sqrt(float(step @ step))
         size = 1.0 + math.sqrt(float(np.sum((u / scale[:-1]) ** 2)))

@@ -29,7 +29,7 @@ Floats = npt.NDArray[np.float64]
 
 WORD_TESTS = ("graze", "corner", "short", "leg", "rate", "gain", "motion")
 _SHORT = 1e-5  # part of the turn: a contact of this duration is a graze
-_FADED = 1e-100  # a guard that is no more than that is what a decay leaves
+_FADED = 1e-100  # a guard that was never more than that is what a decay leaves
 _AT_CHANGE = 1e-9  # of a test: the word is about to change
 _ZERO = 1e-10  # of the states: a guard that is zero by construction
 
@@ -79,6 +79,7 @@ class BranchTests:
         self.equations, self.tolerance, self.whole = equations, tolerance, whole
         self._grows = grows
         self._still: set[str] | None = None  # tests that are zero by construction
+        self._clear: set[str] = set()  # grazes that are more than what a decay leaves
         word, wiring = equations.word, equations.legs.tables.wiring
         self._grazing = [is_graze(word, wiring, k) for k in range(len(word))]
         self._last: tuple[bytes, Looked] | None = None
@@ -99,14 +100,13 @@ class BranchTests:
         kept = self._of_word(turn, found)
         tests |= kept
         if self.whole:
-            if any(abs(value) <= _AT_CHANGE for value in kept.values()):
-                pass  # where the word changes, rounding decides what the engine finds
-            elif all(value > 0.0 for value in kept.values()):
+            least = min(kept, key=lambda name: kept[name], default="")
+            if least and kept[least] < -_AT_CHANGE:
+                admissibility = Admissibility(False, f"beyond {least}")
+            elif all(value > _AT_CHANGE for value in kept.values()):
                 admissibility = check_admissible(equations, turn, self.tolerance)
                 tests["motion"] = 1.0 if admissibility.admissible else -1.0
-            else:
-                broken = min(kept, key=lambda name: kept[name])
-                admissibility = Admissibility(False, f"beyond {broken}")
+            # else the word is about to change, and rounding decides what the engine finds
         looked = Looked(
             turn, end, legs.values.copy(), legs.window, residual, multipliers, admissibility, tests
         )
@@ -120,8 +120,12 @@ class BranchTests:
         tests: dict[str, float] = {}
         lowest, _ = equations.legs.minima(word, turn.states, turn.instants)
         for k, path in enumerate(word.paths):
-            for g in np.flatnonzero(np.abs(lowest[k]) > _FADED):
-                tests[f"graze:{k}:{g}"] = float(lowest[k, g])
+            for g in np.flatnonzero(np.isfinite(lowest[k])):
+                name = f"graze:{k}:{g}"
+                if abs(lowest[k, g]) > _FADED:
+                    self._clear.add(name)
+                if name in self._clear:
+                    tests[name] = float(lowest[k, g])
             if not path:
                 continue
             duration = float(turn.durations[k])
