@@ -44,6 +44,10 @@ ATTRACTOR = {
     "points": None, "fraction": ONE, "fraction_error": ONE, "multiplier_real": ONE,
     "multiplier_imag": ONE, "residual": ONE, "exponent": ONE, "exponent_error": ONE,
 }  # fmt: skip
+ORBIT = {
+    **{name: MOTION[name] for name in STATES}, "time": S, "length": S, "residual": ONE,
+    "log_determinant": ONE, "durations": S, "leg_time": S, "leg_states": None,
+}  # fmt: skip
 CONTACT = {
     "contacts": ONE, "contact_share": ONE, "contact_duration": S, "shortest_contact": S,
     "longest_contact": S, "percentile": ONE,
@@ -80,6 +84,13 @@ def of_this_system(data):
 
 def run_up():
     return ns.simulate(RIG.run_up(10.0, 14.0, 4.0), periods=40)
+
+
+BRANCH = {"eta": HERTZ, "special_value": HERTZ, "arclength": ONE}
+
+
+def speeds_of_orbits():
+    return ns.continue_orbit(SYSTEM, "eta", (0.91, 0.915), steps=5)
 
 
 # of each verb: a result, and of each number in it what one is worth; None for a table of states
@@ -133,6 +144,17 @@ RESULTS = {
                              | dict.fromkeys(("start_state", "image_state"))
                              | dict.fromkeys(("slope", "spread", "largest_spread",
                                               "exponent_per_return"), ONE)),
+    "find_orbit": (lambda: ns.find_orbit(SYSTEM), ORBIT),
+    "orbits": (lambda: ns.orbits(SYSTEM, samples=4, guesses=8, record=100), ORBIT),
+    "continue_orbit": (speeds_of_orbits, ORBIT | BRANCH),
+    "continue_special": (lambda: ns.continue_special(
+                             ns.continue_orbit(SYSTEM, "eta", (1.1, 1.2), parameters={"eta": 1.12}),
+                             1, "delta_x", (0.19, 0.21), steps=3),
+                         ORBIT | BRANCH | {"delta_x": MM, "special_value": MM}),
+    "orbit_samples": (lambda: ns.orbit_samples(ns.find_orbit(SYSTEM)),
+                      MOTION | {"time": S, "length": S}),
+    "best_point": (lambda: ns.best_point(speeds_of_orbits(), "x"),
+                   ORBIT | {"eta": HERTZ, "best": MM}),
     "attractors": (lambda: ns.attractors(SYSTEM, {"x": (-0.4, 1.4)}, samples=8, record=200),
                    ATTRACTOR),
     "basins_of_attraction": (lambda: basins(lambda found: found), ATTRACTOR | {"x": MM, "y": MM}),
@@ -179,7 +201,7 @@ RESULTS = {
 }  # fmt: skip
 NO_RESULTS = {  # verbs, and what else there is, that give no dataset of a motion of their own
     "PoincareMap", "StroboscopicMap", "System", "Exit", "Mode", "Signal", "excitation", "fatigue",
-    "measured", "models", "plot", "phase_word", "tie_parameters", "__version__",
+    "continuation", "measured", "models", "plot", "phase_word", "tie_parameters", "__version__",
 }  # fmt: skip
 
 

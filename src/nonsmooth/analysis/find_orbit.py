@@ -40,7 +40,8 @@ def find_orbit(
         Start of the motion from which the orbit is guessed, as in `simulate`; the rest state
         without it. A point of another orbit is one.
     period : int, optional
-        Periods of the forcing in one turn. Where nothing drives the system, turns of the cycle.
+        Periods of the forcing in one turn; those of an orbit given as ``initial``. Where nothing
+        drives the system, turns of the cycle.
     word : str or sequence of str, optional
         Modes of one turn in order, as `phase_word` gives them, for an orbit that no motion
         follows: ``"no_contact contact progression contact no_contact"``. It ends in the mode in

@@ -111,7 +111,7 @@ class Observer:
     def _tests(self, segment: Segment) -> Iterator[Mark]:
         before, after = self.tested(segment.first), self.tested(segment.last)
         for name in after:
-            if name in before and not before[name] * after[name] > 0.0:
+            if name in before and not before[name] * after[name] > 0.0:  # else nothing to locate
                 found = segment.locate(self._named(name))
                 if found:
                     yield Mark(*found, name)

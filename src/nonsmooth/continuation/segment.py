@@ -76,7 +76,9 @@ class Segment:
         """
         ends = {0.0: value(self.first), 1.0: value(self.last)}
         low, high = ends[0.0], ends[1.0]
-        if not (math.isfinite(low) and math.isfinite(high)) or low == 0.0 or low * high > 0.0:
+        if not (math.isfinite(low) and math.isfinite(high)) or low == 0.0:
+            return None
+        if high != 0.0 and (low > 0.0) == (high > 0.0):  # their product might underflow
             return None
         if high == 0.0:
             return 1.0, self.last

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -25,6 +25,7 @@ Floats = npt.NDArray[np.float64]
 
 _AGAIN = 1e-6  # arclength from the start of a stretch within which its own change is seen again
 _BEYOND = 1e-6  # of the range of the parameter: where the engine is asked
+_MOST_TELLING = ("short", "leg", "gain", "graze", "rate", "corner")
 _TOGETHER = 1e-8  # of a test, beside the states: it vanishes at the same point as another one
 _CRITICAL = 1e-5  # distance from the unit circle of a multiplier that is on it
 _NEAR_GRAZE = 1e-2  # part of the turn: branches cross there as an excursion vanishes
@@ -92,6 +93,7 @@ def _follow(
     while stretch is not None and done < options.steps:
         branch = stretch.branch(start, options.steps - done)
         begin, following = along, None
+        before: Mapping[str, float] = {}  # tests of the last point that was a motion
         for point in branch:
             along = begin + point.arclength
             report(done)
@@ -111,10 +113,16 @@ def _follow(
                 continue
             if start.located and looked.tests.get(start.grows, 1.0) <= 0.0 and not name:
                 continue  # before the graze, on its other side
+            if begin > 0.0 and not name and not before and not _may_stand(options, looked):
+                continue  # where the word has just changed rounding decides what the engine finds
+            if kind in WORD_TESTS and before.get(name, 1.0) < 0.0:
+                continue  # it rises there
             lost = kind not in WORD_TESTS and not _may_stand(options, looked)
             if lost:
-                name, point = "motion", replace(point, special="motion")
+                name = _broken(looked)
+                point = replace(point, special=name)
             if kind not in WORD_TESTS and not lost:
+                before = looked.tests
                 yield _part(stretch, looked, point, along, name, "")
                 done += not name
                 continue
@@ -133,6 +141,18 @@ def _follow(
         done += 1
         stretch = Stretch(options, legs, start.equations, start.grows)
     yield ended
+
+
+def _broken(looked: Looked) -> str:
+    """The test behind whose zero an orbit lies that was passed without being located.
+
+    Where an excursion vanishes the equations are nearly singular, and the search may fail there.
+    """
+    for kind in _MOST_TELLING:
+        for name, value in looked.tests.items():
+            if name.split(":")[0] == kind and value < 0.0:
+                return name
+    return "motion"
 
 
 def _may_stand(options: BranchOptions, looked: Looked) -> bool:

@@ -29,6 +29,7 @@ Floats = npt.NDArray[np.float64]
 
 WORD_TESTS = ("graze", "corner", "short", "leg", "rate", "gain", "motion")
 _SHORT = 1e-5  # part of the turn: a contact of this duration is a graze
+_FADED = 1e-100  # a guard that is no more than that is what a decay leaves
 _AT_CHANGE = 1e-9  # of a test: the word is about to change
 _ZERO = 1e-10  # of the states: a guard that is zero by construction
 
@@ -119,7 +120,7 @@ class BranchTests:
         tests: dict[str, float] = {}
         lowest, _ = equations.legs.minima(word, turn.states, turn.instants)
         for k, path in enumerate(word.paths):
-            for g in np.flatnonzero(np.isfinite(lowest[k])):
+            for g in np.flatnonzero(np.abs(lowest[k]) > _FADED):
                 tests[f"graze:{k}:{g}"] = float(lowest[k, g])
             if not path:
                 continue

@@ -14,7 +14,7 @@ __all__ = ["DERIVATIVES", "OF_STATES", "Unit", "Units", "unit_of"]
 _TIMES = (
     "time", "phase", "event_time", "event_phase", "begin", "end_time",
     "contact_duration", "shortest_contact", "longest_contact", "from_time", "to_time",
-    "return_time",
+    "return_time", "length", "durations", "leg_time",
 )  # fmt: skip
 _RATES = ("lyapunov_exponent", "running_exponent", "exponent_sum")  # per unit time
 _STATISTICS = (
@@ -24,7 +24,7 @@ _STATISTICS = (
 # over ``state``, each in the unit of its state, and derivatives by ``state_0``, ``parameter_0``
 OF_STATES = (
     "state_before", "state_after", "points", "initial_state", "end_state", "start_state",
-    "image_state", "fixed_state",
+    "image_state", "fixed_state", "leg_states",
 )  # fmt: skip
 # of a return map, in the unit of its coordinate
 _OF_COORDINATE = (
@@ -43,7 +43,7 @@ _NUMBERS = {
     "boundary_dimension", "uncertain_fraction", "largest_distance", "fraction_within",
     "box_dimension", "correlation_dimension", "correlation_sum", "fit", "distance",
     "standard_error", "drift", "net_drift", "slope", "fixed_slope", "spread", "largest_spread",
-    "exponent_per_return",
+    "exponent_per_return", "log_determinant", "arclength",
 }  # fmt: skip
 
 
@@ -95,8 +95,9 @@ def unit_of(data: xr.Dataset, name: str, units: Units) -> tuple[Unit, str | None
     A number of which nothing is known is refused, so that none goes on unscaled in silence.
     """
     variable = data[name]
-    if name == "parameter" or _is_parameter(data, name, units):
-        swept = str(data.attrs.get("parameter", "")) if name == "parameter" else name
+    if name in ("parameter", "special_value") or _is_parameter(data, name, units):
+        of_parameter = name in ("parameter", "special_value")
+        swept = str(data.attrs.get("parameter", "")) if of_parameter else name
         if swept in units.parameters:
             return units.parameters[swept], units.labels[swept]
         if swept == "time":
@@ -122,7 +123,9 @@ def _is_parameter(data: xr.Dataset, name: str, units: Units) -> bool:
     if name not in units.parameters:
         return False
     # the 0-1 test has a K too
-    return name != "K" or name in data.coords or data[name].dims in (("time",), ("period",))
+    dims = (("time",), ("period",), ("point",))
+    swept = data.attrs.get("parameter") == name
+    return name != "K" or name in data.coords or swept or data[name].dims in dims
 
 
 def _special(data: xr.Dataset, name: str, units: Units) -> Unit | None:
@@ -136,6 +139,10 @@ def _special(data: xr.Dataset, name: str, units: Units) -> Unit | None:
         return Unit(units.time, "s")  # as a number it is that of the forcing, else a count
     if name in ("amplitude", "p", "q") or (name in _OF_COORDINATE and "start" in data.dims):
         return of
+    if name == "best":  # of the quantity that it is the extreme value of
+        quantity = str(data.attrs.get("quantity", ""))
+        swept = units.parameters.get(quantity)
+        return swept or units.of(quantity) or (Unit() if quantity in _NUMBERS else None)
     end = name.removeprefix("from_").removeprefix("to_")  # of a stretch of one regime
     if end != name and end in units.parameters:
         return units.parameters[end]
