@@ -120,7 +120,8 @@ class BranchTests:
         tests: dict[str, float] = {}
         lowest, _ = equations.legs.minima(word, turn.states, turn.instants)
         for k, path in enumerate(word.paths):
-            for g in np.flatnonzero(np.abs(lowest[k]) > _FADED):
+            # at the graze itself the lowest value may be exactly zero
+            for g in np.flatnonzero((np.abs(lowest[k]) > _FADED) | (lowest[k] == 0.0)):
                 tests[f"graze:{k}:{g}"] = float(lowest[k, g])
             if not path:
                 continue
