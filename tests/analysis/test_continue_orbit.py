@@ -127,7 +127,7 @@ def test_the_other_branch_where_a_symmetry_breaks():
     system = ns.models.trilinear(omega=1.5)
     branch = ns.continue_orbit(system, "omega", (0.7, 1.6))
     kinds = list(branch["special_kind"].values)
-    crossing = kinds.index("branch_point")
+    crossing = kinds.index("symmetry_breaking")
     other = ns.continue_orbit(
         system, "omega", (0.7, 1.6), initial=branch, special=crossing, steps=40
     )

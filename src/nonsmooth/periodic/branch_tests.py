@@ -124,7 +124,7 @@ class BranchTests:
                 name = f"graze:{k}:{g}"
                 if abs(lowest[k, g]) > _FADED:
                     self._clear.add(name)
-                if name in self._clear:
+                if name in self._clear:  # at the graze itself it may be exactly zero
                     tests[name] = float(lowest[k, g])
             if not path:
                 continue

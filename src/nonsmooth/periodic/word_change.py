@@ -83,7 +83,8 @@ def _section_behind_first(equations: OrbitEquations, turn: Turn) -> Change:
     word = equations.word
     modes = (*word.modes[1:], word.modes[1])
     paths = (*word.paths[1:-1], word.paths[0], ())
-    last = turn.states[1] + np.where(equations.drifting, turn.states[-1] - turn.states[0], 0.0)
+    ends = equations.legs.follow(word, turn.states, turn.instants).nexts[-1]
+    last = turn.states[1] + np.where(equations.drifting, ends - turn.states[0], 0.0)
     states = np.vstack([turn.states[1:], last])
     instants = np.concatenate([turn.instants[:1], turn.instants[2:], turn.instants[-1:]])
     return Change("section", Guess(Word(modes, paths), Turn(states, instants)), "leg:last")

@@ -90,7 +90,7 @@ def _telling(part: BranchPart) -> complex:
     values = values[np.isfinite(values)]
     if not values.size:
         return complex(np.nan)
-    critical = {"flip": -1.0, "fold": 1.0, "branch_point": 1.0}
+    critical = {"flip": -1.0, "fold": 1.0, "branch_point": 1.0, "symmetry_breaking": 1.0}
     if part.special in critical:
         return complex(values[np.argmin(np.abs(values - critical[part.special]))])
     if part.special == "torus":
