@@ -26,7 +26,7 @@ Floats = npt.NDArray[np.float64]
 _AGAIN = 1e-6  # arclength from the start of a stretch within which its own change is seen again
 _BEYOND = 1e-6  # of the range of the parameter: where the engine is asked
 _MOST_TELLING = ("short", "leg", "gain", "graze", "rate", "corner")
-_TOGETHER = 1e-8  # of a test, beside the states: it vanishes at the same point as another one
+_TOGETHER = 1e-8  # a test that vanishes at the same point as another one
 _CRITICAL = 1e-5  # distance from the unit circle of a multiplier that is on it
 _NEAR_GRAZE = 1e-2  # part of the turn: branches cross there as an excursion vanishes
 
@@ -228,12 +228,11 @@ def _vanishing(looked: Looked, name: str) -> list[str]:
     """Tests of the kind of this one that vanish at the same point; none where it is alone."""
     if name in ("motion", "leg:0", "leg:last") or name.startswith("corner"):
         return []
-    kind, size = name.split(":")[0], float(np.abs(looked.turn.states).max(initial=1.0))
-    near = _TOGETHER * (size if kind in ("graze", "rate") else 1.0)
+    kind = name.split(":")[0]
     found = [
         other
         for other, value in looked.tests.items()
-        if other.split(":")[0] == kind and (other == name or abs(value) <= near)
+        if other.split(":")[0] == kind and (other == name or abs(value) <= _TOGETHER)
     ]
     return found if len(found) > 1 else []
 

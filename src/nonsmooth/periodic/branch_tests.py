@@ -1,6 +1,6 @@
 """What is watched along a branch of orbits: multipliers, and everything that keeps its word valid.
 
-Each is a smooth function of the orbit whose sign changes where something happens. Names tell what:
+Each is a number without unit whose sign changes where something happens. Names tell what:
 ``flip`` and ``torus`` for multipliers; ``graze:k:g``, guard g comes down to zero within leg k;
 ``corner:k:g``, it is zero at the end of leg k, where another guard is; ``short:k``, leg k is about
 to vanish in a graze; ``leg:k``, it vanishes otherwise; ``rate:k``, the exit of leg k is passed
@@ -31,7 +31,7 @@ WORD_TESTS = ("graze", "corner", "short", "leg", "rate", "gain", "motion")
 _SHORT = 1e-5  # part of the turn: a contact of this duration is a graze
 _FADED = 1e-100  # a guard that was never more than that is what a decay leaves
 _AT_CHANGE = 1e-9  # of a test: the word is about to change
-_ZERO = 1e-10  # of the states: a guard that is zero by construction
+_ZERO = 1e-10  # of the size of a guard: it is zero by construction
 
 
 @dataclass
@@ -79,7 +79,7 @@ class BranchTests:
         self.equations, self.tolerance, self.whole = equations, tolerance, whole
         self._grows = grows
         self._still: set[str] | None = None  # tests that are zero by construction
-        self._clear: set[str] = set()  # grazes that are more than what a decay leaves
+        self._clear = {grows}  # grazes that are more than what a decay leaves
         word, wiring = equations.word, equations.legs.tables.wiring
         self._grazing = [is_graze(word, wiring, k) for k in range(len(word))]
         self._last: tuple[bytes, Looked] | None = None
@@ -119,6 +119,8 @@ class BranchTests:
         length = float(turn.instants[-1] - turn.instants[0])
         tests: dict[str, float] = {}
         lowest, _ = equations.legs.minima(word, turn.states, turn.instants)
+        sizes = self._sizes_of_guards(turn)
+        lowest, others = lowest / sizes, found.others / sizes
         for k, path in enumerate(word.paths):
             for g in np.flatnonzero(np.isfinite(lowest[k])):
                 name = f"graze:{k}:{g}"
@@ -133,25 +135,33 @@ class BranchTests:
                 tests[f"short:{k}"] = duration / length - _SHORT
             else:
                 tests[f"leg:{k}"] = duration / length
-            tests[f"rate:{k}"] = -float(found.guard_rate[k])
+            size = float(sizes[k, path[0]])
+            tests[f"rate:{k}"] = -float(found.guard_rate[k]) * length / size
             for j in range(1, len(path)):
-                tests[f"gain:{k}:{j}"] = -float(found.passed[k, j])
-            size = float(
-                (np.abs(found.guard_row[k, : equations.legs.n]) * np.abs(found.ends[k])).sum()
-            )
-            for g in np.flatnonzero(np.isfinite(found.others[k])):
+                tests[f"gain:{k}:{j}"] = -float(found.passed[k, j]) / size
+            for g in np.flatnonzero(np.isfinite(others[k])):
                 if g != path[0]:
-                    tests[f"corner:{k}:{g}"] = float(found.others[k, g])
+                    tests[f"corner:{k}:{g}"] = float(others[k, g])
         if word.paths[-1] == ():
             tests["leg:last"] = float(turn.durations[-1]) / length
         if self._still is None:
-            size = _ZERO * float(np.abs(turn.states).max(initial=1e-12))
             self._still = {
                 name
                 for name, value in tests.items()
-                if abs(value) <= size and name != self._grows and name[:3] in ("cor", "gai", "gra")
+                if abs(value) <= _ZERO and name != self._grows and name[:3] in ("cor", "gai", "gra")
             }
         return {name: value for name, value in tests.items() if name not in self._still}
+
+    def _sizes_of_guards(self, turn: Turn) -> Floats:
+        """What each guard comes to for states as large as those of the orbit, (L, e)."""
+        equations, tables = self.equations, self.equations.legs.tables
+        n, count = equations.legs.n, int(tables.sizes[5])
+        states = turn.states - np.where(equations.drifting, turn.states[0], 0.0)
+        largest = np.abs(states).max(axis=0)
+        rows = tables.affine[equations.word.mode_array, : at.DERIVATIVES * count]
+        sizes = np.abs(rows[:, :: at.DERIVATIVES, :n]) @ largest
+        # a guard of time alone, and an orbit that rests
+        return np.where(sizes > 0.0, sizes, max(float(largest.max(initial=0.0)), 1e-300))
 
 
 def _of_multipliers(multipliers: Floquet) -> dict[str, float]:
