@@ -114,6 +114,9 @@ def continue_orbit(
         Two guards are zero at one instant.
     ``gained``, ``lost``
         A leg appears between two exits that were passed at one instant, or vanishes.
+    ``sliding``, ``hopf``
+        Where the branch ends: both sides of a surface point at it, so that the motion stays there
+        for a while; a cycle without events shrinks to a point.
     ``word_change``
         The engine finds another motion, although none of these happens.
     ``bound``, ``closed``
@@ -159,7 +162,7 @@ def continue_orbit(
         smallest_step=smallest_step, inadmissible=inadmissible, transient=transient,
         parameters=parameters, phase=phase, mode=mode, tolerance=tolerance,
     )  # fmt: skip
-    parts, said = both_ways(options, wanted, chosen, direction)
+    options, parts, said = both_ways(options, wanted, chosen, direction)
     attrs = {"period": options.period, "between": f"{options.bounds[0]:g} {options.bounds[1]:g}"}
     attrs |= said | said_of_options(wanted, parameters, names)
     return branch_dataset(options, parts, attrs)

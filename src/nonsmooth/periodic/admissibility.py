@@ -33,6 +33,7 @@ Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
 
 _ROWS = 3  # of the event log of a lane: its start, one event, one to spare
+_AT_SECTION = 1e-12  # part of the turn by which an event may lie behind the section
 _LATE = 1e-9  # part of the turn by which the engine may find an event elsewhere
 _ROUNDING = 1e-11  # of the terms of a guard, likewise, over its rate
 
@@ -59,7 +60,11 @@ def check_admissible(equations: OrbitEquations, turn: Turn, tolerance: float) ->
     The results that the equations hold are overwritten.
     """
     word, legs = equations.word, equations.legs
-    short = np.flatnonzero(turn.durations <= 0.0)
+    length = float(turn.instants[-1] - turn.instants[0])
+    least = np.zeros(len(word))
+    if word.n_events and not word.closes_at_event:  # an event may lie at the section
+        least[[0, -1]] = -_AT_SECTION * length
+    short = np.flatnonzero((turn.durations < least) | ((turn.durations <= 0.0) & (least == 0.0)))
     if short.size:
         k = int(short[0])
         return Admissibility(False, f"leg {k + 1} ({_name(equations, k)}) lasts no time", k)
@@ -71,7 +76,10 @@ def check_admissible(equations: OrbitEquations, turn: Turn, tolerance: float) ->
         middles = _middles(equations, turn, instants)
     except LegError as fault:
         return Admissibility(False, str(fault))
-    count, length = word.n_events, float(turn.instants[-1] - turn.instants[0])
+    count = word.n_events
+    if not word.closes_at_event and turn.durations[-1] > turn.durations[0]:
+        # the stay before the first event began in the turn before
+        instants[0], middles[0] = instants[-1] - length, middles[-1]
     end = float(turn.instants[-1]) + length
     lanes = _start(legs, middles[:count], instants[:count])
     _run(legs, lanes, word.mode_array[:count].copy(), end, tolerance)

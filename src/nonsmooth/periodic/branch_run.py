@@ -14,6 +14,7 @@ from nonsmooth.periodic.branch_start import begin_change
 from nonsmooth.periodic.branch_tests import WORD_TESTS, Looked
 from nonsmooth.periodic.guess import Guess, driven_guess
 from nonsmooth.periodic.legs import LegError, Legs
+from nonsmooth.periodic.newton import scale_of
 from nonsmooth.periodic.stretch import BranchOptions, BranchStart, Stretch
 from nonsmooth.periodic.symmetric import is_symmetric
 from nonsmooth.periodic.word import Word
@@ -25,8 +26,18 @@ Floats = npt.NDArray[np.float64]
 
 _AGAIN = 1e-6  # arclength from the start of a stretch within which its own change is seen again
 _BEYOND = 1e-6  # of the range of the parameter: where the engine is asked
-_MOST_TELLING = ("short", "leg", "gain", "graze", "rate", "corner")
+_KINDS = {
+    "graze": "grazing", "short": "grazing", "rate": "grazing", "leg": "lost", "gain": "gained",
+    "slide": "sliding", "shrink": "hopf", "motion": "word_change",
+}  # fmt: skip
+_ENDS = {
+    "shrink": "the cycle shrinks to a point",
+    "slide": "both sides of a surface point at it: beyond, the motion stays there for a while",
+}
+_MOST_TELLING = ("shrink", "slide", "short", "leg", "gain", "graze", "rate", "corner")
+_CLOSED = 1e-5  # scaled distance from where a branch was before
 _TOGETHER = 1e-8  # a test that vanishes at the same point as another one
+_NEARBY = 1e-3  # of the size of an orbit: one of another word is its continuation
 _CRITICAL = 1e-5  # distance from the unit circle of a multiplier that is on it
 _NEAR_GRAZE = 1e-2  # part of the turn: branches cross there as an excursion vanishes
 
@@ -84,6 +95,7 @@ def _follow(
 ) -> Iterator[BranchPart | Followed]:
     """The same; an event that passes the section is a point of its own."""
     done, along = 0, 0.0
+    begun: list[BranchStart] = []  # stretches behind changes of the word
     stretch: Stretch | None = Stretch(options, legs, start.equations, start.grows)
     ended = Followed(
         ended="steps",
@@ -123,8 +135,14 @@ def _follow(
                 point = replace(point, special=name)
             if kind not in WORD_TESTS and not lost:
                 before = looked.tests
-                yield _part(stretch, looked, point, along, name, "")
-                done += not name
+                again = begin > 0.0 and point.arclength == 0.0 and not start.kind
+                if not again:  # a stretch that only has another scale begins at the last point
+                    yield _part(stretch, looked, point, along, name, "")
+                    done += not name
+                if not name and point.arclength > 0.0 and stretch.outgrown(point.u):
+                    way = (point.tangent_u, point.tangent_p)
+                    following = BranchStart(stretch.equations, point.u, point.p, way)
+                    break
                 continue
             following, part = _changed(stretch, point, looked, along)
             if part is not None:
@@ -138,9 +156,25 @@ def _follow(
                 ended = Followed(ended=branch.ended, message=branch.message)
             break
         start = following
-        done += 1
+        done += bool(start.kind)
+        if start.kind in ("grazing", "gained", "lost", "corner", "word_change"):
+            if any(_same_start(start, other) for other in begun):
+                ended = Followed(ended="closed", message="the branch came back to where it was")
+                break
+            begun.append(start)
         stretch = Stretch(options, legs, start.equations, start.grows)
     yield ended
+
+
+def _same_start(one: BranchStart, other: BranchStart) -> bool:
+    """Whether two stretches begin at the same orbit, in the same direction."""
+    if one.equations.word != other.equations.word:
+        return False
+    scale = scale_of(one.equations, one.unknowns)
+    apart = np.abs((one.unknowns - other.unknowns) / scale).max()
+    same_way = float((one.direction[0] / scale) @ (other.direction[0] / scale)) > 0.0
+    near = abs(one.value - other.value) <= _CLOSED * (1.0 + abs(one.value))
+    return bool(apart <= _CLOSED and near and same_way)
 
 
 def _broken(looked: Looked) -> str:
@@ -163,8 +197,7 @@ def _may_stand(options: BranchOptions, looked: Looked) -> bool:
 def kind_of(name: str) -> str:
     """What a test of the word is called where it ends a branch."""
     kind = name.split(":")[0]
-    return {"graze": "grazing", "short": "grazing", "rate": "grazing", "leg": "lost",
-            "gain": "gained", "motion": "word_change"}.get(kind, kind)  # fmt: skip
+    return _KINDS.get(kind, kind)
 
 
 def _part(
@@ -217,10 +250,10 @@ def _changed(
     for guess in _motions_beyond(stretch, looked, point):
         change = Change(kind_of(name), guess)
         start = begin_change(stretch, change, point)
-        if start is not None:
+        if start is not None and _is_near(start, looked):
             start.detail = _detail(stretch, name, start, point)
             return start, _part(stretch, looked, point, along, kind_of(name), start.detail)
-    detail = "no orbit of a changed word begins there"
+    detail = _ENDS.get(name.split(":")[0], "no orbit of a changed word begins there")
     return None, _part(stretch, looked, point, along, kind_of(name), detail)
 
 
@@ -235,6 +268,15 @@ def _vanishing(looked: Looked, name: str) -> list[str]:
         if other.split(":")[0] == kind and (other == name or abs(value) <= _TOGETHER)
     ]
     return found if len(found) > 1 else []
+
+
+def _is_near(start: BranchStart, looked: Looked) -> bool:
+    """Whether an orbit of another word begins where this one is, and not somewhere else."""
+    first, drifting = looked.turn.states[0], start.equations.drifting
+    other = start.equations.unpack(start.unknowns).states[0]
+    size = np.abs(looked.turn.states - np.where(drifting, first, 0.0)).max(axis=0)
+    apart = np.where(drifting, 0.0, np.abs(other - first))
+    return bool(np.all(apart <= _NEARBY * max(float(size.max()), 1e-300)))
 
 
 def _motions_beyond(stretch: Stretch, looked: Looked, point: Point) -> Iterator[Guess]:
@@ -278,6 +320,7 @@ def _detail(stretch: Stretch, name: str, start: BranchStart, point: Point) -> st
         "leg": f"leg {k + 1} ({mode}) vanishes",
         "gain": f"a leg appears behind leg {k + 1} ({mode})",
         "corner": f"two guards of leg {k + 1} ({mode})",
+        "slide": f"both sides of a surface behind leg {k + 1} ({mode}) point at it",
     }.get(kind, "the motion changes")
     if kind in ("graze", "corner"):
         what += f" touches {exits[word.modes[k]][int(numbers[1])]!r}"

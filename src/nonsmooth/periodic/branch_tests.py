@@ -4,8 +4,9 @@ Each is a number without unit whose sign changes where something happens. Names 
 ``flip`` and ``torus`` for multipliers; ``graze:k:g``, guard g comes down to zero within leg k;
 ``corner:k:g``, it is zero at the end of leg k, where another guard is; ``short:k``, leg k is about
 to vanish in a graze; ``leg:k``, it vanishes otherwise; ``rate:k``, the exit of leg k is passed
-without a rate; ``gain:k:j``, exit j of a path is no longer passed at once; ``motion``, the engine
-finds another motion although none of these has changed.
+without a rate; ``gain:k:j``, exit j of a path is no longer passed at once; ``slide:k``, both sides
+of the surface at the end of leg k point at it; ``shrink``, a cycle without events shrinks to a
+point; ``motion``, the engine finds another motion although none of these has changed.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ __all__ = ["WORD_TESTS", "BranchTests", "Looked", "is_graze"]
 
 Floats = npt.NDArray[np.float64]
 
-WORD_TESTS = ("graze", "corner", "short", "leg", "rate", "gain", "motion")
+WORD_TESTS = ("graze", "corner", "short", "leg", "rate", "gain", "slide", "shrink", "motion")
 _SHORT = 1e-5  # part of the turn: a contact of this duration is a graze
 _FADED = 1e-100  # a guard that was never more than that is what a decay leaves
 _AT_CHANGE = 1e-9  # of a test: the word is about to change
@@ -82,6 +83,14 @@ class BranchTests:
         self._clear = {grows}  # grazes that are more than what a decay leaves
         word, wiring = equations.word, equations.legs.tables.wiring
         self._grazing = [is_graze(word, wiring, k) for k in range(len(word))]
+        families = equations.legs.tables.families
+        behind = [word.last_target(wiring, k) for k in range(len(word))]
+        self._surface = [  # legs that end at a surface which is crossed without a reset
+            len(path) == 1
+            and families[behind[k]] == families[word.modes[k]]
+            and wiring[word.modes[k], 1 + path[0], at.RESETTING] == 0
+            for k, path in enumerate(word.paths)
+        ]
         self._last: tuple[bytes, Looked] | None = None
 
     def look(self, unknowns: Floats) -> Looked:
@@ -137,6 +146,8 @@ class BranchTests:
                 tests[f"leg:{k}"] = duration / length
             size = float(sizes[k, path[0]])
             tests[f"rate:{k}"] = -float(found.guard_rate[k]) * length / size
+            if self._surface[k]:
+                tests[f"slide:{k}"] = self._into_next(found, k) * length / size
             for j in range(1, len(path)):
                 tests[f"gain:{k}:{j}"] = -float(found.passed[k, j]) / size
             for g in np.flatnonzero(np.isfinite(others[k])):
@@ -144,6 +155,8 @@ class BranchTests:
                     tests[f"corner:{k}:{g}"] = float(others[k, g])
         if word.paths[-1] == ():
             tests["leg:last"] = float(turn.durations[-1]) / length
+        if equations.autonomous and not word.closes_at_event:
+            tests["shrink"] = equations.forwards(found)
         if self._still is None:
             self._still = {
                 name
@@ -151,6 +164,13 @@ class BranchTests:
                 if abs(value) <= _ZERO and name != self._grows and name[:3] in ("cor", "gai", "gra")
             }
         return {name: value for name, value in tests.items() if name not in self._still}
+
+    def _into_next(self, found: LegResults, k: int) -> float:
+        """How fast the guard that ends leg k goes on falling behind the surface."""
+        n, row = self.equations.legs.n, found.guard_row[k]
+        of_time = found.guard_rate[k] - row[:n] @ found.end_rates[k]
+        behind = found.start_rates[(k + 1) % len(self.equations.word)]
+        return -float(row[:n] @ behind + of_time)
 
     def _sizes_of_guards(self, turn: Turn) -> Floats:
         """What each guard comes to for states as large as those of the orbit, (L, e)."""

@@ -69,6 +69,7 @@ class OrbitEquations:
         self.n_instants = self._count if autonomous else self._count - 1
         self.size = self._count * n + self.n_instants
         self._across = np.zeros(n)  # normal of the plane at the reference
+        self._speed = 0.0  # of the flow there
         self.results: LegResults | None = None
 
     def of_word(self, word: Word, origin: Floats) -> OrbitEquations:
@@ -113,6 +114,11 @@ class OrbitEquations:
             self._close_across_flow(turn, residual, jacobian, moved)
         return residual, jacobian, moved
 
+    def forwards(self, found: LegResults) -> float:
+        """How fast a smooth cycle passes its plane, beside how fast it did at first."""
+        speed = float(self._across @ found.start_rates[0])
+        return speed / self._speed if self._speed > 0.0 else 1.0
+
     def gap(self, turn: Turn, found: LegResults) -> float:
         """Largest gap between the end of a leg and the start of the next, beside the states."""
         following = np.roll(turn.states, -1, axis=0)
@@ -130,7 +136,8 @@ class OrbitEquations:
         assert self.results is not None and self.reference is not None
         if not self._across.any():
             self._across = np.where(self.drifting, 0.0, self.results.start_rates[0])
-            self._across /= max(float(np.linalg.norm(self._across)), 1e-300)
+            self._speed = max(float(np.linalg.norm(self._across)), 1e-300)
+            self._across /= self._speed
         residual[-1] = self._across @ (turn.states[0] - self.reference)
         jacobian[-1], moved[-1] = 0.0, 0.0
         jacobian[-1, : self.legs.n] = self._across

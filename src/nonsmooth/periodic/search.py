@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import RunError
+from nonsmooth.periodic.branch_tests import is_graze
 from nonsmooth.periodic.equations import OrbitEquations, Turn
 from nonsmooth.periodic.guess import Guess, driven_guess
 from nonsmooth.periodic.guess_cycle import cycle_guesses
@@ -31,6 +32,7 @@ Floats = npt.NDArray[np.float64]
 _RANDOM = 200  # durations tried for a given word
 _PERIODS = 200  # of the motion in which a given word is looked for
 _SEED = 1
+_AT_REST = 1e-7  # of the size of the guess, in one turn
 _NEUTRAL = 1e-9  # distance of a multiplier from 1
 _OFF_FOLD = (1e-4, 1e-3, 1e-2, 0.1, 0.5)  # of the size of an orbit, along the direction of a fold
 
@@ -137,6 +139,12 @@ def solve_guess(wanted: Wanted, legs: Legs, guess: Guess) -> Found:
         solution = _off_fold(equations, unknowns) or solution
     if solution.status != "completed":
         return Found(None, equations, solution.status, _failure(wanted, equations, solution))
+    if _has_come_to_rest(equations, solution, guess):
+        return Found(
+            None, equations, "no_orbit",
+            "Newton's method comes to a point at rest, which has no period: the motion settles"
+            " there, or its amplitude is not determined; begin nearer to a cycle",
+        )  # fmt: skip
     for _ in range(len(guess.word)):
         turned = _through_section(equations, solution)
         if turned is None:
@@ -145,7 +153,39 @@ def solve_guess(wanted: Wanted, legs: Legs, guess: Guess) -> Found:
         solution = solve_orbit(equations, equations.pack(turned.turn))
         if solution.status != "completed":
             return Found(None, equations, solution.status, _failure(wanted, equations, solution))
-    return finish(wanted, equations, solution)
+    found = finish(wanted, equations, solution)
+    if found.status == "inadmissible":
+        found = _without_empty_leg(wanted, legs, equations, found) or found
+    return found
+
+
+def _has_come_to_rest(equations: OrbitEquations, solution: Solution, guess: Guess) -> bool:
+    """Whether a cycle without events has shrunk to a point."""
+    if not equations.autonomous or equations.word.closes_at_event:
+        return False
+    turn = equations.unpack(solution.unknowns)
+    found = equations.legs.follow(equations.word, turn.states, turn.instants)
+    way = np.abs(found.start_rates[0]).max() * float(turn.durations[0])
+    return bool(way <= _AT_REST * np.abs(guess.turn.states).max())
+
+
+def _without_empty_leg(
+    wanted: Wanted, legs: Legs, equations: OrbitEquations, found: Found
+) -> Found | None:
+    """The orbit without an excursion that has no duration, as beside a graze."""
+    assert found.orbit is not None
+    turn, wiring = found.orbit.turn, legs.tables.wiring
+    for k in np.flatnonzero(turn.durations <= 0.0):
+        if not is_graze(equations.word, wiring, int(k)):
+            continue
+        for change in changes_of_word(equations, turn, f"short:{k}"):
+            other = equations_for(wanted, legs, change.guess)
+            solution = solve_orbit(other, other.pack(change.guess.turn))
+            if solution.status == "completed":
+                better = finish(wanted, other, solution)
+                if better.status == "completed":
+                    return better
+    return None
 
 
 def _off_fold(equations: OrbitEquations, unknowns: Floats) -> Solution | None:

@@ -16,12 +16,14 @@ from nonsmooth.periodic.equations import OrbitEquations
 from nonsmooth.periodic.legs import LegError, Legs
 from nonsmooth.periodic.newton import scale_of
 from nonsmooth.periodic.word import Word
+from nonsmooth.system.checks import first_unmet
 from nonsmooth.system.system import System
 
 __all__ = ["BranchOptions", "BranchStart", "Stretch", "scale_along"]
 
 Floats = npt.NDArray[np.float64]
 
+_OUTGROWN = 2.0  # times the size at the start of a stretch
 _WITHIN = 8  # places in each leg at which states are looked at for their size
 _ALWAYS = ("leg", "short")  # changes of the word behind which its equations mean nothing
 
@@ -66,6 +68,7 @@ class Stretch:
     ) -> None:
         self.options, self.legs, self.equations = options, legs, equations
         self.tests = BranchTests(equations, options.tolerance, grows=grows)
+        self.scale = np.ones(equations.size)
         self._values = legs.values.copy()
         self._place = list(legs.system.parameters).index(options.parameter)
 
@@ -73,6 +76,12 @@ class Stretch:
         """Let the legs stand for a value of the parameter."""
         values = self._values.copy()
         values[self._place] = p
+        system = self.legs.system
+        unmet = system.require and first_unmet(
+            system.require, dict(zip(system.parameters, values.tolist(), strict=True))
+        )
+        if unmet:
+            raise LegError(unmet)
         self.legs.set_values(values)
 
     def residual(self, u: Floats, p: float) -> tuple[Floats, Floats, Floats]:
@@ -98,15 +107,22 @@ class Stretch:
             if kinds[name] in _ALWAYS or kinds[name] not in WORD_TESTS
         }
 
+    def outgrown(self, unknowns: Floats) -> bool:
+        """Whether an orbit has another size than that by which steps are measured."""
+        n_states = len(self.equations.word) * self.legs.n
+        share = scale_along(self.equations, unknowns)[:n_states] / self.scale[:n_states]
+        return bool(share.max() > _OUTGROWN or share.max() < 1.0 / _OUTGROWN)
+
     def branch(self, start: BranchStart, steps: int) -> Branch:
         """The branch from a start."""
         low, high = self.options.bounds
         self.set_parameter(start.value)
+        self.scale = scale_along(self.equations, start.unknowns)
         return follow(
             self.residual, start.unknowns, start.value, direction=start.direction,
             step=self.options.step, smallest_step=self.options.smallest_step,
             largest_step=self.options.largest_step, bounds=self.options.bounds, steps=steps,
-            tests=self.asked, scale=scale_along(self.equations, start.unknowns),
+            tests=self.asked, scale=self.scale,
             parameter_scale=high - low,
         )  # fmt: skip
 

@@ -70,7 +70,7 @@ def changes_of_word(equations: OrbitEquations, turn: Turn, name: str) -> list[Ch
     if kind == "gain":
         return [_with_leg_of_path(equations, turn, k, int(numbers[1]))]
     if kind == "short":
-        return [_without_excursion(equations, turn, k)]
+        return _without_excursion(equations, turn, k)
     if kind == "rate":
         return _without_event(equations, turn, k)
     if kind == "graze":
@@ -133,17 +133,19 @@ def _with_leg_of_path(equations: OrbitEquations, turn: Turn, k: int, j: int) -> 
     return Change("gained", Guess(new, Turn(states, instants)), f"{test}:{k + 1}")
 
 
-def _without_excursion(equations: OrbitEquations, turn: Turn, k: int) -> Change:
+def _without_excursion(equations: OrbitEquations, turn: Turn, k: int) -> list[Change]:
     """Leg k leaves a mode and comes back at once: the legs around it are one."""
     word, turn, k = _away_from_ends(equations, turn, k)
     count = len(word)
+    if not 0 < k < count - 1:  # a cycle of two legs, of which nothing is left
+        return []
     modes = word.modes[:k] + word.modes[k + 2 :]
     paths = word.paths[: k - 1] + word.paths[k + 1 :]
     keep = [i for i in range(count) if i not in (k, k + 1)]
     instants = np.delete(turn.instants, [k, k + 1])
     grows = f"graze:{k - 1}:{word.paths[k - 1][0]}"
     new = Word(modes[: len(paths)], paths)
-    return Change("grazing", Guess(new, Turn(turn.states[keep], instants)), grows)
+    return [Change("grazing", Guess(new, Turn(turn.states[keep], instants)), grows)]
 
 
 def _away_from_ends(equations: OrbitEquations, turn: Turn, k: int) -> tuple[Word, Turn, int]:

@@ -28,6 +28,8 @@ _MARKS: dict[str, tuple[str, str]] = {
     "corner": ("v", PALETTE["sky"]),
     "gained": ("P", PALETTE["yellow"]),
     "lost": ("X", "white"),
+    "sliding": ("<", PALETTE["green"]),
+    "hopf": (">", PALETTE["blue"]),
     "word_change": ("h", "white"),
     "bound": ("|", "black"),
     "end": ("x", "black"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -26,10 +27,14 @@ _FLIP, _CROSSING = 1, 2
 
 def both_ways(
     options: BranchOptions, wanted: Wanted, special: int, direction: str
-) -> tuple[list[BranchPart], dict[str, Any]]:
-    """Points of a branch in order, and attributes that say how it ended."""
+) -> tuple[BranchOptions, list[BranchPart], dict[str, Any]]:
+    """Points of a branch in order, and attributes that say how it ended.
+
+    The options come back with the period of the orbit that is followed.
+    """
     legs = Legs(options.system, (options.parameter,))
     legs.set_values(options.system.parameter_values)
+    options, wanted = _primitive(options, wanted, legs, special)
     value = float(options.system.parameter_values[options.parameter])
     start = _first(options, wanted, legs, value, special)
     if special == _FLIP:  # both ways lead to the same orbits, a strobe apart
@@ -61,6 +66,23 @@ def both_ways(
             if found[way][1].ended == "closed":
                 break
     return _joined(found, interrupted, options.parameter)
+
+
+def _primitive(
+    options: BranchOptions, wanted: Wanted, legs: Legs, special: int
+) -> tuple[BranchOptions, Wanted]:
+    """The period of the shorter orbit, where the first turn passes it several times."""
+    if special in (_FLIP, _CROSSING) or options.autonomous or options.period == 1:
+        return options, wanted
+    found = search_orbit(wanted, legs)
+    legs.set_values(options.system.parameter_values)
+    if found.orbit is None or found.orbit.primitive == 1:
+        return options, wanted
+    period = options.period // found.orbit.primitive
+    states = found.orbit.turn.states[0].tolist()
+    start = dict(zip(options.system.states, states, strict=True))
+    wanted = replace(wanted, period=period, initial=start, words=(), transient=0)
+    return replace(options, period=period), wanted
 
 
 def _joined(
