@@ -65,7 +65,8 @@ def both_ways(
                 break
             if found[way][1].ended == "closed":
                 break
-    return _joined(found, interrupted, options.parameter)
+    parts, said = _joined(found, interrupted, options.parameter)
+    return options, parts, said
 
 
 def _primitive(
