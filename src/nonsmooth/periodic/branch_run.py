@@ -15,6 +15,7 @@ from nonsmooth.periodic.branch_tests import WORD_TESTS, Looked
 from nonsmooth.periodic.guess import Guess, driven_guess
 from nonsmooth.periodic.legs import LegError, Legs
 from nonsmooth.periodic.newton import scale_of
+from nonsmooth.periodic.orbit import primitive_parts
 from nonsmooth.periodic.stretch import BranchOptions, BranchStart, Stretch
 from nonsmooth.periodic.symmetric import is_symmetric
 from nonsmooth.periodic.word import Word
@@ -97,6 +98,7 @@ def _follow(
     done, along = 0, 0.0
     begun: list[BranchStart] = []  # stretches behind changes of the word
     stretch: Stretch | None = Stretch(options, legs, start.equations, start.grows)
+    first_scale = float(scale_of(start.equations, start.unknowns)[: legs.n].max())
     ended = Followed(
         ended="steps",
         message=f"{options.steps} steps were taken; allow more with steps=, or longer ones with"
@@ -123,6 +125,11 @@ def _follow(
                 continue
             if name == "branch_point" and _at_graze(stretch, looked):
                 continue
+            if name == "branch_point" and primitive_parts(stretch.equations, looked.turn) > 1:
+                detail = "the turn passes twice through the orbit that doubles its period here"
+                yield replace(_part(stretch, looked, point, along, "halving", detail), test="flip")
+                yield Followed(ended="halving", message=f"the branch ends where {detail}")
+                return
             if start.located and looked.tests.get(start.grows, 1.0) <= 0.0 and not name:
                 continue  # before the graze, on its other side
             if begin > 0.0 and not name and not before and not _may_stand(options, looked):
@@ -140,6 +147,9 @@ def _follow(
                     yield _part(stretch, looked, point, along, name, "")
                     done += not name
                 if not name and point.arclength > 0.0 and stretch.outgrown(point.u):
+                    if stretch.is_nothing_beside(first_scale):
+                        yield Followed(ended="hopf", message=f"the branch ends: {_ENDS['shrink']}")
+                        return
                     way = (point.tangent_u, point.tangent_p)
                     following = BranchStart(stretch.equations, point.u, point.p, way)
                     break

@@ -24,6 +24,7 @@ __all__ = ["BranchOptions", "BranchStart", "Stretch", "scale_along"]
 Floats = npt.NDArray[np.float64]
 
 _OUTGROWN = 2.0  # times the size at the start of a stretch
+_NOTHING = 1e-5  # of the size of the first orbit
 _WITHIN = 8  # places in each leg at which states are looked at for their size
 _ALWAYS = ("leg", "short")  # changes of the word behind which its equations mean nothing
 
@@ -112,6 +113,11 @@ class Stretch:
         n_states = len(self.equations.word) * self.legs.n
         share = scale_along(self.equations, unknowns)[:n_states] / self.scale[:n_states]
         return bool(share.max() > _OUTGROWN or share.max() < 1.0 / _OUTGROWN)
+
+    def is_nothing_beside(self, size: float) -> bool:
+        """Whether a cycle without events has shrunk to next to nothing."""
+        smooth = self.options.autonomous and not self.equations.word.closes_at_event
+        return smooth and float(self.scale[: self.legs.n].max()) <= _NOTHING * size
 
     def branch(self, start: BranchStart, steps: int) -> Branch:
         """The branch from a start."""
