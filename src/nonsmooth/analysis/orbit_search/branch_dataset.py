@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from nonsmooth.periodic.branch_run import BranchPart
+from nonsmooth.periodic.branch_part import BranchPart
 from nonsmooth.periodic.orbit import Orbit
 from nonsmooth.periodic.orbit_dataset import common, orbit_variables
 from nonsmooth.periodic.stretch import BranchOptions

@@ -9,7 +9,8 @@ import numpy as np
 
 from nonsmooth.continuation.branch_directions import branch_directions
 from nonsmooth.errors import NonsmoothError, OptionError
-from nonsmooth.periodic.branch_run import BranchPart, Followed, follow_orbits
+from nonsmooth.periodic.branch_part import BranchPart, Followed
+from nonsmooth.periodic.branch_run import follow_orbits
 from nonsmooth.periodic.branch_start import tangent_at
 from nonsmooth.periodic.doubled import doubled_start
 from nonsmooth.periodic.legs import Legs

@@ -13,7 +13,7 @@ from nonsmooth.continuation.branch import Branch
 from nonsmooth.continuation.point import Point
 from nonsmooth.continuation.two_parameter import two_parameter
 from nonsmooth.errors import NonsmoothError, OptionError
-from nonsmooth.periodic.branch_run import BranchPart, kind_of
+from nonsmooth.periodic.branch_part import BranchPart, kind_of
 from nonsmooth.periodic.branch_tests import WORD_TESTS, BranchTests, Looked
 from nonsmooth.periodic.equations import OrbitEquations
 from nonsmooth.periodic.legs import LegError, Legs

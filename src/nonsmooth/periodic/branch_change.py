@@ -1,0 +1,154 @@
+"""How a branch of orbits goes on where its word stops being valid, or why it ends there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from nonsmooth.continuation.point import Point
+from nonsmooth.errors import RunError
+from nonsmooth.periodic.branch_part import BranchPart, Followed, kind_of, part_of
+from nonsmooth.periodic.branch_start import begin_change
+from nonsmooth.periodic.branch_tests import Looked
+from nonsmooth.periodic.guess import Guess, driven_guess
+from nonsmooth.periodic.stretch import BranchStart, Stretch
+from nonsmooth.periodic.word_change import Change, changes_at_once, changes_of_word
+
+__all__ = ["broken_test", "change_at", "end_at"]
+
+_BEYOND = 1e-6  # of the range of the parameter: where the engine is asked
+_ENDS = {
+    "shrink": "the cycle shrinks to a point",
+    "slide": "both sides of a surface point at it: beyond, the motion stays there for a while",
+}
+_MOST_TELLING = ("shrink", "slide", "short", "leg", "gain", "graze", "rate", "corner")
+_TOGETHER = 1e-8  # a test that vanishes at the same point as another one
+_NEARBY = 1e-3  # of the size of an orbit: one of another word is its continuation
+
+
+def change_at(
+    stretch: Stretch, point: Point, looked: Looked, along: float
+) -> tuple[BranchStart | None, BranchPart | None]:
+    """How a branch goes on behind a change of its word, and the point there if it is special."""
+    name = point.special
+    stretch.set_parameter(point.p)
+    changes = changes_at_once(stretch.equations, looked.turn, _vanishing(looked, name))
+    changes = changes or changes_of_word(stretch.equations, looked.turn, name)
+    for change in changes:
+        start = begin_change(stretch, change, point)
+        if start is not None:
+            if change.kind == "section":
+                return start, part_of(stretch, looked, point, along, "section", "")
+            start.detail = _detail(stretch, name, start, point)
+            if name.startswith("short"):  # the graze is located from the other side
+                start.located = True
+                return start, None
+            return start, part_of(stretch, looked, point, along, change.kind, start.detail)
+    for guess in _motions_beyond(stretch, looked, point):
+        change = Change(kind_of(name), guess)
+        start = begin_change(stretch, change, point)
+        if start is not None and _is_near(start, looked):
+            start.detail = _detail(stretch, name, start, point)
+            return start, part_of(stretch, looked, point, along, kind_of(name), start.detail)
+    detail = _ENDS.get(name.split(":")[0], "no orbit of a changed word begins there")
+    return None, part_of(stretch, looked, point, along, kind_of(name), detail)
+
+
+def _vanishing(looked: Looked, name: str) -> list[str]:
+    """Tests of the kind of this one that vanish at the same point; none where it is alone."""
+    if name in ("motion", "leg:0", "leg:last") or name.startswith("corner"):
+        return []
+    kind = name.split(":")[0]
+    found = [
+        other
+        for other, value in looked.tests.items()
+        if other.split(":")[0] == kind and (other == name or abs(value) <= _TOGETHER)
+    ]
+    return found if len(found) > 1 else []
+
+
+def _is_near(start: BranchStart, looked: Looked) -> bool:
+    """Whether an orbit of another word begins where this one is, and not somewhere else."""
+    first, drifting = looked.turn.states[0], start.equations.drifting
+    other = start.equations.unpack(start.unknowns).states[0]
+    size = np.abs(looked.turn.states - np.where(drifting, first, 0.0)).max(axis=0)
+    apart = np.where(drifting, 0.0, np.abs(other - first))
+    return bool(np.all(apart <= _NEARBY * max(float(size.max()), 1e-300)))
+
+
+def _motions_beyond(stretch: Stretch, looked: Looked, point: Point) -> Iterator[Guess]:
+    """What the motion from the orbit does a little beyond, where there is a period to look at."""
+    options = stretch.options
+    if options.autonomous:
+        return
+    names = list(options.system.parameters)
+    low, high = options.bounds
+    state = dict(zip(options.system.states, looked.turn.states[0].tolist(), strict=True))
+    for way in (np.sign(point.tangent_p) or 1.0, -(np.sign(point.tangent_p) or 1.0)):
+        value = point.p + way * _BEYOND * (high - low)
+        there = options.system.with_parameters(
+            **dict(zip(names, stretch.legs.values.tolist(), strict=True))
+            | {options.parameter: value}
+        )
+        try:
+            guess = driven_guess(
+                there, state, period=options.period, phase=options.phase, transient=0, mode=None,
+                tolerance=options.tolerance,
+            )  # fmt: skip
+        except Exception as fault:
+            if not isinstance(fault, (RunError, ValueError)):
+                raise
+            continue
+        if guess.word != stretch.equations.word:
+            yield guess
+
+
+def _detail(stretch: Stretch, name: str, start: BranchStart, point: Point) -> str:
+    """What happens in words: which guard or leg, and whether the parameter turns back."""
+    word, system = stretch.equations.word, stretch.options.system
+    kind, *numbers = name.split(":")
+    k = int(numbers[0]) if numbers and numbers[0].isdigit() else 0
+    mode = system.mode_names[word.modes[k]]
+    exits = system.compiled.exit_names
+    what = {
+        "graze": f"leg {k + 1} ({mode})",
+        "rate": f"leg {k + 1} ({mode})",
+        "short": f"leg {k + 1} ({mode}) vanishes",
+        "leg": f"leg {k + 1} ({mode}) vanishes",
+        "gain": f"a leg appears behind leg {k + 1} ({mode})",
+        "corner": f"two guards of leg {k + 1} ({mode})",
+        "slide": f"both sides of a surface behind leg {k + 1} ({mode}) point at it",
+    }.get(kind, "the motion changes")
+    if kind in ("graze", "corner"):
+        what += f" touches {exits[word.modes[k]][int(numbers[1])]!r}"
+    turns = start.direction[1] * point.tangent_p < 0.0
+    way = "the branch turns back" if turns else "the branch goes on"
+    return f"{what}; {way} as '{start.equations.word.text(system)}'"
+
+
+def end_at(name: str, looked: Looked) -> Followed:
+    """Why a branch ends at a change of its word behind which it does not go on."""
+    kind = name.split(":")[0]
+    if kind in _ENDS:
+        return Followed(kind_of(name), f"the branch ends: {_ENDS[kind]}")
+    reason = looked.admissibility.reason
+    return Followed(
+        kind_of(name),
+        f"the branch ends where its word stops being valid ({kind_of(name)}"
+        + (f": {reason}" if reason else "")
+        + "), and no orbit of a changed word goes on from there; inadmissible=True follows the"
+        " equations of the word beyond",
+    )
+
+
+def broken_test(looked: Looked) -> str:
+    """The test behind whose zero an orbit lies that was passed without being located.
+
+    Where an excursion vanishes the equations are nearly singular, and the search may fail there.
+    """
+    for kind in _MOST_TELLING:
+        for name, value in looked.tests.items():
+            if name.split(":")[0] == kind and value < 0.0:
+                return name
+    return "motion"

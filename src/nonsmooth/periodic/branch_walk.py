@@ -1,0 +1,122 @@
+"""Along one stretch of a branch: which of its points count, and what comes behind it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+
+from nonsmooth.continuation.point import Point
+from nonsmooth.periodic.branch_change import broken_test, change_at, end_at
+from nonsmooth.periodic.branch_part import BranchPart, Followed, part_of
+from nonsmooth.periodic.branch_tests import WORD_TESTS, Looked
+from nonsmooth.periodic.legs import LegError
+from nonsmooth.periodic.orbit import primitive_parts
+from nonsmooth.periodic.stretch import BranchOptions, BranchStart, Stretch
+
+__all__ = ["StretchWalk"]
+
+_AGAIN = 1e-6  # arclength from the start of a stretch within which its own change is seen again
+_NEAR_GRAZE = 1e-2  # part of the turn: branches cross there as an excursion vanishes
+_HALVING = "the turn passes twice through the orbit that doubles its period here"
+
+
+class StretchWalk:
+    """Walks along a stretch; behind it, ``following`` or ``ended`` says how the branch goes on.
+
+    ``begin`` is the arclength so far, 0 for the first stretch; ``first_scale`` the size of the
+    first orbit; neither is set where the steps are used up.
+    """
+
+    def __init__(
+        self, stretch: Stretch, start: BranchStart, begin: float, first_scale: float
+    ) -> None:
+        self.stretch, self.start = stretch, start
+        self.begin, self.along, self.first_scale = begin, begin, first_scale
+        self.done = 0
+        self.following: BranchStart | None = None
+        self.ended: Followed | None = None
+        self._before: Mapping[str, float] = {}  # tests of the last point that was a motion
+
+    def points(self, steps: int, report: Callable[[int], None]) -> Iterator[BranchPart]:
+        """Points that count, in order."""
+        branch = self.stretch.branch(self.start, steps)
+        for point in branch:
+            self.along = self.begin + point.arclength
+            report(self.done)
+            try:
+                looked = self.stretch.look(point)
+            except LegError:
+                continue
+            if self._is_again(point, looked):
+                if self.start.located and point.special == self.start.grows:
+                    # a graze that was approached along an excursion, from its regular side
+                    yield self._part(looked, point, "grazing", self.start.detail)
+                continue
+            yield from self._counted(point, looked)
+            if self.following is not None or self.ended is not None:
+                return
+        if branch.ended != "steps":
+            self.ended = Followed(branch.ended, branch.message)
+
+    def _is_again(self, point: Point, looked: Looked) -> bool:
+        """Whether a point only repeats the change behind which the stretch begins."""
+        name, tests, start = point.special, looked.tests, self.start
+        if name and name != "bound" and self.begin > 0.0 and point.arclength <= _AGAIN:
+            return True
+        if name == "branch_point" and _at_graze(looked):
+            return True
+        if not name and start.located and tests.get(start.grows, 1.0) <= 0.0:
+            return True  # before the graze, on its other side
+        stands = _may_stand(self.stretch.options, looked)
+        if not name and self.begin > 0.0 and not self._before and not stands:
+            return True  # where the word has just changed rounding decides what the engine finds
+        # a test of the word that rises
+        return name.split(":")[0] in WORD_TESTS and self._before.get(name, 1.0) < 0.0
+
+    def _counted(self, point: Point, looked: Looked) -> Iterator[BranchPart]:
+        """A point of the branch, and where that leads."""
+        name = point.special
+        if name == "branch_point" and primitive_parts(self.stretch.equations, looked.turn) > 1:
+            yield replace(self._part(looked, point, "halving", _HALVING), test="flip")
+            self.ended = Followed("halving", f"the branch ends where {_HALVING}")
+            return
+        if name.split(":")[0] not in WORD_TESTS:
+            if _may_stand(self.stretch.options, looked):
+                yield from self._ordinary(point, looked)
+                return
+            name = broken_test(looked)
+            point = replace(point, special=name)
+        self.following, part = change_at(self.stretch, point, looked, self.along)
+        if part is not None:
+            yield part
+        if self.following is None:
+            self.ended = end_at(name, looked)
+
+    def _ordinary(self, point: Point, looked: Looked) -> Iterator[BranchPart]:
+        """A point at which the word stays; the stretch ends where its orbits have outgrown it."""
+        self._before = looked.tests
+        # a stretch that only has another scale begins at the last point of the one before
+        if not (self.begin > 0.0 and point.arclength == 0.0 and not self.start.kind):
+            yield self._part(looked, point, point.special, "")
+            self.done += not point.special
+        if not point.special and point.arclength > 0.0 and self.stretch.outgrown(point.u):
+            if self.stretch.is_nothing_beside(self.first_scale):
+                self.ended = end_at("shrink", looked)
+                return
+            way = (point.tangent_u, point.tangent_p)
+            self.following = BranchStart(self.stretch.equations, point.u, point.p, way)
+
+    def _part(self, looked: Looked, point: Point, special: str, detail: str) -> BranchPart:
+        return part_of(self.stretch, looked, point, self.along, special, detail)
+
+
+def _may_stand(options: BranchOptions, looked: Looked) -> bool:
+    """Whether an orbit is a motion, or need not be one."""
+    return options.inadmissible or looked.admissibility.admissible
+
+
+def _at_graze(looked: Looked) -> bool:
+    """Whether branches cross only because an excursion has no duration."""
+    return any(
+        name.startswith("short") and value < _NEAR_GRAZE for name, value in looked.tests.items()
+    )
