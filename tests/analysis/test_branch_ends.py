@@ -1,0 +1,131 @@
+"""Where branches of orbits end, close and turn into others; what is no orbit."""
+
+import numpy as np
+import pytest
+
+import nonsmooth as ns
+from periodic.systems import rigid_wall
+
+
+def kinds(branch) -> list[str]:
+    return branch["special_kind"].values.tolist()
+
+
+def value(branch, kind: str) -> float:
+    return float(branch["special_value"][kinds(branch).index(kind)])
+
+
+def test_a_point_at_rest_is_no_orbit():
+    damped = ns.System(
+        states=["x", "v"], parameters={"k": 1.0}, equations={"x": "v", "v": "-k*x - 0.1*v"}
+    )
+    orbit = ns.find_orbit(damped, {"x": 1.0})
+    assert orbit.attrs["status"] == "no_orbit"
+    assert np.isnan(orbit["x"])
+
+
+def test_a_branch_ends_where_a_requirement_fails():
+    forced = ns.System(
+        states=["x", "v"],
+        parameters={"z": 0.1},
+        require={"z > 0.05": "damping"},
+        period="2*pi",
+        equations={"x": "v", "v": "cos(t) - x - z*v"},
+    )
+    branch = ns.continue_orbit(forced, "z", (0.0, 0.5))
+    assert branch.attrs["end_first"] == "domain"
+    assert "z > 0.05 is required" in branch.attrs["message"]
+    assert float(branch["z"].min()) == pytest.approx(0.05, abs=1e-8)
+
+
+def test_a_branch_through_grazes_is_closed():
+    """An isola: two folds, and two grazes at which an impact comes and goes."""
+    wall = rigid_wall()
+    first = ns.orbits(wall, longest=2).isel(orbit=1)
+    branch = ns.continue_orbit(wall, "omega", (1.5, 4.0), initial=first)
+    assert branch.attrs["end_last"] == "closed"
+    assert branch.sizes["point"] < 200
+    assert bool(branch["admissible"].all())
+
+
+def test_resonance_does_not_use_up_the_steps():
+    linear = ns.System(
+        states=["x", "v"],
+        parameters={"omega": 0.8},
+        period="2*pi/omega",
+        equations={"x": "v", "v": "cos(omega*t) - x - 0.02*v"},
+    )
+    branch = ns.continue_orbit(linear, "omega", (0.5, 2.0))
+    assert (branch.attrs["end_first"], branch.attrs["end_last"]) == ("bound", "bound")
+    omega = branch["omega"].values
+    response = 1.0 / (1.0 - omega**2 + 0.02j * omega)
+    assert branch["x"].values == pytest.approx(response.real, abs=1e-9)
+
+
+def test_sticking_ends_a_branch_exactly():
+    """Dry friction sticks first where the force at the turn is its own: |F cos - x| = mu."""
+    friction = ns.System(
+        states=["x", "v"],
+        parameters={"mu": 0.2},
+        period="2*pi/0.7",
+        equations={"x": "v", "v": "cos(0.7*t) - x - 0.1*v - mu*sign(v)"},
+    )
+    branch = ns.continue_orbit(friction, "mu", (0.0, 1.2), direction="up")
+    assert branch.attrs["end_last"] == "sliding"
+    assert "stays there" in branch.attrs["message"]
+    last = branch.isel(point=-1)
+    mu = float(last["mu"])
+    turns = last["leg_time"].values[1:3]
+    at_turn = last["leg_states"].sel(state="x").values[1:3]
+    force = np.abs(np.cos(0.7 * turns) - at_turn)
+    assert force.min() == pytest.approx(mu, rel=1e-9)
+    assert mu == pytest.approx(value(branch, "sliding"))
+
+
+def test_a_cycle_that_shrinks_to_a_point():
+    hopf = ns.System(
+        states=["x", "y"],
+        parameters={"mu": 0.5},
+        equations={"x": "mu*x - y - x*(x**2 + y**2)", "y": "x + mu*y - y*(x**2 + y**2)"},
+    )
+    branch = ns.continue_orbit(hopf, "mu", (-0.5, 1.0), initial={"x": 0.7}, transient=3)
+    assert branch.attrs["end_first"] == "hopf"
+    assert float(branch["mu"].min()) == pytest.approx(0.0, abs=1e-8)
+    assert branch["length"].values == pytest.approx(2.0 * np.pi, rel=1e-9)
+
+
+def test_units_do_not_matter():
+    """The same wall in lengths of one and of 1e-9, at the same places."""
+    found = []
+    for unit in (1.0, 1e-9, 1e6):
+        wall = rigid_wall(F=0.4 * unit, omega=0.8, sigma=0.5 * unit, zeta=0.05)
+        start = {"x": -unit, "v": 0.0}
+        branch = ns.continue_orbit(wall, "omega", (0.6, 0.9), initial=start, transient=300)
+        found.append(list(zip(kinds(branch), branch["special_value"].values, strict=True)))
+        assert bool(branch["admissible"].all())
+    for other in found[1:]:
+        assert [kind for kind, _ in other] == [kind for kind, _ in found[0]]
+        assert [v for _, v in other] == pytest.approx([v for _, v in found[0]], rel=1e-9)
+
+
+def test_a_turn_that_repeats_a_shorter_orbit_is_followed_as_that():
+    wall = rigid_wall(F=0.4, omega=0.8, sigma=0.5, zeta=0.05)
+    twice = ns.continue_orbit(wall, "omega", (0.7, 0.9), period=2)
+    once = ns.continue_orbit(wall, "omega", (0.7, 0.9))
+    assert twice.attrs["period"] == once.attrs["period"] == 1
+    assert kinds(twice) == kinds(once)
+
+
+def test_just_below_grazing_the_orbit_without_contact_is_found():
+    touching = 1.26 * np.hypot(1 - 0.85**2, 2 * 0.01 * 0.85) / 0.85**2
+    orbit = ns.find_orbit(ns.models.soft_impact(a=float(touching * (1 - 1e-9))))
+    assert (orbit.attrs["status"], orbit["word"].item()) == ("completed", "free")
+
+
+def test_an_event_exactly_at_the_section():
+    wall = rigid_wall(F=0.4, omega=0.8, sigma=0.5, zeta=0.05)
+    orbit = ns.find_orbit(wall)
+    share = float(orbit["leg_time"][1]) / wall.period_value
+    there = ns.find_orbit(wall, orbit, phase=share)
+    assert there.attrs["status"] == "completed"
+    assert there["multipliers"].values == pytest.approx(orbit["multipliers"].values, abs=1e-9)
