@@ -129,3 +129,16 @@ def test_an_event_exactly_at_the_section():
     there = ns.find_orbit(wall, orbit, phase=share)
     assert there.attrs["status"] == "completed"
     assert there["multipliers"].values == pytest.approx(orbit["multipliers"].values, abs=1e-9)
+
+
+def test_a_cycle_counts_once_although_a_state_vanishes_at_its_events():
+    clock = ns.System(
+        states=["x", "v"],
+        modes={
+            "right": ns.Mode({"x": "v", "v": "-0.2*v - x + 0.3"}, exits=[ns.Exit("v", to="left")]),
+            "left": ns.Mode({"x": "v", "v": "-0.2*v - x - 0.3"}, exits=[ns.Exit("-v", to="right")]),
+        },
+    )
+    found = ns.orbits(clock, {"x": (-1.0, 1.0), "v": (-1.0, 1.0)}, longest=2, samples=30)
+    assert found.sizes["orbit"] == 1
+    assert float(found["length"][0]) == pytest.approx(2 * np.pi / np.sqrt(1 - 0.01), rel=1e-12)

@@ -50,7 +50,7 @@ def best_point(
         the orbits that are allowed, otherwise the kind of the special point of the branch at which
         they end or change their word, such as "flip", "fold", "grazing" or "bound". A branch that
         ends otherwise says so: "steps", "smallest_step" and so on. With the status ``no_orbit``
-        there is no orbit that is allowed.
+        there is no orbit that is allowed, or the quantity is nowhere a number.
 
     Raises
     ------
@@ -89,15 +89,8 @@ def best_point(
     """
     wanted = read_best(branch, quantity, largest, unstable, inadmissible, tolerance)
     found = best_along(wanted)
-    if found is None:
-        allowed = " and ".join(
-            word for word, free in (("stable", unstable), ("a motion", inadmissible)) if not free
-        )
-        attrs = wanted.said | {
-            "status": "no_orbit",
-            "message": f"none of the {branch.sizes['point']} orbits of the branch is {allowed};"
-            " follow it further, or allow others: unstable=True, inadmissible=True",
-        }
+    if isinstance(found, str):
+        attrs = wanted.said | {"status": "no_orbit", "message": found}
         return _with(failed_dataset(wanted.system, attrs), wanted.parameter, float("nan"),
                      float("nan"), "", branch)  # fmt: skip
     orbit = found.orbit.assign_attrs(wanted.said | {"status": "completed"})

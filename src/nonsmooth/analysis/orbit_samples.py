@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from nonsmooth.analysis.orbit_search.options import period_of
 from nonsmooth.errors import ModelError, OptionError
 from nonsmooth.periodic.legs import Legs
 from nonsmooth.periodic.restart import guess_of_dataset, is_orbit
@@ -20,8 +21,10 @@ if TYPE_CHECKING:
 
 __all__ = ["orbit_samples"]
 
+_PER_LEG, _PER_PERIOD = 50, 200  # intervals
 
-def orbit_samples(orbit: xr.Dataset, *, per_leg: int = 50) -> xr.Dataset:
+
+def orbit_samples(orbit: xr.Dataset, *, per_leg: int | None = None) -> xr.Dataset:
     """Sample one turn of a periodic orbit, each leg from its own start.
 
     A simulation leaves an unstable orbit after a while, and never follows one that is no motion;
@@ -33,7 +36,8 @@ def orbit_samples(orbit: xr.Dataset, *, per_leg: int = 50) -> xr.Dataset:
         Result of `find_orbit`, or one orbit of `orbits` or `continue_orbit`, as in
         ``branch.isel(point=3)``.
     per_leg : int, optional
-        Intervals in each leg.
+        Intervals in each leg; by default 50, and more in long legs: their share of 200 in each
+        period.
 
     Returns
     -------
@@ -65,19 +69,34 @@ def orbit_samples(orbit: xr.Dataset, *, per_leg: int = 50) -> xr.Dataset:
             f"orbit = {type(orbit).__name__}: give a result of find_orbit, or one orbit of a"
             " branch, as in branch.isel(point=0)"
         )
-    count = whole_number("per_leg", per_leg)
+    if orbit["length"].ndim:
+        over = str(orbit["length"].dims[0])
+        raise OptionError(
+            f"orbit: these are {orbit.sizes[over]} orbits over {over!r}; take one, as in"
+            f" branch.isel({over}=3)"
+        )
     system = _system_of(orbit)
     word, turn = guess_of_dataset(system, orbit)
-    check_count(len(word) * (count + 1.0))
+    counts = _intervals(orbit, turn.durations, per_leg)
+    check_count(float(np.sum(counts + 1.0)))
     legs = Legs(system)
     legs.set_values(system.parameter_values)
-    leg = np.repeat(np.arange(len(word)), count + 1)
-    shares = np.tile(np.linspace(0.0, 1.0, count + 1), len(word))
+    leg = np.repeat(np.arange(len(word)), counts + 1)
+    shares = np.concatenate([np.linspace(0.0, 1.0, count + 1) for count in counts])
     times = turn.instants[leg] + shares * turn.durations[leg]
     modes = np.array(word.modes, np.int64)[leg]
     cut = Word(tuple(int(m) for m in modes), ((),) * modes.size)
     found = legs.follow_each(cut, turn.states[leg], turn.instants[leg], times)
     return _dataset(system, legs, orbit, word, leg, times, modes, found.ends.copy())
+
+
+def _intervals(orbit: xr.Dataset, durations: Any, per_leg: int | None) -> Any:
+    """Number of intervals in each leg."""
+    if per_leg is not None:
+        return np.full(len(durations), whole_number("per_leg", per_leg), np.int64)
+    turn = _PER_PERIOD * period_of(orbit)
+    shares = np.ceil(turn * durations / float(np.sum(durations)) * (1.0 - 1e-12))
+    return np.maximum(shares, _PER_LEG).astype(np.int64)
 
 
 def _system_of(orbit: xr.Dataset) -> System:

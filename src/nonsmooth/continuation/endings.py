@@ -14,7 +14,7 @@ def message_of(ended: str, node: Node, options: Options, reason: str) -> str:
     why = f" ({reason})" if reason else ""
     smallest = f"smallest_step = {options.smallest:g}"
     return {
-        "bound": f"the branch reached the bound {where}",
+        "bound": _bound(node, options),
         "steps": f"{options.steps} steps were taken, up to p = {node.p:.10g}; allow more with"
         " steps=, or longer ones with largest_step=",
         "closed": "the branch came back to its start: it is a closed curve",
@@ -27,3 +27,14 @@ def message_of(ended: str, node: Node, options: Options, reason: str) -> str:
         " smallest_step=, more max_newton=, a larger tolerance= for a residual that is not good"
         " to 1e-9, or no derivatives",
     }[ended]
+
+
+def _bound(node: Node, options: Options) -> str:
+    """Which parameter came to its bound; the last unknown has one only where it is a parameter."""
+    first = float(node.u[-1])
+    if first in options.unknown_bounds:
+        return (
+            f"the first parameter reached its bound {first:.10g}, where the second one is"
+            f" {node.p:.10g}"
+        )
+    return f"the branch reached the bound at p = {node.p:.10g}"

@@ -87,7 +87,8 @@ def primitive_parts(equations: OrbitEquations, turn: Turn) -> int:
         parts = [d for d in range(count, 1, -1) if count % d == 0]
     drifts = equations.drifting
     states = np.where(drifts, 0.0, turn.states)
-    size = np.abs(states).max(axis=0) + 1e-300
+    size = np.abs(states).max(axis=0)
+    size = np.maximum(size, 1e-6 * size.max(initial=1e-300))  # a state that is zero at all events
     length = float(turn.instants[-1] - turn.instants[0])
     first = 0 if word.closes_at_event else 1  # the leg at the section is cut by it
     for part in parts:

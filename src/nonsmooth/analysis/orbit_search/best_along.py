@@ -43,8 +43,8 @@ class _Run:
     after: str
 
 
-def best_along(wanted: WantedBest) -> Best | None:
-    """Best orbit among those that are allowed; None where there are none."""
+def best_along(wanted: WantedBest) -> Best | str:
+    """Best orbit among those that are allowed; where there are none, why."""
     branch = wanted.branch
     values = wanted.sign * _values(wanted)
     specials = {
@@ -56,7 +56,7 @@ def best_along(wanted: WantedBest) -> Best | None:
     }
     runs = _runs(wanted, values, specials)
     if not runs:
-        return None
+        return _why_none(wanted, values)
 
     def best_of(run: _Run) -> float:
         return float(np.nanmax(values[run.points]))
@@ -64,6 +64,22 @@ def best_along(wanted: WantedBest) -> Best | None:
     runs = sorted(runs, key=best_of, reverse=True)[:_REFINED]
     found = [_refined(wanted, run, values) for run in runs]
     return max(found, key=lambda each: wanted.sign * each.quantity)
+
+
+def _why_none(wanted: WantedBest, values: Floats) -> str:
+    """What is wrong with all points of a branch."""
+    if not np.any(np.isfinite(values)):
+        return (
+            "the quantity is nowhere a number along the branch: it is nan or infinite at each of"
+            f" its {len(values)} points; give another variable, or a function that is finite"
+        )
+    free = (("stable", wanted.unstable), ("a motion", wanted.inadmissible))
+    allowed = " and ".join(word for word, given in free if not given) or "no special point"
+    finite = "" if np.all(np.isfinite(values)) else ", with a quantity that is a number"
+    return (
+        f"none of the {len(values)} orbits of the branch is {allowed}{finite};"
+        " follow it further, or allow others: unstable=True, inadmissible=True"
+    )
 
 
 def _values(wanted: WantedBest) -> Floats:

@@ -49,7 +49,7 @@ def read_branch_options(
         parameters = {**(parameters or {}), parameter: value}
     elif is_orbit(initial) and parameter in initial and initial[parameter].ndim == 0:
         parameters = {**(parameters or {}), parameter: float(initial[parameter])}
-    if is_orbit(initial) and period == 1:
+    if is_orbit(initial) and whole_number("period", period) == 1:
         period = period_of(initial) * (2 if chosen == 1 else 1)
     wanted, names = read_wanted(
         system, initial, period=period, parameters=parameters, verb="continue_orbit", **rest

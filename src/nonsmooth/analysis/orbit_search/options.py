@@ -59,7 +59,8 @@ def read_wanted(
             f"{system.name}: with {what} no motion repeats exactly; leave it out and give fixed"
             " values"
         )
-    period = period_of(initial) if period == 1 else whole_number("period", period)
+    period = whole_number("period", period)
+    period = period_of(initial) if period == 1 else period
     if period > _MOST_PERIODS:
         raise OptionError(f"period = {period}: at most {_MOST_PERIODS}")
     tables = build_tables(system)

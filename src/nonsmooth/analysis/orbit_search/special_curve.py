@@ -13,6 +13,7 @@ from nonsmooth.continuation.branch import Branch
 from nonsmooth.continuation.point import Point
 from nonsmooth.continuation.two_parameter import two_parameter
 from nonsmooth.errors import NonsmoothError, OptionError
+from nonsmooth.periodic.branch_endings import ending_of_orbits
 from nonsmooth.periodic.branch_part import BranchPart, kind_of
 from nonsmooth.periodic.branch_tests import WORD_TESTS, BranchTests, Looked
 from nonsmooth.periodic.equations import OrbitEquations
@@ -137,7 +138,22 @@ def _one_way(
                 f"at {options.parameter} = {point.p:.10g} something else happens too ({special}),"
                 " and the orbits beyond have another word"
             )
-    return curve.ended, curve.message
+    return curve.ended, _says(wanted, curve, point)
+
+
+def _says(wanted: SpecialCurve, curve: Branch, last: Point) -> str:
+    """Why the curve ends at this point, by the names of both parameters."""
+    options, first = wanted.options, float(last.u[-1])
+    if curve.ended == "bound" and first in wanted.first_bounds:
+        return (
+            f"{wanted.first} reached its bound {first:.10g}, which is that of the branch, at"
+            f" {options.parameter} = {last.p:.10g}; for more give a branch over a wider range"
+        )
+    if curve.ended == "bound":
+        return (
+            f"{options.parameter} reached its bound {last.p:.10g}, at {wanted.first} = {first:.10g}"
+        )
+    return ending_of_orbits(curve.ended, curve.message, options.parameter, last.p)
 
 
 def _curve(condition: _Condition, way: int) -> Branch:

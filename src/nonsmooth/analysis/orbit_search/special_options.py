@@ -67,8 +67,13 @@ def read_special_options(
         system = system.with_parameters(**{first: float(point[first])})
     except (KeyError, ModelError) as fault:
         raise OptionError(f"branch: its attributes do not give its system: {fault}") from None
-    if parameter not in system.parameters or parameter == first:
-        known = [name for name in system.parameters if name != first]
+    known = [name for name in system.parameters if name != first]
+    if parameter == first:
+        raise OptionError(
+            f"parameter = {first!r} is that of the branch, the first one already; give another one"
+            f" of the system: {', '.join(known) or 'it has none'}"
+        )
+    if parameter not in known:
         raise OptionError(unknown_name("second parameter", str(parameter), known))
     low, high = read_bounds(between)
     value = float(system.parameter_values[parameter])
