@@ -83,7 +83,7 @@ def test_every_point_is_an_orbit(soft):
     [
         ({"special": 99}, "special points, numbered from 0"),
         ({"special": 0}, "is a bound point"),
-        ({"parameter": "a"}, "second parameter"),
+        ({"parameter": "a"}, "that of the branch, the first one already"),
         ({"parameter": "nope"}, "second parameter"),
         ({"between": (1.0, 2.0)}, "lies outside"),
         ({"between": (0.9, 0.8)}, "must be below"),

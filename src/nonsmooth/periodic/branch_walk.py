@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from nonsmooth.continuation.point import Point
 from nonsmooth.periodic.branch_change import broken_test, change_at, end_at
+from nonsmooth.periodic.branch_endings import ending_of_orbits
 from nonsmooth.periodic.branch_part import BranchPart, Followed, part_of
 from nonsmooth.periodic.branch_tests import WORD_TESTS, Looked
 from nonsmooth.periodic.legs import LegError
@@ -56,7 +57,9 @@ class StretchWalk:
             if self.following is not None or self.ended is not None:
                 return
         if branch.ended != "steps":
-            self.ended = Followed(branch.ended, branch.message)
+            name = self.stretch.options.parameter
+            message = ending_of_orbits(branch.ended, branch.message, name, point.p)
+            self.ended = Followed(branch.ended, message)
 
     def _is_again(self, point: Point, looked: Looked) -> bool:
         """Whether a point only repeats the change behind which the stretch begins."""

@@ -66,7 +66,7 @@ def both_ways(
                 break
             if found[way][1].ended == "closed":
                 break
-    parts, said = _joined(found, interrupted, options.parameter)
+    parts, said = _joined(found, interrupted)
     return options, parts, said
 
 
@@ -88,7 +88,7 @@ def _primitive(
 
 
 def _joined(
-    found: dict[float, tuple[list[BranchPart], Followed]], interrupted: bool, parameter: str
+    found: dict[float, tuple[list[BranchPart], Followed]], interrupted: bool
 ) -> tuple[list[BranchPart], dict[str, Any]]:
     """The way down backwards, then the way up."""
     down, first = found.get(-1.0, ([], None))
@@ -102,9 +102,7 @@ def _joined(
     for name, end in ends.items():
         said[name] = end.ended if end is not None else "start"
         if end is not None and end.message:
-            # branches of any equations call their parameter p
-            text = end.message.replace(" p = ", f" {parameter} = ")
-            messages.append(f"{'first' if name == 'end_first' else 'last'} end: {text}")
+            messages.append(f"{'first' if name == 'end_first' else 'last'} end: {end.message}")
     said["message"] = "; ".join(messages)
     return parts, said
 
