@@ -37,6 +37,9 @@ def test_grazing_of_the_soft_oscillator(soft):
     # the lower end is where a reaches its own bound, 0.6
     assert a.max() == pytest.approx(0.6, abs=1e-12)
     assert omega.max() == 0.9
+    first, last = curve.attrs["message"].split("; last end: ")
+    assert "a reached its bound 0.6" in first and f"at omega = {omega.min():.10g}" in first
+    assert last == f"omega reached its bound 0.9, at a = {a.min():.10g}"
 
 
 def test_a_flip_curve_has_the_multiplier_minus_one(soft):
@@ -83,7 +86,7 @@ def test_every_point_is_an_orbit(soft):
     [
         ({"special": 99}, "special points, numbered from 0"),
         ({"special": 0}, "is a bound point"),
-        ({"parameter": "a"}, "second parameter"),
+        ({"parameter": "a"}, "the first one already; give another one.*: .*omega"),
         ({"parameter": "nope"}, "second parameter"),
         ({"between": (1.0, 2.0)}, "lies outside"),
         ({"between": (0.9, 0.8)}, "must be below"),

@@ -83,8 +83,8 @@ def continue_orbit(
         under its own name and ``arclength``, which is 0 where the branch began. Over ``special``:
         ``special_kind``, ``special_value`` (of the parameter), ``special_point`` (its number among
         the points), ``special_multiplier`` and ``special_detail``. At a graze of a rigid wall
-        multipliers have no bound, and ``special_multiplier`` is infinite. Attributes ``end_first`` and
-        ``end_last`` say why the branch ended where the points begin and end.
+        multipliers have no bound: one beyond 1e8 is infinite in ``special_multiplier``. Attributes
+        ``end_first`` and ``end_last`` say why the branch ended where the points begin and end.
 
     Raises
     ------

@@ -151,8 +151,7 @@ def _says(wanted: SpecialCurve, curve: Branch, last: Point) -> str:
         )
     if curve.ended == "bound":
         return (
-            f"{options.parameter} reached its bound {last.p:.10g}, at {wanted.first} ="
-            f" {first:.10g}"
+            f"{options.parameter} reached its bound {last.p:.10g}, at {wanted.first} = {first:.10g}"
         )
     return ending_of_orbits(curve.ended, curve.message, options.parameter, last.p)
 
