@@ -71,6 +71,7 @@ def test_no_line_to_a_multiplier_without_bound(huge):
     pieces, begin = path_pieces(along(values))
     assert np.abs(pieces).max() == 0.5
     assert sorted(begin.tolist()) == [0, 0, 1, 2, 3, 3]  # the small one goes on
+    assert ns.plot.multipliers(along(values)).get_xlim()[1] == 1.25
 
 
 def test_an_infinite_multiplier_is_told(ax):

@@ -10,12 +10,12 @@ import numpy.typing as npt
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["multiplier_paths", "path_pieces"]
+__all__ = ["NO_BOUND", "multiplier_paths", "path_pieces"]
 
 Complex = npt.NDArray[np.complex128]
 
 _JUMPS = ("grazing", "corner", "gained", "lost")  # where multipliers may jump
-_NO_BOUND = 1e8  # larger at a graze of a rigid wall: infinite but for rounding, and on no path
+NO_BOUND = 1e8  # larger at a graze of a rigid wall: infinite but for rounding, and on no path
 _JUMP = 0.1  # beyond it a line would show a motion that there is none of
 
 
@@ -43,7 +43,7 @@ def path_pieces(branch: xr.Dataset) -> tuple[npt.NDArray[np.float64], npt.NDArra
     """Straight pieces (piece, end, re and im) of all paths, and the point where each begins."""
     values = branch["multipliers"].transpose("point", "multiplier").values
     with np.errstate(invalid="ignore"):
-        values = np.where(np.abs(values) <= _NO_BOUND, values, np.nan)
+        values = np.where(np.abs(values) <= NO_BOUND, values, np.nan)
     paths = multiplier_paths(values)
     jumps = np.zeros(max(len(paths) - 1, 0), bool)
     if branch.sizes.get("special") and jumps.size:

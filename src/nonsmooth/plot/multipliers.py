@@ -11,7 +11,7 @@ from nonsmooth.errors import OptionError
 from nonsmooth.plot.branch_curves import check_branch
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.growth_colours import colour_bar, growing_colours
-from nonsmooth.plot.multiplier_paths import path_pieces
+from nonsmooth.plot.multiplier_paths import NO_BOUND, path_pieces
 from nonsmooth.plot.special_points import mark_special_points
 from nonsmooth.plot.style import PALETTE, axis_label, finish_axes, place_legend
 
@@ -118,7 +118,7 @@ def _limits(values: Complex, radius: float | None) -> tuple[float, float, float]
         if not 1.0 < float(radius) < np.inf:
             raise OptionError(f"radius = {radius!r:.60} must be more than 1, the unit circle")
         return -float(radius), float(radius), float(radius)
-    finite = values[np.isfinite(values)]
+    finite = values[np.abs(values) <= NO_BOUND]
     extents = (-finite.real, finite.real, np.abs(finite.imag))
     left, right, up = (
         float(np.clip(_SPACE * extent.max(initial=0.0), _LEAST, _MOST)) for extent in extents
