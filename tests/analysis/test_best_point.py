@@ -115,6 +115,14 @@ def test_no_orbit_is_allowed(mole):
     assert free["limited_by"].item() == "bound" and free["b"].item() == 0.1
 
 
+def test_a_quantity_that_is_no_number(branch):
+    best = ns.best_point(branch, lambda orbit: np.nan)
+    assert best.attrs["status"] == "no_orbit"
+    assert "nowhere a number" in best.attrs["message"]
+    best = ns.best_point(branch, lambda orbit: np.nan if orbit["stable"] else 1.0)
+    assert "with a quantity that is a number" in best.attrs["message"]
+
+
 def test_refusals(branch):
     for given, quantity, message in (
         (branch, "v_per_perod", "did you mean 'v_per_period'"),

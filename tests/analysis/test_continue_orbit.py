@@ -62,6 +62,9 @@ def test_grazing_of_the_rigid_wall(omega, zeta, sigma):
         branch["special_detail"].values[list(branch["special_kind"].values).index("grazing")]
     )
     assert "touches 'impact'" in detail
+    there = list(branch["special_kind"].values).index("grazing")
+    known = branch["special_multiplier"].values[there]
+    assert known == np.inf or abs(known) < 1.0  # from without a contact it stays inside
 
 
 def test_from_a_graze_far_away():
@@ -69,6 +72,11 @@ def test_from_a_graze_far_away():
     system = rigid_wall(omega=2.0, F=0.25)
     branch = ns.continue_orbit(system, "F", (0.2, 1.0), direction="up")
     assert branch.attrs["end_last"] == "bound"
+    again = ns.continue_orbit(
+        rigid_wall(omega=2.0, F=1.0), "F", (0.1, 1.0), initial=branch.isel(point=-1)
+    )
+    there = list(again["special_kind"].values).index("grazing")
+    assert again["special_multiplier"].values[there] == np.inf  # no bound at a rigid wall
     known = ns.find_orbit(rigid_wall(omega=2.0, F=1.0), transient=300)
     assert float(branch["x"][-1]) == pytest.approx(float(known["x"]), abs=1e-10)
 
@@ -211,6 +219,7 @@ def test_control_c_keeps_the_points(monkeypatch, interrupts):
         ({"between": 0.5}, "lowest and the highest"),
         ({"between": (0.3, np.nan)}, "between"),
         ({"direction": "left"}, "both, up, down"),
+        ({"period": True}, "period = True is not a number"),
         ({"steps": 0}, "steps"),
         ({"step": 0.2}, "in this order"),
         ({"smallest_step": 0.0}, "above 0"),

@@ -203,6 +203,39 @@ def test_a_branch_of_the_soft_impact_oscillator(call, tmp_path):
         assert float(saved["a"][0]) == 0.4
 
 
+def test_a_diagram_that_does_not_fit_is_refused_before_the_branch(call, asked, tmp_path):
+    t = np.linspace(0.0, 1.0, 3)
+    over = {"parameter": "zeta"}
+    values = {"x": (("parameter", "lane"), np.zeros((3, 1)))}
+    for made, message in (
+        (xr.Dataset({"x": ("time", t)}), "give a result of bifurcation_diagram"),
+        (xr.Dataset(values, {"parameter": t}, over), "it is over 'zeta'"),
+        (xr.Dataset(values, {"parameter": t}, {"parameter": "omega"}), "unknown variable 'v'"),
+    ):
+        file = tmp_path / "wrong.nc"
+        made.to_netcdf(file, engine="h5netcdf")
+        result = call(
+            "continue", "soft_impact", "--over", "omega=0.7:0.9", "--plot", tmp_path / "a.png",
+            "--variable", "v", "--diagram", file,
+        )  # fmt: skip
+        assert result.exit_code == 2 and not asked
+        assert "wrong.nc" in result.stderr and message in result.stderr
+    (tmp_path / "wrong.nc").write_text("no netCDF", encoding="utf-8")
+    result = call(
+        "continue", "soft_impact", "--over", "omega=0.7:0.9", "--plot", tmp_path / "a.png",
+        "--diagram", tmp_path / "wrong.nc",
+    )  # fmt: skip
+    assert result.exit_code == 2 and "is no netCDF file" in result.stderr and not asked
+
+
+def test_a_long_word_is_shortened(call, asked):
+    asked["answer"] = orbit().assign(word=" ".join(["free", "contact"] * 30))
+    result = call("orbit", "soft_impact")
+    assert value(result.stdout, "word") == "free contact " * 6 + "... (60 legs)"
+    asked["answer"] = orbit()
+    assert value(call("orbit", "soft_impact").stdout, "word") == "free contact free"
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

@@ -83,6 +83,7 @@ def test_folds_of_a_map_and_bounds_of_the_first_parameter():
     )  # fmt: skip
     points = list(curve)
     assert curve.ended == "bound" and points[-1].special == "bound"
+    assert "the first parameter reached its bound -0.04" in curve.message
     assert points[-1].u[2] == -0.04 and points[-1].p == pytest.approx(0.6, abs=1e-12)
     for point in points:
         assert point.u[2] == pytest.approx(-((1 - point.p) ** 2) / 4, abs=1e-12)

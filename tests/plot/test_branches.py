@@ -219,3 +219,42 @@ def test_what_is_no_branch():
         ns.plot.branch(saddle_node().isel(point=[]), "x")
     with pytest.raises(OptionError, match="there is none"):
         ns.plot.branch([], "x")
+
+
+@pytest.mark.parametrize("huge", [7.6e12, np.inf])
+def test_multipliers_at_a_rigid_graze_leave_the_others_legible(huge):
+    p = np.linspace(0.0, 1.0, 21)
+    sizes = 0.9 - 0.3 * p
+    sizes[10] = huge
+    mu = (("point", "multiplier"), sizes[:, None] + 0j)
+    one = branch(p, p, sizes < 1.0, [("grazing", p[10], 10)], multipliers=mu)
+    ax = ns.plot.branch(one, "multipliers")
+    low, high = ax.get_ylim()
+    assert high == 10.0 and -1.0 < low <= 0.0
+    (mark,) = [line for line in ax.lines if line.get_gid() == "special grazing"]
+    assert mark.get_xdata() == [p[10]] and 9.0 < mark.get_ydata()[0] < 10.0
+    # another branch with larger ones makes room for them
+    ns.plot.branch(one.assign(multipliers=40.0 * one["multipliers"]), "multipliers", ax=ax)
+    assert 36.0 < ax.get_ylim()[1] < 200.0
+
+
+def test_the_power_of_ten_of_an_axis_is_not_below_the_legend():
+    p = np.linspace(0.0, 1.0, 21)
+    ax = ns.plot.branch(branch(p, 1e-13 * p, p < 0.5), "x")
+    ax.get_figure().draw_without_rendering()
+    power = ax.yaxis.get_offset_text()
+    assert "1e" in power.get_text()
+    assert not ax.get_legend().get_window_extent().overlaps(power.get_window_extent())
+
+
+def test_a_range_that_was_set_stays_and_moderate_multipliers_are_all_seen():
+    p = np.linspace(0.0, 1.0, 21)
+    mu = (("point", "multiplier"), (1.0 + 20.0 * p)[:, None] + 0j)
+    ax = ns.plot.branch(branch(p, p, p < 0.0, multipliers=mu), "multipliers")
+    assert ax.get_ylim()[1] > 21.0
+    ax = ns.plot.branch(branch(p, p, p < 0.0), "x")
+    ax.set_ylim(0.0, 5e9)
+    sizes = np.where(p == 0.5, 1e9, 0.5)[:, None] + 0j
+    mu = (("point", "multiplier"), sizes)
+    ns.plot.branch(branch(p, p, p < 0.0, multipliers=mu), "multipliers", ax=ax)
+    assert ax.get_ylim() == (0.0, 5e9)

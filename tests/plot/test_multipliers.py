@@ -65,6 +65,24 @@ def test_no_line_across_a_jump():
     np.testing.assert_array_equal(pieces[1], [[-3.0, 0.0], [-3.05, 0.0]])
 
 
+@pytest.mark.parametrize("huge", [7.6e12, np.inf])
+def test_no_line_to_a_multiplier_without_bound(huge):
+    values = np.array([[0.5, 0.1], [0.5, 0.1], [huge, 0.0], [0.5, 0.1], [0.5, 0.1]])
+    pieces, begin = path_pieces(along(values))
+    assert np.abs(pieces).max() == 0.5
+    assert sorted(begin.tolist()) == [0, 0, 1, 2, 3, 3]  # the small one goes on
+    assert ns.plot.multipliers(along(values)).get_xlim()[1] == 1.25
+
+
+def test_an_infinite_multiplier_is_told(ax):
+    values = xr.Dataset({"multipliers": ("multiplier", [complex(-np.inf), 0.5 + 0j, np.nan])})
+    ns.plot.multipliers(values, ax=ax)
+    marks = {line.get_label(): line.get_xydata().tolist() for line in ax.lines}
+    (edge,) = marks["beyond, up to inf"]
+    assert edge == [ax.get_xlim()[0], 0.0]
+    assert marks["inside"] == [[0.5, 0.0]]
+
+
 def test_a_branch(ax):
     _, mixed = circling()
     flip = ("flip", 29, -1.0)

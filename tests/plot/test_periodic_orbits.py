@@ -104,6 +104,19 @@ def test_history(ax):
     assert drawn["section"].get_xydata() == pytest.approx(np.array([[5.0, 0.0]]))
 
 
+def test_a_reset_is_drawn_as_a_jump(ax):
+    """u falls from 1 to -1 in each flight of 2, and jumps back: a gap, and a dotted way across."""
+    ns.plot.orbit_history(bounce(), ["h", "u"], ax=ax, turns=2)
+    drawn = by_label(ax)
+    u = drawn["u"].get_ydata()
+    assert not np.any(np.diff(u)[np.isfinite(np.diff(u))] > 0.0)
+    across = drawn["_jump of u"]
+    np.testing.assert_allclose(across.get_xydata()[:2], [[2, -1], [2, 1]], atol=1e-15)
+    assert across.get_linestyle() != "-" and across.get_color() == drawn["u"].get_color()
+    assert "_jump of h" not in drawn and np.all(np.isfinite(drawn["h"].get_ydata()))
+    assert texts(ax) == ["h", "u", "flight", "section"]
+
+
 def test_an_event_with_the_name_of_a_mode_is_named_too(ax):
     legs = np.where(drifting()["leg"] == 0, "rest", "")
     ns.plot.orbit_history(

@@ -72,7 +72,7 @@ def continue_(
     system = build_system(model, settings(parameters or [], "NAME=VALUE"))
     parameter, between = _range(system, over)
     drawn = _variable(system, variable)
-    behind = _read_diagram(diagram)
+    behind = _read_diagram(diagram, parameter, drawn)
     first = ns.find_orbit(
         system,
         constants(settings(names(start), "--start"), "--start") or None,
@@ -139,10 +139,13 @@ def _variable(system: System, variable: str | None) -> str:
     return variable
 
 
-def _read_diagram(path: Path | None) -> xr.Dataset | None:
+def _read_diagram(path: Path | None, parameter: str, drawn: str) -> xr.Dataset | None:
+    """The diagram to draw behind, which fits the branch that is followed only after this."""
     if path is None:
         return None
     import xarray as xr
+
+    from nonsmooth.plot.branches import check_diagram
 
     if not path.is_file():
         raise OptionError(
@@ -150,9 +153,17 @@ def _read_diagram(path: Path | None) -> xr.Dataset | None:
         )
     try:
         with xr.open_dataset(path, engine="h5netcdf") as data:
-            return data.load()
+            found = data.load()
     except (OSError, ValueError) as error:
         raise OptionError(f"--diagram: {str(path)!r} is no netCDF file: {error!s:.120}") from None
+    try:
+        check_diagram(found, parameter, drawn)
+    except OptionError as fault:
+        raise OptionError(
+            f"--diagram: {str(path)!r} does not go with {drawn} over {parameter}: {fault}; make"
+            " another one with nonsmooth diagram --save"
+        ) from None
+    return found
 
 
 def _rows(branch: xr.Dataset) -> Iterator[tuple[str, str]]:

@@ -25,6 +25,7 @@ __all__ = ["orbit"]
 
 _WIDTH, _HEIGHT = 10.0, 8.0  # centimetres
 _MOST_LEGS = 40  # that are printed
+_MOST_MODES = 12  # of a word
 
 
 def orbit(
@@ -107,7 +108,7 @@ def orbit_rows(found: xr.Dataset) -> Iterator[tuple[str, str]]:
     yield "status", str(attrs["message"])
     if not exists(found):
         return
-    yield "word", str(found["word"].item())
+    yield "word", word_text(str(found["word"].item()))
     length = f"{found['length'].item():.9g}"
     yield "length", f"{length}, period {attrs['period']}" if "period" in attrs else length
     states = (f"{name} = {found[name].item():.10g}" for name in found["state"].values)
@@ -131,6 +132,14 @@ def exists(found: xr.Dataset) -> bool:
     """Whether there is an orbit, be it inadmissible."""
     length = float(found["length"].item())
     return length == length
+
+
+def word_text(word: str) -> str:
+    """A word as it is read; of a long one the first modes and the number of legs."""
+    modes = word.split()
+    if len(modes) <= _MOST_MODES:
+        return word
+    return f"{' '.join(modes[:_MOST_MODES])} ... ({len(modes)} legs)"
 
 
 def complex_text(number: complex) -> str:

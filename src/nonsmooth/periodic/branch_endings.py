@@ -4,6 +4,8 @@ from __future__ import annotations
 
 __all__ = ["ending_of_orbits"]
 
+_OF_EQUATIONS = ("residual", "derivative", "test ", "matrix")  # reasons that tell of no orbit
+
 
 def ending_of_orbits(ended: str, message: str, parameter: str, value: float) -> str:
     """A sentence for the end of a branch of orbits.
@@ -32,4 +34,5 @@ def _reason(message: str) -> str:
     """What is said in brackets behind the value, with a blank before it."""
     _, bracket, rest = message.partition(" (")
     inside, closed, _ = rest.rpartition("):")
-    return f" ({inside})" if bracket and closed else ""
+    said = bracket and closed and not any(word in inside for word in _OF_EQUATIONS)
+    return f" ({inside})" if said else ""

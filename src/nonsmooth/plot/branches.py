@@ -18,6 +18,7 @@ from nonsmooth.plot.branch_curves import (
     quantity,
 )
 from nonsmooth.plot.figures import new_axes
+from nonsmooth.plot.legible import cut_axis
 from nonsmooth.plot.special_points import mark_special_points, special_points
 from nonsmooth.plot.style import LINES, PALETTE, axis_label, finish_axes, place_legend
 from nonsmooth.plot.trace import DENSE, broken
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
 
     Branches = xr.Dataset | Sequence[xr.Dataset] | Mapping[str, xr.Dataset]
 
-__all__ = ["branch"]
+__all__ = ["branch", "check_diagram"]
 
 _STYLES: dict[int, tuple[str, dict[str, Any]]] = {
     STABLE: ("stable", {"linestyle": "-", "linewidth": 1.1}),
@@ -42,6 +43,7 @@ _COLOURS = (
 )
 _DOTS, _BEHIND = "0.6", "brute force"  # a diagram behind: its grey, its name
 _MOST_ROWS = 8  # of the legend; kinds of points that it leaves out would be a riddle
+_BELOW = 0.97  # of an axis that is cut: where marks of points beyond it are
 _MANY = 3_000  # dots that are drawn small
 
 
@@ -65,8 +67,9 @@ def branch(
         the keys of a mapping.
     y : str
         A variable over the points of the branch, such as a state, ``"v_per_time"``, ``"length"``
-        or ``"residual"``; ``"multipliers"`` for the modulus of the largest one; ``"durations"``
-        for that of ``leg``.
+        or ``"residual"``; ``"multipliers"`` for the modulus of the largest one, with an axis that
+        ends where single orbits, such as a graze at a rigid wall, are far beyond all others;
+        ``"durations"`` for that of ``leg``.
     x : str, optional
         Another variable over the points of the branch than its parameter.
     leg : int or str, optional
@@ -151,8 +154,12 @@ def branch(
         labels.append((x_label, y_label))
         marks.append((points.kind, *places))
     _explain(ax, colours)
+    top = np.inf
+    if y == "multipliers":
+        heights = [line.get_ydata() for line in ax.lines if _is_branch(line)]
+        top = cut_axis(ax, np.concatenate([np.asarray(each, float) for each in heights]))
     for kinds, at_x, at_y in marks if special else ():
-        mark_special_points(ax, kinds, at_x, at_y)
+        mark_special_points(ax, kinds, at_x, np.minimum(at_y, _BELOW * top))
     finish_axes(ax, *labels[0])
     if legend:
         place_legend(ax, _MOST_ROWS)
@@ -213,11 +220,13 @@ def _enlarge_dots(ax: Axes) -> None:
             handle.set_markersize(5.0)
 
 
-def _draw_diagram(diagram: xr.Dataset, branch: xr.Dataset, x: str | None, y: str, ax: Axes) -> None:
-    """Points of a diagram as grey dots behind all else."""
-    parameter = check_branch(branch)
+def check_diagram(diagram: xr.Dataset, parameter: str, y: str, x: str | None = None) -> None:
+    """Refuse what cannot be drawn behind y of a branch over a parameter."""
     if "parameter" not in diagram.dims or "lane" not in diagram.dims:
-        raise OptionError("diagram: the dataset has no dimensions 'parameter' and 'lane'")
+        raise OptionError(
+            "diagram: the dataset has no dimensions 'parameter' and 'lane'; give a result of"
+            " bifurcation_diagram"
+        )
     over = str(diagram.attrs.get("parameter", parameter))
     if over != parameter or x not in (None, parameter):
         raise OptionError(
@@ -227,6 +236,11 @@ def _draw_diagram(diagram: xr.Dataset, branch: xr.Dataset, x: str | None, y: str
     known = [str(name) for name, values in diagram.data_vars.items() if values.dtype.kind in "fi"]
     if y not in known:
         raise OptionError(f"diagram: {unknown_name('variable', y, known)}")
+
+
+def _draw_diagram(diagram: xr.Dataset, branch: xr.Dataset, x: str | None, y: str, ax: Axes) -> None:
+    """Points of a diagram as grey dots behind all else."""
+    check_diagram(diagram, check_branch(branch), y, x)
     values = diagram[y].transpose("parameter", ...).values
     values = values.reshape(len(values), -1).astype(float)
     here = np.broadcast_to(diagram["parameter"].values[:, None], values.shape)

@@ -10,11 +10,12 @@ import numpy.typing as npt
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["multiplier_paths", "path_pieces"]
+__all__ = ["NO_BOUND", "multiplier_paths", "path_pieces"]
 
 Complex = npt.NDArray[np.complex128]
 
 _JUMPS = ("grazing", "corner", "gained", "lost")  # where multipliers may jump
+NO_BOUND = 1e8  # larger at a graze of a rigid wall: infinite but for rounding, and on no path
 _JUMP = 0.1  # beyond it a line would show a motion that there is none of
 
 
@@ -40,7 +41,10 @@ def multiplier_paths(multipliers: npt.ArrayLike) -> Complex:
 
 def path_pieces(branch: xr.Dataset) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.int64]]:
     """Straight pieces (piece, end, re and im) of all paths, and the point where each begins."""
-    paths = multiplier_paths(branch["multipliers"].transpose("point", "multiplier").values)
+    values = branch["multipliers"].transpose("point", "multiplier").values
+    with np.errstate(invalid="ignore"):
+        values = np.where(np.abs(values) <= NO_BOUND, values, np.nan)
+    paths = multiplier_paths(values)
     jumps = np.zeros(max(len(paths) - 1, 0), bool)
     if branch.sizes.get("special") and jumps.size:
         at = branch["special_point"].values[np.isin(branch["special_kind"].values, _JUMPS)]

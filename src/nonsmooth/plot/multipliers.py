@@ -11,7 +11,7 @@ from nonsmooth.errors import OptionError
 from nonsmooth.plot.branch_curves import check_branch
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.growth_colours import colour_bar, growing_colours
-from nonsmooth.plot.multiplier_paths import path_pieces
+from nonsmooth.plot.multiplier_paths import NO_BOUND, path_pieces
 from nonsmooth.plot.special_points import mark_special_points
 from nonsmooth.plot.style import PALETTE, axis_label, finish_axes, place_legend
 
@@ -27,6 +27,8 @@ _LEAST, _MOST = 1.25, 3.0  # from the middle of the circle to a side of the pict
 _SPACE = 1.12  # from the outermost multiplier to the border
 _OUTSIDE = "0.94"  # grey
 _CROSSING = ("fold", "flip", "torus", "symmetry_breaking")  # of the unit circle
+_FAR = 1e3  # times the picture, beyond which a path only leads out of it
+_INFINITE = 1e300
 _SAME = 1e-6  # multipliers closer than this look like one
 
 
@@ -68,7 +70,8 @@ def multipliers(
     Notes
     -----
     Multipliers of one orbit that lie beyond the picture are drawn at its border, and the legend
-    tells how large they are. Paths end where a multiplier jumps, as it does where an orbit grazes.
+    tells how large they are. Paths end where a multiplier jumps, as it does where an orbit grazes,
+    or is infinite, as at the graze of a rigid wall.
 
     Examples
     --------
@@ -97,9 +100,9 @@ def multipliers(
     ax = new_axes() if ax is None else ax
     _draw_circle(ax)
     if along:
-        _draw_paths(data, ax, special)
+        _draw_paths(data, ax, special, _FAR * max(limits))
     else:
-        _draw_points(values[np.isfinite(values)], ax, limits)
+        _draw_points(values[~np.isnan(np.abs(values))], ax, limits)
     ax.set_aspect("equal", adjustable="box")
     ax.set_xlim(*limits[:2])
     ax.set_ylim(-limits[2], limits[2])
@@ -115,7 +118,7 @@ def _limits(values: Complex, radius: float | None) -> tuple[float, float, float]
         if not 1.0 < float(radius) < np.inf:
             raise OptionError(f"radius = {radius!r:.60} must be more than 1, the unit circle")
         return -float(radius), float(radius), float(radius)
-    finite = values[np.isfinite(values)]
+    finite = values[np.abs(values) <= NO_BOUND]
     extents = (-finite.real, finite.real, np.abs(finite.imag))
     left, right, up = (
         float(np.clip(_SPACE * extent.max(initial=0.0), _LEAST, _MOST)) for extent in extents
@@ -136,12 +139,14 @@ def _draw_circle(ax: Axes) -> None:
 def _draw_points(values: Complex, ax: Axes, limits: tuple[float, float, float]) -> None:
     """Dots inside and diamonds outside; triangles at the border for what is beyond."""
     left, right, up = limits
+    largest = np.abs(values).max(initial=0.0)
+    endless = np.where(values.real < 0.0, -_INFINITE, _INFINITE)
+    values = np.where(np.isfinite(values), values, endless)
     excess = np.maximum(values.real / np.where(values.real < 0.0, left, right), 0.0)
     excess = np.maximum(excess, np.abs(values.imag) / up)
     beyond = excess > 1.0
     outside = (np.abs(values) > 1.0) & ~beyond
     shown = values / np.where(beyond, excess, 1.0)
-    largest = np.abs(values[beyond]).max(initial=0.0)
     for where, label, marker, colour in (
         (~outside & ~beyond, "inside", "o", PALETTE["blue"]),
         (outside, "outside", "D", PALETTE["vermilion"]),
@@ -172,7 +177,7 @@ def _count(values: Complex, ax: Axes) -> None:
         )  # fmt: skip
 
 
-def _draw_paths(branch: xr.Dataset, ax: Axes, special: bool) -> None:
+def _draw_paths(branch: xr.Dataset, ax: Axes, special: bool, far: float) -> None:
     """Lines in the colour of the parameter, with a bar, and marks at special points."""
     from matplotlib.collections import LineCollection
 
@@ -180,7 +185,8 @@ def _draw_paths(branch: xr.Dataset, ax: Axes, special: bool) -> None:
     pieces, begin = path_pieces(branch)
     middle = 0.5 * (values[begin] + values[np.minimum(begin + 1, values.size - 1)])
     lines = LineCollection(
-        list(pieces), cmap=growing_colours(), linewidths=1.6, zorder=3, capstyle="round",
+        list(np.clip(pieces, -far, far)), cmap=growing_colours(), linewidths=1.6, zorder=3,
+        capstyle="round",
     )  # fmt: skip
     lines.set_array(middle)
     lines.set_clim(float(np.nanmin(values)), float(np.nanmax(values)))

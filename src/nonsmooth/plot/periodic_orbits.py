@@ -14,6 +14,7 @@ from nonsmooth.plot.markers import EVENT_MARK, EVENT_SHAPES, event_markers
 from nonsmooth.plot.mode_spans import phases
 from nonsmooth.plot.portrait import phase_portrait
 from nonsmooth.plot.style import place_legend
+from nonsmooth.plot.trace import DENSE, broken, curve
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -23,6 +24,7 @@ __all__ = ["orbit_history", "periodic_orbit"]
 
 _MOST_ROWS = 6  # of a legend: modes, events and the section
 _DOTTED: Any = (0, (1.0, 1.2))
+_VISIBLE = 1e-3  # of the range of a curve: smaller jumps are rounding, or cannot be seen
 _SECTION: dict[str, Any] = {
     "linestyle": "none", "marker": "s", "markersize": 4.0, "color": "black", "zorder": 5,
     "label": "section",
@@ -147,8 +149,9 @@ def orbit_history(
     Returns
     -------
     matplotlib.axes.Axes
-        The axes; one line per variable, one collection of rectangles per mode, a square at the
-        section point of each curve.
+        The axes; one line per variable, broken where a reset makes it jump, with dotted lines
+        across the jumps; one collection of rectangles per mode, a square at the section point of
+        each curve.
 
     Raises
     ------
@@ -181,6 +184,7 @@ def orbit_history(
     run = as_run(_checked(samples, names), turns=turns, drift=drift)
     before = 0 if ax is None else len(ax.lines)
     ax = phases(run, names, ax=ax, labels=labels, legend=False)
+    _part_jumps(run, names, ax, before)
     if before == 0 and len(names) > 1 and any("less its drift" in str(run[n].attrs) for n in names):
         ax.set_ylabel(f"{common_label(run, names)} less drift")
     _dot(samples, ax, before)
@@ -202,6 +206,25 @@ def _checked(samples: xr.Dataset, names: Sequence[str]) -> xr.Dataset:
             if name not in known:
                 raise OptionError(unknown_name("variable", str(name), known))
     return samples
+
+
+def _part_jumps(run: xr.Dataset, names: Sequence[str], ax: Axes, before: int) -> None:
+    """Break each curve where it jumps, which is no motion, and dot the way across."""
+    drawn = ax.lines[before : before + len(names)]
+    for name, line in zip(names, drawn, strict=True):
+        trace = curve(run, [name])
+        if trace.time.size > DENSE:  # thinned
+            continue
+        moved = np.abs(np.diff(trace.values[0])) > _VISIBLE * np.ptp(trace.values[0])
+        jumps = trace.jumps & np.append(moved, False)
+        if not np.any(jumps):
+            continue
+        points = np.stack([trace.time, trace.values[0]])
+        line.set_data(*broken(points, ~jumps))
+        ax.plot(
+            *broken(points, jumps), color=line.get_color(), linestyle=_DOTTED, linewidth=0.7,
+            label=f"_jump of {name}", zorder=line.get_zorder(),
+        )  # fmt: skip
 
 
 def _dot(samples: xr.Dataset, ax: Axes, before: int) -> None:

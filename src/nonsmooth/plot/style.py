@@ -170,6 +170,8 @@ def place_legend(ax: Axes, most_rows: int = _MOST_ROWS) -> None:
         handlelength=_HANDLE,
         columnspacing=_GAP,
     )
+    # the power of ten of the axis stands beside it, above its numbers
+    ax.yaxis.get_offset_text().set_horizontalalignment("right")
 
 
 def _legend_columns(ax: Axes, labels: list[str], size: float) -> int:
