@@ -128,8 +128,12 @@ def follow_orbit(system: System, orbit: xr.Dataset, to: float) -> Evidence:
         here = branch.isel(point=last)
         eta = float(here["eta"])
         if beyond is not None or branch.attrs["end_last"] != "steps" or steps >= _MOST:
-            end = _ending([row for row in rows if row["point"] > last], here, branch)
-            rows = [row for row in rows if row["point"] < last]
+            between = [row for row in rows if row["point"] > last]
+            if beyond is not None and not any(row["kind"] in _SMOOTH for row in between):
+                between += _just_behind(system, here, branch.isel(point=beyond))
+            end = _ending(between, here, branch)
+            before = rows.index(end) if end in rows else len(rows)
+            rows = [row for row in rows if row["point"] < last or end["kind"] != "jump"][:before]
             break
         changes += rows
     changes += rows
@@ -161,6 +165,23 @@ def _stable_part(branch: xr.Dataset) -> tuple[int, int | None]:
         return int(ordinary[-1]), None
     first = int(unstable[0])
     return int(ordinary[max(first - 1, 0)]), int(ordinary[first])
+
+
+def _just_behind(system: System, stable: xr.Dataset, unstable: xr.Dataset) -> list[Evidence]:
+    """Where stability is lost between a change of the word and the first orbit behind it.
+
+    Multipliers change there as the square root of the distance; it is sought backwards.
+    """
+    low, eta = float(stable["eta"]), float(unstable["eta"])
+    back = _outwards(
+        continue_orbit(
+            system.with_parameters(eta=eta), "eta", (min(low, eta), max(low, eta)),
+            initial=unstable, direction="up" if low > eta else "down", steps=_AT_ONCE,
+        )
+    )  # fmt: skip
+    ordinary = np.setdiff1d(np.arange(back.sizes["point"]), back["special_point"].values)
+    again = ordinary[back["stable"].values[ordinary]]
+    return [] if not again.size else _special_rows(back, int(again[0]))[::-1]
 
 
 def _special_rows(branch: xr.Dataset, beyond: int | None) -> list[Evidence]:
