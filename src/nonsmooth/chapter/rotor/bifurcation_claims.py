@@ -9,15 +9,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import lru_cache
 
-import numpy as np
-
-from nonsmooth import regime, simulate
+from nonsmooth import regime
 from nonsmooth.chapter.judgement import Check, Evidence, Finding, agrees
 from nonsmooth.chapter.rotor.coexistence import DROPPED, STARTS, coexisting
 from nonsmooth.chapter.rotor.data import set_a
 from nonsmooth.chapter.rotor.diagrams import PRINTED_36
+from nonsmooth.chapter.rotor.orbits import orbit_multipliers
 from nonsmooth.chapter.rotor.speed_bifurcations import branch_end, orbit_at, transition
-from nonsmooth.chapter.rotor.speed_sweeps import PROTOCOLS, last_strobe
+from nonsmooth.chapter.rotor.speed_sweeps import PROTOCOLS
 
 __all__ = ["CHECKS"]
 
@@ -85,36 +84,17 @@ def _quasi(delta: float, eta: str = _QUASI, reach: float = 0.1) -> Evidence:
     orbit = orbit_at(delta, 2, 3.0)
     ends = [branch_end(delta, 2, 3.0, value + side * reach) | {"period": 2} for side in (-1, 1)]
     there = orbit_at(delta, 2, value)
+    sizes = [] if there is None else orbit_multipliers(there)
     others = coexisting(set_a(delta, value))
     return {
         "delta": delta,
         "eta": eta,
         "ends": ends,
         "found": orbit is not None,
-        "multipliers": [] if there is None else [[m.real, m.imag] for m in there.multipliers],
-        "largest": None if there is None else there.largest,
+        "multipliers": [[m.real, m.imag] for m in sizes],
+        "largest": abs(sizes[0]) if sizes else None,
         "motions": [_shown(row) for row in others],
-        "ring_passes_preload": _peak_passes(delta, value - reach, value + reach),
     }
-
-
-def _peak_passes(delta: float, low: float, high: float, width: float = 1e-6) -> float | None:
-    """Eta at which the ring of the period-two orbit begins to go beyond its preload."""
-
-    def excess(eta: float) -> float:
-        run = simulate(
-            set_a(delta, eta), last_strobe(set_a(delta, eta), 400), periods=2,
-            samples_per_period=4000,
-        )  # fmt: skip
-        return float(np.abs(run["sx"].values).max()) - delta
-
-    if delta == 0.0 or excess(low) * excess(high) > 0.0:
-        return None
-    falling = excess(low) > 0.0
-    while high - low > width:
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if (excess(middle) > 0.0) == falling else (low, middle)
-    return 0.5 * (low + high)
 
 
 def _shown(row: Evidence) -> Evidence:
@@ -137,17 +117,15 @@ def _quasi_text(evidence: Evidence) -> str:
     )
     size = evidence["largest"]
     size = "no orbit of period two from zero" if size is None else f"{size:.3f}"
-    passes = evidence["ring_passes_preload"]
+    changes = [change for end in evidence["ends"] for change in end["changes"]]
+    words = ", ".join(f"{each['kind']} at {each['eta']:.7g}" for each in changes)
     ends = ", ".join(f"{end['kind']} at {end['eta']:.4f}" for end in evidence["ends"])
     return (
         f"Delta {evidence['delta']:g}: largest multiplier of period two at {evidence['eta']}"
         f" {size}; followed 0.1 to either side: {ends} (none: stable to there); motions from"
         f" {STARTS + 1} starts at {evidence['eta']}: {motions}"
-        + (
-            "" if passes is None
-            else f"; at {passes:.4f} the ring begins to go beyond its preload, and the orbit stays"
-        )
-    )  # fmt: skip
+        + (f"; the word changes, and the orbit stays stable: {words}" if words else "")
+    )
 
 
 def _judge_quasi(evidence: Evidence) -> Finding:

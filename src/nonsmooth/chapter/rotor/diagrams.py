@@ -15,8 +15,9 @@ import xarray as xr
 from nonsmooth import stroboscopic_map
 from nonsmooth.chapter.rotor.coexistence import coexisting
 from nonsmooth.chapter.rotor.data import DELTA_40, DELTA_41, EPS_40, EPS_41, rig, set_a
+from nonsmooth.chapter.rotor.speed_branches import branches_at_strobes, branches_of_set_a
 from nonsmooth.chapter.rotor.speed_sweeps import Sweep, even_values, speed_sweeps
-from nonsmooth.plot import PALETTE, print_figure
+from nonsmooth.plot import PALETTE, branch, print_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -54,7 +55,8 @@ def fig36(columns: int = 600, transient: int = 300, record: int = 150) -> tuple[
     -------
     figure : matplotlib.figure.Figure
         Panels (a) and (b), on the left with columns from zero, on the right followed; dashed lines
-        are the bifurcations that the text gives.
+        are the bifurcations that the text gives. Over the dots, branches of the orbits of period
+        one, two and three, stable or not.
     data : xarray.Dataset
         Over ``delta``, ``start``, ``column`` and ``point``: ``eta``, ``x``, ``period``.
 
@@ -65,24 +67,34 @@ def fig36(columns: int = 600, transient: int = 300, record: int = 150) -> tuple[
     (('delta', 'start', 'column', 'point'), 4)
     """
     etas = even_values(2.0, 5.0, columns)
-    figure, axes = print_figure(2, 2, width=16.0, height=13.0)
+    figure, axes = print_figure(2, 2, width=16.0, height=15.0)
     kept = []
     for row, (delta, printed) in enumerate(PRINTED_36.items()):
         sweeps = speed_sweeps(set_a(delta), etas, SHOWN, transient=transient, record=record)
+        lines = {
+            f"period {period}": branches_at_strobes(set_a(delta), branches)
+            for period, branches in branches_of_set_a(delta).items()
+        }
         kept.append(_dataset(sweeps))
         for ax, sweep in zip(axes[2 * row : 2 * row + 2], sweeps, strict=True):
             for text in printed:
-                ax.axvline(float(text), **_PRINTED)
-            _draw(ax, sweep.eta, sweep.data["x"].values)
+                ax.axvline(float(text), **_MARKED)
+            _draw(ax, sweep.eta, sweep.data["x"].values, "0.55")
+            branch(lines, "x", ax=ax, legend=False)
+            _shrink_marks(ax)
             ax.set_title(
                 rf"({'ab'[row]}) $\Delta_x = \Delta_y = {delta:g}$, {_TITLES[sweep.start]}",
                 loc="left", fontsize=_TEXT,
             )  # fmt: skip
             ax.set_xlim(etas[0], etas[-1])
     _label(axes, r"frequency ratio, $\eta$", r"displacement, $x_r/\gamma$")
+    named = {
+        name: handle for ax in axes for handle, name in zip(*ax.get_legend_handles_labels(),
+                                                            strict=True)
+    }  # fmt: skip
     figure.legend(
-        handles=[_printed_line("bifurcation as printed")],
-        loc="outside upper center", frameon=False, fontsize=_TEXT,
+        handles=[_printed_line("bifurcation as printed", _MARKED), *named.values()],
+        loc="outside upper center", ncols=5, frameon=False, fontsize=_TEXT,
     )  # fmt: skip
     data = xr.concat(kept, xr.DataArray(list(PRINTED_36), dims="delta", name="delta"))
     data.attrs = {"transient": transient, "record": record, **_version(sweeps)}
@@ -278,10 +290,18 @@ def _dataset(sweeps: tuple[Sweep, ...]) -> xr.Dataset:
     )
 
 
-def _draw(ax: Axes, across: np.ndarray, values: np.ndarray) -> None:
+def _draw(ax: Axes, across: np.ndarray, values: np.ndarray, colour: str = "black") -> None:
     ax.plot(
-        np.repeat(across, values.shape[1]), values.ravel(), color="black", markersize=0.7, **_DOTS
+        np.repeat(across, values.shape[1]), values.ravel(), color=colour, markersize=0.7, **_DOTS
     )
+
+
+def _shrink_marks(ax: Axes) -> None:
+    """Marks of special points small enough for a panel with many of them."""
+    for line in ax.lines:
+        if str(line.get_gid() or "").startswith("special "):
+            line.set_markersize(2.8)
+            line.set_markeredgewidth(0.4)
 
 
 def _label(axes: Sequence[Axes], across: str, up: str) -> None:
@@ -290,10 +310,11 @@ def _label(axes: Sequence[Axes], across: str, up: str) -> None:
         ax.set_ylabel(up if k % 2 == 0 or "velocity" in up else "")
 
 
-def _printed_line(label: str) -> Line2D:
+def _printed_line(label: str, style: dict[str, Any] | None = None) -> Line2D:
     from matplotlib.lines import Line2D
 
-    return Line2D([], [], label=label, **{k: v for k, v in _PRINTED.items() if k != "zorder"})
+    style = style or _PRINTED
+    return Line2D([], [], label=label, **{k: v for k, v in style.items() if k != "zorder"})
 
 
 def _millimetres(axis: str) -> dict[str, str]:
@@ -310,3 +331,5 @@ _LEAST_SPAN = 0.05  # of an axis, in mm and mm/s
 _PRINTED: dict[str, Any] = {
     "color": PALETTE["vermilion"], "linewidth": 0.8, "linestyle": (0, (4, 3)), "zorder": 0,
 }  # fmt: skip
+# beside branches, whose unstable parts are dashed
+_MARKED = _PRINTED | {"color": PALETTE["green"], "linestyle": (0, (6, 2, 1, 2))}

@@ -1,79 +1,27 @@
-"""Periodic orbits of the rotor: found by Newton's method, followed, their bifurcations located.
-
-An orbit is taken at a phase at which the rotor moves freely, halfway between two contacts: there
-the ring is at rest, and the state is the rotor's alone.
-"""
+"""Periodic orbits of the rotor over its speed: where they stop being stable, and their strobes."""
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
 
-from nonsmooth import StroboscopicMap, System, simulate
+from nonsmooth import StroboscopicMap, System, continue_orbit, find_orbit
 from nonsmooth.chapter.judgement import Evidence
-from nonsmooth.errors import NonsmoothError, RunError, RunWarning
 
-__all__ = ["Orbit", "follow_orbit", "orbit_near"]
+__all__ = ["follow_orbit", "orbit_multipliers", "orbit_near"]
 
-_STATES = ("x", "y", "vx", "vy")
-_SAMPLES = 128  # per period, among which a free phase is sought
-_NEWTON, _CLOSED = 12, 1e-11
-_SMALLEST = 1e-7  # step of eta, below which a branch has come to its end
-_SHARP = 1e-9  # width to which a bifurcation is bisected
-_FAR = 0.05  # from the predicted point: another orbit
-_NEAR_ONE = 0.95  # a multiplier that was about to leave when the branch ended
-_JUMP = 0.02  # of a multiplier across that width: no smooth bifurcation but a jump of the slope
+_ROTOR = ("x", "y", "vx", "vy")
+
+_AT_ONCE, _MOST = 60, 1500  # points of a branch between two looks at its stability, and in all
+_STEP = 0.02  # of eta, largest
+_SAME = 1e-4  # between strobes half a turn apart: an orbit of half the period
+# special points at which a multiplier reaches the unit circle; at others it jumps across
+_SMOOTH = ("flip", "fold", "torus", "branch_point", "symmetry_breaking")
 
 
-@dataclass(frozen=True)
-class Orbit:
-    """A periodic orbit of the rotor.
-
-    Parameters
-    ----------
-    eta : float
-        Ratio of frequencies.
-    period : int
-        In periods of the forcing.
-    phase : float
-        Part of the forcing period at which it is taken.
-    point : numpy.ndarray
-        States x, y, vx, vy there.
-    multipliers : numpy.ndarray
-        The largest first.
-    residual : float
-        Distance from the image.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> Orbit(2.0, 1, 0.5, np.zeros(4), np.array([-0.5 + 0j]), 0.0).largest
-    0.5
-    """
-
-    eta: float
-    period: int
-    phase: float
-    point: np.ndarray
-    multipliers: np.ndarray
-    residual: float
-
-    @property
-    def largest(self) -> float:
-        """Modulus of the largest multiplier."""
-        return float(np.abs(self.multipliers[0]))
-
-    @property
-    def start(self) -> dict[str, float]:
-        """Its point by names of states."""
-        return dict(zip(_STATES, self.point.tolist(), strict=True))
-
-
-def orbit_near(system: System, strobe: Mapping[str, float], period: int) -> Orbit | None:
+def orbit_near(system: System, strobe: Mapping[str, float], period: int) -> xr.Dataset | None:
     """Periodic orbit near a state at phase 0, such as the strobe of a settled motion.
 
     Parameters
@@ -87,8 +35,8 @@ def orbit_near(system: System, strobe: Mapping[str, float], period: int) -> Orbi
 
     Returns
     -------
-    Orbit or None
-        None where Newton's method finds none of this period.
+    xarray.Dataset or None
+        As from `find_orbit`; None where there is none of this period.
 
     Examples
     --------
@@ -96,100 +44,58 @@ def orbit_near(system: System, strobe: Mapping[str, float], period: int) -> Orbi
     >>> from nonsmooth.chapter.rotor.speed_sweeps import last_strobe
     >>> system = set_a(0.0, eta=2.05)
     >>> found = orbit_near(system, last_strobe(system, transient=300), 1)
-    >>> found.period, found.largest < 1.0
+    >>> found.attrs["period"], bool(found["stable"])
     (1, True)
     """
-    run = simulate(system, strobe, periods=period, samples_per_period=_SAMPLES)
-    phase, guess = _free_phase(run)
-    if guess is None:
-        return None
-    return _refined(system, guess, period, phase)
+    found = find_orbit(system, strobe, period=period)
+    whole = found.attrs["status"] == "completed" and int(found["primitive_parts"]) == 1
+    return found if whole else None
 
 
-def _free_phase(run: xr.Dataset) -> tuple[float, np.ndarray | None]:
-    """Middle of the longest stretch of a run without contact: its phase and state."""
-    free = run["gap"].values[:-1] > 0.0
-    best, begin = (0, 0), None
-    for k, each in enumerate([*free.tolist(), False]):
-        if each and begin is None:
-            begin = k
-        elif not each and begin is not None:
-            best = max(best, (k - begin, begin))
-            begin = None
-    length, begin = best
-    if length == 0:
-        return 0.0, None
-    middle = begin + length // 2
-    states = np.array([float(run[name][middle]) for name in _STATES])
-    return (middle % _SAMPLES) / _SAMPLES, states
+def orbit_multipliers(orbit: xr.Dataset) -> list[complex]:
+    """Multipliers of an orbit without those of the ring, which contacts wipe out.
+
+    Parameters
+    ----------
+    orbit : xarray.Dataset
+        As from `orbit_near`.
+
+    Returns
+    -------
+    list of complex
+        The largest first.
+
+    Examples
+    --------
+    >>> from nonsmooth import find_orbit
+    >>> from nonsmooth.chapter.rotor.data import set_a
+    >>> len(orbit_multipliers(find_orbit(set_a(0.0, eta=2.05), transient=300)))
+    4
+    """
+    return [complex(value) for value in orbit["multipliers"].values if value != 0.0]
 
 
-def _refined(system: System, guess: np.ndarray, period: int, phase: float) -> Orbit | None:
-    turn = StroboscopicMap(system, phase=phase, every=period)
-    point = guess.copy()
-    try:
-        for _ in range(_NEWTON):
-            start = dict(zip(_STATES, point.tolist(), strict=True))
-            image = _image(turn, start)
-            slope = turn.tangent(start).values[:4, :4]
-            residual = float(np.abs(image - point).max())
-            if residual <= _CLOSED:
-                break
-            step = np.linalg.solve(slope - np.eye(4), image - point)
-            if not np.all(np.abs(step) < 1.0):
-                return None
-            point = point - step
-        else:
-            return None
-    except (NonsmoothError, np.linalg.LinAlgError):
-        return None
-    for part in range(1, period):
-        if period % part == 0 and _repeats(system, point, part, phase):
-            return None  # an orbit of a lower period
-    values = np.linalg.eigvals(slope)
-    order = np.argsort(-np.abs(values), kind="stable")
-    eta = float(system.parameter_values["eta"])
-    return Orbit(eta, period, phase, point, values[order].astype(complex), residual)
-
-
-def _repeats(system: System, point: np.ndarray, part: int, phase: float) -> bool:
-    start = dict(zip(_STATES, point.tolist(), strict=True))
-    image = _image(StroboscopicMap(system, phase=phase, every=part), start)
-    return bool(np.abs(image - point).max() < 1e-7)
-
-
-def _image(turn: StroboscopicMap, start: Mapping[str, float]) -> np.ndarray:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RunWarning)  # Newton's steps may lead anywhere
-        image = turn.iterate(start, 1)
-    if image.attrs["status"] != "completed":
-        raise RunError(f"the run ended early: {image.attrs['status']}")
-    return np.array([float(image[name][-1]) for name in _STATES])
-
-
-def follow_orbit(system: System, orbit: Orbit, to: float, *, step: float = 0.005) -> Evidence:
+def follow_orbit(system: System, orbit: xr.Dataset, to: float) -> Evidence:
     """Follow a stable orbit over eta until it bifurcates, ends, or reaches a value.
 
     Parameters
     ----------
     system : System
-        The rotor.
-    orbit : Orbit
+        The rotor, with the eta of the orbit.
+    orbit : xarray.Dataset
         Where to begin.
     to : float
         Last value of eta.
-    step : float, optional
-        Largest step of eta.
 
     Returns
     -------
     dict
-        ``eta`` where the branch stops being stable (or ``to``), ``kind``: ``"flip"``, ``"fold"``,
-        ``"torus"``, ``"jump"`` (multipliers jump across the unit circle, as at grazing),
-        ``"halving"`` (it merges with the orbit of half its period, which flips there),
-        ``"lost"`` (Newton's method finds no continuation), ``"none"`` (stable up to ``to``), and
-        the ``multiplier`` there as real and imaginary part; ``steps``; ``start`` and ``phase`` of
-        its point.
+        ``eta`` where the branch stops being stable (or ``to``), ``kind``: that of the special
+        point, ``"flip"``, ``"fold"``, ``"torus"``; ``"halving"`` (it merges with the orbit of half
+        its period, which flips there), ``"jump"`` (multipliers jump across the unit circle, as at
+        grazing), ``"lost"`` (no continuation is found), ``"none"`` (stable up to ``to``); the
+        ``multiplier`` there as real and imaginary part; ``detail`` in words; ``changes``: the same
+        for each change of the word before; ``steps``.
 
     Examples
     --------
@@ -200,96 +106,131 @@ def follow_orbit(system: System, orbit: Orbit, to: float, *, step: float = 0.005
     >>> follow_orbit(system, found, 2.1)["kind"]
     'none'
     """
-    way = 1.0 if to > orbit.eta else -1.0
-    branch, length = [orbit], step
-    while abs(branch[-1].eta - to) > _SMALLEST:
-        eta = branch[-1].eta + way * min(length, abs(to - branch[-1].eta))
-        new = _continued(system, branch, eta)
-        if new is None:
-            length *= 0.5
-            if length < _SMALLEST:
-                return _ended(branch, _kind_of_end(system, branch[-1]))
-            continue
-        if new.largest >= 1.0:
-            return _bisected(system, branch, new)
-        branch.append(new)
-        length = min(step, 1.5 * length)
-    return _ended(branch, "none")
+    here, eta, steps = orbit, float(system.parameter_values["eta"]), 0
+    changes: list[Evidence] = []
+    while True:
+        step = min(1.0, _STEP / abs(to - eta))
+        branch = _outwards(
+            continue_orbit(
+                system.with_parameters(eta=eta), "eta", (min(eta, to), max(eta, to)),
+                initial=here, direction="up" if to > eta else "down", steps=_AT_ONCE,
+                step=step, largest_step=step,
+            )
+        )  # fmt: skip
+        last, beyond = _stable_part(branch)
+        rows = _special_rows(branch, beyond)
+        ended = [k for k, row in enumerate(rows) if _halved(system, branch, row)]
+        if ended:
+            end = {**rows[ended[0]], "kind": "halving"}
+            rows = rows[: ended[0]]
+            break
+        steps += last
+        here = branch.isel(point=last)
+        eta = float(here["eta"])
+        if beyond is not None or branch.attrs["end_last"] != "steps" or steps >= _MOST:
+            between = [row for row in rows if row["point"] > last]
+            if beyond is not None and not any(row["kind"] in _SMOOTH for row in between):
+                between += _just_behind(system, here, branch.isel(point=beyond))
+            end = _ending(between, here, branch)
+            before = rows.index(end) if end in rows else len(rows)
+            rows = [row for row in rows if row["point"] < last or end["kind"] != "jump"][:before]
+            break
+        changes += rows
+    changes += rows
+    kept = ("kind", "eta", "multiplier", "detail")
+    words = [{name: row[name] for name in kept} for row in changes if row["detail"]]
+    return {name: end[name] for name in kept} | {"changes": words, "steps": steps}
 
 
-def _continued(system: System, branch: list[Orbit], eta: float) -> Orbit | None:
-    """The orbit at another eta, from the line through the last two."""
-    last = branch[-1]
-    guess = last.point
-    if len(branch) > 1 and branch[-2].phase == last.phase:
-        share = (eta - last.eta) / (last.eta - branch[-2].eta)
-        guess = last.point + share * (last.point - branch[-2].point)
-    there = system.with_parameters(eta=eta)
-    new = _refined(there, guess, last.period, last.phase)
-    if new is None:  # contacts may have moved to this phase
-        moved = _at_free_phase(system, last)
-        if moved is None or moved.phase == last.phase:
-            return None
-        branch[-1], guess = moved, moved.point
-        new = _refined(there, guess, last.period, moved.phase)
-    if new is not None and np.abs(new.point - guess).max() > _FAR:
-        return None  # another branch
-    return new
+def _outwards(branch: xr.Dataset) -> xr.Dataset:
+    """A branch that was followed one way only, from where it began."""
+    if branch.attrs["end_last"] != "start":
+        return branch
+    turned = branch.isel(point=slice(None, None, -1), special=slice(None, None, -1))
+    last = branch.sizes["point"] - 1
+    return turned.assign(special_point=last - turned["special_point"]).assign_attrs(
+        end_last=branch.attrs["end_first"]
+    )
 
 
-def _at_free_phase(system: System, orbit: Orbit) -> Orbit | None:
-    """The same orbit at the phase that is furthest from its contacts."""
-    here = system.with_parameters(eta=orbit.eta)
-    turn = float(here.period_value or 0.0)
-    run = simulate(
-        here, orbit.start, periods=orbit.period, samples_per_period=_SAMPLES,
-        t_start=orbit.phase * turn,
+def _stable_part(branch: xr.Dataset) -> tuple[int, int | None]:
+    """Last stable point before the first unstable one, and that; special points are neither.
+
+    There a multiplier is on the unit circle, and rounding says on which side.
+    """
+    critical = branch["special_point"].values[branch["special_kind"].values != "bound"]
+    ordinary = np.setdiff1d(np.arange(branch.sizes["point"]), critical)
+    unstable = np.flatnonzero(~branch["stable"].values[ordinary])
+    if not unstable.size:
+        return int(ordinary[-1]), None
+    first = int(unstable[0])
+    return int(ordinary[max(first - 1, 0)]), int(ordinary[first])
+
+
+def _just_behind(system: System, stable: xr.Dataset, unstable: xr.Dataset) -> list[Evidence]:
+    """Where stability is lost between a change of the word and the first orbit behind it.
+
+    Multipliers change there as the square root of the distance; it is sought backwards.
+    """
+    low, eta = float(stable["eta"]), float(unstable["eta"])
+    back = _outwards(
+        continue_orbit(
+            system.with_parameters(eta=eta), "eta", (min(low, eta), max(low, eta)),
+            initial=unstable, direction="up" if low > eta else "down", steps=_AT_ONCE,
+        )
     )  # fmt: skip
-    phase, guess = _free_phase(run)
-    if guess is None:
-        return None
-    return _refined(here, guess, orbit.period, (phase + orbit.phase) % 1.0)
+    ordinary = np.setdiff1d(np.arange(back.sizes["point"]), back["special_point"].values)
+    again = ordinary[back["stable"].values[ordinary]]
+    return [] if not again.size else _special_rows(back, int(again[0]))[::-1]
 
 
-def _bisected(system: System, branch: list[Orbit], beyond: Orbit) -> Evidence:
-    """The value of eta between a stable orbit and an unstable one."""
-    inside = branch[-1]
-    while abs(beyond.eta - inside.eta) > _SHARP:
-        middle = 0.5 * (beyond.eta + inside.eta)
-        new = _continued(system, [inside], middle)
-        if new is None:
-            return _ended([*branch, inside], _kind_of_end(system, inside))
-        if new.largest >= 1.0:
-            beyond = new
-        else:
-            inside = new
-    kind = "jump"
-    if beyond.largest - inside.largest < _JUMP:
-        value = beyond.multipliers[0]
-        kind = "torus" if abs(value.imag) > 1e-6 else "flip" if value.real < 0.0 else "fold"
-    return _ended([*branch, beyond], kind)
+def _special_rows(branch: xr.Dataset, beyond: int | None) -> list[Evidence]:
+    """Special points in order, but for those beyond a point and the end of the range."""
+    rows = []
+    for k in range(branch.sizes["special"]):
+        one = branch.isel(special=k)
+        place, kind = int(one["special_point"]), str(one["special_kind"].item())
+        if kind == "bound" or (beyond is not None and place > beyond):
+            continue
+        value = complex(one["special_multiplier"].item())
+        rows.append(
+            {
+                "point": place,
+                "kind": kind,
+                "eta": float(one["special_value"]),
+                "multiplier": [value.real, value.imag],
+                "detail": str(one["special_detail"].item()),
+            }
+        )
+    return rows
 
 
-def _kind_of_end(system: System, last: Orbit) -> str:
-    value = last.multipliers[0]
-    if abs(value.imag) > 1e-6 or value.real < _NEAR_ONE:
-        return "lost"
-    if last.period % 2 == 0:
-        here = system.with_parameters(eta=last.eta)
-        half = _image(StroboscopicMap(here, phase=last.phase, every=last.period // 2), last.start)
-        if np.abs(half - last.point).max() < _FAR:
-            return "halving"
-    return "fold"
+def _halved(system: System, branch: xr.Dataset, row: Evidence) -> bool:
+    """Whether branches cross there, and the orbit is one of half its period, gone through twice.
+
+    A branch turns back there, over the same orbits half a turn later.
+    """
+    period = int(branch.attrs["period"])
+    if row["kind"] != "branch_point" or period % 2:
+        return False
+    turn = StroboscopicMap(system.with_parameters(eta=row["eta"]), every=period // 2)
+    orbit = branch.isel(point=row["point"])
+    half = turn.iterate({name: float(orbit[name]) for name in system.states}, 1)
+    return all(abs(float(half[name][-1] - orbit[name])) < _SAME for name in _ROTOR)
 
 
-def _ended(branch: list[Orbit], kind: str) -> Evidence:
-    last = branch[-1]
-    value = last.multipliers[0]
+def _ending(between: list[Evidence], here: xr.Dataset, branch: xr.Dataset) -> Evidence:
+    """What takes the stability between a stable orbit and an unstable one, or ends the branch."""
+    for row in between:
+        if row["kind"] in _SMOOTH:
+            return row
+    if between:
+        return {**between[0], "kind": "jump"}
+    ended = branch.attrs["end_last"]
+    value = orbit_multipliers(here)[0]
     return {
-        "eta": last.eta,
-        "kind": kind,
-        "multiplier": [float(value.real), float(value.imag)],
-        "steps": len(branch) - 1,
-        "start": last.start,
-        "phase": last.phase,
+        "kind": "none" if ended == "bound" else "lost",
+        "eta": float(here["eta"]),
+        "multiplier": [value.real, value.imag],
+        "detail": "" if ended == "bound" else str(branch.attrs["message"]),
     }

@@ -124,7 +124,7 @@ def _doublings(eps: tuple[float, float] = EPS_41, delta: float = DELTA_41) -> Ev
         orbit = orbit_near(system, last_strobe(system, 3000), period)
         if orbit is None:
             break
-        end = follow_orbit(system, orbit, 50.0 / hertz, step=0.002)
+        end = follow_orbit(system, orbit, 50.0 / hertz)
         ends.append(
             {"period": period, "speed": hertz * end["eta"], "kind": end["kind"],
              "multiplier": end["multiplier"]}

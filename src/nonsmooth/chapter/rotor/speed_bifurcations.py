@@ -5,10 +5,11 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
+import xarray as xr
 
 from nonsmooth.chapter.judgement import Evidence
 from nonsmooth.chapter.rotor.data import set_a
-from nonsmooth.chapter.rotor.orbits import Orbit, follow_orbit, orbit_near
+from nonsmooth.chapter.rotor.orbits import follow_orbit, orbit_near
 from nonsmooth.chapter.rotor.speed_sweeps import (
     Sweep,
     even_values,
@@ -104,7 +105,7 @@ def _nearest(sweep: Sweep, before: int, after: int | None, near: float) -> tuple
 
 
 @lru_cache(maxsize=16)
-def orbit_at(delta: float, period: int, eta: float) -> Orbit | None:
+def orbit_at(delta: float, period: int, eta: float) -> xr.Dataset | None:
     """Orbit of set A that the start at zero leads to.
 
     Parameters
@@ -118,7 +119,8 @@ def orbit_at(delta: float, period: int, eta: float) -> Orbit | None:
 
     Returns
     -------
-    Orbit or None
+    xarray.Dataset or None
+        As from `orbit_near`.
     """
     system = set_a(delta, eta)
     return orbit_near(system, last_strobe(system, 1500), period)
@@ -148,5 +150,5 @@ def branch_end(delta: float, period: int, begin: float, to: float) -> Evidence:
     """
     orbit = orbit_at(delta, period, begin)
     if orbit is None:
-        return {"eta": begin, "kind": "no orbit", "multiplier": [0.0, 0.0], "steps": 0}
+        return {"eta": begin, "kind": "no orbit", "multiplier": [0.0, 0.0], "changes": []}
     return follow_orbit(set_a(delta, begin), orbit, to)
