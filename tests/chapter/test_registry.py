@@ -23,7 +23,7 @@ SHOWN = {
     "fig21": {"harmonic", "chaotic", "crack", "ratios"},
     "fig22": {"harmonic", "chaotic", "crack", "ratios"},
     "fig30": {"u", "v", "crack", "period"},
-    "fig36": {"eta", "x", "period", "status"},
+    "fig36": {"eta", "x", "period", "status", "orbit_x"},
     "fig37": {"eta", "x", "vx"},
     "fig40": {"x", "period", "section_x", "section_vx"},
     "fig41": {"x", "period", "section_x", "section_vx"},

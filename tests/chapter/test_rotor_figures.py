@@ -41,7 +41,7 @@ def test_forces_of_four_springs():
 
 def test_diagrams_name_their_protocols():
     """Fig. 36: two panels by two protocols; 2.05 has period one, 3 period two, by both."""
-    figure, data = fig36(columns=12, transient=300, record=30)
+    figure, data = fig36(columns=12, transient=300, record=30, longest=1)
     titles = [ax.get_title(loc="left") for ax in figure.axes]
     assert [title.split(", ")[-1] for title in titles] == [
         "each column from zero",
@@ -51,6 +51,11 @@ def test_diagrams_name_their_protocols():
     for eta, period in ((2.0, 1), (3.0, 2)):
         column = int(np.abs(data["eta"].values - eta).argmin())
         assert set(data["period"].isel(column=column).values.ravel()) == {period}
+    # period one as strobes and as a branch, which goes on unstable
+    on = data.isel(delta=0)
+    line = np.interp(2.0, on["orbit_eta"].dropna("orbit"), on["orbit_x"].dropna("orbit"))
+    assert line == pytest.approx(float(on["x"][0, 0, 0]), abs=1e-6)
+    assert on["orbit_stable"].values[[0, -2]].tolist() == [1.0, 0.0]
     assert all(
         line.get_rasterized() for ax in figure.axes for line in ax.lines if line.get_marker() == "o"
     )

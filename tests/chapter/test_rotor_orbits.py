@@ -3,11 +3,13 @@
 import numpy as np
 import pytest
 
+from nonsmooth import find_orbit
 from nonsmooth.chapter.rotor.coexistence import coexisting
-from nonsmooth.chapter.rotor.data import set_a
+from nonsmooth.chapter.rotor.data import rig, set_a
 from nonsmooth.chapter.rotor.orbits import follow_orbit, orbit_multipliers, orbit_near
 from nonsmooth.chapter.rotor.ring_mass import heavy_ring, heavy_ring_orbit
 from nonsmooth.chapter.rotor.speed_bifurcations import branch_end
+from nonsmooth.chapter.rotor.speed_branches import branches_at_strobes, branches_of_set_a
 from nonsmooth.chapter.rotor.speed_sweeps import (
     CHAOTIC,
     even_values,
@@ -56,6 +58,43 @@ def test_period_four_merges_where_period_two_flips():
     end = branch_end(0.0, 4, 2.7, 2.9)
     assert end["kind"] == "halving"
     assert end["eta"] == pytest.approx(2.7166602311, abs=1e-9)
+
+
+def test_torus_just_behind_a_graze():
+    """Multipliers grow as the square root of the distance: a pair leaves 4e-6 Hz further on."""
+    machine = rig(speed=16.3)
+    system, hertz = machine.system(), machine.natural_frequency
+    orbit = orbit_near(system, last_strobe(system, 1000), 2)
+    end = follow_orbit(system, orbit, 16.5 / hertz)
+    assert end["kind"] == "torus"
+    assert abs(complex(*end["multiplier"])) == pytest.approx(1.0, abs=1e-9)
+    (graze,) = end["changes"]
+    assert graze["kind"] == "grazing"
+    assert 0.0 < hertz * (end["eta"] - graze["eta"]) < 1e-5
+    # on the orbit itself, before the graze, no multiplier is near the circle
+    before = find_orbit(system, orbit, parameters={"eta": graze["eta"] - 1e-9})
+    assert abs(before["multipliers"].values[0]) < 0.7
+
+
+@pytest.mark.parametrize("delta", [0.0, 0.1])
+def test_branches_pass_the_known_flips(delta):
+    """Period one to the end of the range, unstable behind its flip, where period two begins."""
+    branches = branches_of_set_a(delta, longest=2)
+    for number, low, high in ((1, 2.0, 2.5), (2, 2.69, 2.9), (2, 4.0, 4.2)):
+        (branch,) = branches[number]
+        value, kind = branch["special_value"].values, branch["special_kind"].values
+        found = value[(kind == "flip") & (value > low) & (value < high)]
+        for expected in [f[-1] for f in FLIPS if f[:2] == (delta, number) and low < f[-1] < high]:
+            assert np.abs(found - expected).min() < 1e-9
+    single, doubled = branches[1][0], branches[2][0]
+    assert single["eta"].max() == doubled["eta"].max() == 5.0
+    flip = float(single["special_value"][list(single["special_kind"].values).index("flip")])
+    assert bool(np.all(single["stable"].values[single["eta"].values < flip - 1e-6]))
+    assert not np.any(single["stable"].values[single["eta"].values > flip + 1e-6])
+    assert float(doubled["eta"].min()) == pytest.approx(flip, abs=2e-6)
+    drawn = branches_at_strobes(set_a(delta), [doubled])
+    x = drawn["x"].values.reshape(2, -1)
+    assert abs(x[0, 0] - x[1, 0]) < 0.01 < np.abs(x[0] - x[1])[:-1].max()
 
 
 def test_coexisting_motions():

@@ -118,13 +118,20 @@ def _quasi_text(evidence: Evidence) -> str:
     size = evidence["largest"]
     size = "no orbit of period two from zero" if size is None else f"{size:.3f}"
     changes = [change for end in evidence["ends"] for change in end["changes"]]
-    words = ", ".join(f"{each['kind']} at {each['eta']:.7g}" for each in changes)
+    words = ", ".join(
+        f"{each['kind']} at {each['eta']:.7g}, {each['detail'].split(';')[0]}" for each in changes
+    )
     ends = ", ".join(f"{end['kind']} at {end['eta']:.4f}" for end in evidence["ends"])
     return (
         f"Delta {evidence['delta']:g}: largest multiplier of period two at {evidence['eta']}"
         f" {size}; followed 0.1 to either side: {ends} (none: stable to there); motions from"
         f" {STARTS + 1} starts at {evidence['eta']}: {motions}"
-        + (f"; the word changes, and the orbit stays stable: {words}" if words else "")
+        + (
+            f"; the word changes, and the orbit stays stable: {words} (s1, s2: the ring at its"
+            " preload)"
+            if words
+            else ""
+        )
     )
 
 

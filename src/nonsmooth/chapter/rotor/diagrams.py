@@ -41,7 +41,9 @@ _DOTS: dict[str, Any] = {
 }
 
 
-def fig36(columns: int = 600, transient: int = 300, record: int = 150) -> tuple[Figure, xr.Dataset]:
+def fig36(
+    columns: int = 500, transient: int = 300, record: int = 100, longest: int = 3
+) -> tuple[Figure, xr.Dataset]:
     """Fig. 36: displacement at strobes over eta from 2 to 5, without and with preload.
 
     Parameters
@@ -50,19 +52,23 @@ def fig36(columns: int = 600, transient: int = 300, record: int = 150) -> tuple[
         Columns of each diagram.
     transient, record : int, optional
         Periods left out and drawn.
+    longest : int, optional
+        Longest period of the branches, 1 to 3.
 
     Returns
     -------
     figure : matplotlib.figure.Figure
         Panels (a) and (b), on the left with columns from zero, on the right followed; dashed lines
         are the bifurcations that the text gives. Over the dots, branches of the orbits of period
-        one, two and three, stable or not.
+        one, two and three, stable or not, as far as they were followed.
     data : xarray.Dataset
-        Over ``delta``, ``start``, ``column`` and ``point``: ``eta``, ``x``, ``period``.
+        Over ``delta``, ``start``, ``column`` and ``point``: ``eta``, ``x``, ``period``; over
+        ``delta`` and ``orbit``, in order along the lines: ``orbit_eta``, ``orbit_x``,
+        ``orbit_period`` and ``orbit_stable`` (1, 0).
 
     Examples
     --------
-    >>> figure, data = fig36(columns=4, transient=50, record=20)
+    >>> figure, data = fig36(columns=4, transient=50, record=20, longest=1)
     >>> data["x"].dims, len(figure.axes)
     (('delta', 'start', 'column', 'point'), 4)
     """
@@ -73,9 +79,9 @@ def fig36(columns: int = 600, transient: int = 300, record: int = 150) -> tuple[
         sweeps = speed_sweeps(set_a(delta), etas, SHOWN, transient=transient, record=record)
         lines = {
             f"period {period}": branches_at_strobes(set_a(delta), branches)
-            for period, branches in branches_of_set_a(delta).items()
+            for period, branches in branches_of_set_a(delta, longest).items()
         }
-        kept.append(_dataset(sweeps))
+        kept.append(_dataset(sweeps).merge(_orbits(lines)))
         for ax, sweep in zip(axes[2 * row : 2 * row + 2], sweeps, strict=True):
             for text in printed:
                 ax.axvline(float(text), **_MARKED)
@@ -96,7 +102,7 @@ def fig36(columns: int = 600, transient: int = 300, record: int = 150) -> tuple[
         handles=[_printed_line("bifurcation as printed", _MARKED), *named.values()],
         loc="outside upper center", ncols=5, frameon=False, fontsize=_TEXT,
     )  # fmt: skip
-    data = xr.concat(kept, xr.DataArray(list(PRINTED_36), dims="delta", name="delta"))
+    data = xr.concat(kept, xr.DataArray(list(PRINTED_36), dims="delta", name="delta"), join="outer")
     data.attrs = {"transient": transient, "record": record, **_version(sweeps)}
     return figure, data
 
@@ -294,6 +300,22 @@ def _draw(ax: Axes, across: np.ndarray, values: np.ndarray, colour: str = "black
     ax.plot(
         np.repeat(across, values.shape[1]), values.ravel(), color=colour, markersize=0.7, **_DOTS
     )
+
+
+def _orbits(lines: dict[str, xr.Dataset]) -> xr.Dataset:
+    """Lines of a panel, one after the other."""
+    numbers = [int(name.split()[-1]) for name in lines]
+    whole = {
+        "orbit_eta": [each["eta"].values for each in lines.values()],
+        "orbit_x": [each["x"].values for each in lines.values()],
+        "orbit_stable": [each["stable"].values.astype(float) for each in lines.values()],
+        "orbit_period": [
+            np.full(each.sizes["point"], float(number))
+            for number, each in zip(numbers, lines.values(), strict=True)
+        ],
+    }
+    found = xr.Dataset({name: ("orbit", np.concatenate(each)) for name, each in whole.items()})
+    return found.assign_coords(orbit=np.arange(found.sizes["orbit"]))
 
 
 def _shrink_marks(ax: Axes) -> None:

@@ -278,7 +278,7 @@ CHECKS = (
     Check("R41", _AT, lambda: {"rows": [*_motion("40", 30.1)["rows"]]}, _open_motion),
     Check("R42", _SWEPT + "; orbits followed from 13.1 Hz, with their multipliers", _route,
           _judge_route),
-    Check("R43", "orbit of period one followed from 13.1 Hz, multiplier -1 bisected", _doublings,
+    Check("R43", "orbit of period one followed from 13.1 Hz to its flip", _doublings,
           _judge_flip),
     Check("R44", _SWEPT, _crisis, _judge_crisis),
     Check("R45", f"6 speeds from 30 to 50 Hz, {STARTS} random starts and zero, {DROPPED} periods"

@@ -32,13 +32,15 @@ _CRITICAL = 1e-6  # of a multiplier from the unit circle; at a graze a branch ma
 
 
 @lru_cache(maxsize=4)
-def branches_of_set_a(delta: float) -> dict[int, list[xr.Dataset]]:
+def branches_of_set_a(delta: float, longest: int = 3) -> dict[int, list[xr.Dataset]]:
     """Branches of the orbits of period one, two and three that set A settles to.
 
     Parameters
     ----------
     delta : float
         Preload along both axes, 0 or 0.1.
+    longest : int, optional
+        Longest period that is followed.
 
     Returns
     -------
@@ -47,13 +49,15 @@ def branches_of_set_a(delta: float) -> dict[int, list[xr.Dataset]]:
 
     Examples
     --------
-    >>> branches = branches_of_set_a(0.1)
+    >>> branches = branches_of_set_a(0.1, longest=1)
     >>> kinds = branches[1][0]["special_kind"].values
     >>> [str(kind) for kind in kinds]
     ['bound', 'flip', 'bound']
     """
     found: dict[int, list[xr.Dataset]] = {}
     for period, eta, (low, high), steps in _STARTS[delta]:
+        if period > longest:
+            continue
         if period == 2:
             flips = found[1][0]["special_kind"].values == "flip"
             low = float(found[1][0]["special_value"].values[flips][0]) + _BEHIND
