@@ -18,6 +18,8 @@ _KINDS = {
     "graze": "grazing", "short": "grazing", "rate": "grazing", "leg": "lost", "gain": "gained",
     "slide": "sliding", "shrink": "hopf", "motion": "word_change",
 }  # fmt: skip
+_OF_MULTIPLIERS = ("flip", "torus", "fold", "branch_point")
+_NEAR_ONE = 1e-3  # the same at a fold or a crossing, which some orbits have only to half the digits
 _CRITICAL = 1e-5  # distance from the unit circle of a multiplier that is on it
 
 
@@ -53,8 +55,9 @@ def part_of(
     stretch: Stretch, looked: Looked, point: Point, along: float, special: str, detail: str
 ) -> BranchPart:
     """A point with what happens there; what its test has called critical is looked at again."""
-    if special in ("flip", "torus") and not _is_critical(looked, special):
-        special = ""  # a pole of the test, or two real multipliers whose product is one
+    if special in _OF_MULTIPLIERS and not _is_critical(looked, special):
+        # a pole of the test, two real multipliers whose product is one, a graze next to it
+        special = ""
     if special == "branch_point" and is_symmetric(stretch.equations, looked.turn):
         special = "symmetry_breaking"
     test = point.special if special else ""
@@ -63,9 +66,12 @@ def part_of(
 
 
 def _is_critical(looked: Looked, kind: str) -> bool:
-    """Whether a multiplier is at -1, or a pair of them on the unit circle."""
+    """Whether a multiplier is at 1 or -1, or a pair of them on the unit circle."""
     values = looked.multipliers.multipliers
-    values = values[np.isfinite(values)]
+    if not values.size or not np.all(np.isfinite(values)):
+        return kind in ("fold", "branch_point")
+    if kind in ("fold", "branch_point"):
+        return bool(np.any(np.abs(values - 1.0) <= _NEAR_ONE))
     if kind == "flip":
         return bool(np.any(np.abs(values + 1.0) <= _CRITICAL))
     near = np.abs(np.abs(values) - 1.0) <= _CRITICAL

@@ -24,6 +24,8 @@ from nonsmooth.simulation.progress import Progress
 __all__ = ["both_ways"]
 
 _FLIP, _CROSSING = 1, 2
+_CROSSINGS = ("branch_point", "symmetry_breaking", "halving")
+_SAME, _BESIDE = 1e-7, 1e-3  # in the parameter and in arclength
 
 
 def both_ways(
@@ -96,6 +98,7 @@ def _joined(
     for part in down:
         part.arclength = -part.arclength
     parts = [*reversed(down), *(up[1:] if down else up)]
+    _drop_folds_at_crossings(parts)
     ends = {"end_first": first, "end_last": last}
     said: dict[str, Any] = {"status": "interrupted" if interrupted else "completed"}
     messages = []
@@ -105,6 +108,18 @@ def _joined(
             messages.append(f"{'first' if name == 'end_first' else 'last'} end: {end.message}")
     said["message"] = "; ".join(messages)
     return parts, said
+
+
+def _drop_folds_at_crossings(parts: list[BranchPart]) -> None:
+    """Where a branch crosses another one at its turn, the turn is no special point of its own."""
+    crossings = [part for part in parts if part.special in _CROSSINGS]
+    for part in parts:
+        if part.special == "fold" and any(
+            abs(part.value - other.value) <= _SAME * (1.0 + abs(other.value))
+            and abs(part.arclength - other.arclength) <= _BESIDE
+            for other in crossings
+        ):
+            part.special = part.test = ""
 
 
 def _first(
