@@ -30,9 +30,8 @@ Floats = npt.NDArray[np.float64]
 
 WORD_TESTS = ("graze", "corner", "short", "leg", "rate", "gain", "slide", "shrink", "motion")
 _SHORT = 1e-5  # part of the turn: a contact of this duration is a graze
-_FADED = 1e-100  # a guard that was never more than that is what a decay leaves
 _AT_CHANGE = 1e-9  # of a test: the word is about to change
-_ZERO = 1e-10  # of the size of a guard: it is zero by construction
+_ZERO = 1e-10  # a test that is never more than that is zero by construction
 
 
 @dataclass
@@ -79,8 +78,8 @@ class BranchTests:
         """``grows``: the test that is zero where the stretch begins and counts all the same."""
         self.equations, self.tolerance, self.whole = equations, tolerance, whole
         self._grows = grows
-        self._still: set[str] | None = None  # tests that are zero by construction
-        self._clear = {grows}  # grazes that are more than what a decay leaves
+        # tests that have been more than what rounding or a decay leaves
+        self._clear = {grows}
         word, wiring = equations.word, equations.legs.tables.wiring
         self._grazing = [is_graze(word, wiring, k) for k in range(len(word))]
         families = equations.legs.tables.families
@@ -132,11 +131,7 @@ class BranchTests:
         lowest, others = lowest / sizes, found.others / sizes
         for k, path in enumerate(word.paths):
             for g in np.flatnonzero(np.isfinite(lowest[k])):
-                name = f"graze:{k}:{g}"
-                if abs(lowest[k, g]) > _FADED:
-                    self._clear.add(name)
-                if name in self._clear:  # at the graze itself it may be exactly zero
-                    tests[name] = float(lowest[k, g])
+                tests[f"graze:{k}:{g}"] = float(lowest[k, g])
             if not path:
                 continue
             duration = float(turn.durations[k])
@@ -157,13 +152,8 @@ class BranchTests:
             tests["leg:last"] = float(turn.durations[-1]) / length
         if equations.autonomous and not word.closes_at_event:
             tests["shrink"] = equations.forwards(found)
-        if self._still is None:
-            self._still = {
-                name
-                for name, value in tests.items()
-                if abs(value) <= _ZERO and name != self._grows and name[:3] in ("cor", "gai", "gra")
-            }
-        return {name: value for name, value in tests.items() if name not in self._still}
+        self._clear |= {name for name, value in tests.items() if abs(value) > _ZERO}
+        return {name: value for name, value in tests.items() if name in self._clear}
 
     def _into_next(self, found: LegResults, k: int) -> float:
         """How fast the guard that ends leg k goes on falling behind the surface."""
