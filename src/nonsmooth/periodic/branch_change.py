@@ -24,7 +24,7 @@ _ENDS = {
 }
 _MOST_TELLING = ("shrink", "slide", "short", "leg", "gain", "graze", "rate", "corner")
 _TOGETHER = 1e-8  # a test that vanishes at the same point as another one
-_NEARBY = 1e-3  # of the size of an orbit: one of another word is its continuation
+_NEARBY = 1e-2  # of the size of an orbit: one of another word farther away is no continuation
 
 
 def change_at(

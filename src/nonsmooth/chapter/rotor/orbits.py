@@ -211,6 +211,8 @@ def _halved(system: System, branch: xr.Dataset, row: Evidence) -> bool:
     A branch turns back there, over the same orbits half a turn later.
     """
     period = int(branch.attrs["period"])
+    if row["kind"] == "halving":
+        return True
     if row["kind"] != "branch_point" or period % 2:
         return False
     turn = StroboscopicMap(system.with_parameters(eta=row["eta"]), every=period // 2)
