@@ -7,22 +7,7 @@ from nonsmooth.periodic.equations import OrbitEquations
 from nonsmooth.periodic.legs import Legs
 from nonsmooth.periodic.restart import guess_of_dataset
 from nonsmooth.periodic.search import is_autonomous
-
-
-def rigid_wall(**values: float) -> ns.System:
-    """Impacts with a coefficient of restitution."""
-    return ns.System(
-        name="wall",
-        states=["x", "v"],
-        parameters={"F": 1.0, "omega": 2.8, "zeta": 0.02, "sigma": 0.1, "r": 0.8} | values,
-        period="2*pi/omega",
-        modes={
-            "free": ns.Mode(
-                {"x": "v", "v": "F*cos(omega*t) - 2*zeta*v - x"},
-                exits=[ns.Exit("sigma - x", reset={"v": "-r*v"}, name="impact")],
-            )
-        },
-    )
+from periodic.systems import rigid_wall
 
 
 def van_der_pol(speed: float = 1.0) -> ns.System:

@@ -14,9 +14,9 @@ from nonsmooth.maps.return_tangent import tangent_array
 from nonsmooth.simulation.assemble import Columns, assemble
 from nonsmooth.simulation.clock import Instant, Plan
 from nonsmooth.simulation.dataset import run_dataset
+from nonsmooth.simulation.first_mode import in_first_mode
 from nonsmooth.simulation.options import check_count, check_signals
 from nonsmooth.simulation.runner import Outcome, build_derivatives, build_tables, run_plan
-from nonsmooth.simulation.simulate import in_first_mode
 from nonsmooth.simulation.start import Start, resolve_start, start_at_end
 from nonsmooth.simulation.stroboscopic import strobes
 from nonsmooth.system.system import System

@@ -96,9 +96,7 @@ def _motions_beyond(stretch: Stretch, looked: Looked, point: Point) -> Iterator[
                 there, state, period=options.period, phase=options.phase, transient=0, mode=None,
                 tolerance=options.tolerance,
             )  # fmt: skip
-        except Exception as fault:
-            if not isinstance(fault, (RunError, ValueError)):
-                raise
+        except (RunError, ValueError):
             continue
         if guess.word != stretch.equations.word:
             yield guess

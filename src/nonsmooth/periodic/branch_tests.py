@@ -29,7 +29,9 @@ __all__ = ["WORD_TESTS", "BranchTests", "Looked", "is_graze"]
 Floats = npt.NDArray[np.float64]
 
 WORD_TESTS = ("graze", "corner", "short", "leg", "rate", "gain", "slide", "shrink", "motion")
-_SHORT = 1e-5  # part of the turn: a contact of this duration is a graze
+# part of the turn: a contact of this duration counts as a graze. It is as long as the root of the
+# distance from the graze, so this is 1e-10 away; shorter ones make Newton's matrix singular
+_SHORT = 1e-5
 _AT_CHANGE = 1e-9  # of a test: the word is about to change
 _ZERO = 1e-10  # a test that is never more than that is zero by construction
 
@@ -77,7 +79,6 @@ class BranchTests:
     ) -> None:
         """``grows``: the test that is zero where the stretch begins and counts all the same."""
         self.equations, self.tolerance, self.whole = equations, tolerance, whole
-        self._grows = grows
         # tests that have been more than what rounding or a decay leaves
         self._clear = {grows}
         word, wiring = equations.word, equations.legs.tables.wiring

@@ -8,16 +8,18 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.engine import records as at
+from nonsmooth.engine.layout import Tables
 from nonsmooth.engine.status import CURES, EventKind, Status
-from nonsmooth.errors import OptionError, RunError
+from nonsmooth.errors import RunError
 from nonsmooth.periodic.equations import Turn
 from nonsmooth.periodic.word import Word, path_of_bits
 from nonsmooth.simulation.clock import Instant, Plan
-from nonsmooth.simulation.runner import NoMode, Outcome, build_tables, run_plan
-from nonsmooth.simulation.start import explain_misfit, resolve_start, start_at_end
+from nonsmooth.simulation.first_mode import in_first_mode
+from nonsmooth.simulation.runner import Outcome, build_tables, run_plan
+from nonsmooth.simulation.start import Start, resolve_start, start_at_end
 from nonsmooth.system.system import System
 
-__all__ = ["Guess", "driven_guess", "legs_of_outcome"]
+__all__ = ["Guess", "driven_guess", "legs_of_outcome", "run_for_guess"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -74,18 +76,19 @@ def _stretch(
     end = Instant(begin.number + period, begin.phase)
     numbers = np.array([begin.number, end.number], np.int64)
     plan = Plan(end, numbers, np.full(2, begin.phase))
-    fault: NoMode | None = None
-    for number in start.modes:
-        try:
-            outcome = run_plan(
-                tables, plan, tolerance, state=start.state, begin=start.instant, mode=number
-            )
-            break
-        except NoMode as refused:
-            fault = refused
-    else:
-        assert fault is not None
-        raise OptionError(explain_misfit(system, tables, start, fault.z))
+    outcome = run_for_guess(system, tables, start, plan, tolerance)
+    return legs_of_outcome(system, outcome, begin, end)
+
+
+def run_for_guess(
+    system: System, tables: Tables, start: Start, plan: Plan, tolerance: float
+) -> Outcome:
+    """The motion from a start, in the first mode that admits it; `RunError` where it ends early."""
+
+    def run(mode: int) -> Outcome:
+        return run_plan(tables, plan, tolerance, state=start.state, begin=start.instant, mode=mode)
+
+    outcome = in_first_mode(system, tables, start, run)
     if outcome.status != Status.COMPLETED:
         raise RunError(
             f"{system.name}: the motion from which the orbit is guessed ended at"
@@ -93,7 +96,7 @@ def _stretch(
             status=outcome.status.word,
             time=outcome.end_time,
         )
-    return legs_of_outcome(system, outcome, begin, end)
+    return outcome
 
 
 def _closed(guess: Guess) -> Guess | None:

@@ -9,15 +9,13 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.engine import records as at
-from nonsmooth.engine.layout import Tables
-from nonsmooth.engine.status import CURES, EventKind, Status
-from nonsmooth.errors import OptionError, RunError
+from nonsmooth.engine.status import EventKind
 from nonsmooth.periodic.equations import Turn
-from nonsmooth.periodic.guess import Guess
+from nonsmooth.periodic.guess import Guess, run_for_guess
 from nonsmooth.periodic.word import Word, path_of_bits
 from nonsmooth.simulation.clock import Instant, Plan
-from nonsmooth.simulation.runner import NoMode, Outcome, build_tables, run_plan
-from nonsmooth.simulation.start import Start, explain_misfit, resolve_start, start_at_end
+from nonsmooth.simulation.runner import Outcome, build_tables
+from nonsmooth.simulation.start import Start, resolve_start, start_at_end
 from nonsmooth.system.system import System
 
 __all__ = ["cycle_guesses"]
@@ -49,7 +47,7 @@ def cycle_guesses(
     for finer in _FINER:
         samples, final = _SAMPLES * finer, finer == _FINER[-1]
         plan, step = _plan(float(tables.clock[0]), samples, period, begin, start, transient)
-        outcome = _run(system, tables, start, plan, tolerance)
+        outcome = run_for_guess(system, tables, start, plan, tolerance)
         found = _between_events(system, outcome, begin, drifting, period, final)
         found = found or _around(outcome, drifting, period, step, final)
         if found is not None:
@@ -67,30 +65,6 @@ def _plan(
     if transient == 0:
         phase[0] = max(phase[0], start.instant.phase)
     return Plan(Instant(int(number[-1]), float(phase[-1])), number, phase), step
-
-
-def _run(system: System, tables: Tables, start: Start, plan: Plan, tolerance: float) -> Outcome:
-    """The motion from a start, in the first mode that admits it."""
-    fault: NoMode | None = None
-    for chosen in start.modes:
-        try:
-            outcome = run_plan(
-                tables, plan, tolerance, state=start.state, begin=start.instant, mode=chosen
-            )
-            break
-        except NoMode as refused:
-            fault = refused
-    else:
-        assert fault is not None
-        raise OptionError(explain_misfit(system, tables, start, fault.z))
-    if outcome.status != Status.COMPLETED:
-        raise RunError(
-            f"{system.name}: the motion from which the orbit is guessed ended at"
-            f" t = {outcome.end_time:.6g}: {CURES.get(outcome.status, outcome.status.word)}",
-            status=outcome.status.word,
-            time=outcome.end_time,
-        )
-    return outcome
 
 
 def _is_resolved(outcome: Outcome, drifting: npt.NDArray[np.bool_]) -> bool:

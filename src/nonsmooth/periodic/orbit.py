@@ -17,7 +17,6 @@ __all__ = ["Orbit", "make_orbit", "primitive_parts"]
 
 Floats = npt.NDArray[np.float64]
 
-_MOST_TURNS = 12  # of a cycle without events that is passed several times
 _NEUTRAL = 1e-10  # distance from the unit circle that rounding may make
 _SAME = 1e-7  # part of the size of a state within which parts of an orbit are the same
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -25,12 +26,22 @@ from nonsmooth.periodic.word_change import changes_of_word
 from nonsmooth.simulation.driving import is_driven
 from nonsmooth.system.system import System
 
-__all__ = ["Found", "Wanted", "equations_for", "is_autonomous", "search_orbit", "solve_guess"]
+__all__ = [
+    "Found",
+    "Wanted",
+    "equations_for",
+    "fitted",
+    "is_autonomous",
+    "search_orbit",
+    "solve_guess",
+]
 
 Floats = npt.NDArray[np.float64]
 
 _RANDOM = 200  # durations tried for a given word
 _PERIODS = 200  # of the motion in which a given word is looked for
+_STRETCHES = 20  # of that motion that are tried, those that nearly close first
+_STEPS = 25  # of Newton's method from random durations, of which most lead nowhere
 _SEED = 1
 _AT_REST = 1e-7  # of the size of the guess, in one turn
 _NEUTRAL = 1e-9  # distance of a multiplier from 1
@@ -98,7 +109,7 @@ def _from_orbit(wanted: Wanted, legs: Legs) -> Found | None:
     guess = guess_of_dataset(wanted.system, initial)
 
     def solve(there: Wanted, legs: Legs, guess: Guess) -> Found:
-        return solve_guess(there, legs, _fitted(guess, there, legs))
+        return solve_guess(there, legs, fitted(guess, there, legs))
 
     found = solve(wanted, legs, guess)
     if found.status == "completed":
@@ -108,7 +119,7 @@ def _from_orbit(wanted: Wanted, legs: Legs) -> Found | None:
     return walked or found
 
 
-def _fitted(guess: Guess, wanted: Wanted, legs: Legs) -> Guess:
+def fitted(guess: Guess, wanted: Wanted, legs: Legs) -> Guess:
     """Legs of an orbit for other parameters: instants stretched to the period there."""
     turn = guess.turn
     if is_autonomous(legs) or guess.word.closes_at_event:
@@ -265,13 +276,11 @@ def _search_word(wanted: Wanted, legs: Legs) -> Found:
             wanted.system, wanted.initial, list(wanted.words), period=wanted.period,
             phase=wanted.phase, periods=_PERIODS + wanted.transient, tolerance=wanted.tolerance,
         )  # fmt: skip
-        for count, guess in enumerate(guesses):
+        for guess in islice(guesses, _STRETCHES):
             found = solve_guess(wanted, legs, guess)
             if found.status == "completed":
                 return found
             best = _better(best, found)
-            if count >= 20:
-                break
     length = wanted.period * legs.window
     origin = np.array([wanted.system.rest_state[name] for name in wanted.system.states])
     for word in wanted.words:
@@ -282,7 +291,7 @@ def _search_word(wanted: Wanted, legs: Legs) -> Found:
         tries = _RANDOM if len(word) > 1 else 3
         for unknowns in random_guesses(equations, length, tries, _SEED):
             try:
-                solution = solve_orbit(equations, unknowns, steps=25)
+                solution = solve_orbit(equations, unknowns, steps=_STEPS)
             except LegError:
                 continue
             if solution.status != "completed" or np.any(

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy.typing as npt
 import xarray as xr
 
-from nonsmooth.engine.layout import Tables
 from nonsmooth.engine.status import Status
-from nonsmooth.errors import OptionError, RunWarning
+from nonsmooth.errors import RunWarning
 from nonsmooth.simulation.clock import plan_run
 from nonsmooth.simulation.dataset import run_dataset, time_of_lost_derivatives
+from nonsmooth.simulation.first_mode import in_first_mode
 from nonsmooth.simulation.options import (
     check_flag,
     check_run_options,
@@ -21,7 +21,6 @@ from nonsmooth.simulation.options import (
     parameters_of_tangent,
 )
 from nonsmooth.simulation.runner import (
-    NoMode,
     Outcome,
     build_derivatives,
     build_tables,
@@ -31,11 +30,11 @@ from nonsmooth.simulation.slow import check_slow_tangent, run_slow
 from nonsmooth.simulation.slow_plan import plan_slow_run
 from nonsmooth.simulation.slow_run import tables_of
 from nonsmooth.simulation.slow_start import resolve_slow_start
-from nonsmooth.simulation.start import Start, explain_misfit, resolve_start, start_at_end
+from nonsmooth.simulation.start import resolve_start, start_at_end
 from nonsmooth.system.slow import SlowParameters
 from nonsmooth.system.system import System
 
-__all__ = ["in_first_mode", "simulate"]
+__all__ = ["simulate"]
 
 
 def simulate(
@@ -246,15 +245,3 @@ def _simulate_slow(
         )  # fmt: skip
 
     return in_first_mode(system, tables, start, run)
-
-
-def in_first_mode(
-    system: System, tables: Tables, start: Start, run: Callable[[int], Outcome]
-) -> Outcome:
-    """Run from the first of the modes that admits the start."""
-    for mode in start.modes:
-        try:
-            return run(mode)
-        except NoMode as fault:
-            misfit = fault
-    raise OptionError(explain_misfit(system, tables, start, misfit.z))

@@ -12,11 +12,11 @@ import numpy.typing as npt
 from nonsmooth.analysis.exponents.growth import Growth, advance
 from nonsmooth.engine.layout import Tables
 from nonsmooth.engine.status import Status
-from nonsmooth.errors import OptionError
 from nonsmooth.simulation.clock import Instant
+from nonsmooth.simulation.first_mode import in_first_mode
 from nonsmooth.simulation.progress import Progress
-from nonsmooth.simulation.runner import Derivatives, NoMode
-from nonsmooth.simulation.start import Start, explain_misfit
+from nonsmooth.simulation.runner import Derivatives
+from nonsmooth.simulation.start import Start
 from nonsmooth.simulation.tangent_flow import TangentFlow
 from nonsmooth.system.system import System
 
@@ -104,13 +104,12 @@ def _started(
     tolerance: float,
 ) -> tuple[TangentFlow, Status]:
     """Flow at its start, in the first of the modes that admits it."""
-    for mode in start.modes:
+
+    def begin(mode: int) -> tuple[TangentFlow, Status]:
         flow = TangentFlow(tables, derivatives, count, tolerance)
-        try:
-            return flow, flow.start(start.state, start.instant, mode)
-        except NoMode as fault:
-            misfit = fault
-    raise OptionError(explain_misfit(system, tables, start, misfit.z))
+        return flow, flow.start(start.state, start.instant, mode)
+
+    return in_first_mode(system, tables, start, begin)
 
 
 def _ends(flow: TangentFlow, start: Instant, protocol: Protocol) -> list[Instant]:

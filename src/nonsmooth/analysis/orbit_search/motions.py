@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -11,14 +11,14 @@ import numpy.typing as npt
 from nonsmooth.engine import records as at
 from nonsmooth.engine.layout import Tables
 from nonsmooth.engine.status import EventKind, Status
-from nonsmooth.errors import OptionError
 from nonsmooth.periodic.equations import Turn
 from nonsmooth.periodic.guess import Guess
 from nonsmooth.periodic.search import Wanted
 from nonsmooth.periodic.word import Word, path_of_bits
 from nonsmooth.simulation.clock import Instant, Plan
-from nonsmooth.simulation.runner import NoMode, Outcome, run_plan
-from nonsmooth.simulation.start import explain_misfit, resolve_start, start_at_end
+from nonsmooth.simulation.first_mode import in_first_mode
+from nonsmooth.simulation.runner import Outcome, run_plan
+from nonsmooth.simulation.start import resolve_start, start_at_end
 
 __all__ = ["Motion", "first_motion", "motion_from"]
 
@@ -47,9 +47,9 @@ class Motion:
 
     def between(self, i: int, j: int) -> slice:
         """Events behind point i; those of a driven motion before point j, else up to it."""
-        side = "left" if self.driven else "right"
+        side: Literal["left", "right"] = "left" if self.driven else "right"
         low = np.searchsorted(self.event_times, self.times[i], side="right")
-        high = np.searchsorted(self.event_times, self.times[j], side=side)  # type: ignore[call-overload]
+        high = np.searchsorted(self.event_times, self.times[j], side=side)
         return slice(int(low), int(high))
 
     def word_key(self, i: int, j: int) -> bytes:
@@ -91,16 +91,11 @@ def first_motion(wanted: Wanted, tables: Tables, periods: int, driven: bool) -> 
         start = start_at_end(start)
     late = start.instant.phase > wanted.phase * window * (1.0 + 1e-14)
     first = start.instant.number + int(late) + wanted.transient
-    fault: NoMode | None = None
-    for mode in start.modes:
-        try:
-            return motion_from(
-                wanted, tables, start.state, start.instant, first, periods, driven, mode
-            )
-        except NoMode as refused:
-            fault = refused
-    assert fault is not None
-    raise OptionError(explain_misfit(system, tables, start, fault.z))
+
+    def run(mode: int) -> Motion:
+        return motion_from(wanted, tables, start.state, start.instant, first, periods, driven, mode)
+
+    return in_first_mode(system, tables, start, run)
 
 
 def motion_from(

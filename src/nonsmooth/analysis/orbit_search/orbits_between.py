@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from nonsmooth.analysis.orbit_search.best_options import WantedBest
-from nonsmooth.periodic.equations import Turn
 from nonsmooth.periodic.guess import Guess
 from nonsmooth.periodic.legs import LegError, Legs
 from nonsmooth.periodic.orbit import Orbit
 from nonsmooth.periodic.orbit_dataset import orbit_dataset, orbit_variables
 from nonsmooth.periodic.restart import guess_of_dataset
-from nonsmooth.periodic.search import Wanted, is_autonomous, solve_guess
+from nonsmooth.periodic.search import Wanted, fitted, solve_guess
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -88,7 +87,7 @@ class OrbitsBetween:
         best = self._best
         try:
             self._legs.set_values(self._values | {best.parameter: p})
-            guess = _stretched(self._known[nearest], self._wanted, self._legs)
+            guess = fitted(self._known[nearest], self._wanted, self._legs)
             orbit = solve_guess(self._wanted, self._legs, guess).orbit
         except LegError:
             return None
@@ -98,13 +97,3 @@ class OrbitsBetween:
         if not (orbit.stable or best.unstable):
             return None
         return orbit if orbit.admissibility.admissible or best.inadmissible else None
-
-
-def _stretched(guess: Guess, wanted: Wanted, legs: Legs) -> Guess:
-    """Legs with their instants within the period that there is now."""
-    if is_autonomous(legs):
-        return guess
-    turn = guess.turn
-    share = (turn.instants - turn.instants[0]) / (turn.instants[-1] - turn.instants[0])
-    begin, length = wanted.phase * legs.window, wanted.period * legs.window
-    return Guess(guess.word, Turn(turn.states, begin + share * length))

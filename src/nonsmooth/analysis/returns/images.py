@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from typing import NamedTuple
 
 import numpy as np
@@ -62,7 +63,7 @@ class Way(NamedTuple):
     modes: Integers
 
 
-class Imaging:
+class Imaging(ABC):
     """Applies a map to many starts; what both kinds of maps have in common."""
 
     engine: LaneRunner
@@ -101,9 +102,9 @@ class Imaging:
         """Starts with modes as the engine numbers them."""
         return starts._replace(modes=self.modes_of_engine(starts.modes))
 
+    @abstractmethod
     def follow(self, starts: Starts, log: LaneLog) -> Way:
         """Run to the images."""
-        raise NotImplementedError
 
     def is_own(self, rows: Integers) -> npt.NDArray[np.bool_]:
         """Which rows are there for the section alone."""

@@ -33,6 +33,7 @@ def _costs(sets: Sequence[Values] = _STABLE, periods: int = 30) -> Evidence:
         system = moling(**values)
         near = find_orbit(system, parameters={"b": 0.99 * values["b"]})
         start = progression_start(near)
+        # each lambda is called at once, before the loop goes on: B023 does not apply
         orbit, newton = _timed(lambda: find_orbit(system, near))  # noqa: B023
         found, simplex = _timed(lambda: four_phase_orbit(system, start))  # noqa: B023
         turns = 2.0 * np.pi / values["omega"] * np.arange(periods + 1)
