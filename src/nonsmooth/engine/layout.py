@@ -74,10 +74,13 @@ FIRST, KNOTS = 0, 1
 # ones, number of clusters, then first slot, size and degree of each cluster
 COUNT, END_CONSTANT, END_FADING, END_REAL, END_ROTATION, END_DAMPED, N_CLUSTERS = range(7)
 CLUSTERS = 7
-# Tables.wiring[m, 0]: number of exits, bits of slaved states, of those solved for by equations;
-# Tables.wiring[m, 1 + e]: target, bits of states reset, order of zero of each guard entered
-N_EXITS, SLAVED, IMPLICIT = 0, 1, 2
-TARGET, RESETTING, ORDERS = 0, 1, 2
+# Tables.wiring[m, 0]: number of exits that are searched for, bits of slaved states, of those solved
+# for by equations, kind of the cell; Tables.wiring[m, 1 + e]: target, bits of states reset, the
+# exit that leads onto the surface of this one (-1: none, e: it does so itself), order of zero of
+# each guard entered. Exits from N_EXITS on are passed on behalf of others, never by themselves
+N_EXITS, SLAVED, IMPLICIT, KIND = 0, 1, 2, 3
+TARGET, RESETTING, ONTO, ORDERS = 0, 1, 2, 3
+FREE, SLIDES, RESTING = 0, 1, 2  # kinds: off all surfaces, on one by Filippov, on one by a reaction
 # Tables.spans: longest segment for which the closed form is accurate, unit of rounding
 # margins, largest modulus of the eigenvalues, farthest look ahead where a motion grows,
 # longest step of the ladder
@@ -122,7 +125,7 @@ class Program(NamedTuple):
     factors: Integers  # rows: mode, factor, column, slot
     products: Integers  # (p, 2) factors
     product_rows: Integers  # (m, e, 2): first product of a guard and the one after its last
-    wiring: Integers  # (m, 1 + e, 2 + e) as in Tables, orders left open
+    wiring: Integers  # (m, 1 + e, ORDERS + e) as in Tables, orders left open
     drifting: int  # bits of the states that may grow without bound
     kinds: Integers  # (m,): EXACT or TAYLOR flow
     families: Integers  # (m,): cells of one declared mode have the same number
@@ -157,7 +160,7 @@ class Tables(NamedTuple):
     ladder: Floats  # (m, RUNGS, N, 3): factors of the slots for a step of each rung
     slots: Integers  # (m, CLUSTERS + 3 N)
     spans: Floats  # (m, SPANS)
-    wiring: Integers  # (m, 1 + e, 2 + e)
+    wiring: Integers  # (m, 1 + e, ORDERS + e)
     drifting: int
     kinds: Integers  # (m,)
     families: Integers  # (m,)

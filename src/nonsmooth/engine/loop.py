@@ -119,7 +119,7 @@ def run_lane(
             length = start_segment(tables, rates, segment, m, longest)
             long_enough = length == longest or length > _SHORTEST * (window + phase)
             if tables.kinds[m] == at.TAYLOR and not long_enough:
-                return _SINGULAR
+                return _NONUNIQUE if _at_two_fold(tables, segment, m) else _SINGULAR
             end = (end_number - place[0]) * window + (end_phase - phase)
             s, e, found = _search(tables, segment, anchor, records, m, length, end)
             _write_samples(
@@ -163,8 +163,15 @@ def run_lane(
         )
         if status != _COMPLETED:
             return status
-        if begins and mode == ANY and leaves_both_ways(tables, rates, segment, place[1], tolerance):
-            return _NONUNIQUE
+        if begins and mode == ANY:
+            g = leaves_both_ways(tables, rates, segment, place[1], tolerance)
+            choice = tables.wiring[place[1], 1 + g, at.CHOICE] if g >= 0 else at.STAY
+            if choice == at.NO_CHOICE:
+                return _NONUNIQUE
+            if choice == at.CROSS:
+                place[1] = tables.wiring[place[1], 1 + g, at.TARGET]
+                _clear(anchor.order)
+                records.event_integers[max(cursor[EVENTS] - 1, 0), TO] = place[1]
         begins = False
 
 

@@ -3,6 +3,10 @@
 An exit that fires applies its reset and enters its target; there the first exit, in
 declared order, whose guard is negative fires at the same instant, else the first one whose
 guard is zero with its first non-zero derivative negative, and so on.
+
+Some exits have another one beside them that leads onto their surface. It is taken in place of one
+that leads back to where the path has come from, for then both sides point at the surface; and
+behind a reset once rebounds have accumulated (`rebounds`).
 """
 
 from __future__ import annotations
@@ -11,6 +15,7 @@ from nonsmooth.engine import layout as at
 from nonsmooth.engine.arrays import copy_vector
 from nonsmooth.engine.jit import inlined, kernel
 from nonsmooth.engine.linearisation import linearise, linearise_derivatives
+from nonsmooth.engine.rebounds import NEVER, rate_of_guard, rest_time
 from nonsmooth.engine.solved_relations import settle
 from nonsmooth.engine.status import Status
 from nonsmooth.engine.tangent import (
@@ -50,7 +55,7 @@ _UNDECIDED = int(Status.UNDECIDED)
 _SLIDING = int(Status.SLIDING)
 _EVENT_LIMIT = int(Status.EVENT_LIMIT)
 _INADMISSIBLE = int(Status.INADMISSIBLE)
-_MOST_PASSES = 100
+_MOST_PASSES = 1000
 _NOTHING = 1e-12  # likewise, of what it changes by in a window
 _SHARE = 1e-3  # of a coordinate in the rate of a guard, from which it is moved onto its zero
 _CLEARLY = 1e-9  # a guard above this part of its terms is not zero by construction
@@ -66,7 +71,8 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
     segment.z holds the augmented coordinates and is changed in place, as are the columns of
     derivatives; segment.order is an output
     returns: status, mode that holds, path (exits passed, six bits each, lowest first),
-    number of exits passed, whether a reset was applied, whether several guards met in a corner.
+    number of exits passed, whether a reset was applied, whether several guards met in a corner,
+    the time from now at which rebounds that end here have accumulated (NEVER where none do).
     EVENT_LIMIT when resets go on and on, as at the end of accumulating impacts; UNDECIDED when
     modes hand over in a circle, SLIDING when they are cells of one mode
     e = -1 stands for a start: nothing fires before mode m is looked at. ``duration`` of the motion
@@ -80,15 +86,21 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
     visited = 1 << m
     path, passes, jumped, corner = 0, 0, False, False
     jumping = 0  # bits of the slaved states that a reset has let jump onto their relations
+    stay, first_rate = NEVER, 0.0
     followed = curved  # whether basis holds the directions left free by the path so far
     carrying = tangent.columns.shape[0] > 0
     copy_vector(z, segment.mark, n)
     ready, fired = _prepare(tables, rates, segment, tangent, m, e, duration, curved)
     if not ready:
-        return _INADMISSIBLE, m, path, passes, jumped, corner
+        return _INADMISSIBLE, m, path, passes, jumped, corner, stay
     while True:
+        rests = -1  # the exit onto the surface of one that has rebounded for the last time
         if e >= 0:
             target = wiring[m, 1 + e, at.TARGET]
+            onto = wiring[m, 1 + e, at.ONTO]
+            rebounds = onto >= 0 and wiring[m, 1 + e, at.RESETTING] != 0
+            arrival = rate_of_guard(tables, m, e, z) if rebounds else 0.0
+            first_rate = max(first_rate, abs(arrival))
             if passes < PATH_LENGTH:
                 path |= (e + 1) << (PATH_BITS * passes)
             passes += 1
@@ -97,7 +109,7 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
             _reset(n, affine, wiring, m, e, z, segment.extent, segment.spare)
             resetting = wiring[m, 1 + e, at.RESETTING]
             if target < 0:
-                return _STOPPED, m, path, passes, jumped or resetting != 0, corner
+                return _STOPPED, m, path, passes, jumped or resetting != 0, corner, stay
             # what the target slaves is put on its relation anyway: naming it is no jump by itself
             slaved = wiring[target, 0, at.SLAVED]
             if (resetting & ~slaved) != 0:
@@ -111,19 +123,29 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
                 tolerance,
             ):  # fmt: skip
                 failed = (jumping & wiring[target, 0, at.IMPLICIT]) != 0
-                return _UNDECIDED if failed else _INADMISSIBLE, target, path, passes, jumped, corner
+                status = _UNDECIDED if failed else _INADMISSIBLE
+                return status, target, path, passes, jumped, corner, stay
             before, m = m, target
             if (visited >> m) & 1:
                 # cells of one mode hand over in a circle where both sides point at a surface
                 slides = tables.families[before] == tables.families[m] and jumping == 0
                 if slides or not _moved(n, z, segment.mark, segment.extent):
-                    return _SLIDING if slides else _UNDECIDED, m, path, passes, jumped, corner
+                    status = _SLIDING if slides else _UNDECIDED
+                    return status, m, path, passes, jumped, corner, stay
                 visited = 0  # slaved states have jumped on the way
                 copy_vector(z, segment.mark, n)
             if passes > _MOST_PASSES:
-                return _EVENT_LIMIT, m, path, passes, jumped, corner
+                return _EVENT_LIMIT, m, path, passes, jumped, corner, stay
             visited |= 1 << m
             followed = curved
+            if rebounds:
+                if at.has_code(tables.code_rows, m):
+                    _differentiate(tables, rates, segment, m)
+                wait = rest_time(
+                    tables, m, e, z, segment.extent, arrival, first_rate, tolerance
+                )
+                if wait != NEVER:
+                    rests, stay = onto, wait
         if passes != 1 and not curved:
             fill_scale(n, tables.generator, affine, wiring, m, z, duration, segment.scale)
         if (
@@ -132,6 +154,9 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
             and _some_zero(affine, wiring, m, z, segment.extent, segment.scale)
         ):
             _differentiate(tables, rates, segment, m)
+        if rests >= 0:
+            e = rests
+            continue
         e, meets, followed = _next_exit(
             n, affine, wiring, tables.families, z, segment.extent, segment.order, basis,
             segment.scale, first_mode, first_exit, m, path, passes, followed, tolerance,
@@ -140,7 +165,8 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
         if e < 0:
             if carrying and first_exit >= 0:
                 end_saltation(tables, segment, tangent, m)
-            return _COMPLETED, m, path, passes, jumped, corner
+            return _COMPLETED, m, path, passes, jumped, corner, stay
+        e = _onto_surface(wiring, m, e, visited)
 
 
 @inlined
@@ -225,7 +251,10 @@ def _next_exit(
                 followed = True
             known = zero_order(affine, m, g, scale, basis)
         order[g] = known
-        if not _must_fire(affine, m, g, z, extent, order, tolerance):
+        fires = _must_fire(affine, m, g, z, extent, order, tolerance)
+        # what starts on a surface that holds is held as long as it can be
+        held = first_exit < 0 and passes == 0 and wiring[m, 1 + g, at.ONTO] == g
+        if not fires and not (held and order[g] > 0):
             continue
         # where a guard is negative, the rates of the mode say nothing about the others
         # cells settle before the exits of the mode are read
@@ -234,6 +263,15 @@ def _next_exit(
         if e < 0 or (order[g] == 0 and order[e] > 0 and not late):
             e, meets = g, passes > 0 and order[g] > known
     return e, meets, followed
+
+
+@kernel
+def _onto_surface(wiring, m, e, visited):
+    """The exit onto the surface of exit e where both sides point at it, else e."""
+    onto, target = wiring[m, 1 + e, at.ONTO], wiring[m, 1 + e, at.TARGET]
+    if onto < 0 or target < 0 or wiring[m, 1 + e, at.RESETTING] != 0:
+        return e
+    return onto if (visited >> target) & 1 else e
 
 
 @kernel
@@ -317,7 +355,7 @@ def _fill_values(tables, series, m, z):
 
 @kernel
 def leaves_both_ways(tables, rates, segment, m, tolerance):
-    """Whether a start in mode m lies on a surface from which another cell also leaves.
+    """Exit of mode m at whose surface a start lies and another cell leaves too, -1 for none.
 
     segment.order holds the orders of zero that pass_exits has found
     """
@@ -336,8 +374,8 @@ def leaves_both_ways(tables, rates, segment, m, tolerance):
                 holds = holds and not _must_fire(
                     affine, cell, h, segment.z, segment.extent, order, tolerance
                 )
-            return holds
-    return False
+            return g if holds else -1
+    return -1
 
 
 @kernel

@@ -2,13 +2,14 @@
 
 The signs of the switching functions decide one after the other, innermost calls first, so
 the cells of a mode are the leaves of a decision tree: a surface that stands inside one side
-of another exists on that side only.
+of another exists on that side only. Where motion may slide, cells on the surfaces come beside
+them (`sliding`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
 
 from nonsmooth.errors import ModelError
 from nonsmooth.system.equations import Equation
@@ -16,53 +17,84 @@ from nonsmooth.system.expressions import Expression, to_text, written_out
 from nonsmooth.system.graph import Graph
 from nonsmooth.system.mode_equations import ExitEquations, ModeEquations
 from nonsmooth.system.resolve import Resolver
-from nonsmooth.system.switching import Surface, SurfaceKey, Undecided
+from nonsmooth.system.surfaces import Declared
+from nonsmooth.system.switching import SurfaceKey, SwitchingSurface, Undecided
 
-__all__ = ["Cell", "SplitMode", "split"]
+__all__ = ["Cell", "MakeResolver", "Signs", "SplitMode", "shown", "split"]
 
 _MOST_CELLS = 64  # of one mode
 _LONGEST = 200  # nodes of a switching function that is shown in full
-_SIGNS = {1: "+", -1: "-"}
+_SIGNS = {1: "+", 0: "0", -1: "-"}
 
 Signs = dict[SurfaceKey, int]
+MakeResolver = Callable[[Mapping[SurfaceKey, int]], Resolver]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Cell:
-    """One leaf: the signs on the way to it, and the surfaces with those signs."""
+    """One leaf: the signs on the way to it, and the surfaces with those signs.
+
+    A cell on a surface, where motion slides, has the sign 0 there, and as ``surfaces`` the others.
+    """
 
     signs: Signs
-    surfaces: tuple[Surface, ...]
+    surfaces: tuple[SwitchingSurface, ...]
+
+    @property
+    def on(self) -> tuple[SurfaceKey, ...]:
+        """Surfaces on which the cell lies."""
+        return tuple(key for key, sign in self.signs.items() if sign == 0)
+
+    def agrees(self, signs: Mapping[SurfaceKey, int]) -> bool:
+        """Whether the cell has the signs given, where it has a sign at all."""
+        return all(self.signs.get(key, sign) == sign for key, sign in signs.items())
 
 
 @dataclass(frozen=True)
 class _Branch:
-    surface: Surface
+    surface: SwitchingSurface
     above: _Branch | Cell
     below: _Branch | Cell
 
 
 @dataclass
 class SplitMode:
-    """A declared mode as its cells; a smooth mode is one cell without a surface."""
+    """A mode as its cells; a smooth mode is one cell without a surface.
+
+    ``cells`` fill space between the surfaces, ``sliding`` ones lie on them.
+    """
 
     equations: ModeEquations
+    make_resolver: MakeResolver
     cells: list[Cell] = field(default_factory=list)
+    sliding: list[Cell] = field(default_factory=list)
     names: dict[SurfaceKey, str] = field(default_factory=dict)
     nodes: dict[str, Expression] = field(default_factory=dict)
+    declared: Mapping[SurfaceKey, Declared] = field(default_factory=dict)
     root: _Branch | Cell | None = None
 
     def leaf(self, signs: Mapping[SurfaceKey, int]) -> Cell:
         """Cell with these signs; on surfaces that they leave out the positive side."""
         place = self.root
         while isinstance(place, _Branch):
-            place = place.above if signs.get(place.surface.key, 1) > 0 else place.below
+            place = place.above if signs.get(place.surface.key, 1) >= 0 else place.below
         assert place is not None
         return place
 
+    def cell(self, signs: Mapping[SurfaceKey, int]) -> Cell:
+        """Cell with these signs: the sliding one on most of their surfaces, else a leaf."""
+        on = {key for key, sign in signs.items() if sign == 0}
+        found = [c for c in self.sliding if on.issuperset(c.on) and c.agrees(signs)]
+        return max(found, key=lambda c: len(c.on)) if found else self.leaf(signs)
+
     def signs_of(self, cell: Cell) -> str:
         """Signs of a cell in the order of the surfaces; '.' where a surface does not exist."""
-        return "".join(_SIGNS.get(cell.signs.get(key, 0), ".") for key in self.names)
+        return "".join(self._sign(cell, key) for key in self.names)
+
+    def _sign(self, cell: Cell, key: SurfaceKey) -> str:
+        sign = cell.signs.get(key)
+        turned = key in self.declared and self.declared[key].turned
+        return "." if sign is None else _SIGNS[-sign if turned else sign]
 
     def name_of(self, cell: Cell) -> str:
         """Name of the mode with the signs of a cell."""
@@ -72,50 +104,50 @@ class SplitMode:
 
     def text_of(self, surface: str) -> str:
         """Switching function of a surface as text."""
-        return _shown(self.nodes[surface])
+        return shown(self.nodes[surface])
 
     def surfaces_of(self, cell: Cell) -> Iterator[tuple[str, str]]:
         """Names of the surfaces of a cell with their signs."""
-        for surface in cell.surfaces:
-            yield self.names[surface.key], _SIGNS[cell.signs[surface.key]]
+        for key in cell.signs:
+            yield self.names[key], self._sign(cell, key)
 
-    def equations_of(self, graph: Graph, cell: Cell) -> ModeEquations:
-        """Equations of a cell: those of the mode, with an exit through each surface first."""
-        exits = []
-        for surface in cell.surfaces:
-            name = self.names[surface.key]
-            positive = cell.signs[surface.key] > 0
-            node = surface.node if positive else graph.negate(surface.node)
-            place = f"modes[{self.equations.name!r}], surface {name}"
-            guard = Equation(_shown(node), place, node)
-            exits.append(ExitEquations(name, self.equations.name, guard, {}))
-        return replace(self.equations, exits=(*exits, *self.equations.exits))
+    def through(self, graph: Graph, cell: Cell, surface: SwitchingSurface) -> ExitEquations:
+        """Exit of a cell through one of its surfaces."""
+        name = self.names[surface.key]
+        node = surface.node if cell.signs[surface.key] > 0 else graph.negate(surface.node)
+        place = f"modes[{self.equations.name!r}], surface {name}"
+        return ExitEquations(name, self.equations.name, Equation(shown(node), place, node), {})
 
-    def targets_of(self, cell: Cell, modes: Mapping[str, SplitMode]) -> Iterator[Cell | None]:
-        """Cell that each exit of a cell enters; None where it ends the run.
-
-        Signs that are known here are kept in the mode entered, as far as it has the same
-        surfaces: what does not fit settles through the exits there.
-        """
-        for surface in cell.surfaces:
-            yield self.leaf(cell.signs | {surface.key: -cell.signs[surface.key]})
-        for way in self.equations.exits:
-            entered = modes.get(way.target)
-            yield None if entered is None else entered.leaf(cell.signs)
+    def resolver(self, signs: Mapping[SurfaceKey, int]) -> Resolver:
+        """Nodes of the equations between the surfaces, by signs."""
+        return self.make_resolver(signs)
 
 
-def split(graph: Graph, equations: ModeEquations) -> SplitMode:
-    """Cells of a mode; parameter values play no part."""
-    found = SplitMode(equations)
-    found.root = _grown(graph, found, {}, ())
+def split(
+    equations: ModeEquations,
+    declared: Mapping[str, Declared],
+    make_resolver: MakeResolver,
+) -> SplitMode:
+    """Cells of a mode; parameter values play no part.
+
+    ``declared`` surfaces have names of their own and come first; others are numbered.
+    """
+    found = SplitMode(
+        equations, make_resolver, declared={each.surface.key: each for each in declared.values()}
+    )
+    found.root = _grown(found, {}, ())
+    order = [key for key in found.declared if key in found.names]
+    order += [key for key in found.names if key not in found.declared]
+    found.names = {key: found.names[key] for key in order}
+    found.nodes = {name: found.nodes[name] for name in found.names.values()}
     return found
 
 
 def _grown(
-    graph: Graph, found: SplitMode, signs: Signs, surfaces: tuple[Surface, ...]
+    found: SplitMode, signs: Signs, surfaces: tuple[SwitchingSurface, ...]
 ) -> _Branch | Cell:
     try:
-        Resolver(graph, found.equations, signs).resolved()
+        found.resolver(signs).resolved()
     except Undecided as open_:
         surface = open_.surface
     else:
@@ -128,13 +160,17 @@ def _grown(
                 " between them"
             )
         return cell
-    name = found.names.setdefault(surface.key, f"s{len(found.names) + 1}")
-    found.nodes.setdefault(name, surface.node)
+    if surface.key not in found.names:
+        declared = found.declared.get(surface.key)
+        n_others = sum(key not in found.declared for key in found.names)
+        name = f"s{n_others + 1}" if declared is None else declared.name
+        found.names[surface.key], found.nodes[name] = name, surface.node
     above, below = (
-        _grown(graph, found, {**signs, surface.key: sign}, (*surfaces, surface)) for sign in (1, -1)
+        _grown(found, {**signs, surface.key: sign}, (*surfaces, surface)) for sign in (1, -1)
     )
     return _Branch(surface, above, below)
 
 
-def _shown(node: Expression) -> str:
+def shown(node: Expression) -> str:
+    """Text of a node; a word in place of a very long one."""
     return to_text(node) if written_out([node]) <= _LONGEST else "a long switching function"

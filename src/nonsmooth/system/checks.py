@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
-from nonsmooth.engine.layout import MAX_AUGMENTED
+from nonsmooth.engine.layout import FREE, MAX_AUGMENTED
 from nonsmooth.errors import ModelError, unknown_name
 from nonsmooth.system.equations import Equation
 from nonsmooth.system.evaluate import constant_value
@@ -21,6 +21,7 @@ from nonsmooth.system.grammar import is_name, parse, parse_condition
 from nonsmooth.system.linear import LinearForm, Power, State
 from nonsmooth.system.parts import STOP, Mode, Text
 from nonsmooth.system.signals import Signal
+from nonsmooth.system.surfaces import Surface
 
 if TYPE_CHECKING:
     from nonsmooth.system.structure import Structure
@@ -58,7 +59,6 @@ ONE_MODE = "flow"  # of a system that is written without modes
 MOST_STATES = MAX_AUGMENTED - 1  # beside them stands the constant one
 _MOST = 60  # modes, and exits of a mode: sets of them are bits of one integer
 UNSUPPORTED = {
-    "surfaces": "write sign() of the switching function; its surface is found in the texts",
     "symmetry": "leave it out; no analysis of this version uses it",
 }
 
@@ -74,7 +74,7 @@ def check_kinds(system: System) -> None:
     """Mappings where mappings belong."""
     for key in (
         "modes", "parameters", "definitions", "outputs", "require", "initial", "describe",
-        "signals", "slow",
+        "signals", "slow", "surfaces",
     ):  # fmt: skip
         value = getattr(system, key)
         if not isinstance(value, Mapping):
@@ -113,7 +113,7 @@ def check_words(system: System) -> None:
     if not system.modes:
         raise ModelError("modes: a system needs at least one mode, or equations=")
     owner: dict[str, str] = {}
-    for kind in ("states", "parameters", "definitions", "outputs", "signals"):
+    for kind in ("states", "parameters", "definitions", "outputs", "signals", "surfaces"):
         for name in getattr(system, kind):
             _check_name(kind, name)
             if name in owner:
@@ -121,6 +121,11 @@ def check_words(system: System) -> None:
             owner[name] = kind
     _check_signals(system)
     _check_slow(system)
+    for name, surface in system.surfaces.items():
+        if not isinstance(surface, Surface):
+            raise ModelError(
+                f"surfaces[{name!r}] is {surface!r:.60}; write Surface('v - v_b', on='stick')"
+            )
     for name, mode in system.modes.items():
         _check_name("modes", name)
         _check_mode(system, name, mode)
@@ -267,7 +272,8 @@ def check_values(system: System) -> None:
     if unmet:
         raise ModelError(unmet)
     for name, forms in system.structure.modes.items():
-        if forms.sides:  # of a piecewise guard one side may be a constant
+        # of a piecewise guard one side may be a constant, and so may a reaction
+        if forms.sides or forms.kind != FREE:
             continue
         for way, guard in zip(forms.exit_names, forms.constant_guards, strict=True):
             if guard is not None:

@@ -141,7 +141,7 @@ def compile_structure(structure: Structure) -> Compiled:
         product_rows=product_rows,
         wiring=_wiring(structure, most),
         drifting=sum(1 << i for i, state in enumerate(states) if state in structure.drift),
-        families=np.array(structure.families, np.int64),
+        families=np.array(structure.family_numbers, np.int64),
         kinds=np.array([EXACT if mode.linear else TAYLOR for mode in modes], np.int64),
         code=code,
         terms=terms,
@@ -177,9 +177,11 @@ def _collect(
 
 def _wiring(structure: Structure, most: int) -> np.ndarray:
     """Targets of the exits, slaved states and states that are reset."""
-    wiring = np.zeros((len(structure.modes), 1 + most, 2 + most), np.int64)
+    wiring = np.zeros((len(structure.modes), 1 + most, layout.ORDERS + most), np.int64)
+    wiring[:, 1:, layout.ONTO] = -1
     for i_mode, mode in enumerate(structure.modes.values()):
-        wiring[i_mode, 0, layout.N_EXITS] = len(mode.exit_names)
+        wiring[i_mode, 0, layout.N_EXITS] = mode.n_searched
+        wiring[i_mode, 0, layout.KIND] = mode.kind
         for i_state, state in enumerate(structure.states):
             if state in mode.equations.slaved:
                 wiring[i_mode, 0, layout.SLAVED] |= 1 << i_state
@@ -189,6 +191,7 @@ def _wiring(structure: Structure, most: int) -> np.ndarray:
             zip(mode.targets, mode.equations.exits, strict=True)
         ):
             wiring[i_mode, 1 + i_exit, layout.TARGET] = target
+            wiring[i_mode, 1 + i_exit, layout.ONTO] = mode.onto[i_exit]
             for state in way.reset:
                 bit = 1 << structure.states.index(state)
                 wiring[i_mode, 1 + i_exit, layout.RESETTING] |= bit

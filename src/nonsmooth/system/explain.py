@@ -29,6 +29,7 @@ __all__ = ["explanation"]
 
 _Section = tuple[str, Sequence[Sequence[str]]]  # title, rows
 _MOST_NAMED = 6  # states of one motion
+_SIDES = {"+": "> 0", "0": "= 0", "-": "< 0", ".": "nowhere"}
 _NEAR = 0.05  # of the natural frequency: closer than this, or than the damping ratio, resounds
 
 
@@ -43,14 +44,17 @@ def explanation(system: System) -> str:
     if system.slow:
         lines += ["  slow", *aligned([(k, f"= {text}") for k, text in system.slow.items()], 4)]
     lines += aligned([_period(system, time_unit)])
-    for name, mode in system.modes.items():
+    for name, family in system.structure.families.items():
+        mode = system.modes[family.declared]
         cells = [forms for forms in system.structure.running if forms.parent == name]
         exits = [
             _exit(way, equation.name)
-            for way, equation in zip(
-                mode.exits, system.structure.splits[name].equations.exits, strict=True
+            for i, (way, equation) in enumerate(
+                zip(mode.exits, family.free.equations.exits, strict=True)
             )
+            if i not in family.resting
         ]
+        exits += [_release(mode.exits[i]) for i in family.resting]
         slaved = [_slaved(state, text) for state, text in mode.slaved.items()]
         if not cells[0].sides:
             lines += ["", f"mode {name}: {_kind(cells[0])}"]
@@ -89,11 +93,11 @@ def _motion(system: System, forms: ModeForms, time_unit: str) -> Iterator[_Secti
 
 def _cells(system: System, mode: str, cells: Sequence[ModeForms]) -> Iterator[_Section]:
     """Switching functions of a mode, and the signs of its cells."""
-    found = system.structure.splits[mode]
+    found = system.structure.families[mode].split
     yield "surfaces", [(name, f"{found.text_of(name)} = 0") for name in found.nodes]
     rows = []
     for forms in cells:
-        sides = ", ".join(f"{name} {'> 0' if sign == '+' else '< 0'}" for name, sign in forms.sides)
+        sides = ", ".join(f"{name} {_SIDES[sign]}" for name, sign in forms.sides)
         rows.append((forms.name, sides, forms.label if forms.label != forms.name else ""))
     yield "cells", rows
 
@@ -137,6 +141,10 @@ def _exit(way: Exit, name: str) -> tuple[str, str, str, str]:
     reset = ", ".join(f"{state} := {text}" for state, text in way.reset.items())
     target = {None: "to the same mode", STOP: "ends the run"}.get(way.to, f"to {way.to}")
     return name, f"when {way.guard} < 0", target, reset
+
+
+def _release(way: Exit) -> tuple[str, str, str, str]:
+    return "release", f"when nothing presses at {way.guard} = 0", "", ""
 
 
 # ---------------------------------------------------------------- motions and forcing

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from nonsmooth.errors import ModelError
+from nonsmooth.system.determinants import determinant
 from nonsmooth.system.differentiate import derivative, rate_of_change
 from nonsmooth.system.expressions import Expression
 from nonsmooth.system.graph import Graph
@@ -45,7 +46,7 @@ def implicit_rates(
         graph.negate(rate_of_change(graph, node, rate_of_others))
         for node in relations.implicit.values()
     ]
-    divisor = _determinant(graph, rows)
+    divisor = determinant(graph, rows)
     if divisor is graph.zero:
         raise ModelError(
             f"modes[{equations.name!r}].slaved: the equations with '=' of {', '.join(unknowns)}"
@@ -55,7 +56,7 @@ def implicit_rates(
     rates = {}
     for j, state in enumerate(unknowns):
         replaced = [[*row[:j], b, *row[j + 1 :]] for row, b in zip(rows, pushed, strict=True)]
-        rates[state] = graph.call("/", _determinant(graph, replaced), divisor)
+        rates[state] = graph.call("/", determinant(graph, replaced), divisor)
     return rates
 
 
@@ -68,23 +69,3 @@ def _partial(graph: Graph, relations: Relations, node: Expression, state: str) -
         return graph.one if name == state else graph.zero
 
     return derivative(graph, node, seed)
-
-
-def _determinant(graph: Graph, rows: Sequence[_Row]) -> Expression:
-    """Determinant by expansion along the rows; equal minors are one node."""
-    known: dict[tuple[int, ...], Expression] = {(): graph.one}
-
-    def minor(columns: tuple[int, ...]) -> Expression:
-        """Determinant of the last rows in some columns."""
-        if columns not in known:
-            row = rows[len(rows) - len(columns)]
-            terms = []
-            for k, column in enumerate(columns):
-                if row[column] is not graph.zero:
-                    rest = minor(columns[:k] + columns[k + 1 :])
-                    term = graph.multiply(row[column], rest)
-                    terms.append(graph.negate(term) if k % 2 else term)
-            known[columns] = graph.add(*terms)
-        return known[columns]
-
-    return minor(tuple(range(len(rows))))

@@ -25,6 +25,7 @@ class ExitEquations:
     target: str
     guard: Equation
     reset: Mapping[str, Equation]
+    sticks: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,7 +117,16 @@ def _exit(
         state: Equation.read(text, f"{place}.reset[{state!r}]", known)
         for state, text in way.reset.items()
     }
-    return ExitEquations(way.name or target, target, guard, reset)
+    if way.sticks is not None and target != mode:
+        raise ModelError(
+            f"{place}: sticks={way.sticks!r} is for an exit that rebounds, and this one leads to"
+            f" {target!r}; leave out to= or sticks="
+        )
+    if way.sticks is not None and (not way.reset or way.sticks in modes):
+        cure = "add reset=" if not way.reset else "choose another name"
+        why = "has no reset" if not way.reset else "is the name of a mode already"
+        raise ModelError(f"{place}: sticks={way.sticks!r} {why}; {cure}")
+    return ExitEquations(way.name or target, target, guard, reset, way.sticks)
 
 
 def is_relation(text: Text) -> bool:

@@ -15,6 +15,7 @@ from nonsmooth.system.graph import Graph
 from nonsmooth.system.linear import LinearForm, NotLinear
 from nonsmooth.system.linear_mode import LinearReader, NonlinearText
 from nonsmooth.system.mode_equations import ExitEquations, ModeEquations
+from nonsmooth.system.pieces import Piece
 from nonsmooth.system.quadratic import quadratic
 from nonsmooth.system.resolve import Resolver
 
@@ -69,33 +70,42 @@ class ModeForms:
 
     A linear mode with a guard that is quadratic, or with a reset that is not linear, has both:
     its flow is that of ``linear``, its guards and resets at an instant are those of ``taylor``.
-    ``nonlinear`` says what keeps a mode from being linear. A declared mode with piecewise
-    texts runs as several, its cells: ``parent`` is the declared name of all of them, ``name``
+    ``nonlinear`` says what keeps a mode from being linear. A mode with piecewise
+    texts runs as several, its cells: ``parent`` is the name of all of them, ``name``
     that of one, ``label`` what results call it, ``sides`` its surfaces with their signs.
+    ``kind`` tells cells on a surface and modes at rest from others; ``declared`` is the mode whose
+    texts these are. Exits from ``n_searched`` on lead ``onto`` the surfaces of others.
     """
 
     def __init__(
         self,
         graph: Graph,
-        equations: ModeEquations,
-        resolver: Resolver,
-        targets: Sequence[int],
+        piece: Piece,
+        numbers: Mapping[int, int],
         *,
-        name: str = "",
-        label: str = "",
-        sides: Sequence[tuple[str, str]] = (),
+        name: str,
+        label: str,
     ) -> None:
+        mode, cell = piece.family.split, piece.cell
         self.graph = graph
-        self.name = name or equations.name
-        self.label = label or self.name
-        self.parent = equations.name
-        self.sides = tuple(sides)
-        self.equations = equations
-        self.resolver = resolver
-        self.targets = tuple(targets)
+        self.name = name
+        self.label = label
+        self.family = piece.family.name
+        self.parent = piece.family.name
+        self.declared = piece.family.declared
+        self.cell = cell
+        self.kind = piece.kind
+        self.sides = tuple(mode.surfaces_of(cell))
+        self.equations = equations = piece.equations
+        self.resolver = resolver = piece.resolver
+        self.targets = tuple(
+            -1 if target is None else numbers[id(target)] for target in piece.targets
+        )
+        self.onto = piece.onto
+        self.n_searched = piece.n_searched
         self.resolved = resolver.resolved()
         # as written where nothing is piecewise, so that definitions stay whole
-        read = self.resolved if resolver.met_piecewise else equations
+        read = self.resolved if resolver.met_piecewise or resolver.rates else equations
         self.reader = LinearReader(graph, read)
         self.linear: Forms[LinearForm] | None = None
         self.taylor: Forms[Expression] | None = None
@@ -186,7 +196,7 @@ class ModeForms:
         Piecewise calls that do not decide on the cell stay in the expression.
         """
         equation = self.equations.definitions[name]
-        if self.taylor is None and not self.resolver.met_piecewise:
+        if self.taylor is None and not self.resolver.met_piecewise and not self.resolver.rates:
             try:
                 return self.reader.form(equation)
             except NonlinearText:
@@ -202,7 +212,7 @@ class ModeForms:
 
     @property
     def _readable(self) -> Resolver:
-        return Resolver(self.graph, self.equations, self.resolver.signs, strict=False)
+        return self.resolver.lenient()
 
     def _linear(self, read: ModeEquations) -> Forms[LinearForm]:
         reader = self.reader

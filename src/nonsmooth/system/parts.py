@@ -48,7 +48,10 @@ class Exit:
     name : str, optional
         Name of the event; the target's name by default.
     sticks : str, optional
-        Not supported in this version; refused with a message.
+        Name of the mode in which the guard rests at zero: entered when rebounds accumulate, at
+        a start at rest and behind a reset that takes all speed. The reaction acts along the
+        jump of the reset, and the mode ends when it would have to pull. For exits that lead
+        back to their own mode; at most four of a mode.
 
     Examples
     --------
@@ -67,16 +70,11 @@ class Exit:
         if not isinstance(self.reset, Mapping):
             raise ModelError(f"Exit: reset maps state names to expressions, not {self.reset!r:.60}")
         object.__setattr__(self, "reset", FrozenDict(self.reset))
-        for label, value in (("to", self.to), ("name", self.name)):
+        for label, value in (("to", self.to), ("name", self.name), ("sticks", self.sticks)):
             if value is not None and not (isinstance(value, str) and is_name(value)):
                 raise ModelError(
                     f"Exit: {label}={value!r:.60} is not a name; use letters, digits and _"
                 )
-        if self.sticks is not None:
-            raise ModelError(
-                f"Exit: sticks={self.sticks!r} is not supported in this version; write the"
-                " sticking motion as a mode of its own, with its own flow and exits"
-            )
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,8 +89,8 @@ class Mode:
     distinct switching function, up to a numeric factor, is a surface, numbered ``s1 s2 ...``
     in order of appearance, and its leading state counts as positive: ``1 - x`` and
     ``2*x - 2`` are the surface ``x - 1``. A cell is named by the signs of the surfaces, as
-    in ``contact[+-]``, with ``.`` for a surface that does not exist there. Exits belong to
-    the mode and hold in all of its cells.
+    in ``contact[+-]``, with ``.`` for a surface that does not exist there and ``0`` for a cell on
+    it, where motion slides. Exits belong to the mode and hold in all of its cells.
 
     Parameters
     ----------

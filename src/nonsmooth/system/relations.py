@@ -12,7 +12,7 @@ from nonsmooth.system.linear import Input, LinearForm, NotLinear, Power, State, 
 from nonsmooth.system.linear_mode import residual, solve_slaved
 from nonsmooth.system.mode_equations import ModeEquations, is_relation
 
-__all__ = ["Relations", "read_relations"]
+__all__ = ["Relations", "form_of_node", "read_relations"]
 
 _MOST_SOLVED = 6  # states that are solved for together: their rates are quotients of determinants
 
@@ -43,7 +43,7 @@ def read_relations(
     for state, tree in trees.items():
         equation = equations.slaved[state]
         try:
-            form = linear_form(tree, lambda node: _form_of(graph, node))
+            form = linear_form(tree, lambda node: form_of_node(graph, node))
             residuals[state] = residual(state, equation, form)
         except NotLinear:
             (implicit if is_relation(equation.text) else found)[state] = tree
@@ -63,7 +63,7 @@ def read_relations(
     return Relations({state: found[state] for state in trees if state in found}, implicit)
 
 
-def _form_of(graph: Graph, node: Expression) -> LinearForm:
+def form_of_node(graph: Graph, node: Expression) -> LinearForm:
     signal = graph.signal_of(node)
     if signal is not None:
         return LinearForm.of(Input(*signal))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 from nonsmooth.errors import ModelError
 from nonsmooth.system.differentiate import rate_of_change
@@ -19,7 +20,7 @@ from nonsmooth.system.graph import Graph
 from nonsmooth.system.implicit import implicit_rates
 from nonsmooth.system.mode_equations import ModeEquations
 from nonsmooth.system.relations import Relations, read_relations
-from nonsmooth.system.switching import SurfaceKey, Undecided, switching_function
+from nonsmooth.system.switching import SurfaceKey, Switch, Undecided, switching_function
 
 __all__ = ["Resolver"]
 
@@ -30,7 +31,10 @@ class Resolver:
     """Nodes of the equations of one mode.
 
     ``signs`` says on which side of its surfaces the mode lies. A surface without a sign
-    raises `Undecided`, or its call is kept where the resolver is not ``strict``.
+    raises `Undecided`, or its call is kept where the resolver is not ``strict``. On a surface,
+    sign 0, calls that jump there take what lies between their sides by ``controls``: the
+    equivalent value of the sign, from -1 to 1. ``rates`` are known beforehand, whatever the
+    texts of the flow say.
     """
 
     def __init__(
@@ -40,11 +44,15 @@ class Resolver:
         signs: Mapping[SurfaceKey, int],
         *,
         strict: bool = True,
+        controls: Mapping[SurfaceKey, Expression] | None = None,
+        rates: Mapping[str, Expression] | None = None,
     ) -> None:
         self.graph = graph
         self.equations = equations
         self.signs = signs
         self.strict = strict
+        self.controls = controls or {}
+        self.rates = rates or {}
         self.met_piecewise = False
         self._known: dict[int, Expression] = {}
         self._named: dict[str, Expression] = {}
@@ -58,9 +66,21 @@ class Resolver:
 
     def resolved(self) -> ModeEquations:
         """Equations of the mode with nodes for trees."""
-        for state in self.equations.flow:
-            self.rate(state)
-        return self.equations.with_trees(self.tree)
+        rates = {state: self.rate(state) for state in self.equations.flow}
+        found = self.equations.with_trees(self.tree)
+        flow = {state: replace(e, tree=rates[state]) for state, e in found.flow.items()}
+        return replace(found, flow=flow)
+
+    def lenient(self) -> Resolver:
+        """The same for reading: calls of surfaces without a sign are kept."""
+        return Resolver(
+            self.graph,
+            self.equations,
+            self.signs,
+            strict=False,
+            controls=self.controls,
+            rates=self.rates,
+        )
 
     def rate(self, state: str) -> Expression:
         """Node of the rate of change of a state; derived for a slaved one."""
@@ -79,6 +99,8 @@ class Resolver:
         return self._relations
 
     def _rate(self, state: str) -> Expression:
+        if state in self.rates:
+            return self.rates[state]
         if state in self.equations.flow:
             return self.tree(self.equations.flow[state])
         if any(name.startswith("relation of ") for name in self._open):
@@ -180,6 +202,7 @@ class Resolver:
             lambda: below,
             constant=lambda value: graph.call(function, value),
             kept=lambda: graph.call(function, u),
+            jumps=function != "abs",
         )
 
     def _angle(self, y: Expression, x: Expression) -> Expression:
@@ -209,6 +232,7 @@ class Resolver:
                 graph.call(">=", value, graph.zero), lambda: above, lambda: below
             ),
             kept=lambda: graph.call(function, u, other),
+            jumps=False,
         )
 
     def _switched(
@@ -219,6 +243,7 @@ class Resolver:
         *,
         constant: Callable[[Expression], Expression],
         kept: _Lazy,
+        jumps: bool = True,
     ) -> Expression:
         """One side of a switching function, by its sign; ``constant`` where it has but one."""
         self.met_piecewise = True
@@ -230,7 +255,28 @@ class Resolver:
             if self.strict:
                 raise Undecided(switch.surface)
             return kept()
+        if side == 0:
+            return self._between(above(), below(), switch, jumps)
         return above() if side * switch.sign > 0.0 else below()
+
+    def _between(
+        self, above: Expression, below: Expression, switch: Switch, jumps: bool
+    ) -> Expression:
+        """What a call is on its surface: by the equivalent control, where its sides differ."""
+        graph = self.graph
+        if not jumps or above is below or switch.surface is None:
+            return above if graph.moves(below) else below
+        half = graph.number(0.5)
+        control = self.controls[switch.surface.key]
+        if switch.sign < 0.0:
+            control = graph.negate(control)
+        numbers = [side.value for side in (above, below) if isinstance(side, Number)]
+        if len(numbers) == 2:
+            mean, step = 0.5 * (numbers[0] + numbers[1]), 0.5 * (numbers[0] - numbers[1])
+            return graph.add(graph.number(mean), graph.multiply(graph.number(step), control))
+        mean_node = graph.multiply(half, graph.add(above, below))
+        step_node = graph.multiply(half, graph.add(above, graph.negate(below)))
+        return graph.add(mean_node, graph.multiply(step_node, control))
 
     def _selected(self, condition: Expression, yes: _Lazy, no: _Lazy) -> Expression:
         """Selection by a condition on parameters: the two sides weighted by one and zero."""

@@ -17,11 +17,11 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import ModelError, OptionError
-from nonsmooth.system.cells import SplitMode
 from nonsmooth.system.differentiate import rate_of_change
 from nonsmooth.system.equations import Equation
 from nonsmooth.system.frequencies import monomials
 from nonsmooth.system.graph import Graph
+from nonsmooth.system.mode_forms import ModeForms
 from nonsmooth.system.mode_equations import is_relation
 from nonsmooth.system.parts import STOP, Exit, Mode
 from nonsmooth.system.resolve import Resolver
@@ -90,8 +90,9 @@ def _made(system: System, text: str) -> Section:
     try:
         expression = _expression(text)
         equation = Equation.read(expression, "section", section_names(system))
-        splits = structure.splits.items()
-        moving = [name for name, mode in splits if _moves(structure.graph, mode, equation)]
+        moving = [
+            name for name in system.modes if _moves(structure, name, equation)
+        ]
     except ModelError as fault:
         raise OptionError(str(fault)) from None
     if not moving:
@@ -140,10 +141,10 @@ def _names(system: System, moving: list[str]) -> dict[str, tuple[str, ...]]:
 # ---------------------------------------------------------------- where there is a section
 
 
-def _moves(graph: Graph, mode: SplitMode, equation: Equation) -> bool:
+def _moves(structure: Structure, name: str, equation: Equation) -> bool:
     """Whether an expression changes along the motion of a mode, in one of its cells."""
-    resolvers = (Resolver(graph, mode.equations, cell.signs) for cell in mode.cells)
-    return any(not _still(graph, resolver, equation) for resolver in resolvers)
+    running = [forms for forms in structure.running if forms.declared == name]
+    return any(not _still(structure.graph, forms.resolver, equation) for forms in running)
 
 
 def _still(graph: Graph, resolver: Resolver, equation: Equation) -> bool:
@@ -198,22 +199,33 @@ def _section(
     structure: Structure, split: System, names: Mapping[str, tuple[str, ...]], value: str
 ) -> Section:
     parents = {new: (name, side) for name, made in names.items() for side, new in enumerate(made)}
-    cells = [(mode, cell) for mode in structure.splits.values() for cell in mode.cells]
-    numbers = {id(cell): i for i, (_, cell) in enumerate(cells)}
+    whole = list(structure.running)
     origin, sides, gates, words = [], [], [], {}
     equation = split.structure.outputs[value]
-    for found in split.structure.splits.values():
-        name, side = parents[found.equations.name]
-        for cell in found.cells:
-            number = numbers[id(structure.splits[name].leaf(cell.signs))]
-            label = found.name_of(cell)
-            has_gate = len(names[name]) > 1
-            resolver = Resolver(split.structure.graph, found.equations, cell.signs)
-            still = _still(split.structure.graph, resolver, equation)
-            origin.append(number)
-            sides.append(0 if still or not has_gate else (1, -1)[side])
-            n_exits = len(split.structure.modes[label].exit_names)
-            gates.append(n_exits - 1 if has_gate else -1)
-            words[label] = structure.running[number].label
-            words[found.equations.name] = name
+    for forms in split.structure.running:
+        name, side = parents[forms.declared]
+        number = _same(structure, whole, split.structure, forms, name)
+        has_gate = len(names[name]) > 1
+        still = _still(split.structure.graph, forms.resolver, equation)
+        origin.append(number)
+        sides.append(0 if still or not has_gate else (1, -1)[side])
+        gates.append(forms.n_searched - 1 if has_gate else -1)
+        words[forms.name] = whole[number].label
+        words[forms.parent] = whole[number].parent
     return Section(split, value, np.array(origin), np.array(sides), np.array(gates), words)
+
+
+def _same(
+    structure: Structure,
+    whole: list[ModeForms],
+    halves: Structure,
+    forms: ModeForms,
+    name: str,
+) -> int:
+    """Number of the cell of the whole system that a cell of the halved one is part of."""
+    resting = halves.families[forms.family].resting
+    family = next(
+        f for f in structure.families.values() if (f.declared, f.resting) == (name, resting)
+    )
+    cell = family.split.cell(forms.cell.signs)
+    return next(i for i, each in enumerate(whole) if each.cell is cell)

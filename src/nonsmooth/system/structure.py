@@ -12,15 +12,17 @@ from typing import TYPE_CHECKING
 
 from nonsmooth.errors import ModelError
 from nonsmooth.system.cell_names import cell_labels
-from nonsmooth.system.cells import split
 from nonsmooth.system.equations import Equation, check_references
 from nonsmooth.system.expressions import Expression
 from nonsmooth.system.graph import Graph
 from nonsmooth.system.linear import Harmonic, LinearForm, Power
 from nonsmooth.system.mode_equations import ModeEquations, read_mode
 from nonsmooth.system.mode_forms import ModeForms
+from nonsmooth.system.pieces import families_of, pieces_of
 from nonsmooth.system.resolve import Resolver
 from nonsmooth.system.slow import read_slow
+from nonsmooth.system.surfaces import Declared
+from nonsmooth.system.switching import switching_function
 from nonsmooth.system.taylor_code import TaylorCode, write_code
 
 if TYPE_CHECKING:
@@ -42,11 +44,15 @@ class Structure:
         self.signals = system.signals
         self.graph = Graph(self.states, tuple(self.signals))
         self._known = {*self.states, *self.parameters, *self.signals, "t", "pi"}
-        self._known |= set(system.definitions)
+        self._known |= {*system.definitions, *system.surfaces}
         every = self._known | set(system.outputs)
         self.definitions = {
             key: Equation.read(text, f"definitions[{key!r}]", every)
             for key, text in system.definitions.items()
+        }
+        self.definitions |= {
+            key: Equation.read(surface.function, f"surfaces[{key!r}]", every)
+            for key, surface in system.surfaces.items()
         }
         self.outputs = {
             key: Equation.read(text, f"outputs[{key!r}]", every)
@@ -56,14 +62,16 @@ class Structure:
             key: self._static(text, f"initial[{key!r}]") for key, text in system.initial.items()
         }
         self.period = None if system.period is None else self._static(system.period, "period")
-        self.splits = {
-            equations.name: split(self.graph, equations)
-            for equations in self._equations(system, every)
+        modes = self._equations(system, every)
+        self.surfaces = {
+            equations.name: self._declared(system, equations, every) for equations in modes
         }
-        self.modes = self._running(cell_labels(system.modes, self.splits))
+        self._check_used()
+        self.families = families_of(self.graph, modes, self.surfaces)
+        self.modes = self._running(cell_labels(system.modes, self.families))
         self.slow = read_slow(
             self.graph,
-            next(iter(self.splits.values())).equations,
+            modes[0],
             {**self.outputs, **self.definitions},
             self.parameters,
             system.slow,
@@ -92,38 +100,52 @@ class Structure:
             found.append(equations)
         return found
 
-    def _running(self, labels: Mapping[str, str]) -> dict[str, ModeForms]:
+    def _declared(
+        self, system: System, equations: ModeEquations, known: set[str]
+    ) -> dict[str, Declared]:
+        """Declared surfaces as a mode meets them, by name."""
+        found = {}
+        for name, surface in system.surfaces.items():
+            resolver = Resolver(self.graph, equations, {}, strict=False)
+            node = resolver.tree(equations.definitions[name])
+            switch = switching_function(self.graph, node)
+            if switch.surface is None:
+                continue
+            hold = None
+            if surface.hold is not None:
+                where = f"surfaces[{name!r}].hold"
+                hold = resolver.tree(Equation.read(surface.hold, where, known))
+                if self.graph.moves(hold):
+                    raise ModelError(
+                        f"{where}: states and time cannot appear here, only parameters"
+                    )
+            found[name] = Declared(name, switch.surface, switch.sign < 0.0, hold, surface)
+        return found
+
+    def _running(self, labels: Mapping[int, str]) -> dict[str, ModeForms]:
         """Forms of every cell, by its name; a smooth mode is its own cell."""
-        cells = [(mode, cell) for mode in self.splits.values() for cell in mode.cells]
-        if len(cells) > MOST_MODES:
+        pieces = list(pieces_of(self.graph, self.families))
+        if len(pieces) > MOST_MODES:
             raise ModelError(
-                f"modes: with the cells of piecewise texts there are {len(cells)} modes; at most"
+                f"modes: with the cells of piecewise texts there are {len(pieces)} modes; at most"
                 f" {MOST_MODES} are supported: write the system with fewer surfaces"
             )
-        numbers = {id(cell): i for i, (_, cell) in enumerate(cells)}
+        numbers = {id(piece.cell): i for i, piece in enumerate(pieces)}
         running = {}
-        for mode, cell in cells:
-            name = mode.name_of(cell)
-            if len(cell.surfaces) + len(mode.equations.exits) > MOST_MODES:
+        for piece in pieces:
+            name = piece.family.split.name_of(piece.cell)
+            if len(piece.equations.exits) > MOST_MODES:
                 raise ModelError(
-                    f"modes: {name} has {len(cell.surfaces)} surfaces and"
-                    f" {len(mode.equations.exits)} exits; at most {MOST_MODES} together are"
-                    " supported"
+                    f"modes: {name} has {len(piece.equations.exits)} exits with those through its"
+                    f" surfaces and onto them; at most {MOST_MODES} are supported"
                 )
-            equations = mode.equations_of(self.graph, cell)
             running[name] = ModeForms(
-                self.graph,
-                equations,
-                Resolver(self.graph, equations, cell.signs),
-                [
-                    -1 if target is None else numbers[id(target)]
-                    for target in mode.targets_of(cell, self.splits)
-                ],
-                name=name,
-                label=labels[name],
-                sides=list(mode.surfaces_of(cell)),
+                self.graph, piece, numbers, name=name, label=labels[id(piece.cell)]
             )
         return running
+
+    def _check_used(self) -> None:
+        """Every declared surface stands in a text that is piecewise there."""
 
     @cached_property
     def running(self) -> tuple[ModeForms, ...]:
@@ -131,9 +153,10 @@ class Structure:
         return tuple(self.modes.values())
 
     @property
-    def families(self) -> tuple[int, ...]:
-        """Number of the declared mode of each that runs: the same for all its cells."""
-        return tuple(self.declared.index(forms.parent) for forms in self.running)
+    def family_numbers(self) -> tuple[int, ...]:
+        """Number of the mode of each cell that runs: the same for all cells of one mode."""
+        names = list(self.families)
+        return tuple(names.index(forms.family) for forms in self.running)
 
     @cached_property
     def codes(self) -> dict[str, TaylorCode]:

@@ -11,7 +11,7 @@ from nonsmooth.system.expressions import Expression, names_in, to_text
 from nonsmooth.system.frequencies import monomials, rebuilt
 from nonsmooth.system.graph import Graph
 
-__all__ = ["Surface", "SurfaceKey", "Switch", "Undecided", "switching_function"]
+__all__ = ["SwitchingSurface", "SurfaceKey", "Switch", "Undecided", "switching_function"]
 
 _DIGITS = 12  # in which the numbers of two spellings agree
 
@@ -19,7 +19,7 @@ SurfaceKey = frozenset[tuple[tuple[Expression, ...], str]]
 
 
 @dataclass(frozen=True, slots=True)
-class Surface:
+class SwitchingSurface:
     """Place where a switching function vanishes; ``node`` is the function as first met."""
 
     key: SurfaceKey
@@ -29,7 +29,7 @@ class Surface:
 class Undecided(Exception):
     """A piecewise call whose switching function has no sign yet."""
 
-    def __init__(self, surface: Surface) -> None:
+    def __init__(self, surface: SwitchingSurface) -> None:
         super().__init__("a sign is needed")
         self.surface = surface
 
@@ -42,13 +42,13 @@ class Switch:
     of parameters.
     """
 
-    surface: Surface | None
+    surface: SwitchingSurface | None
     sign: float
     constant: Expression
 
 
 def switching_function(graph: Graph, node: Expression) -> Switch:
-    """Surface of a switching function, up to a numeric factor."""
+    """SwitchingSurface of a switching function, up to a numeric factor."""
     if id(node) not in graph.surfaces:
         graph.surfaces[id(node)] = _canonical(graph, node)
     found: Switch = graph.surfaces[id(node)]
@@ -65,7 +65,7 @@ def _canonical(graph: Graph, node: Expression) -> Switch:
     leading = terms[min(moving, key=lambda factors: ranks[factors])]
     sign = 1.0 if leading > 0.0 else -1.0
     key = frozenset((f, f"{value / leading:.{_DIGITS}g}") for f, value in terms.items())
-    return Switch(Surface(key, node if sign > 0.0 else graph.negate(node)), sign, graph.zero)
+    return Switch(SwitchingSurface(key, node if sign > 0.0 else graph.negate(node)), sign, graph.zero)
 
 
 def _rank(graph: Graph, factors: tuple[Expression, ...]) -> tuple[int, int, list[str]]:

@@ -24,6 +24,7 @@ from nonsmooth.system.matrices import matrix_words
 from nonsmooth.system.parts import Mode, Text, items_of
 from nonsmooth.system.signals import Signal
 from nonsmooth.system.structure import Structure
+from nonsmooth.system.surfaces import Surface
 from nonsmooth.system.toml_reading import read_system
 from nonsmooth.system.toml_writing import system_to_toml
 
@@ -44,7 +45,8 @@ class System:
     closed form, also where guards are quadratic; any other by Taylor series. Texts may be
     piecewise (``sign``, ``abs``, ``min``, ``max``, ``heaviside``, ``clip``, ``where``): the
     mode then runs as cells, one for each combination of the signs of its switching
-    functions, see `Mode`.
+    functions, see `Mode`. Where a field jumps so that both sides point at a surface, motion
+    slides on it, see `Surface`; where rebounds accumulate, it comes to rest, see `Exit`.
 
     Parameters
     ----------
@@ -82,7 +84,10 @@ class System:
         parameter takes the value of its text at the beginning of each period and keeps it
         for the period, also where it changes the period itself; the phase of the forcing
         is continuous. Needs ``period``.
-    surfaces, symmetry : optional
+    surfaces : mapping of str to Surface, optional
+        Switching surfaces with a name, which stands for their function in all texts. Those that
+        are not declared are found in the texts all the same.
+    symmetry : optional
         Not supported in this version; refused with a message.
 
     Raises
@@ -93,7 +98,7 @@ class System:
 
     See Also
     --------
-    Mode, Exit, Signal : the parts of a system.
+    Mode, Exit, Surface, Signal : the parts of a system.
     simulate : runs it.
 
     Examples
@@ -132,14 +137,14 @@ class System:
     describe: Mapping[str, str] = field(default_factory=dict)
     name: str = "system"
     equations: Mapping[str, Text] | None = None
-    surfaces: Any = None
+    surfaces: Mapping[str, Surface] = field(default_factory=dict)
     symmetry: Any = None
     slow: Mapping[str, Text] = field(default_factory=dict)
     signals: Mapping[str, Signal] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         checks.refuse_unsupported(vars(self))
-        for key in ("signals", "slow"):
+        for key in ("signals", "slow", "surfaces"):
             if getattr(self, key) is None:
                 object.__setattr__(self, key, {})
         for key in ("states", "drift"):

@@ -15,6 +15,7 @@ from nonsmooth.errors import ModelError, unknown_name
 from nonsmooth.system import checks
 from nonsmooth.system.parts import Exit, Mode, Text
 from nonsmooth.system.signals import Signal
+from nonsmooth.system.surfaces import Surface
 from nonsmooth.system.toml_text import parse_toml, read_source
 from nonsmooth.system.toml_writing import FORMAT_VERSION, key_text
 
@@ -100,15 +101,36 @@ def _exits(value: Any, where: str) -> list[Exit]:
 
 
 def _exit(value: Any, where: str) -> Exit:
-    known = {"guard": _expression, "to": _text, "reset": _expressions, "name": _text}
+    known = {
+        "guard": _expression, "to": _text, "reset": _expressions, "name": _text, "sticks": _text
+    }  # fmt: skip
     words = _table(value, where)
     for key in words:
-        if key not in (*known, "sticks"):
-            raise ModelError(f"{where}: {unknown_name('key', key, [*known, 'sticks'])}")
+        if key not in known:
+            raise ModelError(f"{where}: {unknown_name('key', key, known)}")
     if "guard" not in words:
         raise ModelError(f'{where}: guard is missing; write guard = "x - 1", positive inside')
     given = {key: read(words[key], _at(where, key)) for key, read in known.items() if key in words}
-    return _made(Exit, given | {"sticks": words.get("sticks")}, where)
+    return _made(Exit, given, where)
+
+
+def _surfaces(value: Any, where: str) -> dict[str, Surface]:
+    return {name: _surface(words, _at(where, name)) for name, words in _table(value, where).items()}
+
+
+def _surface(value: Any, where: str) -> Surface:
+    known = {
+        "function": _expression, "below": _text, "on": _text, "above": _text,
+        "hold": _expression, "on_nonunique": _text,
+    }  # fmt: skip
+    words = _table(value, where)
+    for key in words:
+        if key not in known:
+            raise ModelError(f"{where}: {unknown_name('key', key, known)}")
+    if "function" not in words:
+        raise ModelError(f'{where}: function is missing; write function = "v - v_b"')
+    given = {key: known[key](item, _at(where, key)) for key, item in words.items()}
+    return _made(Surface, given, where)
 
 
 def _signals(value: Any, where: str) -> dict[str, Signal]:
@@ -201,6 +223,7 @@ _SYSTEM: dict[str, Callable[[Any, str], Any]] = {
     "modes": _modes,
     "slow": _expressions,
     "signals": _signals,
+    "surfaces": _surfaces,
 }
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -31,6 +32,10 @@ def system_to_toml(system: System) -> str:
     for name, signal in system.signals.items():
         words = {"times": signal.times.tolist(), "values": signal.values.tolist()}
         lines += ["", *_table(f"signals.{name}", words | {"method": signal.method})]
+    for name, surface in system.surfaces.items():
+        words = {item.name: getattr(surface, item.name) for item in fields(surface)}
+        given = {key: value for key, value in words.items() if value is not None}
+        lines += ["", *_table(f"surfaces.{name}", given)]
     if system.equations is not None:
         lines += ["", *_table("equations", system.equations)]
         return "\n".join(lines) + "\n"
@@ -43,7 +48,7 @@ def system_to_toml(system: System) -> str:
             lines += ["", *_table(f"modes.{name}.cells", mode.cells)]
         for way in mode.exits:
             lines += ["", f"[[modes.{name}.exits]]", f"guard = {_value(way.guard)}"]
-            for key in ("to", "name"):
+            for key in ("to", "name", "sticks"):
                 if getattr(way, key) is not None:
                     lines.append(f"{key} = {_value(getattr(way, key))}")
             if way.reset:

@@ -1,0 +1,76 @@
+"""When rebounds have accumulated: the last of infinitely many impacts, and the time until it.
+
+An impact leaves with the rate w of its guard, pressed back by the acceleration -A. The next ones
+come after 2 w/A, 2 r w/A, ... with the ratio r of the rates after and before an impact, so that all
+of them are over after T = 2 w/(A (1 - r)). Where A changes at the rate -C, flights and ratios
+change with it, and to first order T is 1 + C T/(3 A) times that. Impacts are passed one by one until
+T is so short that what is left out is beyond the last digit, or until flights are so low that
+rounding would swallow them. Then the rest is one exit: onto the surface, with the momentum gone that
+is left along the jump. What it leaves out in the state is of third order in T. See A. Nordmark and
+P. Piiroinen, Nonlinear Dynamics 58, 2009; C. Budd and F. Dux, Phil. Trans. R. Soc. A 347, 1994.
+"""
+
+from __future__ import annotations
+
+from nonsmooth.engine import layout as at
+from nonsmooth.engine.jit import kernel
+from nonsmooth.engine.velocity import velocity_of
+
+__all__ = ["NEVER", "rate_of_guard", "rest_time"]
+
+NEVER = -1.0
+_SHORT = 1e-6  # part of a window
+_STEADY = 1e-5  # part of the acceleration by which it changes while rebounds die out
+_NEARLY_STEADY = 1e-2  # likewise, where flights are too low to be followed
+_LOW = 1e-12  # height of a flight beside the terms of its guard
+_GONE = 1e-12  # of the largest rate at the same instant
+
+
+@kernel
+def rate_of_guard(tables, m, e, z):
+    """Rate of guard e of mode m at z, where the rows of the mode are up to date."""
+    n, row, total = tables.sizes[0], at.guard_row(e, 0), 0.0
+    for i in range(z.size):
+        if tables.affine[m, row, i] != 0.0:
+            velocity = velocity_of(n, tables.generator, tables.affine, tables.wiring, m, z, i)
+            total += tables.affine[m, row, i] * velocity
+    return total
+
+
+@kernel
+def rest_time(tables, m, e, z, extent, arrival, largest, tolerance):
+    """Time until the rebounds of exit e of mode m are over; NEVER while they go on.
+
+    z: coordinates behind the impact, whose guard came in at the rate ``arrival``; rows of the
+    derivatives of the guard are up to date. ``largest`` of such rates at the same instant
+    """
+    rate, rate_size = _terms(tables.affine, m, at.guard_row(e, 1), z, extent)
+    push, push_size = _terms(tables.affine, m, at.guard_row(e, 2), z, extent)
+    jerk, jerk_size = _terms(tables.affine, m, at.guard_row(e, 3), z, extent)
+    pressed = push < -tolerance * push_size
+    if abs(rate) <= tolerance * rate_size or abs(rate) <= _GONE * largest:
+        soon = abs(push) <= tolerance * push_size and jerk < -tolerance * jerk_size
+        return 0.0 if pressed or soon else NEVER
+    ratio = -rate / arrival if arrival < 0.0 else 1.0
+    if rate < 0.0 or not pressed or ratio >= 1.0:
+        return NEVER
+    wait = -2.0 * rate / (push * (1.0 - ratio))
+    wait *= 1.0 - jerk * wait / (3.0 * push)
+    if wait <= 0.0:
+        return NEVER
+    change = abs(jerk) * wait
+    if wait <= _SHORT * tables.clock[at.WINDOW] and change <= -_STEADY * push:
+        return wait
+    size = _terms(tables.affine, m, at.guard_row(e, 0), z, extent)[1]
+    low = -0.5 * rate * rate / push <= _LOW * size
+    return wait if low and change <= -_NEARLY_STEADY * push else NEVER
+
+
+@kernel
+def _terms(affine, m, row, z, extent):
+    """Value of a row at z, and the sum of the sizes of its terms."""
+    total, size = 0.0, 0.0
+    for i in range(z.size):
+        total += affine[m, row, i] * z[i]
+        size += abs(affine[m, row, i]) * extent[i]
+    return total, size

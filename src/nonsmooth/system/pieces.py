@@ -1,0 +1,290 @@
+"""Every cell that runs, with its exits and where they lead.
+
+Between the surfaces of a mode lie its leaves; on them lie sliding cells; and where exits stick
+there are modes at rest, with cells of their own. An exit through a surface, or one that
+rebounds, may have another one beside it that leads ``onto`` the surface: it is never searched
+for, and is taken when both sides point at the surface, or when rebounds have accumulated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+
+from nonsmooth.engine.layout import FREE, RESTING, SLIDES
+from nonsmooth.system.cells import Cell, SplitMode, shown, split
+from nonsmooth.system.equations import Equation
+from nonsmooth.system.expressions import Expression
+from nonsmooth.system.graph import Graph
+from nonsmooth.system.intersections import meetings_of
+from nonsmooth.system.mode_equations import ExitEquations, ModeEquations
+from nonsmooth.system.resolve import Resolver
+from nonsmooth.system.sliding import Slide, related, slides_of
+from nonsmooth.system.sticking import Rest, contacts_at_rest, leaves_at_rest, rest_of
+from nonsmooth.system.surfaces import Declared
+from nonsmooth.system.switching import SurfaceKey
+
+__all__ = ["Family", "Piece", "families_of", "pieces_of"]
+
+_RELEASE = "release"
+
+
+@dataclass(eq=False)
+class Family:
+    """A mode with all its cells: a declared one, or one with some of its exits at rest."""
+
+    name: str
+    split: SplitMode
+    declared: str  # mode whose exits these are
+    free: SplitMode  # that mode
+    resting: tuple[int, ...] = ()  # its exits at rest
+    slides: dict[int, Slide] = field(default_factory=dict)  # by id of their cells
+
+
+@dataclass(frozen=True)
+class Way:
+    """An exit of a cell, the cell that it enters (None ends the run), and what lies beside it.
+
+    ``onto`` leads onto the surface of the exit; ``holds`` says that the exit itself does.
+    """
+
+    exit: ExitEquations
+    target: Cell | None
+    onto: Way | None = None
+    holds: bool = False
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A cell that runs."""
+
+    family: Family
+    cell: Cell
+    kind: int
+    equations: ModeEquations
+    resolver: Resolver
+    targets: tuple[Cell | None, ...]
+    onto: tuple[int, ...]
+    n_searched: int
+
+
+def families_of(
+    graph: Graph,
+    modes: list[ModeEquations],
+    declared: Mapping[str, Mapping[str, Declared]],
+) -> dict[str, Family]:
+    """Modes and modes at rest, by name; ``declared`` surfaces by mode and name."""
+    found: dict[str, Family] = {}
+    for equations in modes:
+        own = declared[equations.name]
+
+        def free(signs: Mapping[SurfaceKey, int], equations: ModeEquations = equations) -> Resolver:
+            return Resolver(graph, equations, signs)
+
+        mode = split(equations, own, free)
+        found[equations.name] = Family(equations.name, mode, equations.name, mode)
+    for family in list(found.values()):
+        equations = family.split.equations
+        for which in contacts_at_rest(equations):
+            words = dict.fromkeys(str(equations.exits[i].sticks) for i in which)
+            name = _unused("+".join(words), found)
+            mode = _at_rest(graph, family.split, which, name, declared[equations.name])
+            found[name] = Family(name, mode, equations.name, family.split, which)
+    for family in found.values():
+        _add_slides(graph, family)
+    return found
+
+
+def _unused(name: str, taken: Mapping[str, object]) -> str:
+    """Name with a number where modes of several exits stick by the same word."""
+    count, made = 1, name
+    while made in taken:
+        count += 1
+        made = f"{name}_{count}"
+    return made
+
+
+def _at_rest(
+    graph: Graph,
+    mode: SplitMode,
+    which: tuple[int, ...],
+    name: str,
+    declared: Mapping[str, Declared],
+) -> SplitMode:
+    """Cells of a mode with some of its exits at rest."""
+
+    def resting(signs: Mapping[SurfaceKey, int]) -> Resolver:
+        rest = rest_of(graph, mode.equations, mode.resolver(signs), which)
+        equations = related(replace(mode.equations, name=name), rest.relations, "at rest")
+        return Resolver(graph, equations, signs, rates=rest.rates)
+
+    found = split(replace(mode.equations, name=name), declared, resting)
+    # states that follow are the same in all cells, but for texts that no machine has
+    found.equations = resting(found.cells[0].signs).equations
+    return found
+
+
+def _add_slides(graph: Graph, family: Family) -> None:
+    mode = family.split
+    if not mode.names:
+        return
+    slides = list(slides_of(graph, mode))
+    slides += meetings_of(graph, mode, [slide.cell.on[0] for slide in slides])
+    for slide in slides:
+        mode.sliding.append(slide.cell)
+        family.slides[id(slide.cell)] = slide
+
+
+def pieces_of(graph: Graph, families: Mapping[str, Family]) -> Iterator[Piece]:
+    """All cells in the order in which a start tries them: leaves before cells on surfaces."""
+    for family in families.values():
+        for cell in family.split.cells:
+            yield _Maker(graph, families, family, cell).piece()
+    for family in families.values():
+        for cell in family.split.sliding:
+            yield _Maker(graph, families, family, cell).piece()
+
+
+class _Maker:
+    """Makes the exits of one cell."""
+
+    def __init__(
+        self, graph: Graph, families: Mapping[str, Family], family: Family, cell: Cell
+    ) -> None:
+        self.graph = graph
+        self.families = families
+        self.family = family
+        self.mode = family.split
+        self.cell = cell
+        self.slide = family.slides.get(id(cell))
+
+    def piece(self) -> Piece:
+        searched = [*self._along(), *self._releases(), *self._declared()]
+        beside = [way.onto for way in searched if way.onto is not None]
+        numbers = {id(way): len(searched) + i for i, way in enumerate(beside)}
+        ways = [*searched, *beside]
+        onto = [
+            i if way.holds else numbers.get(id(way.onto), -1) for i, way in enumerate(ways)
+        ]
+        resolver = self._resolver
+        equations = replace(resolver.equations, exits=tuple(way.exit for way in ways))
+        kind = RESTING if self.family.resting else (FREE if self.slide is None else SLIDES)
+        return Piece(
+            self.family,
+            self.cell,
+            kind,
+            equations,
+            Resolver(
+                self.graph,
+                equations,
+                self.cell.signs,
+                controls=resolver.controls,
+                rates=resolver.rates,
+            ),
+            tuple(way.target for way in ways),
+            tuple(onto),
+            len(searched),
+        )
+
+    @property
+    def _resolver(self) -> Resolver:
+        """Nodes of the cell, without the exits that are made here."""
+        if self.slide is None:
+            return self.mode.resolver(self.cell.signs)
+        return self.slide.resolver(self.graph, self.slide.equations(self.mode))
+
+    # ------------------------------------------------------------ through and off surfaces
+
+    def _along(self) -> Iterator[Way]:
+        mode, signs = self.mode, self.cell.signs
+        if self.slide is not None:
+            for (key, sign), guard in self.slide.guards.items():
+                yield self._way(mode.names[key], guard, mode.cell({**signs, key: sign}))
+        for surface in self.cell.surfaces:
+            key = surface.key
+            through = mode.through(self.graph, self.cell, surface)
+            on = self._cell_on(key)
+            declared = mode.declared.get(key)
+            if on is not None and declared is not None and declared.hold is not None:
+                yield Way(through, on, holds=True)
+                continue
+            onto = None if on is None else self._beside(through.name, on)
+            yield Way(through, mode.cell({**signs, key: -signs[key]}), onto)
+
+    def _cell_on(self, key: SurfaceKey) -> Cell | None:
+        """Cell on one more surface, where there is one."""
+        wanted = {**self.cell.signs, key: 0}
+        found = self.mode.cell(wanted)
+        return found if len(found.on) == len(self.cell.on) + 1 else None
+
+    # ------------------------------------------------------------ off contacts
+
+    def _releases(self) -> Iterator[Way]:
+        which = self.family.resting
+        if not which:
+            return
+        rest = rest_of(self.graph, self.family.free.equations, self._free, which)
+        for i, reaction in rest.reactions.items():
+            fewer = self._resting(tuple(k for k in which if k != i))
+            yield self._way(_RELEASE, reaction, fewer.split.cell(self.cell.signs))
+
+    @property
+    def _free(self) -> Resolver:
+        """Nodes of the mode without contacts at rest, in the same cell."""
+        free = self.family.free
+        cell = free.cell(self.cell.signs)
+        if cell.on:
+            home = self.families[self.family.declared]
+            slide = home.slides[id(cell)]
+            return slide.resolver(self.graph, slide.equations(free))
+        return free.resolver(cell.signs)
+
+    def _resting(self, which: tuple[int, ...]) -> Family:
+        """Family of the same mode with these exits at rest."""
+        home = self.family.declared
+        return next(f for f in self.families.values() if (f.declared, f.resting) == (home, which))
+
+    # ------------------------------------------------------------ exits of the mode
+
+    def _declared(self) -> Iterator[Way]:
+        signs, which = self.cell.signs, self.family.resting
+        for i, way in enumerate(self.family.free.equations.exits):
+            if i in which:
+                continue
+            entered = self.families.get(way.target)
+            target = None if entered is None else entered.split.cell(signs)
+            if way.sticks is None:
+                yield Way(way, target)
+                continue
+            free = self._free
+            equations = self.family.free.equations
+            if not which or leaves_at_rest(self.graph, equations, free, which, i):
+                more = tuple(sorted((*which, i)))
+                rest = rest_of(self.graph, equations, free, more)
+                onto = self._beside(
+                    way.sticks, self._resting(more).split.cell(signs), self._reset(rest, way)
+                )
+                yield Way(way, self.cell if which else target, onto)
+            else:
+                yield Way(way, target)
+
+    def _reset(self, rest: Rest, way: ExitEquations) -> dict[str, Equation]:
+        place = f"{way.guard.where.removesuffix('.guard')}, at rest"
+        return {
+            state: Equation(shown(node), f"{place}, {state}", node)
+            for state, node in rest.arrival.items()
+        }
+
+    # ------------------------------------------------------------ ways that are no texts
+
+    def _way(self, name: str, guard: Expression, target: Cell) -> Way:
+        place = f"modes[{self.family.name!r}], {name}"
+        equation = Equation(shown(guard), place, guard)
+        return Way(ExitEquations(name, self.family.name, equation, {}), target)
+
+    def _beside(
+        self, name: str, target: Cell, reset: Mapping[str, Equation] | None = None
+    ) -> Way:
+        """Exit that is never searched for: its guard is the constant one."""
+        way = self._way(name, self.graph.one, target)
+        return replace(way, exit=replace(way.exit, reset=reset or {}))

@@ -1,0 +1,237 @@
+"""Cells on the surfaces of a mode, where motion slides by Filippov's convex combination.
+
+Across a surface h = 0 the field jumps from f- to f+. Where both sides point at it, motion stays on
+it with f = (1 + u)/2 f+ + (1 - u)/2 f-, and u such that h stays zero:
+
+    u = (h_x f+ + h_x f-) / (h_x f- - h_x f+).
+
+So a sliding cell is a cell as any other: it has rates, a state that follows from h = 0, and exits
+where u reaches 1 or -1, written without a quotient. What is linear stays linear. See A. F. Filippov,
+Differential Equations with Discontinuous Righthand Sides, 1988, and for the algorithm P. Piiroinen
+and Y. Kuznetsov, An event-driven method to simulate Filippov systems, 2008.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from nonsmooth.system.cells import Cell, Signs, SplitMode, shown
+from nonsmooth.system.differentiate import derivative, rate_of_change
+from nonsmooth.system.equations import Equation
+from nonsmooth.system.expressions import ZERO, Expression, Number
+from nonsmooth.system.graph import Graph
+from nonsmooth.system.identities import simplified, substituted, value_at, vanishes
+from nonsmooth.system.linear import LinearForm, NotLinear, State, linear_form
+from nonsmooth.system.mode_equations import ModeEquations
+from nonsmooth.system.relations import form_of_node
+from nonsmooth.system.resolve import Resolver
+from nonsmooth.system.switching import SurfaceKey, SwitchingSurface
+
+__all__ = ["Slide", "put_on", "slide_between", "slides_of", "solved_for"]
+
+_NEWTON = 40  # steps in looking for a point of a surface
+_ON = 1e-12  # of the function at such a point
+
+
+@dataclass(frozen=True)
+class Slide:
+    """Motion on one or two surfaces.
+
+    ``guards`` are positive while motion stays, by surface and by the side on which it leaves.
+    """
+
+    cell: Cell
+    rates: Mapping[str, Expression]
+    controls: Mapping[SurfaceKey, Expression]
+    relations: Mapping[str, Expression]
+    guards: Mapping[tuple[SurfaceKey, int], Expression] = field(default_factory=dict)
+
+    def resolver(self, graph: Graph, equations: ModeEquations) -> Resolver:
+        """Nodes of equations on the surfaces."""
+        return Resolver(
+            graph, equations, self.cell.signs, controls=self.controls, rates=self.rates
+        )
+
+    def equations(self, mode: SplitMode) -> ModeEquations:
+        """Equations of the mode with states that follow from the surfaces."""
+        return related(mode.equations, self.relations, "on the surface")
+
+
+def slides_of(graph: Graph, mode: SplitMode) -> Iterator[Slide]:
+    """Motion on each surface of a mode across which the field jumps."""
+    for key in mode.names:
+        above = [cell for cell in mode.cells if cell.signs.get(key) == 1]
+        below = [cell for cell in mode.cells if cell.signs.get(key) == -1]
+        for a in above:
+            for b in below:
+                if b.agrees({k: sign for k, sign in a.signs.items() if k != key}):
+                    slide = _slide(graph, mode, key, a, b)
+                    if slide is not None:
+                        yield slide
+
+
+def _slide(graph: Graph, mode: SplitMode, key: SurfaceKey, a: Cell, b: Cell) -> Slide | None:
+    cell = cell_on(mode, (a, b), (key,))
+    surface = next(s for s in a.surfaces if s.key == key)
+    relations = solved_for(graph, mode.equations, [surface.node])
+    sides = [mode.resolver(c.signs) for c in (a, b)]
+
+    def on_surface(node: Expression) -> Expression:
+        return simplified(graph, substituted(graph, node, relations))
+
+    up, down = (on_surface(rate_of_change(graph, surface.node, s.rate)) for s in sides)
+    width = on_surface(graph.add(down, graph.negate(up)))
+    place = put_on(graph, [surface.node], relations)
+    if vanishes([width], [up, down], place):
+        return None
+    control = graph.call("/", on_surface(graph.add(up, down)), width)
+    rates = {}
+    for state in mode.equations.flow:
+        if state not in relations:
+            plus, minus = (on_surface(side.rate(state)) for side in sides)
+            rates[state] = between(graph, plus, minus, control, place)
+    guards = _guards(graph, key, up, down, _hold(mode, key))
+    return Slide(cell, rates, {key: control}, relations, guards)
+
+
+def _hold(mode: SplitMode, key: SurfaceKey) -> Expression | None:
+    declared = mode.declared.get(key)
+    return None if declared is None else declared.hold
+
+
+def _guards(
+    graph: Graph, key: SurfaceKey, up: Expression, down: Expression, hold: Expression | None
+) -> dict[tuple[SurfaceKey, int], Expression]:
+    """Positive while u stays between -1 and 1, or as far as the surface holds."""
+    if hold is None:
+        return {(key, 1): graph.negate(up), (key, -1): down}
+    # hold (L- - L+) -+ (L+ + L-), both sides of the inequalities times the width
+    held = graph.multiply(hold, graph.add(down, graph.negate(up)))
+    pull = graph.add(up, down)
+    return {
+        (key, 1): simplified(graph, graph.add(held, graph.negate(pull))),
+        (key, -1): simplified(graph, graph.add(held, pull)),
+    }
+
+
+def cell_on(mode: SplitMode, corners: tuple[Cell, ...], on: tuple[SurfaceKey, ...]) -> Cell:
+    """Cell on some surfaces, between its corners."""
+    signs: Signs = {}
+    for cell in corners:
+        signs |= cell.signs
+    signs = {key: signs[key] for key in mode.names if key in signs} | dict.fromkeys(on, 0)
+    surfaces: dict[SurfaceKey, SwitchingSurface] = {}
+    for cell in corners:
+        surfaces |= {s.key: s for s in cell.surfaces if s.key not in on}
+    return Cell(signs, tuple(surfaces.values()))
+
+
+def between(
+    graph: Graph,
+    plus: Expression,
+    minus: Expression,
+    control: Expression,
+    place: Callable[[Any], bool],
+) -> Expression:
+    """What lies between two sides; one of them where they are the same on the surface."""
+    step = graph.add(plus, graph.negate(minus))
+    if plus is minus or vanishes([step], [plus, minus], place):
+        return minus
+    half = graph.number(0.5)
+    mean = graph.multiply(half, simplified(graph, graph.add(plus, minus)))
+    return graph.add(mean, graph.multiply(half, simplified(graph, step), control))
+
+
+# ---------------------------------------------------------------- states that follow from surfaces
+
+
+def solved_for(
+    graph: Graph, equations: ModeEquations, nodes: list[Expression]
+) -> dict[str, Expression]:
+    """States that follow from functions that are zero; none where a function is not linear.
+
+    Without them motion stays on the surfaces all the same, up to rounding: its rates see to that.
+    """
+    found: dict[str, Expression] = {}
+    for node in nodes:
+        try:
+            form = linear_form(
+                substituted(graph, node, found), lambda part: form_of_node(graph, part)
+            )
+        except NotLinear:
+            return {}
+        pivots = [
+            basis
+            for basis, value in form.terms.items()
+            if isinstance(basis, State)
+            and basis.name in equations.flow
+            and isinstance(value, Number)
+            and value != ZERO
+        ]
+        if not pivots:
+            return {}
+        pivot = pivots[-1]
+        rest = LinearForm({b: c for b, c in form.terms.items() if b != pivot})
+        solution = graph.from_form(rest.divided(_negative(form.coefficient(pivot))))
+        found = {s: substituted(graph, e, {pivot.name: solution}) for s, e in found.items()}
+        found[pivot.name] = solution
+    return found
+
+
+def _negative(value: Expression) -> Number:
+    assert isinstance(value, Number)
+    return Number(-value.value)
+
+
+def related(
+    equations: ModeEquations, relations: Mapping[str, Expression], why: str
+) -> ModeEquations:
+    """Equations in which some states follow from others instead of flowing."""
+    if not relations:
+        return equations
+    flow = {state: e for state, e in equations.flow.items() if state not in relations}
+    added = {
+        state: Equation(shown(node), f"modes[{equations.name!r}], {state} {why}", node)
+        for state, node in relations.items()
+    }
+    return replace(equations, flow=flow, slaved={**equations.slaved, **added})
+
+
+def put_on(
+    graph: Graph, nodes: list[Expression], relations: Mapping[str, Expression]
+) -> Callable[[Any], bool]:
+    """Function that moves a random point onto surfaces, and says whether it could."""
+    if relations:
+
+        def by_relations(point: Any) -> bool:
+            point.update({state: value_at(node, point) for state, node in relations.items()})
+            return True
+
+        return by_relations
+
+    def by_newton(point: Any) -> bool:
+        return all(_root(graph, node, point) for node in nodes)
+
+    return by_newton
+
+
+def _root(graph: Graph, node: Expression, point: Any) -> bool:
+    """Move one coordinate of a point to where an expression is zero."""
+    for state in sorted(graph.states_in(node)):
+
+        def seed(name: str, state: str = state) -> Expression:
+            return graph.one if name == state else graph.zero
+
+        slope, kept = derivative(graph, node, seed), point[state]
+        for _ in range(_NEWTON):
+            value = value_at(node, point)
+            if abs(value) <= _ON:
+                return True
+            rate = value_at(slope, point)
+            if not rate or rate != rate or value != value:
+                break
+            point[state] -= value / rate
+        point[state] = kept
+    return False

@@ -1,0 +1,203 @@
+"""Modes in which an exit that rebounds is at rest: guard and guard rate stay zero.
+
+The reaction acts along the jump of the reset. With the rate w of the guard g, the jump of a reset
+is j(z), which vanishes with w; its direction d is -j for w = 1. So motion at rest has the rates
+f + sum of l d, with reactions l such that each guard's second rate is zero, and goes on while they
+push: l >= 0. Rebounds that accumulate end there, with the momentum that is left along d gone.
+See A. Nordmark and P. Piiroinen, Simulation and stability analysis of impacting systems with
+complete chattering, Nonlinear Dynamics 58, 2009.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Any
+
+from nonsmooth.errors import ModelError
+from nonsmooth.system.determinants import determinant
+from nonsmooth.system.differentiate import derivative, rate_of_change
+from nonsmooth.system.expressions import Expression
+from nonsmooth.system.graph import Graph
+from nonsmooth.system.identities import simplified, substituted, value_at, vanishes
+from nonsmooth.system.mode_equations import ExitEquations, ModeEquations
+from nonsmooth.system.resolve import Resolver
+from nonsmooth.system.sliding import put_on, solved_for
+
+__all__ = ["Rest", "contacts_at_rest", "leaves_at_rest", "rest_of"]
+
+_MOST_STICKING = 4  # exits of a mode: every set of them is a mode
+
+
+@dataclass(frozen=True)
+class _Contact:
+    """An exit that rebounds: its guard, the guard's rate, and the direction of its jump."""
+
+    exit: ExitEquations
+    guard: Expression
+    rate: Expression
+    push: Mapping[str, Expression]
+
+
+@dataclass(frozen=True)
+class Rest:
+    """Motion with some contacts at rest, in one cell.
+
+    ``reactions`` are zero where a contact is released; ``arrival`` sets the states that a jump
+    moves to what they are once the contacts are at rest.
+    """
+
+    rates: Mapping[str, Expression]
+    relations: Mapping[str, Expression]
+    reactions: Mapping[int, Expression]
+    arrival: Mapping[str, Expression]
+
+
+def contacts_at_rest(equations: ModeEquations) -> list[tuple[int, ...]]:
+    """Sets of exits of a mode that may be at rest together, by number."""
+    sticking = [i for i, way in enumerate(equations.exits) if way.sticks]
+    if len(sticking) > _MOST_STICKING:
+        raise ModelError(
+            f"modes[{equations.name!r}]: {len(sticking)} exits stick; at most {_MOST_STICKING}"
+            " are supported in one mode, for any of them may be at rest together"
+        )
+    return [
+        which for count in range(1, len(sticking) + 1) for which in combinations(sticking, count)
+    ]
+
+
+def rest_of(graph: Graph, equations: ModeEquations, free: Resolver, which: Sequence[int]) -> Rest:
+    """Motion with some exits of a mode at rest; ``free`` are the nodes of the mode without."""
+    contacts = {i: _contact(graph, free, equations.exits[i]) for i in which}
+    matrix = {
+        (i, k): simplified(graph, _along(graph, contacts[i].rate, contacts[k].push))
+        for i in which
+        for k in which
+    }
+    pulls = {
+        i: graph.negate(rate_of_change(graph, contact.rate, free.rate))
+        for i, contact in contacts.items()
+    }
+    reactions = _solved(graph, which, matrix, pulls)
+    impulses = _solved(
+        graph, which, matrix, {i: graph.negate(contacts[i].rate) for i in which}
+    )
+    rates, arrival = {}, {}
+    for state in equations.flow:
+        pushes = [(i, c.push[state]) for i, c in contacts.items() if state in c.push]
+        terms = [graph.multiply(reactions[i], push) for i, push in pushes]
+        rates[state] = simplified(graph, graph.add(free.rate(state), *terms))
+        if pushes:
+            terms = [graph.multiply(impulses[i], push) for i, push in pushes]
+            arrival[state] = simplified(graph, graph.add(graph.name(state), *terms))
+    kept = [node for contact in contacts.values() for node in (contact.guard, contact.rate)]
+    relations = solved_for(graph, equations, kept)
+    rates = {
+        state: simplified(graph, substituted(graph, rate, relations))
+        for state, rate in rates.items()
+        if state not in relations
+    }
+    # where one contact is at rest its reaction has the sign of what pulls at it
+    shown = pulls if len(contacts) == 1 else reactions
+    shown = {i: simplified(graph, substituted(graph, node, relations)) for i, node in shown.items()}
+    return Rest(rates, relations, shown, arrival)
+
+
+def _contact(graph: Graph, free: Resolver, way: ExitEquations) -> _Contact:
+    guard = free.tree(way.guard)
+    rate = simplified(graph, rate_of_change(graph, guard, free.rate))
+    slopes = {
+        state: simplified(graph, _slope(graph, rate, state))
+        for state in way.reset
+        if state in graph.states_in(rate)
+    }
+    jumps = {
+        state: simplified(graph, graph.add(free.tree(e), graph.negate(graph.name(state))))
+        for state, e in way.reset.items()
+    }
+    for state, slope in slopes.items():
+        if slope is graph.zero:
+            continue
+        push = {
+            other: simplified(
+                graph, graph.negate(graph.call("/", _slope(graph, jump, state), slope))
+            )
+            for other, jump in jumps.items()
+        }
+        push = {other: node for other, node in push.items() if node is not graph.zero}
+        place = put_on(graph, [guard], solved_for(graph, free.equations, [guard]))
+        if push and _stops(graph, jumps, place, rate, state, slope):
+            return _Contact(way, guard, rate, push)
+    raise ModelError(
+        f"{way.guard.where.removesuffix('.guard')}: sticks={way.sticks!r} needs a reset that"
+        " changes nothing where the guard rests, and moves a state that its rate depends on, such"
+        " as 'v': '-r*v' for a guard of x; a reset with the speed of a moving wall is -r*v +"
+        " (1 + r)*speed"
+    )
+
+
+def _stops(
+    graph: Graph,
+    jumps: Mapping[str, Expression],
+    place: Callable[[Any], bool],
+    rate: Expression,
+    state: str,
+    slope: Expression,
+) -> bool:
+    """Whether jumps vanish where guard and rate do."""
+
+    def at_rest(point: Any) -> bool:
+        if not place(point):
+            return False
+        for _ in range(2):  # once would do, but for a rate that is not linear
+            steepness = value_at(slope, point)
+            if not steepness or steepness != steepness:
+                return False
+            point[state] -= value_at(rate, point) / steepness
+        return True
+
+    sizes = [graph.one, *(graph.name(other) for other in jumps)]
+    return vanishes(list(jumps.values()), sizes, at_rest)
+
+
+def leaves_at_rest(
+    graph: Graph, equations: ModeEquations, free: Resolver, which: Sequence[int], other: int
+) -> bool:
+    """Whether the reset of another exit does not move what is at rest."""
+    resets = {state: free.tree(e) for state, e in equations.exits[other].reset.items()}
+    contacts = [_contact(graph, free, equations.exits[i]) for i in which]
+    kept = [node for contact in contacts for node in (contact.guard, contact.rate)]
+    changes = [
+        graph.add(substituted(graph, node, resets), graph.negate(node)) for node in kept
+    ]
+    place = put_on(graph, kept, solved_for(graph, equations, kept))
+    return vanishes(changes, [graph.one], place)
+
+
+def _slope(graph: Graph, node: Expression, state: str) -> Expression:
+    return derivative(graph, node, lambda name: graph.one if name == state else graph.zero)
+
+
+def _along(graph: Graph, node: Expression, push: Mapping[str, Expression]) -> Expression:
+    """Derivative of an expression along a direction of states."""
+    return derivative(graph, node, lambda name: push.get(name, graph.zero))
+
+
+def _solved(
+    graph: Graph,
+    which: Sequence[int],
+    matrix: Mapping[tuple[int, int], Expression],
+    right: Mapping[int, Expression],
+) -> dict[int, Expression]:
+    """Solution of a few linear equations by Cramer's rule."""
+    rows = [[matrix[i, k] for k in which] for i in which]
+    divisor = determinant(graph, rows)
+    found = {}
+    for place, k in enumerate(which):
+        replaced = [
+            [*row[:place], right[i], *row[place + 1 :]]
+            for i, row in zip(which, rows, strict=True)
+        ]
+        found[k] = graph.call("/", determinant(graph, replaced), divisor)
+    return found

@@ -1,0 +1,102 @@
+"""`Surface`: a switching surface with a name, names for its sides, and what holds on it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from nonsmooth.errors import ModelError
+from nonsmooth.system.expressions import Expression
+from nonsmooth.system.grammar import is_name
+from nonsmooth.system.parts import Text
+from nonsmooth.system.switching import SwitchingSurface
+
+__all__ = ["Declared", "Surface"]
+
+
+@dataclass(frozen=True, slots=True)
+class Surface:
+    """A named switching surface, on which motion may slide.
+
+    Surfaces are found in the texts without being declared: every ``sign``, ``abs``, ``max`` and
+    so on has one. To declare one gives it a name that stands for its function in all texts,
+    names its sides in phase words, and says what else holds on it.
+
+    Where the field jumps so that both sides point at the surface, motion slides on it by
+    Filippov's convex combination of the two fields: ``sign`` of the surface takes the value
+    between -1 and 1 with which the motion stays, until that value reaches -1 or 1, or
+    ``hold`` times that.
+
+    Parameters
+    ----------
+    function : str
+        Expression that is zero on the surface.
+    below, on, above : str, optional
+        Names of the cells with a negative, zero and positive function, for phase words.
+    hold : str or float, optional
+        How much the surface holds, beside what it does while motion passes: static over kinetic
+        friction, dimensionless, 1 or more. Motion that arrives stays while it can be held.
+    on_nonunique : {"below", "above"}, optional
+        Side to which motion leaves a start from which both sides lead away. Without it such a
+        run ends with the status ``nonunique``.
+
+    Examples
+    --------
+    A block on a belt, with static friction above kinetic friction:
+
+    >>> import nonsmooth as ns
+    >>> belt = ns.System(
+    ...     states=["x", "v"],
+    ...     parameters={"v_b": 0.3, "F_k": 0.4, "F_s": 0.6},
+    ...     equations={"x": "v", "v": "-x - F_k*sign(slip)"},
+    ...     surfaces={
+    ...         "slip": ns.Surface(
+    ...             "v - v_b", below="lag", on="stick", above="lead", hold="F_s/F_k"
+    ...         )
+    ...     },
+    ... )
+    >>> ns.phase_word(ns.simulate(belt, {"x": 0.2, "v": 0.3}, t_end=10))
+    ('stick', 'lag', 'stick')
+    """
+
+    function: Text
+    below: str | None = None
+    on: str | None = None
+    above: str | None = None
+    hold: Text | None = None
+    on_nonunique: str | None = None
+
+    def __post_init__(self) -> None:
+        if isinstance(self.function, bool) or not isinstance(self.function, str | int | float):
+            raise ModelError(
+                f"Surface: {self.function!r:.60} is no expression; give what is zero on the"
+                " surface, such as 'v - v_b'"
+            )
+        for label in ("below", "on", "above"):
+            value = getattr(self, label)
+            if value is not None and not (isinstance(value, str) and is_name(value)):
+                raise ModelError(
+                    f"Surface: {label}={value!r:.60} is not a name; use letters, digits and _"
+                )
+        if self.on_nonunique not in (None, "below", "above"):
+            raise ModelError(
+                f"Surface: on_nonunique={self.on_nonunique!r:.60} is not known; give 'below' or"
+                " 'above', or leave it out"
+            )
+
+
+@dataclass(frozen=True, slots=True)
+class Declared:
+    """A declared surface as its mode meets it.
+
+    ``turned`` where the declared function has the other sign than that of ``surface``.
+    """
+
+    name: str
+    surface: SwitchingSurface
+    turned: bool
+    hold: Expression | None
+    given: Surface
+
+    def label(self, sign: int) -> str | None:
+        """Name of a side, by the sign of ``surface``."""
+        return (self.given.on, self.given.above, self.given.below)[-sign if self.turned else sign]
