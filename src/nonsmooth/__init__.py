@@ -57,6 +57,7 @@ if TYPE_CHECKING:
     from nonsmooth.simulation.words import phase_word
     from nonsmooth.system.parts import Exit, Mode
     from nonsmooth.system.signals import Signal
+    from nonsmooth.system.surfaces import Surface
     from nonsmooth.system.system import System
 
 __all__ = [
@@ -71,6 +72,7 @@ __all__ = [
     "RunWarning",
     "Signal",
     "StroboscopicMap",
+    "Surface",
     "System",
     "__version__",
     "attractors",
@@ -126,6 +128,7 @@ _HOME = {
     "RunWarning": "nonsmooth.errors",
     "Signal": "nonsmooth.system.signals",
     "StroboscopicMap": "nonsmooth.maps.stroboscopic",
+    "Surface": "nonsmooth.system.surfaces",
     "System": "nonsmooth.system.system",
     "attractors": "nonsmooth.analysis.attractors",
     "basin_entropy": "nonsmooth.analysis.basin_entropy",

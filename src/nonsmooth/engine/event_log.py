@@ -27,8 +27,10 @@ def log_event(records, number, phase, kind, m, e, certified, rate):
     integers[row, at.PATH] = e + 1
     integers[row, at.PASSES] = 1 if e >= 0 else 0
     integers[row, at.IS_CERTIFIED] = 1 if certified else 0
+    integers[row, at.COUNT] = 1
     records.event_floats[row, at.PHASE] = phase
     records.event_floats[row, at.GUARD_RATE] = rate
+    records.event_floats[row, at.WAIT] = 0.0
     records.cursor[at.EVENTS] = row + 1
     return row
 

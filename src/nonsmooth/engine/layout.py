@@ -75,12 +75,14 @@ FIRST, KNOTS = 0, 1
 COUNT, END_CONSTANT, END_FADING, END_REAL, END_ROTATION, END_DAMPED, N_CLUSTERS = range(7)
 CLUSTERS = 7
 # Tables.wiring[m, 0]: number of exits that are searched for, bits of slaved states, of those solved
-# for by equations, kind of the cell; Tables.wiring[m, 1 + e]: target, bits of states reset, the
-# exit that leads onto the surface of this one (-1: none, e: it does so itself), order of zero of
-# each guard entered. Exits from N_EXITS on are passed on behalf of others, never by themselves
-N_EXITS, SLAVED, IMPLICIT, KIND = 0, 1, 2, 3
-TARGET, RESETTING, ONTO, ORDERS = 0, 1, 2, 3
+# for by equations, kind of the cell, number of all exits; Tables.wiring[m, 1 + e]: target, bits of
+# states reset, the exit that leads onto the surface of this one (-1: none, e: it does so itself),
+# what a start does from which both sides lead away, order of zero of each guard entered. Exits
+# from N_EXITS on are passed on behalf of others, never by themselves
+N_EXITS, SLAVED, IMPLICIT, KIND, N_WAYS = 0, 1, 2, 3, 4
+TARGET, RESETTING, ONTO, CHOICE, ORDERS = 0, 1, 2, 3, 4
 FREE, SLIDES, RESTING = 0, 1, 2  # kinds: off all surfaces, on one by Filippov, on one by a reaction
+NO_CHOICE, STAY, CROSS = 0, 1, 2
 # Tables.spans: longest segment for which the closed form is accurate, unit of rounding
 # margins, largest modulus of the eigenvalues, farthest look ahead where a motion grows,
 # longest step of the ladder

@@ -17,14 +17,20 @@ from nonsmooth.engine.first_crossing import CERTIFIED, GRAZE, NONE, STUCK, first
 from nonsmooth.engine.flow import advance, advance_once, start_segment, state_at
 from nonsmooth.engine.jit import inlined, kernel
 from nonsmooth.engine.linear_flow import augmented
+from nonsmooth.engine.rebounds import NEVER
 from nonsmooth.engine.records import (
+    COUNT,
     EVENT_FLOATS,
     EVENTS,
     EXIT,
+    LAST_EXIT,
+    REBOUNDS,
     SAMPLES,
     SEGMENTS,
     STALLED,
+    TO,
     UNCERTAIN,
+    WAIT,
     WINDOW_EVENTS,
 )
 from nonsmooth.engine.signals import fill_signals
@@ -34,6 +40,7 @@ from nonsmooth.engine.tangent import carry, complete_columns, start_columns
 from nonsmooth.engine.transitions import (
     PATH_BITS,
     fill_extent,
+    guard_exceeds,
     guard_holds,
     has_fallen,
     in_cell,
@@ -57,7 +64,12 @@ _INADMISSIBLE = int(Status.INADMISSIBLE)
 _PAUSED = int(Status.PAUSED)
 _SINGULAR = int(Status.SINGULAR)
 _BUFFER_FULL = int(Status.BUFFER_FULL)
+_CHATTER = int(EventKind.CHATTER)
+_RELEASE = int(EventKind.RELEASE)
+_SLIDE_ENTRY = int(EventKind.SLIDE_ENTRY)
+_SLIDE_EXIT = int(EventKind.SLIDE_EXIT)
 _START = int(EventKind.START)
+_STICK = int(EventKind.STICK)
 _SWITCH = int(EventKind.SWITCH)
 _IMPACT = int(EventKind.IMPACT)
 _GRAZE = int(EventKind.GRAZE)
@@ -68,6 +80,7 @@ _MOST_SEGMENTS = 100_000  # in one call, so that a run of short steps can be int
 _LITTLE_TIME = 1e-8  # part of a window; flights of impacts that rounding leaves open
 _NO_TIME, _FEW = 1e-10, 5  # part of a window; events before that in the same window
 _SHORTEST = 1e-14  # part of a window; a shorter step of a series means that it does not converge
+_FOLD = 1e-6  # part of the terms of a guard below which both sides of a surface are at a fold
 _MOST_SIZE = 1e30  # of a state that does not drift
 
 
@@ -119,7 +132,7 @@ def run_lane(
             length = start_segment(tables, rates, segment, m, longest)
             long_enough = length == longest or length > _SHORTEST * (window + phase)
             if tables.kinds[m] == at.TAYLOR and not long_enough:
-                return _NONUNIQUE if _at_two_fold(tables, segment, m) else _SINGULAR
+                return _NONUNIQUE if _at_two_fold(tables, rates, segment, m) else _SINGULAR
             end = (end_number - place[0]) * window + (end_phase - phase)
             s, e, found = _search(tables, segment, anchor, records, m, length, end)
             _write_samples(
@@ -170,9 +183,24 @@ def run_lane(
                 return _NONUNIQUE
             if choice == at.CROSS:
                 place[1] = tables.wiring[place[1], 1 + g, at.TARGET]
-                _clear(anchor.order)
-                records.event_integers[max(cursor[EVENTS] - 1, 0), TO] = place[1]
+                for k in range(anchor.order.size):
+                    anchor.order[k] = 0
+                if cursor[EVENTS] > 0:
+                    records.event_integers[cursor[EVENTS] - 1, TO] = place[1]
         begins = False
+
+
+@kernel
+def _at_two_fold(tables, rates, segment, m):
+    """Whether motion slides to where both sides of its surface begin to lead away from it."""
+    if tables.wiring[m, 0, at.KIND] != at.SLIDES:
+        return False
+    linearise_mode(tables, rates, segment, m)
+    fill_extent(tables.sizes[0], tables.affine, tables.wiring, m, segment.z, segment.extent)
+    for g in range(2):  # those through which it leaves the surface
+        if guard_exceeds(tables.affine, m, g, segment.z, segment.extent, _FOLD):
+            return False
+    return True
 
 
 @kernel
@@ -397,14 +425,19 @@ def _pass_event(
             _fill_signals(tables, segment, number, phase)
         if tangent.columns.shape[0] > 0:
             complete_columns(tables, rates, tangent, number, phase, segment.z)
-    status, m, path, passes, jumped, corner = pass_exits(
+    status, m, path, passes, jumped, corner, stay = pass_exits(
         tables, rates, segment, tangent, m, e, s, tolerance
     )
-    kind = _CORNER if corner else (_IMPACT if jumped else _SWITCH)
+    before = anchor.place[1]
+    kind = _kind_of(tables.wiring, before, m, jumped, corner, stay)
     if begins:
         kind = _START if mode >= ANY else _SWITCH
         row = _log_start(anchor, records, kind, passes, n)
     log_transition(records, row, kind, m, path, passes, segment.z)
+    rebounds = _count_rebounds(cursor, kind, before, e)
+    if row >= 0 and kind == _CHATTER:
+        records.event_floats[row, WAIT] = stay
+        records.event_integers[row, COUNT] = rebounds
     if kind != _START and e < 0 and row >= 0:
         records.event_integers[row, EXIT] = path % (1 << PATH_BITS) - 1
     anchor.place[0], anchor.place[1] = number, m
@@ -418,6 +451,33 @@ def _pass_event(
     if status == _COMPLETED and accumulated:
         return _EVENT_LIMIT
     return status
+
+
+@kernel
+def _kind_of(wiring, before, after, jumped, corner, stay):
+    """What an event is, by the kinds of the cells before and after it."""
+    on_before, on_after = wiring[before, 0, at.KIND], wiring[after, 0, at.KIND]
+    if stay != NEVER and on_after == at.RESTING:
+        return _CHATTER if stay > 0.0 else _STICK
+    if on_before == at.RESTING and on_after != at.RESTING and not jumped:
+        return _RELEASE
+    if on_after == at.SLIDES and on_before == at.FREE and not jumped:
+        return _SLIDE_ENTRY
+    if on_before == at.SLIDES and on_after == at.FREE and not jumped:
+        return _SLIDE_EXIT
+    return _CORNER if corner else (_IMPACT if jumped else _SWITCH)
+
+
+@kernel
+def _count_rebounds(cursor, kind, m, e):
+    """Impacts in a row of one exit, this one included."""
+    if kind != _IMPACT and kind != _CHATTER:
+        cursor[LAST_EXIT] = -1
+        return 0
+    this = (m << PATH_BITS) + e + 1
+    cursor[REBOUNDS] = cursor[REBOUNDS] + 1 if cursor[LAST_EXIT] == this else 1
+    cursor[LAST_EXIT] = this
+    return cursor[REBOUNDS]
 
 
 @kernel

@@ -1,13 +1,14 @@
 """When rebounds have accumulated: the last of infinitely many impacts, and the time until it.
 
 An impact leaves with the rate w of its guard, pressed back by the acceleration -A. The next ones
-come after 2 w/A, 2 r w/A, ... with the ratio r of the rates after and before an impact, so that all
-of them are over after T = 2 w/(A (1 - r)). Where A changes at the rate -C, flights and ratios
-change with it, and to first order T is 1 + C T/(3 A) times that. Impacts are passed one by one until
-T is so short that what is left out is beyond the last digit, or until flights are so low that
-rounding would swallow them. Then the rest is one exit: onto the surface, with the momentum gone that
-is left along the jump. What it leaves out in the state is of third order in T. See A. Nordmark and
-P. Piiroinen, Nonlinear Dynamics 58, 2009; C. Budd and F. Dux, Phil. Trans. R. Soc. A 347, 1994.
+come after 2 w/A, 2 r w/A, ... with the ratio r of the rates after and before an impact, so that
+all of them are over after T = 2 w/(A (1 - r)). Where A changes at the rate -C, flights and ratios
+change with it, and to first order T is 1 + C T/(3 A) times that. Impacts are passed one by one
+until T is so short that what is left out is beyond the last digit, or until flights are so low
+that rounding would swallow them. Then the rest is one exit: onto the surface, with the momentum
+gone that is left along the jump. What it leaves out in the state is of third order in T.
+See A. Nordmark and P. Piiroinen, Nonlinear Dynamics 58, 2009; C. Budd and F. Dux, Philosophical
+Transactions of the Royal Society A 347, 1994.
 """
 
 from __future__ import annotations

@@ -17,13 +17,14 @@ from nonsmooth.engine.layout import Floats, Integers
 __all__ = ["Anchor", "Records", "allocate_anchor", "allocate_records", "with_fresh_events"]
 
 # columns of Records.event_integers
-NUMBER, KIND, FROM, TO, EXIT, PATH, PASSES, IS_CERTIFIED = range(8)
-EVENT_INTEGERS = 8
-# columns of Records.event_floats; states before and states after follow
-PHASE, GUARD_RATE = 0, 1
-EVENT_FLOATS = 2
+NUMBER, KIND, FROM, TO, EXIT, PATH, PASSES, IS_CERTIFIED, COUNT = range(9)
+EVENT_INTEGERS = 9
+# columns of Records.event_floats; states before and states after follow. Rebounds that accumulate
+# are passed at the last one that is followed, and are over some time later
+PHASE, GUARD_RATE, WAIT = 0, 1, 2
+EVENT_FLOATS = 3
 # entries of Records.cursor
-SAMPLES, EVENTS, WINDOW_EVENTS, UNCERTAIN, STALLED, SEGMENTS = range(6)
+SAMPLES, EVENTS, WINDOW_EVENTS, UNCERTAIN, STALLED, SEGMENTS, REBOUNDS, LAST_EXIT = range(8)
 
 
 class Anchor(NamedTuple):
@@ -44,8 +45,9 @@ class Records(NamedTuple):
     sample_mode: Integers  # (s,)
     event_integers: Integers  # (c, EVENT_INTEGERS); c = 0 where events are not logged
     event_floats: Floats  # (c, EVENT_FLOATS + 2 n)
-    cursor: Integers  # (6,): samples written, events logged, events in this window, uncertain
-    # ones, events in a row between which time did not advance, segments of this call
+    cursor: Integers  # (8,): samples written, events logged, events in this window, uncertain
+    # ones, events in a row between which time did not advance, segments of this call, impacts in a
+    # row of one exit, and which exit that is
     end_state: Floats  # (n,)
     since: Floats  # (2,): window number and phase up to which tangencies are logged
 
@@ -69,7 +71,7 @@ def allocate_records(
         sample_mode=np.full(count, -1, np.int64),
         event_integers=np.empty((capacity, EVENT_INTEGERS), np.int64),
         event_floats=np.empty((capacity, EVENT_FLOATS + 2 * n)),
-        cursor=np.zeros(6, np.int64),
+        cursor=np.zeros(8, np.int64),
         end_state=np.full(n, np.nan),
         since=np.full(2, -np.inf),
     )

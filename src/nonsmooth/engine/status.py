@@ -43,6 +43,11 @@ class EventKind(IntEnum):
     IMPACT = 2
     GRAZE = 3
     CORNER = 4
+    SLIDE_ENTRY = 5
+    SLIDE_EXIT = 6
+    STICK = 7
+    RELEASE = 8
+    CHATTER = 9
 
     @property
     def word(self) -> str:
@@ -66,22 +71,23 @@ CURES: dict[Status, str] = {
         " exit's reset= if it shall jump"
     ),
     Status.EVENT_LIMIT: (
-        "impacts accumulate: more than 100 at one instant or 10000 events in one period. Does"
-        " the reset reverse the speed? If it does, the motion comes to rest on the surface;"
-        " sticking is not supported in this version, so write it as a mode of its own"
+        "impacts accumulate: more than 1000 at one instant or 10000 events in one period. Does"
+        " the reset reverse the speed? If it does, the motion comes to rest on the surface: give"
+        " the exit a mode for that, sticks='rest'"
     ),
     Status.STEP_LIMIT: (
         "the search for a crossing did not advance, or took more than a million steps; choose"
         " units in which states and guards are nearer to one"
     ),
     Status.SLIDING: (
-        "both sides of a switching surface point at it, so the motion slides or sticks there,"
-        " which this version does not follow yet; write the sliding motion as a mode of its own,"
-        " or smooth the switch, for instance tanh(v/0.01) in place of sign(v)"
+        "several sides of switching surfaces point at the place where they meet, and no motion"
+        " along the surfaces is known there; smooth one of the switches, for instance"
+        " tanh(v/0.01) in place of sign(v)"
     ),
     Status.NONUNIQUE: (
-        "the start lies on a switching surface from which both sides point away, so two motions"
-        " begin there; choose a side by a start a little off it, or by mode="
+        "from here both sides of a switching surface lead away, so more than one motion begins;"
+        " choose a side by a start a little off the surface, by mode=, or by on_nonunique= of a"
+        " declared Surface"
     ),
     Status.SINGULAR: (
         "the series of the motion does not converge here: a root or logarithm of zero, a division"

@@ -40,6 +40,7 @@ __all__ = [
     "PATH_BITS",
     "PATH_LENGTH",
     "fill_extent",
+    "guard_exceeds",
     "guard_holds",
     "has_fallen",
     "in_cell",
@@ -64,7 +65,7 @@ PATH_BITS = 6  # bits per exit in the recorded path
 PATH_LENGTH = 10
 
 
-@inlined
+@kernel
 def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
     """Pass exit e of mode m and whatever must fire after it at the same instant.
 
@@ -127,8 +128,12 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
                 return status, target, path, passes, jumped, corner, stay
             before, m = m, target
             if (visited >> m) & 1:
-                # cells of one mode hand over in a circle where both sides point at a surface
+                # cells of one mode hand over in a circle where several surfaces meet
                 slides = tables.families[before] == tables.families[m] and jumping == 0
+                meeting = _meeting(tables, m, z, segment.extent, visited) if slides else -1
+                if meeting >= 0:
+                    e, visited = meeting, visited | 1 << m
+                    continue
                 if slides or not _moved(n, z, segment.mark, segment.extent):
                     status = _SLIDING if slides else _UNDECIDED
                     return status, m, path, passes, jumped, corner, stay
@@ -141,9 +146,7 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
             if rebounds:
                 if at.has_code(tables.code_rows, m):
                     _differentiate(tables, rates, segment, m)
-                wait = rest_time(
-                    tables, m, e, z, segment.extent, arrival, first_rate, tolerance
-                )
+                wait = rest_time(tables, m, e, z, segment.extent, arrival, first_rate, tolerance)
                 if wait != NEVER:
                     rests, stay = onto, wait
         if passes != 1 and not curved:
@@ -167,6 +170,13 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
                 end_saltation(tables, segment, tangent, m)
             return _COMPLETED, m, path, passes, jumped, corner, stay
         e = _onto_surface(wiring, m, e, visited)
+        if passes > 0 and e < wiring[m, 0, at.N_EXITS]:
+            # a second surface at the same instant is met as exactly as the first one
+            fill_scale(n, tables.generator, affine, wiring, m, z, duration, segment.scale)
+            if _is_nothing(affine, m, e, z, segment.scale):
+                _set_fired_zero(n, tables.generator, affine, wiring, m, e, z, segment.extent)
+                if curved:
+                    linearise_mode(tables, rates, segment, m)
 
 
 @inlined
@@ -272,6 +282,32 @@ def _onto_surface(wiring, m, e, visited):
     if onto < 0 or target < 0 or wiring[m, 1 + e, at.RESETTING] != 0:
         return e
     return onto if (visited >> target) & 1 else e
+
+
+@kernel
+def _meeting(tables, m, z, extent, visited):
+    """Exit of mode m onto a meeting of surfaces on which z lies, -1 for none."""
+    n, wiring, found, most = tables.sizes[0], tables.wiring, -1, 1
+    for e in range(wiring[m, 0, at.N_EXITS], wiring[m, 0, at.N_WAYS]):
+        target = wiring[m, 1 + e, at.TARGET]
+        if wiring[m, 1 + e, at.RESETTING] != 0 or (visited >> target) & 1:
+            continue
+        more = _count(wiring[target, 0, at.SLAVED] & ~wiring[m, 0, at.SLAVED])
+        if more > most and slaved_agree(
+            n, tables.affine, wiring, target, z, extent, z, 0, _CLEARLY
+        ):
+            found, most = e, more
+    return found
+
+
+@kernel
+def _count(bits):
+    """Number of bits that are set."""
+    count = 0
+    while bits > 0:
+        count += bits & 1
+        bits >>= 1
+    return count
 
 
 @kernel
@@ -418,6 +454,23 @@ def guard_holds(affine, m, g, z, extent, tolerance):
     """Whether a guard is not negative, as far as the tolerance tells."""
     value, size = _sum_of_terms(affine, m, at.guard_row(g, 0), z, extent)
     return value >= -tolerance * size
+
+
+@kernel
+def guard_exceeds(affine, m, g, z, extent, share):
+    """Whether a guard is above a part of its terms."""
+    value, size = _sum_of_terms(affine, m, at.guard_row(g, 0), z, extent)
+    return value > share * size
+
+
+@kernel
+def _is_nothing(affine, m, g, z, scale):
+    """Whether a guard is nothing beside what it changes by in a while."""
+    row, value, change = at.guard_row(g, 0), 0.0, 0.0
+    for i in range(z.size):
+        value += affine[m, row, i] * z[i]
+        change += abs(affine[m, row, i]) * scale[i]
+    return abs(value) <= _NOTHING * change
 
 
 @kernel

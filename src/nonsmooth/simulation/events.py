@@ -23,7 +23,7 @@ _KINDS = [kind.word for kind in EventKind]
 def event_variables(labels: Labels, outcome: Outcome) -> Columns:
     """Variables over ``event`` for a dataset."""
     rows, values = outcome.event_integers, outcome.event_floats
-    number, phase = rows[:, at.NUMBER].copy(), values[:, at.PHASE]
+    number, phase = rows[:, at.NUMBER].copy(), values[:, at.PHASE] + values[:, at.WAIT]
     time = outcome.times(number, phase)
     n = len(labels.states)
     before = values[:, at.EVENT_FLOATS : at.EVENT_FLOATS + n]
@@ -40,7 +40,7 @@ def event_variables(labels: Labels, outcome: Outcome) -> Columns:
         "event_from": (_modes(rows, at.FROM), labels.mode_flags("mode before the event")),
         "event_to": (_modes(rows, at.TO), labels.mode_flags("mode after the event")),
         "event_path": (_paths(labels, rows, codes), "exits passed at the instant"),
-        "event_count": (np.ones(len(rows), np.int64), "impacts that this row stands for"),
+        "event_count": (rows[:, at.COUNT].copy(), "impacts that this row stands for"),
         "guard_rate": (
             values[:, at.GUARD_RATE],
             "rate of the guard that fired, just before the event",

@@ -281,9 +281,9 @@ def log_going_on(
 ) -> None:
     """Row of the event log for a run that goes on from an earlier one."""
     mode = anchor.place[1]
-    row = [begin.number, EventKind.START, mode, mode, -1, 0, 0, 1]
+    row = [begin.number, EventKind.START, mode, mode, -1, 0, 0, 1, 1]
     records.event_integers[0] = row
-    records.event_floats[0, : at.EVENT_FLOATS] = begin.phase, 0.0
+    records.event_floats[0, : at.EVENT_FLOATS] = begin.phase, 0.0, 0.0
     if state is not None:
         records.event_floats[0, at.EVENT_FLOATS :] = np.concatenate([state, state])
     records.cursor[at.EVENTS] = 1

@@ -42,8 +42,10 @@ def _by_sides(found: SplitMode, cell: Cell, n_modes: int) -> str:
     if not sides:
         return ""
     label = ",".join(sides)
-    return label if n_modes == 1 and found.equations.name == "flow" else (
-        f"{found.equations.name}[{label}]"
+    return (
+        label
+        if n_modes == 1 and found.equations.name == "flow"
+        else (f"{found.equations.name}[{label}]")
     )
 
 

@@ -182,6 +182,7 @@ def _wiring(structure: Structure, most: int) -> np.ndarray:
     for i_mode, mode in enumerate(structure.modes.values()):
         wiring[i_mode, 0, layout.N_EXITS] = mode.n_searched
         wiring[i_mode, 0, layout.KIND] = mode.kind
+        wiring[i_mode, 0, layout.N_WAYS] = len(mode.targets)
         for i_state, state in enumerate(structure.states):
             if state in mode.equations.slaved:
                 wiring[i_mode, 0, layout.SLAVED] |= 1 << i_state
@@ -192,6 +193,7 @@ def _wiring(structure: Structure, most: int) -> np.ndarray:
         ):
             wiring[i_mode, 1 + i_exit, layout.TARGET] = target
             wiring[i_mode, 1 + i_exit, layout.ONTO] = mode.onto[i_exit]
+            wiring[i_mode, 1 + i_exit, layout.CHOICE] = mode.choices[i_exit]
             for state in way.reset:
                 bit = 1 << structure.states.index(state)
                 wiring[i_mode, 1 + i_exit, layout.RESETTING] |= bit

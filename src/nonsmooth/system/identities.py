@@ -14,7 +14,7 @@ from itertools import islice
 import numpy as np
 
 from nonsmooth.system.evaluate import evaluate_shared
-from nonsmooth.system.expressions import ZERO, Call, Expression, Name, to_text, walk
+from nonsmooth.system.expressions import ZERO, Call, Expression, Name, walk
 from nonsmooth.system.graph import Graph
 from nonsmooth.system.linear import CONSTANT, LinearForm, NotLinear, linear_form
 from nonsmooth.system.relations import form_of_node
@@ -97,7 +97,7 @@ def simplified(graph: Graph, node: Expression) -> Expression:
 @lru_cache(maxsize=4096)
 def _cancels(coefficient: Expression) -> bool:
     """Whether a coefficient is zero for all values of the parameters."""
-    if not isinstance(coefficient, Call) or coefficient == ZERO:
+    if not isinstance(coefficient, Call):
         return coefficient == ZERO
     parts = [part for part in islice(walk(coefficient), 1, _PARTS) if isinstance(part, Name | Call)]
     return vanishes([coefficient], parts)

@@ -80,8 +80,7 @@ def _meeting(
         return a, b, c, e
 
     pushes = [
-        parts([on_both(rate_of_change(graph, node, side.rate)) for side in sides])
-        for node in nodes
+        parts([on_both(rate_of_change(graph, node, side.rate)) for side in sides]) for node in nodes
     ]
     solved = _controls(graph, pushes[0], pushes[1])
     if solved is None:
@@ -107,9 +106,7 @@ def _meeting(
     return Slide(cell_on(mode, tuple(corners), keys), rates, controls, relations, guards)
 
 
-def _controls(
-    graph: Graph, first: _Parts, second: _Parts
-) -> tuple[Expression, Expression] | None:
+def _controls(graph: Graph, first: _Parts, second: _Parts) -> tuple[Expression, Expression] | None:
     """Controls with which two bilinear forms a + b u + c w + e u w are zero.
 
     With u = -(a1 + c1 w)/(b1 + e1 w) the second one is A w**2 + B w + C, whose root belongs to the

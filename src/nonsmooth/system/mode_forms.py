@@ -102,6 +102,7 @@ class ModeForms:
             -1 if target is None else numbers[id(target)] for target in piece.targets
         )
         self.onto = piece.onto
+        self.choices = piece.choices
         self.n_searched = piece.n_searched
         self.resolved = resolver.resolved()
         # as written where nothing is piecewise, so that definitions stay whole

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
-from nonsmooth.engine.layout import FREE, RESTING, SLIDES
+from nonsmooth.engine.layout import CROSS, FREE, NO_CHOICE, RESTING, SLIDES, STAY
 from nonsmooth.system.cells import Cell, SplitMode, shown, split
 from nonsmooth.system.equations import Equation
 from nonsmooth.system.expressions import Expression
@@ -46,12 +46,14 @@ class Way:
     """An exit of a cell, the cell that it enters (None ends the run), and what lies beside it.
 
     ``onto`` leads onto the surface of the exit; ``holds`` says that the exit itself does.
+    ``choice`` is what a start does on the surface where both sides lead away from it.
     """
 
     exit: ExitEquations
     target: Cell | None
     onto: Way | None = None
     holds: bool = False
+    choice: int = NO_CHOICE
 
 
 @dataclass(frozen=True)
@@ -65,6 +67,7 @@ class Piece:
     resolver: Resolver
     targets: tuple[Cell | None, ...]
     onto: tuple[int, ...]
+    choices: tuple[int, ...]
     n_searched: int
 
 
@@ -161,11 +164,10 @@ class _Maker:
     def piece(self) -> Piece:
         searched = [*self._along(), *self._releases(), *self._declared()]
         beside = [way.onto for way in searched if way.onto is not None]
+        beside += [self._beside("meeting", cell) for cell in self._meetings()]
         numbers = {id(way): len(searched) + i for i, way in enumerate(beside)}
         ways = [*searched, *beside]
-        onto = [
-            i if way.holds else numbers.get(id(way.onto), -1) for i, way in enumerate(ways)
-        ]
+        onto = [i if way.holds else numbers.get(id(way.onto), -1) for i, way in enumerate(ways)]
         resolver = self._resolver
         equations = replace(resolver.equations, exits=tuple(way.exit for way in ways))
         kind = RESTING if self.family.resting else (FREE if self.slide is None else SLIDES)
@@ -183,6 +185,7 @@ class _Maker:
             ),
             tuple(way.target for way in ways),
             tuple(onto),
+            tuple(way.choice for way in ways),
             len(searched),
         )
 
@@ -209,13 +212,26 @@ class _Maker:
                 yield Way(through, on, holds=True)
                 continue
             onto = None if on is None else self._beside(through.name, on)
-            yield Way(through, mode.cell({**signs, key: -signs[key]}), onto)
+            target = mode.cell({**signs, key: -signs[key]})
+            yield Way(through, target, onto, choice=_choice(declared, signs[key]))
 
     def _cell_on(self, key: SurfaceKey) -> Cell | None:
         """Cell on one more surface, where there is one."""
         wanted = {**self.cell.signs, key: 0}
         found = self.mode.cell(wanted)
         return found if len(found.on) == len(self.cell.on) + 1 else None
+
+    def _meetings(self) -> list[Cell]:
+        """Cells where two surfaces of this one meet: motion may wind itself into them."""
+        signs = {key: sign for key, sign in self.cell.signs.items() if sign != 0}
+        n_on = len(self.cell.on)
+        return [
+            cell
+            for cell in self.mode.sliding
+            if len(cell.on) == n_on + 2
+            and set(self.cell.on) < set(cell.on)
+            and cell.agrees({k: s for k, s in signs.items() if k not in cell.on})
+        ]
 
     # ------------------------------------------------------------ off contacts
 
@@ -282,9 +298,15 @@ class _Maker:
         equation = Equation(shown(guard), place, guard)
         return Way(ExitEquations(name, self.family.name, equation, {}), target)
 
-    def _beside(
-        self, name: str, target: Cell, reset: Mapping[str, Equation] | None = None
-    ) -> Way:
+    def _beside(self, name: str, target: Cell, reset: Mapping[str, Equation] | None = None) -> Way:
         """Exit that is never searched for: its guard is the constant one."""
         way = self._way(name, self.graph.one, target)
         return replace(way, exit=replace(way.exit, reset=reset or {}))
+
+
+def _choice(declared: Declared | None, sign: int) -> int:
+    """What a start on one side of a surface does where both sides lead away from it."""
+    if declared is None or declared.given.on_nonunique is None:
+        return NO_CHOICE
+    above = (declared.given.on_nonunique == "above") != declared.turned
+    return STAY if above == (sign > 0) else CROSS

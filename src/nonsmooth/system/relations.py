@@ -64,6 +64,7 @@ def read_relations(
 
 
 def form_of_node(graph: Graph, node: Expression) -> LinearForm:
+    """Linear form of a name, or of a signal or its rate, where rates of states were put in."""
     signal = graph.signal_of(node)
     if signal is not None:
         return LinearForm.of(Input(*signal))

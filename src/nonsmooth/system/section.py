@@ -21,8 +21,8 @@ from nonsmooth.system.differentiate import rate_of_change
 from nonsmooth.system.equations import Equation
 from nonsmooth.system.frequencies import monomials
 from nonsmooth.system.graph import Graph
-from nonsmooth.system.mode_forms import ModeForms
 from nonsmooth.system.mode_equations import is_relation
+from nonsmooth.system.mode_forms import ModeForms
 from nonsmooth.system.parts import STOP, Exit, Mode
 from nonsmooth.system.resolve import Resolver
 from nonsmooth.system.structure import Structure
@@ -90,9 +90,7 @@ def _made(system: System, text: str) -> Section:
     try:
         expression = _expression(text)
         equation = Equation.read(expression, "section", section_names(system))
-        moving = [
-            name for name in system.modes if _moves(structure, name, equation)
-        ]
+        moving = [name for name in system.modes if _moves(structure, name, equation)]
     except ModelError as fault:
         raise OptionError(str(fault)) from None
     if not moving:

@@ -5,10 +5,10 @@ it with f = (1 + u)/2 f+ + (1 - u)/2 f-, and u such that h stays zero:
 
     u = (h_x f+ + h_x f-) / (h_x f- - h_x f+).
 
-So a sliding cell is a cell as any other: it has rates, a state that follows from h = 0, and exits
-where u reaches 1 or -1, written without a quotient. What is linear stays linear. See A. F. Filippov,
-Differential Equations with Discontinuous Righthand Sides, 1988, and for the algorithm P. Piiroinen
-and Y. Kuznetsov, An event-driven method to simulate Filippov systems, 2008.
+So a sliding cell is a cell as any other: it has rates, a state that follows from h = 0, and
+exits where u reaches 1 or -1, written without a quotient. What is linear stays linear.
+See A. F. Filippov, Differential Equations with Discontinuous Righthand Sides, 1988, and for the
+algorithm P. Piiroinen and Y. Kuznetsov, An event-driven method to simulate Filippov systems, 2008.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from nonsmooth.system.relations import form_of_node
 from nonsmooth.system.resolve import Resolver
 from nonsmooth.system.switching import SurfaceKey, SwitchingSurface
 
-__all__ = ["Slide", "put_on", "slide_between", "slides_of", "solved_for"]
+__all__ = ["Slide", "between", "cell_on", "put_on", "related", "slides_of", "solved_for"]
 
 _NEWTON = 40  # steps in looking for a point of a surface
 _ON = 1e-12  # of the function at such a point
@@ -50,9 +50,7 @@ class Slide:
 
     def resolver(self, graph: Graph, equations: ModeEquations) -> Resolver:
         """Nodes of equations on the surfaces."""
-        return Resolver(
-            graph, equations, self.cell.signs, controls=self.controls, rates=self.rates
-        )
+        return Resolver(graph, equations, self.cell.signs, controls=self.controls, rates=self.rates)
 
     def equations(self, mode: SplitMode) -> ModeEquations:
         """Equations of the mode with states that follow from the surfaces."""

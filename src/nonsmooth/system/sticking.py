@@ -18,7 +18,7 @@ from typing import Any
 from nonsmooth.errors import ModelError
 from nonsmooth.system.determinants import determinant
 from nonsmooth.system.differentiate import derivative, rate_of_change
-from nonsmooth.system.expressions import Expression
+from nonsmooth.system.expressions import Expression, Number
 from nonsmooth.system.graph import Graph
 from nonsmooth.system.identities import simplified, substituted, value_at, vanishes
 from nonsmooth.system.mode_equations import ExitEquations, ModeEquations
@@ -80,9 +80,7 @@ def rest_of(graph: Graph, equations: ModeEquations, free: Resolver, which: Seque
         for i, contact in contacts.items()
     }
     reactions = _solved(graph, which, matrix, pulls)
-    impulses = _solved(
-        graph, which, matrix, {i: graph.negate(contacts[i].rate) for i in which}
-    )
+    impulses = _solved(graph, which, matrix, {i: graph.negate(contacts[i].rate) for i in which})
     rates, arrival = {}, {}
     for state in equations.flow:
         pushes = [(i, c.push[state]) for i, c in contacts.items() if state in c.push]
@@ -116,7 +114,10 @@ def _contact(graph: Graph, free: Resolver, way: ExitEquations) -> _Contact:
         state: simplified(graph, graph.add(free.tree(e), graph.negate(graph.name(state))))
         for state, e in way.reset.items()
     }
-    for state, slope in slopes.items():
+    # by the state on which the rate depends in the plainest way: a slope may vanish somewhere
+    for state, slope in sorted(
+        slopes.items(), key=lambda item: (not isinstance(item[1], Number), graph.moves(item[1]))
+    ):
         if slope is graph.zero:
             continue
         push = {
@@ -168,9 +169,7 @@ def leaves_at_rest(
     resets = {state: free.tree(e) for state, e in equations.exits[other].reset.items()}
     contacts = [_contact(graph, free, equations.exits[i]) for i in which]
     kept = [node for contact in contacts for node in (contact.guard, contact.rate)]
-    changes = [
-        graph.add(substituted(graph, node, resets), graph.negate(node)) for node in kept
-    ]
+    changes = [graph.add(substituted(graph, node, resets), graph.negate(node)) for node in kept]
     place = put_on(graph, kept, solved_for(graph, equations, kept))
     return vanishes(changes, [graph.one], place)
 
@@ -196,8 +195,7 @@ def _solved(
     found = {}
     for place, k in enumerate(which):
         replaced = [
-            [*row[:place], right[i], *row[place + 1 :]]
-            for i, row in zip(which, rows, strict=True)
+            [*row[:place], right[i], *row[place + 1 :]] for i, row in zip(which, rows, strict=True)
         ]
         found[k] = graph.call("/", determinant(graph, replaced), divisor)
     return found

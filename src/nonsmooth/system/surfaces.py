@@ -49,9 +49,7 @@ class Surface:
     ...     parameters={"v_b": 0.3, "F_k": 0.4, "F_s": 0.6},
     ...     equations={"x": "v", "v": "-x - F_k*sign(slip)"},
     ...     surfaces={
-    ...         "slip": ns.Surface(
-    ...             "v - v_b", below="lag", on="stick", above="lead", hold="F_s/F_k"
-    ...         )
+    ...         "slip": ns.Surface("v - v_b", below="lag", on="stick", above="lead", hold="F_s/F_k")
     ...     },
     ... )
     >>> ns.phase_word(ns.simulate(belt, {"x": 0.2, "v": 0.3}, t_end=10))

@@ -11,7 +11,7 @@ from nonsmooth.system.expressions import Expression, names_in, to_text
 from nonsmooth.system.frequencies import monomials, rebuilt
 from nonsmooth.system.graph import Graph
 
-__all__ = ["SwitchingSurface", "SurfaceKey", "Switch", "Undecided", "switching_function"]
+__all__ = ["SurfaceKey", "Switch", "SwitchingSurface", "Undecided", "switching_function"]
 
 _DIGITS = 12  # in which the numbers of two spellings agree
 
@@ -65,7 +65,9 @@ def _canonical(graph: Graph, node: Expression) -> Switch:
     leading = terms[min(moving, key=lambda factors: ranks[factors])]
     sign = 1.0 if leading > 0.0 else -1.0
     key = frozenset((f, f"{value / leading:.{_DIGITS}g}") for f, value in terms.items())
-    return Switch(SwitchingSurface(key, node if sign > 0.0 else graph.negate(node)), sign, graph.zero)
+    return Switch(
+        SwitchingSurface(key, node if sign > 0.0 else graph.negate(node)), sign, graph.zero
+    )
 
 
 def _rank(graph: Graph, factors: tuple[Expression, ...]) -> tuple[int, int, list[str]]:
