@@ -25,6 +25,7 @@ PHASE, GUARD_RATE, WAIT = 0, 1, 2
 EVENT_FLOATS = 3
 # entries of Records.cursor
 SAMPLES, EVENTS, WINDOW_EVENTS, UNCERTAIN, STALLED, SEGMENTS, REBOUNDS, LAST_EXIT = range(8)
+CURSOR = 8
 
 
 class Anchor(NamedTuple):
@@ -45,7 +46,7 @@ class Records(NamedTuple):
     sample_mode: Integers  # (s,)
     event_integers: Integers  # (c, EVENT_INTEGERS); c = 0 where events are not logged
     event_floats: Floats  # (c, EVENT_FLOATS + 2 n)
-    cursor: Integers  # (8,): samples written, events logged, events in this window, uncertain
+    cursor: Integers  # (CURSOR,): samples written, events logged, events in this window, uncertain
     # ones, events in a row between which time did not advance, segments of this call, impacts in a
     # row of one exit, and which exit that is
     end_state: Floats  # (n,)
@@ -71,7 +72,7 @@ def allocate_records(
         sample_mode=np.full(count, -1, np.int64),
         event_integers=np.empty((capacity, EVENT_INTEGERS), np.int64),
         event_floats=np.empty((capacity, EVENT_FLOATS + 2 * n)),
-        cursor=np.zeros(8, np.int64),
+        cursor=np.zeros(CURSOR, np.int64),
         end_state=np.full(n, np.nan),
         since=np.full(2, -np.inf),
     )

@@ -71,9 +71,10 @@ CURES: dict[Status, str] = {
         " exit's reset= if it shall jump"
     ),
     Status.EVENT_LIMIT: (
-        "impacts accumulate: more than 1000 at one instant or 10000 events in one period. Does"
+        "impacts accumulate: more than 100 at one instant or 10000 events in one period. Does"
         " the reset reverse the speed? If it does, the motion comes to rest on the surface: give"
-        " the exit a mode for that, sticks='rest'"
+        " the exit a mode for that, sticks='rest'. Switches without a reset accumulate where"
+        " motion winds itself into the meeting of two surfaces: smooth one of them"
     ),
     Status.STEP_LIMIT: (
         "the search for a crossing did not advance, or took more than a million steps; choose"

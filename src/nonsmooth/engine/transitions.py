@@ -56,7 +56,8 @@ _UNDECIDED = int(Status.UNDECIDED)
 _SLIDING = int(Status.SLIDING)
 _EVENT_LIMIT = int(Status.EVENT_LIMIT)
 _INADMISSIBLE = int(Status.INADMISSIBLE)
-_MOST_PASSES = 1000
+_MOST_PASSES = 100
+_MOST_REBOUNDS = 1000  # passes, where exits may come to rest: balls between others need many
 _NOTHING = 1e-12  # likewise, of what it changes by in a window
 _SHARE = 1e-3  # of a coordinate in the rate of a guard, from which it is moved onto its zero
 _CLEARLY = 1e-9  # a guard above this part of its terms is not zero by construction
@@ -139,7 +140,7 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
                     return status, m, path, passes, jumped, corner, stay
                 visited = 0  # slaved states have jumped on the way
                 copy_vector(z, segment.mark, n)
-            if passes > _MOST_PASSES:
+            if passes > (_MOST_REBOUNDS if rebounds else _MOST_PASSES):
                 return _EVENT_LIMIT, m, path, passes, jumped, corner, stay
             visited |= 1 << m
             followed = curved

@@ -153,7 +153,7 @@ def _start(legs: Legs, states: Floats, instants: Floats) -> _Lanes:
         sample_mode=np.zeros((count, 0), np.int64),
         event_integers=np.zeros((count, _ROWS, at.EVENT_INTEGERS), np.int64),
         event_floats=np.zeros((count, _ROWS, at.EVENT_FLOATS + 2 * n)),
-        cursor=np.zeros((count, 6), np.int64),
+        cursor=np.zeros((count, at.CURSOR), np.int64),
         end_state=np.full((count, n), np.nan),
         since=np.full((count, 2), -np.inf),
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import pairwise, product
 from typing import Any
 
@@ -83,15 +83,30 @@ def words_of_names(system: System, names: Sequence[str], *, autonomous: bool) ->
 
 def shortest_paths(wiring: npt.NDArray[np.int64], a: int, b: int) -> list[tuple[int, ...]]:
     """The shortest ways from mode a to mode b, by exits passed at one instant."""
-    ways: list[tuple[tuple[int, ...], int]] = [((), a)]
+    ways: list[tuple[tuple[int, ...], int, int]] = [((), a, -1)]
     for _ in range(_MOST_EXITS):
         ways = [
-            ((*path, e), int(wiring[m, 1 + e, at.TARGET]))
-            for path, m in ways
-            for e in range(int(wiring[m, 0, at.N_EXITS]))
+            ((*path, e), int(wiring[m, 1 + e, at.TARGET]), m)
+            for path, m, before in ways
+            for e in _ways(wiring, path, m, before)
             if wiring[m, 1 + e, at.TARGET] >= 0
         ]
-        there = [path for path, m in ways if m == b]
+        there = [path for path, m, _ in ways if m == b]
         if there:
             return there
     return []
+
+
+def _ways(
+    wiring: npt.NDArray[np.int64], path: tuple[int, ...], m: int, before: int
+) -> Iterator[int]:
+    """Exits that can be passed in a mode behind a path: those onto a surface on behalf of others."""
+    yield from range(int(wiring[m, 0, at.N_EXITS]))
+    if not path:
+        return
+    for e in range(int(wiring[m, 0, at.N_EXITS])):
+        onto = int(wiring[m, 1 + e, at.ONTO])
+        rebounds = bool(wiring[m, 1 + e, at.RESETTING])
+        back = int(wiring[m, 1 + e, at.TARGET]) == before
+        if onto not in (-1, e) and (before == m and path[-1] == e if rebounds else back):
+            yield onto

@@ -195,7 +195,7 @@ class LaneRunner:
             sample_mode=np.full((count, samples), -1, np.int64),
             event_integers=np.empty((count, events, at.EVENT_INTEGERS), np.int64),
             event_floats=np.empty((count, events, at.EVENT_FLOATS + 2 * n)),
-            cursor=np.zeros((count, 6), np.int64),
+            cursor=np.zeros((count, at.CURSOR), np.int64),
             end_state=np.full((count, n), np.nan),
             since=np.full((count, 2), -np.inf),
         )

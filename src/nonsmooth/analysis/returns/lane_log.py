@@ -97,7 +97,7 @@ class LaneLog:
         self.status = settled.status.copy()
         self.ends = np.full((self.status.size, int(engine.sizes[0])), np.nan)
         self._since = np.full((self.status.size, 2), -np.inf)
-        self._cursor = np.zeros((self.status.size, 6), np.int64)
+        self._cursor = np.zeros((self.status.size, at.CURSOR), np.int64)
         self._lanes: list[Integers] = []
         self._rows: list[Integers] = []
         self._values: list[Floats] = []
@@ -171,7 +171,7 @@ def _records(count: int, n: int, room: int) -> Records:
         sample_mode=np.empty((count, 0), np.int64),
         event_integers=np.zeros((count, room, at.EVENT_INTEGERS), np.int64),
         event_floats=np.empty((count, room, at.EVENT_FLOATS + 2 * n)),
-        cursor=np.zeros((count, 6), np.int64),
+        cursor=np.zeros((count, at.CURSOR), np.int64),
         end_state=np.full((count, n), np.nan),
         since=np.full((count, 2), -np.inf),
     )
