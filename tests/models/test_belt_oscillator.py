@@ -37,7 +37,10 @@ CASES = [(0.3, 0.6, 0.4), (0.05, 1.0, 0.2), (2.0, 0.6, 0.4), (0.3, 0.41, 0.4)]
 def test_stick_slip_period(v_b, F_s, F_k):
     period = stick_slip_period(v_b, F_s, F_k)
     run = ns.simulate(
-        belt_oscillator(v_b, F_s, F_k), {"x": F_k, "v": v_b}, t_end=6 * period, samples_per_period=50
+        belt_oscillator(v_b, F_s, F_k),
+        {"x": F_k, "v": v_b},
+        t_end=6 * period,
+        samples_per_period=50,
     )
     begins, ends = times_of(run, "slide_entry"), times_of(run, "slide_exit")
     assert len(begins) >= 5 and len(ends) >= 5

@@ -1,4 +1,4 @@
-"""The brake model against its characteristic polynomial, its eigenvalues, and hand-written modes."""
+"""The brake model against its eigenvalues, its flutter limit, and hand-written modes."""
 
 import numpy as np
 import pytest
@@ -155,7 +155,8 @@ SQUEAL = {**PLAIN, "mu": 1.0, "zeta_x": 0.05, "zeta_y": 0.05}
 
 @pytest.mark.parametrize(("v_b", "N0", "vx", "cells"), [
     (0.3, 4.0, 0.0, {"slip", "stick"}), (0.9, 1.0, 0.0, {"slip", "apart"}),
-    (0.3, 1.0, 0.0, {"slip", "stick", "apart"}), (0.3, 2.0, 1.5, {"ahead", "slip", "stick"})])  # fmt: skip
+    (0.3, 1.0, 0.0, {"slip", "stick", "apart"}),
+    (0.3, 2.0, 1.5, {"ahead", "slip", "stick"})])  # fmt: skip
 def test_grown_motions_by_hand_written_modes(v_b, N0, vx, cells):
     times = np.linspace(0, 60, 601)
     start = [0.3, 0.1, vx, 0.0]
@@ -164,7 +165,8 @@ def test_grown_motions_by_hand_written_modes(v_b, N0, vx, cells):
         dict(zip(("x", "y", "vx", "vy"), start, strict=True)),
         times=times,
     )
-    states, log = followed(by_hand(**SQUEAL, v_b=v_b, N0=N0), "ahead" if vx > v_b else "slip", start, times)
+    first = "ahead" if vx > v_b else "slip"
+    states, log = followed(by_hand(**SQUEAL, v_b=v_b, N0=N0), first, start, times)
     assert run.attrs["status"] == "completed"
     assert set(ns.phase_word(run)) >= cells
     for name, exact in zip(("x", "y", "vx", "vy"), states.T, strict=True):
@@ -190,7 +192,8 @@ def test_forces_in_stick_and_apart():
 
 @pytest.mark.parametrize(("words", "message"), [
     ({"mu": -1}, "mu >= 0"), ({"v_b": 0}, "v_b > 0"), ({"N0": 0}, "N0 > 0"),
-    ({"k_n": 3}, "k_y >= k_n"), ({"k_xy": 1.5}, "k_xy"), ({"zeta_x": -1}, "zeta_x >= 0")])  # fmt: skip
+    ({"k_n": 3}, "k_y >= k_n"), ({"k_xy": 1.5}, "k_xy"),
+    ({"zeta_x": -1}, "zeta_x >= 0")])  # fmt: skip
 def test_impossible_parameters_are_refused(words, message):
     with pytest.raises(ns.ModelError, match=message):
         brake_mode_coupling(**words)

@@ -48,7 +48,8 @@ class Tool:
     def held_chip(self, z):
         """Friction that keeps the chip on the tool: y' = v/R, differentiated."""
         v = self.p["v0"] - z[2]
-        slope = 1 / self.ratio(v) - v * self.p["R0"] * 2 * self.p["c3"] * (v - 1) / self.ratio(v) ** 2
+        R, rise = self.ratio(v), 2 * self.p["R0"] * self.p["c3"] * (v - 1)
+        slope = 1 / R - v * rise / R**2
         ax, ay = self.free(z)
         return -slope * (ax + self.bite(z)) - ay
 
@@ -148,7 +149,9 @@ def test_out_of_the_cut_the_tool_decays_freely():
     for name, start, stiffness in (("x", 0.2, 1.0), ("y", 0.9, 4.0)):
         w = np.sqrt(stiffness)
         d = w * np.sqrt(1 - 0.01)
-        exact = start * np.exp(-0.1 * w * time) * (np.cos(d * time) + 0.1 * w / d * np.sin(d * time))
+        exact = (
+            start * np.exp(-0.1 * w * time) * (np.cos(d * time) + 0.1 * w / d * np.sin(d * time))
+        )
         assert run[name].values == pytest.approx(exact, abs=1e-14)
     assert not run["F_x"].values.any() and not run["F_y"].values.any()
     assert np.all(run["h"].values < 0)

@@ -124,9 +124,9 @@ def belt_oscillator(
     >>> run = ns.simulate(ns.models.belt_oscillator(), t_end=60)
     >>> stops = run["event_time"].values[run["event_kind"] == "slide_entry"]
     >>> round(float(stops[-1] - stops[-2]), 10)
-    6.4405134068
+    6.4405134334
     >>> round(2 * 0.2 / 0.3 + 2 * math.pi - 2 * math.atan(0.2 / 0.3), 10)
-    6.4405134068
+    6.4405134334
     """
     if law not in _LAWS:
         raise ModelError(f"law = {law!r:.60} must be one of {', '.join(_LAWS)}")

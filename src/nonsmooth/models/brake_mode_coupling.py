@@ -143,9 +143,16 @@ def brake_mode_coupling(
         name="brake_mode_coupling",
         states=["x", "y", "vx", "vy"],
         parameters={
-            "mu": mu, "v_b": v_b, "N0": N0, "k_x": k_x, "k_y": k_y, "k_xy": k_xy, "k_n": k_n,
-            "zeta_x": zeta_x, "zeta_y": zeta_y,
-        },  # fmt: skip
+            "mu": mu,
+            "v_b": v_b,
+            "N0": N0,
+            "k_x": k_x,
+            "k_y": k_y,
+            "k_xy": k_xy,
+            "k_n": k_n,
+            "zeta_x": zeta_x,
+            "zeta_y": zeta_y,
+        },
         require={
             "mu >= 0": "friction acts against the slip",
             "v_b > 0": "the disc turns",

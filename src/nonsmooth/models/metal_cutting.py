@@ -75,7 +75,7 @@ def metal_cutting(
     q_0    q0       1       default chosen here: cutting resistance
     h_0    h0       0.5     recalled, not verified: nominal chip thickness
     v_0    v0       0.5     recalled, not verified: velocity of the work
-    α      alpha    4       default chosen here: stiffness ratio
+    alpha  alpha    4       default chosen here: stiffness ratio
     ζ_x    zeta_x   0.1     default chosen here: damping ratio in x
     ζ_y    zeta_y   0.1     default chosen here: damping ratio in y
     μ_0    mu0      0.36    recalled, not verified: friction coefficient
