@@ -251,6 +251,14 @@ def test_friction_stays_within_its_limit_and_is_the_equivalent_one_in_stick():
     assert friction[moving] == pytest.approx((-limit * np.sign(v))[moving], abs=1e-14)
 
 
+def test_chaos_of_a_map_with_one_coordinate():
+    """Stick leaves one coordinate of two: nothing is left of the other."""
+    found = ns.lyapunov_spectrum(friction_oscillator(**FEENY), transient=100, record=400)
+    first, second = found["lyapunov_exponent"].values
+    assert first > 10 * found["standard_error"].values[0] > 0
+    assert second == -np.inf
+
+
 @pytest.mark.parametrize(("argument", "value"), [("omega", 0.0), ("zeta", -0.1), ("f", -0.1)])
 def test_impossible_parameters_are_refused(argument, value):
     with pytest.raises(ns.ModelError, match=f"{argument} >"):
