@@ -17,6 +17,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from nonsmooth.system.attraction import may_attract
 from nonsmooth.system.cells import Cell, Signs, SplitMode, shown
 from nonsmooth.system.differentiate import derivative, rate_of_change
 from nonsmooth.system.equations import Equation
@@ -29,7 +30,7 @@ from nonsmooth.system.relations import form_of_node
 from nonsmooth.system.resolve import Resolver
 from nonsmooth.system.switching import SurfaceKey, SwitchingSurface
 
-__all__ = ["Slide", "between", "cell_on", "put_on", "related", "slides_of", "solved_for"]
+__all__ = ["Slide", "between", "cell_on", "put_on", "quotient", "related", "slides_of", "solved_for"]
 
 _NEWTON = 40  # steps in looking for a point of a surface
 _ON = 1e-12  # of the function at such a point
@@ -73,6 +74,8 @@ def slides_of(graph: Graph, mode: SplitMode) -> Iterator[Slide]:
 def _slide(graph: Graph, mode: SplitMode, key: SurfaceKey, a: Cell, b: Cell) -> Slide | None:
     cell = cell_on(mode, (a, b), (key,))
     surface = next(s for s in a.surfaces if s.key == key)
+    if not graph.states_in(surface.node):
+        return None  # time passes
     relations = solved_for(graph, mode.equations, [surface.node])
     sides = [mode.resolver(c.signs) for c in (a, b)]
 
@@ -84,14 +87,28 @@ def _slide(graph: Graph, mode: SplitMode, key: SurfaceKey, a: Cell, b: Cell) -> 
     place = put_on(graph, [surface.node], relations)
     if vanishes([width], [up, down], place):
         return None
-    control = graph.call("/", on_surface(graph.add(up, down)), width)
+    hold = _hold(mode, key)
+    if hold is None and not may_attract(up, down, place):
+        return None
+    control = quotient(graph, on_surface(graph.add(up, down)), width)
     rates = {}
     for state in mode.equations.flow:
         if state not in relations:
             plus, minus = (on_surface(side.rate(state)) for side in sides)
             rates[state] = between(graph, plus, minus, control, place)
-    guards = _guards(graph, key, up, down, _hold(mode, key))
+    guards = _guards(graph, key, up, down, hold)
     return Slide(cell, rates, {key: control}, relations, guards)
+
+
+def quotient(graph: Graph, above: Expression, below: Expression) -> Expression:
+    """One over another; where parameters make the divisor zero, any number.
+
+    Without friction there is no width: nothing slides then, but the cell has its rates.
+    """
+    if not graph.moves(below) and not isinstance(below, Number):
+        differs = graph.call(">", graph.multiply(below, below), graph.zero)
+        below = graph.call("where", differs, below, graph.one)
+    return graph.call("/", above, below)
 
 
 def _hold(mode: SplitMode, key: SurfaceKey) -> Expression | None:
