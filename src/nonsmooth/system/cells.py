@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
+from itertools import count
 
 from nonsmooth.errors import ModelError
 from nonsmooth.system.equations import Equation
@@ -162,13 +163,18 @@ def _grown(
         return cell
     if surface.key not in found.names:
         declared = found.declared.get(surface.key)
-        n_others = sum(key not in found.declared for key in found.names)
-        name = f"s{n_others + 1}" if declared is None else declared.name
+        name = _unused(found) if declared is None else declared.name
         found.names[surface.key], found.nodes[name] = name, surface.node
     above, below = (
         _grown(found, {**signs, surface.key: sign}, (*surfaces, surface)) for sign in (1, -1)
     )
     return _Branch(surface, above, below)
+
+
+def _unused(found: SplitMode) -> str:
+    """Name of the next surface that has none."""
+    taken = {*found.nodes, *(each.name for each in found.declared.values())}
+    return next(name for i in count(1) if (name := f"s{i}") not in taken)
 
 
 def shown(node: Expression) -> str:
