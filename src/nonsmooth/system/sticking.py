@@ -54,53 +54,27 @@ class Rest:
     arrival: Mapping[str, Expression]
 
 
-def contacts_at_rest(
-    graph: Graph, equations: ModeEquations, free: Resolver
-) -> list[tuple[int, ...]]:
-    """Sets of exits of a mode that may be at rest together, by number.
-
-    One body cannot rest at two places: there the reactions would not follow from the rates.
-    """
+def contacts_at_rest(equations: ModeEquations) -> list[tuple[int, ...]]:
+    """Sets of exits of a mode that may be at rest together, by number."""
     sticking = [i for i, way in enumerate(equations.exits) if way.sticks]
     if len(sticking) > _MOST_STICKING:
         raise ModelError(
             f"modes[{equations.name!r}]: {len(sticking)} exits stick; at most {_MOST_STICKING}"
             " are supported in one mode, for any of them may be at rest together"
         )
-    contacts = {i: _contact(graph, free, equations.exits[i]) for i in sticking}
-    matrix = _matrix(graph, contacts)
-    found: list[tuple[int, ...]] = []
-    for count in range(1, len(sticking) + 1):
-        for which in combinations(sticking, count):
-            fewer = [tuple(k for k in which if k != i) for i in which if count > 1]
-            if all(some in found for some in fewer) and _independent(graph, matrix, which):
-                found.append(which)
-    return found
-
-
-def _matrix(
-    graph: Graph, contacts: Mapping[int, _Contact]
-) -> dict[tuple[int, int], Expression]:
-    """What the push of each contact adds to the rates of the guards' rates."""
-    return {
-        (i, k): simplified(graph, _along(graph, contacts[i].rate, contacts[k].push))
-        for i in contacts
-        for k in contacts
-    }
-
-
-def _independent(
-    graph: Graph, matrix: Mapping[tuple[int, int], Expression], which: Sequence[int]
-) -> bool:
-    """Whether the reactions of some contacts follow from the rates."""
-    whole = determinant(graph, [[matrix[i, k] for k in which] for i in which])
-    return not vanishes([whole], [graph.multiply(*(matrix[i, i] for i in which))])
+    return [
+        which for count in range(1, len(sticking) + 1) for which in combinations(sticking, count)
+    ]
 
 
 def rest_of(graph: Graph, equations: ModeEquations, free: Resolver, which: Sequence[int]) -> Rest:
     """Motion with some exits of a mode at rest; ``free`` are the nodes of the mode without."""
     contacts = {i: _contact(graph, free, equations.exits[i]) for i in which}
-    matrix = _matrix(graph, contacts)
+    matrix = {
+        (i, k): simplified(graph, _along(graph, contacts[i].rate, contacts[k].push))
+        for i in which
+        for k in which
+    }
     pulls = {
         i: graph.negate(rate_of_change(graph, contact.rate, free.rate))
         for i, contact in contacts.items()
