@@ -30,7 +30,6 @@ class Draft:
     features: set[str] = field(default_factory=set)
     frequency: str | None = None
     aperiodic: bool = False
-    at_rest: dict[str, tuple[str, str]] = field(default_factory=dict)  # state: guard, speed
 
     # ------------------------------------------------------------ chance
 
@@ -60,6 +59,11 @@ class Draft:
         """States that no mode slaves."""
         slaved = {state for relations in self.slaved.values() for state in relations}
         return [state for state in self.states if state not in slaved]
+
+    @property
+    def driven(self) -> list[str]:
+        """States whose rates take any term: no positions."""
+        return [*(v for _, v in self.pairs), *self.singles]
 
     def exit_name(self) -> str:
         return f"e{sum(map(len, self.exits.values()))}"

@@ -31,10 +31,10 @@ def draw(seed: int) -> Drawn:
     if main == "surfaces" or d.chance(0.15):
         for _ in range(d.pick([1, 1, 2, 3])):
             mode = d.pick([None, *d.modes])
-            d.add(d.pick(d.moving), d.piecewise(mode), mode)
+            d.add(d.pick(d.driven), d.piecewise(mode), mode)
     if d.chance(0.12):
         _jump(d)
-    if d.chance(0.08):
+    if d.chance(0.07):
         _slave(d)
     words = _words(d)
     start = _start(d, words)
@@ -72,9 +72,9 @@ def _flow(d: Draft) -> None:
             d.add(y, d.harmonic(0.2, 1.0))
     if d.chance(0.4):
         for _ in range(d.pick([1, 1, 2, 3])):
-            d.add(d.pick([*(v for _, v in d.pairs), *d.singles]), d.smooth())
+            d.add(d.pick(d.driven), d.smooth())
     if d.chance(0.06):
-        d.add(d.pick([*(v for _, v in d.pairs), *d.singles]), f"{d.number(-0.2, 0.2)}*t")
+        d.add(d.pick(d.driven), f"{d.number(-0.2, 0.2)}*t")
         d.aperiodic = True
 
 
@@ -197,9 +197,12 @@ def _slave(d: Draft) -> None:
     if d.chance(0.3):
         relation = "z + z**3/9 = {a} - {k}*{b}"
     text = relation.format(a=d.pick(d.moving), b=d.pick(d.moving), k=d.number(0.2, 1.0))
-    d.add(d.pick([*(v for _, v in d.pairs), *d.singles]), f"- {d.number(0.1, 0.5)}*z")
+    d.add(d.pick(d.driven), f"- {d.number(0.1, 0.5)}*z")
     for mode in d.modes:
         d.slaved[mode] = {"z": text}
+        for way in d.exits.get(mode, []):
+            if way.get("reset"):
+                way["reset"]["z"] = "z"
     d.features.add("slaved")
 
 
@@ -230,7 +233,7 @@ def _several_modes(d: Draft) -> None:
         push = d.number(0.3, 1.5)
         d.add(target, f"{'+' if sign * drive > 0 else '-'} {push}", name)
         if d.chance(0.4):
-            d.add(d.pick([*(v for _, v in d.pairs), *d.singles]), d.smooth(), name)
+            d.add(d.pick(d.driven), d.smooth(), name)
 
 
 # ---------------------------------------------------------------- words, start, length
