@@ -283,25 +283,31 @@ class _Maker:
             target = None if entered is None else entered.split.cell(self._signs_behind(way))
             more = tuple(sorted((*which, i)))
             resting = None if way.sticks is None else self._resting(more)
-            if resting is None or not self._comes_to_rest(i, more):
+            # what happens elsewhere leaves at rest what is at rest
+            stays = not which or self._stays_at_rest(i)
+            if which and stays and way.target == self.family.declared:
+                target = self.mode.cell(self._signs_behind(way))
+            if resting is None or not stays or not self._comes_to_rest(i, more):
                 yield Way(way, target)
                 continue
             rest = rest_of(self.graph, equations, self._free, more)
             onto = self._beside(
                 str(way.sticks), resting.split.cell(self.cell.signs), self._reset(rest, way)
             )
-            yield Way(way, self.cell if which else target, onto)
+            yield Way(way, target, onto)
+
+    def _stays_at_rest(self, i: int) -> bool:
+        """Whether an exit does not move what is at rest."""
+        which, equations = self.family.resting, self.family.free.equations
+        return leaves_at_rest(self.graph, equations, self._free, which, i)
 
     def _comes_to_rest(self, i: int, more: tuple[int, ...]) -> bool:
         """Whether an exit may come to rest beside those of the cell; sliding may leave no way."""
-        graph, equations, free = self.graph, self.family.free.equations, self._free
-        which = self.family.resting
-        if which and not leaves_at_rest(graph, equations, free, which, i):
-            return False
         if not self.cell.on:
             return True
+        equations = self.family.free.equations
         kept = self._signs_behind(equations.exits[i]) == self.cell.signs
-        return kept and may_rest(graph, equations, free, more)
+        return kept and may_rest(self.graph, equations, self._free, more)
 
     def _signs_behind(self, way: ExitEquations) -> dict[SurfaceKey, int]:
         """Signs of the cell without those of surfaces that a reset leaves."""
