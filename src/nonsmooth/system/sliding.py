@@ -21,9 +21,15 @@ from nonsmooth.system.attraction import may_attract
 from nonsmooth.system.cells import Cell, Signs, SplitMode, shown
 from nonsmooth.system.differentiate import derivative, rate_of_change
 from nonsmooth.system.equations import Equation
-from nonsmooth.system.expressions import ZERO, Expression, Number
+from nonsmooth.system.expressions import ZERO, Expression, Number, negate
 from nonsmooth.system.graph import Graph
-from nonsmooth.system.identities import simplified, substituted, value_at, vanishes
+from nonsmooth.system.identities import (
+    random_point,
+    simplified,
+    substituted,
+    value_at,
+    vanishes,
+)
 from nonsmooth.system.linear import LinearForm, NotLinear, State, linear_form
 from nonsmooth.system.mode_equations import ModeEquations
 from nonsmooth.system.relations import form_of_node
@@ -34,6 +40,7 @@ __all__ = ["Slide", "between", "cell_on", "put_on", "quotient", "related", "slid
 
 _NEWTON = 40  # steps in looking for a point of a surface
 _ON = 1e-12  # of the function at such a point
+_POINTS = 4  # values of parameters by which factors are told to be the same
 
 
 @dataclass(frozen=True)
@@ -177,27 +184,41 @@ def solved_for(
             )
         except NotLinear:
             return {}
-        pivots = [
-            basis
-            for basis, value in form.terms.items()
-            if isinstance(basis, State)
-            and basis.name in equations.flow
-            and isinstance(value, Number)
-            and value != ZERO
-        ]
-        if not pivots:
+        pivot = _pivot(form, equations)
+        if pivot is None:
             return {}
-        pivot = pivots[-1]
         rest = LinearForm({b: c for b, c in form.terms.items() if b != pivot})
-        solution = graph.from_form(rest.divided(_negative(form.coefficient(pivot))))
+        solution = graph.from_form(rest.divided(negate(form.coefficient(pivot))))
         found = {s: substituted(graph, e, {pivot.name: solution}) for s, e in found.items()}
         found[pivot.name] = solution
     return found
 
 
-def _negative(value: Expression) -> Number:
-    assert isinstance(value, Number)
-    return Number(-value.value)
+def _pivot(form: LinearForm, equations: ModeEquations) -> State | None:
+    """State for which a form that is zero is solved; its factor vanishes for no values.
+
+    A factor of parameters that all states share is none: where it vanishes there is no function.
+    """
+    factors = {b: c for b, c in form.terms.items() if isinstance(b, State) and c != ZERO}
+    flowing = [basis for basis in factors if basis.name in equations.flow]
+    sure = [basis for basis in flowing if isinstance(factors[basis], Number)]
+    if sure:
+        return sure[-1]
+    return flowing[-1] if flowing and _proportional(list(factors.values())) else None
+
+
+def _proportional(factors: list[Expression]) -> bool:
+    """Whether expressions of parameters have the same ratios for all values."""
+    points = [random_point(seed) for seed in range(_POINTS)]
+    rows = [[value_at(factor, point) for factor in factors] for point in points]
+    if not all(first[0] for first in rows):
+        return False
+    ratios = [[value / row[0] for value in row] for row in rows]
+    return all(
+        abs(value - first) <= _ON * abs(first)
+        for row in ratios
+        for value, first in zip(row, ratios[0], strict=True)
+    )
 
 
 def related(
