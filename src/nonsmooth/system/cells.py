@@ -104,7 +104,10 @@ class SplitMode:
         )
 
     def text_of(self, surface: str) -> str:
-        """Switching function of a surface as text."""
+        """Switching function of a surface as text; as it is given where it is declared."""
+        for declared in self.declared.values():
+            if declared.name == surface:
+                return str(declared.given.function)
         return shown(self.nodes[surface])
 
     def surfaces_of(self, cell: Cell) -> Iterator[tuple[str, str]]:

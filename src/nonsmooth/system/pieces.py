@@ -249,7 +249,7 @@ class _Maker:
         which = self.family.resting
         if not which:
             return
-        rest = rest_of(self.graph, self.family.free.equations, self._free, which)
+        rest = rest_of(self.graph, self.family.free.equations, self._free, which, self._leaf)
         for i, reaction in rest.reactions.items():
             fewer = self._resting(tuple(k for k in which if k != i))
             assert fewer is not None
@@ -265,6 +265,12 @@ class _Maker:
             slide = home.slides[id(cell)]
             return slide.resolver(self.graph, slide.equations(free))
         return free.resolver(cell.signs)
+
+    @property
+    def _leaf(self) -> Resolver:
+        """The same in a cell beside the surfaces."""
+        free = self.family.free
+        return free.resolver(free.leaf(self.cell.signs).signs)
 
     def _resting(self, which: tuple[int, ...]) -> Family | None:
         """Family of the same mode with these exits at rest, where they can be so together."""
@@ -299,7 +305,7 @@ class _Maker:
     def _stays_at_rest(self, i: int) -> bool:
         """Whether an exit does not move what is at rest."""
         which, equations = self.family.resting, self.family.free.equations
-        return leaves_at_rest(self.graph, equations, self._free, which, i)
+        return leaves_at_rest(self.graph, equations, self._leaf, which, i)
 
     def _comes_to_rest(self, i: int, more: tuple[int, ...]) -> bool:
         """Whether an exit may come to rest beside those of the cell; sliding may leave no way."""

@@ -91,9 +91,18 @@ def _diagonal(
     return graph.multiply(*(matrix[i, i] for i in which)) if len(which) > 1 else graph.one
 
 
-def rest_of(graph: Graph, equations: ModeEquations, free: Resolver, which: Sequence[int]) -> Rest:
-    """Motion with some exits of a mode at rest; ``free`` are the nodes of the mode without."""
-    contacts = {i: _contact(graph, free, equations.exits[i]) for i in which}
+def rest_of(
+    graph: Graph,
+    equations: ModeEquations,
+    free: Resolver,
+    which: Sequence[int],
+    leaf: Resolver | None = None,
+) -> Rest:
+    """Motion with some exits of a mode at rest; ``free`` are the nodes of the mode without.
+
+    ``leaf`` are those beside the surfaces on which ``free`` slides: there all states are free.
+    """
+    contacts = {i: _contact(graph, leaf or free, equations.exits[i]) for i in which}
     matrix = _pushes(graph, contacts)
     pulls = {
         i: graph.negate(rate_of_change(graph, contact.rate, free.rate))
