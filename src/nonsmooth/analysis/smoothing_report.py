@@ -41,7 +41,7 @@ def smoothing_report(
     t_end: float | None = None,
     transient: float = 0.0,
     samples: int = 2000,
-    band: float = 5.0,
+    band: float = 10.0,
     region: Mapping[str, tuple[float, float]] | None = None,
     starts: int = 20,
     near: float = 0.05,
