@@ -65,9 +65,7 @@ CALLS = {
     ),
     "where(abs(x) > 1, x, 0)": lambda k, x: x * above(k, size(k, x) - 1),
     "where(c > 1, sign(x), x)": lambda k, x: SIGN[k](x / EPS),
-    "2*where(x > 0, 1, -1)*max(x - 1, 0)": lambda k, x: (
-        2 * SIGN[k](x / EPS) * greater(k, x - 1, 0)
-    ),
+    "2*where(x > 0, 1, -1)*max(x - 1, 0)": lambda k, x: 2 * SIGN[k](x / EPS) * greater(k, x - 1, 0),
 }
 
 

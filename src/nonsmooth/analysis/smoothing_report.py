@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy.typing as npt
 
@@ -189,9 +189,7 @@ def smoothing_report(
     1.0
     """
     ladder = read_ladder(system, epsilons, kind, parameters, tolerance)
-    stretch = read_stretch(
-        ladder.exact, initial, periods, t_end, transient, samples, tolerance
-    )
+    stretch = read_stretch(ladder.exact, initial, periods, t_end, transient, samples, tolerance)
     if not finite_number("band", band) > 0.0:
         raise OptionError(f"band = {band:g} must be positive")
     sets = read_sets(region, starts, near)

@@ -58,20 +58,21 @@ def smoothing(
     """
     there = [name for name in _QUANTITIES if f"{name}_exponent" in data and "epsilon" in data.dims]
     if not there:
-        raise OptionError("the dataset is no report on smoothing; give a result of smoothing_report")
+        raise OptionError(
+            "the dataset is no report on smoothing; give a result of smoothing_report"
+        )
     if quantity not in there:
         raise OptionError(
             f"quantity = {quantity!r:.60} is not in the report; it has {', '.join(there)}"
         )
-    values = np.abs(data[quantity])
+    values = abs(data[quantity])
     over = next((str(name) for name in values.dims if name != "epsilon"), None)
     ax = new_axes() if ax is None else ax
     ax.set(xscale="log", yscale="log")
     drawn = 0
     for k in range(1 if over is None else data.sizes[over]):
         column = values if over is None else values.isel({over: k})
-        exponent = data[f"{quantity}_exponent"]
-        exponent = float(exponent if over is None else exponent.isel({over: k}))
+        exponent = float(np.atleast_1d(data[f"{quantity}_exponent"].values)[k])
         drawn += _draw(ax, column, exponent, _name(data, over, k), k)
     finish_axes(ax, axis_label(data["epsilon"]), axis_label(data[quantity]))
     if legend and drawn:
@@ -97,7 +98,9 @@ def _draw(ax: Axes, column: xr.DataArray, exponent: float, name: str, k: int) ->
     line: dict[str, Any] = dict(LINES[k % len(LINES)])
     points = {"linestyle": "none", "markersize": 3.5, "color": line["color"], "zorder": 3}
     if not np.isfinite(exponent):
-        ax.plot(widths[used], heights[used], marker=_MARKERS[k % 4], **points, label=name.strip(": "))
+        ax.plot(
+            widths[used], heights[used], marker=_MARKERS[k % 4], **points, label=name.strip(": ")
+        )
         return True
     ax.plot(widths[used], heights[used], marker=_MARKERS[k % 4], **points)
     x, y = np.log(widths[used]), np.log(heights[used])

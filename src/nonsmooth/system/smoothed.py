@@ -154,9 +154,10 @@ def _width(system: System, epsilon: Any) -> Expression:
         return Name(epsilon)
     if isinstance(epsilon, bool) or not isinstance(epsilon, Real):
         raise OptionError(f"epsilon = {epsilon!r:.60} is neither a positive number nor a name")
-    if not (epsilon > 0.0 and math.isfinite(epsilon)):
-        raise OptionError(f"epsilon = {float(epsilon):g} must be positive and finite")
-    return Number(float(epsilon))
+    width = float(epsilon)
+    if not (width > 0.0 and math.isfinite(width)):
+        raise OptionError(f"epsilon = {width:g} must be positive and finite")
+    return Number(width)
 
 
 def _names_of(system: System) -> set[str]:

@@ -47,9 +47,7 @@ class Stretch:
     tolerance: float
 
 
-def read_ladder(
-    system: Any, epsilons: Any, kind: str, parameters: Any, tolerance: float
-) -> Ladder:
+def read_ladder(system: Any, epsilons: Any, kind: str, parameters: Any, tolerance: float) -> Ladder:
     """Check the widths and smooth the system."""
     exact = check_run_options(system, parameters, None, tolerance)
     try:
@@ -124,6 +122,4 @@ def run_smoothed(system: System, stretch: Stretch) -> xr.Dataset:
 def _run(system: System, stretch: Stretch) -> xr.Dataset:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RunWarning)  # the status is part of the report
-        return simulate(
-            system, stretch.initial, times=stretch.times, tolerance=stretch.tolerance
-        )
+        return simulate(system, stretch.initial, times=stretch.times, tolerance=stretch.tolerance)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -72,9 +71,7 @@ def time_on(run: xr.Dataset, band: Band, start: float, stop: float) -> float:
     return float(lasts[on].sum())
 
 
-def time_beside(
-    system: System, run: xr.Dataset, exact: System, band: Band, width: float
-) -> float:
+def time_beside(system: System, run: xr.Dataset, exact: System, band: Band, width: float) -> float:
     """Time that a smoothed run has its function within a width, straight between samples."""
     values = partial(_values, exact, _names(exact, run))
     h = values(band.function)
@@ -94,9 +91,11 @@ def time_beside(
 def creep_beside(run: xr.Dataset, exact: System, exact_run: xr.Dataset, band: Band) -> float:
     """Mean size of the function of a smoothed run at samples at which the exact run slides."""
     slides = np.isin(exact_run["mode"].values, [number for number, _ in band.cells])
-    if not slides.any():
+    whole = slides[1:] & slides[:-1]
+    if not whole.any():
         return float("nan")
-    return float(np.abs(_values(exact, _names(exact, run), band.function)[slides]).mean())
+    size = np.abs(_values(exact, _names(exact, run), band.function))
+    return float((0.5 * (size[1:] + size[:-1]))[whole].mean())
 
 
 def _share_above_zero(limits: list[Floats]) -> Floats:
