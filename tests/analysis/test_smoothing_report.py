@@ -39,7 +39,8 @@ def test_creep_on_a_belt():
 
     Of the next order are two parts. The slip's own rate takes eps u'/(F (1 - u^2)) off u; and what
     the block has crept is missing in x, which takes as much as the integral of the slip over F.
-    What is left is another order of eps smaller; the samples are off by less than 1e-8.
+    What is left is another order of eps smaller, 0.7 % at 1e-4, and is taken out by extrapolation,
+    so that 0.7 % of that is left; the samples are off by less than 1e-8.
     """
     end = 0.9
     widths = np.array([1e-5, 1e-4])
@@ -53,7 +54,9 @@ def test_creep_on_a_belt():
     lag = V / F**2 * (end / (2 * (1 - end**2)) + math.atanh(end) / 2)
     behind = quad(lambda u: crept(u) / (1 - u * u), 0.0, end)[0] / V
     missing = crept(end) / end - report["creep"].values[:, 0] / widths
-    assert missing / widths == pytest.approx([(lag + behind) / end] * 2, rel=300 * 1e-4)
+    small, large = missing / widths
+    assert (10 * small - large) / 9 == pytest.approx((lag + behind) / end, rel=2e-4)
+    assert small == pytest.approx(large, rel=1e-2)
 
 
 @pytest.mark.parametrize(

@@ -96,13 +96,20 @@ def _draw(ax: Axes, column: xr.DataArray, exponent: float, name: str, k: int) ->
     if not used.any():
         return False
     line: dict[str, Any] = dict(LINES[k % len(LINES)])
-    points = {"linestyle": "none", "markersize": 3.5, "color": line["color"], "zorder": 3}
+    # lines may lie on each other, so later points go around the earlier ones
+    points: dict[str, Any] = {
+        "linestyle": "none",
+        "marker": _MARKERS[k % len(_MARKERS)],
+        "markersize": 3.5 + 1.5 * (k % len(_MARKERS)),
+        "markerfacecolor": line["color"] if k == 0 else "none",
+        "color": line["color"],
+        "zorder": 3,
+    }
     if not np.isfinite(exponent):
-        ax.plot(
-            widths[used], heights[used], marker=_MARKERS[k % 4], **points, label=name.strip(": ")
-        )
+        points["label"] = name.removesuffix(": ")
+    ax.plot(widths[used], heights[used], **points)
+    if not np.isfinite(exponent):
         return True
-    ax.plot(widths[used], heights[used], marker=_MARKERS[k % 4], **points)
     x, y = np.log(widths[used]), np.log(heights[used])
     fit = np.exp(y.mean() + exponent * (x - x.mean()))
     ax.plot(widths[used], fit, **line, label=f"{name}exponent {exponent:.2f}", zorder=2)
