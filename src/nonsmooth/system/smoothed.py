@@ -174,10 +174,10 @@ def _refuse_jumps(system: System) -> None:
             if not way.reset:
                 continue
             place = f"modes[{name!r}].exits[{position}] ({way.name or way.to or name})"
-            what = f"sticks as {way.sticks!r} and jumps" if way.sticks else "jumps"
+            what = f" and the rest as {way.sticks!r}" if way.sticks else ""
             raise ModelError(
-                f"{place}: {' '.join(way.reset)} {what}, and a jump of a state cannot be smoothed;"
-                f" {_COMPLIANT}"
+                f"{place}: its reset of {', '.join(way.reset)}{what} cannot be smoothed, for no"
+                f" function of the states jumps; {_COMPLIANT}"
             )
     for name, surface in system.surfaces.items():
         if surface.hold is not None:
