@@ -88,7 +88,8 @@ def families_of(
         found[equations.name] = Family(equations.name, mode, equations.name, mode)
     for family in list(found.values()):
         equations = family.split.equations
-        for which in contacts_at_rest(equations):
+        free = family.split.resolver(family.split.cells[0].signs)
+        for which in contacts_at_rest(graph, equations, free):
             words = dict.fromkeys(str(equations.exits[i].sticks) for i in which)
             name = _unused("+".join(words), found)
             mode = _at_rest(graph, family.split, which, name, declared[equations.name])
@@ -242,6 +243,7 @@ class _Maker:
         rest = rest_of(self.graph, self.family.free.equations, self._free, which)
         for i, reaction in rest.reactions.items():
             fewer = self._resting(tuple(k for k in which if k != i))
+            assert fewer is not None, "some of independent contacts are independent"
             yield self._way(_RELEASE, reaction, fewer.split.cell(self.cell.signs))
 
     @property
@@ -255,10 +257,11 @@ class _Maker:
             return slide.resolver(self.graph, slide.equations(free))
         return free.resolver(cell.signs)
 
-    def _resting(self, which: tuple[int, ...]) -> Family:
-        """Family of the same mode with these exits at rest."""
+    def _resting(self, which: tuple[int, ...]) -> Family | None:
+        """Family of the same mode with these exits at rest; None where they cannot be together."""
         home = self.family.declared
-        return next(f for f in self.families.values() if (f.declared, f.resting) == (home, which))
+        found = (f for f in self.families.values() if (f.declared, f.resting) == (home, which))
+        return next(found, None)
 
     # ------------------------------------------------------------ exits of the mode
 
@@ -274,12 +277,13 @@ class _Maker:
                 continue
             free = self._free
             equations = self.family.free.equations
-            if not which or leaves_at_rest(self.graph, equations, free, which, i):
-                more = tuple(sorted((*which, i)))
+            more = tuple(sorted((*which, i)))
+            resting = self._resting(more)
+            if resting is not None and (
+                not which or leaves_at_rest(self.graph, equations, free, which, i)
+            ):
                 rest = rest_of(self.graph, equations, free, more)
-                onto = self._beside(
-                    way.sticks, self._resting(more).split.cell(signs), self._reset(rest, way)
-                )
+                onto = self._beside(way.sticks, resting.split.cell(signs), self._reset(rest, way))
                 yield Way(way, self.cell if which else target, onto)
             else:
                 yield Way(way, target)

@@ -54,27 +54,50 @@ class Rest:
     arrival: Mapping[str, Expression]
 
 
-def contacts_at_rest(equations: ModeEquations) -> list[tuple[int, ...]]:
-    """Sets of exits of a mode that may be at rest together, by number."""
+def contacts_at_rest(
+    graph: Graph, equations: ModeEquations, free: Resolver
+) -> list[tuple[int, ...]]:
+    """Sets of exits of a mode that may be at rest together, by number.
+
+    Floor and ceiling push along one line: at rest on one of them nothing comes to rest on the
+    other, and no reactions of both would follow from the motion.
+    """
     sticking = [i for i, way in enumerate(equations.exits) if way.sticks]
     if len(sticking) > _MOST_STICKING:
         raise ModelError(
             f"modes[{equations.name!r}]: {len(sticking)} exits stick; at most {_MOST_STICKING}"
             " are supported in one mode, for any of them may be at rest together"
         )
+    contacts = {i: _contact(graph, free, equations.exits[i]) for i in sticking}
     return [
-        which for count in range(1, len(sticking) + 1) for which in combinations(sticking, count)
+        which
+        for count in range(1, len(sticking) + 1)
+        for which in combinations(sticking, count)
+        if _independent(graph, {i: contacts[i] for i in which})
     ]
+
+
+def _independent(graph: Graph, contacts: Mapping[int, _Contact]) -> bool:
+    """Whether reactions of contacts follow from the motion at rest."""
+    matrix = _matrix(graph, contacts)
+    rows = [[matrix[i, k] for k in contacts] for i in contacts]
+    diagonal = graph.multiply(*(matrix[i, i] for i in contacts))
+    return not vanishes([determinant(graph, rows)], [diagonal])
+
+
+def _matrix(graph: Graph, contacts: Mapping[int, _Contact]) -> dict[tuple[int, int], Expression]:
+    """What each reaction does to the rate of each guard."""
+    return {
+        (i, k): simplified(graph, _along(graph, contacts[i].rate, contacts[k].push))
+        for i in contacts
+        for k in contacts
+    }
 
 
 def rest_of(graph: Graph, equations: ModeEquations, free: Resolver, which: Sequence[int]) -> Rest:
     """Motion with some exits of a mode at rest; ``free`` are the nodes of the mode without."""
     contacts = {i: _contact(graph, free, equations.exits[i]) for i in which}
-    matrix = {
-        (i, k): simplified(graph, _along(graph, contacts[i].rate, contacts[k].push))
-        for i in which
-        for k in which
-    }
+    matrix = _matrix(graph, contacts)
     pulls = {
         i: graph.negate(rate_of_change(graph, contact.rate, free.rate))
         for i, contact in contacts.items()
