@@ -20,16 +20,22 @@ def taylor_twin(system: ns.System, which: int = 0) -> ns.System:
     assert words.pop("format") == 1
     words.setdefault("parameters", {})["tiny"] = 0.0
     fixed = next(name for name in words["states"] if name not in words.get("drift", ()))
-    modes = {name: _mode(fixed, which, **mode) for name, mode in words.pop("modes").items()}
+    if "equations" in words:
+        words["equations"] = _bent(words["equations"], which, fixed)
+    if "modes" in words:
+        words["modes"] = {n: _mode(fixed, which, **m) for n, m in words["modes"].items()}
     if "surfaces" in words:
         words["surfaces"] = {n: ns.Surface(**given) for n, given in words["surfaces"].items()}
-    return ns.System(modes=modes, **words)
+    return ns.System(**words)
 
 
 def _mode(state, which, flow, exits=(), **more):
+    return ns.Mode(_bent(flow, which, state), exits=[ns.Exit(**each) for each in exits], **more)
+
+
+def _bent(flow, which, state):
     bent = list(flow)[which]
-    flow = {**flow, bent: f"{flow[bent]} + tiny*{state}*{state}"}
-    return ns.Mode(flow, exits=[ns.Exit(**each) for each in exits], **more)
+    return {**flow, bent: f"{flow[bent]} + tiny*{state}*{state}"}
 
 
 def flow_kinds(system: ns.System) -> set[str]:

@@ -88,8 +88,8 @@ def families_of(
         found[equations.name] = Family(equations.name, mode, equations.name, mode)
     for family in list(found.values()):
         equations = family.split.equations
-        free = family.split.resolver(family.split.cells[0].signs)
-        for which in contacts_at_rest(graph, equations, free):
+        nodes = family.split.resolver(family.split.cells[0].signs)
+        for which in contacts_at_rest(graph, equations, nodes):
             words = dict.fromkeys(str(equations.exits[i].sticks) for i in which)
             name = _unused("+".join(words), found)
             mode = _at_rest(graph, family.split, which, name, declared[equations.name])
