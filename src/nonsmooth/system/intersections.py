@@ -75,7 +75,7 @@ def _meeting(
         for signs in weights:
             terms = [v if s > 0 else graph.negate(v) for v, s in zip(values, signs, strict=True)]
             total = simplified(graph, graph.add(*terms))
-            found.append(graph.zero if vanishes([total], values, place) else total)
+            found.append(graph.zero if vanishes([total], place=place) else total)
         a, b, c, e = found
         return a, b, c, e
 

@@ -92,7 +92,7 @@ def _slide(graph: Graph, mode: SplitMode, key: SurfaceKey, a: Cell, b: Cell) -> 
     up, down = (on_surface(rate_of_change(graph, surface.node, s.rate)) for s in sides)
     width = on_surface(graph.add(down, graph.negate(up)))
     place = put_on(graph, [surface.node], relations)
-    if vanishes([width], [up, down], place):
+    if vanishes([width], place=place):
         return None
     hold = _hold(mode, key)
     if hold is None and not may_attract(up, down, place):
@@ -158,12 +158,12 @@ def between(
     place: Callable[[Any], bool],
 ) -> Expression:
     """What lies between two sides; one of them where they are the same on the surface."""
-    step = graph.add(plus, graph.negate(minus))
-    if plus is minus or vanishes([step], [plus, minus], place):
+    step = simplified(graph, graph.add(plus, graph.negate(minus)))
+    if plus is minus or vanishes([step], place=place):
         return minus
     half = graph.number(0.5)
     mean = graph.multiply(half, simplified(graph, graph.add(plus, minus)))
-    return graph.add(mean, graph.multiply(half, simplified(graph, step), control))
+    return graph.add(mean, graph.multiply(half, step, control))
 
 
 # ---------------------------------------------------------------- states that follow from surfaces
