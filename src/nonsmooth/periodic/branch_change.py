@@ -11,9 +11,10 @@ from nonsmooth.errors import RunError
 from nonsmooth.periodic.branch_part import BranchPart, Followed, kind_of, part_of
 from nonsmooth.periodic.branch_start import begin_change
 from nonsmooth.periodic.branch_tests import Looked
+from nonsmooth.periodic.change import Change
 from nonsmooth.periodic.guess import Guess, driven_guess
 from nonsmooth.periodic.stretch import BranchStart, Stretch
-from nonsmooth.periodic.word_change import Change, changes_at_once, changes_of_word
+from nonsmooth.periodic.word_change import changes_at_once, changes_of_word
 
 __all__ = ["broken_test", "change_at", "end_at"]
 
@@ -21,8 +22,9 @@ _BEYOND = 1e-6  # of the range of the parameter: where the engine is asked
 _ENDS = {
     "shrink": "the cycle shrinks to a point",
     "slide": "both sides of a surface point at it: beyond, the motion stays there for a while",
+    "enter": "the surface does not hold the motion any more: beyond, it leaves it at once",
 }
-_MOST_TELLING = ("shrink", "slide", "short", "leg", "gain", "graze", "rate", "corner")
+_MOST_TELLING = ("shrink", "slide", "short", "leg", "gain", "enter", "graze", "rate", "corner")
 _TOGETHER = 1e-8  # a test that vanishes at the same point as another one
 _NEARBY = 1e-2  # of the size of an orbit: one of another word farther away is no continuation
 
@@ -117,6 +119,7 @@ def _detail(stretch: Stretch, name: str, start: BranchStart, point: Point) -> st
         "gain": f"a leg appears behind leg {k + 1} ({mode})",
         "corner": f"two guards of leg {k + 1} ({mode})",
         "slide": f"both sides of a surface behind leg {k + 1} ({mode}) point at it",
+        "enter": f"the surface behind leg {k + 1} ({mode}) does not hold the motion",
     }.get(kind, "the motion changes")
     if kind in ("graze", "corner"):
         what += f" touches {exits[word.modes[k]][int(numbers[1])]!r}"

@@ -5,7 +5,8 @@ Each is a number without unit whose sign changes where something happens. Names 
 ``corner:k:g``, it is zero at the end of leg k, where another guard is; ``short:k``, leg k is about
 to vanish in a graze; ``leg:k``, it vanishes otherwise; ``rate:k``, the exit of leg k is passed
 without a rate; ``gain:k:j``, exit j of a path is no longer passed at once; ``slide:k``, both sides
-of the surface at the end of leg k point at it; ``shrink``, a cycle without events shrinks to a
+of the surface at the end of leg k point at it; ``enter:k:g``, guard g of the cell on a surface
+that leg k ends at lets motion off it at once; ``shrink``, a cycle without events shrinks to a
 point; ``motion``, the engine finds another motion although none of these has changed.
 """
 
@@ -22,13 +23,16 @@ from nonsmooth.engine.legs import LegResults
 from nonsmooth.periodic.admissibility import Admissibility, check_admissible
 from nonsmooth.periodic.equations import OrbitEquations, Turn
 from nonsmooth.periodic.multipliers import Floquet, floquet
+from nonsmooth.periodic.onto import EntryGuards, crosses, is_onto, modes_along
 from nonsmooth.periodic.word import Word
 
 __all__ = ["WORD_TESTS", "BranchTests", "Looked", "is_graze"]
 
 Floats = npt.NDArray[np.float64]
 
-WORD_TESTS = ("graze", "corner", "short", "leg", "rate", "gain", "slide", "shrink", "motion")
+WORD_TESTS = (
+    "graze", "corner", "short", "leg", "rate", "gain", "slide", "enter", "shrink", "motion",
+)  # fmt: skip
 # part of the turn: a contact of this duration counts as a graze. It is as long as the root of the
 # distance from the graze, so this is 1e-10 away; shorter ones make Newton's matrix singular
 _SHORT = 1e-5
@@ -82,15 +86,13 @@ class BranchTests:
         # tests that have been more than what rounding or a decay leaves
         self._clear = {grows}
         word, wiring = equations.word, equations.legs.tables.wiring
+        self._wiring = wiring
         self._grazing = [is_graze(word, wiring, k) for k in range(len(word))]
         families = equations.legs.tables.families
-        behind = [word.last_target(wiring, k) for k in range(len(word))]
         self._surface = [  # legs that end at a surface which is crossed without a reset
-            len(path) == 1
-            and families[behind[k]] == families[word.modes[k]]
-            and wiring[word.modes[k], 1 + path[0], at.RESETTING] == 0
-            for k, path in enumerate(word.paths)
+            crosses(wiring, families, word.modes[k], path) for k, path in enumerate(word.paths)
         ]
+        self._entries = EntryGuards(equations)
         self._last: tuple[bytes, Looked] | None = None
 
     def look(self, unknowns: Floats) -> Looked:
@@ -100,13 +102,14 @@ class BranchTests:
         if self._last is not None and self._last[0] == key:
             return self._last[1]
         turn = equations.unpack(unknowns)
+        entered = self._entries.values(turn)
         found = legs.follow(equations.word, turn.states, turn.instants)
         residual = equations.gap(turn, found)
         turn = Turn(found.starts.copy(), turn.instants)
         multipliers = floquet(equations, found)
         tests = _of_multipliers(multipliers)
         end, admissibility = found.nexts[-1].copy(), Admissibility(True)
-        kept = self._of_word(turn, found)
+        kept = self._of_word(turn, found, entered)
         tests |= kept
         if self.whole:
             least = min(kept, key=lambda name: kept[name], default="")
@@ -122,7 +125,9 @@ class BranchTests:
         self._last = key, looked
         return looked
 
-    def _of_word(self, turn: Turn, found: LegResults) -> dict[str, float]:
+    def _of_word(
+        self, turn: Turn, found: LegResults, entered: dict[tuple[int, int], float]
+    ) -> dict[str, float]:
         """What keeps the word valid, positive where it is, from the results of its legs."""
         equations, word = self.equations, self.equations.word
         length = float(turn.instants[-1] - turn.instants[0])
@@ -144,11 +149,15 @@ class BranchTests:
             tests[f"rate:{k}"] = -float(found.guard_rate[k]) * length / size
             if self._surface[k]:
                 tests[f"slide:{k}"] = self._into_next(found, k) * length / size
+            modes = modes_along(self._wiring, word.modes[k], path)
             for j in range(1, len(path)):
-                tests[f"gain:{k}:{j}"] = -float(found.passed[k, j]) / size
+                if not is_onto(self._wiring, modes[j], path[j]):
+                    tests[f"gain:{k}:{j}"] = -float(found.passed[k, j]) / size
             for g in np.flatnonzero(np.isfinite(others[k])):
                 if g != path[0]:
                     tests[f"corner:{k}:{g}"] = float(others[k, g])
+        for (k, g), value in entered.items():
+            tests[f"enter:{k}:{g}"] = value / float(sizes[(k + 1) % len(word), g])
         if word.paths[-1] == ():
             tests["leg:last"] = float(turn.durations[-1]) / length
         if equations.autonomous and not word.closes_at_event:

@@ -51,7 +51,7 @@ class StretchWalk:
             if self._is_again(point, looked):
                 if self.start.located and point.special == self.start.grows:
                     # a graze that was approached along an excursion, from its regular side
-                    yield self._part(looked, point, "grazing", self.start.detail)
+                    yield self._part(looked, point, self.start.kind, self.start.detail)
                 continue
             yield from self._counted(point, looked)
             if self.following is not None or self.ended is not None:
