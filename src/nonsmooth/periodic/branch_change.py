@@ -10,7 +10,7 @@ from nonsmooth.continuation.point import Point
 from nonsmooth.errors import RunError
 from nonsmooth.periodic.branch_part import BranchPart, Followed, kind_of, part_of
 from nonsmooth.periodic.branch_start import begin_change
-from nonsmooth.periodic.branch_tests import Looked
+from nonsmooth.periodic.branch_tests import BranchTests, Looked
 from nonsmooth.periodic.change import Change
 from nonsmooth.periodic.guess import Guess, driven_guess
 from nonsmooth.periodic.stretch import BranchStart, Stretch
@@ -43,9 +43,11 @@ def change_at(
             if change.kind == "section":
                 return start, part_of(stretch, looked, point, along, "section", "")
             start.detail = _detail(stretch, name, start, point)
-            if name.startswith("short"):  # the graze is located from the other side
-                start.located = True
-                return start, None
+            if name.startswith("short"):
+                touched = _touched(stretch, start)
+                if touched:  # the graze is located from the other side
+                    start.grows, start.located = touched, True
+                    return start, None
             return start, part_of(stretch, looked, point, along, change.kind, start.detail)
     for guess in _motions_beyond(stretch, looked, point):
         change = Change(kind_of(name), guess)
@@ -55,6 +57,22 @@ def change_at(
             return start, part_of(stretch, looked, point, along, kind_of(name), start.detail)
     detail = _ENDS.get(name.split(":")[0], "no orbit of a changed word begins there")
     return None, part_of(stretch, looked, point, along, kind_of(name), detail)
+
+
+def _touched(stretch: Stretch, start: BranchStart) -> str:
+    """Test of the graze behind which a stretch begins; "" where none has its zero there.
+
+    Of two guards that are touched together, and of one that is touched just at the section, only
+    one or none has a lowest value within a leg.
+    """
+    stretch.set_parameter(start.value)
+    tests = BranchTests(start.equations, stretch.options.tolerance, whole=False, grows=start.grows)
+    found = tests.look(start.unknowns).tests
+    grazes = {name: value for name, value in found.items() if name.startswith("graze")}
+    if start.grows in grazes:
+        return start.grows
+    least = min(grazes, key=lambda name: grazes[name], default="")
+    return least if least and grazes[least] < 0.0 else ""
 
 
 def _vanishing(looked: Looked, name: str) -> list[str]:

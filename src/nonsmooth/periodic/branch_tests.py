@@ -21,6 +21,7 @@ import numpy.typing as npt
 from nonsmooth.engine import layout as at
 from nonsmooth.engine.legs import LegResults
 from nonsmooth.periodic.admissibility import Admissibility, check_admissible
+from nonsmooth.periodic.change import kind_of_excursion
 from nonsmooth.periodic.equations import OrbitEquations, Turn
 from nonsmooth.periodic.multipliers import Floquet, floquet
 from nonsmooth.periodic.onto import EntryGuards, crosses, is_onto, modes_along
@@ -36,6 +37,9 @@ WORD_TESTS = (
 # part of the turn: a contact of this duration counts as a graze. It is as long as the root of the
 # distance from the graze, so this is 1e-10 away; shorter ones make Newton's matrix singular
 _SHORT = 1e-5
+# likewise of an excursion from a surface on which motion slides: it leaves and comes back with the
+# square of its duration as rate, so an instant is known to rounding over that
+_SHORT_OF_SLIDE = 1e-3
 _AT_CHANGE = 1e-9  # of a test: the word is about to change
 _ZERO = 1e-10  # a test that is never more than that is zero by construction
 
@@ -55,15 +59,26 @@ class Looked:
 
 
 def is_graze(word: Word, wiring: npt.NDArray[np.int64], k: int) -> bool:
-    """Whether leg k is an excursion out of a mode and back into it, that nothing remains of."""
-    if len(word) < 2 or not word.paths[k] or not word.paths[(k - 1) % len(word)]:
+    """Whether leg k is an excursion out of a mode and back into it, that nothing remains of.
+
+    The first leg of a driven orbit is one together with the last, which the section cuts off.
+    """
+    last = k - 2 if k == 0 and not word.closes_at_event and len(word) > 2 else k - 1
+    if len(word) < 2 or not word.paths[k] or not word.paths[last % len(word)]:
         return False
-    before, path = word.modes[(k - 1) % len(word)], word.paths[(k - 1) % len(word)]
+    before, path = word.modes[last % len(word)], word.paths[last % len(word)]
     resets = any(
         wiring[m, 1 + e, at.RESETTING] & ~wiring[m, 0, at.SLAVED]
         for m, e in _passed(wiring, before, path + word.paths[k])
     )
     return not resets and word.last_target(wiring, k) == before
+
+
+def _shortest(wiring: npt.NDArray[np.int64], mode: int, k: int, word: Word) -> float:
+    """Part of the turn below which leg k counts as an excursion that is about to vanish."""
+    last = k - 2 if k == 0 and not word.closes_at_event and len(word) > 2 else k - 1
+    kind = kind_of_excursion(wiring, word.modes[last % len(word)], mode)
+    return _SHORT_OF_SLIDE if kind == "adding_sliding" else _SHORT
 
 
 def _passed(
@@ -88,6 +103,7 @@ class BranchTests:
         word, wiring = equations.word, equations.legs.tables.wiring
         self._wiring = wiring
         self._grazing = [is_graze(word, wiring, k) for k in range(len(word))]
+        self._short = [_shortest(wiring, mode, k, word) for k, mode in enumerate(word.modes)]
         families = equations.legs.tables.families
         self._surface = [  # legs that end at a surface which is crossed without a reset
             crosses(wiring, families, word.modes[k], path) for k, path in enumerate(word.paths)
@@ -141,9 +157,11 @@ class BranchTests:
             if not path:
                 continue
             duration = float(turn.durations[k])
+            cut = k == 0 and not word.closes_at_event  # by the section
             if self._grazing[k]:
-                tests[f"short:{k}"] = duration / length - _SHORT
-            else:
+                whole = duration + (float(turn.durations[-1]) if cut else 0.0)
+                tests[f"short:{k}"] = whole / length - self._short[k]
+            if cut or not self._grazing[k]:
                 tests[f"leg:{k}"] = duration / length
             size = float(sizes[k, path[0]])
             tests[f"rate:{k}"] = -float(found.guard_rate[k]) * length / size

@@ -27,6 +27,7 @@ Integers = npt.NDArray[np.int64]
 
 _GONE = 1e-7  # part of the turn that a leg lasts which vanishes with a test of the same point
 _OPENED = 1e-3  # part of the turn that an excursion lasts where a branch with it begins
+_OPENED_OF_SLIDE = 4e-3  # likewise, from a surface on which motion slides
 
 
 def changes_at_once(equations: OrbitEquations, turn: Turn, names: list[str]) -> list[Change]:
@@ -159,6 +160,8 @@ def _with_leg_of_path(equations: OrbitEquations, turn: Turn, k: int, j: int) -> 
 
 def _without_excursion(equations: OrbitEquations, turn: Turn, k: int) -> list[Change]:
     """Leg k leaves a mode and comes back at once: the legs around it are one."""
+    if k == 0 and not equations.word.closes_at_event:
+        return _without_first_and_last(equations, turn)
     word, turn, k = _away_from_ends(equations, turn, k)
     count = len(word)
     if not 0 < k < count - 1:  # a cycle of two legs, of which nothing is left
@@ -171,6 +174,20 @@ def _without_excursion(equations: OrbitEquations, turn: Turn, k: int) -> list[Ch
     new = Word(modes[: len(paths)], paths)
     kind = kind_of_excursion(equations.legs.tables.wiring, word.modes[k - 1], word.modes[k])
     return [Change(kind, Guess(new, Turn(turn.states[keep], instants)), grows)]
+
+
+def _without_first_and_last(equations: OrbitEquations, turn: Turn) -> list[Change]:
+    """The section lies within an excursion of no duration: it is left out on both sides."""
+    word, count = equations.word, len(equations.word)
+    if count < 3:
+        return []
+    new = Word(word.modes[1:-1], (*word.paths[1 : count - 2], ()))
+    instants = np.delete(turn.instants, [1, count - 1])
+    kind = kind_of_excursion(equations.legs.tables.wiring, word.modes[-2], word.modes[-1])
+    # the guard is touched on either side of the section
+    k = 0 if turn.durations[0] > turn.durations[-1] else len(new) - 1
+    grows = f"graze:{k}:{word.paths[-2][0]}"
+    return [Change(kind, Guess(new, Turn(turn.states[1:-1], instants)), grows)]
 
 
 def _away_from_ends(equations: OrbitEquations, turn: Turn, k: int) -> tuple[Word, Turn, int]:
@@ -240,12 +257,13 @@ def _opened(
     behind, ends = states_there
     length = float(turn.instants[-1] - turn.instants[0])
     room = min(instant - turn.instants[k], turn.instants[k + 1] - instant)
-    duration = min(_OPENED * length, 0.5 * room)
+    kind = kind_of_excursion(equations.legs.tables.wiring, word.modes[k], away)
+    share = _OPENED_OF_SLIDE if kind == "adding_sliding" else _OPENED
+    duration = min(share * length, 0.5 * room)
     modes = (*word.modes[: k + 1], away, *word.modes[k:])
     paths = (*word.paths[:k], path, back, *word.paths[k:])
     states = np.insert(turn.states, [k + 1, k + 1], [behind, behind], axis=0)
     states[k + 2] = ends
     cut = [instant - 0.5 * duration, instant + 0.5 * duration]
     instants = np.insert(turn.instants, [k + 1, k + 1], cut)
-    kind = kind_of_excursion(equations.legs.tables.wiring, word.modes[k], away)
     return Change(kind, Guess(Word(modes, paths), Turn(states, instants)), "", k + 1, duration)
