@@ -22,9 +22,13 @@ from nonsmooth.engine import layout as at
 from nonsmooth.engine.legs import LegResults
 from nonsmooth.periodic.admissibility import Admissibility, check_admissible
 from nonsmooth.periodic.change import kind_of_excursion
+from nonsmooth.periodic.entry_guards import EntryGuards
 from nonsmooth.periodic.equations import OrbitEquations, Turn
+from nonsmooth.periodic.legs import LegError
 from nonsmooth.periodic.multipliers import Floquet, floquet
-from nonsmooth.periodic.onto import EntryGuards, crosses, is_onto, modes_along
+from nonsmooth.periodic.newton import solve_orbit
+from nonsmooth.periodic.onto import crosses, is_onto, modes_along
+from nonsmooth.periodic.rebounds import with_rebounds_of_engine
 from nonsmooth.periodic.word import Word
 
 __all__ = ["WORD_TESTS", "BranchTests", "Looked", "is_graze"]
@@ -56,6 +60,7 @@ class Looked:
     multipliers: Floquet
     admissibility: Admissibility
     tests: dict[str, float]
+    other: tuple[OrbitEquations, Floats] | None = None  # with the rebounds that the engine follows
 
 
 def is_graze(word: Word, wiring: npt.NDArray[np.int64], k: int) -> bool:
@@ -127,17 +132,22 @@ class BranchTests:
         end, admissibility = found.nexts[-1].copy(), Admissibility(True)
         kept = self._of_word(turn, found, entered)
         tests |= kept
+        other = None
         if self.whole:
             least = min(kept, key=lambda name: kept[name], default="")
             if least and kept[least] < -_AT_CHANGE:
                 admissibility = Admissibility(False, f"beyond {least}")
             elif all(value > _AT_CHANGE for value in kept.values()):
                 admissibility = check_admissible(equations, turn, self.tolerance)
+                if not admissibility.admissible:
+                    other = self._with_other_rebounds(turn)
+                    admissibility = admissibility if other is None else Admissibility(True)
                 tests["motion"] = 1.0 if admissibility.admissible else -1.0
             # else the word is about to change, and rounding decides what the engine finds
         looked = Looked(
-            turn, end, legs.values.copy(), legs.window, residual, multipliers, admissibility, tests
-        )
+            turn, end, legs.values.copy(), legs.window, residual, multipliers, admissibility, tests,
+            other,
+        )  # fmt: skip
         self._last = key, looked
         return looked
 
@@ -182,6 +192,22 @@ class BranchTests:
             tests["shrink"] = equations.forwards(found)
         self._clear |= {name for name, value in tests.items() if abs(value) > _ZERO}
         return {name: value for name, value in tests.items() if name in self._clear}
+
+    def _with_other_rebounds(self, turn: Turn) -> tuple[OrbitEquations, Floats] | None:
+        """The orbit of the word whose rebounds before rest are those of the engine."""
+        guess = with_rebounds_of_engine(self.equations, turn, self.tolerance)
+        if guess is None:
+            return None
+        equations = self.equations.of_word(guess.word, guess.turn.states[0])
+        try:
+            solution = solve_orbit(equations, equations.pack(guess.turn))
+            if solution.status != "completed":
+                return None
+            found = equations.unpack(solution.unknowns)
+            admissible = check_admissible(equations, found, self.tolerance).admissible
+        except LegError:
+            return None
+        return (equations, solution.unknowns) if admissible else None
 
     def _into_next(self, found: LegResults, k: int) -> float:
         """How fast the guard that ends leg k goes on falling behind the surface."""

@@ -5,17 +5,24 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 
+import numpy as np
+import numpy.typing as npt
+
 from nonsmooth.continuation.point import Point
 from nonsmooth.errors import RunError
 from nonsmooth.periodic.branch_change import broken_test, change_at, end_at
 from nonsmooth.periodic.branch_endings import ending_of_orbits
 from nonsmooth.periodic.branch_part import BranchPart, Followed, part_of
+from nonsmooth.periodic.branch_start import tangent_at
 from nonsmooth.periodic.branch_tests import WORD_TESTS, Looked
+from nonsmooth.periodic.equations import OrbitEquations
 from nonsmooth.periodic.legs import LegError
 from nonsmooth.periodic.orbit import primitive_parts
 from nonsmooth.periodic.stretch import BranchOptions, BranchStart, Stretch
 
 __all__ = ["StretchWalk"]
+
+Floats = npt.NDArray[np.float64]
 
 _AGAIN = 1e-6  # arclength from the start of a stretch within which its own change is seen again
 _NEAR_GRAZE = 1e-2  # part of the turn: branches cross there as an excursion vanishes
@@ -117,12 +124,24 @@ class StretchWalk:
         if not (self.begin > 0.0 and point.arclength == 0.0 and not self.start.kind):
             yield self._part(looked, point, point.special, "")
             self.done += not point.special
-        if not point.special and point.arclength > 0.0 and self.stretch.outgrown(point.u):
+        if looked.other is not None and not point.special and not self.stretch.options.inadmissible:
+            self.following = self._with_other_rebounds(looked.other, point)
+        elif not point.special and point.arclength > 0.0 and self.stretch.outgrown(point.u):
             if self.stretch.is_nothing_beside(self.first_scale):
                 self.ended = end_at("shrink", looked)
                 return
             way = (point.tangent_u, point.tangent_p)
             self.following = BranchStart(self.stretch.equations, point.u, point.p, way)
+
+    def _with_other_rebounds(
+        self, other: tuple[OrbitEquations, Floats], point: Point
+    ) -> BranchStart:
+        """The branch goes on as that of the word in which the engine's rebounds are."""
+        equations, unknowns = other
+        self.stretch.set_parameter(point.p)
+        du, dp = tangent_at(equations, unknowns)
+        way = 1.0 if dp * point.tangent_p >= 0.0 else -1.0
+        return BranchStart(equations, unknowns, point.p, (way * du, way * dp))
 
     def _part(self, looked: Looked, point: Point, special: str, detail: str) -> BranchPart:
         return part_of(self.stretch, looked, point, self.along, special, detail)
