@@ -10,10 +10,11 @@ from nonsmooth.continuation.point import Point
 from nonsmooth.errors import RunError
 from nonsmooth.periodic.branch_part import BranchPart, Followed, kind_of, part_of
 from nonsmooth.periodic.branch_start import begin_change
-from nonsmooth.periodic.branch_tests import Looked
+from nonsmooth.periodic.branch_tests import BranchTests, Looked
+from nonsmooth.periodic.change import Change
 from nonsmooth.periodic.guess import Guess, driven_guess
 from nonsmooth.periodic.stretch import BranchStart, Stretch
-from nonsmooth.periodic.word_change import Change, changes_at_once, changes_of_word
+from nonsmooth.periodic.word_change import changes_at_once, changes_of_word
 
 __all__ = ["broken_test", "change_at", "end_at"]
 
@@ -21,8 +22,9 @@ _BEYOND = 1e-6  # of the range of the parameter: where the engine is asked
 _ENDS = {
     "shrink": "the cycle shrinks to a point",
     "slide": "both sides of a surface point at it: beyond, the motion stays there for a while",
+    "enter": "the surface does not hold the motion any more: beyond, it leaves it at once",
 }
-_MOST_TELLING = ("shrink", "slide", "short", "leg", "gain", "graze", "rate", "corner")
+_MOST_TELLING = ("shrink", "slide", "short", "leg", "gain", "enter", "graze", "rate", "corner")
 _TOGETHER = 1e-8  # a test that vanishes at the same point as another one
 _NEARBY = 1e-2  # of the size of an orbit: one of another word farther away is no continuation
 
@@ -41,9 +43,11 @@ def change_at(
             if change.kind == "section":
                 return start, part_of(stretch, looked, point, along, "section", "")
             start.detail = _detail(stretch, name, start, point)
-            if name.startswith("short"):  # the graze is located from the other side
-                start.located = True
-                return start, None
+            if name.startswith("short"):
+                touched = _touched(stretch, start)
+                if touched:  # the graze is located from the other side
+                    start.grows, start.located = touched, True
+                    return start, None
             return start, part_of(stretch, looked, point, along, change.kind, start.detail)
     for guess in _motions_beyond(stretch, looked, point):
         change = Change(kind_of(name), guess)
@@ -53,6 +57,22 @@ def change_at(
             return start, part_of(stretch, looked, point, along, kind_of(name), start.detail)
     detail = _ENDS.get(name.split(":")[0], "no orbit of a changed word begins there")
     return None, part_of(stretch, looked, point, along, kind_of(name), detail)
+
+
+def _touched(stretch: Stretch, start: BranchStart) -> str:
+    """Test of the graze behind which a stretch begins; "" where none has its zero there.
+
+    Of two guards that are touched together, and of one that is touched just at the section, only
+    one or none has a lowest value within a leg.
+    """
+    stretch.set_parameter(start.value)
+    tests = BranchTests(start.equations, stretch.options.tolerance, whole=False, grows=start.grows)
+    found = tests.look(start.unknowns).tests
+    grazes = {name: value for name, value in found.items() if name.startswith("graze")}
+    if start.grows in grazes:
+        return start.grows
+    least = min(grazes, key=lambda name: grazes[name], default="")
+    return least if least and grazes[least] < 0.0 else ""
 
 
 def _vanishing(looked: Looked, name: str) -> list[str]:
@@ -117,6 +137,7 @@ def _detail(stretch: Stretch, name: str, start: BranchStart, point: Point) -> st
         "gain": f"a leg appears behind leg {k + 1} ({mode})",
         "corner": f"two guards of leg {k + 1} ({mode})",
         "slide": f"both sides of a surface behind leg {k + 1} ({mode}) point at it",
+        "enter": f"the surface behind leg {k + 1} ({mode}) does not hold the motion",
     }.get(kind, "the motion changes")
     if kind in ("graze", "corner"):
         what += f" touches {exits[word.modes[k]][int(numbers[1])]!r}"
