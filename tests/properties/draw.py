@@ -118,6 +118,9 @@ def _wall(d: Draft, mode: str, pair: tuple[str, str], side: int, pressed: bool) 
         reset[y] = f"{y} + {d.number(-0.3, 0.3)}*{v}"
     if d.chance(0.05):
         guard = f"{d.number(1.0, 3.0)}*({guard})"
+    elif not speed and d.chance(0.05):
+        guard = f"{guard} {'-' if side > 0 else '+'} {d.number(0.05, 0.3)}*{x}**3"
+        d.features.add("curved wall")
     _add_wall(d, mode, guard, reset, d.chance(0.65 if pressed else 0.4))
 
 
