@@ -1,5 +1,5 @@
 """`python benchmarks` runs all: long runs, set-up, the stiff rig, Taylor steps, sweeps, basins,
-rotor, growing crack, continuation.
+rotor, growing crack, continuation, impacts and friction.
 """
 
 import subprocess
@@ -36,6 +36,7 @@ sys.exit(
                 "bench_growth.py",
                 "bench_continuation.py",
                 "bench_orbits.py",
+                "bench_rest.py",
             ),
         ),
     )

@@ -161,3 +161,46 @@ def test_slider_only_pushes_and_never_comes_back():
 def test_impossible_frequency_is_refused():
     with pytest.raises(ns.ModelError, match="omega >"):
         percussive_drilling(omega=0.0)
+
+
+def by_surface(a, b, omega):
+    """The drill with a stick that nobody wrote: friction of 0 or 1 switches with the velocity."""
+    return ns.System(
+        states=["p", "y", "v"],
+        drift=["v"],
+        period="2*pi/omega",
+        parameters={"a": a, "b": b, "omega": omega},
+        definitions={"f": "b + a*cos(omega*t)", "R": "heaviside(speed)"},
+        outputs={"slider_force": "R"},
+        surfaces={"speed": ns.Surface("y")},
+        modes={
+            "flight": ns.Mode(
+                {"p": "y", "y": "f", "v": "0"},
+                definitions={"R": "0"},
+                exits=[ns.Exit("-p", to="contact")],
+            ),
+            "contact": ns.Mode(
+                {"y": "f - R", "v": "y"},
+                slaved={"p": "0"},
+                cells={"+": "progression", "0": "stick", "-": "backward"},
+                exits=[ns.Exit("y", to="flight")],
+            ),
+        },
+    )
+
+
+@pytest.mark.parametrize(("a", "b"), CASES)
+def test_stick_is_filippovs(a, b):
+    """The convex combination of both sides holds the bit while 0 <= f <= 1, and is f."""
+    periods = 6
+    hand = ns.simulate(percussive_drilling(a, b, 1.0), periods=periods, samples_per_period=40)
+    found = ns.simulate(
+        by_surface(a, b, 1.0), mode="contact", periods=periods, samples_per_period=40
+    )
+    assert found.attrs["status"] == "completed"
+    assert ns.phase_word(found) == ns.phase_word(hand)
+    assert found["event_time"].values == pytest.approx(hand["event_time"].values, abs=1e-11)
+    for name in ("p", "y", "v"):
+        assert np.abs(found[name].values - hand[name].values).max() < 1e-11
+    force = hand["slider_force"].values
+    assert found["slider_force"].values == pytest.approx(force, abs=1e-11)

@@ -16,7 +16,8 @@ __all__ = ["claim_ids", "evaluate_claims"]
 
 # Modules with a tuple CHECKS each, in the order of the chapter.
 _GROUPS = (
-    "method_claims",
+    "method.stitching_claims",
+    "method.surface_claims",
     "mole.drilling_claims",
     "mole.data_claims",
     "mole.model_claims",

@@ -25,6 +25,12 @@ class _Entry(NamedTuple):
 
 
 _FIGURES = {
+    "fig1": _Entry(
+        "method.subspaces", "fig1", "trajectories across a surface and along it, two real systems"
+    ),
+    "fig2a": _Entry(
+        "mole.friction_slider", "fig2a", "mass on a dry-friction slider: model and motion"
+    ),
     "fig5b": _Entry(
         "mole.histories", "fig5b", "history of the mole with the data of the first test"
     ),
@@ -117,7 +123,7 @@ def figure_ids() -> list[str]:
     --------
     >>> from nonsmooth.chapter import figure_ids
     >>> figure_ids()
-    ['fig5b', 'fig5d', 'fig6', 'fig7', 'fig8', 'fig9', 'fig10', 'fig11', 'fig12', 'phases', ...]
+    ['fig1', 'fig2a', 'fig5b', 'fig5d', 'fig6', 'fig7', 'fig8', 'fig9', 'fig10', 'fig11', 'fig12', ...]
     """
     return list(_FIGURES)
 

@@ -28,26 +28,26 @@ _GONE = 1e-12  # of the largest rate at the same instant
 
 
 @kernel
-def rate_of_guard(tables, m, e, z):
+def rate_of_guard(n, generator, affine, wiring, m, e, z):
     """Rate of guard e of mode m at z, where the rows of the mode are up to date."""
-    n, row, total = tables.sizes[0], at.guard_row(e, 0), 0.0
+    row, total = at.guard_row(e, 0), 0.0
     for i in range(z.size):
-        if tables.affine[m, row, i] != 0.0:
-            velocity = velocity_of(n, tables.generator, tables.affine, tables.wiring, m, z, i)
-            total += tables.affine[m, row, i] * velocity
+        if affine[m, row, i] != 0.0:
+            velocity = velocity_of(n, generator, affine, wiring, m, z, i)
+            total += affine[m, row, i] * velocity
     return total
 
 
 @kernel
-def rest_time(tables, m, e, z, extent, arrival, largest, tolerance):
+def rest_time(affine, window, m, e, z, extent, arrival, largest, tolerance):
     """Time until the rebounds of exit e of mode m are over; NEVER while they go on.
 
     z: coordinates behind the impact, whose guard came in at the rate ``arrival``; rows of the
     derivatives of the guard are up to date. ``largest`` of such rates at the same instant
     """
-    rate, rate_size = _terms(tables.affine, m, at.guard_row(e, 1), z, extent)
-    push, push_size = _terms(tables.affine, m, at.guard_row(e, 2), z, extent)
-    jerk, jerk_size = _terms(tables.affine, m, at.guard_row(e, 3), z, extent)
+    rate, rate_size = _terms(affine, m, at.guard_row(e, 1), z, extent)
+    push, push_size = _terms(affine, m, at.guard_row(e, 2), z, extent)
+    jerk, jerk_size = _terms(affine, m, at.guard_row(e, 3), z, extent)
     pressed = push < -tolerance * push_size
     if abs(rate) <= tolerance * rate_size or abs(rate) <= _GONE * largest:
         soon = abs(push) <= tolerance * push_size and jerk < -tolerance * jerk_size
@@ -60,9 +60,9 @@ def rest_time(tables, m, e, z, extent, arrival, largest, tolerance):
     if wait <= 0.0:
         return NEVER
     change = abs(jerk) * wait
-    if wait <= _SHORT * tables.clock[at.WINDOW] and change <= -_STEADY * push:
+    if wait <= _SHORT * window and change <= -_STEADY * push:
         return wait
-    size = _terms(tables.affine, m, at.guard_row(e, 0), z, extent)[1]
+    size = _terms(affine, m, at.guard_row(e, 0), z, extent)[1]
     low = -0.5 * rate * rate / push <= _LOW * size
     return wait if low and change <= -_NEARLY_STEADY * push else NEVER
 

@@ -66,7 +66,7 @@ PATH_BITS = 6  # bits per exit in the recorded path
 PATH_LENGTH = 10
 
 
-@kernel
+@inlined
 def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
     """Pass exit e of mode m and whatever must fire after it at the same instant.
 
@@ -101,7 +101,9 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
             target = wiring[m, 1 + e, at.TARGET]
             onto = wiring[m, 1 + e, at.ONTO]
             rebounds = onto >= 0 and wiring[m, 1 + e, at.RESETTING] != 0
-            arrival = rate_of_guard(tables, m, e, z) if rebounds else 0.0
+            arrival = 0.0
+            if rebounds:
+                arrival = rate_of_guard(n, tables.generator, affine, wiring, m, e, z)
             first_rate = max(first_rate, abs(arrival))
             if passes < PATH_LENGTH:
                 path |= (e + 1) << (PATH_BITS * passes)
@@ -147,7 +149,10 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
             if rebounds:
                 if at.has_code(tables.code_rows, m):
                     _differentiate(tables, rates, segment, m)
-                wait = rest_time(tables, m, e, z, segment.extent, arrival, first_rate, tolerance)
+                wait = rest_time(
+                    affine, tables.clock[at.WINDOW], m, e, z, segment.extent, arrival, first_rate,
+                    tolerance,
+                )  # fmt: skip
                 if wait != NEVER:
                     rests, stay = onto, wait
         if passes != 1 and not curved:

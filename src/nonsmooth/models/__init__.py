@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from nonsmooth.models.belt_oscillator import belt_oscillator
+from nonsmooth.models.brake_mode_coupling import brake_mode_coupling
 from nonsmooth.models.breathing_crack import breathing_crack
 from nonsmooth.models.chua import chua
 from nonsmooth.models.clearance_rotor import clearance_rotor
@@ -13,10 +15,12 @@ from nonsmooth.models.fatigue_reduction import OneMass, one_mass, reduction_erro
 from nonsmooth.models.fatigue_rig import fatigue_rig
 from nonsmooth.models.fatigue_rig_si import FatigueRig
 from nonsmooth.models.four_phase_orbit import four_phase_misfit, four_phase_orbit
+from nonsmooth.models.friction_oscillator import friction_oscillator
 from nonsmooth.models.gear_pair import gear_pair
 from nonsmooth.models.load_setting import set_load
 from nonsmooth.models.massive_ring_rotor import massive_ring_rotor
 from nonsmooth.models.matrix_rotor import MatrixRotor
+from nonsmooth.models.metal_cutting import metal_cutting
 from nonsmooth.models.moling import moling
 from nonsmooth.models.moling_si import MolingRig
 from nonsmooth.models.percussive_drilling import percussive_drilling
@@ -38,6 +42,8 @@ __all__ = [
     "MolingRig",
     "OneMass",
     "RotorRig",
+    "belt_oscillator",
+    "brake_mode_coupling",
     "breathing_crack",
     "check_contact",
     "chua",
@@ -47,9 +53,11 @@ __all__ = [
     "fatigue_rig",
     "four_phase_misfit",
     "four_phase_orbit",
+    "friction_oscillator",
     "gear_pair",
     "least_preload",
     "massive_ring_rotor",
+    "metal_cutting",
     "moling",
     "one_mass",
     "percussive_drilling",

@@ -26,7 +26,8 @@ def percussive_drilling(a: Text = 0.3, b: Text = 0.15, omega: Text = 0.1) -> Sys
 
     The slider resists with the friction limit, the unit of force, and only pushes: the bit leaves
     it where the force falls below zero. It has no mass, so the bit keeps its velocity when it
-    comes back and goes on in progression.
+    comes back and goes on in progression. Stick is Filippov's motion on the surface x' = 0,
+    where the slider's force is f; it is written as a mode so that its ends have names.
 
     ====== ======== ======= ===============================================
     symbol argument default source

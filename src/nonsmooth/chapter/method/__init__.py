@@ -1,0 +1,1 @@
+"""Section 1 of the chapter: piecewise-smooth systems and their global solutions."""
