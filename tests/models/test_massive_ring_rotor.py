@@ -191,12 +191,75 @@ def test_in_the_plane_the_damping_decides_how_near_the_massless_ring_is():
     assert off(0.2, 1e-5) > 3 * off(0.02, 1e-5)  # what stays, growing with the damping
 
 
-def test_rolling_ends_the_run():
-    with pytest.warns(ns.RunWarning, match="sliding"):
-        run = ns.simulate(massive_ring_rotor(f=0.4, radius=0.5), {"vy": -3.0}, periods=50)
-    assert run.attrs["status"] == "sliding"
-    end = dict(zip(run["state"].values, run["end_state"].values, strict=True))
-    assert abs(2.442 * 0.5 + end["w"]) < 1e-12
+def segments(system, run):
+    """Name of the event, sign of the slip in the cell entered (. while free), begin and end."""
+    cells = [cell.name for cell in system.structure.running]
+    entered = [cells[m] for m in run["event_to"].values]
+    slips = [c[len("contact[++")] if c.startswith("contact") else "." for c in entered]
+    times = [*run["event_time"].values, float(run["time"][-1])]
+    return zip(run["event_name"].values, slips, pairwise(times), strict=True)
+
+
+def test_rolling_against_scipy():
+    """Friction by the condition that the slip stays zero, integrated between the events."""
+    f, radius = 0.4, 0.5
+    system = massive_ring_rotor(f=f, radius=radius)
+    p = system.parameter_values
+    run = ns.simulate(system, {"vy": -3.0}, periods=3, tangent=True)
+    m, rates, z = p["m_s"], field(p, f), np.array([0, 0, 0, -3.0, 0, 0, 0, 0])
+    backward = field(p, -f)
+
+    def rolling(t, z):
+        """Slip w = n x v has the rate n x (a - b) without friction."""
+        free = field(p, 0.0)(t, z, True)
+        n = z[0:2] - z[4:6]
+        a, b = free[2:4], free[6:8]
+        friction = (n[0] * (a - b)[1] - n[1] * (a - b)[0]) * m / (1 + m)
+        push = friction * np.array([-n[1], n[0]])
+        return np.concatenate([free[:2], a - push, free[4:6], b + push / m])
+
+    lasted = dict.fromkeys(".+-0", 0.0)
+    for name, slip, (begin, end) in segments(system, run):
+        lasted[slip] += end - begin
+        if name == "contact":
+            n, v = z[0:2] - z[4:6], z[2:4] - z[6:8]
+            t = np.array([-n[1], n[0]])
+            normal = n @ v * m / (1 + m)
+            halt = (p["eta"] * radius + t @ v) * m / (1 + m)
+            impulse = normal * n + np.clip(halt, -f * normal, f * normal) * t
+            z[2:4] -= impulse
+            z[6:8] += impulse / m
+        motion = {
+            ".": lambda t, z: rates(t, z, False),
+            "+": lambda t, z: rates(t, z, True),
+            "-": lambda t, z: backward(t, z, True),
+            "0": rolling,
+        }[slip]
+        z = solve_ivp(motion, (begin, end), z, method="DOP853", rtol=1e-13, atol=1e-15).y[:, -1]
+    assert min(lasted.values()) > 0.05, lasted
+    growth = np.abs(run["tangent"].values).max()
+    final = run["end_state"].sel(state=list(STATES)).values
+    assert np.abs(final - z).max() < 1e-11 * growth
+
+
+def test_rolling_needs_no_more_friction_than_there_is():
+    f, radius = 0.4, 0.5
+    system = massive_ring_rotor(f=f, radius=radius)
+    run = ns.simulate(system, {"vy": -3.0}, periods=20)
+    assert run.attrs["status"] == "completed"
+    cells = [cell.name for cell in system.structure.running]
+    rolls = np.array([cells[m].startswith("contact[") and cells[m][10] == "0"
+                      for m in run["mode"].values])  # fmt: skip
+    assert rolls.sum() > 50
+    assert np.abs(run["slip"].values[rolls]).max() < 1e-12
+    limit = f * run["normal_force"].values
+    across = run["force_y"] * run["nx"] - run["force_x"] * run["ny"]
+    size = np.abs(across.values)
+    assert (size[rolls] <= limit[rolls] * (1 + 1e-12)).all()
+    assert np.median(size[rolls] / limit[rolls]) < 0.9
+    touches = (limit > 0) & ~rolls
+    assert np.allclose(size[touches], limit[touches], rtol=1e-12, atol=0)
+    assert np.allclose(run["force"], np.hypot(run["force_x"], run["force_y"]), rtol=0, atol=1e-12)
 
 
 @pytest.mark.parametrize(

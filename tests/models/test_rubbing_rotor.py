@@ -84,15 +84,53 @@ def test_dry_whip_begins_at_the_known_friction():
     assert grown[1.06] > 40.1
 
 
-def test_whip_ends_where_the_shaft_rolls():
-    system = rubbing_rotor(1.0, rho=0.0, f=0.2, radius=12.0)
-    with pytest.warns(ns.RunWarning, match="sliding"):
-        run = ns.simulate(system, as_start(1.5 + 0j, -4j), t_end=100)
-    assert run.attrs["status"] == "sliding"
-    end = dict(zip(run["state"].values, run["end_state"].values, strict=True))
-    r = np.hypot(end["x"], end["y"])
-    assert abs(12.0 + (end["x"] * end["vy"] - end["y"] * end["vx"]) / r) < 1e-12
-    assert (run["friction"].values * run["slip"].values <= 0).all()
+def test_whip_ends_in_rolling():
+    """Circle of the rolling shaft: (1 + kappa) R^2 - kappa R = (omega R_s)^2, friction -2 zeta w R_s.
+
+    In the frame that turns with it r'' = (omega R_s)^2/r - 2 zeta r' - r - kappa (r - 1), so what
+    is left of the approach falls by exp(-zeta t).
+    """
+    zeta, kappa, f, surface = 0.06, 20.0, 0.2, 12.0
+    system = rubbing_rotor(1.0, zeta, kappa, rho=0.0, f=f, radius=surface)
+    run = ns.simulate(system, as_start(1.5 + 0j, -4j), t_end=400)
+    assert run.attrs["status"] == "completed"
+    assert ns.phase_word(run) == ("forward_slip", "rolling")
+    assert run["event_kind"].values.tolist() == ["start", "slide_entry"]
+    names = run["mode"].attrs["flag_meanings"].split()
+    rolls = run["mode"].values == names.index("rolling")
+    assert np.abs(run["slip"].values[rolls]).max() < 1e-12
+    assert (np.abs(run["friction"]) <= f * run["normal_force"] * (1 + 1e-12)).all()
+    radius = (kappa + np.sqrt(kappa**2 + 4 * (1 + kappa) * surface**2)) / (2 * (1 + kappa))
+    left = 10 * np.exp(-zeta * (400 - run["event_time"].values[1]))
+    assert abs(run["radius_of_whirl"].values[-1] - radius) < left
+    assert abs(run["friction"].values[-1] + 2 * zeta * surface) < 5 * left  # kappa r' among others
+    assert abs(run["whirl"].values[-1] + surface / radius) < left
+
+
+def test_rolling_ends_where_it_would_take_more_than_friction_can_give():
+    """Across the normal: T = -w R_s (r'/r + 2 zeta) - rho w^2 sin(w t - angle) while it rolls."""
+    omega, zeta, rho, f, surface = 1.0, 0.06, 0.7, 0.1, 12.0
+    system = rubbing_rotor(omega, zeta, rho=rho, f=f, radius=surface)
+    run = ns.simulate(system, as_start(1.5 + 0j, -8.4j), t_end=60)
+    assert run.attrs["status"] == "completed"
+
+    def needed(t, x, y, vx, vy):
+        r = np.hypot(x, y)
+        drift = (x * vx + y * vy) / r**2
+        across = rho * omega**2 * np.sin(omega * t - np.arctan2(y, x))
+        return -omega * surface * (drift + 2 * zeta) - across
+
+    rolls = run["mode"].values == run["mode"].attrs["flag_meanings"].split().index("rolling")
+    shown = needed(run["time"].values, *(run[name].values for name in ("x", "y", "vx", "vy")))
+    # forces of some tens cancel in the rates
+    assert np.allclose(run["friction"].values[rolls], shown[rolls], rtol=0, atol=1e-11)
+    assert (np.abs(shown[rolls]) <= f * run["normal_force"].values[rolls] + 1e-11).all()
+    exits = np.flatnonzero(run["event_kind"].values == "slide_exit")
+    assert len(exits) >= 2
+    for k in exits:
+        state = run["state_before"].values[k]
+        normal = 20.0 * (np.hypot(state[0], state[1]) - 1)
+        assert abs(needed(run["event_time"].values[k], *state)) == pytest.approx(f * normal, rel=1e-10)
 
 
 def test_friction_has_its_direction_at_every_angle():

@@ -115,7 +115,9 @@ def massive_ring_rotor(
     with nu2: the chapter places the ring without regard to its dampers, so that their forces are
     not along the normal. Contact is stiff, and slow to compute, where :math:`\nu_2/m_s` is large.
 
-    Where the slip comes to zero the rotor rolls; the run ends as ``sliding``.
+    Where the slip comes to zero the rotor rolls on the ring as long as less than f N of friction
+    does for that. Regimes keep their names; ``slip`` is zero, and ``force_x`` and ``force_y`` have
+    the friction that acts.
 
     References
     ----------
@@ -255,10 +257,10 @@ def _modes(cells: dict[str, str]) -> dict[str, Mode]:
             "N": "(nx*(Ax - Bx) + ny*(Ay - By) + w**2)*m_s/(1 + m_s)",
             "Fx": "N*(nx - f*sign(u)*ny)",
             "Fy": "N*(ny + f*sign(u)*nx)",
-            "size": "N*sqrt(1 + f**2)",
+            "size": "N*sqrt(1 + (f*sign(u))**2)",
         },
         exits=[Exit("N", to="free", reset={"w": "0"}, name="release")],
         # the sign of u comes third
-        cells={c[:2] + sign + c[2:]: name for c, name in cells.items() for sign in "+-"},
+        cells={c[:2] + sign + c[2:]: name for c, name in cells.items() for sign in "+-0"},
     )
     return {"free": free, "contact": contact}

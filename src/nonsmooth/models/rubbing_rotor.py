@@ -53,8 +53,8 @@ def rubbing_rotor(
     -------
     System
         States ``x y vx vy``; modes ``free`` and ``rub``. The cells of the latter are called
-        ``forward_slip``, as the rotation has it, and ``backward_slip``, where the contact
-        point of a backward whirl is faster. Outputs ``radius_of_whirl``, ``slip``,
+        ``forward_slip``, as the rotation has it, ``backward_slip``, where the contact
+        point of a backward whirl is faster, and ``rolling``. Outputs ``radius_of_whirl``, ``slip``,
         ``normal_force``, ``friction`` (on the rotor, positive in the sense of rotation) and
         ``whirl`` (angular velocity of the centre).
 
@@ -86,8 +86,14 @@ def rubbing_rotor(
         f p = 2\zeta\sqrt{1 + p}, \quad \text{frequency} -\sqrt{1 + p},
 
     which needs :math:`f > 2\zeta\sqrt{1 + \kappa}/\kappa`. The circle is unstable: beyond it the
-    whirl grows (dry whip) until the shaft rolls on the ring, u = 0. From there it would go on
-    rolling, with a friction below f N; the run ends there as ``sliding``.
+    whirl grows (dry whip) until the shaft rolls on the ring, u = 0. There friction takes the value
+    that keeps it rolling, until that would exceed f N. Without unbalance the whip settles on the
+    circle
+
+    .. math::
+
+        (1 + \kappa) R^2 - \kappa R = (\omega R_s)^2, \quad \text{frequency} -\omega R_s/R, \quad
+        \text{friction} -2\zeta\omega R_s.
 
     References
     ----------
@@ -114,6 +120,14 @@ def rubbing_rotor(
     >>> run = ns.simulate(whip, {"x": 1.1, "vy": -5.0}, t_end=1)
     >>> [round(float(run[name][0]), 12) for name in ("slip", "normal_force", "friction")]
     [4.0, 2.0, -0.4]
+
+    Later it rolls:
+
+    >>> run = ns.simulate(whip, {"x": 1.1, "vy": -5.0}, t_end=150)
+    >>> ns.phase_word(run)
+    ('forward_slip', 'rolling')
+    >>> [round(float(run[name][-1]), 6) for name in ("radius_of_whirl", "friction")]
+    [2.497132, -1.08]
     """
     return System(
         name="rubbing_rotor",
@@ -190,6 +204,7 @@ def _modes() -> dict[str, Mode]:
                 "vy": f"{pull_y} - push*y - drag*x",
             },
             exits=[Exit("x**2 + y**2 - 1", to="free", name="release")],
-            cells={"-": "forward_slip", "+": "backward_slip"},  # the surface is -u,
+            # the surface is -u
+            cells={"-": "forward_slip", "0": "rolling", "+": "backward_slip"},
         ),
     }

@@ -16,7 +16,8 @@ from nonsmooth.system.differentiate import rate_of_change
 from nonsmooth.system.expressions import Expression
 from nonsmooth.system.graph import Graph
 from nonsmooth.system.identities import simplified, substituted, vanishes
-from nonsmooth.system.sliding import Slide, cell_on, put_on, quotient, solved_for
+from nonsmooth.system.quotients import quotient
+from nonsmooth.system.sliding import Slide, cell_on, put_on, solved_for
 from nonsmooth.system.switching import SurfaceKey
 
 __all__ = ["meetings_of"]

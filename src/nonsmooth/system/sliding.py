@@ -32,11 +32,12 @@ from nonsmooth.system.identities import (
 )
 from nonsmooth.system.linear import LinearForm, NotLinear, State, linear_form
 from nonsmooth.system.mode_equations import ModeEquations
+from nonsmooth.system.quotients import quotient, without_squares
 from nonsmooth.system.relations import form_of_node
 from nonsmooth.system.resolve import Resolver
 from nonsmooth.system.switching import SurfaceKey, SwitchingSurface
 
-__all__ = ["Slide", "between", "cell_on", "put_on", "quotient", "related", "slides_of", "solved_for"]
+__all__ = ["Slide", "between", "cell_on", "put_on", "related", "slides_of", "solved_for"]
 
 _NEWTON = 40  # steps in looking for a point of a surface
 _ON = 1e-12  # of the function at such a point
@@ -97,6 +98,8 @@ def _slide(graph: Graph, mode: SplitMode, key: SurfaceKey, a: Cell, b: Cell) -> 
     hold = _hold(mode, key)
     if hold is None and not may_attract(up, down, place):
         return None
+    up, down = without_squares(graph, up, down)
+    width = on_surface(graph.add(down, graph.negate(up)))
     control = quotient(graph, on_surface(graph.add(up, down)), width)
     rates = {}
     for state in mode.equations.flow:
@@ -105,17 +108,6 @@ def _slide(graph: Graph, mode: SplitMode, key: SurfaceKey, a: Cell, b: Cell) -> 
             rates[state] = between(graph, plus, minus, control, place)
     guards = _guards(graph, key, up, down, hold)
     return Slide(cell, rates, {key: control}, relations, guards)
-
-
-def quotient(graph: Graph, above: Expression, below: Expression) -> Expression:
-    """One over another; where parameters make the divisor zero, any number.
-
-    Without friction there is no width: nothing slides then, but the cell has its rates.
-    """
-    if not graph.moves(below) and not isinstance(below, Number):
-        differs = graph.call(">", graph.multiply(below, below), graph.zero)
-        below = graph.call("where", differs, below, graph.one)
-    return graph.call("/", above, below)
 
 
 def _hold(mode: SplitMode, key: SurfaceKey) -> Expression | None:
