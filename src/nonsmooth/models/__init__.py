@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from nonsmooth.models.bouncing_ball import bouncing_ball
 from nonsmooth.models.breathing_crack import breathing_crack
 from nonsmooth.models.chua import chua
 from nonsmooth.models.clearance_rotor import clearance_rotor
@@ -14,12 +15,14 @@ from nonsmooth.models.fatigue_rig import fatigue_rig
 from nonsmooth.models.fatigue_rig_si import FatigueRig
 from nonsmooth.models.four_phase_orbit import four_phase_misfit, four_phase_orbit
 from nonsmooth.models.gear_pair import gear_pair
+from nonsmooth.models.impact_oscillator import impact_oscillator
 from nonsmooth.models.load_setting import set_load
 from nonsmooth.models.massive_ring_rotor import massive_ring_rotor
 from nonsmooth.models.matrix_rotor import MatrixRotor
 from nonsmooth.models.moling import moling
 from nonsmooth.models.moling_si import MolingRig
 from nonsmooth.models.percussive_drilling import percussive_drilling
+from nonsmooth.models.print_hammer import print_hammer
 from nonsmooth.models.progression import progression
 from nonsmooth.models.progression_start import progression_start
 from nonsmooth.models.rotor import rotor
@@ -38,6 +41,7 @@ __all__ = [
     "MolingRig",
     "OneMass",
     "RotorRig",
+    "bouncing_ball",
     "breathing_crack",
     "check_contact",
     "chua",
@@ -48,11 +52,13 @@ __all__ = [
     "four_phase_misfit",
     "four_phase_orbit",
     "gear_pair",
+    "impact_oscillator",
     "least_preload",
     "massive_ring_rotor",
     "moling",
     "one_mass",
     "percussive_drilling",
+    "print_hammer",
     "progression",
     "progression_start",
     "reduction_error",
