@@ -28,7 +28,8 @@ def bouncing_ball(Gamma: Text = 1.2, r: Text = 0.5) -> System:
         \Gamma = \sqrt{\gamma_n^2 + \left(\frac{2(1 + r^2)}{(1 + r)^2}\right)^2}.
 
     With Γ = 0 the table is a floor: a ball dropped from the height h comes to rest at
-    :math:`\sqrt{2h}(1 + r)/(1 - r)`.
+    :math:`\sqrt{2h}(1 + r)/(1 - r)`. Times and lengths may then have any units in which gravity
+    is 1.
 
     ====== ======== ======= ================================================
     symbol argument default source
@@ -69,7 +70,7 @@ def bouncing_ball(Gamma: Text = 1.2, r: Text = 0.5) -> System:
     --------
     >>> import nonsmooth as ns
     >>> floor = ns.simulate(ns.models.bouncing_ball(Gamma=0, r=0.8), t_end=60)
-    >>> at_rest = floor["event_time"][floor["event_count"] > 1]
+    >>> at_rest = floor["event_time"][floor["event_kind"] == "chatter"]
     >>> round(float(at_rest[0]), 12), round(2**0.5 * 1.8 / 0.2, 12)
     (12.727922061358, 12.727922061358)
     """

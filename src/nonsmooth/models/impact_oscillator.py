@@ -35,7 +35,7 @@ def impact_oscillator(
     ω      omega    2       default chosen here: frequency of the force
     ζ      zeta     0.02    default chosen here: damping ratio
     F      F        1       unit of length, where F is not varied
-    σ      sigma    0       default chosen here: position of the wall
+    sigma  sigma    0       default chosen here: position of the wall
     r      r        0.8     default chosen here: restitution
     ====== ======== ======= =============================================
 
