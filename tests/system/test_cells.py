@@ -5,6 +5,7 @@ import pytest
 
 import nonsmooth as ns
 from nonsmooth import Exit, Mode, System
+from nonsmooth.engine.layout import FREE
 from nonsmooth.errors import ModelError, OptionError
 from nonsmooth.system.evaluate import evaluate
 from nonsmooth.system.grammar import parse
@@ -52,10 +53,15 @@ def value(form, values):
     return total
 
 
+def leaves(system):
+    """Cells between the surfaces, with their numbers."""
+    return [(m, c) for m, c in enumerate(system.structure.running) if c.kind == FREE]
+
+
 def pieces(system, values):
     """Numbers of the cells whose guards are all positive, with the rate of x there."""
     found = {}
-    for m, cell in enumerate(system.structure.running):
+    for m, cell in leaves(system):
         forms = cell.linear or cell.taylor
         guards = [value(way.guard, values) for way in forms.exits]
         if all(guard > 0.0 for guard in guards):
@@ -66,7 +72,7 @@ def pieces(system, values):
 @pytest.mark.parametrize(("text", "count"), TEXTS, ids=[row[0] for row in TEXTS])
 def test_one_cell_holds_everywhere_and_has_the_value_of_the_text(text, count):
     system = system_of(text)
-    assert len(system.structure.running) == count
+    assert len(leaves(system)) == count
     rng = np.random.default_rng(3)
     for _ in range(60):
         x, v, t = rng.uniform(-2.0, 2.0, 3)
@@ -79,11 +85,13 @@ def test_one_cell_holds_everywhere_and_has_the_value_of_the_text(text, count):
 
 @pytest.mark.parametrize(("text", "count"), TEXTS, ids=[row[0] for row in TEXTS])
 def test_exits_lead_across_their_surface(text, count):
-    structure = system_of(text).structure
-    for cell in structure.running:
+    system = system_of(text)
+    structure = system.structure
+    for _, cell in leaves(system):
         sides = dict(cell.sides)
+        n = cell.n_searched  # behind them are the ways onto surfaces
         for (surface, sign), name, target in zip(
-            cell.sides, cell.exit_names, cell.targets, strict=True
+            cell.sides, cell.exit_names[:n], cell.targets[:n], strict=True
         ):
             other = dict(structure.running[target].sides)
             assert name == surface
@@ -96,14 +104,14 @@ def test_exits_lead_across_their_surface(text, count):
 def test_names_by_signs():
     system = system_of("where(v > 0, abs(x), 0.5)")
     assert system.mode_names == ("flow[++]", "flow[+-]", "flow[-.]")
-    assert list(system.structure.splits["flow"].nodes) == ["s1", "s2"]
+    assert list(system.structure.families["flow"].split.nodes) == ["s1", "s2"]
     assert list(system.modes) == ["flow"]
 
 
 def test_the_leading_state_counts_as_positive():
     structure = system_of("max(1 - x, 0)").structure
     cells = {cell.name: cell for cell in structure.running}
-    assert structure.splits["flow"].text_of("s1") in ("x - 1", "-1 + x")
+    assert structure.families["flow"].split.text_of("s1") in ("x - 1", "-1 + x")
     assert cells["flow[+]"].linear.rates["x"].terms == {}
     assert State("x") in cells["flow[-]"].linear.rates["x"].terms
 
@@ -132,7 +140,7 @@ def test_order_of_surfaces_rates_relations_guards_resets():
             )
         },
     )
-    found = system.structure.splits["m"]
+    found = system.structure.families["m"].split
     shown = [found.text_of(name) for name in found.nodes]
     assert [float(text.split()[-1]) for text in shown] == [1, 2, 5, 7, 8]
 
@@ -148,11 +156,11 @@ def test_exits_of_a_mode_hold_in_its_cells():
             "two": Mode({"x": "v", "v": "abs(x) + sign(v)"}, exits=[Exit("v", to="one")]),
         },
     )
-    running = system.structure.running
+    running = [cell for _, cell in leaves(system)]
     names = [cell.name for cell in running]
     assert names == ["one[+]", "one[-]", "two[++]", "two[+-]", "two[-+]", "two[--]"]
     for cell in running:
-        own = [names[t] for t in cell.targets[len(cell.sides) :]]
+        own = [names[t] for t in cell.targets[len(cell.sides) : cell.n_searched]]
         if cell.parent == "one":
             assert own[1] == cell.name  # a reset stays in the cell
             assert own[0] == ("two[++]" if cell.name == "one[+]" else "two[-+]")
@@ -178,7 +186,7 @@ def test_names_given_to_cells():
     [
         ({"+": "a"}, ["'+' has 1 signs", "2 surfaces", "++, +-, -."]),
         ({"--": "a"}, ["unknown cell '--'", "known: ++, +-, -."]),
-        ({"+0": "a"}, ["slides", "not supported"]),
+        ({"-0": "a"}, ["'-0' names a cell on a surface", "does not jump", "are ++, +-, -."]),
         ({"++": "n"}, ["'n' is the name of another mode"]),
     ],
 )
@@ -299,7 +307,7 @@ def test_equations_are_one_mode():
         ({"equations": {"x": "-x +"}}, r"equations\['x'\]"),
         ({"equations": {"y": "-x"}}, "unknown state 'y'"),
         ({}, "at least one mode, or equations="),
-        ({"equations": {"x": "-sign(x)"}, "surfaces": {}}, "surfaces= is not supported"),
+        ({"equations": {"x": "-sign(x)"}, "symmetry": {}}, "symmetry= is not supported"),
     ],
 )
 def test_equations_that_are_refused(words, message):

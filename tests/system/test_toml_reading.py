@@ -129,10 +129,7 @@ def test_keys_below_a_table_belong_to_the_table():
     assert System.from_toml(fine).parameter_values == {"w": 2.8, "name": 3.0}
 
 
-UNSUPPORTED = {
-    "surfaces": "{}",
-    "symmetry": "{}",
-}
+UNSUPPORTED = {"symmetry": "{}"}
 
 
 @pytest.mark.parametrize("key", UNSUPPORTED)
@@ -144,8 +141,8 @@ def test_words_of_the_contract_are_refused_as_in_python(key):
 
 
 def test_sticks_and_cells_that_cannot_be_are_refused_as_in_python():
-    message = refused(changed('name = "impact"', 'sticks = "stuck"'))
-    assert message.startswith("modes.free.exits[0]: sticks='stuck' is not supported")
+    message = refused(changed('name = "impact"', 'sticks = "free"'))
+    assert message.startswith("modes['free'].exits[0]: sticks='free' is the name of a mode already")
     message = refused(WALL + '\n[modes.free.cells]\n"++" = "i"\n')
     assert message.startswith("modes['free'].cells: nothing in this mode is piecewise")
     message = refused(WALL + '\n[modes.free.cells]\n"++" = 2\n')

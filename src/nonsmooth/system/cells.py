@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
+from itertools import count
 
 from nonsmooth.errors import ModelError
 from nonsmooth.system.equations import Equation
@@ -103,7 +104,10 @@ class SplitMode:
         )
 
     def text_of(self, surface: str) -> str:
-        """Switching function of a surface as text."""
+        """Switching function of a surface as text; as it is given where it is declared."""
+        for declared in self.declared.values():
+            if declared.name == surface:
+                return str(declared.given.function)
         return shown(self.nodes[surface])
 
     def surfaces_of(self, cell: Cell) -> Iterator[tuple[str, str]]:
@@ -162,13 +166,18 @@ def _grown(
         return cell
     if surface.key not in found.names:
         declared = found.declared.get(surface.key)
-        n_others = sum(key not in found.declared for key in found.names)
-        name = f"s{n_others + 1}" if declared is None else declared.name
+        name = _unused(found) if declared is None else declared.name
         found.names[surface.key], found.nodes[name] = name, surface.node
     above, below = (
         _grown(found, {**signs, surface.key: sign}, (*surfaces, surface)) for sign in (1, -1)
     )
     return _Branch(surface, above, below)
+
+
+def _unused(found: SplitMode) -> str:
+    """Name of the next surface that has none."""
+    taken = {*found.nodes, *(each.name for each in found.declared.values())}
+    return next(name for i in count(1) if (name := f"s{i}") not in taken)
 
 
 def shown(node: Expression) -> str:

@@ -216,6 +216,9 @@ def _check_mode(system: System, name: str, mode: Mode) -> None:
                 f"modes[{name!r}]: state {state!r} has neither a flow nor a slaved equation;"
                 f' add flow["{state}"], "0" if it does not change'
             )
+    for position, way in enumerate(mode.exits):
+        if way.sticks is not None:
+            _check_name(f"modes[{name!r}].exits[{position}].sticks", way.sticks)
     for key in mode.definitions:
         if key not in system.definitions:
             raise ModelError(
@@ -279,6 +282,7 @@ def check_values(system: System) -> None:
             if guard is not None:
                 _check_guard(f"modes[{name!r}], exit {way!r}", guard, values)
     _check_finite(system)
+    _check_holds(system)
     _check_angles(system)
     _ = system.rest_state
     period = system.period_value
@@ -295,6 +299,27 @@ def _check_finite(system: System) -> None:
                 f"{where}: {to_text(coefficient)} is {value} for the parameters given;"
                 " change them, or forbid such values in require="
             )
+
+
+def _check_holds(system: System) -> None:
+    """What a surface holds is no less than what it does while motion passes."""
+    for name, text, hold in _held(system):
+        value = constant_value(hold, system.parameter_values)
+        if not value >= 1.0:
+            raise ModelError(
+                f"surfaces[{name!r}].hold = {text!r} is {value:g} for the parameters given; it is"
+                " static over kinetic friction, 1 or more"
+            )
+
+
+def _held(system: System) -> Iterator[tuple[str, Text, Expression]]:
+    """Surfaces that hold: their names, the text, and its expression of parameters."""
+    found = {}
+    for surfaces in system.structure.surfaces.values():
+        for name, declared in surfaces.items():
+            if declared.hold is not None and declared.given.hold is not None:
+                found[name] = (name, declared.given.hold, declared.hold)
+    yield from found.values()
 
 
 def coefficients(structure: Structure) -> Iterator[tuple[str, Expression]]:

@@ -68,9 +68,12 @@ def vanishes(
     seen = 0
     for seed in range(_TRIES):
         point = random_point(seed)
+        # a place that is found by steps is left with what is small beside the sizes elsewhere
+        sizes = [abs(value_at(node, point)) for node in beside]
         if not place(point):
             continue
-        size = max((abs(value_at(node, point)) for node in beside), default=1.0)
+        sizes += [abs(value_at(node, point)) for node in beside]
+        size = max(sizes, default=1.0)
         values = [value_at(node, point) for node in nodes]
         if math.isnan(size) or any(map(math.isnan, values)):
             continue

@@ -16,7 +16,7 @@ from nonsmooth.system.differentiate import rate_of_change
 from nonsmooth.system.expressions import Expression
 from nonsmooth.system.graph import Graph
 from nonsmooth.system.identities import simplified, substituted, vanishes
-from nonsmooth.system.sliding import Slide, cell_on, put_on, solved_for
+from nonsmooth.system.sliding import Slide, cell_on, put_on, quotient, solved_for
 from nonsmooth.system.switching import SurfaceKey
 
 __all__ = ["meetings_of"]
@@ -127,16 +127,16 @@ def _controls(graph: Graph, first: _Parts, second: _Parts) -> tuple[Expression, 
     if slope is graph.zero:
         return None
     if square is graph.zero:
-        w = graph.call("/", graph.negate(rest), slope)
+        w = quotient(graph, graph.negate(rest), slope)
     else:
         under = graph.add(
             graph.multiply(slope, slope),
             graph.negate(graph.multiply(graph.number(4.0), square, rest)),
         )
         below = graph.add(slope, graph.call("sqrt", under))
-        w = graph.call("/", graph.multiply(graph.number(-2.0), rest), below)
+        w = quotient(graph, graph.multiply(graph.number(-2.0), rest), below)
     above = graph.negate(graph.add(a1, graph.multiply(c1, w)))
     below = graph.add(b1, graph.multiply(e1, w))
     if below is graph.zero:
         return None
-    return graph.call("/", above, below), w
+    return quotient(graph, above, below), w

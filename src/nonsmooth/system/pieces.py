@@ -16,11 +16,12 @@ from nonsmooth.system.cells import Cell, SplitMode, shown, split
 from nonsmooth.system.equations import Equation
 from nonsmooth.system.expressions import Expression
 from nonsmooth.system.graph import Graph
+from nonsmooth.system.identities import substituted, vanishes
 from nonsmooth.system.intersections import meetings_of
 from nonsmooth.system.mode_equations import ExitEquations, ModeEquations
 from nonsmooth.system.resolve import Resolver
-from nonsmooth.system.sliding import Slide, related, slides_of
-from nonsmooth.system.sticking import Rest, contacts_at_rest, leaves_at_rest, rest_of
+from nonsmooth.system.sliding import Slide, put_on, related, slides_of, solved_for
+from nonsmooth.system.sticking import Rest, contacts_at_rest, leaves_at_rest, may_rest, rest_of
 from nonsmooth.system.surfaces import Declared
 from nonsmooth.system.switching import SurfaceKey
 
@@ -89,6 +90,8 @@ def families_of(
     for family in list(found.values()):
         equations = family.split.equations
         for which in contacts_at_rest(equations):
+            if len(which) > 1 and not _together(graph, family.split, which):
+                continue
             words = dict.fromkeys(str(equations.exits[i].sticks) for i in which)
             name = _unused("+".join(words), found)
             mode = _at_rest(graph, family.split, which, name, declared[equations.name])
@@ -96,6 +99,13 @@ def families_of(
     for family in found.values():
         _add_slides(graph, family)
     return found
+
+
+def _together(graph: Graph, mode: SplitMode, which: tuple[int, ...]) -> bool:
+    """Whether exits can be at rest at the same time in some cell of their mode."""
+    return any(
+        may_rest(graph, mode.equations, mode.resolver(cell.signs), which) for cell in mode.cells
+    )
 
 
 def _unused(name: str, taken: Mapping[str, object]) -> str:
@@ -239,9 +249,10 @@ class _Maker:
         which = self.family.resting
         if not which:
             return
-        rest = rest_of(self.graph, self.family.free.equations, self._free, which)
+        rest = rest_of(self.graph, self.family.free.equations, self._free, which, self._leaf)
         for i, reaction in rest.reactions.items():
             fewer = self._resting(tuple(k for k in which if k != i))
+            assert fewer is not None
             yield self._way(_RELEASE, reaction, fewer.split.cell(self.cell.signs))
 
     @property
@@ -255,34 +266,68 @@ class _Maker:
             return slide.resolver(self.graph, slide.equations(free))
         return free.resolver(cell.signs)
 
-    def _resting(self, which: tuple[int, ...]) -> Family:
-        """Family of the same mode with these exits at rest."""
+    @property
+    def _leaf(self) -> Resolver:
+        """The same in a cell beside the surfaces."""
+        free = self.family.free
+        return free.resolver(free.leaf(self.cell.signs).signs)
+
+    def _resting(self, which: tuple[int, ...]) -> Family | None:
+        """Family of the same mode with these exits at rest, where they can be so together."""
         home = self.family.declared
-        return next(f for f in self.families.values() if (f.declared, f.resting) == (home, which))
+        found = (f for f in self.families.values() if (f.declared, f.resting) == (home, which))
+        return next(found, None)
 
     # ------------------------------------------------------------ exits of the mode
 
     def _declared(self) -> Iterator[Way]:
-        signs, which = self.cell.signs, self.family.resting
-        for i, way in enumerate(self.family.free.equations.exits):
+        which, equations = self.family.resting, self.family.free.equations
+        for i, way in enumerate(equations.exits):
             if i in which:
                 continue
             entered = self.families.get(way.target)
-            target = None if entered is None else entered.split.cell(signs)
-            if way.sticks is None:
+            target = None if entered is None else entered.split.cell(self._signs_behind(way))
+            more = tuple(sorted((*which, i)))
+            resting = None if way.sticks is None else self._resting(more)
+            # what happens elsewhere leaves at rest what is at rest
+            stays = not which or self._stays_at_rest(i)
+            if which and stays and way.target == self.family.declared:
+                target = self.mode.cell(self._signs_behind(way))
+            if resting is None or not stays or not self._comes_to_rest(i, more):
                 yield Way(way, target)
                 continue
-            free = self._free
-            equations = self.family.free.equations
-            if not which or leaves_at_rest(self.graph, equations, free, which, i):
-                more = tuple(sorted((*which, i)))
-                rest = rest_of(self.graph, equations, free, more)
-                onto = self._beside(
-                    way.sticks, self._resting(more).split.cell(signs), self._reset(rest, way)
-                )
-                yield Way(way, self.cell if which else target, onto)
-            else:
-                yield Way(way, target)
+            rest = rest_of(self.graph, equations, self._free, more)
+            onto = self._beside(
+                str(way.sticks), resting.split.cell(self.cell.signs), self._reset(rest, way)
+            )
+            yield Way(way, target, onto)
+
+    def _stays_at_rest(self, i: int) -> bool:
+        """Whether an exit does not move what is at rest."""
+        which, equations = self.family.resting, self.family.free.equations
+        return leaves_at_rest(self.graph, equations, self._leaf, which, i)
+
+    def _comes_to_rest(self, i: int, more: tuple[int, ...]) -> bool:
+        """Whether an exit may come to rest beside those of the cell; sliding may leave no way."""
+        if not self.cell.on:
+            return True
+        equations = self.family.free.equations
+        kept = self._signs_behind(equations.exits[i]) == self.cell.signs
+        return kept and may_rest(self.graph, equations, self._free, more)
+
+    def _signs_behind(self, way: ExitEquations) -> dict[SurfaceKey, int]:
+        """Signs of the cell without those of surfaces that a reset leaves."""
+        signs = dict(self.cell.signs)
+        if way.reset and self.cell.on:
+            resolver = self._resolver
+            resets = {state: resolver.tree(e) for state, e in way.reset.items()}
+            nodes = [self.mode.nodes[self.mode.names[key]] for key in self.cell.on]
+            place = put_on(self.graph, nodes, solved_for(self.graph, self.mode.equations, nodes))
+            for key, node in zip(self.cell.on, nodes, strict=True):
+                behind = substituted(self.graph, node, resets)
+                if behind is not node and not vanishes([behind], [self.graph.one], place):
+                    del signs[key]
+        return signs
 
     def _reset(self, rest: Rest, way: ExitEquations) -> dict[str, Equation]:
         place = f"{way.guard.where.removesuffix('.guard')}, at rest"

@@ -17,22 +17,30 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from nonsmooth.system.attraction import may_attract
 from nonsmooth.system.cells import Cell, Signs, SplitMode, shown
 from nonsmooth.system.differentiate import derivative, rate_of_change
 from nonsmooth.system.equations import Equation
-from nonsmooth.system.expressions import ZERO, Expression, Number
+from nonsmooth.system.expressions import ZERO, Expression, Number, negate
 from nonsmooth.system.graph import Graph
-from nonsmooth.system.identities import simplified, substituted, value_at, vanishes
+from nonsmooth.system.identities import (
+    random_point,
+    simplified,
+    substituted,
+    value_at,
+    vanishes,
+)
 from nonsmooth.system.linear import LinearForm, NotLinear, State, linear_form
 from nonsmooth.system.mode_equations import ModeEquations
 from nonsmooth.system.relations import form_of_node
 from nonsmooth.system.resolve import Resolver
 from nonsmooth.system.switching import SurfaceKey, SwitchingSurface
 
-__all__ = ["Slide", "between", "cell_on", "put_on", "related", "slides_of", "solved_for"]
+__all__ = ["Slide", "between", "cell_on", "put_on", "quotient", "related", "slides_of", "solved_for"]
 
 _NEWTON = 40  # steps in looking for a point of a surface
 _ON = 1e-12  # of the function at such a point
+_POINTS = 4  # values of parameters by which factors are told to be the same
 
 
 @dataclass(frozen=True)
@@ -73,6 +81,8 @@ def slides_of(graph: Graph, mode: SplitMode) -> Iterator[Slide]:
 def _slide(graph: Graph, mode: SplitMode, key: SurfaceKey, a: Cell, b: Cell) -> Slide | None:
     cell = cell_on(mode, (a, b), (key,))
     surface = next(s for s in a.surfaces if s.key == key)
+    if not graph.states_in(surface.node):
+        return None  # time passes
     relations = solved_for(graph, mode.equations, [surface.node])
     sides = [mode.resolver(c.signs) for c in (a, b)]
 
@@ -84,14 +94,28 @@ def _slide(graph: Graph, mode: SplitMode, key: SurfaceKey, a: Cell, b: Cell) -> 
     place = put_on(graph, [surface.node], relations)
     if vanishes([width], [up, down], place):
         return None
-    control = graph.call("/", on_surface(graph.add(up, down)), width)
+    hold = _hold(mode, key)
+    if hold is None and not may_attract(up, down, place):
+        return None
+    control = quotient(graph, on_surface(graph.add(up, down)), width)
     rates = {}
     for state in mode.equations.flow:
         if state not in relations:
             plus, minus = (on_surface(side.rate(state)) for side in sides)
             rates[state] = between(graph, plus, minus, control, place)
-    guards = _guards(graph, key, up, down, _hold(mode, key))
+    guards = _guards(graph, key, up, down, hold)
     return Slide(cell, rates, {key: control}, relations, guards)
+
+
+def quotient(graph: Graph, above: Expression, below: Expression) -> Expression:
+    """One over another; where parameters make the divisor zero, any number.
+
+    Without friction there is no width: nothing slides then, but the cell has its rates.
+    """
+    if not graph.moves(below) and not isinstance(below, Number):
+        differs = graph.call(">", graph.multiply(below, below), graph.zero)
+        below = graph.call("where", differs, below, graph.one)
+    return graph.call("/", above, below)
 
 
 def _hold(mode: SplitMode, key: SurfaceKey) -> Expression | None:
@@ -160,27 +184,41 @@ def solved_for(
             )
         except NotLinear:
             return {}
-        pivots = [
-            basis
-            for basis, value in form.terms.items()
-            if isinstance(basis, State)
-            and basis.name in equations.flow
-            and isinstance(value, Number)
-            and value != ZERO
-        ]
-        if not pivots:
+        pivot = _pivot(form, equations)
+        if pivot is None:
             return {}
-        pivot = pivots[-1]
         rest = LinearForm({b: c for b, c in form.terms.items() if b != pivot})
-        solution = graph.from_form(rest.divided(_negative(form.coefficient(pivot))))
+        solution = graph.from_form(rest.divided(negate(form.coefficient(pivot))))
         found = {s: substituted(graph, e, {pivot.name: solution}) for s, e in found.items()}
         found[pivot.name] = solution
     return found
 
 
-def _negative(value: Expression) -> Number:
-    assert isinstance(value, Number)
-    return Number(-value.value)
+def _pivot(form: LinearForm, equations: ModeEquations) -> State | None:
+    """State for which a form that is zero is solved; its factor vanishes for no values.
+
+    A factor of parameters that all states share is none: where it vanishes there is no function.
+    """
+    factors = {b: c for b, c in form.terms.items() if isinstance(b, State) and c != ZERO}
+    flowing = [basis for basis in factors if basis.name in equations.flow]
+    sure = [basis for basis in flowing if isinstance(factors[basis], Number)]
+    if sure:
+        return sure[-1]
+    return flowing[-1] if flowing and _proportional(list(factors.values())) else None
+
+
+def _proportional(factors: list[Expression]) -> bool:
+    """Whether expressions of parameters have the same ratios for all values."""
+    points = [random_point(seed) for seed in range(_POINTS)]
+    rows = [[value_at(factor, point) for factor in factors] for point in points]
+    if not all(first[0] for first in rows):
+        return False
+    ratios = [[value / row[0] for value in row] for row in rows]
+    return all(
+        abs(value - first) <= _ON * abs(first)
+        for row in ratios
+        for value, first in zip(row, ratios[0], strict=True)
+    )
 
 
 def related(

@@ -25,7 +25,7 @@ from nonsmooth.system.mode_equations import ExitEquations, ModeEquations
 from nonsmooth.system.resolve import Resolver
 from nonsmooth.system.sliding import put_on, solved_for
 
-__all__ = ["Rest", "contacts_at_rest", "leaves_at_rest", "rest_of"]
+__all__ = ["Rest", "contacts_at_rest", "leaves_at_rest", "may_rest", "rest_of"]
 
 _MOST_STICKING = 4  # exits of a mode: every set of them is a mode
 
@@ -67,14 +67,43 @@ def contacts_at_rest(equations: ModeEquations) -> list[tuple[int, ...]]:
     ]
 
 
-def rest_of(graph: Graph, equations: ModeEquations, free: Resolver, which: Sequence[int]) -> Rest:
-    """Motion with some exits of a mode at rest; ``free`` are the nodes of the mode without."""
-    contacts = {i: _contact(graph, free, equations.exits[i]) for i in which}
-    matrix = {
-        (i, k): simplified(graph, _along(graph, contacts[i].rate, contacts[k].push))
-        for i in which
-        for k in which
-    }
+def may_rest(
+    graph: Graph, equations: ModeEquations, free: Resolver, which: Sequence[int]
+) -> bool:
+    """Whether some exits of a mode can be at rest together.
+
+    Not two walls of one mass, and not where sliding on a surface holds the speed already.
+    """
+    try:
+        contacts = {i: _contact(graph, free, equations.exits[i]) for i in which}
+    except ModelError:
+        return False
+    matrix = _pushes(graph, contacts)
+    divisor = determinant(graph, [[matrix[i, k] for k in which] for i in which])
+    place = put_on(graph, [], solved_for(graph, equations, [contacts[which[0]].guard]))
+    return not vanishes([divisor], [_diagonal(graph, matrix, which)], place)
+
+
+def _diagonal(
+    graph: Graph, matrix: Mapping[tuple[int, int], Expression], which: Sequence[int]
+) -> Expression:
+    """Product of what each contact's own push does, which a determinant stands beside."""
+    return graph.multiply(*(matrix[i, i] for i in which)) if len(which) > 1 else graph.one
+
+
+def rest_of(
+    graph: Graph,
+    equations: ModeEquations,
+    free: Resolver,
+    which: Sequence[int],
+    leaf: Resolver | None = None,
+) -> Rest:
+    """Motion with some exits of a mode at rest; ``free`` are the nodes of the mode without.
+
+    ``leaf`` are those beside the surfaces on which ``free`` slides: there all states are free.
+    """
+    contacts = {i: _contact(graph, leaf or free, equations.exits[i]) for i in which}
+    matrix = _pushes(graph, contacts)
     pulls = {
         i: graph.negate(rate_of_change(graph, contact.rate, free.rate))
         for i, contact in contacts.items()
@@ -102,17 +131,34 @@ def rest_of(graph: Graph, equations: ModeEquations, free: Resolver, which: Seque
     return Rest(rates, relations, shown, arrival)
 
 
+def _pushes(
+    graph: Graph, contacts: Mapping[int, _Contact]
+) -> dict[tuple[int, int], Expression]:
+    """What the push of each contact adds to the second rate of each guard."""
+    return {
+        (i, k): simplified(graph, _along(graph, contacts[i].rate, contacts[k].push))
+        for i in contacts
+        for k in contacts
+    }
+
+
 def _contact(graph: Graph, free: Resolver, way: ExitEquations) -> _Contact:
     guard = free.tree(way.guard)
     rate = simplified(graph, rate_of_change(graph, guard, free.rate))
+    moved = {state: e for state, e in way.reset.items() if state in free.equations.flow}
     slopes = {
         state: simplified(graph, _slope(graph, rate, state))
-        for state in way.reset
+        for state in moved
         if state in graph.states_in(rate)
     }
+    # what a surface holds does not jump: what holds it there takes the push
+    held = free.relations.explicit if len(moved) < len(way.reset) else {}
     jumps = {
-        state: simplified(graph, graph.add(free.tree(e), graph.negate(graph.name(state))))
-        for state, e in way.reset.items()
+        state: simplified(
+            graph,
+            substituted(graph, graph.add(free.tree(e), graph.negate(graph.name(state))), held),
+        )
+        for state, e in moved.items()
     }
     # by the state on which the rate depends in the plainest way: a slope may vanish somewhere
     for state, slope in sorted(

@@ -21,7 +21,7 @@ from nonsmooth.system.mode_forms import ModeForms
 from nonsmooth.system.pieces import families_of, pieces_of
 from nonsmooth.system.resolve import Resolver
 from nonsmooth.system.slow import read_slow
-from nonsmooth.system.surfaces import Declared
+from nonsmooth.system.surfaces import Declared, Surface
 from nonsmooth.system.switching import switching_function
 from nonsmooth.system.taylor_code import TaylorCode, write_code
 
@@ -66,8 +66,8 @@ class Structure:
         self.surfaces = {
             equations.name: self._declared(system, equations, every) for equations in modes
         }
-        self._check_used()
         self.families = families_of(self.graph, modes, self.surfaces)
+        self._check_used(system.surfaces)
         self.modes = self._running(cell_labels(system.modes, self.families))
         self.slow = read_slow(
             self.graph,
@@ -111,6 +111,12 @@ class Structure:
             switch = switching_function(self.graph, node)
             if switch.surface is None:
                 continue
+            for other, known_before in found.items():
+                if known_before.surface.key == switch.surface.key:
+                    raise ModelError(
+                        f"surfaces[{name!r}]: {surface.function} = 0 is the surface {other!r};"
+                        " keep one of them"
+                    )
             hold = None
             if surface.hold is not None:
                 where = f"surfaces[{name!r}].hold"
@@ -144,8 +150,24 @@ class Structure:
             )
         return running
 
-    def _check_used(self) -> None:
-        """Every declared surface stands in a text that is piecewise there."""
+    def _check_used(self, surfaces: Mapping[str, Surface]) -> None:
+        """Every declared surface is one of some mode, and holds only where something slides."""
+        splits = [family.split for family in self.families.values()]
+        for name, surface in surfaces.items():
+            where = f"surfaces[{name!r}]"
+            if not any(name in split.names.values() for split in splits):
+                raise ModelError(
+                    f"{where}: no mode switches at {surface.function} = 0; write sign({name}),"
+                    f" max({name}, 0) or another piecewise function of it in a flow, or leave it"
+                    " out (an expression that only needs a name is one of definitions=)"
+                )
+            slides = (cell.on for split in splits for cell in split.sliding)
+            keys = {key for split in splits for key, given in split.names.items() if given == name}
+            if surface.hold is not None and not any(keys.intersection(on) for on in slides):
+                raise ModelError(
+                    f"{where}.hold: nothing slides at {surface.function} = 0, for no text jumps"
+                    " there so that both sides can point at it; leave hold= out"
+                )
 
     @cached_property
     def running(self) -> tuple[ModeForms, ...]:

@@ -69,6 +69,11 @@ class Surface:
                 f"Surface: {self.function!r:.60} is no expression; give what is zero on the"
                 " surface, such as 'v - v_b'"
             )
+        if isinstance(self.hold, bool) or not isinstance(self.hold, str | int | float | None):
+            raise ModelError(
+                f"Surface: hold={self.hold!r:.60} is no expression; give static over kinetic"
+                " friction, such as 'F_s/F_k', or leave it out"
+            )
         for label in ("below", "on", "above"):
             value = getattr(self, label)
             if value is not None and not (isinstance(value, str) and is_name(value)):

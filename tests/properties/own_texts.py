@@ -1,0 +1,88 @@
+"""Values of texts by numpy, with a namespace of its own: no code shared with the package."""
+
+from __future__ import annotations
+
+import math
+from functools import reduce
+from typing import Any
+
+import numpy as np
+
+from properties.words import Words, modes_of
+
+FUNCTIONS = {
+    "sin": np.sin,
+    "cos": np.cos,
+    "tan": np.tan,
+    "exp": np.exp,
+    "log": np.log,
+    "sqrt": np.sqrt,
+    "tanh": np.tanh,
+    "atan": np.arctan,
+    "sign": np.sign,
+    "abs": np.abs,
+    "min": lambda *values: reduce(np.minimum, values),
+    "max": lambda *values: reduce(np.maximum, values),
+    "heaviside": lambda x: np.where(x >= 0, 1.0, 0.0),
+    "clip": lambda x, low, high: np.minimum(np.maximum(x, low), high),
+    "where": np.where,
+    "pi": math.pi,
+    "__builtins__": {},
+}
+
+
+class Texts:
+    """Texts of a system at states and times; definitions and surfaces are named texts."""
+
+    def __init__(self, words: Words) -> None:
+        self.states = list(words["states"])
+        self.modes = modes_of(words)
+        self._constants = {k: float(v) for k, v in words.get("parameters", {}).items()}
+        self._named = dict(words.get("definitions", {}))
+        self._named |= {name: s["function"] for name, s in words.get("surfaces", {}).items()}
+        self._codes: dict[str, Any] = {}
+
+    def value(self, text: str | float, z: np.ndarray, t: Any) -> np.ndarray:
+        """Value of a text at states ``z[..., i]`` and times ``t``."""
+        names = dict(FUNCTIONS) | self._constants | {"t": t}
+        names |= {state: z[..., i] for i, state in enumerate(self.states)}
+        for name, inner in self._named.items():
+            names[name] = self._eval(inner, names)
+        found = self._eval(text, names)
+        return np.broadcast_to(np.asarray(found, float), np.shape(z)[:-1])
+
+    def _eval(self, text: str | float, names: dict[str, Any]) -> Any:
+        text = str(text)
+        if text not in self._codes:
+            self._codes[text] = compile(text, "a drawn text", "eval")
+        return eval(self._codes[text], names)
+
+    def slaved(self, mode: str) -> dict[str, str]:
+        """Texts that vanish, by the state that is slaved."""
+        return {
+            state: f"{state} - ({text})" if "=" not in text else "({}) - ({})".format(*text.split("="))
+            for state, text in self.modes[mode].get("slaved", {}).items()
+        }
+
+    def field(self, mode: str, z: np.ndarray, t: Any) -> np.ndarray:
+        """Rates of all states; those of states slaved by an expression along the others."""
+        flow = self.modes[mode]["flow"]
+        rates = np.zeros(np.shape(z))
+        for i, state in enumerate(self.states):
+            if state in flow:
+                rates[..., i] = self.value(flow[state], z, t)
+        for state, text in self.modes[mode].get("slaved", {}).items():
+            if "=" not in text:
+                rates[..., self.states.index(state)] = self.along(text, z, t, rates)
+        return rates
+
+    def along(self, text: str, z: np.ndarray, t: Any, rates: np.ndarray, step: float = 1e-5) -> Any:
+        """Rate of a smooth text along a field, by differences: to about 1e-9 where sizes are 1."""
+        up = self.value(text, z + step * rates, t + step)
+        down = self.value(text, z - step * rates, t - step)
+        return (up - down) / (2 * step)
+
+    def gradient(self, text: str, z: np.ndarray, t: float, step: float = 1e-5) -> np.ndarray:
+        """Derivatives of a smooth text by the states at one point."""
+        moves = step * np.eye(len(self.states))
+        return (self.value(text, z + moves, t) - self.value(text, z - moves, t)) / (2 * step)
