@@ -74,8 +74,9 @@ def print_hammer(
     -------
     System
         States ``x v``; modes ``flight``, ``print`` (on the paper) and ``seated`` (at rest at the
-        backstop), all linear, each with a cell ``[+]`` for pulses and one ``[-]`` in between; outputs ``pulse_force``, ``print_force``
-        and ``backstop_force``, which has no part from impacts. It starts seated.
+        backstop), all linear, each with a cell ``[+]`` for pulses and one ``[-]`` in between;
+        outputs ``pulse_force``, ``print_force`` and ``backstop_force``, which has no part from
+        impacts. It starts seated.
 
     Raises
     ------
