@@ -27,7 +27,7 @@ def simulate(strobes, F, omega, sigma, r, x, v):
     tau, c, s = 0.0, 1.0, 0.0
     events = evaluations = 0
     on_the_guard = resting = False
-    release = acos(sigma / F) / omega if F > sigma else 0.0
+    release = acos(sigma / F) / omega if sigma < F else 0.0
     wr, wi = x - A, -v
     M = sqrt(wr * wr + wi * wi)
     done = 0

@@ -130,7 +130,9 @@ def test_rolling_ends_where_it_would_take_more_than_friction_can_give():
     for k in exits:
         state = run["state_before"].values[k]
         normal = 20.0 * (np.hypot(state[0], state[1]) - 1)
-        assert abs(needed(run["event_time"].values[k], *state)) == pytest.approx(f * normal, rel=1e-10)
+        assert abs(needed(run["event_time"].values[k], *state)) == pytest.approx(
+            f * normal, rel=1e-10
+        )
 
 
 def test_friction_has_its_direction_at_every_angle():

@@ -51,4 +51,6 @@ def printed(found: Sequence[Verdict]) -> str:
 
 def complaints(found: Sequence[Verdict]) -> str:
     """Faults by seed."""
-    return "\n".join(f"seed {v.seed} ({v.status}): {'; '.join(v.complaints[:3])}" for v in found if v.complaints)
+    return "\n".join(
+        f"seed {v.seed} ({v.status}): {'; '.join(v.complaints[:3])}" for v in found if v.complaints
+    )

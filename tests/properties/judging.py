@@ -186,4 +186,3 @@ def jumps(drawn: Drawn, texts: Texts, run, size: float) -> list[str]:
         if off > CLOSE * size:
             found.append(f"state behind {'>'.join(path)} (row {k}) is off by {off:.3g}")
     return found
-

@@ -60,7 +60,9 @@ class Texts:
     def slaved(self, mode: str) -> dict[str, str]:
         """Texts that vanish, by the state that is slaved."""
         return {
-            state: f"{state} - ({text})" if "=" not in text else "({}) - ({})".format(*text.split("="))
+            state: f"{state} - ({text})"
+            if "=" not in text
+            else "({}) - ({})".format(*text.split("="))
             for state, text in self.modes[mode].get("slaved", {}).items()
         }
 

@@ -35,9 +35,7 @@ def is_onto(wiring: Integers, mode: int, e: int) -> bool:
     return e >= int(wiring[mode, 0, at.N_EXITS])
 
 
-def crosses(
-    wiring: Integers, families: Integers, mode: int, path: tuple[int, ...]
-) -> bool:
+def crosses(wiring: Integers, families: Integers, mode: int, path: tuple[int, ...]) -> bool:
     """Whether a path leads straight through a surface of the mode, without a reset."""
     if len(path) != 1:
         return False

@@ -37,7 +37,16 @@ from nonsmooth.system.relations import form_of_node
 from nonsmooth.system.resolve import Resolver
 from nonsmooth.system.switching import SurfaceKey, SwitchingSurface
 
-__all__ = ["Slide", "between", "cell_on", "put_on", "related", "slides_of", "solved_for"]
+__all__ = [
+    "Slide",
+    "between",
+    "cell_on",
+    "put_on",
+    "quotient",
+    "related",
+    "slides_of",
+    "solved_for",
+]
 
 _NEWTON = 40  # steps in looking for a point of a surface
 _ON = 1e-12  # of the function at such a point

@@ -64,9 +64,7 @@ def _first_flip(system: System) -> float:
     return float(values[kinds == "flip"][0])
 
 
-def _attractors(
-    system: System, omega: float
-) -> list[tuple[int, npt.NDArray[np.float64]]]:
+def _attractors(system: System, omega: float) -> list[tuple[int, npt.NDArray[np.float64]]]:
     """Period (0: none up to 16) and strobes of all attractors from some starts."""
     found: list[tuple[int, npt.NDArray[np.float64]]] = []
     there = system.with_parameters(omega=omega)
@@ -113,18 +111,18 @@ def _judge_artefacts(evidence: Evidence) -> Finding:
         f" {'/'.join(map(str, row['only_smoothed']))} beside {'/'.join(map(str, row['exact']))}"
         for row in artefacts
     )
-    text = "; ".join(parts) + f". Settled motions that only the smoothed system has: {shown or 'none'}"
-    return Finding(bool(artefacts), text)
+    only = f"Settled motions that only the smoothed system has: {shown or 'none'}"
+    return Finding(bool(artefacts), f"{'; '.join(parts)}. {only}")
 
 
 CHECKS = (
     Check(
         "G3",
-        "soft impact, zeta .01, e 1.26, beta 29, a .7; branch of period one from rest over omega .79"
-        " to .82, and half way between the halvings nine starts, 800 periods dropped and 64 kept;"
-        " tanh and sqrt in place of the switch; a motion is another one when its strobes are farther"
-        " than ten widths from those of all exact ones, or its period differs; irregular ones count"
-        " as one",
+        "soft impact, zeta .01, e 1.26, beta 29, a .7; branch of period one from rest over omega"
+        " .79 to .82, and half way between the halvings nine starts, 800 periods dropped and 64"
+        " kept; tanh and sqrt in place of the switch; a motion is another one when its strobes are"
+        " farther than ten widths from those of all exact ones, or its period differs; irregular"
+        " ones count as one",
         _artefacts,
         _judge_artefacts,
     ),
