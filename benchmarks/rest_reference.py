@@ -1,10 +1,9 @@
 """Reference solutions at 40 digits for impacts, rest and dry friction: closed forms, stitched.
 
-In flight, or while a block slips, x = C cos s + D sin s + A cos(omega tau) + B with s the time since
-the last event. The first zero of a guard is looked for at points a two-thousandth of a period apart
-and refined by bisection and Newton's method. Rebounds are followed until the rate is below 1e-25,
-with flights by the series of the guard once they are short; what is left of the time is then below
-1e-24.
+In flight, or while a block slips, x = C cos s + D sin s + A cos(omega tau) + B with s the time
+since the last event. The first zero of a guard is looked for at points a two-thousandth of a period
+apart and refined by bisection and Newton's method. Rebounds are followed until the rate is below
+1e-25; what is left of the time is then below 1e-24.
 """
 
 import numpy as np

@@ -2,9 +2,9 @@
 
     x'' + x = F cos(omega tau),  x <= sigma,  v+ = -r v-
 
-Between impacts x = Re w + A cos(omega tau) with w' = i w. Rebounds that follow one another under the
-push P = F cos(omega tau) - sigma at the wall are over after 2 u/(P (1 - r)); once that is short, the
-mass rests until P changes its sign, which is an arc cosine.
+Between impacts x = Re w + A cos(omega tau) with w' = i w. Rebounds that follow one another under
+the push P = F cos(omega tau) - sigma at the wall are over after 2 u/(P (1 - r)); once that is
+short, the mass rests until P changes its sign, which is an arc cosine.
 """
 
 from math import acos, cos, pi, sin, sqrt
