@@ -18,6 +18,7 @@ from nonsmooth.system.graph import Graph
 from nonsmooth.system.identities import simplified, substituted, vanishes
 from nonsmooth.system.quotients import quotient
 from nonsmooth.system.sliding import Slide, cell_on, put_on, solved_for
+from nonsmooth.system.sums import signed_sum
 from nonsmooth.system.switching import SurfaceKey
 
 __all__ = ["meetings_of"]
@@ -74,8 +75,7 @@ def _meeting(
         weights = ((1, 1, 1, 1), (1, 1, -1, -1), (1, -1, 1, -1), (1, -1, -1, 1))
         found = []
         for signs in weights:
-            terms = [v if s > 0 else graph.negate(v) for v, s in zip(values, signs, strict=True)]
-            total = simplified(graph, graph.add(*terms))
+            total = simplified(graph, signed_sum(graph, values, signs))
             found.append(graph.zero if vanishes([total], place=place) else total)
         a, b, c, e = found
         return a, b, c, e

@@ -35,6 +35,7 @@ from nonsmooth.system.mode_equations import ModeEquations
 from nonsmooth.system.quotients import quotient, without_squares
 from nonsmooth.system.relations import form_of_node
 from nonsmooth.system.resolve import Resolver
+from nonsmooth.system.sums import signed_sum
 from nonsmooth.system.switching import SurfaceKey, SwitchingSurface
 
 __all__ = [
@@ -100,7 +101,7 @@ def _slide(graph: Graph, mode: SplitMode, key: SurfaceKey, a: Cell, b: Cell) -> 
         return simplified(graph, substituted(graph, node, relations))
 
     up, down = (on_surface(rate_of_change(graph, surface.node, s.rate)) for s in sides)
-    width = on_surface(graph.add(down, graph.negate(up)))
+    width = on_surface(signed_sum(graph, (down, up), (1, -1)))
     place = put_on(graph, [surface.node], relations)
     if vanishes([width], place=place):
         return None
@@ -159,7 +160,7 @@ def between(
     place: Callable[[Any], bool],
 ) -> Expression:
     """What lies between two sides; one of them where they are the same on the surface."""
-    step = simplified(graph, graph.add(plus, graph.negate(minus)))
+    step = simplified(graph, signed_sum(graph, (plus, minus), (1, -1)))
     if plus is minus or vanishes([step], place=place):
         return minus
     half = graph.number(0.5)
