@@ -7,8 +7,6 @@ from collections.abc import Sequence
 
 from properties.cases import Verdict
 
-REBOUNDING = {"event_limit"}
-
 
 def share(found: Sequence[Verdict], *words: str) -> float:
     """Part of the systems with one of some features."""
@@ -51,4 +49,6 @@ def printed(found: Sequence[Verdict]) -> str:
 
 def complaints(found: Sequence[Verdict]) -> str:
     """Faults by seed."""
-    return "\n".join(f"seed {v.seed} ({v.status}): {'; '.join(v.complaints[:3])}" for v in found if v.complaints)
+    return "\n".join(
+        f"seed {v.seed} ({v.status}): {'; '.join(v.complaints[:3])}" for v in found if v.complaints
+    )

@@ -124,9 +124,7 @@ def _wall(d: Draft, mode: str, pair: tuple[str, str], side: int, pressed: bool) 
     _add_wall(d, mode, guard, reset, d.chance(0.65 if pressed else 0.4))
 
 
-def _collision(
-    d: Draft, mode: str, one: tuple[str, str], other: tuple[str, str]
-) -> None:
+def _collision(d: Draft, mode: str, one: tuple[str, str], other: tuple[str, str]) -> None:
     """Two masses that hit each other."""
     (x, v), (y, w) = one, other
     r, share = d.number(0.1, 0.9), d.number(0.2, 0.8)
@@ -136,9 +134,7 @@ def _collision(
     _add_wall(d, mode, f"{y} - {x} + {d.number(0.0, 0.5)}", reset, d.chance(0.5))
 
 
-def _add_wall(
-    d: Draft, mode: str, guard: str, reset: dict[str, str], sticks: bool
-) -> None:
+def _add_wall(d: Draft, mode: str, guard: str, reset: dict[str, str], sticks: bool) -> None:
     name = d.exit_name()
     way: dict[str, Any] = {"guard": guard, "reset": reset, "name": name}
     if sticks:
@@ -168,7 +164,9 @@ def _friction(d: Draft) -> None:
         if d.chance(0.3):
             words |= {"below": f"low{k}", "on": f"on{k}", "above": f"high{k}"}
         d.surfaces[name] = words
-        law = d.pick(["sign({n})", "sign({n})", "(2*heaviside({n}) - 1)", "sign({n})*(1 + {v}**2/9)"])
+        law = d.pick(
+            ["sign({n})", "sign({n})", "(2*heaviside({n}) - 1)", "sign({n})*(1 + {v}**2/9)"]
+        )
         d.add(v, f"{turn}{force}*{law.format(n=name, v=v)}")
         d.note(None, function)
     d.features |= {"surfaces", "declared"}
