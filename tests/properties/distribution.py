@@ -7,8 +7,6 @@ from collections.abc import Sequence
 
 from properties.cases import Verdict
 
-REBOUNDING = {"event_limit"}
-
 
 def share(found: Sequence[Verdict], *words: str) -> float:
     """Part of the systems with one of some features."""

@@ -255,7 +255,7 @@ def _words(d: Draft) -> dict[str, Any]:
         for key, part in (("exits", d.exits), ("slaved", d.slaved)):
             if name in part:
                 modes[name][key] = part[name]
-    plain = len(modes) == 1 and set(modes["flow"] if "flow" in modes else {}) == {"flow"}
+    plain = len(modes) == 1 and set(modes.get("flow", {})) == {"flow"}
     if plain and d.chance(0.7):
         return words | {"equations": modes["flow"]["flow"]}
     return words | {"modes": modes}

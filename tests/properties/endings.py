@@ -56,9 +56,9 @@ def _not_singular(drawn: Drawn, texts: Texts, run) -> list[str]:
 
 def _not_accumulating(drawn: Drawn, run) -> list[str]:
     """Events are far apart, or all of them are of exits that stick."""
-    times = run["event_time"].values[-20:]
-    if len(times) == 20 and np.diff(times).mean() > _BRIEF:
-        return [f"event_limit, with events {np.diff(times).mean():.3g} apart"]
+    gaps = np.diff(run["event_time"].values)[-5:]
+    if len(gaps) == 5 and gaps.mean() > _BRIEF:
+        return [f"event_limit, with events {gaps.mean():.3g} apart"]
     sticking = {
         way["name"]
         for mode in drawn.words.get("modes", {}).values()

@@ -1,4 +1,4 @@
-"""Seeds judged in processes of their own, so that a hang or a crash has a seed and not the last word."""
+"""Seeds judged in a process of their own, so that a hang or a crash has a seed."""
 
 from __future__ import annotations
 
