@@ -7,12 +7,12 @@ from collections.abc import Iterator
 import numpy as np
 
 from nonsmooth.continuation.point import Point
-from nonsmooth.errors import RunError
 from nonsmooth.periodic.branch_part import BranchPart, Followed, kind_of, part_of
 from nonsmooth.periodic.branch_start import begin_change
 from nonsmooth.periodic.branch_tests import BranchTests, Looked
 from nonsmooth.periodic.change import Change
-from nonsmooth.periodic.guess import Guess, driven_guess
+from nonsmooth.periodic.guess import Guess
+from nonsmooth.periodic.motion_beyond import motion_at, over_chatter
 from nonsmooth.periodic.stretch import BranchStart, Stretch
 from nonsmooth.periodic.word_change import changes_at_once, changes_of_word
 
@@ -38,7 +38,8 @@ def change_at(
     changes = changes_at_once(stretch.equations, looked.turn, _vanishing(looked, name))
     changes = changes or changes_of_word(stretch.equations, looked.turn, name)
     for change in changes:
-        start = begin_change(stretch, change, point)
+        start = over_chatter(stretch, looked, point) if change.kind == "section" else None
+        start = start or begin_change(stretch, change, point)
         if start is not None:
             if change.kind == "section":
                 return start, part_of(stretch, looked, point, along, "section", "")
@@ -99,26 +100,10 @@ def _is_near(start: BranchStart, looked: Looked) -> bool:
 
 def _motions_beyond(stretch: Stretch, looked: Looked, point: Point) -> Iterator[Guess]:
     """What the motion from the orbit does a little beyond, where there is a period to look at."""
-    options = stretch.options
-    if options.autonomous:
-        return
-    names = list(options.system.parameters)
-    low, high = options.bounds
-    state = dict(zip(options.system.states, looked.turn.states[0].tolist(), strict=True))
+    low, high = stretch.options.bounds
     for way in (np.sign(point.tangent_p) or 1.0, -(np.sign(point.tangent_p) or 1.0)):
-        value = point.p + way * _BEYOND * (high - low)
-        there = options.system.with_parameters(
-            **dict(zip(names, stretch.legs.values.tolist(), strict=True))
-            | {options.parameter: value}
-        )
-        try:
-            guess = driven_guess(
-                there, state, period=options.period, phase=options.phase, transient=0, mode=None,
-                tolerance=options.tolerance,
-            )  # fmt: skip
-        except (RunError, ValueError):
-            continue
-        if guess.word != stretch.equations.word:
+        guess = motion_at(stretch, looked, point.p + way * _BEYOND * (high - low))
+        if guess is not None and guess.word != stretch.equations.word:
             yield guess
 
 
