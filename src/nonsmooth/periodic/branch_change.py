@@ -24,6 +24,10 @@ _ENDS = {
     "slide": "both sides of a surface point at it: beyond, the motion stays there for a while",
     "enter": "the surface does not hold the motion any more: beyond, it leaves it at once",
 }
+_AT_BORDER = {
+    "crossing_sliding": "ends where a surface is crossed at the border of the part that slides",
+    "switching_sliding": "ends where the part of a surface that slides begins",
+}
 _MOST_TELLING = ("shrink", "slide", "short", "leg", "gain", "enter", "graze", "rate", "corner")
 _TOGETHER = 1e-8  # a test that vanishes at the same point as another one
 _NEARBY = 1e-2  # of the size of an orbit: one of another word farther away is no continuation
@@ -124,7 +128,10 @@ def _detail(stretch: Stretch, name: str, start: BranchStart, point: Point) -> st
         "slide": f"both sides of a surface behind leg {k + 1} ({mode}) point at it",
         "enter": f"the surface behind leg {k + 1} ({mode}) does not hold the motion",
     }.get(kind, "the motion changes")
-    if kind in ("graze", "corner"):
+    if start.kind in _AT_BORDER:
+        k -= kind == "leg" and k > 0
+        what = f"leg {k + 1} ({system.mode_names[word.modes[k]]}) {_AT_BORDER[start.kind]}"
+    elif kind in ("graze", "corner"):
         what += f" touches {exits[word.modes[k]][int(numbers[1])]!r}"
     turns = start.direction[1] * point.tangent_p < 0.0
     way = "the branch turns back" if turns else "the branch goes on"
