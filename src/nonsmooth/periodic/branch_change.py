@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from nonsmooth.continuation.point import Point
+from nonsmooth.engine import layout as at
 from nonsmooth.periodic.branch_part import BranchPart, Followed, kind_of, part_of
 from nonsmooth.periodic.branch_start import begin_change
 from nonsmooth.periodic.branch_tests import BranchTests, Looked
@@ -30,7 +31,7 @@ _AT_BORDER = {
 }
 _MOST_TELLING = ("shrink", "slide", "short", "leg", "gain", "enter", "graze", "rate", "corner")
 _TOGETHER = 1e-8  # a test that vanishes at the same point as another one
-_NEARBY = 1e-2  # of the size of an orbit: one of another word farther away is no continuation
+_NEARBY = 1e-4  # of the size of an orbit: one of another word farther away is no continuation
 
 
 def change_at(
@@ -138,9 +139,16 @@ def _detail(stretch: Stretch, name: str, start: BranchStart, point: Point) -> st
     return f"{what}; {way} as '{start.equations.word.text(system)}'"
 
 
-def end_at(name: str, looked: Looked) -> Followed:
+def end_at(name: str, looked: Looked, stretch: Stretch) -> Followed:
     """Why a branch ends at a change of its word behind which it does not go on."""
     kind = name.split(":")[0]
+    if _is_held(stretch, name):
+        return Followed(
+            kind_of(name),
+            f"the branch ends ({kind_of(name)}): the surface there holds what touches it until the"
+            " force has grown, so motions beyond are another orbit; find it with find_orbit at"
+            " parameters= a little beyond",
+        )
     if kind in _ENDS:
         return Followed(kind_of(name), f"the branch ends: {_ENDS[kind]}")
     reason = looked.admissibility.reason
@@ -151,6 +159,16 @@ def end_at(name: str, looked: Looked) -> Followed:
         + "), and no orbit of a changed word goes on from there; inadmissible=True follows the"
         " equations of the word beyond",
     )
+
+
+def _is_held(stretch: Stretch, name: str) -> bool:
+    """Whether what happens is at a surface that holds more than it resists with in sliding."""
+    kind, *numbers = name.split(":")
+    if kind not in ("graze", "rate", "enter") or not numbers:
+        return False
+    word, k = stretch.equations.word, int(numbers[0])
+    e = int(numbers[1]) if kind == "graze" else word.paths[k][0]
+    return int(stretch.legs.tables.wiring[word.modes[k], 1 + e, at.ONTO]) == e
 
 
 def broken_test(looked: Looked) -> str:
