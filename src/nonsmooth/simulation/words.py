@@ -82,7 +82,8 @@ def phase_word(
     times, entered = run["event_time"].values[keep], run["event_to"].values[keep]
     within = _between(times, low, high)
     rests = kinds[keep][within] == EventKind.CHATTER.word
-    return tuple(names_of_modes(names, without_rebounds(entered[within].astype(int), rests)))
+    modes = without_rebounds(entered[within].astype(int), rests, turn=False)
+    return tuple(names_of_modes(names, modes))
 
 
 def last_period_word(system: System, outcome: Outcome) -> str:
@@ -98,23 +99,23 @@ def last_period_word(system: System, outcome: Outcome) -> str:
 def word_of_modes(system: System, modes: npt.NDArray[np.int64]) -> str:
     """Word of modes entered one after the other; the end of a long one."""
     rests = system.compiled.program.wiring[modes, 0, layout.KIND] == layout.RESTING
-    modes = without_rebounds(modes, rests)
+    modes = without_rebounds(modes, rests, turn=True)
     text = " ".join(names_of_modes(system.mode_names, modes[-_LONGEST:]))
     return ("... " if modes.size > _LONGEST else "") + text
 
 
 def without_rebounds(
-    modes: npt.NDArray[np.int64], rests: npt.NDArray[np.bool_]
+    modes: npt.NDArray[np.int64], rests: npt.NDArray[np.bool_], *, turn: bool
 ) -> npt.NDArray[np.int64]:
     """Modes in which rebounds that accumulate count once: there are infinitely many.
 
-    ``rests``: which modes they end in. A turn that begins between them ends between them too.
+    ``rests``: which modes they end in. A ``turn`` that begins between them ends between them too.
     """
     keep = np.ones(modes.size, bool)
     ends = np.flatnonzero(rests)
     for i in ends:
         _drop_repeated(modes, keep, int(i) - 1)
-    if ends.size and ends[0] > 0 and np.all(modes[: ends[0]] == modes[-1]):
+    if turn and ends.size and ends[0] > 0 and np.all(modes[: ends[0]] == modes[-1]):
         _drop_repeated(modes, keep, modes.size - 1)
     return modes[keep]
 
