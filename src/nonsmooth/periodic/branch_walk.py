@@ -115,7 +115,7 @@ class StretchWalk:
         if part is not None:
             yield part
         if self.following is None:
-            self.ended = end_at(name, looked)
+            self.ended = end_at(name, looked, self.stretch)
 
     def _ordinary(self, point: Point, looked: Looked) -> Iterator[BranchPart]:
         """A point at which the word stays; the stretch ends where its orbits have outgrown it."""
@@ -128,7 +128,7 @@ class StretchWalk:
             self.following = self._with_other_rebounds(looked.other, point)
         elif not point.special and point.arclength > 0.0 and self.stretch.outgrown(point.u):
             if self.stretch.is_nothing_beside(self.first_scale):
-                self.ended = end_at("shrink", looked)
+                self.ended = end_at("shrink", looked, self.stretch)
                 return
             way = (point.tangent_u, point.tangent_p)
             self.following = BranchStart(self.stretch.equations, point.u, point.p, way)

@@ -60,7 +60,7 @@ def guesses_in_motion(
     sample = np.where(drifting, 0.0, states)
     reached = outcome.n_samples
     wiring = system.compiled.program.wiring
-    wanted = {(word.modes, word.paths) for word in words}
+    wanted = {(word.modes, word.paths) for word in (each.collapsed(wiring) for each in words)}
     found = []
     for k in range(max(0, reached - period)):
         low, high = np.searchsorted(times, [k * window, (k + period) * window], side="right")

@@ -21,6 +21,8 @@ from nonsmooth.periodic.word_names import shortest_paths
 
 __all__ = ["off_surface_first", "onto_surface"]
 
+_OPENED = 1e-3  # part of the turn that a leg lasts where a branch with it begins
+
 
 def onto_surface(equations: OrbitEquations, turn: Turn, k: int) -> list[Change]:
     """The surface behind leg k holds the motion for a while: it slides, and leaves as before."""
@@ -46,14 +48,15 @@ def off_surface_first(equations: OrbitEquations, turn: Turn, k: int, g: int) -> 
     beyond = int(wiring[cell, 1 + g, at.TARGET])
     if beyond not in modes_along(wiring, mode, path)[1:-1]:
         return []
-    return [
-        Change(
-            "switching_sliding",
-            _with_leg(equations, turn, k, path[:-1], beyond, back),
-            f"leg:{k + 1}",
-        )
-        for back in shortest_paths(wiring, beyond, cell)
-    ]
+    # a leg of no duration would solve the equations too, so it begins with one
+    length = float(turn.instants[-1] - turn.instants[0])
+    duration = min(_OPENED * length, 0.5 * float(turn.durations[(k + 1) % len(word)]))
+    found = []
+    for back in shortest_paths(wiring, beyond, cell):
+        guess = _with_leg(equations, turn, k, path[:-1], beyond, back)
+        guess.turn.instants[k + 2] += duration
+        found.append(Change("switching_sliding", guess, "", k + 1, duration))
+    return found
 
 
 def _with_leg(

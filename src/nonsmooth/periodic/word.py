@@ -12,7 +12,7 @@ from nonsmooth.engine import layout as at
 from nonsmooth.engine.transitions import PATH_BITS, PATH_LENGTH
 from nonsmooth.periodic.chatter import collapsed
 from nonsmooth.simulation.labels import labels_of
-from nonsmooth.simulation.words import word_of_modes
+from nonsmooth.simulation.words import names_of_modes
 from nonsmooth.system.system import System
 
 __all__ = ["Word", "path_of_bits"]
@@ -67,7 +67,7 @@ class Word:
         """
         modes = self.collapsed(system.compiled.program.wiring).modes
         modes = modes if not self.closes_at_event else (*modes, modes[0])
-        return word_of_modes(system.mode_names, np.array(modes), whole=True)
+        return " ".join(names_of_modes(system.mode_names, np.array(modes)))
 
     def collapsed(self, wiring: Integers) -> Word:
         """The same as if the first impact of each chatter ended in rest."""

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.engine import layout as at
+from nonsmooth.engine.transitions import PATH_LENGTH
 from nonsmooth.periodic.branch_tests import is_graze
 from nonsmooth.periodic.change import Change, kind_of_excursion, kind_of_leg
 from nonsmooth.periodic.equations import OrbitEquations, Turn
@@ -59,7 +60,9 @@ def changes_of_word(equations: OrbitEquations, turn: Turn, name: str) -> list[Ch
     if kind == "leg" and k == 0 and not equations.word.closes_at_event:
         return [_section_behind_first(equations, turn)]
     if kind == "leg":
-        return [_without_leg(equations, turn, k)]
+        before = (k - 1) % len(equations.word)
+        too_long = len(equations.word.paths[before] + equations.word.paths[k]) > PATH_LENGTH
+        return [] if too_long else [_without_leg(equations, turn, k)]
     if kind == "gain":
         return [_with_leg_of_path(equations, turn, k, int(numbers[1]))]
     if kind == "short":
