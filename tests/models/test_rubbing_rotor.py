@@ -85,7 +85,7 @@ def test_dry_whip_begins_at_the_known_friction():
 
 
 def test_whip_ends_in_rolling():
-    """Circle of the rolling shaft: (1 + kappa) R^2 - kappa R = (omega R_s)^2, friction -2 zeta w R_s.
+    """Rolling on a circle: (1 + kappa) R^2 - kappa R = (omega R_s)^2, friction -2 zeta w R_s.
 
     In the frame that turns with it r'' = (omega R_s)^2/r - 2 zeta r' - r - kappa (r - 1), so what
     is left of the approach falls by exp(-zeta t).

@@ -28,9 +28,7 @@ def wall(**changed) -> ns.System:
         modes={
             "free": ns.Mode(
                 {"x": "v", "v": "F*cos(omega*t) - 2*zeta*v - x"},
-                exits=[
-                    ns.Exit("sigma - x", reset={"v": "-r*v"}, sticks="stuck", name="impact")
-                ],
+                exits=[ns.Exit("sigma - x", reset={"v": "-r*v"}, sticks="stuck", name="impact")],
             )
         },
     )

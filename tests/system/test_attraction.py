@@ -50,7 +50,7 @@ def test_surfaces_with_cells(x, v, names):
 
 
 def test_dampers_that_come_and_go_hold_nothing():
-    """The ring of the rotor creeps at two speeds, and in contact stands where its springs put it."""
+    """The ring of the rotor creeps at two speeds; in contact it stands where its springs put it."""
     for cell in ns.models.rotor().structure.running:
         if cell.parent == "contact":
             assert cell.kind != SLIDES

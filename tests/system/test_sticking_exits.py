@@ -60,7 +60,7 @@ def test_exits_that_cannot_stick(way, others, message):
 
 @pytest.mark.parametrize("name", ["a b", "3", 3, ""])
 def test_names_that_are_none(name):
-    with pytest.raises(ModelError, match="sticks=.* is not a name"):
+    with pytest.raises(ModelError, match=r"sticks=.* is not a name"):
         Exit("x", reset=REBOUND, sticks=name)
 
 

@@ -132,7 +132,7 @@ class OrbitEquations:
         return float((gaps / size).max())
 
     def _keep_at_rest(self, turn: Turn, residual: Floats, jacobian: Floats, moved: Floats) -> None:
-        """What never moves, as a body that sticks for ever, stays at the origin: any place would do.
+        """What never moves, as a body that sticks for ever, stays at the origin as anywhere.
 
         Such places are a family of orbits, of which the branch follows one.
         """

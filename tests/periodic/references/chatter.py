@@ -24,7 +24,7 @@ def flight(omega, begin, v):
 
 
 def rebounds(omega, r):
-    """Instants of impacts behind the release at omega t = pi/2, each with the speed it leaves at."""
+    """Instants of impacts behind the release at omega t = pi/2, with the speeds they leave at."""
     with mp.workdps(DIGITS):
         omega, r = mpf(omega), mpf(r)
         begin, v = mp.pi / (2 * omega), mpf(0)
@@ -37,7 +37,7 @@ def rebounds(omega, r):
             while at(t)[0] < 0:
                 t += step if not found or -v > step else -v / 50
             before = t - (step if not found or -v > step else -v / 50)
-            t = mp.findroot(lambda s: at(s)[0], (before, t), solver="anderson")
+            t = mp.findroot(lambda s, at=at: at(s)[0], (before, t), solver="anderson")
             v = -r * at(t)[1]
             found.append((t, v))
             if t - begin < LEFT or len(found) > 3000:
