@@ -8,7 +8,7 @@ import pytest
 
 import nonsmooth as ns
 from contract.taylor_twin import taylor_twin
-from nonsmooth import Exit, Mode, RunWarning, Surface, System
+from nonsmooth import Exit, Mode, Surface, System
 from simulation.flows import EPS, crossings
 
 on_both_flows = pytest.mark.parametrize(
@@ -179,11 +179,6 @@ def test_7_something_stale_after_a_reset(flow):
             assert np.allclose(fresh["end_state"], run["end_state"], rtol=0, atol=1e-14)
 
 
-@pytest.mark.xfail(
-    strict=True,
-    raises=RunWarning,
-    reason="starts from which a surface that holds is left upwards",
-)
 @pytest.mark.parametrize(("x", "word"), [(-0.6, "stick"), (-0.61, "lead"), (-2.0, "lead")])
 def test_7_a_start_at_which_the_belt_holds_just_so_or_no_more(x, word):
     """At the speed of the belt: -0.6 is just held, and from there on it is held with less."""

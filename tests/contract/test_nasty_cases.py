@@ -98,11 +98,6 @@ def test_two_identical_balls_dropped_together(flow, height):
     assert run["x"].values.tolist() == run["y"].values.tolist()
 
 
-@pytest.mark.xfail(
-    strict=True,
-    raises=AssertionError,
-    reason="what is fallen by rounding is passed, but not as a corner",
-)
 @pytest.mark.parametrize("height", [1.0, 0.3])
 def test_two_identical_balls_land_in_one_row(height):
     run = ns.simulate(two_balls(), {"x": height, "y": height}, times=[1.6 * np.sqrt(2 * height)])
@@ -536,11 +531,6 @@ def test_start_at_a_visible_two_fold(name):
     assert ends_early(system, {}, times=[1.0]).attrs["status"] == "nonunique"
 
 
-@pytest.mark.xfail(
-    strict=True,
-    raises=AssertionError,
-    reason="a slide that ends in a two-fold takes the upper side",
-)
 @pytest.mark.parametrize("name", TWO_FOLDS)
 def test_slide_into_a_visible_two_fold(name):
     """Where x < 0 both sides point at y = 0; at x = 0 both begin to lead away at once."""

@@ -405,6 +405,8 @@ def leaves_both_ways(tables, rates, segment, m, tolerance):
     segment.order holds the orders of zero that pass_exits has found
     """
     affine, wiring, order = tables.affine, tables.wiring, segment.order
+    if wiring[m, 0, at.KIND] != at.FREE:
+        return -1
     for g in range(wiring[m, 0, at.N_EXITS]):
         cell = wiring[m, 1 + g, at.TARGET]
         if not 0 < order[g] < at.DERIVATIVES or cell < 0 or cell == m:
