@@ -69,9 +69,7 @@ def test_static_friction_above_the_kinetic_one_ends_a_branch_where_the_belt_is_r
         parameters={"v_b": 1.0},
         period="pi",
         equations={"x": "v", "v": "cos(2*t) - x - 0.1*v - 0.3*sign(slip)"},
-        surfaces={
-            "slip": ns.Surface("v - v_b", below="lag", on="stick", above="lead", hold="2")
-        },
+        surfaces={"slip": ns.Surface("v - v_b", below="lag", on="stick", above="lead", hold="2")},
     )
     branch = ns.continue_orbit(belt, "v_b", (0.05, 1.2), direction="down")
     assert branch.attrs["end_first"] == "grazing"
@@ -81,9 +79,7 @@ def test_static_friction_above_the_kinetic_one_ends_a_branch_where_the_belt_is_r
     # the orbit that sticks ends where it is held no more, and where it reaches the belt no more
     sticks = ns.find_orbit(belt, transient=30, parameters={"v_b": 0.6})
     assert sticks["word"].item() == "lag stick lag"
-    branch = ns.continue_orbit(
-        belt, "v_b", (0.05, 1.2), initial=sticks, parameters={"v_b": 0.6}
-    )
+    branch = ns.continue_orbit(belt, "v_b", (0.05, 1.2), initial=sticks, parameters={"v_b": 0.6})
     assert (branch.attrs["end_first"], branch.attrs["end_last"]) == ("sliding", "grazing")
     first, last = branch.isel(point=0), branch.isel(point=-1)
     t, x = float(first["leg_time"][1]), float(first["leg_states"][1, 0])

@@ -184,8 +184,8 @@ class BranchTests:
             for g in np.flatnonzero(np.isfinite(others[k])):
                 if g != path[0]:
                     tests[f"corner:{k}:{g}"] = float(others[k, g])
-        for (k, g), value in entered.items():
-            tests[f"enter:{k}:{g}"] = value / float(sizes[(k + 1) % len(word), g])
+        for (k, guard), value in entered.items():
+            tests[f"enter:{k}:{guard}"] = value / float(sizes[(k + 1) % len(word), guard])
         if word.paths[-1] == ():
             tests["leg:last"] = float(turn.durations[-1]) / length
         if equations.autonomous and not word.closes_at_event:

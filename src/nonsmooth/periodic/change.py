@@ -54,8 +54,10 @@ def kind_of_leg(
     same = wiring[after, 0, at.SLAVED] == free
     if slides == [False, True, False] and same and after != before:
         return "crossing_sliding"
-    if slides == [False, False, True] and len(path) == 1 and before in modes_along(
-        wiring, mode, behind
+    if (
+        slides == [False, False, True]
+        and len(path) == 1
+        and before in modes_along(wiring, mode, behind)
     ):
         return "switching_sliding"
     return ""

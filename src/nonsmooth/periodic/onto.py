@@ -1,8 +1,8 @@
-"""Paths that lead onto surfaces: how motion comes to slide or to rest there, and leaves again.
+"""Paths that lead onto surfaces: how motion comes to slide or to rest there, and leaves.
 
-Motion comes onto a surface by the path of its exit into the cell beyond, and there the exit onto it,
-which is never searched for; or by an impact, and there the one onto its rest. An exit that holds
-leads there by itself.
+Motion comes onto a surface by its exit into the cell beyond, and there by the exit onto it, which
+is never searched for; or by an impact, and there by the one onto its rest. An exit that holds leads
+there by itself.
 """
 
 from __future__ import annotations
@@ -35,9 +35,7 @@ def is_onto(wiring: Integers, mode: int, e: int) -> bool:
     return e >= int(wiring[mode, 0, at.N_EXITS])
 
 
-def crosses(
-    wiring: Integers, families: Integers, mode: int, path: tuple[int, ...]
-) -> bool:
+def crosses(wiring: Integers, families: Integers, mode: int, path: tuple[int, ...]) -> bool:
     """Whether a path leads straight through a surface of the mode, without a reset."""
     if len(path) != 1:
         return False

@@ -134,9 +134,7 @@ def _without_leg(equations: OrbitEquations, turn: Turn, k: int) -> Change:
     return Change(kind or "lost", guess, grows)
 
 
-def _entry_test(
-    wiring: Integers, place: int, mode: int, path: tuple[int, ...], beyond: int
-) -> str:
+def _entry_test(wiring: Integers, place: int, mode: int, path: tuple[int, ...], beyond: int) -> str:
     """Test of the guard through which motion would leave a surface to the cell beyond it."""
     cell = modes_along(wiring, mode, path)[-1]
     targets = wiring[cell, 1 : 1 + int(wiring[cell, 0, at.N_EXITS]), at.TARGET].tolist()

@@ -120,9 +120,7 @@ def without_rebounds(
     return modes[keep]
 
 
-def _drop_repeated(
-    modes: npt.NDArray[np.int64], keep: npt.NDArray[np.bool_], last: int
-) -> None:
+def _drop_repeated(modes: npt.NDArray[np.int64], keep: npt.NDArray[np.bool_], last: int) -> None:
     """Of equal modes in a row up to one of them, keep the first."""
     while last > 0 and modes[last - 1] == modes[last]:
         keep[last] = False

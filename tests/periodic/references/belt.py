@@ -142,4 +142,3 @@ def stops(omega, zeta, guess):
             return [end[0] + x, end[1], ground.control(x, turn) + 1]
 
         return solved(equations, guess)
-
