@@ -39,6 +39,11 @@ def test_sections_where_the_belt_is_reached_and_left():
     assert sorted(both["x"].values.round(12)) == [0.2] * 3 + [0.6] * 3
 
 
+def test_a_kind_of_events_is_no_section():
+    with pytest.raises(ns.OptionError, match="kind of events; give the name of the exit, surface"):
+        ns.poincare_section(belt_alone(), section="slide_entry")
+
+
 def test_a_section_at_the_release_from_rest():
     points = ns.poincare_section(wall(), {"x": -1.0}, section="release", record=3)
     quarter = np.pi / 2 / 0.3  # the force changes its sign

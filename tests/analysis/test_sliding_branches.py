@@ -131,6 +131,27 @@ def test_multipliers_of_an_orbit_that_sticks():
     assert float(orbit["log_determinant"]) == -np.inf
 
 
+def test_curves_of_special_points(fast):
+    """Over a second parameter: each end of the curve solves the equations of its kind there."""
+    for number, kind in enumerate(("crossing_sliding", "switching_sliding", "grazing_sliding"), 1):
+        branch = fast[1]
+        assert branch["special_kind"].values[number] == kind
+        curve = ns.continue_special(branch, number, "omega", (1.95, 2.0), direction="down")
+        end = curve.isel(point=0)
+        omega = float(end["omega"])
+        assert omega == pytest.approx(1.95)
+        times, x = end["leg_time"].values, end["leg_states"].sel(state="x").values
+        start = (times[1], x[1], times[2], float(end["v_b"])) if kind != "grazing_sliding" else ()
+        there = exact(omega)
+        if kind == "crossing_sliding":
+            *_, v_b = reference.crossing(there, start)
+        elif kind == "switching_sliding":
+            *_, v_b = reference.switching(there, start)
+        else:
+            v_b = reference.grazing(there)
+        assert float(end["v_b"]) == pytest.approx(float(v_b), **SAME)
+
+
 def friction() -> ns.System:
     return ns.System(
         states=["x", "v"],

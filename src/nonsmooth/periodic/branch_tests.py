@@ -178,15 +178,14 @@ class BranchTests:
             if self._surface[k]:
                 tests[f"slide:{k}"] = self._into_next(found, k) * length / size
             modes = modes_along(self._wiring, word.modes[k], path)
-            for step in range(1, len(path)):
-                if not is_onto(self._wiring, modes[step], path[step]):
-                    tests[f"gain:{k}:{step}"] = -float(found.passed[k, step]) / size
+            for j in range(1, len(path)):
+                if not is_onto(self._wiring, modes[j], path[j]):
+                    tests[f"gain:{k}:{j}"] = -float(found.passed[k, j]) / size
             for g in np.flatnonzero(np.isfinite(others[k])):
                 if g != path[0]:
                     tests[f"corner:{k}:{g}"] = float(others[k, g])
-        for (leg, guard), value in entered.items():
-            size = float(sizes[(leg + 1) % len(word), guard])
-            tests[f"enter:{leg}:{guard}"] = value / size
+        for (k, guard), value in entered.items():
+            tests[f"enter:{k}:{guard}"] = value / float(sizes[(k + 1) % len(word), guard])
         if word.paths[-1] == ():
             tests["leg:last"] = float(turn.durations[-1]) / length
         if equations.autonomous and not word.closes_at_event:

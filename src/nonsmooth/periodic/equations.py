@@ -132,9 +132,9 @@ class OrbitEquations:
         return float((gaps / size).max())
 
     def _keep_at_rest(self, turn: Turn, residual: Floats, jacobian: Floats, moved: Floats) -> None:
-        """What never moves, as a body that sticks for ever, stays at the origin as anywhere.
+        """What never moves, as a body that sticks for ever, stays at the origin.
 
-        Such places are a family of orbits, of which the branch follows one.
+        Any place would do: they are a family of orbits, of which one is meant.
         """
         n = self.legs.n
         still = ~np.any(jacobian[:n, :n] != 0.0, axis=1) & ~np.any(moved[:n] != 0.0, axis=1)

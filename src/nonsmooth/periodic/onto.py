@@ -1,8 +1,8 @@
-"""Paths that lead onto surfaces: how motion comes to slide or to rest there, and leaves again.
+"""Paths that lead onto surfaces: how motion comes to slide or to rest there, and leaves.
 
-Motion comes onto a surface by the path of its exit into the cell beyond, and there the exit onto
-it, which is never searched for; or by an impact, and there the one onto its rest. An exit that
-holds leads there by itself.
+Motion comes onto a surface by its exit into the cell beyond, and there by the exit onto it, which
+is never searched for; or by an impact, and there by the one onto its rest. An exit that holds leads
+there by itself.
 """
 
 from __future__ import annotations

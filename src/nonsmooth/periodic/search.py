@@ -256,6 +256,8 @@ def finish(wanted: Wanted, equations: OrbitEquations, solution: Solution) -> Fou
             "a multiplier is 1: the orbit lies on a fold, where branches cross, or is one of a"
             " family, as where nothing fixes its amplitude"
         )
+    if orbit.multipliers.multipliers.size and not np.any(orbit.multipliers.multipliers):
+        said.append("superstable: every perturbation is lost within a turn")
     if not orbit.admissibility.admissible:
         said.append(
             f"the equations of the word have this solution, but it is no motion:"

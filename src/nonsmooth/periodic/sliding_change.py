@@ -41,7 +41,7 @@ def onto_surface(equations: OrbitEquations, turn: Turn, k: int) -> list[Change]:
 
 
 def off_surface_first(equations: OrbitEquations, turn: Turn, k: int, g: int) -> list[Change]:
-    """The surface behind leg k does not hold motion there: it crosses and comes back onto it."""
+    """The surface behind leg k does not hold the motion: it crosses and comes back onto it."""
     word, wiring = equations.word, equations.legs.tables.wiring
     mode, path = word.modes[k], word.paths[k]
     cell = word.last_target(wiring, k)

@@ -24,25 +24,29 @@ def flight(omega, begin, v):
 
 
 def rebounds(omega, r):
-    """Instants of impacts behind the release at omega t = pi/2, with the speeds they leave at."""
+    """Instants of impacts behind the release at omega t = pi/2, and the speeds they leave with."""
     with mp.workdps(DIGITS):
         omega, r = mpf(omega), mpf(r)
         begin, v = mp.pi / (2 * omega), mpf(0)
         found = []
-        step = mpf(1) / 50
         while True:
-            at = flight(omega, begin, v)
-            # the free flight is long; rebounds last 2 |v|/push, nearly
-            t = begin + (mpf(1) / 2 if not found else min(step, -v / mp.cos(omega * begin)))
-            while at(t)[0] < 0:
-                t += step if not found or -v > step else -v / 50
-            before = t - (step if not found or -v > step else -v / 50)
-            t = mp.findroot(lambda s, at=at: at(s)[0], (before, t), solver="anderson")
-            v = -r * at(t)[1]
-            found.append((t, v))
-            if t - begin < LEFT or len(found) > 3000:
+            instant, arrival = next_impact(omega, begin, v)
+            v = -r * arrival
+            found.append((instant, v))
+            if instant - begin < LEFT:
                 return found
-            begin = t
+            begin = instant
+
+
+def next_impact(omega, begin, v):
+    """Instant and speed of the impact that ends a flight; a short one lasts nearly 2 |v|/push."""
+    at = flight(omega, begin, v)
+    step = min(mpf(1) / 50, -v / 50) if v else mpf(1) / 50
+    t = begin + step
+    while at(t)[0] < 0:
+        t += step
+    instant = mp.findroot(lambda s: at(s)[0], (t - step, t), solver="anderson")
+    return instant, at(instant)[1]
 
 
 def state_at(omega, r, t):
