@@ -110,7 +110,7 @@ def test_what_does_not_slide_cannot_hold():
 def test_what_is_held_is_checked_for_new_parameters():
     held = belt(Surface("v - v_b", hold="F_s/F_k"))
     assert held.with_parameters(F_s=0.4).mode_names == held.mode_names
-    with pytest.raises(ModelError, match="'F_s/F_k' is 0.75 for the parameters given"):
+    with pytest.raises(ModelError, match=r"'F_s/F_k' is 0\.75 for the parameters given"):
         held.with_parameters(F_s=0.3)
 
 

@@ -67,9 +67,7 @@ def contacts_at_rest(equations: ModeEquations) -> list[tuple[int, ...]]:
     ]
 
 
-def may_rest(
-    graph: Graph, equations: ModeEquations, free: Resolver, which: Sequence[int]
-) -> bool:
+def may_rest(graph: Graph, equations: ModeEquations, free: Resolver, which: Sequence[int]) -> bool:
     """Whether some exits of a mode can be at rest together.
 
     Not two walls of one mass, and not where sliding on a surface holds the speed already.
@@ -131,9 +129,7 @@ def rest_of(
     return Rest(rates, relations, shown, arrival)
 
 
-def _pushes(
-    graph: Graph, contacts: Mapping[int, _Contact]
-) -> dict[tuple[int, int], Expression]:
+def _pushes(graph: Graph, contacts: Mapping[int, _Contact]) -> dict[tuple[int, int], Expression]:
     """What the push of each contact adds to the second rate of each guard."""
     return {
         (i, k): simplified(graph, _along(graph, contacts[i].rate, contacts[k].push))

@@ -104,7 +104,7 @@ class Structure:
         self, system: System, equations: ModeEquations, known: set[str]
     ) -> dict[str, Declared]:
         """Declared surfaces as a mode meets them, by name."""
-        found = {}
+        found: dict[str, Declared] = {}
         for name, surface in system.surfaces.items():
             resolver = Resolver(self.graph, equations, {}, strict=False)
             node = resolver.tree(equations.definitions[name])
