@@ -2,10 +2,10 @@
 
 python benchmarks/bench_rest.py [--periods N] [--rounds N] [--no-scipy]
 
-Rigid impacts (r .8, omega 2.8, sigma 0), rebounds that accumulate and end at rest (omega .3), and a
-block on a belt that slips and sticks (F_c .4, v_b .3, F .5, omega .7). All programs run side by side
-in one process and one thread. The first twenty strobes are compared with 40 digits; the command
-fails where one is off by more than its bound, or where numbers of events differ.
+Rigid impacts (r .8, omega 2.8, sigma 0), rebounds that accumulate and end at rest (omega .3), and
+a block on a belt that slips and sticks (F_c .4, v_b .3, F .5, omega .7). All programs run side by
+side in one process and one thread. The first twenty strobes are compared with 40 digits; the
+command fails where one is off by more than its bound, or where numbers of events differ.
 """
 
 import argparse

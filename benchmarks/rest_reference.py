@@ -1,17 +1,16 @@
 """Reference solutions at 40 digits for impacts, rest and dry friction: closed forms, stitched.
 
-In flight, or while a block slips, x = C cos s + D sin s + A cos(omega tau) + B with s the time since
-the last event. The first zero of a guard is looked for at points a two-thousandth of a period apart
-and refined by bisection and Newton's method. Rebounds are followed until the rate is below 1e-25,
-with flights by the series of the guard once they are short; what is left of the time is then below
-1e-24.
+In flight, or while a block slips, x = C cos s + D sin s + A cos(omega tau) + B with s the time
+since the last event. The first zero of a guard is looked for at points a hundredth of a period
+apart, refined by bisection and then by Newton's method. Rebounds are followed until the rate is
+below 1e-25; what is left of the time is then below 1e-24.
 """
 
 import numpy as np
 from mpmath import mp, mpf
 
 DIGITS = 40
-POINTS = 2000  # per period
+POINTS = 100  # per period: both problems turn a few times in one
 GONE = mpf(10) ** -25
 
 
@@ -42,13 +41,17 @@ class _Flight:
         return own + driven + (self.offset if order == 0 else 0)
 
 
-def _first_zero(guard, rate, begin, end, step):
-    """First instant in (begin, end] at which a guard that begins positive is zero, or None."""
+def _first_zero(guard, rate, begin, end, step, short=None):
+    """First instant in (begin, end] at which a guard that begins positive is zero, or None.
+
+    ``short``: about how soon that may be, where it is sooner than a step
+    """
     left = begin
     while left < end:
         right = min(left + step, end)
         if guard(right) <= 0:
-            for _ in range(12):
+            near = min(step, short or step) / 4096
+            while right - left > near:
                 middle = (left + right) / 2
                 left, right = (middle, right) if guard(middle) > 0 else (left, middle)
             root = (left + right) / 2
@@ -75,12 +78,15 @@ def _impacts(p, x, v, periods):
                 continue
             flight, resting, events = _Flight(p, release, sigma, mpf(0), 0), False, events + 1
             tau = release
-        begin = tau
+        begin, short = tau, None
         if flight.tau == tau:  # past the zero in which it begins
-            begin = tau + min(step, _low_flight(p, flight, sigma)) / 4
+            short = _low_flight(p, flight, sigma)
+            begin = tau + min(step, short) / 4
         hit = _first_zero(
-            lambda t, f=flight: sigma - f.at(t), lambda t, f=flight: -f.at(t, 1), begin, end, step
-        )
+            lambda t, f=flight: sigma - f.at(t),
+            lambda t, f=flight: -f.at(t, 1),
+            begin, end, step, short,
+        )  # fmt: skip
         if hit is None:
             rows.append((flight.at(end), flight.at(end, 1)))
             tau = end
@@ -96,7 +102,7 @@ def _low_flight(p, flight, sigma):
     """About the time of the flight from an impact, where the wall is pressed at; else long."""
     push = p["F"] * mp.cos(p["omega"] * flight.tau) - sigma
     rate = -flight.at(flight.tau, 1)
-    return 2 * rate / push if push > 0 and rate > 0 else mpf(1)
+    return 2 * rate / push if push > 0 and rate > GONE / 100 else mpf(1)
 
 
 def _belt(p, x, v, periods):

@@ -2,9 +2,9 @@
 
     x'' + x = F cos(omega tau) - F_c sign(x' - v_b)
 
-While the block slips x = Re w + A cos(omega tau) - side F_c with w' = i w. It sticks where the force
-that friction would have to bear, F cos(omega tau) - x, is within F_c, and goes with the belt until
-it is not.
+While the block slips x = Re w + A cos(omega tau) - side F_c with w' = i w. It sticks where the
+force that friction would have to bear, F cos(omega tau) - x, is within F_c, and goes with the belt
+until it is not.
 """
 
 from math import cos, pi, sin, sqrt

@@ -2,9 +2,9 @@
 
     x'' + x = F cos(omega tau),  x <= sigma,  v+ = -r v-
 
-Between impacts x = Re w + A cos(omega tau) with w' = i w. Rebounds that follow one another under the
-push P = F cos(omega tau) - sigma at the wall are over after 2 u/(P (1 - r)); once that is short, the
-mass rests until P changes its sign, which is an arc cosine.
+Between impacts x = Re w + A cos(omega tau) with w' = i w. Rebounds that follow one another under
+the push P = F cos(omega tau) - sigma at the wall are over after 2 u/(P (1 - r)); once that is
+short, the mass rests until P changes its sign, which is an arc cosine.
 """
 
 from math import acos, cos, pi, sin, sqrt
@@ -27,7 +27,7 @@ def simulate(strobes, F, omega, sigma, r, x, v):
     tau, c, s = 0.0, 1.0, 0.0
     events = evaluations = 0
     on_the_guard = resting = False
-    release = acos(sigma / F) / omega if F > sigma else 0.0
+    release = acos(sigma / F) / omega if sigma < F else 0.0
     wr, wi = x - A, -v
     M = sqrt(wr * wr + wi * wi)
     done = 0

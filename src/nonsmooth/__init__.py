@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from nonsmooth.analysis.regime import regime
     from nonsmooth.analysis.regime_map import regime_map
     from nonsmooth.analysis.return_map import return_map
+    from nonsmooth.analysis.smoothing_report import smoothing_report
     from nonsmooth.analysis.stroboscopic_map import stroboscopic_map
     from nonsmooth.analysis.tie_parameters import tie_parameters
     from nonsmooth.analysis.uncertainty_exponent import uncertainty_exponent
@@ -57,6 +58,7 @@ if TYPE_CHECKING:
     from nonsmooth.simulation.words import phase_word
     from nonsmooth.system.parts import Exit, Mode
     from nonsmooth.system.signals import Signal
+    from nonsmooth.system.smoothed import smoothed
     from nonsmooth.system.surfaces import Surface
     from nonsmooth.system.system import System
 
@@ -108,6 +110,8 @@ __all__ = [
     "regime_map",
     "return_map",
     "simulate",
+    "smoothed",
+    "smoothing_report",
     "stroboscopic_map",
     "tie_parameters",
     "uncertainty_exponent",
@@ -157,6 +161,8 @@ _HOME = {
     "regime_map": "nonsmooth.analysis.regime_map",
     "return_map": "nonsmooth.analysis.return_map",
     "simulate": "nonsmooth.simulation.simulate",
+    "smoothed": "nonsmooth.system.smoothed",
+    "smoothing_report": "nonsmooth.analysis.smoothing_report",
     "stroboscopic_map": "nonsmooth.analysis.stroboscopic_map",
     "tie_parameters": "nonsmooth.analysis.tie_parameters",
     "uncertainty_exponent": "nonsmooth.analysis.uncertainty_exponent",

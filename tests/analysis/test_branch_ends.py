@@ -62,24 +62,32 @@ def test_resonance_does_not_use_up_the_steps():
     assert branch["x"].values == pytest.approx(response.real, abs=1e-9)
 
 
-def test_sticking_ends_a_branch_exactly():
-    """Dry friction sticks first where the force at the turn is its own: |F cos - x| = mu."""
-    friction = ns.System(
+def test_static_friction_above_the_kinetic_one_ends_a_branch_where_the_belt_is_reached():
+    """What touches the belt is held at once, until the force has grown: no orbit is beside it."""
+    belt = ns.System(
         states=["x", "v"],
-        parameters={"mu": 0.2},
-        period="2*pi/0.7",
-        equations={"x": "v", "v": "cos(0.7*t) - x - 0.1*v - mu*sign(v)"},
+        parameters={"v_b": 1.0},
+        period="pi",
+        equations={"x": "v", "v": "cos(2*t) - x - 0.1*v - 0.3*sign(slip)"},
+        surfaces={"slip": ns.Surface("v - v_b", below="lag", on="stick", above="lead", hold="2")},
     )
-    branch = ns.continue_orbit(friction, "mu", (0.0, 1.2), direction="up")
-    assert branch.attrs["end_last"] == "sliding"
-    assert "stays there" in branch.attrs["message"]
-    last = branch.isel(point=-1)
-    mu = float(last["mu"])
-    turns = last["leg_time"].values[1:3]
-    at_turn = last["leg_states"].sel(state="x").values[1:3]
-    force = np.abs(np.cos(0.7 * turns) - at_turn)
-    assert force.min() == pytest.approx(mu, rel=1e-9)
-    assert mu == pytest.approx(value(branch, "sliding"))
+    branch = ns.continue_orbit(belt, "v_b", (0.05, 1.2), direction="down")
+    assert branch.attrs["end_first"] == "grazing"
+    touched = 2.0 / abs(1 - 4 + 0.2j)
+    assert value(branch, "grazing") == pytest.approx(touched, rel=1e-12)
+    assert "holds what touches it" in branch.attrs["message"]
+    # the orbit that sticks ends where it is held no more, and where it reaches the belt no more
+    sticks = ns.find_orbit(belt, transient=30, parameters={"v_b": 0.6})
+    assert sticks["word"].item() == "lag stick lag"
+    branch = ns.continue_orbit(belt, "v_b", (0.05, 1.2), initial=sticks, parameters={"v_b": 0.6})
+    assert (branch.attrs["end_first"], branch.attrs["end_last"]) == ("sliding", "grazing")
+    first, last = branch.isel(point=0), branch.isel(point=-1)
+    t, x = float(first["leg_time"][1]), float(first["leg_states"][1, 0])
+    held = np.cos(2.0 * t) - x - 0.1 * float(first["v_b"])
+    assert held == pytest.approx(2.0 * 0.3, rel=1e-9)  # all that the surface holds
+    t, x = float(last["leg_time"][1]), float(last["leg_states"][1, 0])
+    rate = np.cos(2.0 * t) - x - 0.1 * float(last["v_b"]) + 0.3
+    assert rate == pytest.approx(0.0, abs=1e-8)  # the mass just reaches the belt
 
 
 def test_a_cycle_that_shrinks_to_a_point():

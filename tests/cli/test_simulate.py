@@ -89,11 +89,14 @@ def test_a_picture_is_drawn(call, tmp_path):
 
 
 EVERY_MODEL = [
+    "bouncing_ball",
     "chua",
     "clearance_rotor",
     "duffing",
     "gear_pair",
+    "impact_oscillator",
     "moling",
+    "print_hammer",
     "soft_impact",
     "trilinear",
 ]

@@ -41,6 +41,44 @@ def test_folds_of_a_reaction(left_out):
         assert k * x1 * (1 - x1) == pytest.approx(1, abs=digits)
 
 
+@pytest.mark.parametrize("left_out", [0, 1, 3])
+def test_cusps_however_the_numbers_round(left_out):
+    """Each start makes its own points, steps and rounding; all curves have the same cusp.
+
+    A slope vanishes where second derivatives say: differences over 1e-5, which are good to 1e-10,
+    or differences of differences over 1e-4, to 1e-6. The slope of u[0] by arclength is 0.6, and
+    the curve turns by 1 and more in a unit of it: ten of these errors are more than the result's.
+    """
+    for q in np.linspace(12.3, 13.9, 9):
+        x, p = reaction_folds(q)
+        curve = two_parameter(
+            without(left_out), "fold", [x[1], q * x[1] / 3.0], p[1], q, direction=-1,
+            second_bounds=(11.0, q), second_scale=1.0, parameter_scale=0.1,
+        )  # fmt: skip
+        (cusp,) = [point for point in curve if point.special in ("cusp", "fold")]
+        assert cusp.special == "cusp"
+        assert cusp.u[0] == pytest.approx(0.5, abs=1e-9 if left_out < 3 else 1e-5)
+
+
+@pytest.mark.parametrize("test", ["fold", lambda u, p, q: 1 - 2 * p * u[0] - q])
+@pytest.mark.parametrize("parts", [1, 3])
+def test_the_second_parameter_stays_within_its_bounds(test, parts):
+    """Not for a difference either: a residual may have no value there."""
+    low, high = 0.0, 0.5
+
+    def residual(u, a, b):
+        assert low <= b <= high
+        found = henon(u, a, b)
+        return found[0] if parts == 1 else found[:parts]
+
+    a = -0.25 if test == "fold" else 0.75
+    start = [2.0, 0.0] if test == "fold" else [2 / 3, 0.0]
+    curve = two_parameter(residual, test, start, a, low, second_bounds=(low, high))
+    *_, last = curve
+    assert curve.ended == "bound" and last.p == high
+    assert last.u[2] == pytest.approx(a * (1 - high) ** 2, abs=1e-12)
+
+
 def flip_test(u, a, b):
     """det(M + 1) of the map at a fixed point."""
     jacobian = np.array([[-2 * a * u[0], 1.0], [b, 0.0]])

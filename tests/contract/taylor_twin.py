@@ -11,20 +11,31 @@ import tomllib
 import nonsmooth as ns
 
 
-def taylor_twin(system: ns.System) -> ns.System:
-    """``system`` with a term in every mode that is zero and not linear."""
+def taylor_twin(system: ns.System, which: int = 0) -> ns.System:
+    """``system`` with a term in every mode that is zero and not linear, in the rate that is named.
+
+    Not in the rate of a guard at which motion may rest: the reset would no longer let it.
+    """
     words = tomllib.loads(system.to_toml())
     assert words.pop("format") == 1
     words.setdefault("parameters", {})["tiny"] = 0.0
     fixed = next(name for name in words["states"] if name not in words.get("drift", ()))
-    modes = {name: _mode(fixed, **mode) for name, mode in words.pop("modes").items()}
-    return ns.System(modes=modes, **words)
+    if "equations" in words:
+        words["equations"] = _bent(words["equations"], which, fixed)
+    if "modes" in words:
+        words["modes"] = {n: _mode(fixed, which, **m) for n, m in words["modes"].items()}
+    if "surfaces" in words:
+        words["surfaces"] = {n: ns.Surface(**given) for n, given in words["surfaces"].items()}
+    return ns.System(**words)
 
 
-def _mode(state, flow, exits=(), **more):
-    bent = next(iter(flow))
-    flow = {**flow, bent: f"{flow[bent]} + tiny*{state}*{state}"}
-    return ns.Mode(flow, exits=[ns.Exit(**each) for each in exits], **more)
+def _mode(state, which, flow, exits=(), **more):
+    return ns.Mode(_bent(flow, which, state), exits=[ns.Exit(**each) for each in exits], **more)
+
+
+def _bent(flow, which, state):
+    bent = list(flow)[which]
+    return {**flow, bent: f"{flow[bent]} + tiny*{state}*{state}"}
 
 
 def flow_kinds(system: ns.System) -> set[str]:

@@ -30,17 +30,21 @@ def test_volumes_change_by_the_trace_over_the_time_in_each_region():
     assert abs(np.linalg.det(tangent) - exact) < 500 * EPS * np.abs(tangent).max() ** 3
 
 
-def test_first_leg_is_the_matrix_exponential():
-    run = ns.simulate(chua(), {"x": 0.1, "y": 0.05, "z": -0.2}, t_end=8)
+@pytest.mark.parametrize(("alpha", "beta"), [(ALPHA, BETA), (15.6, 28.0)])
+def test_first_leg_is_the_matrix_exponential(alpha, beta):
+    start = {"x": 0.1, "y": 0.05, "z": -0.2}
+    run = ns.simulate(chua(alpha=alpha, beta=beta), start, t_end=8)
     end = float(run["event_time"][1])
+    rows = [[-alpha * (1 + M0), alpha, 0], [1, -1, 1], [0, -beta, 0]]
     with mp.workdps(40):
-        alpha, beta, m0 = mp.mpf(9), mp.mpf(BETA), mp.mpf(M0)
-        matrix = mp.matrix([[-alpha * (1 + m0), alpha, 0], [1, -1, 1], [0, -beta, 0]])
-        start = mp.matrix([mp.mpf(0.1), mp.mpf(0.05), mp.mpf(-0.2)])
-        root = mp.findroot(lambda t: abs((mp.expm(matrix * t) * start)[0]) - 1, end)
-        state = mp.expm(matrix * root) * start
-    # the growth over the leg is exp(end / 0.45) times some roundings
-    bound = 32 * EPS * np.exp(end / 0.45)
+        m0 = mp.mpf(M0)
+        matrix = mp.matrix(rows)
+        matrix[0, 0] = -mp.mpf(alpha) * (1 + m0)
+        state = mp.matrix([mp.mpf(value) for value in start.values()])
+        root = mp.findroot(lambda t: abs((mp.expm(matrix * t) * state)[0]) - 1, end)
+        state = mp.expm(matrix * root) * state
+    # the growth over the leg times some roundings
+    bound = 32 * EPS * np.exp(end * np.linalg.eigvals(rows).real.max())
     assert abs(float(root) - end) < bound
     assert np.abs(run["state_before"].values[1] - [float(x) for x in state]).max() < bound
 

@@ -6,6 +6,7 @@ from mpmath import mp
 
 import nonsmooth as ns
 from nonsmooth.models import trilinear
+from periodic.systems import ORBITS
 
 EPS = np.finfo(float).eps
 
@@ -64,6 +65,38 @@ def test_mirrored_and_half_a_period_later_is_a_motion():
     assert ns.phase_word(two) == tuple(mirrored[name] for name in ns.phase_word(one, half * 3)) or (
         [mirrored[str(n)] for n in names(one)] == names(two)
     )
+
+
+@pytest.mark.parametrize("omega", [1.5, 1.8])
+def test_a_symmetric_orbit_is_a_fixed_point_of_half_a_period(omega):
+    """Mirrored after half a period it is where it began; that map twice is that of a period."""
+    zeta = 0.02
+    system = trilinear(omega=omega, zeta=zeta)
+    orbit = ns.find_orbit(system)
+    half = system.period_value / 2
+    run = ns.simulate(system, orbit, times=[0.0, half], tangent=True)
+    for name in "xv":
+        assert abs(float(run[name][1]) + float(orbit[name])) < 1e-10
+    folded = -run["tangent"].values[-1]
+    assert abs(np.linalg.det(folded) - np.exp(-2 * zeta * half)) < 1e-10
+    squares = sorted(np.linalg.eigvals(folded) ** 2, key=lambda m: (m.real, m.imag))
+    found = sorted(orbit["multipliers"].values, key=lambda m: (m.real, m.imag))
+    assert np.abs(np.array(squares) - found).max() < 1e-8
+
+
+@pytest.mark.parametrize("place", ["lower", "upper"])
+def test_symmetry_breaks_where_half_a_period_has_the_multiplier_minus_one(place):
+    """The orbit and its frequency by Newton's method in 60 digits."""
+    kept = ORBITS["trilinear_points"][place]
+    system = trilinear(omega=float(kept["value"]))
+    start = {name: float(value) for name, value in zip("xv", kept["state"], strict=True)}
+    half = system.period_value / 2
+    run = ns.simulate(system, start, times=[0.0, half], tangent=True)
+    for name, value in start.items():
+        assert abs(float(run[name][1]) + value) < 1e-10
+    multipliers = np.linalg.eigvals(-run["tangent"].values[-1])
+    assert np.abs(multipliers + 1).min() < 1e-8
+    assert abs(np.prod(multipliers) - np.exp(-2 * 0.02 * half)) < 1e-10
 
 
 def names(run):

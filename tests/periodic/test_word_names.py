@@ -3,6 +3,9 @@
 import pytest
 
 import nonsmooth as ns
+from nonsmooth.engine import layout as at
+from nonsmooth.periodic.onto import joined
+from nonsmooth.periodic.word import Word
 from nonsmooth.periodic.word_names import read_word, shortest_paths, words_of_names
 from periodic.kinds import relay, rigid_wall
 
@@ -72,3 +75,85 @@ def test_no_way_from_one_mode_to_the_next():
     )
     with pytest.raises(ns.OptionError, match="no exit leads from 'b' to 'a'"):
         words_of_names(one_way, ("a", "b", "a"), autonomous=False)
+
+
+STICK = ns.System(
+    states=["x", "v"],
+    period="2*pi",
+    equations={"x": "v", "v": "cos(t) - x - 0.3*sign(slip)"},
+    surfaces={"slip": ns.Surface("v - 0.5", below="lag", on="stick", above="lead")},
+)
+REST = ns.System(
+    states=["x", "v"],
+    period="2*pi",
+    modes={
+        "free": ns.Mode(
+            {"x": "v", "v": "cos(t) - x"},
+            exits=[ns.Exit("-x", reset={"v": "-0.5*v"}, sticks="stuck", name="impact")],
+        )
+    },
+)
+
+
+def test_a_slide_is_entered_through_the_cell_beyond():
+    """Motion comes onto a surface by its exit, and in the cell beyond by the one onto it."""
+    wiring = STICK.compiled.program.wiring
+    for name, other in (("lag", "lead"), ("lead", "lag")):
+        (word,) = words_of_names(STICK, ("stick", name, "stick"), autonomous=False)
+        off, onto = word.paths[:2]
+        assert len(off) == 1 and len(onto) == 2
+        beyond = int(wiring[word.modes[1], 1 + onto[0], at.TARGET])
+        assert STICK.mode_names[beyond] == other
+        assert onto[1] >= wiring[beyond, 0, at.N_EXITS]  # it is never searched for
+        assert word.text(STICK) == f"stick {name} stick"
+
+
+def test_a_crossing_is_no_slide():
+    (word,) = words_of_names(STICK, ("lag", "lead", "lag"), autonomous=False)
+    assert [len(path) for path in word.paths] == [1, 1, 0]
+
+
+def test_rebounds_before_rest_count_once():
+    """However many of infinitely many are followed, on whichever side of the section."""
+    (word,) = words_of_names(REST, ("free", "stuck", "free"), autonomous=False)
+    (impact, onto), release, _ = word.paths
+    again = (impact,)
+    for before, behind in ((0, 0), (3, 0), (0, 2), (5, 4)):
+        longer = Word(
+            (0,) * (before + 1) + (1,) + (0,) * (behind + 1),
+            (again,) * before + ((impact, onto), release) + (again,) * behind + ((),),
+        )
+        assert longer.text(REST) == "free stuck free"
+        assert longer.collapsed(REST.compiled.program.wiring) == word
+
+
+def test_rebounds_of_another_exit_count():
+    """Only those of the exit that comes to rest have no number."""
+    two = ns.System(
+        states=["x", "v"],
+        modes={
+            "free": ns.Mode(
+                {"x": "v", "v": "-1"},
+                exits=[
+                    ns.Exit("x", reset={"v": "-0.5*v"}, sticks="down", name="floor"),
+                    ns.Exit("1 - x", reset={"v": "-0.5*v"}, name="ceiling"),
+                ],
+            )
+        },
+    )
+    floor, ceiling = 0, 1
+    onto = int(two.compiled.program.wiring[0, 1 + floor, at.ONTO])
+    modes = (0, 0, 0, 1)
+    assert Word(modes, ((ceiling,), (floor,), (floor, onto), ())).text(two) == "free free down"
+
+
+def test_paths_of_two_events_at_one_instant():
+    """Onto a surface and off it beyond is through it; through, back and onto it is onto it."""
+    wiring = STICK.compiled.program.wiring
+    lead, lag, stick = (STICK.mode_names.index(name) for name in ("lead", "lag", "stick"))
+    (up,) = shortest_paths(wiring, lag, lead)
+    (onto_from_lag,) = shortest_paths(wiring, lag, stick)
+    (onto_from_lead,) = shortest_paths(wiring, lead, stick)
+    (off,) = shortest_paths(wiring, stick, lead)
+    assert joined(wiring, lag, onto_from_lag, off) == up
+    assert joined(wiring, lag, up, onto_from_lead) == onto_from_lag

@@ -109,6 +109,7 @@ def test_two_special_points_between_two_points():
 def test_all_kinds_are_told_apart():
     kinds = (
         *("fold", "flip", "torus", "symmetry_breaking", "grazing", "corner", "gained", "lost"),
+        *("crossing_sliding", "grazing_sliding", "switching_sliding", "adding_sliding"),
         *("bound", "end", "unheard_of"),
     )
     p = np.arange(len(kinds) + 1.0)

@@ -94,7 +94,9 @@ class Draft:
         """A linear function of some states."""
         some = self.rng.choice(self.moving, min(count, len(self.moving)), replace=False)
         first, *others = (str(state) for state in some)
-        return " ".join([first, *(f"{self.pick('+-')} {self.number(0.2, 1.2)}*{s}" for s in others)])
+        return " ".join(
+            [first, *(f"{self.pick('+-')} {self.number(0.2, 1.2)}*{s}" for s in others)]
+        )
 
     def smooth(self) -> str:
         """A smooth term that is not linear; nearly all of them are bounded or bounded by lines."""

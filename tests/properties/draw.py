@@ -118,12 +118,13 @@ def _wall(d: Draft, mode: str, pair: tuple[str, str], side: int, pressed: bool) 
         reset[y] = f"{y} + {d.number(-0.3, 0.3)}*{v}"
     if d.chance(0.05):
         guard = f"{d.number(1.0, 3.0)}*({guard})"
+    elif not speed and d.chance(0.05):
+        guard = f"{guard} {'-' if side > 0 else '+'} {d.number(0.05, 0.3)}*{x}**3"
+        d.features.add("curved wall")
     _add_wall(d, mode, guard, reset, d.chance(0.65 if pressed else 0.4))
 
 
-def _collision(
-    d: Draft, mode: str, one: tuple[str, str], other: tuple[str, str]
-) -> None:
+def _collision(d: Draft, mode: str, one: tuple[str, str], other: tuple[str, str]) -> None:
     """Two masses that hit each other."""
     (x, v), (y, w) = one, other
     r, share = d.number(0.1, 0.9), d.number(0.2, 0.8)
@@ -133,9 +134,7 @@ def _collision(
     _add_wall(d, mode, f"{y} - {x} + {d.number(0.0, 0.5)}", reset, d.chance(0.5))
 
 
-def _add_wall(
-    d: Draft, mode: str, guard: str, reset: dict[str, str], sticks: bool
-) -> None:
+def _add_wall(d: Draft, mode: str, guard: str, reset: dict[str, str], sticks: bool) -> None:
     name = d.exit_name()
     way: dict[str, Any] = {"guard": guard, "reset": reset, "name": name}
     if sticks:
@@ -165,7 +164,9 @@ def _friction(d: Draft) -> None:
         if d.chance(0.3):
             words |= {"below": f"low{k}", "on": f"on{k}", "above": f"high{k}"}
         d.surfaces[name] = words
-        law = d.pick(["sign({n})", "sign({n})", "(2*heaviside({n}) - 1)", "sign({n})*(1 + {v}**2/9)"])
+        law = d.pick(
+            ["sign({n})", "sign({n})", "(2*heaviside({n}) - 1)", "sign({n})*(1 + {v}**2/9)"]
+        )
         d.add(v, f"{turn}{force}*{law.format(n=name, v=v)}")
         d.note(None, function)
     d.features |= {"surfaces", "declared"}
@@ -254,7 +255,7 @@ def _words(d: Draft) -> dict[str, Any]:
         for key, part in (("exits", d.exits), ("slaved", d.slaved)):
             if name in part:
                 modes[name][key] = part[name]
-    plain = len(modes) == 1 and set(modes["flow"] if "flow" in modes else {}) == {"flow"}
+    plain = len(modes) == 1 and set(modes.get("flow", {})) == {"flow"}
     if plain and d.chance(0.7):
         return words | {"equations": modes["flow"]["flow"]}
     return words | {"modes": modes}

@@ -42,7 +42,9 @@ def deviation(drawn: Drawn, texts: Texts, flight: Flight, size: float) -> list[s
         if found:
             return found
     elif flight.resting:
-        way = next(w for w in texts.modes[flight.mode]["exits"] if w.get("sticks") in flight.resting)
+        way = next(
+            w for w in texts.modes[flight.mode]["exits"] if w.get("sticks") in flight.resting
+        )
         field, limit = resting(texts, flight.mode, way), BY_DIFFERENCES
     try:
         ends = [_end(field, flight, shift) for shift in (0.0, GROWTH * size)]
@@ -51,7 +53,9 @@ def deviation(drawn: Drawn, texts: Texts, flight: Flight, size: float) -> list[s
     growth = max(1.0, np.abs(ends[1] - ends[0]).max() / (GROWTH * size))
     off = np.abs(flight.z[-1] - ends[0]).max()
     if not off <= limit * size * growth:
-        return [f"off by {off:.3g} from the integrated motion ({flight.label}, growth {growth:.3g})"]
+        return [
+            f"off by {off:.3g} from the integrated motion ({flight.label}, growth {growth:.3g})"
+        ]
     return []
 
 

@@ -170,7 +170,7 @@ def jumps(drawn: Drawn, texts: Texts, run, size: float) -> list[str]:
     for k in [*rows[:40], *rows[40:][-20:]]:
         z = run["state_before"].values[k].copy()
         path = str(run["event_path"].values[k]).split(">")
-        rests = any(name.startswith("rest_") for name in path)
+        rests = any(name.startswith("rest") for name in path)
         _, resting = owner(texts, labels[int(run["event_from"].values[k])], drawn)
         slaved = {s for m in texts.modes.values() for s in m.get("slaved", {})}
         if "..." in path or rests or resting:
@@ -186,4 +186,3 @@ def jumps(drawn: Drawn, texts: Texts, run, size: float) -> list[str]:
         if off > CLOSE * size:
             found.append(f"state behind {'>'.join(path)} (row {k}) is off by {off:.3g}")
     return found
-

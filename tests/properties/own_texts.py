@@ -37,40 +37,49 @@ class Texts:
     def __init__(self, words: Words) -> None:
         self.states = list(words["states"])
         self.modes = modes_of(words)
-        self._constants = {k: float(v) for k, v in words.get("parameters", {}).items()}
+        constants = {k: float(v) for k, v in words.get("parameters", {}).items()}
+        self._always = FUNCTIONS | constants
         self._named = dict(words.get("definitions", {}))
         self._named |= {name: s["function"] for name, s in words.get("surfaces", {}).items()}
         self._codes: dict[str, Any] = {}
 
     def value(self, text: str | float, z: np.ndarray, t: Any) -> np.ndarray:
         """Value of a text at states ``z[..., i]`` and times ``t``."""
-        names = dict(FUNCTIONS) | self._constants | {"t": t}
-        names |= {state: z[..., i] for i, state in enumerate(self.states)}
+        return self._shaped(self._eval(text, self._names(z, t)), z)
+
+    def _names(self, z: np.ndarray, t: Any) -> dict[str, Any]:
+        names = self._always | {"t": t}
+        for i, state in enumerate(self.states):
+            names[state] = z[..., i]
         for name, inner in self._named.items():
             names[name] = self._eval(inner, names)
-        found = self._eval(text, names)
-        return np.broadcast_to(np.asarray(found, float), np.shape(z)[:-1])
+        return names
 
     def _eval(self, text: str | float, names: dict[str, Any]) -> Any:
-        text = str(text)
-        if text not in self._codes:
-            self._codes[text] = compile(text, "a drawn text", "eval")
-        return eval(self._codes[text], names)
+        code = self._codes.get(str(text))
+        if code is None:
+            code = self._codes[str(text)] = compile(str(text), "a drawn text", "eval")
+        return eval(code, names)
+
+    @staticmethod
+    def _shaped(value: Any, z: np.ndarray) -> np.ndarray:
+        value, shape = np.asarray(value, float), np.shape(z)[:-1]
+        return value if value.shape == shape else np.broadcast_to(value, shape)
 
     def slaved(self, mode: str) -> dict[str, str]:
         """Texts that vanish, by the state that is slaved."""
         return {
-            state: f"{state} - ({text})" if "=" not in text else "({}) - ({})".format(*text.split("="))
+            state: "({}) - ({})".format(*(text if "=" in text else f"{state} = {text}").split("="))
             for state, text in self.modes[mode].get("slaved", {}).items()
         }
 
     def field(self, mode: str, z: np.ndarray, t: Any) -> np.ndarray:
         """Rates of all states; those of states slaved by an expression along the others."""
         flow = self.modes[mode]["flow"]
-        rates = np.zeros(np.shape(z))
+        rates, names = np.zeros(np.shape(z)), self._names(z, t)
         for i, state in enumerate(self.states):
             if state in flow:
-                rates[..., i] = self.value(flow[state], z, t)
+                rates[..., i] = self._eval(flow[state], names)
         for state, text in self.modes[mode].get("slaved", {}).items():
             if "=" not in text:
                 rates[..., self.states.index(state)] = self.along(text, z, t, rates)

@@ -97,14 +97,18 @@ def smooth_run(
     *,
     order: int = ORDER,
     tolerance: mpf = TOLERANCE,
+    route: "type[_Route] | None" = None,
 ) -> SmoothRun:
-    """The run from ``start`` at time 0, inside ``mode``, sampled at increasing ``times``."""
+    """The run from ``start`` at time 0, inside ``mode``, sampled at increasing ``times``.
+
+    ``route`` may be that of `resting.py`, for rebounds that come to rest.
+    """
     arith, cap = FlintBalls(DIGITS), ctx.cap
     try:
         with mp.workdps(DIGITS), arith.working():
             p = SimpleNamespace(**{k: arith.exact(mpf(v)) for k, v in parameters.items()})
-            route = _Route(model, p, arith, order, tolerance)
-            return route.follow([mpf(x) for x in start], mode, [mpf(x) for x in times])
+            made = (route or _Route)(model, p, arith, order, tolerance)
+            return made.follow([mpf(x) for x in start], mode, [mpf(x) for x in times])
     finally:
         ctx.cap = cap
 

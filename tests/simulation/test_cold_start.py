@@ -71,10 +71,9 @@ def test_two_processes_on_an_empty_cache_and_an_upgrade(whole):
     records = whole.engine / "records.py"
     text = records.read_text()
     assert "PHASE, GUARD_RATE, WAIT = 0, 1, 2\n" in text
-    turned = text.replace(
-        "PHASE, GUARD_RATE, WAIT = 0, 1, 2\n", "PHASE, GUARD_RATE, WAIT = 1, 0, 2\n"
+    records.write_text(
+        text.replace("PHASE, GUARD_RATE, WAIT = 0, 1, 2\n", "PHASE, GUARD_RATE, WAIT = 1, 0, 2\n")
     )
-    records.write_text(turned)
     assert whole.run(CODE) == (RIGHT, ANNOUNCED)
     assert whole.run(CODE) == (RIGHT, SILENT)
     assert len(whole.files()) == len(files) and not files & set(whole.files())

@@ -65,9 +65,13 @@ def test_equal_decays_in_a_chain_are_one_line(size, seed):
 
 
 def test_near_and_different_decays():
+    """Less than 1e-3 apart they are shown as one, by their mean.
+
+    Eigenvectors are at right angles, so eigenvalues are good to some eps.
+    """
     motions = natural_motions(turned(np.diag([-1.0, -1.0001, -1.01])))
-    # a cluster is shown by its mean
-    assert [(m.count, round(m.rate.real, 6)) for m in motions] == [(2, -1.00005), (1, -1.01)]
+    assert [m.count for m in motions] == [2, 1]
+    assert [m.rate for m in motions] == pytest.approx([-1.00005, -1.01], abs=1e-14)
 
 
 def test_stiffness_does_not_hide_slow_motions():

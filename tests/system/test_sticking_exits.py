@@ -38,7 +38,11 @@ def body(*exits, others=(), **more):
         (Exit("x", reset=REBOUND, sticks="flight"), (), "sticks='flight' is the name of a mode"),
         (Exit("x", reset=REBOUND, sticks="stop"), (), "sticks: 'stop' has a fixed meaning"),
         # a reset that kicks what is at rest, that moves the wrong state, or none that counts
-        (Exit("x", reset={"v": "1 - r*v"}, sticks="rest"), (), "a reset that changes nothing"),
+        (
+            Exit("x", reset={"v": "1 - r*v"}, sticks="rest"),
+            (),
+            "needs a reset that changes nothing",
+        ),
         (Exit("x", reset={"x": "1"}, sticks="rest"), (), "needs a reset that changes nothing"),
         (Exit("v", reset=REBOUND, sticks="rest"), (), "moves a state that its rate depends on"),
         # a wall that moves, hit as if it stood

@@ -115,9 +115,20 @@ def continue_orbit(
         Two guards are zero at one instant.
     ``gained``, ``lost``
         A leg appears between two exits that were passed at one instant, or vanishes.
+    ``crossing_sliding``
+        Where an orbit crosses a surface, the field behind it is tangent to it: beyond, motion
+        slides for a while before it leaves.
+    ``grazing_sliding``
+        An orbit touches a surface on which motion slides: beyond, it slides for a while.
+    ``switching_sliding``
+        An orbit comes onto a surface just where the part on which motion slides begins: beyond,
+        it crosses first and comes back onto it.
+    ``adding_sliding``
+        While an orbit slides, what holds it there comes to its bound and turns back: beyond, it
+        leaves the surface for a while.
     ``sliding``, ``hopf``
-        Where the branch ends: both sides of a surface point at it, so that the motion stays there
-        for a while; a cycle without events shrinks to a point.
+        Where the branch ends: a surface holds the motion, or does not any more, and no orbit beside
+        it does otherwise; a cycle without events shrinks to a point.
     ``word_change``
         The engine finds another motion, although none of these happens.
     ``bound``, ``closed``
@@ -129,10 +140,18 @@ def continue_orbit(
     of a special point behind which no orbit is found that is a motion. Every orbit is checked by
     the engine, as in `find_orbit`.
 
+    Of rebounds that end in rest there are infinitely many, of which the engine follows some. Their
+    number changes along a branch although nothing happens, so it is no special point. Where the
+    section lies between them, a step of the branch may lead over the rest of them at once. What
+    sticks for ever may do so at many places; the branch then keeps the one that it came to.
+
     References
     ----------
     H. B. Keller, Numerical solution of bifurcation and nonlinear eigenvalue problems, in:
     Applications of Bifurcation Theory, Academic Press (1977).
+
+    M. di Bernardo, C. J. Budd, A. R. Champneys and P. Kowalczyk, Piecewise-smooth Dynamical
+    Systems, Springer (2008): kinds of sliding.
 
     Examples
     --------

@@ -35,7 +35,8 @@ def continue_special(
         Result of `continue_orbit`.
     special : int
         Number of one of its special points, of a kind that is located by one condition: ``fold``,
-        ``flip``, ``torus``, ``grazing``, ``corner``, ``gained``, ``lost``.
+        ``flip``, ``torus``, ``grazing``, ``corner``, ``gained``, ``lost``, and the four kinds
+        of sliding, such as ``grazing_sliding``.
     parameter : str
         The second parameter; the first is that of the branch, and keeps its bounds.
     between : (float, float)

@@ -18,6 +18,7 @@ __all__ = ["claim_ids", "evaluate_claims"]
 _GROUPS = (
     "method.stitching_claims",
     "method.surface_claims",
+    "method.smoothing_claims",
     "mole.drilling_claims",
     "mole.data_claims",
     "mole.model_claims",

@@ -123,7 +123,7 @@ def figure_ids() -> list[str]:
     --------
     >>> from nonsmooth.chapter import figure_ids
     >>> figure_ids()
-    ['fig1', 'fig2a', 'fig5b', 'fig5d', 'fig6', 'fig7', 'fig8', 'fig9', 'fig10', 'fig11', 'fig12', ...]
+    ['fig1', 'fig2a', 'fig5b', 'fig5d', 'fig6', 'fig7', 'fig8', 'fig9', 'fig10', ...]
     """
     return list(_FIGURES)
 

@@ -20,6 +20,7 @@ __all__ = [
     "Linearised",
     "call",
     "difference",
+    "difference_within",
     "has_derivatives",
 ]
 
@@ -96,13 +97,7 @@ class Equations:
                 return self.value(at, p)
 
             J_u[:, i] = difference(moved, r, self._step(u[i], i))
-        low, high = self.bounds
-        step = self._step(p, -1)
-        if p + step > high or p - step < low:  # one-sided, towards the middle
-            inward = step if p + 2 * step <= high else -step
-            near = self.value(u, p + inward)
-            return J_u, (4.0 * near - 3.0 * r - self.value(u, p + 2 * inward)) / (2.0 * inward)
-        J_p: Array = difference(lambda by: self.value(u, p + by), r, step)
+        J_p = difference_within(lambda at: self.value(u, at), r, p, self._step(p, -1), self.bounds)
         return J_u, J_p
 
     def _step(self, value: float, place: int) -> float:
@@ -133,6 +128,17 @@ def difference(moved: Callable[[float], Any], r: Any, step: float) -> Any:
     except OutsideDomain:
         return (above - r) / step
     return (above - below) / (2.0 * step)
+
+
+def difference_within(
+    value: Callable[[float], Any], here: Any, at: float, step: float, bounds: tuple[float, float]
+) -> Any:
+    """Difference by a number that is never taken beyond its bounds: one-sided beside them."""
+    low, high = bounds
+    if low <= at - step and at + step <= high:
+        return difference(lambda by: value(at + by), here, step)
+    inward = step if at + 2 * step <= high else -step  # towards the middle
+    return (4.0 * value(at + inward) - 3.0 * here - value(at + 2 * inward)) / (2.0 * inward)
 
 
 def has_derivatives(found: Any, n: int, lengths: tuple[int, ...] = (3,)) -> bool:

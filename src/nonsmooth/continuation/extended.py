@@ -10,7 +10,13 @@ import numpy as np
 from scipy import sparse
 
 from nonsmooth.continuation.arrays import Array
-from nonsmooth.continuation.equations import RELATIVE_STEP, call, difference, has_derivatives
+from nonsmooth.continuation.equations import (
+    RELATIVE_STEP,
+    Equations,
+    call,
+    difference_within,
+    has_derivatives,
+)
 from nonsmooth.continuation.refusals import OutsideDomain
 from nonsmooth.errors import OptionError
 
@@ -18,26 +24,35 @@ __all__ = ["Extended", "Residual2", "Scalar"]
 
 Residual2 = Callable[[Array, float, float], Any]
 Scalar = Callable[[Array, float, float], Any]
+_UNBOUNDED = (-math.inf, math.inf)
 
 
 class Extended:
     """``(r, g)`` of ``((u, p), q)``, with derivatives where the residual has them.
 
-    ``sizes`` are those of u, p and q.
+    ``sizes`` are those of u, p and q, ``bounds`` those of q; ``at(q)`` gives the equations in u
+    and p.
     """
 
-    def __init__(self, residual: Residual2, scalar: Scalar, sizes: Array) -> None:
-        self.residual, self.scalar, self.sizes = residual, scalar, sizes
+    def __init__(
+        self, residual: Residual2, scalar: Scalar, at: Callable[[float], Equations], sizes: Array,
+        bounds: tuple[float, float],
+    ) -> None:  # fmt: skip
+        self.residual, self.scalar, self.at = residual, scalar, at
+        self.sizes, self.bounds = sizes, bounds
 
     def __call__(self, x: Array, q: float) -> Any:
-        """``(r, g)``, with derivatives by (u, p) and by q where the residual has some."""
+        """``(r, g)``, with derivatives by (u, p) and by q where one of both has some."""
         u, p = x[:-1], float(x[-1])
         found = self.residual(u, p, q)
         g = self.scalar(u, p, q)
         if not has_derivatives(found, u.size, (3, 4)):
-            return np.append(np.ravel(found), g[0] if isinstance(g, tuple) else g)
+            if not isinstance(g, tuple):
+                return np.append(np.ravel(found), g)
+            # a difference of g, which may be one itself, would lose what its gradient is good to
+            found = self.at(q).linearised(u, p)
         r, J_u, J_p, *rest = found
-        J_q = rest[0] if rest else self._difference(self._of_residual(u, p), q, -1, r)
+        J_q = rest[0] if rest else self._of_q(u, p, q, np.ravel(r))
         value, gradient = self._gradient(g, u, p, q)
         above = np.column_stack([_dense(J_u), np.ravel(J_p)])
         matrix = np.vstack([above, gradient[:-1]])
@@ -60,9 +75,9 @@ class Extended:
         gradient = np.empty(z.size)
         for i in range(z.size):
 
-            def along(at: float, i: int = i) -> float:
+            def along(to: float, i: int = i) -> float:
                 moved = z.copy()
-                moved[i] = at
+                moved[i] = to
                 there = call(self.scalar, moved[:-2], float(moved[-2]), float(moved[-1]))
                 if not math.isfinite(there):
                     raise OutsideDomain("the test is not finite")
@@ -71,18 +86,15 @@ class Extended:
             gradient[i] = self._difference(along, float(z[i]), i, value)
         return value, gradient
 
-    def _of_residual(self, u: Array, p: float) -> Callable[[float], Array]:
-        def at(q: float) -> Array:
-            found = np.ravel(call(self.residual, u, p, q)[0])
-            if not np.isfinite(found).all():
-                raise OutsideDomain("the residual is not finite")
-            return found
+    def _of_q(self, u: Array, p: float, q: float, r: Array) -> Array:
+        """Derivative of the residual by q, which it did not give."""
+        found: Array = self._difference(lambda to: self.at(to).value(u, p), q, u.size + 1, r)
+        return found
 
-        return at
-
-    def _difference(self, at: Callable[[float], Any], where: float, place: int, here: Any) -> Any:
-        step = RELATIVE_STEP * max(abs(where), float(self.sizes[place]))
-        return difference(lambda by: at(where + by), here, step)
+    def _difference(self, value: Callable[[float], Any], at: float, place: int, here: Any) -> Any:
+        step = RELATIVE_STEP * max(abs(at), float(self.sizes[place]))
+        last = place == self.sizes.size - 1
+        return difference_within(value, here, at, step, self.bounds if last else _UNBOUNDED)
 
 
 def _dense(matrix: Any) -> Array:

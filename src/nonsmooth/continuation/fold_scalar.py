@@ -7,12 +7,12 @@ After Griewank and Reddien, SIAM Journal on Numerical Analysis 21, 176-185 (1984
 from __future__ import annotations
 
 import math
-from typing import Any
+from collections.abc import Callable
 
 import numpy as np
 
 from nonsmooth.continuation.arrays import Array
-from nonsmooth.continuation.equations import Equations
+from nonsmooth.continuation.equations import Equations, difference_within
 from nonsmooth.continuation.refusals import SingularMatrix
 
 __all__ = ["FoldScalar"]
@@ -23,16 +23,19 @@ _TILTED = 0.5  # cosine between border and null vector below which the border is
 
 
 class FoldScalar:
-    """The number and its gradient; ``at(q)`` gives the equations in u and p at a value of q."""
+    """The number and its gradient.
 
-    def __init__(self, at: Any) -> None:
-        self.at = at
+    ``at(q)`` gives the equations in u and p at a value of q, which is never beyond its bounds.
+    """
+
+    def __init__(self, at: Callable[[float], Equations], bounds: tuple[float, float]) -> None:
+        self.at, self.bounds = at, bounds
         self.b: Array | None = None
         self.c: Array | None = None
 
     def __call__(self, u: Array, p: float, q: float) -> tuple[float, Array, float, float]:
         """``(g, g_u, g_p, g_q)``."""
-        equations: Equations = self.at(q)
+        equations = self.at(q)
         J_u = equations.linearised(u, p).J_u
         J_u = J_u if isinstance(J_u, np.ndarray) else J_u.toarray()
         g, v, w = self._null_vectors(J_u)
@@ -43,8 +46,10 @@ class FoldScalar:
         g_u = -(w @ (above.J_u - below.J_u)) / (2.0 * step)
         g_p = -float(w @ (above.J_p - below.J_p)) / (2.0 * step)
         by_q = step * max(1.0, abs(q))
-        later, earlier = (self.at(q + s * by_q).linearised(u, p).J_u @ v for s in (1.0, -1.0))
-        return g, np.ravel(g_u), g_p, -float(w @ (later - earlier)) / (2.0 * by_q)
+        change = difference_within(
+            lambda to: self.at(to).linearised(u, p).J_u @ v, J_u @ v, q, by_q, self.bounds
+        )
+        return g, np.ravel(g_u), g_p, -float(w @ change)
 
     def _null_vectors(self, J_u: Array) -> tuple[float, Array, Array]:
         if self.b is None or self.c is None:

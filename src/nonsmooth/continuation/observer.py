@@ -20,7 +20,6 @@ from nonsmooth.errors import OptionError
 __all__ = ["Mark", "Observer"]
 
 _STILL = 1e-10  # slopes of the parameter by the arclength that are rounding
-_TURNS = 1e-6  # the same at a cusp, which lies at a zero found to rounding
 _NEAR = 0.05  # of the step, within which a crossing is the one that was found along the branch
 _VANISHES = 0.1  # part of its larger end value that a determinant must fall to where it is zero
 
@@ -96,8 +95,8 @@ class Observer:
         if max(map(abs, ends)) > _STILL:
             found = segment.locate(lambda node: float(node.tangent[-1]))
             if found:
-                still = abs(float(found[1].tangent[-2])) < _TURNS
-                yield Mark(*found, "cusp" if self.options.cusps and still else "fold")
+                still = abs(float(found[1].tangent[-2])) < self.options.cusps
+                yield Mark(*found, "cusp" if still else "fold")
 
     def _unknown_bound(self, segment: Segment) -> Iterator[Mark]:
         """Where the last unknown comes to a bound that it has."""

@@ -39,7 +39,8 @@ class Options:
     tolerance: float
     max_newton: int
     unknown_bounds: tuple[float, float] = (-math.inf, math.inf)  # of the last unknown
-    cusps: bool = False  # a fold at which the last unknown turns too is one
+    # slope of the last unknown by the arclength that is none: a fold that has it is a cusp
+    cusps: float = 0.0
 
 
 def checked_options(

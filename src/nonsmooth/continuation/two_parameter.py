@@ -11,7 +11,7 @@ import numpy as np
 from nonsmooth.continuation.arrays import Array
 from nonsmooth.continuation.begin import begin
 from nonsmooth.continuation.branch import Branch
-from nonsmooth.continuation.equations import Equations, has_derivatives
+from nonsmooth.continuation.equations import Equations, call, has_derivatives
 from nonsmooth.continuation.extended import Extended, Residual2, Scalar
 from nonsmooth.continuation.fold_scalar import FoldScalar
 from nonsmooth.continuation.options import (
@@ -22,9 +22,16 @@ from nonsmooth.continuation.options import (
     start_of,
 )
 from nonsmooth.continuation.point import Point
+from nonsmooth.continuation.refusals import OutsideDomain
 from nonsmooth.errors import OptionError
 
 __all__ = ["two_parameter"]
+
+# Slope of p by the arclength that counts as none where q turns: second derivatives of the residual
+# are differences with a step of 1e-5, good to 1e-10. Differences of differences have a step of
+# 1e-4 and are good to 1e-6. Slopes are as good, times the bend of the curve.
+_TURNS = 1e-6
+_TURNS_BY_DIFFERENCES = 1e-4
 
 
 def two_parameter(
@@ -131,11 +138,21 @@ def two_parameter(
         tolerance,
         max_newton,
     )
-    options = replace(options, unknown_bounds=checked_bounds(first, bounds), cusps=test == "fold")
-    scalar = test if callable(test) else FoldScalar(_at(residual, sizes))
+    cusps = 0.0 if callable(test) else _slope_at_cusps(residual, unknowns, first, second)
+    options = replace(options, unknown_bounds=checked_bounds(first, bounds), cusps=cusps)
+    at = _at(residual, sizes)
+    scalar = test if callable(test) else FoldScalar(at, options.bounds)
     sizes = np.append(sizes, sizes_of(unknowns[:1], second, None, second_scale, second_bounds)[-1])
-    together = Extended(residual, scalar, sizes)
+    together = Extended(residual, scalar, at, sizes, options.bounds)
     return begin(together, np.append(unknowns, first), second, direction, sizes, options)
+
+
+def _slope_at_cusps(residual: Residual2, u: Array, p: float, q: float) -> float:
+    try:
+        found = call(residual, u, p, q)
+    except OutsideDomain:  # which the start is refused for
+        return _TURNS
+    return _TURNS if has_derivatives(found, u.size, (3, 4)) else _TURNS_BY_DIFFERENCES
 
 
 def _at(residual: Residual2, sizes: Array) -> Callable[[float], Equations]:

@@ -176,7 +176,9 @@ def run_lane(
         )
         if status != _COMPLETED:
             return status
-        if begins and mode == ANY:
+        # a start may lie, and a slide may end, where both sides of a surface lead away from it
+        slid = tables.wiring[m, 0, at.KIND] == at.SLIDES and not begins
+        if (begins and mode == ANY) or slid:
             g = leaves_both_ways(tables, rates, segment, place[1], tolerance)
             choice = tables.wiring[place[1], 1 + g, at.CHOICE] if g >= 0 else at.STAY
             if choice == at.NO_CHOICE:

@@ -175,11 +175,14 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
             if carrying and first_exit >= 0:
                 end_saltation(tables, segment, tangent, m)
             return _COMPLETED, m, path, passes, jumped, corner, stay
+        if passes == 0 and wiring[m, 1 + e, at.ONTO] == e:
+            visited = 0  # a start that is not held goes back to where it was looked for
         e = _onto_surface(wiring, m, e, visited)
         if passes > 0 and e < wiring[m, 0, at.N_EXITS]:
             # a second surface at the same instant is met as exactly as the first one
             fill_scale(n, tables.generator, affine, wiring, m, z, duration, segment.scale)
             if _is_nothing(affine, m, e, z, segment.scale):
+                corner = True
                 _set_fired_zero(n, tables.generator, affine, wiring, m, e, z, segment.extent)
                 if curved:
                     linearise_mode(tables, rates, segment, m)
@@ -402,6 +405,8 @@ def leaves_both_ways(tables, rates, segment, m, tolerance):
     segment.order holds the orders of zero that pass_exits has found
     """
     affine, wiring, order = tables.affine, tables.wiring, segment.order
+    if wiring[m, 0, at.KIND] != at.FREE:
+        return -1
     for g in range(wiring[m, 0, at.N_EXITS]):
         cell = wiring[m, 1 + g, at.TARGET]
         if not 0 < order[g] < at.DERIVATIVES or cell < 0 or cell == m:

@@ -6,6 +6,7 @@ import math
 from typing import Any
 
 from nonsmooth.engine.layout import Tables
+from nonsmooth.engine.status import EventKind
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.maps.section_rows import event_names
 from nonsmooth.maps.section_search import Limits
@@ -42,6 +43,11 @@ def read_section(system: System, section: Any, direction: Any) -> tuple[bool, in
     crossing = section in variables or section not in events
     if crossing and is_name(section) and section not in variables:
         known = {*variables, *events} - {"pi"}
+        if section in {kind.word for kind in EventKind}:
+            raise OptionError(
+                f"section = {section!r} is a kind of events; give the name of the exit, surface or"
+                f" mode that is meant, one of {', '.join(sorted(events))}"
+            )
         raise OptionError(f"section: {unknown_name('variable or event', section, known)}")
     if direction is None:
         return crossing, int(crossing)

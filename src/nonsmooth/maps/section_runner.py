@@ -188,7 +188,7 @@ class SectionRunner:
         if self._at_events and entered.size:  # the event at which the point lies comes first
             mode, entered = int(entered[0]), entered[1:]
         modes = np.array([mode, *self.origin[entered]])
-        return word_of_modes(self.chosen.system.mode_names, modes)
+        return word_of_modes(self.chosen.system, modes)
 
     def is_event(self, rows: Integers) -> npt.NDArray[np.bool_]:
         """Which rows of the log are events of the system, not only crossings of the section."""

@@ -143,7 +143,7 @@ class StrobeRunner:
         numbers, phases = np.array([last.number], np.int64), np.array([last.phase])
         _, _, rows, _ = self._runner.record(lanes, 0, numbers, phases)
         passed = rows[rows[:, at.KIND] != EventKind.GRAZE]
-        return word_of_modes(self.system.mode_names, np.array([mode, *passed[:, at.TO]]))
+        return word_of_modes(self.system, np.array([mode, *passed[:, at.TO]]))
 
     def _instants(self, first: int, count: int) -> list[Instant]:
         """Instants of some iterates; the start is iterate 0."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from nonsmooth.models.belt_oscillator import belt_oscillator
+from nonsmooth.models.bouncing_ball import bouncing_ball
 from nonsmooth.models.brake_mode_coupling import brake_mode_coupling
 from nonsmooth.models.breathing_crack import breathing_crack
 from nonsmooth.models.chua import chua
@@ -17,6 +18,7 @@ from nonsmooth.models.fatigue_rig_si import FatigueRig
 from nonsmooth.models.four_phase_orbit import four_phase_misfit, four_phase_orbit
 from nonsmooth.models.friction_oscillator import friction_oscillator
 from nonsmooth.models.gear_pair import gear_pair
+from nonsmooth.models.impact_oscillator import impact_oscillator
 from nonsmooth.models.load_setting import set_load
 from nonsmooth.models.massive_ring_rotor import massive_ring_rotor
 from nonsmooth.models.matrix_rotor import MatrixRotor
@@ -24,6 +26,7 @@ from nonsmooth.models.metal_cutting import metal_cutting
 from nonsmooth.models.moling import moling
 from nonsmooth.models.moling_si import MolingRig
 from nonsmooth.models.percussive_drilling import percussive_drilling
+from nonsmooth.models.print_hammer import print_hammer
 from nonsmooth.models.progression import progression
 from nonsmooth.models.progression_start import progression_start
 from nonsmooth.models.rotor import rotor
@@ -43,6 +46,7 @@ __all__ = [
     "OneMass",
     "RotorRig",
     "belt_oscillator",
+    "bouncing_ball",
     "brake_mode_coupling",
     "breathing_crack",
     "check_contact",
@@ -55,12 +59,14 @@ __all__ = [
     "four_phase_orbit",
     "friction_oscillator",
     "gear_pair",
+    "impact_oscillator",
     "least_preload",
     "massive_ring_rotor",
     "metal_cutting",
     "moling",
     "one_mass",
     "percussive_drilling",
+    "print_hammer",
     "progression",
     "progression_start",
     "reduction_error",

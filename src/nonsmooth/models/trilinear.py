@@ -23,7 +23,9 @@ def trilinear(
         g(x) = \begin{cases} x - \delta & x > \delta \\ 0 & |x| \le \delta \\
         x + \delta & x < -\delta \end{cases}
 
-    Time counts in 1 over the natural frequency between the stops.
+    Time counts in 1 over the natural frequency between the stops. A symmetric orbit is a fixed
+    point of half a period followed by a reflection, and its multipliers are the squares of that
+    map's; where one of those passes -1 the symmetry breaks.
 
     ====== ======== ======= ================================================
     symbol argument default source

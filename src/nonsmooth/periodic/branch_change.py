@@ -7,13 +7,15 @@ from collections.abc import Iterator
 import numpy as np
 
 from nonsmooth.continuation.point import Point
-from nonsmooth.errors import RunError
+from nonsmooth.engine import layout as at
 from nonsmooth.periodic.branch_part import BranchPart, Followed, kind_of, part_of
 from nonsmooth.periodic.branch_start import begin_change
-from nonsmooth.periodic.branch_tests import Looked
-from nonsmooth.periodic.guess import Guess, driven_guess
+from nonsmooth.periodic.branch_tests import BranchTests, Looked
+from nonsmooth.periodic.change import Change
+from nonsmooth.periodic.guess import Guess
+from nonsmooth.periodic.motion_beyond import motion_at, over_chatter
 from nonsmooth.periodic.stretch import BranchStart, Stretch
-from nonsmooth.periodic.word_change import Change, changes_at_once, changes_of_word
+from nonsmooth.periodic.word_change import changes_at_once, changes_of_word
 
 __all__ = ["broken_test", "change_at", "end_at"]
 
@@ -21,10 +23,15 @@ _BEYOND = 1e-6  # of the range of the parameter: where the engine is asked
 _ENDS = {
     "shrink": "the cycle shrinks to a point",
     "slide": "both sides of a surface point at it: beyond, the motion stays there for a while",
+    "enter": "the surface does not hold the motion any more: beyond, it leaves it at once",
 }
-_MOST_TELLING = ("shrink", "slide", "short", "leg", "gain", "graze", "rate", "corner")
+_AT_BORDER = {
+    "crossing_sliding": "ends where a surface is crossed at the border of the part that slides",
+    "switching_sliding": "ends where the part of a surface that slides begins",
+}
+_MOST_TELLING = ("shrink", "slide", "short", "leg", "gain", "enter", "graze", "rate", "corner")
 _TOGETHER = 1e-8  # a test that vanishes at the same point as another one
-_NEARBY = 1e-2  # of the size of an orbit: one of another word farther away is no continuation
+_NEARBY = 1e-4  # of the size of an orbit: one of another word farther away is no continuation
 
 
 def change_at(
@@ -36,14 +43,17 @@ def change_at(
     changes = changes_at_once(stretch.equations, looked.turn, _vanishing(looked, name))
     changes = changes or changes_of_word(stretch.equations, looked.turn, name)
     for change in changes:
-        start = begin_change(stretch, change, point)
+        start = over_chatter(stretch, looked, point) if change.kind == "section" else None
+        start = start or begin_change(stretch, change, point)
         if start is not None:
             if change.kind == "section":
                 return start, part_of(stretch, looked, point, along, "section", "")
             start.detail = _detail(stretch, name, start, point)
-            if name.startswith("short"):  # the graze is located from the other side
-                start.located = True
-                return start, None
+            if name.startswith("short"):
+                touched = _touched(stretch, start)
+                if touched:  # the graze is located from the other side
+                    start.grows, start.located = touched, True
+                    return start, None
             return start, part_of(stretch, looked, point, along, change.kind, start.detail)
     for guess in _motions_beyond(stretch, looked, point):
         change = Change(kind_of(name), guess)
@@ -53,6 +63,22 @@ def change_at(
             return start, part_of(stretch, looked, point, along, kind_of(name), start.detail)
     detail = _ENDS.get(name.split(":")[0], "no orbit of a changed word begins there")
     return None, part_of(stretch, looked, point, along, kind_of(name), detail)
+
+
+def _touched(stretch: Stretch, start: BranchStart) -> str:
+    """Test of the graze behind which a stretch begins; "" where none has its zero there.
+
+    Of two guards that are touched together, and of one that is touched just at the section, only
+    one or none has a lowest value within a leg.
+    """
+    stretch.set_parameter(start.value)
+    tests = BranchTests(start.equations, stretch.options.tolerance, whole=False, grows=start.grows)
+    found = tests.look(start.unknowns).tests
+    grazes = {name: value for name, value in found.items() if name.startswith("graze")}
+    if start.grows in grazes:
+        return start.grows
+    least = min(grazes, key=lambda name: grazes[name], default="")
+    return least if least and grazes[least] < 0.0 else ""
 
 
 def _vanishing(looked: Looked, name: str) -> list[str]:
@@ -79,26 +105,10 @@ def _is_near(start: BranchStart, looked: Looked) -> bool:
 
 def _motions_beyond(stretch: Stretch, looked: Looked, point: Point) -> Iterator[Guess]:
     """What the motion from the orbit does a little beyond, where there is a period to look at."""
-    options = stretch.options
-    if options.autonomous:
-        return
-    names = list(options.system.parameters)
-    low, high = options.bounds
-    state = dict(zip(options.system.states, looked.turn.states[0].tolist(), strict=True))
+    low, high = stretch.options.bounds
     for way in (np.sign(point.tangent_p) or 1.0, -(np.sign(point.tangent_p) or 1.0)):
-        value = point.p + way * _BEYOND * (high - low)
-        there = options.system.with_parameters(
-            **dict(zip(names, stretch.legs.values.tolist(), strict=True))
-            | {options.parameter: value}
-        )
-        try:
-            guess = driven_guess(
-                there, state, period=options.period, phase=options.phase, transient=0, mode=None,
-                tolerance=options.tolerance,
-            )  # fmt: skip
-        except (RunError, ValueError):
-            continue
-        if guess.word != stretch.equations.word:
+        guess = motion_at(stretch, looked, point.p + way * _BEYOND * (high - low))
+        if guess is not None and guess.word != stretch.equations.word:
             yield guess
 
 
@@ -117,17 +127,28 @@ def _detail(stretch: Stretch, name: str, start: BranchStart, point: Point) -> st
         "gain": f"a leg appears behind leg {k + 1} ({mode})",
         "corner": f"two guards of leg {k + 1} ({mode})",
         "slide": f"both sides of a surface behind leg {k + 1} ({mode}) point at it",
+        "enter": f"the surface behind leg {k + 1} ({mode}) does not hold the motion",
     }.get(kind, "the motion changes")
-    if kind in ("graze", "corner"):
+    if start.kind in _AT_BORDER:
+        k -= kind == "leg" and k > 0
+        what = f"leg {k + 1} ({system.mode_names[word.modes[k]]}) {_AT_BORDER[start.kind]}"
+    elif kind in ("graze", "corner"):
         what += f" touches {exits[word.modes[k]][int(numbers[1])]!r}"
     turns = start.direction[1] * point.tangent_p < 0.0
     way = "the branch turns back" if turns else "the branch goes on"
     return f"{what}; {way} as '{start.equations.word.text(system)}'"
 
 
-def end_at(name: str, looked: Looked) -> Followed:
+def end_at(name: str, looked: Looked, stretch: Stretch) -> Followed:
     """Why a branch ends at a change of its word behind which it does not go on."""
     kind = name.split(":")[0]
+    if _is_held(stretch, name):
+        return Followed(
+            kind_of(name),
+            f"the branch ends ({kind_of(name)}): the surface there holds what touches it until the"
+            " force has grown, so motions beyond are another orbit; find it with find_orbit at"
+            " parameters= a little beyond",
+        )
     if kind in _ENDS:
         return Followed(kind_of(name), f"the branch ends: {_ENDS[kind]}")
     reason = looked.admissibility.reason
@@ -138,6 +159,16 @@ def end_at(name: str, looked: Looked) -> Followed:
         + "), and no orbit of a changed word goes on from there; inadmissible=True follows the"
         " equations of the word beyond",
     )
+
+
+def _is_held(stretch: Stretch, name: str) -> bool:
+    """Whether what happens is at a surface that holds more than it resists with in sliding."""
+    kind, *numbers = name.split(":")
+    if kind not in ("graze", "rate", "enter") or not numbers:
+        return False
+    word, k = stretch.equations.word, int(numbers[0])
+    e = int(numbers[1]) if kind == "graze" else word.paths[k][0]
+    return int(stretch.legs.tables.wiring[word.modes[k], 1 + e, at.ONTO]) == e
 
 
 def broken_test(looked: Looked) -> str:

@@ -16,7 +16,7 @@ __all__ = ["BranchPart", "Followed", "kind_of", "part_of"]
 
 _KINDS = {
     "graze": "grazing", "short": "grazing", "rate": "grazing", "leg": "lost", "gain": "gained",
-    "slide": "sliding", "shrink": "hopf", "motion": "word_change",
+    "slide": "sliding", "enter": "sliding", "shrink": "hopf", "motion": "word_change",
 }  # fmt: skip
 _OF_MULTIPLIERS = ("flip", "torus", "fold", "branch_point")
 _NEAR_ONE = 1e-3  # the same at a fold or a crossing, which some orbits have only to half the digits

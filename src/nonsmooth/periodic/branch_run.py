@@ -17,6 +17,7 @@ from nonsmooth.periodic.stretch import BranchOptions, BranchStart, Stretch
 __all__ = ["follow_orbits"]
 
 _CLOSED = 1e-5  # scaled distance from where a branch was before
+_LEAST = 1e-2  # of the size of the first orbit: smaller ones are not measured by their own
 _NO_CHANGE = ("", "section")  # kinds of starts at which the word stays, but for its beginning
 
 
@@ -51,10 +52,12 @@ def _follow(
     """The same; an event that passes the section is a point of its own."""
     done, along = 0, 0.0
     begun: list[BranchStart] = []  # stretches behind changes of the word
-    first_scale = float(scale_of(start.equations, start.unknowns)[: legs.n].max())
+    first = scale_of(start.equations, start.unknowns)[: legs.n]
+    # what is driven and shrinks is known to the rounding of what drives it
+    least = np.zeros(legs.n) if options.autonomous else _LEAST * first
     while done < options.steps:
-        stretch = Stretch(options, legs, start.equations, start.grows)
-        walk = StretchWalk(stretch, start, along, first_scale)
+        stretch = Stretch(options, legs, start.equations, start.grows, least)
+        walk = StretchWalk(stretch, start, along, float(first.max()))
         yield from walk.points(options.steps - done, partial(_report, report, done))
         if walk.ended is not None:
             yield walk.ended

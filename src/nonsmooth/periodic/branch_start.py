@@ -11,12 +11,12 @@ from nonsmooth.continuation.follow import follow
 from nonsmooth.continuation.point import Point
 from nonsmooth.errors import NonsmoothError
 from nonsmooth.periodic.branch_tests import BranchTests
+from nonsmooth.periodic.change import Change
 from nonsmooth.periodic.equations import OrbitEquations
 from nonsmooth.periodic.guess import Guess
 from nonsmooth.periodic.legs import LegError, Legs
 from nonsmooth.periodic.newton import scale_of, solve_orbit
 from nonsmooth.periodic.stretch import BranchOptions, BranchStart, Stretch, scale_along
-from nonsmooth.periodic.word_change import Change
 
 __all__ = ["begin_change", "solved_start", "tangent_at"]
 

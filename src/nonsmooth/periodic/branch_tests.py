@@ -5,7 +5,8 @@ Each is a number without unit whose sign changes where something happens. Names 
 ``corner:k:g``, it is zero at the end of leg k, where another guard is; ``short:k``, leg k is about
 to vanish in a graze; ``leg:k``, it vanishes otherwise; ``rate:k``, the exit of leg k is passed
 without a rate; ``gain:k:j``, exit j of a path is no longer passed at once; ``slide:k``, both sides
-of the surface at the end of leg k point at it; ``shrink``, a cycle without events shrinks to a
+of the surface at the end of leg k point at it; ``enter:k:g``, guard g of the cell on a surface
+that leg k ends at lets motion off it at once; ``shrink``, a cycle without events shrinks to a
 point; ``motion``, the engine finds another motion although none of these has changed.
 """
 
@@ -20,18 +21,29 @@ import numpy.typing as npt
 from nonsmooth.engine import layout as at
 from nonsmooth.engine.legs import LegResults
 from nonsmooth.periodic.admissibility import Admissibility, check_admissible
+from nonsmooth.periodic.change import kind_of_excursion
+from nonsmooth.periodic.entry_guards import EntryGuards
 from nonsmooth.periodic.equations import OrbitEquations, Turn
+from nonsmooth.periodic.legs import LegError
 from nonsmooth.periodic.multipliers import Floquet, floquet
+from nonsmooth.periodic.newton import solve_orbit
+from nonsmooth.periodic.onto import crosses, is_onto, modes_along
+from nonsmooth.periodic.rebounds import with_rebounds_of_engine
 from nonsmooth.periodic.word import Word
 
 __all__ = ["WORD_TESTS", "BranchTests", "Looked", "is_graze"]
 
 Floats = npt.NDArray[np.float64]
 
-WORD_TESTS = ("graze", "corner", "short", "leg", "rate", "gain", "slide", "shrink", "motion")
+WORD_TESTS = (
+    "graze", "corner", "short", "leg", "rate", "gain", "slide", "enter", "shrink", "motion",
+)  # fmt: skip
 # part of the turn: a contact of this duration counts as a graze. It is as long as the root of the
 # distance from the graze, so this is 1e-10 away; shorter ones make Newton's matrix singular
 _SHORT = 1e-5
+# likewise of an excursion from a surface on which motion slides: it leaves and comes back with the
+# square of its duration as rate, so an instant is known to rounding over that
+_SHORT_OF_SLIDE = 1e-3
 _AT_CHANGE = 1e-9  # of a test: the word is about to change
 _ZERO = 1e-10  # a test that is never more than that is zero by construction
 
@@ -48,18 +60,30 @@ class Looked:
     multipliers: Floquet
     admissibility: Admissibility
     tests: dict[str, float]
+    other: tuple[OrbitEquations, Floats] | None = None  # with the rebounds that the engine follows
 
 
 def is_graze(word: Word, wiring: npt.NDArray[np.int64], k: int) -> bool:
-    """Whether leg k is an excursion out of a mode and back into it, that nothing remains of."""
-    if len(word) < 2 or not word.paths[k] or not word.paths[(k - 1) % len(word)]:
+    """Whether leg k is an excursion out of a mode and back into it, that nothing remains of.
+
+    The first leg of a driven orbit is one together with the last, which the section cuts off.
+    """
+    last = k - 2 if k == 0 and not word.closes_at_event and len(word) > 2 else k - 1
+    if len(word) < 2 or not word.paths[k] or not word.paths[last % len(word)]:
         return False
-    before, path = word.modes[(k - 1) % len(word)], word.paths[(k - 1) % len(word)]
+    before, path = word.modes[last % len(word)], word.paths[last % len(word)]
     resets = any(
         wiring[m, 1 + e, at.RESETTING] & ~wiring[m, 0, at.SLAVED]
         for m, e in _passed(wiring, before, path + word.paths[k])
     )
     return not resets and word.last_target(wiring, k) == before
+
+
+def _shortest(wiring: npt.NDArray[np.int64], mode: int, k: int, word: Word) -> float:
+    """Part of the turn below which leg k counts as an excursion that is about to vanish."""
+    last = k - 2 if k == 0 and not word.closes_at_event and len(word) > 2 else k - 1
+    kind = kind_of_excursion(wiring, word.modes[last % len(word)], mode)
+    return _SHORT_OF_SLIDE if kind == "adding_sliding" else _SHORT
 
 
 def _passed(
@@ -82,15 +106,14 @@ class BranchTests:
         # tests that have been more than what rounding or a decay leaves
         self._clear = {grows}
         word, wiring = equations.word, equations.legs.tables.wiring
+        self._wiring = wiring
         self._grazing = [is_graze(word, wiring, k) for k in range(len(word))]
+        self._short = [_shortest(wiring, mode, k, word) for k, mode in enumerate(word.modes)]
         families = equations.legs.tables.families
-        behind = [word.last_target(wiring, k) for k in range(len(word))]
         self._surface = [  # legs that end at a surface which is crossed without a reset
-            len(path) == 1
-            and families[behind[k]] == families[word.modes[k]]
-            and wiring[word.modes[k], 1 + path[0], at.RESETTING] == 0
-            for k, path in enumerate(word.paths)
+            crosses(wiring, families, word.modes[k], path) for k, path in enumerate(word.paths)
         ]
+        self._entries = EntryGuards(equations)
         self._last: tuple[bytes, Looked] | None = None
 
     def look(self, unknowns: Floats) -> Looked:
@@ -100,29 +123,37 @@ class BranchTests:
         if self._last is not None and self._last[0] == key:
             return self._last[1]
         turn = equations.unpack(unknowns)
+        entered = self._entries.values(turn)
         found = legs.follow(equations.word, turn.states, turn.instants)
         residual = equations.gap(turn, found)
         turn = Turn(found.starts.copy(), turn.instants)
         multipliers = floquet(equations, found)
         tests = _of_multipliers(multipliers)
         end, admissibility = found.nexts[-1].copy(), Admissibility(True)
-        kept = self._of_word(turn, found)
+        kept = self._of_word(turn, found, entered)
         tests |= kept
+        other = None
         if self.whole:
             least = min(kept, key=lambda name: kept[name], default="")
             if least and kept[least] < -_AT_CHANGE:
                 admissibility = Admissibility(False, f"beyond {least}")
             elif all(value > _AT_CHANGE for value in kept.values()):
                 admissibility = check_admissible(equations, turn, self.tolerance)
+                if not admissibility.admissible:
+                    other = self._with_other_rebounds(turn)
+                    admissibility = admissibility if other is None else Admissibility(True)
                 tests["motion"] = 1.0 if admissibility.admissible else -1.0
             # else the word is about to change, and rounding decides what the engine finds
         looked = Looked(
-            turn, end, legs.values.copy(), legs.window, residual, multipliers, admissibility, tests
-        )
+            turn, end, legs.values.copy(), legs.window, residual, multipliers, admissibility, tests,
+            other,
+        )  # fmt: skip
         self._last = key, looked
         return looked
 
-    def _of_word(self, turn: Turn, found: LegResults) -> dict[str, float]:
+    def _of_word(
+        self, turn: Turn, found: LegResults, entered: dict[tuple[int, int], float]
+    ) -> dict[str, float]:
         """What keeps the word valid, positive where it is, from the results of its legs."""
         equations, word = self.equations, self.equations.word
         length = float(turn.instants[-1] - turn.instants[0])
@@ -136,25 +167,47 @@ class BranchTests:
             if not path:
                 continue
             duration = float(turn.durations[k])
+            cut = k == 0 and not word.closes_at_event  # by the section
             if self._grazing[k]:
-                tests[f"short:{k}"] = duration / length - _SHORT
-            else:
+                whole = duration + (float(turn.durations[-1]) if cut else 0.0)
+                tests[f"short:{k}"] = whole / length - self._short[k]
+            if cut or not self._grazing[k]:
                 tests[f"leg:{k}"] = duration / length
             size = float(sizes[k, path[0]])
             tests[f"rate:{k}"] = -float(found.guard_rate[k]) * length / size
             if self._surface[k]:
                 tests[f"slide:{k}"] = self._into_next(found, k) * length / size
+            modes = modes_along(self._wiring, word.modes[k], path)
             for j in range(1, len(path)):
-                tests[f"gain:{k}:{j}"] = -float(found.passed[k, j]) / size
+                if not is_onto(self._wiring, modes[j], path[j]):
+                    tests[f"gain:{k}:{j}"] = -float(found.passed[k, j]) / size
             for g in np.flatnonzero(np.isfinite(others[k])):
                 if g != path[0]:
                     tests[f"corner:{k}:{g}"] = float(others[k, g])
+        for (k, guard), value in entered.items():
+            tests[f"enter:{k}:{guard}"] = value / float(sizes[(k + 1) % len(word), guard])
         if word.paths[-1] == ():
             tests["leg:last"] = float(turn.durations[-1]) / length
         if equations.autonomous and not word.closes_at_event:
             tests["shrink"] = equations.forwards(found)
         self._clear |= {name for name, value in tests.items() if abs(value) > _ZERO}
         return {name: value for name, value in tests.items() if name in self._clear}
+
+    def _with_other_rebounds(self, turn: Turn) -> tuple[OrbitEquations, Floats] | None:
+        """The orbit of the word whose rebounds before rest are those of the engine."""
+        guess = with_rebounds_of_engine(self.equations, turn, self.tolerance)
+        if guess is None:
+            return None
+        equations = self.equations.of_word(guess.word, guess.turn.states[0])
+        try:
+            solution = solve_orbit(equations, equations.pack(guess.turn))
+            if solution.status != "completed":
+                return None
+            found = equations.unpack(solution.unknowns)
+            admissible = check_admissible(equations, found, self.tolerance).admissible
+        except LegError:
+            return None
+        return (equations, solution.unknowns) if admissible else None
 
     def _into_next(self, found: LegResults, k: int) -> float:
         """How fast the guard that ends leg k goes on falling behind the surface."""

@@ -110,6 +110,8 @@ class OrbitEquations:
             (self.phase + self.period) * rates, self.drifting, self.origin, residual, jacobian,
             moved,
         )  # fmt: skip
+        if not self.autonomous and self.word.n_events == 0:
+            self._keep_at_rest(turn, residual, jacobian, moved)
         if self.autonomous and not self.word.closes_at_event:
             self._close_across_flow(turn, residual, jacobian, moved)
         return residual, jacobian, moved
@@ -128,6 +130,17 @@ class OrbitEquations:
         size = np.abs(moving).max(axis=0)
         size = np.where(size > 1e-6 * size.max(), size, max(float(size.max()), 1e-12))
         return float((gaps / size).max())
+
+    def _keep_at_rest(self, turn: Turn, residual: Floats, jacobian: Floats, moved: Floats) -> None:
+        """What never moves, as a body that sticks for ever, stays at the origin.
+
+        Any place would do: they are a family of orbits, of which one is meant.
+        """
+        n = self.legs.n
+        still = ~np.any(jacobian[:n, :n] != 0.0, axis=1) & ~np.any(moved[:n] != 0.0, axis=1)
+        for i in np.flatnonzero(still & (residual[:n] == 0.0)):
+            residual[i] = turn.states[0, i] - self.origin[i]
+            jacobian[i, i] = 1.0
 
     def _close_across_flow(
         self, turn: Turn, residual: Floats, jacobian: Floats, moved: Floats

@@ -30,7 +30,10 @@ def guesses_in_motion(
     system: System, initial: Any, words: list[Word], *, period: int, phase: float, periods: int,
     tolerance: float,
 ) -> Iterator[Guess]:  # fmt: skip
-    """Stretches of a driven motion that follow one of some words, the nearly closed ones first."""
+    """Stretches of a driven motion that follow one of some words, the nearly closed ones first.
+
+    Words count rebounds that accumulate as one; those of the guesses have all that were followed.
+    """
     tables = build_tables(system)
     window = float(tables.clock[0])
     start = resolve_start(system, tables, initial, None, None, False)
@@ -56,22 +59,24 @@ def guesses_in_motion(
     drifting = np.array([name in system.drift_states for name in system.states])
     sample = np.where(drifting, 0.0, states)
     reached = outcome.n_samples
-    wanted = {(word.modes, word.paths): word for word in words}
+    wiring = system.compiled.program.wiring
+    wanted = {(word.modes, word.paths) for word in (each.collapsed(wiring) for each in words)}
     found = []
     for k in range(max(0, reached - period)):
         low, high = np.searchsorted(times, [k * window, (k + period) * window], side="right")
         part = slice(int(low), int(high))
         paths = [path_of_bits(int(r[at.PATH]), int(r[at.PASSES])) for r in rows[part]]
-        key = (
-            (int(modes[k]), *(int(m) for m in rows[part, at.TO])),
-            (*paths, ()),
-        )
-        if key in wanted:
+        if None in paths:
+            continue
+        visited = (int(modes[k]), *(int(m) for m in rows[part, at.TO]))
+        word = Word(visited, (*[path for path in paths if path is not None], ()))
+        seen = word.collapsed(wiring)
+        if (seen.modes, seen.paths) in wanted:
             gap = float(np.abs(sample[k + period] - sample[k]).max())
             inner = times[part] - k * window
             instants = np.concatenate([[0.0], inner, [period * window]]) + phase * window
             legs = np.vstack([states[k][None], values[part, at.EVENT_FLOATS + n :]])
-            found.append((gap, Guess(wanted[key], Turn(legs, instants))))
+            found.append((gap, Guess(word, Turn(legs, instants))))
     for _, guess in sorted(found, key=lambda pair: pair[0]):
         yield guess
 

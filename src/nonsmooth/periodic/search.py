@@ -19,6 +19,7 @@ from nonsmooth.periodic.guess_of_word import guesses_in_motion, random_guesses
 from nonsmooth.periodic.legs import LegError, Legs
 from nonsmooth.periodic.newton import Solution, null_vector, solve_orbit
 from nonsmooth.periodic.orbit import Orbit, make_orbit
+from nonsmooth.periodic.rebounds import with_rebounds_of_engine
 from nonsmooth.periodic.restart import guess_of_dataset, is_orbit
 from nonsmooth.periodic.stepwise import values_of_orbit, walk_to
 from nonsmooth.periodic.word import Word
@@ -167,6 +168,8 @@ def solve_guess(wanted: Wanted, legs: Legs, guess: Guess) -> Found:
     found = finish(wanted, equations, solution)
     if found.status == "inadmissible":
         found = _without_empty_leg(wanted, legs, equations, found) or found
+    if found.status == "inadmissible":
+        found = _with_other_rebounds(wanted, legs, found) or found
     return found
 
 
@@ -197,6 +200,20 @@ def _without_empty_leg(
                 if better.status == "completed":
                     return better
     return None
+
+
+def _with_other_rebounds(wanted: Wanted, legs: Legs, found: Found) -> Found | None:
+    """The orbit with as many rebounds before rest as the motion has."""
+    assert found.orbit is not None and found.equations is not None
+    guess = with_rebounds_of_engine(found.equations, found.orbit.turn, wanted.tolerance)
+    if guess is None:
+        return None
+    equations = equations_for(wanted, legs, guess)
+    solution = solve_orbit(equations, equations.pack(guess.turn))
+    if solution.status != "completed":
+        return None
+    better = finish(wanted, equations, solution)
+    return better if better.status == "completed" else None
 
 
 def _off_fold(equations: OrbitEquations, unknowns: Floats) -> Solution | None:
@@ -239,6 +256,8 @@ def finish(wanted: Wanted, equations: OrbitEquations, solution: Solution) -> Fou
             "a multiplier is 1: the orbit lies on a fold, where branches cross, or is one of a"
             " family, as where nothing fixes its amplitude"
         )
+    if orbit.multipliers.multipliers.size and not np.any(orbit.multipliers.multipliers):
+        said.append("superstable: every perturbation is lost within a turn")
     if not orbit.admissibility.admissible:
         said.append(
             f"the equations of the word have this solution, but it is no motion:"
@@ -299,6 +318,8 @@ def _search_word(wanted: Wanted, legs: Legs) -> Found:
             ):
                 continue
             found = finish(wanted, equations, solution)
+            if found.status == "inadmissible":
+                found = _with_other_rebounds(wanted, legs, found) or found
             if found.status == "completed":
                 return found
             best = _better(best, found)

@@ -65,8 +65,11 @@ class Stretch:
     """A stretch of a branch with one word."""
 
     def __init__(
-        self, options: BranchOptions, legs: Legs, equations: OrbitEquations, grows: str = ""
-    ) -> None:
+        self, options: BranchOptions, legs: Legs, equations: OrbitEquations, grows: str = "",
+        least: Floats | None = None,
+    ) -> None:  # fmt: skip
+        """``least``: sizes of the states below which no step is measured, (n,)."""
+        self.least = np.zeros(legs.n) if least is None else least
         self.options, self.legs, self.equations = options, legs, equations
         self.tests = BranchTests(equations, options.tolerance, grows=grows)
         self.scale = np.ones(equations.size)
@@ -111,8 +114,15 @@ class Stretch:
     def outgrown(self, unknowns: Floats) -> bool:
         """Whether an orbit has another size than that by which steps are measured."""
         n_states = len(self.equations.word) * self.legs.n
-        share = scale_along(self.equations, unknowns)[:n_states] / self.scale[:n_states]
+        share = self._scale_of(unknowns)[:n_states] / self.scale[:n_states]
         return bool(share.max() > _OUTGROWN or share.max() < 1.0 / _OUTGROWN)
+
+    def _scale_of(self, unknowns: Floats) -> Floats:
+        scale, count = scale_along(self.equations, unknowns), len(self.equations.word)
+        scale[: count * self.legs.n] = np.maximum(
+            scale[: count * self.legs.n], np.tile(self.least, count)
+        )
+        return scale
 
     def is_nothing_beside(self, size: float) -> bool:
         """Whether a cycle without events has shrunk to next to nothing."""
@@ -123,7 +133,7 @@ class Stretch:
         """The branch from a start."""
         low, high = self.options.bounds
         self.set_parameter(start.value)
-        self.scale = scale_along(self.equations, start.unknowns)
+        self.scale = self._scale_of(start.unknowns)
         return follow(
             self.residual, start.unknowns, start.value, direction=start.direction,
             step=self.options.step, smallest_step=self.options.smallest_step,

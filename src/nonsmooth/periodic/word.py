@@ -10,8 +10,9 @@ import numpy.typing as npt
 
 from nonsmooth.engine import layout as at
 from nonsmooth.engine.transitions import PATH_BITS, PATH_LENGTH
+from nonsmooth.periodic.chatter import collapsed
 from nonsmooth.simulation.labels import labels_of
-from nonsmooth.simulation.words import word_of_modes
+from nonsmooth.simulation.words import names_of_modes
 from nonsmooth.system.system import System
 
 __all__ = ["Word", "path_of_bits"]
@@ -60,9 +61,17 @@ class Word:
         return rows
 
     def text(self, system: System) -> str:
-        """Modes by name, joined by blanks; cells of one name in a row count once."""
-        modes = self.modes if not self.closes_at_event else (*self.modes, self.modes[0])
-        return word_of_modes(system.mode_names, np.array(modes), whole=True)
+        """Modes by name, joined by blanks; cells of one name in a row count once.
+
+        Rebounds that accumulate count once too: there are infinitely many.
+        """
+        modes = self.collapsed(system.compiled.program.wiring).modes
+        modes = modes if not self.closes_at_event else (*modes, modes[0])
+        return " ".join(names_of_modes(system.mode_names, np.array(modes)))
+
+    def collapsed(self, wiring: Integers) -> Word:
+        """The same as if the first impact of each chatter ended in rest."""
+        return Word(*collapsed(self.modes, self.paths, wiring))
 
     def exit_text(self, system: System, leg: int) -> str:
         """Names of the exits that end a leg, joined by '>'; empty at the section."""

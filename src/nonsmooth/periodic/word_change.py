@@ -7,35 +7,28 @@ orbit at that point; where none is known, the engine is asked what it does a lit
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.engine import layout as at
+from nonsmooth.engine.transitions import PATH_LENGTH
 from nonsmooth.periodic.branch_tests import is_graze
+from nonsmooth.periodic.change import Change, kind_of_excursion, kind_of_leg
 from nonsmooth.periodic.equations import OrbitEquations, Turn
 from nonsmooth.periodic.guess import Guess
+from nonsmooth.periodic.onto import joined, modes_along, onto_beyond
+from nonsmooth.periodic.sliding_change import off_surface_first, onto_surface
 from nonsmooth.periodic.word import Word
 from nonsmooth.periodic.word_names import shortest_paths
 
-__all__ = ["Change", "changes_at_once", "changes_of_word"]
+__all__ = ["changes_at_once", "changes_of_word"]
 
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
 
+_GONE = 1e-7  # part of the turn that a leg lasts which vanishes with a test of the same point
 _OPENED = 1e-3  # part of the turn that an excursion lasts where a branch with it begins
-
-
-@dataclass(frozen=True)
-class Change:
-    """A word with legs to begin with, and what has to grow from there on."""
-
-    kind: str  # "grazing", "gained", "lost" or "section"
-    guess: Guess
-    grows: str = ""  # test of the new word that is zero at the change, positive behind it
-    opens: int = -1  # leg whose duration is prescribed to begin with, -1 for none
-    duration: float = 0.0
+_OPENED_OF_SLIDE = 4e-3  # likewise, from a surface on which motion slides
 
 
 def changes_at_once(equations: OrbitEquations, turn: Turn, names: list[str]) -> list[Change]:
@@ -59,6 +52,7 @@ def changes_of_word(equations: OrbitEquations, turn: Turn, name: str) -> list[Ch
 
     The legs of the equations stand for the parameters of the point.
     """
+    name = _vanishing_leg(equations, turn, name)
     kind, *numbers = name.split(":")
     if name == "leg:last":
         return [_section_before_last(equations, turn)]
@@ -66,7 +60,9 @@ def changes_of_word(equations: OrbitEquations, turn: Turn, name: str) -> list[Ch
     if kind == "leg" and k == 0 and not equations.word.closes_at_event:
         return [_section_behind_first(equations, turn)]
     if kind == "leg":
-        return [_without_leg(equations, turn, k)]
+        before = (k - 1) % len(equations.word)
+        too_long = len(equations.word.paths[before] + equations.word.paths[k]) > PATH_LENGTH
+        return [] if too_long else [_without_leg(equations, turn, k)]
     if kind == "gain":
         return [_with_leg_of_path(equations, turn, k, int(numbers[1]))]
     if kind == "short":
@@ -75,7 +71,23 @@ def changes_of_word(equations: OrbitEquations, turn: Turn, name: str) -> list[Ch
         return _without_event(equations, turn, k)
     if kind == "graze":
         return _with_excursion(equations, turn, k, int(numbers[1]))
+    if kind == "slide":
+        return onto_surface(equations, turn, k)
+    if kind == "enter":
+        return off_surface_first(equations, turn, k, int(numbers[1]))
     return []
+
+
+def _vanishing_leg(equations: OrbitEquations, turn: Turn, name: str) -> str:
+    """The leg behind a surface where it vanishes together with what keeps motion on it or off."""
+    kind, *numbers = name.split(":")
+    if kind not in ("slide", "enter"):
+        return name
+    word = equations.word
+    k = (int(numbers[0]) + 1) % len(word)
+    length = float(turn.instants[-1] - turn.instants[0])
+    gone = abs(float(turn.durations[k])) <= _GONE * length and bool(word.paths[k])
+    return f"leg:{k}" if gone else name
 
 
 def _section_behind_first(equations: OrbitEquations, turn: Turn) -> Change:
@@ -104,16 +116,29 @@ def _section_before_last(equations: OrbitEquations, turn: Turn) -> Change:
 
 def _without_leg(equations: OrbitEquations, turn: Turn, k: int) -> Change:
     """Leg k lasts no time: its exits are passed together with those before it."""
-    word, count = equations.word, len(equations.word)
+    word, count, wiring = equations.word, len(equations.word), equations.legs.tables.wiring
     before = (k - 1) % count
-    paths = list(word.paths)
-    paths[before] = paths[before] + paths[k]
+    paths, mode = list(word.paths), word.modes[before]
+    paths[before] = joined(wiring, mode, paths[before], paths[k])
     keep = [i for i in range(count) if i != k]
     new = Word(tuple(word.modes[i] for i in keep), tuple(paths[i] for i in keep))
     instants = np.delete(turn.instants, k if k else 1)
     place = before if before < k else before - 1
+    kind = kind_of_leg(wiring, mode, word.paths[before], word.modes[k], word.paths[k])
     grows = f"gain:{place}:{len(word.paths[before])}"
-    return Change("lost", Guess(new, Turn(turn.states[keep], instants)), grows)
+    if kind == "crossing_sliding" and len(paths[before]) == 1:
+        grows = f"slide:{place}"
+    elif kind == "switching_sliding":
+        grows = _entry_test(wiring, place, mode, paths[before], word.modes[k])
+    guess = Guess(new, Turn(turn.states[keep], instants))
+    return Change(kind or "lost", guess, grows)
+
+
+def _entry_test(wiring: Integers, place: int, mode: int, path: tuple[int, ...], beyond: int) -> str:
+    """Test of the guard through which motion would leave a surface to the cell beyond it."""
+    cell = modes_along(wiring, mode, path)[-1]
+    targets = wiring[cell, 1 : 1 + int(wiring[cell, 0, at.N_EXITS]), at.TARGET].tolist()
+    return f"enter:{place}:{targets.index(beyond)}" if beyond in targets else ""
 
 
 def _with_leg_of_path(equations: OrbitEquations, turn: Turn, k: int, j: int) -> Change:
@@ -130,11 +155,14 @@ def _with_leg_of_path(equations: OrbitEquations, turn: Turn, k: int, j: int) -> 
     instants = np.insert(turn.instants, k + 1, turn.instants[k + 1])
     new = Word(modes, paths)
     test = "short" if is_graze(new, wiring, k + 1) else "leg"
-    return Change("gained", Guess(new, Turn(states, instants)), f"{test}:{k + 1}")
+    kind = kind_of_leg(wiring, word.modes[k], path[:j], mode, path[j:])
+    return Change(kind or "gained", Guess(new, Turn(states, instants)), f"{test}:{k + 1}")
 
 
 def _without_excursion(equations: OrbitEquations, turn: Turn, k: int) -> list[Change]:
     """Leg k leaves a mode and comes back at once: the legs around it are one."""
+    if k == 0 and not equations.word.closes_at_event:
+        return _without_first_and_last(equations, turn)
     word, turn, k = _away_from_ends(equations, turn, k)
     count = len(word)
     if not 0 < k < count - 1:  # a cycle of two legs, of which nothing is left
@@ -145,7 +173,22 @@ def _without_excursion(equations: OrbitEquations, turn: Turn, k: int) -> list[Ch
     instants = np.delete(turn.instants, [k, k + 1])
     grows = f"graze:{k - 1}:{word.paths[k - 1][0]}"
     new = Word(modes[: len(paths)], paths)
-    return [Change("grazing", Guess(new, Turn(turn.states[keep], instants)), grows)]
+    kind = kind_of_excursion(equations.legs.tables.wiring, word.modes[k - 1], word.modes[k])
+    return [Change(kind, Guess(new, Turn(turn.states[keep], instants)), grows)]
+
+
+def _without_first_and_last(equations: OrbitEquations, turn: Turn) -> list[Change]:
+    """The section lies within an excursion of no duration: it is left out on both sides."""
+    word, count = equations.word, len(equations.word)
+    if count < 3:
+        return []
+    new = Word(word.modes[1:-1], (*word.paths[1 : count - 2], ()))
+    instants = np.delete(turn.instants, [1, count - 1])
+    kind = kind_of_excursion(equations.legs.tables.wiring, word.modes[-2], word.modes[-1])
+    # the guard is touched on either side of the section
+    k = 0 if turn.durations[0] > turn.durations[-1] else len(new) - 1
+    grows = f"graze:{k}:{word.paths[-2][0]}"
+    return [Change(kind, Guess(new, Turn(turn.states[1:-1], instants)), grows)]
 
 
 def _away_from_ends(equations: OrbitEquations, turn: Turn, k: int) -> tuple[Word, Turn, int]:
@@ -183,29 +226,45 @@ def _with_excursion(equations: OrbitEquations, turn: Turn, k: int, g: int) -> li
     mode, target = word.modes[k], int(wiring[word.modes[k], 1 + g, at.TARGET])
     if target < 0 or not np.isfinite(instant):
         return []
-    touch = Word((mode,), ((g,),))
-    found = legs.follow_each(
-        touch, turn.states[k : k + 1], turn.instants[k : k + 1], np.array([instant])
-    )
-    behind = found.nexts[0].copy()
-    if target == mode:
-        modes = (*word.modes[: k + 1], mode, *word.modes[k + 1 :])
-        paths = (*word.paths[:k], (g,), *word.paths[k:])
-        states = np.insert(turn.states, k + 1, behind, axis=0)
-        instants = np.insert(turn.instants, k + 1, instant)
-        new = Guess(Word(modes, paths), Turn(states, instants))
-        return [Change("grazing", new, f"rate:{k}")]
+    changes, onto = [], onto_beyond(wiring, mode, g)
+    for path in [(g, onto), (g,)] if onto >= 0 else [(g,)]:
+        touch = Word((mode,), (path,))
+        found = legs.follow_each(
+            touch, turn.states[k : k + 1], turn.instants[k : k + 1], np.array([instant])
+        )
+        ends, behind = found.ends[0].copy(), found.nexts[0].copy()
+        if target == mode:
+            modes = (*word.modes[: k + 1], mode, *word.modes[k + 1 :])
+            paths = (*word.paths[:k], (g,), *word.paths[k:])
+            states = np.insert(turn.states, k + 1, behind, axis=0)
+            instants = np.insert(turn.instants, k + 1, instant)
+            new = Guess(Word(modes, paths), Turn(states, instants))
+            return [Change("grazing", new, f"rate:{k}")]
+        away = modes_along(wiring, mode, path)[-1]
+        changes += [
+            _opened(equations, turn, k, instant, (path, away, back), (behind, ends))
+            for back in shortest_paths(wiring, away, mode)
+        ]
+    return changes
+
+
+def _opened(
+    equations: OrbitEquations, turn: Turn, k: int, instant: float,
+    excursion: tuple[tuple[int, ...], int, tuple[int, ...]], states_there: tuple[Floats, Floats],
+) -> Change:  # fmt: skip
+    """Leg k with an excursion at an instant: the path out, the mode there, and the path back."""
+    word = equations.word
+    path, away, back = excursion
+    behind, ends = states_there
     length = float(turn.instants[-1] - turn.instants[0])
     room = min(instant - turn.instants[k], turn.instants[k + 1] - instant)
-    duration = min(_OPENED * length, 0.5 * room)
-    changes = []
-    for path in shortest_paths(wiring, target, mode):
-        modes = (*word.modes[: k + 1], target, *word.modes[k:])
-        paths = (*word.paths[:k], (g,), path, *word.paths[k:])
-        states = np.insert(turn.states, [k + 1, k + 1], [behind, behind], axis=0)
-        states[k + 2] = found.ends[0]
-        cut = [instant - 0.5 * duration, instant + 0.5 * duration]
-        instants = np.insert(turn.instants, [k + 1, k + 1], cut)
-        new = Guess(Word(modes, paths), Turn(states, instants))
-        changes.append(Change("grazing", new, "", k + 1, duration))
-    return changes
+    kind = kind_of_excursion(equations.legs.tables.wiring, word.modes[k], away)
+    share = _OPENED_OF_SLIDE if kind == "adding_sliding" else _OPENED
+    duration = min(share * length, 0.5 * room)
+    modes = (*word.modes[: k + 1], away, *word.modes[k:])
+    paths = (*word.paths[:k], path, back, *word.paths[k:])
+    states = np.insert(turn.states, [k + 1, k + 1], [behind, behind], axis=0)
+    states[k + 2] = ends
+    cut = [instant - 0.5 * duration, instant + 0.5 * duration]
+    instants = np.insert(turn.instants, [k + 1, k + 1], cut)
+    return Change(kind, Guess(Word(modes, paths), Turn(states, instants)), "", k + 1, duration)

@@ -100,7 +100,7 @@ def shortest_paths(wiring: npt.NDArray[np.int64], a: int, b: int) -> list[tuple[
 def _ways(
     wiring: npt.NDArray[np.int64], path: tuple[int, ...], m: int, before: int
 ) -> Iterator[int]:
-    """Exits that can be passed in a mode behind a path, those onto surfaces among them."""
+    """Exits that can be passed in a mode behind a path, those onto a surface included."""
     yield from range(int(wiring[m, 0, at.N_EXITS]))
     if not path:
         return

@@ -31,6 +31,7 @@ from nonsmooth.plot.return_maps import return_map
 from nonsmooth.plot.ring_regions import contact_regions
 from nonsmooth.plot.sections import section
 from nonsmooth.plot.shaking import shaking
+from nonsmooth.plot.smoothing_ladder import smoothing
 from nonsmooth.plot.spectrum import spectrum
 from nonsmooth.plot.statistic_curves import statistics
 from nonsmooth.plot.style import PALETTE, axis_label, mode_colours
@@ -68,6 +69,7 @@ __all__ = [
     "save_figure",
     "section",
     "shaking",
+    "smoothing",
     "spectrum",
     "statistics",
     "stiffness_laws",

@@ -14,7 +14,10 @@ __all__ = ["NO_BOUND", "multiplier_paths", "path_pieces"]
 
 Complex = npt.NDArray[np.complex128]
 
-_JUMPS = ("grazing", "corner", "gained", "lost")  # where multipliers may jump
+_JUMPS = (  # where multipliers may jump
+    "grazing", "corner", "gained", "lost",
+    "crossing_sliding", "grazing_sliding", "switching_sliding", "adding_sliding",
+)  # fmt: skip
 NO_BOUND = 1e8  # larger at a graze of a rigid wall: infinite but for rounding, and on no path
 _JUMP = 0.1  # beyond it a line would show a motion that there is none of
 

@@ -28,6 +28,10 @@ _MARKS: dict[str, tuple[str, str]] = {
     "corner": ("v", PALETTE["sky"]),
     "gained": ("P", PALETTE["yellow"]),
     "lost": ("X", "white"),
+    "crossing_sliding": ("1", PALETTE["green"]),
+    "grazing_sliding": ("2", PALETTE["vermilion"]),
+    "switching_sliding": ("3", PALETTE["blue"]),
+    "adding_sliding": ("4", PALETTE["purple"]),
     "sliding": ("<", PALETTE["green"]),
     "hopf": (">", PALETTE["blue"]),
     "word_change": ("h", "white"),
@@ -98,17 +102,17 @@ def mark_special_points(ax: Axes, kinds: list[str], x: Floats, y: Floats) -> Non
         if not np.any(here):
             continue
         marker, colour = _MARKS.get(kind, _OTHER)
-        line = marker in "|x"
+        line, arms = marker in "|x", marker in "1234"
         label = kind.replace("_", " ")
         ax.plot(
             x[here],
             y[here],
             linestyle="none",
             marker=marker,
-            markersize=6.0 if line else 4.5,
+            markersize=8.0 if arms else (6.0 if line else 4.5),
             markerfacecolor=colour,
-            markeredgecolor="black",
-            markeredgewidth=1.0 if line else 0.6,
+            markeredgecolor=colour if arms else "black",
+            markeredgewidth=1.4 if arms else (1.0 if line else 0.6),
             zorder=4,
             gid=f"special {kind}",
             label="_" + label if label in known else label,

@@ -1,6 +1,7 @@
 """Phase words: the modes that a run visits, in order.
 
-Modes of zero duration, passed within one instant, are no part of a word.
+Modes of zero duration, passed within one instant, are no part of a word. Rebounds that accumulate
+count once: how many of infinitely many are followed says nothing of the motion.
 """
 
 from __future__ import annotations
@@ -9,7 +10,9 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+import numpy.typing as npt
 
+from nonsmooth.engine import layout
 from nonsmooth.engine import records as at
 from nonsmooth.engine.status import EventKind
 from nonsmooth.errors import OptionError
@@ -20,7 +23,9 @@ if TYPE_CHECKING:
     from nonsmooth.simulation.runner import Outcome
     from nonsmooth.system.system import System
 
-__all__ = ["last_period_word", "phase_word", "word_of_modes"]
+__all__ = [
+    "last_period_word", "names_of_modes", "phase_word", "without_rebounds", "word_of_modes",
+]  # fmt: skip
 
 _LONGEST = 100  # modes in the attribute of a dataset; the function below has no limit
 
@@ -29,6 +34,8 @@ def phase_word(
     run: xr.Dataset, start: float | None = None, stop: float | None = None
 ) -> tuple[str, ...]:
     """Modes that a run visits between two times, in order.
+
+    The flights between rebounds that end in rest count as one: there are infinitely many.
 
     Parameters
     ----------
@@ -70,29 +77,57 @@ def phase_word(
             "the variable 'event_to' has lost its attribute 'flag_meanings', the names of modes;"
             " keep the attributes of the run, as with xarray.set_options(keep_attrs=True)"
         )
-    keep = run["event_kind"].values != EventKind.GRAZE.word
+    kinds = run["event_kind"].values
+    keep = kinds != EventKind.GRAZE.word
     times, entered = run["event_time"].values[keep], run["event_to"].values[keep]
-    return tuple(_merged(names, _modes_between(times, entered, low, high)))
+    within = _between(times, low, high)
+    rests = kinds[keep][within] == EventKind.CHATTER.word
+    modes = without_rebounds(entered[within].astype(int), rests, turn=False)
+    return tuple(names_of_modes(names, modes))
 
 
 def last_period_word(system: System, outcome: Outcome) -> str:
     """Word of the last period of a run, of the whole run where there is no period."""
     low = -float(outcome.tables.clock[0]) if system.period_value is not None else -np.inf
-    modes = _modes_between(*_latest(outcome, low), low, 0.0)
+    times, entered = _latest(outcome, low)
+    modes = entered[_between(times, low, 0.0)].astype(int)
     if modes.size == 0:  # no event since the run went on from an earlier one
         modes = outcome.anchor.place[1:2]
-    return word_of_modes(system.mode_names, modes)
+    return word_of_modes(system, modes)
 
 
-def word_of_modes(names: Sequence[str], modes: np.ndarray, *, whole: bool = False) -> str:
-    """Word of modes entered one after the other; the end of a long one, if not the ``whole``."""
-    if whole:
-        return " ".join(_merged(names, modes))
-    text = " ".join(_merged(names, modes[-_LONGEST:]))
+def word_of_modes(system: System, modes: npt.NDArray[np.int64]) -> str:
+    """Word of modes entered one after the other; the end of a long one."""
+    rests = system.compiled.program.wiring[modes, 0, layout.KIND] == layout.RESTING
+    modes = without_rebounds(modes, rests, turn=True)
+    text = " ".join(names_of_modes(system.mode_names, modes[-_LONGEST:]))
     return ("... " if modes.size > _LONGEST else "") + text
 
 
-def _merged(names: Sequence[str], modes: np.ndarray) -> Iterator[str]:
+def without_rebounds(
+    modes: npt.NDArray[np.int64], rests: npt.NDArray[np.bool_], *, turn: bool
+) -> npt.NDArray[np.int64]:
+    """Modes in which rebounds that accumulate count once: there are infinitely many.
+
+    ``rests``: which modes they end in. A ``turn`` that begins between them ends between them too.
+    """
+    keep = np.ones(modes.size, bool)
+    ends = np.flatnonzero(rests)
+    for i in ends:
+        _drop_repeated(modes, keep, int(i) - 1)
+    if turn and ends.size and ends[0] > 0 and np.all(modes[: ends[0]] == modes[-1]):
+        _drop_repeated(modes, keep, modes.size - 1)
+    return modes[keep]
+
+
+def _drop_repeated(modes: npt.NDArray[np.int64], keep: npt.NDArray[np.bool_], last: int) -> None:
+    """Of equal modes in a row up to one of them, keep the first."""
+    while last > 0 and modes[last - 1] == modes[last]:
+        keep[last] = False
+        last -= 1
+
+
+def names_of_modes(names: Sequence[str], modes: npt.NDArray[np.int64]) -> Iterator[str]:
     """Names in order; a cell that follows another one of its name is no new word."""
     before = -1
     for mode in modes:
@@ -124,7 +159,8 @@ def _latest(outcome: Outcome, low: float) -> tuple[np.ndarray, np.ndarray]:
         count *= 4
 
 
-def _modes_between(times: np.ndarray, entered: np.ndarray, low: float, high: float) -> np.ndarray:
+def _between(times: np.ndarray, low: float, high: float) -> slice:
+    """Events between two times, with the last one before: it has led to where that begins."""
     first = int(np.searchsorted(times, low, side="right"))
     last = int(np.searchsorted(times, high, side="left"))
-    return entered[max(0, first - 1) : max(last, first)].astype(int)
+    return slice(max(0, first - 1), max(last, first))

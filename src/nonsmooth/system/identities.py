@@ -9,22 +9,21 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
-from itertools import islice
 
 import numpy as np
 
 from nonsmooth.system.evaluate import evaluate_shared
-from nonsmooth.system.expressions import ZERO, Call, Expression, Name, walk
+from nonsmooth.system.expressions import ZERO, Call, Expression, Name
 from nonsmooth.system.graph import Graph
 from nonsmooth.system.linear import CONSTANT, LinearForm, NotLinear, linear_form
 from nonsmooth.system.relations import form_of_node
+from nonsmooth.system.sizes import size_at
 
 __all__ = ["random_point", "simplified", "substituted", "value_at", "vanishes"]
 
 _POINTS = 4
 _TRIES = 12  # points at which a root is negative or a logarithm has no value are passed over
 _ZERO = 1e-9  # of the sizes of what cancels
-_PARTS = 40  # of a coefficient that tell how large what cancels is
 
 Point = Mapping[str, float]
 
@@ -57,10 +56,10 @@ def value_at(node: Expression, point: Point) -> float:
 
 def vanishes(
     nodes: Sequence[Expression],
-    beside: Sequence[Expression],
+    beside: Sequence[Expression] = (),
     place: Callable[[_Values], bool] = lambda _: True,
 ) -> bool:
-    """Whether all of some expressions are zero, up to rounding beside the others.
+    """Whether all of some expressions are zero, up to rounding of their terms, or beside others.
 
     ``place`` moves a random point to where it matters, and says whether it could. Where no point
     gives values, nothing vanishes.
@@ -73,11 +72,12 @@ def vanishes(
         if not place(point):
             continue
         sizes += [abs(value_at(node, point)) for node in beside]
-        size = max(sizes, default=1.0)
+        least = max(sizes, default=0.0)
         values = [value_at(node, point) for node in nodes]
-        if math.isnan(size) or any(map(math.isnan, values)):
+        terms = [max(least, size_at(node, point)) for node in nodes]
+        if any(map(math.isnan, (*values, *terms))):
             continue
-        if any(abs(value) > _ZERO * size for value in values):
+        if any(abs(v) > _ZERO * size for v, size in zip(values, terms, strict=True)):
             return False
         seen += 1
         if seen >= _POINTS:
@@ -100,10 +100,7 @@ def simplified(graph: Graph, node: Expression) -> Expression:
 @lru_cache(maxsize=4096)
 def _cancels(coefficient: Expression) -> bool:
     """Whether a coefficient is zero for all values of the parameters."""
-    if not isinstance(coefficient, Call):
-        return coefficient == ZERO
-    parts = [part for part in islice(walk(coefficient), 1, _PARTS) if isinstance(part, Name | Call)]
-    return vanishes([coefficient], parts)
+    return coefficient == ZERO or (isinstance(coefficient, Call) and vanishes([coefficient]))
 
 
 def substituted(graph: Graph, node: Expression, others: Mapping[str, Expression]) -> Expression:

@@ -18,6 +18,7 @@ from nonsmooth.system.graph import Graph
 from nonsmooth.system.identities import simplified, substituted, vanishes
 from nonsmooth.system.quotients import quotient
 from nonsmooth.system.sliding import Slide, attract, cell_on, put_on, solved_for
+from nonsmooth.system.sums import signed_sum
 from nonsmooth.system.switching import SurfaceKey
 
 __all__ = ["meetings_of"]
@@ -74,9 +75,8 @@ def _meeting(
         weights = ((1, 1, 1, 1), (1, 1, -1, -1), (1, -1, 1, -1), (1, -1, -1, 1))
         found = []
         for signs in weights:
-            terms = [v if s > 0 else graph.negate(v) for v, s in zip(values, signs, strict=True)]
-            total = simplified(graph, graph.add(*terms))
-            found.append(graph.zero if vanishes([total], values, place) else total)
+            total = simplified(graph, signed_sum(graph, values, signs))
+            found.append(graph.zero if vanishes([total], place=place) else total)
         a, b, c, e = found
         return a, b, c, e
 

@@ -35,6 +35,7 @@ from nonsmooth.system.mode_equations import ModeEquations
 from nonsmooth.system.quotients import quotient, without_squares
 from nonsmooth.system.relations import form_of_node
 from nonsmooth.system.resolve import Resolver
+from nonsmooth.system.sums import signed_sum
 from nonsmooth.system.switching import SurfaceKey, SwitchingSurface
 
 __all__ = ["Slide", "attract", "between", "cell_on", "put_on", "related", "slides_of", "solved_for"]
@@ -94,9 +95,9 @@ def _slide(graph: Graph, mode: SplitMode, key: SurfaceKey, a: Cell, b: Cell) -> 
         return simplified(graph, substituted(graph, node, relations))
 
     up, down = (on_surface(rate_of_change(graph, surface.node, s.rate)) for s in sides)
-    width = on_surface(graph.add(down, graph.negate(up)))
+    width = on_surface(signed_sum(graph, (down, up), (1, -1)))
     place = put_on(graph, [surface.node], relations)
-    if vanishes([width], [up, down], place):
+    if vanishes([width], place=place):
         return None
     hold = _hold(mode, key)
     attracting = hold is not None or attract(graph, mode, [surface.node], [up, down])
@@ -166,12 +167,12 @@ def between(
     place: Callable[[Any], bool],
 ) -> Expression:
     """What lies between two sides; one of them where they are the same on the surface."""
-    step = graph.add(plus, graph.negate(minus))
-    if plus is minus or vanishes([step], [plus, minus], place):
+    step = simplified(graph, signed_sum(graph, (plus, minus), (1, -1)))
+    if plus is minus or vanishes([step], place=place):
         return minus
     half = graph.number(0.5)
     mean = graph.multiply(half, simplified(graph, graph.add(plus, minus)))
-    return graph.add(mean, graph.multiply(half, simplified(graph, step), control))
+    return graph.add(mean, graph.multiply(half, step, control))
 
 
 # ---------------------------------------------------------------- states that follow from surfaces

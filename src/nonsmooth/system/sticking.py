@@ -116,6 +116,9 @@ def rest_of(
         if pushes:
             terms = [graph.multiply(impulses[i], push) for i, push in pushes]
             arrival[state] = simplified(graph, graph.add(graph.name(state), *terms))
+    for contact in contacts.values():  # slaved states that may jump do so here too
+        named = (state for state in contact.exit.reset if state in equations.slaved)
+        arrival |= {state: graph.name(state) for state in named}
     kept = [node for contact in contacts.values() for node in (contact.guard, contact.rate)]
     relations = solved_for(graph, equations, kept)
     rates = {

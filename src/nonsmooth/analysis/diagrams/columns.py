@@ -209,7 +209,7 @@ def _word(
     since = (rows[:, at.NUMBER] - numbers[-1 - period]) * window + (phase - phases[-1 - period])
     within = (rows[:, at.KIND] != EventKind.GRAZE) & (since > 0.0)
     entered = [int(modes[-1 - period]), *rows[within, at.TO]]
-    return word_of_modes(protocol.system.mode_names, np.array(entered))
+    return word_of_modes(protocol.system, np.array(entered))
 
 
 def nothing(status: Status, n: int, window: float) -> Look:

@@ -119,4 +119,4 @@ def _word(runner: SectionRunner, points: Points, rows: Integers, period: int) ->
     between = slice(first + 1, int(points.row[-1]))
     entered = rows[between][runner.is_event(rows)[between], at.TO]
     modes = [int(points.modes[1, -1 - period]), *runner.origin[entered]]
-    return word_of_modes(runner.chosen.system.mode_names, np.array(modes))
+    return word_of_modes(runner.chosen.system, np.array(modes))

@@ -17,7 +17,10 @@ from nonsmooth.system.system import System
 
 __all__ = ["SpecialCurve", "read_special_options"]
 
-_KINDS = ("fold", "flip", "torus", "grazing", "corner", "gained", "lost")
+_KINDS = (
+    "fold", "flip", "torus", "grazing", "corner", "gained", "lost",
+    "crossing_sliding", "grazing_sliding", "switching_sliding", "adding_sliding",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -147,7 +147,6 @@ class _Motion:
         last = len(windows.points) - 1
         count = found[0] or last
         events, impacts = windows.counts(last - count, last)
-        names = self.system.mode_names
         return Verdict(
             label=labels.UNSETTLED,
             reason="",
@@ -155,7 +154,7 @@ class _Motion:
             length=self.length,
             drift=(windows.points[-1] - windows.points[-1 - count]) / count,
             period=found[0],
-            word=windows.word(names, last - count, last) if found[0] else "",
+            word=windows.word(self.system, last - count, last) if found[0] else "",
             events=events / count,
             impacts=impacts / count,
             residual=found[1],
@@ -167,7 +166,7 @@ class _Motion:
         p = seen.period
         # as many whole periods earlier as lead into the window before
         earlier = 2 * windows.record - p * -(-windows.record // p)
-        word = windows.word(self.system.mode_names, earlier - p, earlier)
+        word = windows.word(self.system, earlier - p, earlier)
         if cyclic_word(word) != cyclic_word(seen.word):
             return seen.unsettled("the words of two periods differ")
         self.reached += 2  # what follows looks into the next two intervals

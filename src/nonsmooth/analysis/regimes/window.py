@@ -12,6 +12,7 @@ from nonsmooth.engine import records as at
 from nonsmooth.engine.status import EventKind
 from nonsmooth.simulation.clock import Instant
 from nonsmooth.simulation.words import word_of_modes
+from nonsmooth.system.system import System
 
 __all__ = ["Windows", "cyclic_word"]
 
@@ -62,11 +63,11 @@ class Windows:
             found.append(nearest_return(points, drifting, scale, match))
         return found[0], found[1]
 
-    def word(self, names: tuple[str, ...], first: int, last: int) -> str:
+    def word(self, system: System, first: int, last: int) -> str:
         """Modes between two strobes, in order."""
         within = self._between(first, last)
         entered = [int(self.modes[first]), *self.rows[within, at.TO]]
-        return word_of_modes(names, np.array(entered))
+        return word_of_modes(system, np.array(entered))
 
     def counts(self, first: int, last: int) -> tuple[int, int]:
         """Events between two strobes, and the impacts among them."""

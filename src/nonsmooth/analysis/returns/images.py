@@ -166,7 +166,7 @@ class Imaging(ABC):
             key = (int(begin), part.tobytes())
             if key not in known:
                 visited = [int(begin), *(m for m in part[:, 1] if m >= 0)]
-                word = word_of_modes(system.mode_names, np.array(visited))
+                word = word_of_modes(system, np.array(visited))
                 known[key] = word, " ".join(names[k] for k in part[:, 0])
             words.append(known[key][0])
             exits.append(known[key][1])

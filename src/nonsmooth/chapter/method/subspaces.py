@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -104,7 +105,8 @@ def _trajectories(system: System, starts: tuple[tuple[float, float], ...]) -> xr
         for name in ("x", "v")
     }
     side = np.array([sides[run["mode"].values] for run in runs])
-    return xr.Dataset(found | {f"{system.name}_side": (("trajectory", "time"), side)}, {"time": times})
+    found[f"{system.name}_side"] = (("trajectory", "time"), side)
+    return xr.Dataset(found, {"time": times})
 
 
 def _draw(ax: Axes, data: xr.Dataset, name: str, count: int) -> None:
@@ -114,7 +116,7 @@ def _draw(ax: Axes, data: xr.Dataset, name: str, count: int) -> None:
         x, v, side = (data[f"{name}_{part}"].values[k] for part in ("x", "v", "side"))
         ax.plot(x[0], v[0], "o", color="black", markersize=3.5)
         ends = [0, *np.flatnonzero(np.diff(side)) + 1, side.size]
-        for first, last in zip(ends[:-1], ends[1:], strict=True):
+        for first, last in pairwise(ends):
             place, colour = looks[int(side[first])]
             style, width = _SIDES[place]
             part = slice(max(first - 1, 0), last)

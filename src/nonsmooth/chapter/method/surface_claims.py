@@ -60,8 +60,8 @@ def _judge_shares(evidence: Evidence) -> Finding:
         )
         true = true and crossing + sliding == total and set(kinds) <= set(known)
         parts.append(
-            f"{row['model']}: {total} events, {crossing / total:.1%} crossings, {sliding / total:.1%}"
-            f" beginnings and ends of sliding, {grazing / total:.1%} grazing"
+            f"{row['model']}: {total} events, {crossing / total:.1%} crossings,"
+            f" {sliding / total:.1%} beginnings and ends of sliding, {grazing / total:.1%} grazing"
         )
     text = "; ".join(parts) + (
         "; a trajectory that touches a surface without crossing exists at single values of a"

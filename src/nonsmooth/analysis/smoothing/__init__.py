@@ -1,0 +1,1 @@
+"""What smoothing does to a system, over widths: parts of `smoothing_report`."""

@@ -1,0 +1,82 @@
+"""Paths that lead onto surfaces: how motion comes to slide or to rest there, and leaves.
+
+Motion comes onto a surface by its exit into the cell beyond, and there by the exit onto it, which
+is never searched for; or by an impact, and there by the one onto its rest. An exit that holds leads
+there by itself.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.engine import layout as at
+
+__all__ = ["crosses", "is_onto", "joined", "kind_of_mode", "modes_along", "onto_beyond"]
+
+Integers = npt.NDArray[np.int64]
+
+
+def kind_of_mode(wiring: Integers, mode: int) -> int:
+    """Whether a mode is free, slides or is at rest, as the engine's layout numbers it."""
+    return int(wiring[mode, 0, at.KIND])
+
+
+def modes_along(wiring: Integers, mode: int, path: tuple[int, ...]) -> list[int]:
+    """Modes that a path passes, with the one it begins in and the one it leads to."""
+    modes = [mode]
+    for e in path:
+        modes.append(int(wiring[modes[-1], 1 + e, at.TARGET]))
+    return modes
+
+
+def is_onto(wiring: Integers, mode: int, e: int) -> bool:
+    """Whether an exit of a mode is passed on behalf of others only."""
+    return e >= int(wiring[mode, 0, at.N_EXITS])
+
+
+def crosses(wiring: Integers, families: Integers, mode: int, path: tuple[int, ...]) -> bool:
+    """Whether a path leads straight through a surface of the mode, without a reset."""
+    if len(path) != 1:
+        return False
+    beyond = int(wiring[mode, 1 + path[0], at.TARGET])
+    return (
+        beyond >= 0
+        and bool(families[beyond] == families[mode])
+        and kind_of_mode(wiring, beyond) == kind_of_mode(wiring, mode)
+        and wiring[mode, 1 + path[0], at.RESETTING] == 0
+    )
+
+
+def onto_beyond(wiring: Integers, mode: int, e: int) -> int:
+    """Exit of the cell beyond a surface that leads onto it; -1 where motion cannot slide."""
+    beyond = int(wiring[mode, 1 + e, at.TARGET])
+    if beyond < 0 or wiring[mode, 1 + e, at.RESETTING] != 0:
+        return -1
+    for back in range(int(wiring[beyond, 0, at.N_EXITS])):
+        if int(wiring[beyond, 1 + back, at.TARGET]) == mode:
+            onto = int(wiring[beyond, 1 + back, at.ONTO])
+            if onto not in (-1, back) and wiring[beyond, 1 + back, at.RESETTING] == 0:
+                return onto
+    return -1
+
+
+def joined(
+    wiring: Integers, mode: int, first: tuple[int, ...], second: tuple[int, ...]
+) -> tuple[int, ...]:
+    """Path by which the engine passes at one instant what were two events.
+
+    Onto a surface and off it beyond is through it; through it, back and onto it is onto it.
+    """
+    path = first + second
+    modes = modes_along(wiring, mode, path)
+    for j, e in enumerate(path):
+        if not is_onto(wiring, modes[j], e) or wiring[modes[j], 1 + e, at.RESETTING] != 0:
+            continue
+        if j + 1 < len(path) and modes[j + 2] == modes[j]:
+            return path[:j] + path[j + 2 :]
+        if j >= 2 and modes[j] == modes[j - 2]:
+            onto = int(wiring[modes[j - 1], 1 + path[j - 1], at.ONTO])
+            if onto >= 0:
+                return (*path[: j - 1], onto, *path[j + 1 :])
+    return path

@@ -1,0 +1,72 @@
+"""Whether a run that did not complete had a reason to end."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from properties.judging import owner
+from properties.own_texts import Texts
+from properties.words import Drawn
+
+_FURTHER = 0.02  # time for which a motion goes on that was called singular
+_BRIEF = 1e-4  # flights between rebounds that accumulate
+_MOST_GROWTH = 30.0
+_MOST_CALLS = 5000
+
+
+def unreasonable(drawn: Drawn, texts: Texts, run) -> list[str]:
+    """Complaints about the status of a run that has ended early."""
+    status = run.attrs["status"]
+    if status == "singular":
+        return _not_singular(drawn, texts, run)
+    if status == "event_limit":
+        return _not_accumulating(drawn, run)
+    if status == "undecided" and len(texts.modes) == 1:
+        return ["undecided, with one mode only"]
+    if status in ("inadmissible", "step_limit", "interrupted"):
+        return [f"{status}: {run.attrs['message'][:200]}"]
+    return []
+
+
+def _not_singular(drawn: Drawn, texts: Texts, run) -> list[str]:
+    """The texts go on smoothly from where the run has ended."""
+    t = run.attrs["end_number"] * run.attrs["window"] + run.attrs["end_phase"]
+    if t == 0.0:
+        return ["singular at the start"]
+    labels = run["mode"].attrs["flag_meanings"].split()
+    label = labels[int(run["event_to"].values[-1])]
+    mode, resting = owner(texts, label, drawn)
+    relations = texts.modes[mode].get("slaved", {}).values()
+    if resting or "0" in label or label.startswith("on") or any("=" in r for r in relations):
+        return []
+    z, calls = run["end_state"].values, 0
+
+    def field(t: float, z: np.ndarray) -> np.ndarray:
+        nonlocal calls
+        calls += 1
+        return texts.field(mode, z, t) if calls < _MOST_CALLS else np.full(len(z), np.nan)
+
+    on = solve_ivp(field, (t, t + _FURTHER), z, method="DOP853", rtol=1e-9, atol=1e-12)
+    size = 1 + np.abs(z).max()
+    if on.success and np.abs(on.y).max() < _MOST_GROWTH * size:
+        return [f"singular at t = {t:.6g}, where the motion goes on ({label})"]
+    return []
+
+
+def _not_accumulating(drawn: Drawn, run) -> list[str]:
+    """Events are far apart, or all of them are of exits that stick."""
+    gaps = np.diff(run["event_time"].values)[-5:]
+    if len(gaps) == 5 and gaps.mean() > _BRIEF:
+        return [f"event_limit, with events {gaps.mean():.3g} apart"]
+    sticking = {
+        way["name"]
+        for mode in drawn.words.get("modes", {}).values()
+        for way in mode.get("exits", [])
+        if "sticks" in way
+    }
+    passed = {name for path in run["event_path"].values[-20:] for name in str(path).split(">")}
+    loose = {name for name in passed if name.startswith("e")} - sticking
+    if not loose and not any(name.startswith(("s", "flow")) for name in passed):
+        return [f"event_limit, though all of {', '.join(sorted(passed))} stick"]
+    return []

@@ -1,0 +1,97 @@
+"""The judge of random systems sees what is wrong: runs are held against other words."""
+
+import copy
+
+import numpy as np
+import pytest
+
+import nonsmooth as ns
+from properties.fields import deviation
+from properties.judging import complaints, flight_times, flights
+from properties.own_texts import Texts
+from properties.words import Drawn, Switch, make_system
+
+WALL = {
+    "states": ["x", "v"],
+    "parameters": {"r": 0.4, "a": 0.1},
+    "modes": {
+        "m": {
+            "flow": {"x": "v", "v": "2 - 3*x - 0.2*v"},
+            "exits": [
+                {
+                    "guard": "0.3 + a*sin(2*t) - x",
+                    "reset": {"v": "-r*v + (1 + r)*2*a*cos(2*t)"},
+                    "sticks": "rest",
+                    "name": "e0",
+                }
+            ],
+        }
+    },
+}
+BELT = {
+    "states": ["x", "v"],
+    "surfaces": {"slip": {"function": "v - 0.3", "below": "lag", "on": "stick", "above": "lead"}},
+    "equations": {"x": "v", "v": "-x - 0.4*sign(slip)"},
+}
+START = {"x": -0.5, "v": 0.4}
+
+
+def judged(words, other=None):
+    """Complaints about a run of some words, held against others."""
+    run = ns.simulate(make_system(words), START, t_end=12.0)
+    dense = ns.simulate(make_system(words), START, times=flight_times(run))
+    switches = [Switch("v - 0.3")] if words is BELT else []
+    drawn = Drawn(0, other or words, START, {}, switches)
+    texts = Texts(drawn.words)
+    found = complaints(drawn, texts, dense)
+    for flight in flights(drawn, texts, dense):
+        found += deviation(drawn, texts, flight, 2.0)
+    return found
+
+
+def changed(words, place, value):
+    """Words with one of them changed."""
+    other = copy.deepcopy(words)
+    *path, last = place
+    inner = other
+    for key in path:
+        inner = inner[key]
+    inner[last] = value
+    return other
+
+
+@pytest.mark.parametrize("words", [WALL, BELT])
+def test_a_right_run_is_right(words):
+    assert judged(words) == []
+
+
+EXIT = ("modes", "m", "exits", 0)
+WRONG = [
+    (WALL, (*EXIT, "guard"), "0.29999999 + a*sin(2*t) - x", "guard e0"),
+    (WALL, (*EXIT, "reset"), {"v": "-r*v + 2*a*cos(2*t)"}, "state behind e0"),
+    (WALL, ("modes", "m", "flow", "v"), "2 - 3*x - 0.2001*v", "integrated motion"),
+    (WALL, ("parameters", "a"), 0.11, "guard e0 at rest"),
+    (BELT, ("surfaces", "slip", "function"), "v - 0.3000001", "stick"),
+    (BELT, ("equations", "v"), "-x - 0.38*sign(slip)", "u = "),
+    (BELT, ("equations", "v"), "-x - 0.4*sign(slip) - 0.001*v", "integrated motion"),
+]
+
+
+@pytest.mark.parametrize(("words", "place", "value", "says"), WRONG)
+def test_a_wrong_run_is_seen(words, place, value, says):
+    assert any(says in text for text in judged(words, changed(words, place, value)))
+
+
+def test_texts_have_values_of_their_own():
+    texts = Texts(
+        {"states": ["x", "y"], "equations": {"x": "y", "y": "-x"}, "parameters": {"k": 2}}
+    )
+    z = np.array([[0.5, -1.0], [-0.5, 3.0]])
+    value = texts.value(
+        "where(x > 0, k*abs(y), min(x, y)) + heaviside(-x) + clip(y, -2, 2)", z, 0.0
+    )
+    assert value.tolist() == [2.0 + 0.0 - 1.0, -0.5 + 1.0 + 2.0]
+    assert texts.field("flow", z, 0.0).tolist() == [[-1.0, -0.5], [3.0, 0.5]]
+    assert texts.along("x*y", z, 0.0, texts.field("flow", z, 0.0)) == pytest.approx(
+        [1.0 - 0.25, 9.0 - 0.25], abs=1e-9
+    )

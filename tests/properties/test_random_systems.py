@@ -1,0 +1,41 @@
+"""Random piecewise-smooth systems: none hangs, crashes, or is silently wrong.
+
+What a run is judged by is in `judging`, `fields` and `endings`; seeds tell everything that is
+random. ``python -m properties.survey 0 1000`` judges others.
+"""
+
+import pytest
+
+from properties.distribution import chattering, complaints, printed, share
+from properties.watched import verdicts
+
+FEW, ALL = range(300), range(10_000)
+# Seeds that show faults of the engine, each with its test in `test_findings`
+AWAITED: dict[int, str] = {}
+
+
+def judge_all(seeds):
+    found = list(verdicts(seeds))
+    print(printed(found))
+    known = set(AWAITED) & set(seeds)
+    fresh = [v for v in found if v.seed not in known]
+    assert complaints(fresh) == ""
+    mended = [v.seed for v in found if v.seed in known and not v.complaints]
+    assert mended == [], "take these seeds off the list"
+    # what the systems are made of
+    assert share(found, "resets") > 0.2
+    assert share(found, "surfaces") > 0.2
+    assert chattering(found) > 0.1
+    assert sum(v.status == "completed" for v in found) > 0.75 * len(found)
+    assert sum("Taylor" in v.flows for v in found) > 0.3 * len(found)
+    assert sum("linear" in v.flows for v in found) > 0.3 * len(found)
+    assert sum(v.status.startswith("refused") for v in found) < 0.05 * len(found)
+
+
+def test_random_systems():
+    judge_all(FEW)
+
+
+@pytest.mark.slow
+def test_many_random_systems():
+    judge_all(ALL)
