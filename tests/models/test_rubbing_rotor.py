@@ -85,7 +85,7 @@ def test_dry_whip_begins_at_the_known_friction():
 
 
 def test_whip_ends_in_rolling():
-    """Rolling on a circle: (1 + kappa) R^2 - kappa R = (omega R_s)^2, friction -2 zeta w R_s.
+    """Rolling: (1 + kappa) R^2 - kappa R = (omega R_s)^2, with the friction -2 zeta omega R_s.
 
     In the frame that turns with it r'' = (omega R_s)^2/r - 2 zeta r' - r - kappa (r - 1), so what
     is left of the approach falls by exp(-zeta t).
@@ -130,9 +130,8 @@ def test_rolling_ends_where_it_would_take_more_than_friction_can_give():
     for k in exits:
         state = run["state_before"].values[k]
         normal = 20.0 * (np.hypot(state[0], state[1]) - 1)
-        assert abs(needed(run["event_time"].values[k], *state)) == pytest.approx(
-            f * normal, rel=1e-10
-        )
+        taken = abs(needed(run["event_time"].values[k], *state))
+        assert taken == pytest.approx(f * normal, rel=1e-10)
 
 
 def test_friction_has_its_direction_at_every_angle():

@@ -7,45 +7,46 @@ Where one rate has a zero that the other does not share, both signs come beside 
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.system.evaluate import evaluate_shared
 from nonsmooth.system.expressions import Call, Expression, Name
-from nonsmooth.system.identities import random_point, value_at
+from nonsmooth.system.identities import random_point
 
 __all__ = ["may_attract"]
 
-_SEEDS = 3
-_STEPS = 40  # of the secant method
+_SEEDS = 2
+_STEPS = 30  # of the secant method
 _ROOT = 1e-11  # of the size of a rate
 _ZERO = 1e-6  # of it: what is no zero of the other rate
 
-_Place = Callable[[Any], bool]
+_Array = npt.NDArray[np.float64]
 
 
-def may_attract(up: Expression, down: Expression, place: _Place) -> bool:
-    """Whether rates above and below a surface may have different signs; yes where it is not known.
+def may_attract(up: Expression, down: Expression) -> bool:
+    """Whether rates on both sides of a surface may have different signs; yes where in doubt.
 
-    ``place`` moves a point onto the surface.
+    The surface is put into the rates: any values of what stands in them are a point of it.
     """
     names = sorted(_names([up, down]))
-    shared = not names
-    for seed in range(_SEEDS):
-        point = random_point(seed)
-        placed = place(point)
-        above, below = value_at(up, point), value_at(down, point)
-        if not placed or not above * below > 0.0:
-            return True
-        size = max(abs(above), abs(below))
-        for name in names:
-            for rate, other in ((up, down), (down, up)):
-                root = _root(rate, place, point, name, _ROOT * size)
-                if root is None:
-                    continue
-                if not abs(value_at(other, root)) <= _ZERO * size:
-                    return True
-                shared = True
-    return not shared
+    points = [random_point(seed) for seed in range(_SEEDS)]
+    start = {name: np.array([point[name] for point in points]) for name in names}
+    rates = _values(up, down, start, _SEEDS)
+    if not (rates[0] * rates[1] > 0.0).all():
+        return True
+    if not names:
+        return False
+    size = np.abs(rates).max(axis=0)
+    # one search for each point, coordinate and rate, side by side
+    searches = [(s, n, r) for s in range(_SEEDS) for n in range(len(names)) for r in (0, 1)]
+    which, coordinate, side = (np.array(part) for part in zip(*searches, strict=True))
+    begin = {name: start[name][which] for name in names}
+    others = _at_roots(up, down, begin, coordinate, side, size[which])
+    found = ~np.isnan(others)
+    return not found.any() or bool((others[found] > _ZERO * size[which][found]).any())
 
 
 def _names(nodes: list[Expression]) -> set[str]:
@@ -56,32 +57,54 @@ def _names(nodes: list[Expression]) -> set[str]:
         if id(node) in seen:
             continue
         seen.add(id(node))
-        if isinstance(node, Name):
+        if isinstance(node, Name) and node.name != "pi":
             found.add(node.name)
         elif isinstance(node, Call):
             open_ += node.arguments
     return found
 
 
-def _root(rate: Expression, place: _Place, point: Any, name: str, small: float) -> Any:
-    """Point on the surface where a rate is zero, found by changing one coordinate, or None."""
+def _values(up: Expression, down: Expression, point: dict[str, _Array], count: int) -> _Array:
+    """Both rates at some points."""
+    known: dict[int, Any] = {}
+    try:
+        rows = [evaluate_shared(node, point, known, lambda _: None) for node in (up, down)]
+    except (ArithmeticError, KeyError, TypeError, ValueError):
+        return np.full((2, count), np.nan)
+    return np.array([np.broadcast_to(np.asarray(row, float), count) for row in rows])
 
-    def moved(to: float) -> Any:
-        changed = random_point(0)
-        changed.update(point)
-        changed[name] = to
-        return changed if place(changed) else None
 
-    x, step = point[name], 0.1 * point[name] + 0.01
-    value = value_at(rate, point)
-    for _ in range(_STEPS):
-        beside = moved(x + step)
-        if beside is None:
-            return None
-        new = value_at(rate, beside)
-        if abs(new) <= small:
-            return beside
-        if not abs(new - value) > 0.0:  # no number, or the rate does not depend on it
-            return None
-        x, step, value = x + step, -step * new / (new - value), new
-    return None
+def _at_roots(
+    up: Expression,
+    down: Expression,
+    point: dict[str, _Array],
+    coordinate: npt.NDArray[np.int64],
+    side: npt.NDArray[np.int64],
+    size: _Array,
+) -> _Array:
+    """Size of one rate where the other is zero by a change of one coordinate; nan where it is not.
+
+    By the secant method, for many coordinates at once.
+    """
+    names, every = list(point), np.arange(len(side))
+    others = np.full(len(side), np.nan)
+    x = np.array([point[names[n]][k] for k, n in enumerate(coordinate)])
+    step = 0.1 * x + 0.01
+    value = _values(up, down, point, len(side))[side, every]
+    going = np.isfinite(value)
+    with np.errstate(all="ignore"):
+        for _ in range(_STEPS):
+            for n, name in enumerate(names):
+                point[name] = np.where(coordinate == n, x + step, point[name])
+            both = _values(up, down, point, len(side))
+            new = both[side, every]
+            there = going & (np.abs(new) <= _ROOT * size)
+            others[there] = np.abs(both[1 - side, every])[there]
+            change = new - value
+            going &= ~there & (np.abs(change) > 0.0)  # no number: no change either
+            if not going.any():
+                break
+            x = x + step
+            step = np.where(going, -step * new / np.where(going, change, 1.0), 0.0)
+            value = new
+    return others

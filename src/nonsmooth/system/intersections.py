@@ -17,7 +17,7 @@ from nonsmooth.system.expressions import Expression
 from nonsmooth.system.graph import Graph
 from nonsmooth.system.identities import simplified, substituted, vanishes
 from nonsmooth.system.quotients import quotient
-from nonsmooth.system.sliding import Slide, cell_on, put_on, solved_for
+from nonsmooth.system.sliding import Slide, attract, cell_on, put_on, solved_for
 from nonsmooth.system.sums import signed_sum
 from nonsmooth.system.switching import SurfaceKey
 
@@ -80,10 +80,10 @@ def _meeting(
         a, b, c, e = found
         return a, b, c, e
 
-    pushes = [
-        parts([on_both(rate_of_change(graph, node, side.rate)) for side in sides]) for node in nodes
-    ]
-    solved = _controls(graph, pushes[0], pushes[1])
+    around = [[on_both(rate_of_change(graph, node, side.rate)) for side in sides] for node in nodes]
+    if not all(attract(graph, mode, nodes, rates_around) for rates_around in around):
+        return None
+    solved = _controls(graph, *map(parts, around))
     if solved is None:
         return None
     u, w = solved

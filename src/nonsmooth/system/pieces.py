@@ -144,6 +144,8 @@ def _add_slides(graph: Graph, family: Family) -> None:
     slides = list(slides_of(graph, mode))
     slides += meetings_of(graph, mode, [slide.cell.on[0] for slide in slides])
     for slide in slides:
+        if not slide.attracting:
+            continue
         mode.sliding.append(slide.cell)
         family.slides[id(slide.cell)] = slide
 

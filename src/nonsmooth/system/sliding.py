@@ -13,7 +13,7 @@ algorithm P. Piiroinen and Y. Kuznetsov, An event-driven method to simulate Fili
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -38,16 +38,7 @@ from nonsmooth.system.resolve import Resolver
 from nonsmooth.system.sums import signed_sum
 from nonsmooth.system.switching import SurfaceKey, SwitchingSurface
 
-__all__ = [
-    "Slide",
-    "between",
-    "cell_on",
-    "put_on",
-    "quotient",
-    "related",
-    "slides_of",
-    "solved_for",
-]
+__all__ = ["Slide", "attract", "between", "cell_on", "put_on", "related", "slides_of", "solved_for"]
 
 _NEWTON = 40  # steps in looking for a point of a surface
 _ON = 1e-12  # of the function at such a point
@@ -59,6 +50,8 @@ class Slide:
     """Motion on one or two surfaces.
 
     ``guards`` are positive while motion stays, by surface and by the side on which it leaves.
+    Where the sides cannot both point at the surface, it is not ``attracting``: motion stays on it
+    at most where it slides on another one too.
     """
 
     cell: Cell
@@ -66,6 +59,7 @@ class Slide:
     controls: Mapping[SurfaceKey, Expression]
     relations: Mapping[str, Expression]
     guards: Mapping[tuple[SurfaceKey, int], Expression] = field(default_factory=dict)
+    attracting: bool = True
 
     def resolver(self, graph: Graph, equations: ModeEquations) -> Resolver:
         """Nodes of equations on the surfaces."""
@@ -106,8 +100,7 @@ def _slide(graph: Graph, mode: SplitMode, key: SurfaceKey, a: Cell, b: Cell) -> 
     if vanishes([width], place=place):
         return None
     hold = _hold(mode, key)
-    if hold is None and not may_attract(up, down, place):
-        return None
+    attracting = hold is not None or attract(graph, mode, [surface.node], [up, down])
     up, down = without_squares(graph, up, down)
     width = on_surface(graph.add(down, graph.negate(up)))
     control = quotient(graph, on_surface(graph.add(up, down)), width)
@@ -117,7 +110,21 @@ def _slide(graph: Graph, mode: SplitMode, key: SurfaceKey, a: Cell, b: Cell) -> 
             plus, minus = (on_surface(side.rate(state)) for side in sides)
             rates[state] = between(graph, plus, minus, control, place)
     guards = _guards(graph, key, up, down, hold)
-    return Slide(cell, rates, {key: control}, relations, guards)
+    return Slide(cell, rates, {key: control}, relations, guards, attracting)
+
+
+def attract(
+    graph: Graph, mode: SplitMode, surfaces: list[Expression], rates: Sequence[Expression]
+) -> bool:
+    """Whether the rates of a switching function around surfaces may have different signs.
+
+    Here states that are given by equations count as free: that only finds more signs.
+    """
+    place = solved_for(graph, mode.equations, surfaces, graph.states)
+    if not place:
+        return True
+    first, *others = [substituted(graph, rate, place) for rate in rates]
+    return any(may_attract(first, other) for other in others)
 
 
 def _hold(mode: SplitMode, key: SurfaceKey) -> Expression | None:
@@ -172,12 +179,17 @@ def between(
 
 
 def solved_for(
-    graph: Graph, equations: ModeEquations, nodes: list[Expression]
+    graph: Graph,
+    equations: ModeEquations,
+    nodes: list[Expression],
+    among: Collection[str] | None = None,
 ) -> dict[str, Expression]:
     """States that follow from functions that are zero; none where a function is not linear.
 
     Without them motion stays on the surfaces all the same, up to rounding: its rates see to that.
+    ``among`` are the states that may follow; those that flow unless others are given.
     """
+    among = equations.flow if among is None else among
     found: dict[str, Expression] = {}
     for node in nodes:
         try:
@@ -186,7 +198,7 @@ def solved_for(
             )
         except NotLinear:
             return {}
-        pivot = _pivot(form, equations)
+        pivot = _pivot(form, among)
         if pivot is None:
             return {}
         rest = LinearForm({b: c for b, c in form.terms.items() if b != pivot})
@@ -196,17 +208,17 @@ def solved_for(
     return found
 
 
-def _pivot(form: LinearForm, equations: ModeEquations) -> State | None:
+def _pivot(form: LinearForm, among: Collection[str]) -> State | None:
     """State for which a form that is zero is solved; its factor vanishes for no values.
 
     A factor of parameters that all states share is none: where it vanishes there is no function.
     """
     factors = {b: c for b, c in form.terms.items() if isinstance(b, State) and c != ZERO}
-    flowing = [basis for basis in factors if basis.name in equations.flow]
-    sure = [basis for basis in flowing if isinstance(factors[basis], Number)]
+    able = [basis for basis in factors if basis.name in among]
+    sure = [basis for basis in able if isinstance(factors[basis], Number)]
     if sure:
         return sure[-1]
-    return flowing[-1] if flowing and _proportional(list(factors.values())) else None
+    return able[-1] if able and _proportional(list(factors.values())) else None
 
 
 def _proportional(factors: list[Expression]) -> bool:
