@@ -141,11 +141,6 @@ def test_units_of_states_and_time_do_not_matter(case, factor, pace):
     assert_same_in_units(case, factor, pace)
 
 
-@pytest.mark.xfail(
-    strict=True,
-    raises=AssertionError,
-    reason="in a Taylor mode the reset onto the surface is never linearised: it has old rows",
-)
 def test_units_do_not_matter_to_a_platform_by_taylor_series():
     assert_same_in_units("platform, Taylor", 1e6, 1.0)
 
