@@ -15,7 +15,7 @@ from nonsmooth.periodic.branch_start import begin_change
 from nonsmooth.periodic.branch_tests import BranchTests, Looked
 from nonsmooth.periodic.change import Change
 from nonsmooth.periodic.guess import Guess
-from nonsmooth.periodic.motion_beyond import motion_at, over_chatter
+from nonsmooth.periodic.motion_beyond import motion_at, over_chatter, within_chatter
 from nonsmooth.periodic.stretch import BranchStart, Stretch
 from nonsmooth.periodic.word_change import changes_at_once, changes_of_word
 
@@ -42,6 +42,10 @@ def change_at(
 ) -> tuple[BranchStart | None, BranchPart | None]:
     """How a branch goes on behind a change of its word, and the point there if it is special."""
     name = point.special
+    stretch.set_parameter(point.p)
+    same = within_chatter(stretch, looked, point)
+    if same is not None:
+        return same, part_of(stretch, looked, point, along, "section", "")
     stretch.set_parameter(point.p)
     changes = changes_at_once(stretch.equations, looked.turn, _vanishing(looked, name))
     changes = changes or changes_of_word(stretch.equations, looked.turn, name)

@@ -16,7 +16,7 @@ from nonsmooth.periodic.stretch import BranchStart, Stretch
 from nonsmooth.periodic.word import Word
 from nonsmooth.system.system import System
 
-__all__ = ["motion_at", "over_chatter"]
+__all__ = ["motion_at", "over_chatter", "within_chatter"]
 
 _FARTHER = (1e-3, 2e-3, 5e-3, 1e-2, 2e-2)  # of the range of the parameter
 
@@ -46,34 +46,64 @@ def over_chatter(stretch: Stretch, looked: Looked, point: Point) -> BranchStart 
     Infinitely many of them pass the section while the parameter changes by little. The motion comes
     to rest in every turn, so it is on the orbit after one.
     """
-    word = stretch.equations.word
-    if not _section_in_chatter(stretch, word):
+    if not _section_in_chatter(stretch, stretch.equations.word):
         return None
-    way = float(np.sign(point.tangent_p) or 1.0)
     low, high = stretch.options.bounds
     for part in _FARTHER:
-        value = point.p + way * part * (high - low)
-        guess = motion_at(stretch, looked, value, 1)
-        if guess is None or _cycle(guess.word, stretch.options.system) != _cycle(
-            word, stretch.options.system
-        ):
+        value = point.p + _way(point) * part * (high - low)
+        guess = _same_motion_at(stretch, looked, value)
+        if guess is None:
             return None
-        if _section_in_chatter(stretch, guess.word) and part < _FARTHER[-1]:
-            continue
-        try:
-            stretch.set_parameter(value)
-            equations = stretch.equations.of_word(guess.word, guess.turn.states[0])
-            solution = solve_orbit(equations, equations.pack(guess.turn))
-            if solution.status != "completed":
-                return None
-            du, dp = tangent_at(equations, solution.unknowns)
-        except LegError:
-            return None
-        sign = 1.0 if dp * way >= 0.0 else -1.0
-        return BranchStart(
-            equations, solution.unknowns, value, (sign * du, sign * dp), kind="section"
-        )
+        if not _section_in_chatter(stretch, guess.word) or part == _FARTHER[-1]:
+            return _start(stretch, guess, value, point)
     return None
+
+
+def within_chatter(stretch: Stretch, looked: Looked, point: Point) -> BranchStart | None:
+    """The same orbit with other rebounds, where a test has changed its sign within them.
+
+    The last ones are so short that the equations confuse them with none at all.
+    """
+    word = stretch.equations.word
+    name, *numbers = point.special.split(":")
+    found = chatters(word.modes, word.paths, stretch.legs.tables.wiring)
+    legs = {k for each in found for k in each}
+    if name != "motion" and not (numbers and numbers[0].isdigit() and int(numbers[0]) in legs):
+        return None
+    if not found:
+        return None
+    guess = _same_motion_at(stretch, looked, point.p)
+    if guess is None or guess.word == word:
+        return None
+    return _start(stretch, guess, point.p, point)
+
+
+def _same_motion_at(stretch: Stretch, looked: Looked, value: float) -> Guess | None:
+    """What the motion is after a turn in which it rests, if its modes are those of the orbit."""
+    guess = motion_at(stretch, looked, value, 1)
+    system = stretch.options.system
+    if guess is None or _cycle(guess.word, system) != _cycle(stretch.equations.word, system):
+        return None
+    return guess
+
+
+def _start(stretch: Stretch, guess: Guess, value: float, point: Point) -> BranchStart | None:
+    """The branch from there on, in the direction that it has; None where it is no motion."""
+    try:
+        stretch.set_parameter(value)
+        equations = stretch.equations.of_word(guess.word, guess.turn.states[0])
+        solution = solve_orbit(equations, equations.pack(guess.turn))
+        if solution.status != "completed":
+            return None
+        du, dp = tangent_at(equations, solution.unknowns)
+    except LegError:
+        return None
+    sign = 1.0 if dp * _way(point) >= 0.0 else -1.0
+    return BranchStart(equations, solution.unknowns, value, (sign * du, sign * dp), kind="section")
+
+
+def _way(point: Point) -> float:
+    return float(np.sign(point.tangent_p) or 1.0)
 
 
 def _section_in_chatter(stretch: Stretch, word: Word) -> bool:
