@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from nonsmooth import find_orbit
+from nonsmooth import continue_orbit, find_orbit
 from nonsmooth.chapter.rotor.coexistence import coexisting
 from nonsmooth.chapter.rotor.data import rig, set_a
 from nonsmooth.chapter.rotor.orbits import follow_orbit, orbit_multipliers, orbit_near
@@ -76,12 +76,7 @@ def test_torus_just_behind_a_graze():
     assert abs(before["multipliers"].values[0]) < 0.7
 
 
-_DECAYED = pytest.mark.xfail(
-    strict=True, reason="without preload a guard that decays to rounding is taken for a corner"
-)
-
-
-@pytest.mark.parametrize("delta", [pytest.param(0.0, marks=_DECAYED), 0.1])
+@pytest.mark.parametrize("delta", [0.0, 0.1])
 def test_branches_pass_the_known_flips(delta):
     """Period one to the end of the range, unstable behind its flip, where period two begins."""
     branches = branches_of_set_a(delta, longest=2)
@@ -100,6 +95,29 @@ def test_branches_pass_the_known_flips(delta):
     drawn = branches_at_strobes(set_a(delta), [doubled])
     x = drawn["x"].values.reshape(2, -1)
     assert abs(x[0, 0] - x[1, 0]) < 0.01 < np.abs(x[0] - x[1])[:-1].max()
+
+
+@pytest.mark.parametrize("step", [0.05, 0.08])
+def test_without_preload_contacts_change_where_they_cross_an_axis(step):
+    """A ring without preload is back at once; a contact on the axis changes the springs at work.
+
+    Where contact begins on it (3.0001), the leg before the crossing appears in no time; where it
+    ends on it (3.3049), the last crossing vanishes. No step finds them elsewhere.
+    """
+    system = set_a(0.0, 3.05)
+    branch = continue_orbit(
+        system, "eta", (2.95, 3.35), initial=last_strobe(system, 600), period=2, step=step,
+        largest_step=step,
+    )  # fmt: skip
+    kinds = branch["special_kind"].values.tolist()
+    assert kinds == ["bound", "word_change", "corner", "bound"]
+    assert bool(np.all(branch["admissible"].values))
+    changes = branch["special_value"].values[1:3]
+    assert changes == pytest.approx([3.00014340304, 3.30491938418], abs=1e-8)
+    begins, ends = (branch.isel(point=place) for place in branch["special_point"].values[1:3])
+    assert begins["leg_exit"].values[1] == "contact" and ends["leg_exit"].values[1] == "release"
+    for point in (begins, ends):
+        assert point["leg_states"].sel(state="y").values[2] == pytest.approx(0.0, abs=1e-8)
 
 
 def test_coexisting_motions():

@@ -16,11 +16,6 @@ CUBIC = ["wall, cubic"]  # Taylor by itself
 CASES = [*RUNS, *CUBIC, *(f"{name} by Taylor series" for name in RUNS)]
 ALL = {**RUNS, **{name: TANGENTS[name] for name in CUBIC}}
 
-COMES_TO_REST_WRONG = pytest.mark.xfail(
-    strict=True,
-    raises=AssertionError,
-    reason="in a Taylor mode the reset onto the surface is never linearised",
-)
 ROUNDED = pytest.mark.xfail(
     strict=True,
     raises=AssertionError,
@@ -66,10 +61,7 @@ def expected(truth, kind):
     return [c for c in truth["changes"] if (c["from"] == starts) == (kind == "chatter")]
 
 
-WRONG_REST = {"platform by Taylor series": COMES_TO_REST_WRONG}
-
-
-@pytest.mark.parametrize("case", marked(WRONG_REST))
+@pytest.mark.parametrize("case", CASES)
 def test_rest_and_release_are_those_of_all_rebounds(case, run_of):
     """Which stays there are, when they end, and the states at the samples, in rest and behind it.
 
@@ -128,7 +120,7 @@ def test_states_at_the_accumulation(case, run_of):
     assert np.allclose(rows_of(run, "chatter")["state_after"], after, rtol=0, atol=1e-12)
 
 
-@pytest.mark.parametrize("case", marked(WRONG_REST))
+@pytest.mark.parametrize("case", CASES)
 def test_states_in_contact_are_on_it(case, run_of):
     """Whatever moves, the contact is closed to the last digit from the accumulation on."""
     run, truth = run_of(case)

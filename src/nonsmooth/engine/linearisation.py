@@ -35,7 +35,7 @@ def linearise(tables, slot_rates, harmonic_rates, affine_rates, series, dual, m,
     affine = tables.affine
     if tables.kinds[m] == at.TAYLOR:
         _write_flow(tables, affine_rates, series, dual, m, z)
-    for e in range(tables.wiring[m, 0, at.N_EXITS]):
+    for e in range(tables.wiring[m, 0, at.N_WAYS]):
         guard, place = outlets[n + e], at.guard_row(e, 0)
         _write_row(affine[m, place], series[guard, 0], dual[guard], 0, 1.0, n, z)
         _write_rates(affine_rates, m, place, 1.0, dual[guard], n, z)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
 from nonsmooth.continuation.point import Point
 from nonsmooth.engine import layout as at
+from nonsmooth.periodic.admissibility import Admissibility
 from nonsmooth.periodic.branch_part import BranchPart, Followed, kind_of, part_of
 from nonsmooth.periodic.branch_start import begin_change
 from nonsmooth.periodic.branch_tests import BranchTests, Looked
@@ -20,6 +22,7 @@ from nonsmooth.periodic.word_change import changes_at_once, changes_of_word
 __all__ = ["broken_test", "change_at", "end_at"]
 
 _BEYOND = 1e-6  # of the range of the parameter: where the engine is asked
+_APPEARS = 1e-5  # part of the turn that a leg lasts where a branch with it begins
 _ENDS = {
     "shrink": "the cycle shrinks to a point",
     "slide": "both sides of a surface point at it: beyond, the motion stays there for a while",
@@ -55,12 +58,13 @@ def change_at(
                     start.grows, start.located = touched, True
                     return start, None
             return start, part_of(stretch, looked, point, along, change.kind, start.detail)
-    for guess in _motions_beyond(stretch, looked, point):
-        change = Change(kind_of(name), guess)
+    for change in _changes_beyond(stretch, looked, point):
         start = begin_change(stretch, change, point)
         if start is not None and _is_near(start, looked):
             start.detail = _detail(stretch, name, start, point)
-            return start, part_of(stretch, looked, point, along, kind_of(name), start.detail)
+            # at the change itself both words stand, whatever rounding lets the engine find
+            stands = replace(looked, admissibility=Admissibility(True))
+            return start, part_of(stretch, stands, point, along, kind_of(name), start.detail)
     detail = _ENDS.get(name.split(":")[0], "no orbit of a changed word begins there")
     return None, part_of(stretch, looked, point, along, kind_of(name), detail)
 
@@ -101,6 +105,18 @@ def _is_near(start: BranchStart, looked: Looked) -> bool:
     size = np.abs(looked.turn.states - np.where(drifting, first, 0.0)).max(axis=0)
     apart = np.where(drifting, 0.0, np.abs(other - first))
     return bool(np.all(apart <= _NEARBY * max(float(size.max()), 1e-300)))
+
+
+def _changes_beyond(stretch: Stretch, looked: Looked, point: Point) -> Iterator[Change]:
+    """What the engine finds a little beyond, as changes to try."""
+    kind = kind_of(point.special)
+    for guess in _motions_beyond(stretch, looked, point):
+        durations = guess.turn.durations
+        k, length = int(np.argmin(durations)), float(durations.sum())
+        if len(guess.word) > len(stretch.equations.word) and durations[k] < _APPEARS * length:
+            # a leg that has just appeared: that it lasts no time may solve the equations too
+            yield Change(kind, guess, "", k, _APPEARS * length)
+        yield Change(kind, guess)
 
 
 def _motions_beyond(stretch: Stretch, looked: Looked, point: Point) -> Iterator[Guess]:

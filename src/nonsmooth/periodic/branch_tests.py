@@ -7,7 +7,7 @@ to vanish in a graze; ``leg:k``, it vanishes otherwise; ``rate:k``, the exit of 
 without a rate; ``gain:k:j``, exit j of a path is no longer passed at once; ``slide:k``, both sides
 of the surface at the end of leg k point at it; ``enter:k:g``, guard g of the cell on a surface
 that leg k ends at lets motion off it at once; ``shrink``, a cycle without events shrinks to a
-point; ``motion``, the engine finds another motion although none of these has changed.
+point; ``motion``, the engine finds another motion although none of these has changed its sign.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from nonsmooth.periodic.admissibility import Admissibility, check_admissible
 from nonsmooth.periodic.change import kind_of_excursion
 from nonsmooth.periodic.entry_guards import EntryGuards
 from nonsmooth.periodic.equations import OrbitEquations, Turn
+from nonsmooth.periodic.guard_sizes import GuardSizes, guard_sizes, largest_along
 from nonsmooth.periodic.legs import LegError
 from nonsmooth.periodic.multipliers import Floquet, floquet
 from nonsmooth.periodic.newton import solve_orbit
@@ -45,6 +46,7 @@ _SHORT = 1e-5
 # square of its duration as rate, so an instant is known to rounding over that
 _SHORT_OF_SLIDE = 1e-3
 _AT_CHANGE = 1e-9  # of a test: the word is about to change
+_OF_GUARDS = ("graze", "corner", "gain")  # what is a guard, and not a rate or a duration
 _ZERO = 1e-10  # a test that is never more than that is zero by construction
 
 
@@ -105,6 +107,8 @@ class BranchTests:
         self.equations, self.tolerance, self.whole = equations, tolerance, whole
         # tests that have been more than what rounding or a decay leaves
         self._clear = {grows}
+        self._told: set[str] | None = None
+        self._largest: Floats | None = None
         word, wiring = equations.word, equations.legs.tables.wiring
         self._wiring = wiring
         self._grazing = [is_graze(word, wiring, k) for k in range(len(word))]
@@ -130,14 +134,17 @@ class BranchTests:
         multipliers = floquet(equations, found)
         tests = _of_multipliers(multipliers)
         end, admissibility = found.nexts[-1].copy(), Admissibility(True)
-        kept = self._of_word(turn, found, entered)
+        kept, faded = self._of_word(turn, found, entered)
         tests |= kept
         other = None
         if self.whole:
+            told = self._told_of(kept)
             least = min(kept, key=lambda name: kept[name], default="")
-            if least and kept[least] < -_AT_CHANGE:
+            if any(kept[name] < 0.0 for name in kept.keys() - told):
+                tests["motion"] = -1.0
+            if "motion" in tests or (least and kept[least] < -_AT_CHANGE):
                 admissibility = Admissibility(False, f"beyond {least}")
-            elif all(value > _AT_CHANGE for value in kept.values()):
+            elif all(kept[name] > _AT_CHANGE for name in kept.keys() & told - faded):
                 admissibility = check_admissible(equations, turn, self.tolerance)
                 if not admissibility.admissible:
                     other = self._with_other_rebounds(turn)
@@ -153,27 +160,29 @@ class BranchTests:
 
     def _of_word(
         self, turn: Turn, found: LegResults, entered: dict[tuple[int, int], float]
-    ) -> dict[str, float]:
-        """What keeps the word valid, positive where it is, from the results of its legs."""
+    ) -> tuple[dict[str, float], set[str]]:
+        """What keeps the word valid, positive where it is, from the results of its legs.
+
+        And the names of those of which only rounding is left, whose sign says nothing.
+        """
         equations, word = self.equations, self.equations.word
         length = float(turn.instants[-1] - turn.instants[0])
         tests: dict[str, float] = {}
         lowest, _ = equations.legs.minima(word, turn.states, turn.instants)
-        sizes = self._sizes_of_guards(turn)
-        lowest, others = lowest / sizes, found.others / sizes
+        sizes = guard_sizes(equations, turn, found, self._largest_so_far(turn))
         for k, path in enumerate(word.paths):
             for g in np.flatnonzero(np.isfinite(lowest[k])):
-                tests[f"graze:{k}:{g}"] = float(lowest[k, g])
+                tests[f"graze:{k}:{g}"] = float(lowest[k, g] / sizes.value[k, g])
             if not path:
                 continue
-            duration = float(turn.durations[k])
+            duration, e = float(turn.durations[k]), path[0]
             cut = k == 0 and not word.closes_at_event  # by the section
             if self._grazing[k]:
                 whole = duration + (float(turn.durations[-1]) if cut else 0.0)
                 tests[f"short:{k}"] = whole / length - self._short[k]
             if cut or not self._grazing[k]:
                 tests[f"leg:{k}"] = duration / length
-            size = float(sizes[k, path[0]])
+            size = float(sizes.value[k, e])
             tests[f"rate:{k}"] = -float(found.guard_rate[k]) * length / size
             if self._surface[k]:
                 tests[f"slide:{k}"] = self._into_next(found, k) * length / size
@@ -181,17 +190,59 @@ class BranchTests:
             for j in range(1, len(path)):
                 if not is_onto(self._wiring, modes[j], path[j]):
                     tests[f"gain:{k}:{j}"] = -float(found.passed[k, j]) / size
-            for g in np.flatnonzero(np.isfinite(others[k])):
-                if g != path[0]:
-                    tests[f"corner:{k}:{g}"] = float(others[k, g])
+            for g in np.flatnonzero(np.isfinite(found.others[k])):
+                if g != e:
+                    tests[f"corner:{k}:{g}"] = float(found.others[k, g] / sizes.value[k, g])
         for (k, guard), value in entered.items():
-            tests[f"enter:{k}:{guard}"] = value / float(sizes[(k + 1) % len(word), guard])
+            size = float(sizes.value[(k + 1) % len(word), guard])
+            tests[f"enter:{k}:{guard}"] = value / size
         if word.paths[-1] == ():
             tests["leg:last"] = float(turn.durations[-1]) / length
         if equations.autonomous and not word.closes_at_event:
             tests["shrink"] = equations.forwards(found)
+        return self._with_margins(tests, sizes)
+
+    def _with_margins(
+        self, tests: dict[str, float], sizes: GuardSizes
+    ) -> tuple[dict[str, float], set[str]]:
+        """Tests of guards change their sign where they come below what rounding leaves of zero.
+
+        A guard may fade along a branch, as one of a motion that decays; its sign is rounding then.
+        """
+        relative, faded = sizes.rounding / sizes.value, set()
+        for name in tests:
+            kind, *numbers = name.split(":")
+            if kind in _OF_GUARDS:
+                k, g = map(int, numbers)
+                if kind == "gain":  # it is measured by the exit before it
+                    g = self.equations.word.paths[k][0]
+                margin = float(relative[k, g])
+                # where it comes below, which is at -margin, it does say something
+                if abs(tests[name]) <= 0.5 * margin:
+                    faded.add(name)
+                tests[name] += margin
         self._clear |= {name for name, value in tests.items() if abs(value) > _ZERO}
-        return {name: value for name, value in tests.items() if name in self._clear}
+        return {name: value for name, value in tests.items() if name in self._clear}, faded
+
+    def _told_of(self, kept: dict[str, float]) -> set[str]:
+        """Names of the tests that were there before, or are clear of zero.
+
+        One that is there for the first time, and negative, never changed its sign. Such is the
+        lowest value of a guard that has faded where a leg begins, and falls there.
+        """
+        # what comes behind such a change can be asked of a driven motion only
+        everything = self._told is None or self.equations.autonomous
+        new = {name for name, value in kept.items() if everything or value > _AT_CHANGE}
+        self._told = new if self._told is None else self._told | new
+        return self._told
+
+    def _largest_so_far(self, turn: Turn) -> Floats:
+        """Sizes of the states, by those of the first orbit at least: tests that scale with it."""
+        if self._largest is None:
+            self._largest = largest_along(self.equations, turn)
+        apart = turn.states - np.where(self.equations.drifting, turn.states[0], 0.0)
+        self._largest = np.maximum(self._largest, np.abs(apart).max(axis=0))
+        return self._largest
 
     def _with_other_rebounds(self, turn: Turn) -> tuple[OrbitEquations, Floats] | None:
         """The orbit of the word whose rebounds before rest are those of the engine."""
@@ -215,17 +266,6 @@ class BranchTests:
         of_time = found.guard_rate[k] - row[:n] @ found.end_rates[k]
         behind = found.start_rates[(k + 1) % len(self.equations.word)]
         return -float(row[:n] @ behind + of_time)
-
-    def _sizes_of_guards(self, turn: Turn) -> Floats:
-        """What each guard comes to for states as large as those of the orbit, (L, e)."""
-        equations, tables = self.equations, self.equations.legs.tables
-        n, count = equations.legs.n, int(tables.sizes[5])
-        states = turn.states - np.where(equations.drifting, turn.states[0], 0.0)
-        largest = np.abs(states).max(axis=0)
-        rows = tables.affine[equations.word.mode_array, : at.DERIVATIVES * count]
-        sizes = np.abs(rows[:, :: at.DERIVATIVES, :n]) @ largest
-        # a guard of time alone, and an orbit that rests
-        return np.where(sizes > 0.0, sizes, max(float(largest.max(initial=0.0)), 1e-300))
 
 
 def _of_multipliers(multipliers: Floquet) -> dict[str, float]:

@@ -13,9 +13,9 @@ from nonsmooth.continuation.follow import follow
 from nonsmooth.continuation.point import Point
 from nonsmooth.periodic.branch_tests import WORD_TESTS, BranchTests, Looked
 from nonsmooth.periodic.equations import OrbitEquations
+from nonsmooth.periodic.guard_sizes import largest_along
 from nonsmooth.periodic.legs import LegError, Legs
 from nonsmooth.periodic.newton import scale_of
-from nonsmooth.periodic.word import Word
 from nonsmooth.system.checks import first_unmet
 from nonsmooth.system.system import System
 
@@ -25,7 +25,6 @@ Floats = npt.NDArray[np.float64]
 
 _OUTGROWN = 2.0  # times the size at the start of a stretch
 _NOTHING = 1e-5  # of the size of the first orbit
-_WITHIN = 8  # places in each leg at which states are looked at for their size
 _ALWAYS = ("leg", "short")  # changes of the word behind which its equations mean nothing
 
 
@@ -149,17 +148,8 @@ def scale_along(equations: OrbitEquations, unknowns: Floats) -> Floats:
     Where an orbit grazes, its velocity at the events is small and not so in between: steps of a
     branch that were measured by it would be tiny.
     """
-    scale, legs, count = scale_of(equations, unknowns), equations.legs, len(equations.word)
-    turn = equations.unpack(unknowns)
-    leg = np.repeat(np.arange(count), _WITHIN)
-    begins = turn.instants[leg]
-    ends = begins + np.tile(np.arange(1, _WITHIN + 1) / _WITHIN, count) * turn.durations[leg]
-    open_word = Word(tuple(equations.word.modes[k] for k in leg), ((),) * leg.size)
-    try:
-        states = legs.follow_each(open_word, turn.states[leg], begins, ends).ends
-    except LegError:
-        return scale
-    size = np.abs(states - np.where(equations.drifting, turn.states[0], 0.0)).max(axis=0)
-    n_states = count * legs.n
+    scale, count = scale_of(equations, unknowns), len(equations.word)
+    size = largest_along(equations, equations.unpack(unknowns))
+    n_states = count * equations.legs.n
     scale[:n_states] = np.maximum(scale[:n_states], np.tile(size, count))
     return scale

@@ -17,6 +17,9 @@ _ROTOR = ("x", "y", "vx", "vy")
 _AT_ONCE, _MOST = 60, 1500  # points of a branch between two looks at its stability, and in all
 _STEP = 0.02  # of eta, largest
 _SAME = 1e-4  # between strobes half a turn apart: an orbit of half the period
+# of a multiplier from the unit circle: where branches cross, orbits are as exact as rounding over
+# their distance s from there, 1e-14/s, and the multiplier is s**2 away: both meet at 5e-10
+_CRITICAL = 1e-7
 # special points at which a multiplier reaches the unit circle; at others it jumps across
 _SMOOTH = ("flip", "fold", "torus", "branch_point", "symmetry_breaking")
 
@@ -156,10 +159,14 @@ def _outwards(branch: xr.Dataset) -> xr.Dataset:
 def _stable_part(branch: xr.Dataset) -> tuple[int, int | None]:
     """Last stable point before the first unstable one, and that; special points are neither.
 
-    There a multiplier is on the unit circle, and rounding says on which side.
+    There a multiplier is on the unit circle, and rounding says on which side, as it does of a
+    point that happens to lie next to one.
     """
     critical = branch["special_point"].values[branch["special_kind"].values != "bound"]
     ordinary = np.setdiff1d(np.arange(branch.sizes["point"]), critical)
+    largest = np.abs(branch["multipliers"].values[ordinary]).max(axis=-1)
+    clear = ordinary[~(np.abs(largest - 1.0) <= _CRITICAL)]
+    ordinary = clear if clear.size else ordinary
     unstable = np.flatnonzero(~branch["stable"].values[ordinary])
     if not unstable.size:
         return int(ordinary[-1]), None
