@@ -434,6 +434,7 @@ def test_runs_that_end_early_keep_what_is_there():
         ({"section": 3}, "give an expression, such as 'x'"),
         ({"section": "c - 1"}, "does not change along the motion in any mode"),
         ({"section": "x - x"}, "does not change along the motion in any mode"),
+        ({"section": "sin(x)**2 + cos(x)**2"}, "does not change along the motion in any mode"),
         ({"section": "rate(x) - v"}, "does not change along the motion in any mode"),
         ({"section": "v", "direction": 2}, "direction = 2: give 1"),
         ({"section": "v", "side": "both"}, "side = 'both'"),

@@ -39,25 +39,38 @@ def canonical_frequency(frequency: Expression) -> tuple[Expression, float]:
 
 def monomials(expression: Expression) -> Monomials:
     """Coefficient of each product of factors; zeros are left out."""
-    if isinstance(expression, Number):
-        return {(): expression.value} if expression.value != 0.0 else {}
-    if isinstance(expression, Call):
-        parts = [monomials(argument) for argument in expression.arguments]
-        if expression.function == "+":
-            return _sum(parts)
-        if expression.function == "neg":
-            return {factors: -value for factors, value in parts[0].items()}
-        if expression.function == "*":
-            product: Monomials = {(): 1.0}
-            for part in parts:
-                if _is_large(product, part):
-                    return {(expression,): 1.0}
-                product = _product(product, part)
-            return product
-        if expression.function == "/" and not _is_large(parts[0], parts[1]):
-            return _product(parts[0], _reciprocal(parts[1]))
-        return {(Call(expression.function, tuple(rebuilt(part) for part in parts)),): 1.0}
-    return {(expression,): 1.0}
+    return _monomials(expression, {})
+
+
+def _monomials(expression: Expression, known: dict[int, Monomials]) -> Monomials:
+    """The same; parts that are shared are worked out once, into ``known``."""
+    if id(expression) not in known:
+        if isinstance(expression, Call):
+            parts = [_monomials(argument, known) for argument in expression.arguments]
+            known[id(expression)] = _of_call(expression, parts)
+        elif isinstance(expression, Number):
+            value = expression.value
+            known[id(expression)] = {(): value} if value != 0.0 else {}
+        else:
+            known[id(expression)] = {(expression,): 1.0}
+    return known[id(expression)]
+
+
+def _of_call(call: Call, parts: list[Monomials]) -> Monomials:
+    if call.function == "+":
+        return _sum(parts)
+    if call.function == "neg":
+        return {factors: -value for factors, value in parts[0].items()}
+    if call.function == "*":
+        product: Monomials = {(): 1.0}
+        for part in parts:
+            if _is_large(product, part):
+                return {(call,): 1.0}
+            product = _product(product, part)
+        return product
+    if call.function == "/" and not _is_large(parts[0], parts[1]):
+        return _product(parts[0], _reciprocal(parts[1]))
+    return {(Call(call.function, tuple(rebuilt(part) for part in parts)),): 1.0}
 
 
 def _sum(parts: list[Monomials]) -> Monomials:
