@@ -2,6 +2,7 @@
 
 import os
 import signal
+import sys
 
 import pytest
 from hypothesis import settings
@@ -23,3 +24,17 @@ def interrupts():
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     signal.signal(signal.SIGINT, before)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _kernels_compiled_once():
+    """One signature for each kernel that Python calls: another one takes minutes to compile."""
+    yield
+    for module in list(sys.modules.values()):
+        if not getattr(module, "__name__", "").startswith("nonsmooth.engine."):
+            continue
+        for name, kernel in vars(module).items():
+            count = len(getattr(kernel, "signatures", ()))
+            # those that others call are compiled with them, for arrays of several layouts
+            kept = type(getattr(kernel, "_cache", None)).__name__ == "_KernelCache"
+            assert count <= 1 or not kept, f"{module.__name__}.{name}: {kernel.signatures}"

@@ -32,7 +32,7 @@ __all__ = ["Admissibility", "check_admissible"]
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
 
-_ROWS = 3  # of the event log of a lane: its start, one event, one to spare
+_ROWS = 2  # of the event log of a lane: one event, one to spare; full after it, so it stops there
 _AT_SECTION = 1e-12  # part of the turn by which an event may lie behind the section
 _LATE = 1e-9  # part of the turn by which the engine may find an event elsewhere
 _ROUNDING = 1e-11  # of the terms of a guard, likewise, over its rate
@@ -81,7 +81,7 @@ def check_admissible(equations: OrbitEquations, turn: Turn, tolerance: float) ->
         # the stay before the first event began in the turn before
         instants[0], middles[0] = instants[-1] - length, middles[-1]
     end = float(turn.instants[-1]) + length
-    lanes = _start(legs, middles[:count], instants[:count])
+    lanes = _start(legs, middles[:count], instants[:count], 1 + _ROWS)
     _run(legs, lanes, word.mode_array[:count].copy(), end, tolerance)
     events = np.arange(count)
     expected = turn.instants[1 : 1 + count]
@@ -106,7 +106,7 @@ def check_admissible(equations: OrbitEquations, turn: Turn, tolerance: float) ->
 
 def _check_without_events(equations: OrbitEquations, turn: Turn, tolerance: float) -> Admissibility:
     """Follow an orbit within one mode, in which nothing may happen."""
-    lanes = _start(equations.legs, turn.states[:1], turn.instants[:1])
+    lanes = _start(equations.legs, turn.states[:1], turn.instants[:1], 1 + _ROWS)
     end = float(turn.instants[-1])
     _run(equations.legs, lanes, equations.word.mode_array.copy(), end, tolerance)
     row = _first_event(lanes, 0)
@@ -135,8 +135,8 @@ def _middles(equations: OrbitEquations, turn: Turn, instants: Floats) -> Floats:
     return found.ends.copy()
 
 
-def _start(legs: Legs, states: Floats, instants: Floats) -> _Lanes:
-    """Lanes that begin at some states."""
+def _start(legs: Legs, states: Floats, instants: Floats, rows: int) -> _Lanes:
+    """Lanes that begin at some states, with rows in their logs; one is that of the start."""
     count, sizes = len(states), legs.tables.sizes
     n, window = legs.n, legs.window
     number = np.floor(instants / window).astype(np.int64)
@@ -151,8 +151,8 @@ def _start(legs: Legs, states: Floats, instants: Floats) -> _Lanes:
         sample_phase=np.zeros(0),
         sample_state=np.zeros((count, 0, n)),
         sample_mode=np.zeros((count, 0), np.int64),
-        event_integers=np.zeros((count, _ROWS, at.EVENT_INTEGERS), np.int64),
-        event_floats=np.zeros((count, _ROWS, at.EVENT_FLOATS + 2 * n)),
+        event_integers=np.zeros((count, rows, at.EVENT_INTEGERS), np.int64),
+        event_floats=np.zeros((count, rows, at.EVENT_FLOATS + 2 * n)),
         cursor=np.zeros((count, at.CURSOR), np.int64),
         end_state=np.full((count, n), np.nan),
         since=np.full((count, 2), -np.inf),
@@ -167,7 +167,7 @@ def _behind(legs: Legs, lanes: _Lanes, turn: Turn) -> _Lanes:
     """
     count = len(lanes.status)
     following = np.arange(1, count + 1) % len(turn.states)
-    new = _start(legs, turn.states[following], turn.instants[1 : 1 + count])
+    new = _start(legs, turn.states[following], turn.instants[1 : 1 + count], _ROWS)
     new.anchors.place[:, 1] = lanes.anchors.place[:, 1]
     new.anchors.order[:] = lanes.anchors.order
     return new
@@ -186,17 +186,11 @@ def _run(legs: Legs, lanes: _Lanes, how: Integers, end: float, tolerance: float)
         columns=np.zeros((count, *tangent.columns.shape)),
         samples=np.zeros((count, *tangent.samples.shape)),
     )
-    records, starts = lanes.records, how != GOES_ON
-    # rows before the first event: that of the start
-    short = records._replace(
-        event_integers=records.event_integers[:, : 2 + starts.any()],
-        event_floats=records.event_floats[:, : 2 + starts.any()],
-    )
     first, passed = 0, np.zeros(2, np.int64)
     while first < count:
         first = run_lanes(
             stack_of_one(legs.tables), no_rates(), no_columns(), lanes.anchors,
-            allocate_segment(sizes), tangent, short, how, first, count, number,
+            allocate_segment(sizes), tangent, lanes.records, how, first, count, number,
             end - number * window, passed, lanes.status, tolerance,
         )  # fmt: skip
         if first < count:

@@ -46,13 +46,41 @@ class Name:
     at: int = field(default=-1, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Call:
-    """An operator or function applied to arguments; sums and products hold many."""
+    """An operator or function applied to arguments; sums and products hold many.
+
+    Trees share parts, and written out some have millions of nodes. So each node knows its hash
+    and, once asked for, its text: neither is worked out twice.
+    """
 
     function: str
     arguments: tuple[Expression, ...]
-    at: int = field(default=-1, compare=False, repr=False)
+    at: int = field(default=-1, repr=False)
+    _hash: int = field(init=False, repr=False)
+    _text: str = field(init=False, repr=False, default="")
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "_hash", hash((self.function, self.arguments)))
+
+    def __hash__(self) -> int:
+        return self._hash
+
+    def __eq__(self, other: object) -> bool:
+        if self is other:
+            return True
+        if not isinstance(other, Call) or self._hash != other._hash:
+            return False
+        return self.function == other.function and self.arguments == other.arguments
+
+    def __reduce__(self) -> tuple[type[Call], tuple[str, tuple[Expression, ...], int]]:
+        return Call, (self.function, self.arguments, self.at)  # hashes of texts are those of a process
+
+    def text(self) -> str:
+        """The text of the node, without parentheses around it."""
+        if not self._text:
+            object.__setattr__(self, "_text", _text_of_call(self))
+        return self._text
 
 
 Expression = Number | Name | Call
@@ -173,14 +201,18 @@ def _text(node: Expression, surrounding: int) -> str:
         value = node.value
         text = str(int(value)) if value.is_integer() and abs(value) < 1e15 else repr(value)
         return f"({text})" if value < 0.0 and surrounding > 1 else text
+    strength = _STRENGTH.get(node.function, surrounding)
+    return f"({node.text()})" if strength < surrounding else node.text()
+
+
+def _text_of_call(node: Call) -> str:
     if node.function in (">", ">=", "<", "<="):
         left, right = node.arguments
         return f"{_text(left, 0)} {node.function} {_text(right, 0)}"
     strength = _STRENGTH.get(node.function)
     if strength is None:
         return f"{node.function}({', '.join(_text(a, 0) for a in node.arguments)})"
-    text = _operator_text(node, strength)
-    return f"({text})" if strength < surrounding else text
+    return _operator_text(node, strength)
 
 
 def _operator_text(node: Call, strength: int) -> str:
