@@ -39,6 +39,7 @@ from nonsmooth.engine.status import EventKind, Status
 from nonsmooth.engine.tangent import carry, complete_columns, start_columns
 from nonsmooth.engine.transitions import (
     PATH_BITS,
+    count_bits,
     fill_extent,
     guard_exceeds,
     guard_holds,
@@ -463,9 +464,12 @@ def _kind_of(wiring, before, after, jumped, corner, stay):
         return _CHATTER if stay > 0.0 else _STICK
     if on_before == at.RESTING and on_after != at.RESTING and not jumped:
         return _RELEASE
-    if on_after == at.SLIDES and on_before == at.FREE and not jumped:
-        return _SLIDE_ENTRY
-    if on_before == at.SLIDES and on_after == at.FREE and not jumped:
+    held_before = count_bits(wiring[before, 0, at.SLAVED]) if on_before == at.SLIDES else 0
+    held_after = count_bits(wiring[after, 0, at.SLAVED]) if on_after == at.SLIDES else 0
+    if on_after == at.SLIDES and held_after > held_before and not jumped:
+        return _SLIDE_ENTRY  # onto a second surface too
+    leaves = on_before == at.SLIDES and on_after != at.RESTING
+    if leaves and held_after < held_before and not jumped:
         return _SLIDE_EXIT
     return _CORNER if corner else (_IMPACT if jumped else _SWITCH)
 

@@ -39,6 +39,7 @@ from nonsmooth.engine.zeros import (
 __all__ = [
     "PATH_BITS",
     "PATH_LENGTH",
+    "count_bits",
     "fill_extent",
     "guard_exceeds",
     "guard_holds",
@@ -101,9 +102,12 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
             target = wiring[m, 1 + e, at.TARGET]
             onto = wiring[m, 1 + e, at.ONTO]
             rebounds = onto >= 0 and wiring[m, 1 + e, at.RESETTING] != 0
-            arrival = 0.0
+            arrival, push = 0.0, 0.0
             if rebounds:
+                if at.has_code(tables.code_rows, m):
+                    _differentiate(tables, rates, segment, m)
                 arrival = rate_of_guard(n, tables.generator, affine, wiring, m, e, z)
+                push = _sum_of_terms(affine, m, at.guard_row(e, 2), z, segment.extent)[0]
             first_rate = max(first_rate, abs(arrival))
             if passes < PATH_LENGTH:
                 path |= (e + 1) << (PATH_BITS * passes)
@@ -150,7 +154,7 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
                 if at.has_code(tables.code_rows, m):
                     _differentiate(tables, rates, segment, m)
                 wait = rest_time(
-                    affine, tables.clock[at.WINDOW], m, e, z, segment.extent, arrival, first_rate,
+                    affine, tables.clock, m, e, z, segment.extent, arrival, push, first_rate,
                     tolerance,
                 )  # fmt: skip
                 if wait != NEVER:
@@ -301,7 +305,7 @@ def _meeting(tables, m, z, extent, visited):
         target = wiring[m, 1 + e, at.TARGET]
         if wiring[m, 1 + e, at.RESETTING] != 0 or (visited >> target) & 1:
             continue
-        more = _count(wiring[target, 0, at.SLAVED] & ~wiring[m, 0, at.SLAVED])
+        more = count_bits(wiring[target, 0, at.SLAVED] & ~wiring[m, 0, at.SLAVED])
         if more > most and slaved_agree(
             n, tables.affine, wiring, target, z, extent, z, 0, _CLEARLY
         ):
@@ -310,7 +314,7 @@ def _meeting(tables, m, z, extent, visited):
 
 
 @kernel
-def _count(bits):
+def count_bits(bits):
     """Number of bits that are set."""
     count = 0
     while bits > 0:
