@@ -20,6 +20,7 @@ demo: $(INSTALLED) ## draw the chapter's demonstration into demo-output
 	$(BIN)/nonsmooth chapter demo --out demo-output
 
 test: $(INSTALLED) ## run the tests and the examples in docstrings
+	$(BIN)/nonsmooth warmup
 	$(BIN)/python -m pytest --numprocesses=$(JOBS)
 
 check: $(INSTALLED) ## style, format, types, imports, spelling, house tests

@@ -187,7 +187,7 @@ def _landing(scan, g, reach):
     if not (a1 > 0.0 and a2 < 0.0) or scan[g, at.TAKEN_OFF] != 0.0 or scan[g, at.FADING] != 0.0:
         return 0.0
     u = -a1 / a2
-    if not 2.0 * u <= reach:
+    if not (1.0 + 4.0 * _BENT) * u <= reach:
         return 0.0
     # so nearly a parabola that there is one root, and what is left out is below rounding
     bent = (abs(a3) + (2.0 * abs(a4) + 4.0 * abs(a5) * u) * u) * u * u

@@ -171,8 +171,9 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
             e = rests
             continue
         e, meets, followed = _next_exit(
-            n, affine, wiring, tables.families, z, segment.extent, segment.order, basis,
-            segment.scale, first_mode, first_exit, m, path, passes, followed, tolerance,
+            n, tables.generator, affine, wiring, tables.families, z, segment.extent,
+            segment.order, basis, segment.scale, first_mode, first_exit, m, path, passes,
+            followed, duration, tolerance,
         )  # fmt: skip
         corner = corner or meets
         if e < 0:
@@ -253,8 +254,8 @@ def _enter(
 
 @inlined
 def _next_exit(
-    n, affine, wiring, families, z, extent, order, basis, scale, first_mode, first_exit, m, path,
-    passes, followed, tolerance,
+    n, generator, affine, wiring, families, z, extent, order, basis, scale, first_mode, first_exit,
+    m, path, passes, followed, duration, tolerance,
 ):  # fmt: skip
     """The exit of mode m that fires at z, -1 for none; fills the orders of its guards.
 
@@ -273,6 +274,11 @@ def _next_exit(
                 _follow(n, affine, wiring, first_mode, first_exit, path, passes, scale, basis)
                 followed = True
             known = zero_order(affine, m, g, scale, basis)
+            # surfaces passed one after the other at one instant are met as exactly as the first one
+            if known == 0 and passes > 0:
+                value = _sum_of_terms(affine, m, at.guard_row(g, 0), z, extent)[0]
+                rate = rate_of_guard(n, generator, affine, wiring, m, g, z)
+                known = 1 if abs(value) <= _NOTHING * abs(rate) * duration else 0
         order[g] = known
         fires = _must_fire(affine, m, g, z, extent, order, tolerance)
         # what starts on a surface that holds is held as long as it can be
