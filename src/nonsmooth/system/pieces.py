@@ -19,8 +19,9 @@ from nonsmooth.system.graph import Graph
 from nonsmooth.system.identities import substituted, vanishes
 from nonsmooth.system.intersections import meetings_of
 from nonsmooth.system.mode_equations import ExitEquations, ModeEquations
+from nonsmooth.system.points import put_on
 from nonsmooth.system.resolve import Resolver
-from nonsmooth.system.sliding import Slide, put_on, related, slides_of, solved_for
+from nonsmooth.system.sliding import Slide, related, slides_of, solved_for
 from nonsmooth.system.sticking import Rest, contacts_at_rest, leaves_at_rest, may_rest, rest_of
 from nonsmooth.system.surfaces import Declared
 from nonsmooth.system.switching import SurfaceKey
@@ -324,10 +325,10 @@ class _Maker:
             resolver = self._resolver
             resets = {state: resolver.tree(e) for state, e in way.reset.items()}
             nodes = [self.mode.nodes[self.mode.names[key]] for key in self.cell.on]
-            place = put_on(self.graph, nodes, solved_for(self.graph, self.mode.equations, nodes))
+            points = put_on(self.graph, nodes, solved_for(self.graph, self.mode.equations, nodes))
             for key, node in zip(self.cell.on, nodes, strict=True):
                 behind = substituted(self.graph, node, resets)
-                if behind is not node and not vanishes([behind], [self.graph.one], place):
+                if behind is not node and not vanishes([behind], [self.graph.one], points):
                     del signs[key]
         return signs
 
