@@ -72,10 +72,13 @@ class Graph:
         simple = self._simplified(function, arguments)
         if simple is not None:
             return simple
+        key = (function, *map(id, arguments))
+        known = self._nodes.get(key)
+        if known is not None:
+            return known
         depends = 0
         for argument in arguments:
             depends |= self._depends[id(argument)]
-        key = (function, *(id(argument) for argument in arguments))
         return self._kept(key, Call(function, arguments), depends)
 
     def add(self, *terms: Expression) -> Expression:

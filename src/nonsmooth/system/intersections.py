@@ -32,10 +32,14 @@ def meetings_of(graph: Graph, mode: SplitMode, jumping: Sequence[SurfaceKey]) ->
     """Motion where two of the surfaces meet across which the field jumps."""
     for keys in combinations(dict.fromkeys(jumping), 2):
         done: list[Cell] = []
+        tried: list[list[Cell]] = []
         for first in mode.cells:
             corners = _corners(mode, keys, first)
-            if corners is None or any(cell.agrees(_others(first, keys)) for cell in done):
+            if corners is None or corners in tried:
                 continue
+            if any(cell.agrees(_others(first, keys)) for cell in done):
+                continue
+            tried.append(corners)
             slide = _meeting(graph, mode, keys, corners)
             if slide is not None:
                 done.append(slide.cell)

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 from nonsmooth.engine.layout import CROSS, FREE, NO_CHOICE, RESTING, SLIDES, STAY
 from nonsmooth.system.cells import Cell, SplitMode, shown, split
@@ -189,22 +190,16 @@ class _Maker:
             self.cell,
             kind,
             equations,
-            Resolver(
-                self.graph,
-                equations,
-                self.cell.signs,
-                controls=resolver.controls,
-                rates=resolver.rates,
-            ),
+            resolver,
             tuple(way.target for way in ways),
             tuple(onto),
             tuple(way.choice for way in ways),
             len(searched),
         )
 
-    @property
+    @cached_property
     def _resolver(self) -> Resolver:
-        """Nodes of the cell, without the exits that are made here."""
+        """Nodes of the cell; its exits are made here."""
         if self.slide is None:
             return self.mode.resolver(self.cell.signs)
         return self.slide.resolver(self.graph, self.slide.equations(self.mode))
@@ -258,7 +253,7 @@ class _Maker:
             assert fewer is not None
             yield self._way(_RELEASE, reaction, fewer.split.cell(self.cell.signs))
 
-    @property
+    @cached_property
     def _free(self) -> Resolver:
         """Nodes of the mode without contacts at rest, in the same cell."""
         free = self.family.free
