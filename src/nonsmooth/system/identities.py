@@ -13,9 +13,8 @@ import numpy as np
 
 from nonsmooth.system.expressions import ZERO, Call, Expression, Name
 from nonsmooth.system.graph import Graph
-from nonsmooth.system.linear import CONSTANT, LinearForm, NotLinear, linear_form
+from nonsmooth.system.linear import CONSTANT, LinearForm, NotLinear
 from nonsmooth.system.points import COUNT, Points
-from nonsmooth.system.relations import form_of_node
 from nonsmooth.system.sizes import sizes_of
 from nonsmooth.system.value_tape import ValueTape, table
 
@@ -53,7 +52,7 @@ def vanishes(
 def simplified(graph: Graph, node: Expression) -> Expression:
     """The same expression; what is linear without the terms that cancel."""
     try:
-        form = linear_form(node, lambda part: form_of_node(graph, part))
+        form = graph.form(node)
     except NotLinear:
         return node
     kept = {b: c for b, c in form.terms.items() if not _cancels(c)}
@@ -71,13 +70,15 @@ def _cancels(coefficient: Expression) -> bool:
 def substituted(graph: Graph, node: Expression, others: Mapping[str, Expression]) -> Expression:
     """Expression with some states replaced."""
     known: dict[int, Expression] = {}
+    has_replaced = graph.reads(others)
 
     def of(part: Expression) -> Expression:
-        if isinstance(part, Name):
-            return others.get(part.name, part)
-        if not isinstance(part, Call) or not graph.moves(part) or graph.signal_of(part):
+        if not has_replaced(part):
             return part
+        if isinstance(part, Name):
+            return others[part.name]
         if id(part) not in known:
+            assert isinstance(part, Call)  # a number has no states
             known[id(part)] = graph.call(part.function, *map(of, part.arguments))
         return known[id(part)]
 

@@ -25,11 +25,10 @@ from nonsmooth.system.equations import Equation
 from nonsmooth.system.expressions import ZERO, Expression, Number, negate
 from nonsmooth.system.graph import Graph
 from nonsmooth.system.identities import simplified, substituted, vanishes
-from nonsmooth.system.linear import LinearForm, NotLinear, State, linear_form
+from nonsmooth.system.linear import LinearForm, NotLinear, State
 from nonsmooth.system.mode_equations import ModeEquations
 from nonsmooth.system.points import Points, put_on
 from nonsmooth.system.quotients import quotient, without_squares
-from nonsmooth.system.relations import form_of_node
 from nonsmooth.system.resolve import Resolver
 from nonsmooth.system.sums import signed_sum
 from nonsmooth.system.switching import SurfaceKey, SwitchingSurface
@@ -183,9 +182,7 @@ def solved_for(
     found: dict[str, Expression] = {}
     for node in nodes:
         try:
-            form = linear_form(
-                substituted(graph, node, found), lambda part: form_of_node(graph, part)
-            )
+            form = graph.form(substituted(graph, node, found))
         except NotLinear:
             return {}
         pivot = _pivot(form, among)
