@@ -159,7 +159,8 @@ def massive_ring_rotor(
             "f": f,
             "radius": radius,
         },
-        require={name: text for name, text in base["require"].items() if "nu2" not in name} | _REQUIRE,
+        require={name: text for name, text in base["require"].items() if "nu2" not in name}
+        | _REQUIRE,
         describe={n: t for n, t in base["describe"].items() if n not in _MASSLESS} | _LABELS,
         definitions=_FREE | definitions | _MOTION | _IMPACT,
         outputs={

@@ -18,7 +18,7 @@ from nonsmooth.system.points import COUNT, Points
 from nonsmooth.system.sizes import sizes_of
 from nonsmooth.system.value_tape import ValueTape, table
 
-__all__ = ["simplified", "substituted", "vanishes"]
+__all__ = ["is_rounding", "simplified", "substituted", "vanishes"]
 
 _ENOUGH = 4  # points at which there are values
 _ZERO = 1e-9  # of the sizes of what cancels
@@ -47,6 +47,18 @@ def vanishes(
     looked_at = np.flatnonzero(able)[:_ENOUGH]
     small = np.abs(values) <= _ZERO * sizes
     return len(looked_at) > 0 and bool(small[:, looked_at].all())
+
+
+def is_rounding(node: Expression) -> bool:
+    """Whether an expression is no more than rounding of its largest part, wherever it has values.
+
+    In a long expression the terms add up to sizes of which even plain values are a small part.
+    """
+    tape = ValueTape([node])
+    parts = np.abs(table(tape.run(Points()), COUNT))
+    able = np.isfinite(parts).all(axis=0)
+    value, largest = parts[tape.results[0], able], parts[:, able].max(axis=0)
+    return bool(able.any()) and bool((value <= _ZERO * largest).all())
 
 
 def simplified(graph: Graph, node: Expression) -> Expression:
