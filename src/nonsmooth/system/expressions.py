@@ -22,6 +22,7 @@ __all__ = [
     "call",
     "divide",
     "multiply",
+    "name_set",
     "names_in",
     "negate",
     "place_in_order",
@@ -193,6 +194,21 @@ def walk(expression: Expression) -> Iterator[Expression]:
 def names_in(expression: Expression) -> list[Name]:
     """Return the name nodes of the tree in the order of the text."""
     return [node for node in walk(expression) if isinstance(node, Name)]
+
+
+def name_set(expression: Expression) -> set[str]:
+    """Names in a tree, ``pi`` and ``t`` among them; parts that it shares are met once."""
+    names: set[str] = set()
+    seen: set[int] = set()
+    stack = [expression]
+    while stack:
+        node = stack.pop()
+        if isinstance(node, Name):
+            names.add(node.name)
+        elif isinstance(node, Call) and id(node) not in seen:
+            seen.add(id(node))
+            stack.extend(node.arguments)
+    return names
 
 
 def written_out(expressions: Iterable[Expression]) -> int:

@@ -24,6 +24,7 @@ from nonsmooth.system.slow import read_slow
 from nonsmooth.system.surfaces import Declared, Surface
 from nonsmooth.system.switching import switching_function
 from nonsmooth.system.taylor_code import TaylorCode, write_code
+from nonsmooth.system.value_tape import ValueTape
 
 if TYPE_CHECKING:
     from nonsmooth.system.system import System
@@ -188,6 +189,23 @@ class Structure:
             for name, forms in self.modes.items()
             if forms.taylor is not None
         }
+
+    @cached_property
+    def coefficients(self) -> tuple[tuple[str, Expression], ...]:
+        """Where each coefficient of the equations stands, and its expression of parameters."""
+        found: list[tuple[str, Expression]] = []
+        for name, forms in self.modes.items():
+            if forms.linear is not None:
+                for where, form, _ in forms.linear.with_place(name):
+                    found += [(where, coefficient) for coefficient in form.terms.values()]
+            if forms.taylor is not None:
+                found += self.codes[name].constants
+        return tuple(found)
+
+    @cached_property
+    def coefficient_values(self) -> ValueTape:
+        """Instructions for the values of all coefficients."""
+        return ValueTape(coefficient for _, coefficient in self.coefficients)
 
     @cached_property
     def frequencies(self) -> tuple[Expression, ...]:
