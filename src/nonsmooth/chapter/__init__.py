@@ -7,10 +7,11 @@ from __future__ import annotations
 
 from nonsmooth.chapter.claims import claim_ids, evaluate_claims
 from nonsmooth.chapter.demo import run_demo
-from nonsmooth.chapter.registry import figure_ids, figure_summary, run_figures
+from nonsmooth.chapter.registry import draw_figure, figure_ids, figure_summary, run_figures
 
 __all__ = [
     "claim_ids",
+    "draw_figure",
     "evaluate_claims",
     "figure_ids",
     "figure_summary",
