@@ -16,6 +16,7 @@ from nonsmooth.errors import OptionError, RunError, unknown_name
 
 __all__ = ["check_of", "claim_data", "claim_ids", "evaluate_claims", "select_claims"]
 
+
 @cache
 def _table() -> dict[str, dict[str, Any]]:
     text = resources.files("nonsmooth.chapter").joinpath("claims.json").read_text("utf-8")

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import threading
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from queue import Empty, SimpleQueue
 from types import TracebackType
@@ -68,10 +69,8 @@ class Hand:
         code = self.process.wait()
         for stream in (self.process.stdin, self.process.stdout):
             if stream is not None:
-                try:
+                with suppress(OSError):  # what was written last found no reader
                     stream.close()
-                except OSError:  # what was written last found no reader
-                    pass
         self.process = None
         return code
 
@@ -105,9 +104,7 @@ class Hand:
             env=os.environ | {"PYTHONPATH": paths, "MPLBACKEND": "Agg"}, **apart,
         )  # fmt: skip
         self._lines = SimpleQueue()
-        threading.Thread(
-            target=_read, args=(self.process.stdout, self._lines), daemon=True
-        ).start()
+        threading.Thread(target=_read, args=(self.process.stdout, self._lines), daemon=True).start()
 
 
 def _read(stream: Any, lines: SimpleQueue[str]) -> None:

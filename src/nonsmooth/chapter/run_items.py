@@ -43,7 +43,9 @@ class Outcome:
     @property
     def faults(self) -> dict[str, str]:
         """Items that could not be computed, and why."""
-        return {n: str(each["message"]) for n, each in self.told.items() if each["state"] == "fault"}
+        return {
+            n: str(each["message"]) for n, each in self.told.items() if each["state"] == "fault"
+        }
 
     def of(self, name: str) -> dict[str, Any] | None:
         """What is known of an item; None for a fault and for what was not reached."""

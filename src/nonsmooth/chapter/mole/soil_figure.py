@@ -122,7 +122,9 @@ def _impact(xi: float, b: float) -> xr.Dataset:
 
 def _draw_law(ax: Axes, depth: float) -> None:
     """Elasto-plastic law: elastic up to the friction limit, slip, elastic on the way back."""
-    ax.plot([0.0, 1.0, depth, depth - 1.0], [0.0, 1.0, 1.0, 0.0], label="law without damper", **_LAW)
+    ax.plot(
+        [0.0, 1.0, depth, depth - 1.0], [0.0, 1.0, 1.0, 0.0], label="law without damper", **_LAW
+    )
 
 
 def _dataset(
