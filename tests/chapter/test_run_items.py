@@ -13,9 +13,9 @@ import xarray as xr
 
 from chapter.stub_figures import claim, item
 from nonsmooth.chapter.claims import _checks
+from nonsmooth.chapter.entries import ENTRIES, basis
 from nonsmooth.chapter.files import plain
 from nonsmooth.chapter.items import do_item
-from nonsmooth.chapter.records import RECORDS, basis
 from nonsmooth.chapter.run_items import run_items
 from nonsmooth.errors import OptionError
 from nonsmooth.simulation.store_lock import lock, unlock
@@ -43,12 +43,12 @@ def drawn(tmp_path_factory):
 
 
 def test_figures_and_claims_are_written(drawn):
-    """Pictures for screen and print, data, and a record of each; nothing half-written."""
+    """Pictures for screen and print, data, and an entry for each; nothing half-written."""
     folder, outcome = drawn
     assert states(outcome) == {"line": "done", "M03": "done", "parabola": "done"}
     assert outcome.complete and outcome.faults == {}
     names = [f"{n}.{e}" for n in ("line", "parabola") for e in ("nc", "pdf", "png")]
-    assert sorted(path.name for path in folder.iterdir()) == sorted([*names, RECORDS])
+    assert sorted(path.name for path in folder.iterdir()) == sorted([*names, ENTRIES])
     assert (folder / "line.png").read_bytes().startswith(b"\x89PNG")
     assert (folder / "line.pdf").read_bytes().startswith(b"%PDF")
     with xr.open_dataset(folder / "parabola.nc") as data:
@@ -59,7 +59,7 @@ def test_figures_and_claims_are_written(drawn):
 
 
 def test_what_is_whole_is_kept_and_what_is_not_is_computed(drawn):
-    """Missing and changed files, a damaged record, another code or other options."""
+    """Missing and changed files, a damaged entry, another code or other options."""
     folder, _ = drawn
 
     def again():
@@ -67,10 +67,10 @@ def test_what_is_whole_is_kept_and_what_is_not_is_computed(drawn):
         return {told["name"] for told in found if told["state"] == "done"}
 
     def change(name, edit):
-        path = folder / RECORDS / f"{name}.json"
-        record = json.loads(path.read_text())
-        edit(record)
-        path.write_text(json.dumps(record))
+        path = folder / ENTRIES / f"{name}.json"
+        entry = json.loads(path.read_text())
+        edit(entry)
+        path.write_text(json.dumps(entry))
 
     before = (folder / "line.png").stat().st_mtime_ns
     assert again() == set()
@@ -79,11 +79,11 @@ def test_what_is_whole_is_kept_and_what_is_not_is_computed(drawn):
     assert again() == {"line"}
     with (folder / "parabola.nc").open("ab") as file:
         file.write(b"more")
-    (folder / RECORDS / "M03.json").write_text("{")
+    (folder / ENTRIES / "M03.json").write_text("{")
     assert again() == {"parabola", "M03"}
-    change("line", lambda record: record["basis"].update(code="0.1.0+another"))
-    change("parabola", lambda record: record["basis"]["libraries"].update(numpy="1.0"))
-    change("M03", lambda record: record["basis"]["options"].update(n=3))
+    change("line", lambda entry: entry["basis"].update(code="0.1.0+another"))
+    change("parabola", lambda entry: entry["basis"]["libraries"].update(numpy="1.0"))
+    change("M03", lambda entry: entry["basis"]["options"].update(n=3))
     assert again() == {"line", "parabola", "M03"}
     assert again() == set()
 
@@ -99,22 +99,22 @@ def test_faults_and_crashes_stop_no_other_figure(tmp_path):
     assert outcome.faults["faulty"] == "RunError: the line could not be drawn"
     assert "ended with code 7" in outcome.faults["crashing"]
     assert outcome.of("faulty") is None
-    assert not list(tmp_path.glob("faulty*")) and not (tmp_path / RECORDS / "faulty.json").exists()
+    assert not list(tmp_path.glob("faulty*")) and not (tmp_path / ENTRIES / "faulty.json").exists()
 
 
 def test_half_written_files_of_a_process_that_was_killed_go(tmp_path):
     """Drafts have the number of their process in their name; other files of the user stay."""
-    (tmp_path / RECORDS).mkdir()
-    for name in (".line.123.png", f"{RECORDS}/.line.123.json", "mine.png", ".mine"):
+    (tmp_path / ENTRIES).mkdir()
+    for name in (".line.123.png", f"{ENTRIES}/.line.123.json", "mine.png", ".mine"):
         (tmp_path / name).write_text("half")
     assert run(tmp_path).complete
-    assert {path.name for path in tmp_path.rglob("*")} == {"mine.png", ".mine", RECORDS, "lock"}
+    assert {path.name for path in tmp_path.rglob("*")} == {"mine.png", ".mine", ENTRIES, "lock"}
 
 
 def test_one_run_at_a_time(tmp_path):
     """A second run in the same folder is refused, and told by whom it is used."""
-    (tmp_path / RECORDS).mkdir()
-    handle = lock(tmp_path / RECORDS / "lock")
+    (tmp_path / ENTRIES).mkdir()
+    handle = lock(tmp_path / ENTRIES / "lock")
     try:
         with pytest.raises(OptionError, match=f"in use by process {os.getpid()}"):
             run(tmp_path, "line")
@@ -156,7 +156,7 @@ def test_interruption_keeps_what_is_done(tmp_path):
         command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     )  # fmt: skip
-    wait_for(lambda: (tmp_path / RECORDS / "line.json").exists() or process.poll() is not None)
+    wait_for(lambda: (tmp_path / ENTRIES / "line.json").exists() or process.poll() is not None)
     time.sleep(0.3)  # the next figure is under way
     process.send_signal(signal.SIGINT)
     out, told = process.communicate(timeout=60.0)
@@ -200,6 +200,6 @@ def test_same_basis_in_every_process():
 BASES = """
 import json
 from nonsmooth.chapter.claims import _checks
-from nonsmooth.chapter.records import basis
+from nonsmooth.chapter.entries import basis
 print(json.dumps({name: basis(check.compute) for name, check in _checks().items()}))
 """

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from nonsmooth.chapter.records import basis, read_record, write_record
+from nonsmooth.chapter.entries import basis, read_entry, write_entry
 
 __all__ = ["Item", "do_item"]
 
@@ -81,7 +81,7 @@ def do_item(item: Item, folder: Path) -> dict[str, Any]:
 
 def _figure(item: Item, draw: Callable[..., Any], folder: Path) -> tuple[str, dict[str, Any]]:
     depends = basis(draw)
-    kept = read_record(folder, item.name, depends)
+    kept = read_entry(folder, item.name, depends)
     if kept is not None:
         return "kept", kept
     from nonsmooth.chapter.figure_files import write_figure
@@ -93,19 +93,19 @@ def _figure(item: Item, draw: Callable[..., Any], folder: Path) -> tuple[str, di
         "options": depends["options"],
         "attributes": {str(name): value for name, value in data.attrs.items()},
     }
-    write_record(folder, item.name, depends, files, told)
+    write_entry(folder, item.name, depends, files, told)
     return "done", told
 
 
 def _claim(item: Item, check_of: Callable[..., Any], folder: Path) -> tuple[str, dict[str, Any]]:
     check, judge = check_of(item.name)
     depends = basis(check.compute)
-    kept = read_record(folder, item.name, depends)
+    kept = read_entry(folder, item.name, depends)
     if kept is not None:
         return "kept", kept
     row, told = _watched(judge)
     told |= {"row": row}
-    write_record(folder, item.name, depends, [], told)
+    write_entry(folder, item.name, depends, [], told)
     return "done", told
 
 

@@ -9,9 +9,9 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from nonsmooth.chapter.hands import Hand, Hands
+from nonsmooth.chapter.entries import ENTRIES, remove_drafts
 from nonsmooth.chapter.items import Item
-from nonsmooth.chapter.records import RECORDS, remove_drafts
+from nonsmooth.chapter.workers import Worker, Workers
 from nonsmooth.simulation.crew import check_threads, run_tasks
 from nonsmooth.simulation.store_lock import lock, unlock
 
@@ -88,8 +88,8 @@ def run_items(
     """
     most = min(_MOST, check_threads(None)) if processes is None else check_threads(processes)
     count = max(1, min(most, len(groups)))
-    (folder / RECORDS).mkdir(parents=True, exist_ok=True)
-    handle = lock(folder / RECORDS / "lock")
+    (folder / ENTRIES).mkdir(parents=True, exist_ok=True)
+    handle = lock(folder / ENTRIES / "lock")
     outcome = Outcome()
 
     def keep(_: int, told: list[dict[str, Any]]) -> None:
@@ -97,10 +97,10 @@ def run_items(
 
     try:
         remove_drafts(folder)
-        with Hands(folder, several=count > 1) as hands:
-            tasks = [partial(_do_group, hands, list(group)) for group in groups]
+        with Workers(folder, several=count > 1) as workers:
+            tasks = [partial(_do_group, workers, list(group)) for group in groups]
             outcome.complete = run_tasks(
-                tasks, hands.take, threads=count, label=label, keep=keep
+                tasks, workers.take, threads=count, label=label, keep=keep
             )  # fmt: skip
         remove_drafts(folder)
     finally:
@@ -109,6 +109,6 @@ def run_items(
 
 
 def _do_group(
-    hands: Hands, items: list[Item], hand: Hand, stop: threading.Event
+    workers: Workers, items: list[Item], worker: Worker, stop: threading.Event
 ) -> list[dict[str, Any]]:
-    return hands.do(hand, items, stop)
+    return workers.do(worker, items, stop)

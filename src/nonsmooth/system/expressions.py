@@ -74,7 +74,11 @@ class Call:
         return self.function == other.function and self.arguments == other.arguments
 
     def __reduce__(self) -> tuple[type[Call], tuple[str, tuple[Expression, ...], int]]:
-        return Call, (self.function, self.arguments, self.at)  # hashes of texts are those of a process
+        return Call, (
+            self.function,
+            self.arguments,
+            self.at,
+        )  # hashes of texts are those of a process
 
     def text(self) -> str:
         """The text of the node, without parentheses around it."""

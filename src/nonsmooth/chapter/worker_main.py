@@ -1,4 +1,4 @@
-"""A process that computes items of the chapter: ``python -m nonsmooth.chapter.worker FOLDER``.
+"""A process that computes items of the chapter: ``python -m nonsmooth.chapter.worker_main FOLDER``.
 
 It reads one item a line from its input and answers each with one line. Ctrl-C is the business of
 the process that started it; it ends when its input does.

@@ -18,12 +18,12 @@ from nonsmooth.chapter.items import Item
 from nonsmooth.errors import RunError
 from nonsmooth.simulation.crew import Stopped
 
-__all__ = ["Hand", "Hands"]
+__all__ = ["Worker", "Workers"]
 
 _ATTENTION = 0.05  # seconds after which a wish to stop is noticed
 
 
-class Hand:
+class Worker:
     """One process and what it is asked; started anew where it came to its end.
 
     Parameters
@@ -33,7 +33,7 @@ class Hand:
 
     Examples
     --------
-    >>> Hand(Path("results")).process is None
+    >>> Worker(Path("results")).process is None
     True
     """
 
@@ -99,7 +99,7 @@ class Hand:
             apart = {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}
         paths = os.pathsep.join(path or os.getcwd() for path in sys.path)
         self.process = subprocess.Popen(
-            [sys.executable, "-m", "nonsmooth.chapter.worker", str(self.folder)],
+            [sys.executable, "-m", "nonsmooth.chapter.worker_main", str(self.folder)],
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, encoding="utf-8",
             env=os.environ | {"PYTHONPATH": paths, "MPLBACKEND": "Agg"}, **apart,
         )  # fmt: skip
@@ -117,7 +117,7 @@ def _read(stream: Any, lines: SimpleQueue[str]) -> None:
     lines.put("")
 
 
-class Hands:
+class Workers:
     """All processes of a run, ended together.
 
     Parameters
@@ -130,36 +130,38 @@ class Hands:
 
     Examples
     --------
-    >>> with Hands(Path("results"), several=False) as hands:
-    ...     hand = hands.take()
+    >>> with Workers(Path("results"), several=False) as workers:
+    ...     worker = workers.take()
     """
 
     def __init__(self, folder: Path, *, several: bool) -> None:
         self._folder = folder
         self._cold = several
         self._lock = threading.Lock()
-        self._all: list[Hand] = []
+        self._all: list[Worker] = []
 
-    def take(self) -> Hand:
+    def take(self) -> Worker:
         """One process more, which starts with its first item."""
-        hand = Hand(self._folder)
-        self._all.append(hand)
-        return hand
+        worker = Worker(self._folder)
+        self._all.append(worker)
+        return worker
 
-    def do(self, hand: Hand, items: Sequence[Item], stop: threading.Event) -> list[dict[str, Any]]:
+    def do(
+        self, worker: Worker, items: Sequence[Item], stop: threading.Event
+    ) -> list[dict[str, Any]]:
         """Results of items that one process computes in turn, as they may share what they need."""
         while not self._lock.acquire(timeout=_ATTENTION):
             if stop.is_set():
                 raise Stopped
         try:
             if self._cold:
-                hand.warm_up(stop)
+                worker.warm_up(stop)
                 self._cold = False
         finally:
             self._lock.release()
-        return [hand.do(item, stop) for item in items]
+        return [worker.do(item, stop) for item in items]
 
-    def __enter__(self) -> Hands:
+    def __enter__(self) -> Workers:
         return self
 
     def __exit__(
@@ -168,5 +170,5 @@ class Hands:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        for hand in self._all:
-            hand.close()
+        for worker in self._all:
+            worker.close()

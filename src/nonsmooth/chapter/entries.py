@@ -1,7 +1,7 @@
-"""What of the chapter is done in a folder: a record for each figure and each claim.
+"""What of the chapter is done in a folder: an entry for each figure and each claim.
 
-A record says what the result depends on, and of a figure the digests of its files. It is written
-last, so what has a record is whole unless somebody changed it later, which the digests tell.
+An entry says what the result depends on, and of a figure the digests of its files. It is written
+last, so what has an entry is whole unless somebody changed it later, which the digests tell.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from nonsmooth.chapter.code_version import code_version, library_versions
 from nonsmooth.chapter.files import plain
 from nonsmooth.files import replacing
 
-__all__ = ["RECORDS", "basis", "read_record", "remove_drafts", "write_record"]
+__all__ = ["ENTRIES", "basis", "read_entry", "remove_drafts", "write_entry"]
 
-RECORDS = "records"  # folder of them, within that of the results
+ENTRIES = "entries"  # folder of them, within that of the results
 _DRAFT = re.compile(r"\.[\w-]+\.\d+\.(png|pdf|nc|json|html)")  # see `replacing`
 
 
@@ -50,7 +50,7 @@ def basis(function: Callable[..., Any]) -> dict[str, Any]:
     }
 
 
-def write_record(
+def write_entry(
     folder: Path, name: str, depends: dict[str, Any], files: Sequence[Path], told: dict[str, Any]
 ) -> None:
     """Say that something is done.
@@ -72,23 +72,23 @@ def write_record(
     --------
     >>> import tempfile
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_record(Path(folder), "M03", {}, [], {"verdict": "differs"})
-    ...     read_record(Path(folder), "M03", {})["verdict"]
+    ...     write_entry(Path(folder), "M03", {}, [], {"verdict": "differs"})
+    ...     read_entry(Path(folder), "M03", {})["verdict"]
     'differs'
     """
-    record = {
+    entry = {
         "name": name,
         "basis": depends,
         "files": {path.name: _digest(path) for path in files},
         "told": plain(told),
     }
-    place = folder / RECORDS
+    place = folder / ENTRIES
     place.mkdir(exist_ok=True)
     with replacing(place / f"{name}.json") as draft:
-        draft.write_text(json.dumps(record, indent=1, ensure_ascii=False), encoding="utf-8")
+        draft.write_text(json.dumps(entry, indent=1, ensure_ascii=False), encoding="utf-8")
 
 
-def read_record(folder: Path, name: str, depends: dict[str, Any]) -> dict[str, Any] | None:
+def read_entry(folder: Path, name: str, depends: dict[str, Any]) -> dict[str, Any] | None:
     """What was kept beside a result, None where it has to be computed.
 
     Parameters
@@ -103,19 +103,19 @@ def read_record(folder: Path, name: str, depends: dict[str, Any]) -> dict[str, A
     Returns
     -------
     dict or None
-        None without a record, for another basis, and where a file is missing or changed.
+        None without an entry, for another basis, and where a file is missing or changed.
 
     Examples
     --------
-    >>> read_record(Path("nowhere"), "M03", {})
+    >>> read_entry(Path("nowhere"), "M03", {})
     """
     try:
-        record = json.loads((folder / RECORDS / f"{name}.json").read_text(encoding="utf-8"))
-        whole = record["name"] == name and record["basis"] == depends
+        entry = json.loads((folder / ENTRIES / f"{name}.json").read_text(encoding="utf-8"))
+        whole = entry["name"] == name and entry["basis"] == depends
         if whole and all(
-            _digest(folder / file) == digest for file, digest in record["files"].items()
+            _digest(folder / file) == digest for file, digest in entry["files"].items()
         ):
-            told: dict[str, Any] = record["told"]
+            told: dict[str, Any] = entry["told"]
             return told
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         pass  # damaged, or of another kind: computed again
@@ -134,7 +134,7 @@ def remove_drafts(folder: Path) -> None:
     --------
     >>> remove_drafts(Path("nowhere"))
     """
-    for place in (folder, folder / RECORDS):
+    for place in (folder, folder / ENTRIES):
         if place.is_dir():
             for path in place.iterdir():
                 if _DRAFT.fullmatch(path.name):
