@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -98,6 +98,7 @@ def run_items(
     try:
         remove_drafts(folder)
         with Workers(folder, several=count > 1) as workers:
+            tasks: list[Callable[[Worker, threading.Event], list[dict[str, Any]]]]
             tasks = [partial(_do_group, workers, list(group)) for group in groups]
             outcome.complete = run_tasks(
                 tasks, workers.take, threads=count, label=label, keep=keep
