@@ -100,8 +100,10 @@ def run_items(
         with Workers(folder, several=count > 1) as workers:
             tasks: list[Callable[[Worker, threading.Event], list[dict[str, Any]]]]
             tasks = [partial(_do_group, workers, list(group)) for group in groups]
+            items = sum(len(group) for group in groups)
             outcome.complete = run_tasks(
-                tasks, workers.take, threads=count, label=label, keep=keep
+                tasks, workers.take, threads=count, label=label, keep=keep,
+                measure=lambda: (workers.finished, items),
             )  # fmt: skip
         remove_drafts(folder)
     finally:

@@ -139,6 +139,7 @@ class Workers:
         self._cold = several
         self._lock = threading.Lock()
         self._all: list[Worker] = []
+        self.finished = 0  # items, as a progress bar shows them
 
     def take(self) -> Worker:
         """One process more, which starts with its first item."""
@@ -159,7 +160,12 @@ class Workers:
                 self._cold = False
         finally:
             self._lock.release()
-        return [worker.do(item, stop) for item in items]
+        results = []
+        for item in items:
+            results.append(worker.do(item, stop))
+            with self._lock:
+                self.finished += 1
+        return results
 
     def __enter__(self) -> Workers:
         return self
