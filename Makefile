@@ -11,13 +11,16 @@ PIP_INSTALL = $(BIN)/python -m pip --disable-pip-version-check install --quiet -
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test check slow bench clean
+.PHONY: help demo chapter test check slow bench clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-7s %s\n", $$1, $$2 }' Makefile
 
 demo: $(INSTALLED) ## draw the chapter's demonstration into demo-output
 	$(BIN)/nonsmooth chapter demo --out demo-output
+
+chapter: $(INSTALLED) ## draw and judge the whole chapter into chapter-output/report.html
+	$(BIN)/nonsmooth chapter run --all --out chapter-output
 
 test: $(INSTALLED) ## run the tests and the examples in docstrings
 	$(BIN)/nonsmooth warmup
@@ -38,7 +41,7 @@ bench: $(INSTALLED_BENCHMARK) ## run the benchmarks
 	$(BIN)/python benchmarks
 
 clean: ## remove all that these targets made, .venv included
-	rm -rf $(VENV) build dist demo-output benchmark-output
+	rm -rf $(VENV) build dist demo-output chapter-output benchmark-output
 	rm -rf .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
