@@ -10,7 +10,7 @@ from sphinx.writers.html5 import HTML5Translator
 
 def converted(tex: str, block: bool) -> str:
     """MathML of a formula; primes as the sign for them, not as the apostrophe of the source."""
-    return tex2mathml(tex, as_block=block).replace("<mo>'</mo>", '<mo lspace="0">′</mo>')
+    return tex2mathml(tex, as_block=block).replace("<mo>'</mo>", '<mo lspace="0">&prime;</mo>')
 
 
 def visit_math(self: HTML5Translator, node: nodes.math) -> None:
