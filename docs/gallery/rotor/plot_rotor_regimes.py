@@ -12,7 +12,7 @@ import numpy as np
 import nonsmooth as ns
 
 rotor = ns.tie_parameters(ns.models.rotor(), {"delta_x": "delta", "delta_y": "delta"}, delta=0.05)
-grid = {"eta": np.linspace(1.8, 3.6, 19), "delta": np.linspace(0.0, 0.1, 5)}
-found = ns.regime_map(rotor, grid, transient=150, record=60, evidence=200, longest=400)
+grid = {"eta": np.linspace(1.8, 3.2, 15), "delta": np.linspace(0.0, 0.06, 4)}
+found = ns.regime_map(rotor, grid, transient=150, record=60, evidence=200, longest=300)
 ax = ns.plot.regime_map(found)
 ax.set_ylabel("preload in both directions")
