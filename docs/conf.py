@@ -23,9 +23,11 @@ extensions = [
     "backticks",
     "commands",
     "mathml",
+    "outside",
 ]
 exclude_patterns = ["_extensions", "_templates", "gallery"]
 templates_path = ["_templates"]
+smartquotes = False  # texts have the signs that they mean, such as -- of an option
 default_role = "public"  # of docstrings and gallery: see _extensions/backticks.py
 
 # ---------------------------------------------------------------- pages

@@ -1,4 +1,7 @@
-"""Single backticks in docstrings: a link where they name something public, code elsewhere."""
+"""Texts of docstrings: single backticks, and where their first sentence ends.
+
+Backticks are a link where they name something public, and code elsewhere.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +10,7 @@ from types import ModuleType
 from docutils import nodes
 from sphinx.addnodes import pending_xref
 from sphinx.application import Sphinx
+from sphinx.ext import autosummary
 from sphinx.util.docutils import SphinxRole
 
 import nonsmooth
@@ -60,4 +64,5 @@ class PublicName(SphinxRole):
 def setup(app: Sphinx) -> dict[str, bool]:
     """Register the role, which conf.py makes the default one."""
     app.add_role("public", PublicName())
+    autosummary.WELL_KNOWN_ABBREVIATIONS += ("Eq.", "Eqs.", "Fig.", "Figs.")  # no ends of sentences
     return {"parallel_read_safe": True, "parallel_write_safe": True}

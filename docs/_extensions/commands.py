@@ -33,19 +33,23 @@ class Commands(SphinxDirective):
     """The sections, in alphabetical order."""
 
     def run(self) -> list[nodes.Node]:
-        """Sections of all commands."""
-        return [section(*row) for row in sorted(commands(), key=lambda row: row[0])]
+        """What the program says of itself, and the sections of all commands."""
+        rows = sorted(commands(), key=lambda row: row[0])
+        return [*paragraphs(typer.main.get_command(program).help), *(section(*row) for row in rows)]
+
+
+def paragraphs(text: str | None) -> list[nodes.paragraph]:
+    """Paragraphs of a help text."""
+    return [nodes.paragraph("", " ".join(part.split())) for part in (text or "").split("\n\n")]
 
 
 def section(path: str, command: Any, context: Any) -> nodes.section:
     """What a command does, how it is called, its arguments and its options."""
     made = nodes.section(ids=[nodes.make_id(path)], names=[nodes.fully_normalize_name(path)])
     made += nodes.title(path, path)
-    for paragraph in (command.help or "").split("\n\n"):
-        made += nodes.paragraph("", " ".join(paragraph.split()))
+    made += paragraphs(command.help)
     usage = command.get_usage(context).removeprefix("Usage: ")
     made += nodes.literal_block(usage, usage, language="none")
-    # options that every command has are the group's own and stand at the top of the page
     records = [record for each in command.params if (record := each.get_help_record(context))]
     if records:
         made += _table(records)
