@@ -8,8 +8,8 @@ from types import ModuleType
 
 import pytest
 
-import nonsmooth
 from house.public import exported
+from house.test_exports import missing_sections
 from house.tree import ROOT
 
 REFERENCE = ROOT / "docs" / "reference"
@@ -101,6 +101,10 @@ def test_every_reference_page_is_reached():
     assert {name for name in contents if "/" not in name} == pages - {"index"}
 
 
-def test_the_package_itself_is_not_hidden():
-    """The lists above begin with it."""
-    assert nonsmooth.__version__ and "nonsmooth.__version__" in public_names()
+@pytest.mark.parametrize("name", BESIDE)
+def test_names_beside_the_others_are_documented_too(name):
+    """Their pages are made of docstrings as well."""
+    module = importlib.import_module(name)
+    assert inspect.getdoc(module)
+    faults = {inner: missing_sections(getattr(module, inner)) for inner in module.__all__}
+    assert not {inner: lacks for inner, lacks in faults.items() if lacks}
