@@ -67,6 +67,16 @@ def test_every_status_of_other_results_is_in_a_table():
     assert not sorted(word for word in found if f"`{word}` |" not in PAGE and word not in HEADINGS)
 
 
+def test_what_explain_says_is_quoted_as_it_says_it():
+    table = PAGE.split("## Before a run")[1].split("```")[0]
+    quoted = re.findall(r"`([^`]+)`", table.partition("|---|---|")[2])
+    said = (ROOT / "src" / "nonsmooth" / "system" / "explain.py").read_text(encoding="utf-8")
+    words = {status.word for status in Status}
+    parts = [phrase for phrase in quoted if phrase not in words]
+    assert len(parts) == 7
+    assert not [phrase for phrase in parts if phrase not in said]
+
+
 def test_what_the_page_shows_is_what_is_printed():
     shown = {line.rstrip() for line in PAGE.splitlines() if line.startswith("    ")}
     names: dict = {}
