@@ -38,7 +38,8 @@ bench: $(INSTALLED_BENCHMARK) ## run the benchmarks
 	$(BIN)/python benchmarks
 
 docs: $(INSTALLED_DOCS) ## build the documentation site into docs-output; a warning is an error
-	$(BIN)/sphinx-build -b html -d docs-output/doctrees -j auto -n -W --keep-going docs docs-output/html
+	$(BIN)/sphinx-build -b html -E -d docs-output/doctrees -j auto -n -W --keep-going docs \
+	    docs-output/html
 
 clean: ## remove all that these targets made, .venv included
 	rm -rf $(VENV) build dist demo-output benchmark-output docs-output
