@@ -11,7 +11,7 @@ import numpy as np
 
 import nonsmooth as ns
 
-speeds = np.linspace(2.0, 4.0, 81)
+speeds = np.linspace(2.0, 4.0, 61)
 spectra = ns.waterfall(
     ns.models.rotor(), "eta", speeds, ("x", "y"), start="follow up", transient=100
 )
