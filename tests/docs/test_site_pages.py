@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 DOCS = Path(__file__).parents[2] / "docs"
-FOLDERS = ("tutorials", "how-to", "explanation")
+FOLDERS = ("tutorials", "how-to", "case-studies", "explanation")
 
 
 def contents(page: Path) -> list[str]:
