@@ -7,11 +7,12 @@ VENV := .venv
 BIN := $(VENV)/bin
 INSTALLED := $(VENV)/.installed-dev
 INSTALLED_BENCHMARK := $(VENV)/.installed-benchmark
+INSTALLED_DOCS := $(VENV)/.installed-docs
 PIP_INSTALL = $(BIN)/python -m pip --disable-pip-version-check install --quiet --editable
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo chapter test check slow bench clean
+.PHONY: help demo chapter test check slow bench docs clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-7s %s\n", $$1, $$2 }' Makefile
@@ -40,8 +41,13 @@ slow: $(INSTALLED) ## run the long checks
 bench: $(INSTALLED_BENCHMARK) ## run the benchmarks
 	$(BIN)/python benchmarks
 
+docs: $(INSTALLED_DOCS) ## build the documentation site into docs-output; a warning is an error
+	$(BIN)/sphinx-build -b html -E -d docs-output/doctrees -j auto -n -W --keep-going docs \
+	    docs-output/html
+
 clean: ## remove all that these targets made, .venv included
-	rm -rf $(VENV) build dist demo-output chapter-output benchmark-output
+	rm -rf $(VENV) build dist demo-output chapter-output benchmark-output docs-output
+	rm -rf docs/auto_gallery docs/reference/generated
 	rm -rf .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
@@ -62,4 +68,8 @@ $(INSTALLED): pyproject.toml
 
 $(INSTALLED_BENCHMARK): $(INSTALLED)
 	$(PIP_INSTALL) '.[benchmark]'
+	@touch $@
+
+$(INSTALLED_DOCS): $(INSTALLED)
+	$(PIP_INSTALL) '.[docs]'
 	@touch $@

@@ -1,9 +1,14 @@
 """Every block of the README and of the documentation runs, in order, page by page.
 
 A TOML block below the name of a file is that file. Commands that read CSV files find those that the
-first block of Python on their page writes.
+first block of Python on their page writes. Indented lines right below a block of Python are what it
+prints, as doctest compares it: spaces do not count, and ``...`` stands for anything. Pictures on
+pages of `DRAWN` are those that the blocks of the page save.
 """
 
+import contextlib
+import doctest
+import io
 import re
 from pathlib import Path
 
@@ -15,6 +20,7 @@ from nonsmooth.cli.app import app
 
 ROOT = Path(__file__).parents[2]
 EVERY_PAGE = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+DRAWN = {"tutorials", "case-studies", "explanation", "figures.md"}
 
 
 def pages(language: str):
@@ -36,13 +42,26 @@ def folder(page, tmp_path, monkeypatch):
     return tmp_path
 
 
+def printed_blocks(page: Path) -> list[tuple[str, str]]:
+    """Blocks of Python with what the page says that they print, if it does."""
+    shown = r"```python\n(.*?)```\n(?:\n((?: {4}[^\n]*\n|\n)+))?"
+    return re.findall(shown, page.read_text() + "\n", re.S)
+
+
 @pages("python")
 def test_python_blocks_run(page, folder, recwarn):
     names = {}
-    for block in blocks(page, "python"):
-        exec(compile(block, page.name, "exec"), names)
+    checker = doctest.OutputChecker()
+    for block, shown in printed_blocks(page):
+        with contextlib.redirect_stdout(io.StringIO()) as stream:
+            exec(compile(block, page.name, "exec"), names)
+        told, rules = stream.getvalue(), doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
+        assert not shown or checker.check_output(shown, told, rules), f"{block}\nprints\n\n{told}"
     plt.close("all")
     assert not [str(warning.message) for warning in recwarn]
+    if DRAWN & {page.parent.name, page.name}:
+        for picture in re.findall(r"!\[[^]]*\]\([^)]*/([^)/]+)\)", page.read_text()):
+            assert (folder / picture).exists(), f"{page.name}: no block saves {picture}"
 
 
 @pages("sh")
