@@ -11,7 +11,7 @@ MADE = "auto_gallery/index"  # when the site is built
 
 
 def contents(folder: str) -> list[str]:
-    """Names in the tables of contents of the index of a folder; those elsewhere begin with ``../``."""
+    """Names in the tables of contents of a folder; those of other folders begin with ``../``."""
     text = (DOCS / folder / "index.md").read_text(encoding="utf-8")
     tables = re.findall(r"```\{toctree\}\n(.*?)```", text, re.S)
     lines = [line.strip() for table in tables for line in table.splitlines()]
