@@ -103,7 +103,8 @@ def simulate(
         ``event``, one row per instant: ``event_time``, ``event_name``, ``event_kind``
         (start, switch, impact, corner, graze, slide_entry, slide_exit, stick, chatter,
         release), ``event_from``, ``event_to``, ``event_path``, ``event_count``,
-        ``guard_rate``, ``certified``, ``state_before`` and ``state_after``; nothing over ``event`` with ``events=False``. With ``tangent``:
+        ``guard_rate``, ``certified``, ``state_before`` and ``state_after``; nothing over
+        ``event`` with ``events=False``. With ``tangent``:
         ``tangent (time, state, state_0)``, the derivatives by the initial states, and
         ``sensitivity (time, state, parameter_0)``, those by parameters, both at a fixed
         time and just before an event that falls on a sample. Attributes: ``status``
