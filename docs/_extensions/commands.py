@@ -46,7 +46,8 @@ def paragraphs(text: str | None) -> list[nodes.paragraph]:
 def section(path: str, command: Any, context: Any) -> nodes.section:
     """What a command does, how it is called, its arguments and its options."""
     made = nodes.section(ids=[nodes.make_id(path)], names=[nodes.fully_normalize_name(path)])
-    made += nodes.title(path, path)
+    title = path.partition(" ")[2]
+    made += nodes.title(title, title)
     made += paragraphs(command.help)
     usage = command.get_usage(context).removeprefix("Usage: ")
     made += nodes.literal_block(usage, usage, language="none")
