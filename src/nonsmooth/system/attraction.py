@@ -43,7 +43,9 @@ def may_attract(rates: Sequence[Expression]) -> bool:
             pairs.append(i)
     if not pairs:
         return False
-    return _Search(tape, points, values[:, :_STARTS], pairs).finds_signs()
+    # a search that runs out of the numbers finds nothing
+    with np.errstate(over="ignore", invalid="ignore"):
+        return _Search(tape, points, values[:, :_STARTS], pairs).finds_signs()
 
 
 class _Search:
