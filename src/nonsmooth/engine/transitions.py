@@ -86,7 +86,8 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
     # rows of Taylor modes hold at one point only, so there the free directions go along
     curved = tables.sizes[6] > 0
     first_mode, first_exit = m, e
-    visited = 1 << m
+    visited = segment.visited
+    _visit_only(visited, m)
     path, passes, jumped, corner = 0, 0, False, False
     jumping = 0  # bits of the slaved states that a reset has let jump onto their relations
     stay, first_rate = NEVER, 0.0
@@ -121,7 +122,7 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
             # what the target slaves is put on its relation anyway: naming it is no jump by itself
             slaved = wiring[target, 0, at.SLAVED]
             if (resetting & ~slaved) != 0:
-                visited = 0  # without a jump no mode may return
+                visited[:] = 0  # without a jump no mode may return
             jumped = jumped or (resetting & ~(wiring[m, 0, at.SLAVED] & slaved)) != 0
             # cells settle after a reset: what it lets jump goes on until one of them holds
             if resetting != 0 or tables.families[target] != tables.families[m]:
@@ -134,21 +135,30 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
                 status = _UNDECIDED if failed else _INADMISSIBLE
                 return status, target, path, passes, jumped, corner, stay
             before, m = m, target
-            if (visited >> m) & 1:
+            if visited[m] != 0:
                 # cells of one mode hand over in a circle where several surfaces meet
                 slides = tables.families[before] == tables.families[m] and jumping == 0
                 meeting = _meeting(tables, m, z, segment.extent, visited) if slides else -1
                 if meeting >= 0:
-                    e, visited = meeting, visited | 1 << m
+                    e = meeting
                     continue
+                cell = -1
+                if slides:
+                    cell = _cell_that_holds(tables, rates, segment, duration, tolerance)
+                if cell >= 0:
+                    if carrying:
+                        relate_columns(tables, rates, segment, tangent, cell)
+                    if carrying and first_exit >= 0:
+                        end_saltation(tables, segment, tangent, cell)
+                    return _COMPLETED, cell, path, passes, jumped, True, stay
                 if slides or not _moved(n, z, segment.mark, segment.extent):
                     status = _SLIDING if slides else _UNDECIDED
                     return status, m, path, passes, jumped, corner, stay
-                visited = 0  # slaved states have jumped on the way
+                visited[:] = 0  # slaved states have jumped on the way
                 copy_vector(z, segment.mark, n)
             if passes > (_MOST_REBOUNDS if rebounds else _MOST_PASSES):
                 return _EVENT_LIMIT, m, path, passes, jumped, corner, stay
-            visited |= 1 << m
+            visited[m] = 1
             followed = curved
             if rebounds:
                 if at.has_code(tables.code_rows, m):
@@ -181,7 +191,7 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
                 end_saltation(tables, segment, tangent, m)
             return _COMPLETED, m, path, passes, jumped, corner, stay
         if passes == 0 and wiring[m, 1 + e, at.ONTO] == e:
-            visited = 0  # a start that is not held goes back to where it was looked for
+            visited[:] = 0  # a start that is not held goes back to where it was looked for
         e = _onto_surface(wiring, m, e, visited)
         if passes > 0 and e < wiring[m, 0, at.N_EXITS]:
             # a second surface at the same instant is met as exactly as the first one
@@ -300,7 +310,42 @@ def _onto_surface(wiring, m, e, visited):
     onto, target = wiring[m, 1 + e, at.ONTO], wiring[m, 1 + e, at.TARGET]
     if onto < 0 or target < 0 or wiring[m, 1 + e, at.RESETTING] != 0:
         return e
-    return onto if (visited >> target) & 1 else e
+    return onto if visited[target] != 0 else e
+
+
+@kernel
+def _visit_only(visited, m):
+    for k in range(visited.size):
+        visited[k] = 0
+    visited[m] = 1
+
+
+@kernel
+def _cell_that_holds(tables, rates, segment, duration, tolerance):
+    """The visited cell into which the motion leads when guards near zero count as zero, or -1.
+
+    Cells hand over in a circle where surfaces that are the same but for rounding are crossed: each
+    guard is a little on the wrong side in the one or the other. Rates tell which cell it is.
+    """
+    n, affine, wiring, z = tables.sizes[0], tables.affine, tables.wiring, segment.z
+    extent, scale, order = segment.extent, segment.scale, segment.order
+    for m in range(wiring.shape[0]):
+        if segment.visited[m] == 0:
+            continue
+        if wiring[m, 0, at.IMPLICIT] != 0 and not settle(tables, rates, segment, m):
+            continue
+        linearise_mode(tables, rates, segment, m)
+        if at.has_code(tables.code_rows, m):
+            _differentiate(tables, rates, segment, m)
+        fill_extent(n, affine, wiring, m, z, extent)
+        fill_scale(n, tables.generator, affine, wiring, m, z, duration, scale)
+        holds = True
+        for g in range(wiring[m, 0, at.N_EXITS]):
+            order[g] = 1 if _nearly_zero(affine, m, g, z, extent, scale) else 0
+            holds = holds and not _must_fire(affine, m, g, z, extent, order, tolerance)
+        if holds:
+            return m
+    return -1
 
 
 @kernel
@@ -309,7 +354,7 @@ def _meeting(tables, m, z, extent, visited):
     n, wiring, found, most = tables.sizes[0], tables.wiring, -1, 1
     for e in range(wiring[m, 0, at.N_EXITS], wiring[m, 0, at.N_WAYS]):
         target = wiring[m, 1 + e, at.TARGET]
-        if wiring[m, 1 + e, at.RESETTING] != 0 or (visited >> target) & 1:
+        if wiring[m, 1 + e, at.RESETTING] != 0 or visited[target] != 0:
             continue
         more = count_bits(wiring[target, 0, at.SLAVED] & ~wiring[m, 0, at.SLAVED])
         if more > most and slaved_agree(

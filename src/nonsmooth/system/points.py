@@ -1,4 +1,4 @@
-"""Random points at which expressions are compared, side by side, and how they come onto surfaces."""
+"""Random points at which expressions are compared, and how they come onto surfaces."""
 
 from __future__ import annotations
 

@@ -194,7 +194,6 @@ def _stops(
     slope: Expression,
 ) -> bool:
     """Whether jumps vanish where guard and rate do."""
-
     for _ in range(2):  # once would do, but for a rate that is not linear
         speed, steepness = points.values([rate, slope])
         points.able &= np.isfinite(speed) & np.isfinite(steepness) & (steepness != 0.0)
