@@ -464,14 +464,22 @@ def _kind_of(wiring, before, after, jumped, corner, stay):
         return _CHATTER if stay > 0.0 else _STICK
     if on_before == at.RESTING and on_after != at.RESTING and not jumped:
         return _RELEASE
-    held_before = count_bits(wiring[before, 0, at.SLAVED]) if on_before == at.SLIDES else 0
-    held_after = count_bits(wiring[after, 0, at.SLAVED]) if on_after == at.SLIDES else 0
-    if on_after == at.SLIDES and held_after > held_before and not jumped:
-        return _SLIDE_ENTRY  # onto a second surface too
-    leaves = on_before == at.SLIDES and on_after != at.RESTING
-    if leaves and held_after < held_before and not jumped:
-        return _SLIDE_EXIT
+    if not jumped and (on_before == at.SLIDES or on_after == at.SLIDES):
+        # along one surface more, or one less
+        more = _surfaces_held(wiring, after) - _surfaces_held(wiring, before)
+        if more > 0:
+            return _SLIDE_ENTRY
+        if more < 0 and on_after != at.RESTING:
+            return _SLIDE_EXIT
     return _CORNER if corner else (_IMPACT if jumped else _SWITCH)
+
+
+@kernel
+def _surfaces_held(wiring, m):
+    """Number of surfaces along which a cell slides, or none."""
+    if wiring[m, 0, at.KIND] != at.SLIDES:
+        return 0
+    return max(1, count_bits(wiring[m, 0, at.SLAVED]))
 
 
 @kernel
