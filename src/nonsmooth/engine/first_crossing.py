@@ -99,6 +99,7 @@ def first_crossing(tables, segment, m, start, length):
                 return s, which, UNCERTAIN
             if (lands >> which) & 1 and _alone(scan, n_exits, which, length):
                 s = scan[which, at.LATEST]
+                scan[which, 1] = _rate_of_polynomial(scan, which, s)
                 advance_once(tables, segment, m, s)
                 return s, which, CERTIFIED
             if scan[which, at.LATEST] < _FAR and _alone(scan, n_exits, which, length - s):
@@ -197,6 +198,12 @@ def _landing(scan, g, reach):
     for _ in range(_LANDING_STEPS):
         u = -(a1 + u * u * (a3 + u * (a4 + u * a5))) / a2
     return u
+
+
+@kernel
+def _rate_of_polynomial(scan, g, u):
+    a1, a2, a3, a4, a5 = scan[g, 1], scan[g, 2], scan[g, 3], scan[g, 4], scan[g, 5]
+    return a1 + u * (2.0 * a2 + u * (3.0 * a3 + u * (4.0 * a4 + u * 5.0 * a5)))
 
 
 @kernel
