@@ -31,8 +31,8 @@ if TYPE_CHECKING:
 
 __all__ = ["MOST_MODES", "Structure"]
 
-MOST_MODES = 200  # cells counted one by one
-MOST_EXITS = 60  # of a mode: sets of them are bits of one integer
+MOST_MODES = 120  # cells counted one by one: results have their numbers in one byte
+_MOST_EXITS = 60  # of a cell: results have six bits for each exit of a path
 
 
 class Structure:
@@ -142,10 +142,10 @@ class Structure:
         running = {}
         for piece in pieces:
             name = piece.family.split.name_of(piece.cell)
-            if len(piece.equations.exits) > MOST_EXITS:
+            if len(piece.equations.exits) > _MOST_EXITS:
                 raise ModelError(
                     f"modes: {name} has {len(piece.equations.exits)} exits with those through its"
-                    f" surfaces and onto them; at most {MOST_EXITS} are supported"
+                    f" surfaces and onto them; at most {_MOST_EXITS} are supported"
                 )
             running[name] = ModeForms(
                 self.graph, piece, numbers, name=name, label=labels[id(piece.cell)]
