@@ -29,6 +29,7 @@ SHOWN = {
     "fig41": {"x", "period", "section_x", "section_vx"},
 }
 OF_MODEL = {  # quick ones without a run of the mole
+    "fig1": {"belt_x", "belt_side", "spring_v", "time"},
     "fig3b": {"penetration", "resistance", "mole_resistance", "rate"},
     "fig18": {"time", "time_49", "life", "crack"},
     "fig19": {"time", "time_49", "life", "crack"},
