@@ -648,7 +648,7 @@ def _agrees(n, affine, wiring, target, segment, jumping, fired, scaled, toleranc
             # the root of the fired guard leaves a little more than the tolerance
             allowed = max(tolerance, _CLEARLY) * (size + abs(before) + fired)
             for j in range(segment.z.size if scaled else 0):
-                allowed += _NOTHING * abs(affine[target, row, j]) * segment.scale[j]
+                allowed += _CLEARLY * abs(affine[target, row, j]) * segment.scale[j]
             if abs(value - before) > allowed:
                 return False
     return True
