@@ -48,7 +48,7 @@ OF_MODEL = {  # quick ones without a run of the mole
     "fig42": {"x", "y", "vx", "vy", "mode"},
 }
 LABELLED = {
-    "fig3b": "resistance",
+    "fig1": "belt_x", "fig3b": "resistance",
     "fig8": "y", "fig10": "a_simulated", "fig12": "label", "fig16": "base", "fig17": "base",
     "fig18": "time",
     "fig19": "time", "fig20": "time", "fig21": "crack", "fig22": "crack", "fig24": "X1",
