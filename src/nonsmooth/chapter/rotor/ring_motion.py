@@ -94,19 +94,22 @@ def _settled_start(system: System, transient: int, periods: int) -> tuple[dict[s
     one: how often, is the second result.
     """
     start: dict[str, float] = dict.fromkeys(system.states, 0.0)
-    left = transient
-    for begun_anew in range(_MOST_BEGUN):
+    left, begun_anew = transient, 0
+    while begun_anew < _MOST_BEGUN:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", RunWarning)
             run = simulate(
-                system, start, periods=left + periods, samples_per_period=1, events=False
+                system, start, periods=left or periods, samples_per_period=1, events=False
             )
-        if run.attrs["status"] == "completed":
-            return {name: float(run[name][left]) for name in system.states}, begun_anew
-        there = max(run.sizes["time"] - 3, 0)
+        whole = run.attrs["status"] == "completed"
+        if whole and not left:  # the run of the figure from this very start
+            return start, begun_anew
+        there = left if whole else max(run.sizes["time"] - 3, 0)
         start = {name: float(run[name][there]) for name in system.states}
-        start["vy"] += _ASIDE
         left = max(left - there, 0)
+        if not whole:
+            start["vy"] += _ASIDE
+            begun_anew += 1
     raise RunError(f"no {periods} periods of {system.name} without an end: {run.attrs['message']}")
 
 
