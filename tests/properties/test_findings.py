@@ -100,7 +100,7 @@ def test_an_impact_elsewhere_leaves_at_rest_what_is_at_rest():
     assert float(run["x"][-1]) == 0.0
 
 
-# ---------------------------------------------------------------- rest where more than one thing moves
+# ---------------------------------------------------------------- rest of several things
 
 
 def test_masses_that_meet_keep_their_momentum():
