@@ -41,7 +41,7 @@ def vanishes(
     sizes = table(sizes_of(tape, parts), COUNT)
     if beside:
         # points that are found by steps are left with what is small beside the sizes elsewhere
-        others = np.abs([Points().values(beside), points.values(beside)]).max(axis=(0, 1))
+        others = np.abs([Points().of(beside), points.of(beside)]).max(axis=(0, 1))
         sizes = np.maximum(sizes, others)
     able = points.able & np.isfinite(values).all(axis=0) & np.isfinite(sizes).all(axis=0)
     looked_at = np.flatnonzero(able)[:_ENOUGH]
