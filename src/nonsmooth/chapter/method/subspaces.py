@@ -106,7 +106,11 @@ def _trajectories(system: System, starts: tuple[tuple[float, float], ...]) -> xr
     }
     side = np.array([sides[run["mode"].values] for run in runs])
     found[f"{system.name}_side"] = (("trajectory", "time"), side)
-    return xr.Dataset(found, {"time": times})
+    words = {"x": "displacement", "v": "velocity", "side": "side of the surface, 0 on it"}
+    data = xr.Dataset(found, {"time": times})
+    for name in data.data_vars:
+        data[name].attrs["long_name"] = words[str(name).rpartition("_")[2]]
+    return data
 
 
 def _draw(ax: Axes, data: xr.Dataset, name: str, count: int) -> None:
