@@ -159,7 +159,9 @@ def _spiral(rate: float, turn: float) -> ns.System:
     )
 
 
-@pytest.mark.parametrize(("rate", "turn"), [(0.9999, 0.7), (0.9999, 2 * np.pi / 7)])
+@pytest.mark.parametrize(
+    ("rate", "turn"), [(0.9999, 0.7), pytest.param(0.9999, 2 * np.pi / 7, marks=pytest.mark.slow)]
+)
 def test_the_slow_way_to_a_fixed_point_is_no_attractor(rate: float, turn: float) -> None:
     found = ns.attractors(
         _spiral(rate, turn), {"x": (-1, 1), "y": (-1, 1)}, samples=12, record=4000, longest=4000
@@ -268,6 +270,7 @@ def test_a_state_that_begins_as_one_has_a_unit() -> None:
     assert float(found["residual"][0]) < 1e-9
 
 
+@pytest.mark.slow
 def test_slow_motions_are_no_cycles() -> None:
     """x goes to +-1 by a hundred thousandth of its distance in each step."""
     slow = ns.System(

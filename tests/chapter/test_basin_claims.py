@@ -29,6 +29,7 @@ def found_periods(route):
     return sorted(each["period"] for each in route["attractors"])
 
 
+@pytest.mark.slow
 def test_routes_agree_on_few_starts():
     """Recurrences on seven sections and plain runs: the same three motions, and a verdict."""
     evidence = _checks()["M52"].compute(samples=300, runs=300, dropped=600)
@@ -151,6 +152,7 @@ def test_numbers_belong_to_kinds():
     assert found["label"].values.tolist() == [[12, 2, 1], [3, 13, 0]]
 
 
+@pytest.mark.slow
 def test_figure_on_a_small_grid():
     """Six panels, each with its motions in words and a letter; one number is one kind."""
     figure, data = fig12(cells=12, samples=300)

@@ -20,13 +20,20 @@ from nonsmooth.cli.app import app
 
 ROOT = Path(__file__).parents[2]
 EVERY_PAGE = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+LONG = {"chapter.md"}  # takes minutes
 DRAWN = {"tutorials", "case-studies", "explanation", "figures.md"}
 
 
 def pages(language: str):
     """Pages with a block of a language, for parametrisation."""
     found = [path for path in EVERY_PAGE if f"```{language}\n" in path.read_text()]
-    return pytest.mark.parametrize("page", found, ids=lambda page: page.name)
+    return pytest.mark.parametrize(
+        "page",
+        [
+            pytest.param(page, id=page.name, marks=[pytest.mark.slow] * (page.name in LONG))
+            for page in found
+        ],
+    )
 
 
 def blocks(page: Path, language: str) -> list[str]:

@@ -87,7 +87,7 @@ def test_a_touch_belongs_to_the_run_that_reaches_it():
     assert events(first, second, left_out="start") == events(whole, left_out="start")
 
 
-@settings(max_examples=40)
+@settings(max_examples=15)
 @given(SEEDS, st.floats(0.01, 0.99), st.integers(1, 40))
 def test_random_systems_without_a_period(seed, share, samples):
     run, end = random_run(seed)

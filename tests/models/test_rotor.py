@@ -108,6 +108,7 @@ def test_analyses_take_starts_on_the_ring():
     assert float(points["x"][0]) == float(run["x"][-1])
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::nonsmooth.errors.RunWarning")
 def test_contacts_with_a_displaced_ring_are_on_the_least_energy():
     """Whatever the ring's place before: no other place at the gap's distance has less nearby."""
