@@ -127,7 +127,6 @@ def test_den_hartogs_motion_without_stops(omega, f):
 
 
 @pytest.mark.parametrize("omega", [0.7, 1.3])
-@pytest.mark.xfail(strict=True, reason="the branch does not name where sliding begins")
 def test_the_motion_begins_to_stop_where_friction_can_hold_it(omega):
     limit = limit_of_no_stop(omega)
     branch = ns.continue_orbit(
@@ -136,7 +135,7 @@ def test_the_motion_begins_to_stop_where_friction_can_hold_it(omega):
     special = dict(
         zip(branch["special_kind"].values.astype(str), branch["special_value"].values, strict=True)
     )
-    assert special["sliding"] == pytest.approx(limit, abs=1e-10)
+    assert special["crossing_sliding"] == pytest.approx(limit, abs=1e-10)
     just_below = ns.simulate(friction_oscillator(omega=omega, f=limit * (1 - 1e-4)), periods=600)
     above = ns.simulate(friction_oscillator(omega=omega, f=limit * (1 + 1e-2)), periods=600)
     period = just_below.attrs["period"]
