@@ -59,7 +59,6 @@ class Section:
         return text
 
 
-
 _KEPT = 8  # sections of one structure: large ones take megabytes
 _known: WeakKeyDictionary[Structure, dict[str, Section]] = WeakKeyDictionary()
 
