@@ -24,8 +24,9 @@ def strobes(kind, parameters, start, periods):
         flow, guards, leave = modes[mode]
         part = solve_ivp(flow, (t, times[-1]), z, events=guards, t_eval=times[done:], **TOLERANCES)
         assert part.status >= 0, part.message
-        rows[done : done + part.t.size] = part.y.T
-        done += part.t.size
+        if len(part.t):  # lists without entries where an event comes before all strobes
+            rows[done : done + len(part.t)] = part.y.T
+            done += len(part.t)
         if part.status == 0:
             break
         fired = next(i for i, found in enumerate(part.t_events) if len(found))

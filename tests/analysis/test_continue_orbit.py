@@ -67,6 +67,18 @@ def test_grazing_of_the_rigid_wall(omega, zeta, sigma):
     assert known == np.inf or abs(known) < 1.0  # from without a contact it stays inside
 
 
+def test_grazing_from_the_side_of_impacts():
+    """The impact loses its speed where the free motion reaches the wall; the log says which."""
+    system = rigid_wall(omega=3.2, zeta=0.02, sigma=0.1, F=1.0)
+    branch = ns.continue_orbit(
+        system, "omega", (3.2, 3.4), direction="up", word="free free", initial={"x": -0.1}
+    )
+    there = list(branch["special_kind"].values).index("grazing")
+    graze = float(branch["special_value"][there])
+    assert 0.1 * reach(graze, 0.02) == pytest.approx(1.0, rel=1e-12)
+    assert "touches 'impact' at its end" in str(branch["special_detail"].values[there])
+
+
 def test_from_a_graze_far_away():
     """The orbit grows by twenty times behind the graze of the rigid wall."""
     system = rigid_wall(omega=2.0, F=0.25)

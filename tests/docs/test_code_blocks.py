@@ -1,9 +1,14 @@
 """Every block of the README and of the documentation runs, in order, page by page.
 
 A TOML block below the name of a file is that file. Commands that read CSV files find those that the
-first block of Python on their page writes.
+first block of Python on their page writes. Indented lines right below a block of Python are what it
+prints, as doctest compares it: spaces do not count, and ``...`` stands for anything. Pictures on
+pages of `DRAWN` are those that the blocks of the page save.
 """
 
+import contextlib
+import doctest
+import io
 import re
 from pathlib import Path
 
@@ -15,6 +20,7 @@ from nonsmooth.cli.app import app
 
 ROOT = Path(__file__).parents[2]
 EVERY_PAGE = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+DRAWN = {"tutorials", "case-studies", "explanation", "figures.md"}
 
 
 def pages(language: str):
@@ -33,16 +39,29 @@ def folder(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for name, text in re.findall(r"`([\w.-]+)`:\n```toml\n(.*?)```", page.read_text(), re.S):
         (tmp_path / name).write_text(text)
-    return tmp_path
+    yield tmp_path
+    plt.close("all")
+
+
+def printed_blocks(page: Path) -> list[tuple[str, str]]:
+    """Blocks of Python with what the page says that they print, if it does."""
+    shown = r"```python\n(.*?)```\n(?:\n((?: {4}[^\n]*\n|\n)+))?"
+    return re.findall(shown, page.read_text() + "\n", re.S)
 
 
 @pages("python")
 def test_python_blocks_run(page, folder, recwarn):
     names = {}
-    for block in blocks(page, "python"):
-        exec(compile(block, page.name, "exec"), names)
-    plt.close("all")
+    checker = doctest.OutputChecker()
+    for block, shown in printed_blocks(page):
+        with contextlib.redirect_stdout(io.StringIO()) as stream:
+            exec(compile(block, page.name, "exec"), names)
+        told, rules = stream.getvalue(), doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
+        assert not shown or checker.check_output(shown, told, rules), f"{block}\nprints\n\n{told}"
     assert not [str(warning.message) for warning in recwarn]
+    if DRAWN & {page.parent.name, page.name}:
+        for picture in re.findall(r"!\[[^]]*\]\([^)]*/([^)/]+)\)", page.read_text()):
+            assert (folder / picture).exists(), f"{page.name}: no block saves {picture}"
 
 
 @pages("sh")
@@ -69,7 +88,16 @@ def test_what_explain_prints_is_shown(tmp_path):
     assert re.sub("^    ", "", shown, flags=re.M) in told
 
 
+def anchors(page: Path) -> set[str]:
+    """Names of the headings of a page, as forges and Sphinx make them."""
+    text = re.sub(r"```.*?```", "", page.read_text(), flags=re.S)
+    titles = re.findall(r"^#+ (.*)$", text, re.M)
+    return {re.sub(r"[^\w\- ]", "", title.lower()).replace(" ", "-") for title in titles}
+
+
 @pytest.mark.parametrize("page", sorted(ROOT.glob("*.md")) + sorted((ROOT / "docs").rglob("*.md")))
 def test_links_lead_somewhere(page):
-    for target in re.findall(r"\]\(([^)#:]+)\)", page.read_text()):
-        assert (page.parent / target).exists(), f"{page.name}: {target}"
+    for target, heading in re.findall(r"\]\(([^)#:]*)(?:#([^)]*))?\)", page.read_text()):
+        there = page.parent / target if target else page
+        assert there.exists(), f"{page.name}: {target}"
+        assert not heading or heading in anchors(there), f"{page.name}: {target}#{heading}"

@@ -141,8 +141,8 @@ def regime(
         lie within 5 % of an earlier one. So motions that come to rest slowly, grow or travel are
         ``unsettled``, and so are cycles that are long beside a window; a longer ``period`` helps.
     ``absorbed``
-        Impacts accumulate, or an exit to 'stop' ends the run. However chaotic the motion was
-        before, it has no exponent.
+        Impacts accumulate and no exit sticks, or an exit to 'stop' ends the run. However chaotic
+        the motion was before, it has no exponent.
     ``diverged`` and other words of `simulate`
         The run ended early in that way.
     ``unsettled``

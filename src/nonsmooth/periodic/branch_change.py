@@ -141,7 +141,7 @@ def _detail(stretch: Stretch, name: str, start: BranchStart, point: Point) -> st
     exits = system.compiled.exit_names
     what = {
         "graze": f"leg {k + 1} ({mode})",
-        "rate": f"leg {k + 1} ({mode})",
+        "rate": f"leg {k + 1} ({mode}) touches {word.exit_text(system, k)!r} at its end",
         "short": f"leg {k + 1} ({mode}) vanishes",
         "leg": f"leg {k + 1} ({mode}) vanishes",
         "gain": f"a leg appears behind leg {k + 1} ({mode})",

@@ -105,7 +105,8 @@ def _ranks(events: Floats) -> npt.NDArray[np.int64]:
 def _eigenvalues(products: Floats, free: npt.NDArray[np.bool_]) -> Complexes:
     """Eigenvalues of a product of matrices, the first one applied first, on the free states."""
     n, size = free.size, int(free.sum())
-    frame = np.eye(n)[:, free]
+    # columns that are picked lie one behind the other: another layout compiles the kernel again
+    frame = np.ascontiguousarray(np.eye(n)[:, free])
     start, triangle = np.zeros_like(frame), np.zeros((size, size))
     if size == 0:
         return np.zeros(0, complex)

@@ -20,7 +20,7 @@ from nonsmooth.plot.branch_curves import (
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.legible import cut_axis
 from nonsmooth.plot.special_points import mark_special_points, special_points
-from nonsmooth.plot.style import LINES, PALETTE, axis_label, finish_axes, place_legend
+from nonsmooth.plot.style import LINES, PALETTE, axis_label, finish_axes, place_legend, wrapped
 from nonsmooth.plot.trace import DENSE, broken
 
 if TYPE_CHECKING:
@@ -252,4 +252,4 @@ def _draw_diagram(diagram: xr.Dataset, branch: xr.Dataset, x: str | None, y: str
         rasterized=np.count_nonzero(shown) > DENSE, label=_BEHIND, gid="diagram",
     )  # fmt: skip
     if not ax.get_ylabel():
-        ax.set_ylabel(axis_label(diagram[y]))
+        ax.set_ylabel(wrapped(axis_label(diagram[y])))

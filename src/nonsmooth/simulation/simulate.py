@@ -101,9 +101,10 @@ def simulate(
     xarray.Dataset
         Over ``time``: every state, output and slow parameter by name, and ``mode``. Over
         ``event``, one row per instant: ``event_time``, ``event_name``, ``event_kind``
-        (start, switch, impact, corner, graze), ``event_from``, ``event_to``,
-        ``event_path``, ``guard_rate``, ``certified``, ``state_before`` and
-        ``state_after``; nothing over ``event`` with ``events=False``. With ``tangent``:
+        (start, switch, impact, corner, graze, slide_entry, slide_exit, stick, chatter,
+        release), ``event_from``, ``event_to``, ``event_path``, ``event_count``,
+        ``guard_rate``, ``certified``, ``state_before`` and ``state_after``; nothing over
+        ``event`` with ``events=False``. With ``tangent``:
         ``tangent (time, state, state_0)``, the derivatives by the initial states, and
         ``sensitivity (time, state, parameter_0)``, those by parameters, both at a fixed
         time and just before an event that falls on a sample. Attributes: ``status``
@@ -137,9 +138,9 @@ def simulate(
     rounding, and in a Taylor mode up to what the last terms of the series tell of the
     next: a tangency that they leave open is decided by the best guess, flagged in
     ``certified`` and counted in ``n_uncertain``. Where there is no Taylor series, at the
-    zero of a root for one, the run ends with status ``singular``; where both sides of a
-    switching surface point at it, with ``sliding``; where impacts accumulate, with
-    ``event_limit``.
+    zero of a root for one, the run ends with status ``singular``; where impacts accumulate
+    and no exit sticks, with ``event_limit``; where switching surfaces meet and no motion
+    along them is known, with ``sliding``.
 
     Parameters in the system's ``slow`` keep their value for a whole period; a sample at the
     end of a period is that before they change. Segments also end at the knots of signals,
