@@ -43,7 +43,7 @@ def vanishes(
     sizes = table(sizes_of(tape, parts), COUNT)
     if beside:
         # points that are found by steps are left with what is small beside the sizes elsewhere
-        others = np.abs([Points().values_of(beside), points.values_of(beside)]).max(axis=(0, 1))
+        others = np.abs([Points().of(beside), points.of(beside)]).max(axis=(0, 1))
         sizes = np.maximum(sizes, others)
     able = points.able & np.isfinite(values).all(axis=0) & np.isfinite(sizes).all(axis=0)
     looked_at = np.flatnonzero(able)[:_ENOUGH]

@@ -34,7 +34,7 @@ class Points(dict[str, Array]):
     def __missing__(self, name: str) -> Array:
         return _somewhere(name)
 
-    def values_of(self, nodes: Sequence[Expression]) -> Array:
+    def of(self, nodes: Sequence[Expression]) -> Array:
         """Values of expressions, a row for each; nan where they have none."""
         return table(ValueTape(nodes).values(self), COUNT)
 
@@ -60,7 +60,7 @@ def put_on(
     points = Points()
     if relations:
         states = list(relations)
-        points |= zip(states, points.values_of(list(relations.values())), strict=True)
+        points |= zip(states, points.of(list(relations.values())), strict=True)
         return points
     for node in nodes:
         points.able &= _moved(graph, node, points)

@@ -210,7 +210,7 @@ def _pivot(form: LinearForm, among: Collection[str]) -> State | None:
 
 def _proportional(factors: list[Expression]) -> bool:
     """Whether expressions of parameters have the same ratios for all values."""
-    rows = Points().values_of(factors)
+    rows = Points().of(factors)
     rows = rows[:, np.isfinite(rows).all(axis=0)]
     if not rows.shape[1] or not rows[0].all():
         return False

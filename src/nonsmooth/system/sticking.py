@@ -195,7 +195,7 @@ def _stops(
 ) -> bool:
     """Whether jumps vanish where guard and rate do; ``points`` on the guard are moved there."""
     for _ in range(2):  # once would do, but for a rate that is not linear
-        speed, steepness = points.values_of([rate, slope])
+        speed, steepness = points.of([rate, slope])
         points.able &= np.isfinite(speed) & np.isfinite(steepness) & (steepness != 0.0)
         points[state] = points[state] - quotient_where(points.able, speed, steepness)
     sizes = [graph.one, *(graph.name(other) for other in jumps)]
