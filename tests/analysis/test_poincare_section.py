@@ -7,6 +7,7 @@ import xarray as xr
 from scipy.integrate import solve_ivp
 
 import nonsmooth as ns
+from nonsmooth.system.section import with_section
 
 section = ns.poincare_section
 
@@ -499,6 +500,27 @@ def test_a_start_later_than_zero():
     run = ns.simulate(forced, {"x": 0.3}, t_start=5.0, times=points["time"].values)
     np.testing.assert_allclose(run["x"], 0.0, atol=1e-14)
     np.testing.assert_allclose(run["v"], points["v"], atol=1e-13)
+
+
+def test_sections_of_one_system_do_not_depend_on_each_other():
+    """Each has the modes that it has in a system that was made for it alone."""
+    system = ns.models.percussive_drilling()
+    names = (*system.states, *system.outputs)
+    for name in names:
+        alone = with_section(ns.models.percussive_drilling(), f"{name} - 0.123")
+        found = with_section(system, f"{name} - 0.123")
+        assert list(found.system.modes) == list(alone.system.modes), name
+        assert found.side.tolist() == alone.side.tolist(), name
+    accelerations = with_section(system, "acceleration - 0.123")
+    assert {"flight__above", "progression__above", "stick"} <= set(accelerations.system.modes)
+
+
+def test_what_a_surface_keeps_crosses_nothing_on_it():
+    """The chip does not slip on the tool where it sticks, whatever its long rate looks like."""
+    slip = with_section(ns.models.metal_cutting(), "v_f - 0.1")
+    names = [forms.name for forms in slip.system.structure.running]
+    kept = [name for name, side in zip(names, slip.side, strict=True) if side == 0]
+    assert kept == [f"flow__{side}[+{v_r}0]" for side in ("above", "below") for v_r in "+0"]
 
 
 def test_too_many_cells_are_refused():

@@ -28,6 +28,7 @@ CASES = [
     ("where(x > 1, 2, 1)", "0", []),
     ("where(x > 1, 2, 1)*(v + a)", "0", []),
     ("where(x > 1, 2, 1)*(v**2 + a)", "-v", []),
+    ("where(x > 1, 2, 1)*exp(v)", "0", []),
     # but here v = -a parts them
     ("v + a + where(x > 1, 2, 1)", "0", ["s1"]),
     # time passes, whatever the states do

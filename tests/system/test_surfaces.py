@@ -2,6 +2,7 @@
 
 import re
 
+import numpy as np
 import pytest
 
 import nonsmooth as ns
@@ -235,6 +236,25 @@ def test_files_with_bad_words(line, message):
             "format = 1\nstates = ['v']\n[surfaces.slip]\nfunction = 'v'\n"
             f"{line}\n[equations]\nv = '-sign(slip)'\n"
         )
+
+
+def test_a_block_sticks_to_what_a_signal_moves():
+    """It is slowed down by 0.5 until it has the speed of its base, and keeps to that."""
+    times = np.linspace(0.0, 10.0, 41)
+    base = ns.Signal(times, 0.1 * np.sin(times))
+    system = System(
+        states=["v"],
+        signals={"u": base},
+        outputs={"base": "rate(u)"},
+        equations={"v": "-0.5*sign(v - rate(u))"},
+    )
+    run = ns.simulate(system, {"v": 0.6}, times=np.linspace(0.0, 8.0, 81))
+    assert (run.attrs["status"], ns.phase_word(run)) == ("completed", ("flow[+]", "flow[0]"))
+    stuck = run["time"] > float(run["event_time"][1])
+    assert stuck.sum() > 60
+    gap = np.abs(run["v"] - run["base"]).values
+    assert gap[stuck].max() < 1e-15  # the state is given by the signal
+    assert gap[~stuck].min() > 1e-3
 
 
 def test_too_many_cells_on_surfaces():

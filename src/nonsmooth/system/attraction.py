@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from itertools import product
 
 import numpy as np
+import numpy.typing as npt
 
 from nonsmooth.system.expressions import Expression
 from nonsmooth.system.points import COUNT, Points
@@ -32,20 +33,15 @@ def may_attract(rates: Sequence[Expression]) -> bool:
     point of it.
     """
     tape, points = ValueTape(rates), Points()
-    first, *others = values = table(tape.values(points), COUNT)
-    pairs = []
-    for i, other in enumerate(others, 1):
-        product_ = first * other
-        if (product_ < 0.0).any() or not (product_[:_STARTS] > 0.0).all():
+    values = table(tape.values(points), COUNT)
+    with np.errstate(all="ignore"):  # what is no number has no sign and no zero
+        same_sign = values[0] * values[1:]
+        if (same_sign < 0.0).any() or not (same_sign[:, :_STARTS] > 0.0).all():
             return True
-        ratio = other / first
-        if not (np.abs(ratio - ratio[0]) <= _SAME * ratio[0]).all():
-            pairs.append(i)
-    if not pairs:
-        return False
-    # a search that runs out of the numbers finds nothing
-    with np.errstate(over="ignore", invalid="ignore"):
-        return _Search(tape, points, values[:, :_STARTS], pairs).finds_signs()
+        ratios = values[1:] / values[0]
+        in_proportion = np.abs(ratios - ratios[:, :1]) <= _SAME * ratios[:, :1]
+        pairs = 1 + np.flatnonzero(~in_proportion.all(axis=1))
+        return len(pairs) > 0 and _Search(tape, points, values[:, :_STARTS], pairs).finds_signs()
 
 
 class _Search:
@@ -55,7 +51,7 @@ class _Search:
     """
 
     def __init__(
-        self, tape: ValueTape, points: Points, starts: Array, pairs: Sequence[int]
+        self, tape: ValueTape, points: Points, starts: Array, pairs: npt.NDArray[np.int64]
     ) -> None:
         self.tape, self.names = tape, list(tape.names)
         ways = product(range(_STARTS), range(len(self.names)), pairs, (True, False))
@@ -82,7 +78,7 @@ class _Search:
                 return True
             found |= there & np.isfinite(beside)
             change = new - value
-            going &= ~there & (np.abs(change) > 0.0)  # no number: no change either
+            going &= ~there & (np.abs(change) > 0.0)
             if not going.any():
                 break
             step = np.divide(-step * new, change, out=np.zeros_like(step), where=going)

@@ -22,6 +22,8 @@ __all__ = ["is_rounding", "simplified", "substituted", "vanishes"]
 
 _ENOUGH = 4  # points at which there are values
 _ZERO = 1e-9  # of the sizes of what cancels
+_ROUNDING = 1e-12  # of the largest part of an expression
+_HUGE = 1e12  # what parts come to that divide by rounding
 
 
 def vanishes(
@@ -53,12 +55,13 @@ def is_rounding(node: Expression) -> bool:
     """Whether an expression is no more than rounding of its largest part, wherever it has values.
 
     In a long expression the terms add up to sizes of which even plain values are a small part.
+    Points at which something divides by rounding tell nothing.
     """
     tape = ValueTape([node])
     parts = np.abs(table(tape.run(Points()), COUNT))
-    able = np.isfinite(parts).all(axis=0)
+    able = (parts < _HUGE).all(axis=0)
     value, largest = parts[tape.results[0], able], parts[:, able].max(axis=0)
-    return bool(able.any()) and bool((value <= _ZERO * largest).all())
+    return bool(able.any()) and bool((value <= _ROUNDING * largest).all())
 
 
 def simplified(graph: Graph, node: Expression) -> Expression:

@@ -14,7 +14,7 @@ from nonsmooth.system.expressions import Expression
 from nonsmooth.system.graph import Graph
 from nonsmooth.system.value_tape import Array, ValueTape, table
 
-__all__ = ["COUNT", "Points", "put_on"]
+__all__ = ["COUNT", "Points", "put_on", "quotient_where"]
 
 COUNT = 12  # some are of no use: where a root is negative or a logarithm has no value
 _NEWTON = 40  # steps in looking for a point of a surface
@@ -37,6 +37,12 @@ class Points(dict[str, Array]):
     def of(self, nodes: Sequence[Expression]) -> Array:
         """Values of expressions, a row for each; nan where they have none."""
         return table(ValueTape(nodes).values(self), COUNT)
+
+
+def quotient_where(able: npt.NDArray[np.bool_], above: Array, below: Array) -> Array:
+    """Quotient at some points; zero at the others."""
+    with np.errstate(all="ignore"):
+        return np.where(able, above / below, 0.0)
 
 
 @lru_cache(maxsize=1024)
@@ -77,8 +83,7 @@ def _moved(graph: Graph, node: Expression, points: Points) -> npt.NDArray[np.boo
             going &= ~found & np.isfinite(value) & np.isfinite(slope) & (slope != 0.0)
             if not going.any():
                 break
-            step = np.divide(value, slope, out=np.zeros(COUNT), where=going)
-            points[state] = points[state] - step
+            points[state] = points[state] - quotient_where(going, value, slope)
         points[state] = np.where(found, points[state], kept)
         if found.all():
             break

@@ -19,8 +19,6 @@ import numpy.typing as npt
 from nonsmooth.errors import ModelError, OptionError
 from nonsmooth.system.differentiate import rate_of_change
 from nonsmooth.system.equations import Equation
-from nonsmooth.system.expressions import written_out
-from nonsmooth.system.frequencies import monomials
 from nonsmooth.system.graph import Graph
 from nonsmooth.system.identities import is_rounding
 from nonsmooth.system.mode_equations import is_relation
@@ -61,8 +59,7 @@ class Section:
         return text
 
 
-_LONGEST = 2000  # nodes of a rate whose products are collected
-
+_KEPT = 8  # sections of one structure: large ones take megabytes
 _known: WeakKeyDictionary[Structure, dict[str, Section]] = WeakKeyDictionary()
 
 
@@ -83,9 +80,10 @@ def with_section(system: System, text: str) -> Section:
         When the text is no expression, or does not change along the motion.
     """
     kept = _known.setdefault(system.structure, {})
-    if text not in kept:
-        kept[text] = _made(system, text)
-    section = kept[text]
+    section = kept.pop(text, None) or _made(system, text)
+    kept[text] = section
+    for oldest in list(kept)[:-_KEPT]:
+        kept.pop(oldest, None)
     return replace(section, system=section.system.with_parameters(**system.parameters))
 
 
@@ -155,8 +153,7 @@ def _still(graph: Graph, resolver: Resolver, equation: Equation) -> bool:
         change = rate_of_change(graph, resolver.tree(equation), resolver.rate)
     except Undecided:
         return False
-    # where it seems to be zero its products tell, if they can be collected
-    return is_rounding(change) and (written_out([change]) > _LONGEST or not monomials(change))
+    return is_rounding(change)
 
 
 # ---------------------------------------------------------------- the system with it

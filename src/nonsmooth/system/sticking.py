@@ -23,7 +23,7 @@ from nonsmooth.system.expressions import Expression, Number
 from nonsmooth.system.graph import Graph
 from nonsmooth.system.identities import simplified, substituted, vanishes
 from nonsmooth.system.mode_equations import ExitEquations, ModeEquations
-from nonsmooth.system.points import Points, put_on
+from nonsmooth.system.points import Points, put_on, quotient_where
 from nonsmooth.system.resolve import Resolver
 from nonsmooth.system.sliding import solved_for
 
@@ -193,13 +193,11 @@ def _stops(
     state: str,
     slope: Expression,
 ) -> bool:
-    """Whether jumps vanish where guard and rate do."""
+    """Whether jumps vanish where guard and rate do; ``points`` on the guard are moved there."""
     for _ in range(2):  # once would do, but for a rate that is not linear
         speed, steepness = points.of([rate, slope])
         points.able &= np.isfinite(speed) & np.isfinite(steepness) & (steepness != 0.0)
-        points[state] = points[state] - np.divide(
-            speed, steepness, out=np.zeros_like(speed), where=points.able
-        )
+        points[state] = points[state] - quotient_where(points.able, speed, steepness)
     sizes = [graph.one, *(graph.name(other) for other in jumps)]
     return vanishes(list(jumps.values()), sizes, points)
 
