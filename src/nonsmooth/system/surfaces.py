@@ -53,7 +53,7 @@ class Surface:
     ...     },
     ... )
     >>> ns.phase_word(ns.simulate(belt, {"x": 0.2, "v": 0.3}, t_end=10))
-    ('stick', 'lag', 'stick')
+    ('stick', 'lag', 'stick', 'lag')
     """
 
     function: Text
