@@ -7,11 +7,12 @@ VENV := .venv
 BIN := $(VENV)/bin
 INSTALLED := $(VENV)/.installed-dev
 INSTALLED_BENCHMARK := $(VENV)/.installed-benchmark
+INSTALLED_DOCS := $(VENV)/.installed-docs
 PIP_INSTALL = $(BIN)/python -m pip --disable-pip-version-check install --quiet --editable
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test check slow bench clean
+.PHONY: help demo chapter test check slow bench docs clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-7s %s\n", $$1, $$2 }' Makefile
@@ -19,7 +20,11 @@ help: ## list the targets
 demo: $(INSTALLED) ## draw the chapter's demonstration into demo-output
 	$(BIN)/nonsmooth chapter demo --out demo-output
 
+chapter: $(INSTALLED) ## draw and judge the whole chapter into chapter-output/report.html
+	$(BIN)/nonsmooth chapter run --all --out chapter-output
+
 test: $(INSTALLED) ## run the tests and the examples in docstrings
+	$(BIN)/nonsmooth warmup
 	$(BIN)/python -m pytest --numprocesses=$(JOBS)
 
 check: $(INSTALLED) ## style, format, types, imports, spelling, house tests
@@ -36,8 +41,13 @@ slow: $(INSTALLED) ## run the long checks
 bench: $(INSTALLED_BENCHMARK) ## run the benchmarks
 	$(BIN)/python benchmarks
 
+docs: $(INSTALLED_DOCS) ## build the documentation site into docs-output; a warning is an error
+	$(BIN)/sphinx-build -b html -E -d docs-output/doctrees -j auto -n -W --keep-going docs \
+	    docs-output/html
+
 clean: ## remove all that these targets made, .venv included
-	rm -rf $(VENV) build dist demo-output benchmark-output
+	rm -rf $(VENV) build dist demo-output chapter-output benchmark-output docs-output
+	rm -rf docs/auto_gallery docs/reference/generated
 	rm -rf .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
@@ -58,4 +68,8 @@ $(INSTALLED): pyproject.toml
 
 $(INSTALLED_BENCHMARK): $(INSTALLED)
 	$(PIP_INSTALL) '.[benchmark]'
+	@touch $@
+
+$(INSTALLED_DOCS): $(INSTALLED)
+	$(PIP_INSTALL) '.[docs]'
 	@touch $@

@@ -31,15 +31,43 @@ _MOST_LISTED = 60  # of the known names; all of a large system would hide the me
 
 
 class NonsmoothError(Exception):
-    """Base of every exception that nonsmooth raises on purpose."""
+    """Base of every exception that nonsmooth raises on purpose.
+
+    Examples
+    --------
+    >>> import nonsmooth as ns
+    >>> try:
+    ...     ns.models.soft_impact(zeta=-0.1)
+    ... except ns.NonsmoothError as error:
+    ...     print(type(error).__name__, error)
+    ModelError zeta >= 0 is required, zeta = -0.1 was given: negative damping would feed energy in
+    """
 
 
 class ModelError(NonsmoothError, ValueError):
-    """The system as written cannot be right; the message points at the place."""
+    """The system as written cannot be right; the message points at the place.
+
+    Examples
+    --------
+    >>> import nonsmooth as ns
+    >>> ns.System(states=["x", "v"], equations={"x": "v", "v": "-omega**2*x"})
+    Traceback (most recent call last):
+    nonsmooth.errors.ModelError: equations['v']: unknown name 'omega' (known: v, x)
+        -omega**2*x
+         ^
+    """
 
 
 class OptionError(NonsmoothError, ValueError):
-    """An argument given to a verb cannot be right."""
+    """An argument given to a verb cannot be right.
+
+    Examples
+    --------
+    >>> import nonsmooth as ns
+    >>> ns.simulate(ns.models.duffing(), {"y": 1.0}, periods=1)
+    Traceback (most recent call last):
+    nonsmooth.errors.OptionError: initial: unknown state 'y' (known: v, x)
+    """
 
 
 class RunError(NonsmoothError, RuntimeError):
@@ -55,6 +83,18 @@ class RunError(NonsmoothError, RuntimeError):
         Time at which the run stopped.
     partial : object, optional
         What was computed up to then.
+
+    Examples
+    --------
+    A spring that swings below 1 comes through no section above it:
+
+    >>> import nonsmooth as ns
+    >>> spring = ns.System(states=["x", "v"], equations={"x": "v", "v": "-x - v"})
+    >>> try:
+    ...     ns.PoincareMap(spring, "x - 2").tangent({"x": 1.0})
+    ... except ns.RunError as error:
+    ...     print(error.status)
+    time_limit
     """
 
     def __init__(
@@ -67,11 +107,37 @@ class RunError(NonsmoothError, RuntimeError):
 
 
 class RunWarning(UserWarning):
-    """A run ended before its time; the result says why and holds what was computed."""
+    """A run ended before its time; the result says why and holds what was computed.
+
+    Examples
+    --------
+    >>> import warnings
+    >>> import nonsmooth as ns
+    >>> growing = ns.System(states=["x"], equations={"x": "x"})
+    >>> with warnings.catch_warnings(record=True) as told:
+    ...     warnings.simplefilter("always")
+    ...     run = ns.simulate(growing, {"x": 1.0}, t_end=100)
+    >>> told[0].category.__name__, run.attrs["status"]
+    ('RunWarning', 'diverged')
+    """
 
 
 class ResultWarning(UserWarning):
-    """A result that may mislead; the message says why and what to do."""
+    """A result that may mislead; the message says why and what to do.
+
+    Examples
+    --------
+    A slow sine looks the same from sample to sample:
+
+    >>> import warnings
+    >>> import numpy as np
+    >>> import nonsmooth as ns
+    >>> with warnings.catch_warnings(record=True) as told:
+    ...     warnings.simplefilter("always")
+    ...     test = ns.zero_one_test(np.sin(0.01 * np.arange(2000)))
+    >>> told[0].category.__name__, "try every=" in str(told[0].message)
+    ('ResultWarning', True)
+    """
 
 
 def unknown_name(kind: str, name: str, known: Iterable[str]) -> str:

@@ -502,9 +502,9 @@ def test_a_start_later_than_zero():
 
 
 def test_too_many_cells_are_refused():
-    many = " + ".join(f"abs(x - {k})" for k in range(5))
+    many = " + ".join(f"abs(x - {k})" for k in range(6))
     system = ns.System(states=["x", "v"], equations={"x": "v", "v": f"-({many})"})
-    with pytest.raises(ns.OptionError, match=r"section = 'v': with it, mod.*64.*at most 60"):
+    with pytest.raises(ns.OptionError, match=r"section = 'v': with it, mod.*128.*at most 120"):
         section(system, section="v")
 
 

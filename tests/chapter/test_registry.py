@@ -29,6 +29,8 @@ SHOWN = {
     "fig41": {"x", "period", "section_x", "section_vx"},
 }
 OF_MODEL = {  # quick ones without a run of the mole
+    "fig1": {"belt_x", "belt_side", "spring_v", "time"},
+    "fig3b": {"penetration", "resistance", "mole_resistance", "rate"},
     "fig18": {"time", "time_49", "life", "crack"},
     "fig19": {"time", "time_49", "life", "crack"},
     "fig20": {"time", "time_49", "life", "crack"},
@@ -46,6 +48,7 @@ OF_MODEL = {  # quick ones without a run of the mole
     "fig42": {"x", "y", "vx", "vy", "mode"},
 }
 LABELLED = {
+    "fig1": "belt_x", "fig3b": "resistance",
     "fig8": "y", "fig10": "a_simulated", "fig12": "label", "fig16": "base", "fig17": "base",
     "fig18": "time",
     "fig19": "time", "fig20": "time", "fig21": "crack", "fig22": "crack", "fig24": "X1",
@@ -58,14 +61,15 @@ LABELLED = {
     "name", [pytest.param(n, marks=pytest.mark.slow) if n in SHOWN else n for n in figure_ids()]
 )
 def test_figure_writes_picture_and_data(name, tmp_path):
-    """A PNG that is not empty, netCDF that opens, and nothing left behind."""
+    """A PNG and a PDF that are not empty, netCDF that opens, and nothing left behind."""
     out = tmp_path / "new" / "folder"
     paths = run_figures([name], out)
-    assert [path.name for path in paths] == [f"{name}.png", f"{name}.nc"]
+    assert [path.name for path in paths] == [f"{name}.png", f"{name}.pdf", f"{name}.nc"]
     assert sorted(out.iterdir()) == sorted(paths)
     picture = paths[0].read_bytes()
     assert picture.startswith(PNG) and len(picture) > 10_000
-    with xr.open_dataset(paths[1]) as data:
+    assert paths[1].read_bytes().startswith(b"%PDF") and paths[1].stat().st_size > 5_000
+    with xr.open_dataset(paths[2]) as data:
         assert data.attrs["figure"] == name
         assert data.attrs["title"] == figure_summary(name)
         assert (SHOWN | OF_MODEL).get(name, {"x", "v", "mode"}) <= set(data.variables)
@@ -146,7 +150,7 @@ def test_demo(tmp_path, capsys):
     assert names == sorted(
         [
             "progression.csv",
-            *(f"{n}.{e}" for n in ("fig6", "fig7", "phases") for e in ("png", "nc")),
+            *(f"{n}.{e}" for n in ("fig6", "fig7", "phases") for e in ("png", "pdf", "nc")),
         ]
     )
     assert all(f"{name}\n" in printed for name in names)

@@ -5,8 +5,7 @@ import sys
 import pytest
 
 import nonsmooth as ns
-from nonsmooth.periodic import warmup as orbit_warmup
-from nonsmooth.simulation import warmup
+from nonsmooth.periodic import warmup
 
 
 def shell(*arguments: str) -> subprocess.CompletedProcess[str]:
@@ -20,8 +19,7 @@ def test_version(call):
 
 
 def test_warmup(call, monkeypatch):
-    monkeypatch.setattr(warmup, "warm_up", lambda: 12.0)
-    monkeypatch.setattr(orbit_warmup, "warm_up_orbits", lambda: 0.34)
+    monkeypatch.setattr(warmup, "warm_up_all", lambda: 12.34)
     assert call("warmup").stdout == "kernels ready after 12.3 s\n"
 
 

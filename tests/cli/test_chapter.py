@@ -4,22 +4,29 @@ import json
 import sys
 from types import ModuleType
 
-import numpy as np
 import pytest
 
 import nonsmooth.chapter
 
-CLAIM = {"where": "section 2.1", "protocol": "60 periods", "evidence": {"v": np.array([1.0, 2.0])}}
+CLAIM = {"where": "section 2.1", "protocol": "60 periods", "evidence": {"v": [1.0, 2.0]}}
 CLAIMS = [
-    {"id": "2.1-a", "printed": "31", "computed": 31.34529, "verdict": "agrees", **CLAIM},
-    {"id": "2.1-b", "printed": None, "computed": np.inf, "verdict": "differs [sign]", **CLAIM},
+    {"id": "2.1-a", "printed": "31", "computed": 31.34529, "verdict": "holds", **CLAIM},
+    {"id": "2.1-b", "printed": None, "computed": "a [bracket]", "verdict": "differs", **CLAIM},
 ]
+
+
+class Told:
+    """Outcome of a run."""
+
+    def __init__(self, faults=(), complete=True):
+        self.faults, self.complete = dict(faults), complete
 
 
 @pytest.fixture
 def chapter(monkeypatch):
-    """Stand-in modules; returns what was asked of them."""
+    """Stand-in modules; returns what was asked of them, and what the run comes to."""
     asked = []
+    told = Told()
 
     def install(name, **functions):
         module = ModuleType(f"nonsmooth.chapter.{name}")
@@ -27,22 +34,27 @@ def chapter(monkeypatch):
         monkeypatch.setitem(sys.modules, module.__name__, module)
         monkeypatch.setattr(nonsmooth.chapter, name, module, raising=False)
 
-    def run_figures(ids, out):
-        asked.append((ids, out))
-        return [out / f"{name}.png" for name in ids]
+    def run_chapter(out, figures=None, *, processes=None):
+        asked.append((figures, out, processes))
+        return told
 
-    def evaluate_claims(section=None, ids=None):
-        asked.append(section)
-        return CLAIMS
+    def judge_claims(names, *, store=None, processes=None):
+        asked.append((names, store, processes))
+        return CLAIMS, told
 
     install(
         "registry",
         figure_ids=lambda: ["fig6", "fig7"],
         figure_summary=lambda name: f"What [{name}] shows",
-        run_figures=run_figures,
     )
-    install("claims", evaluate_claims=evaluate_claims)
+    install(
+        "run_chapter",
+        run_chapter=run_chapter,
+        written_files=lambda out, figures, outcome: [out / f"{name}.png" for name in figures],
+    )
+    install("claim_runs", judge_claims=judge_claims)
     install("demo", run_demo=asked.append)
+    asked.append(told)
     return asked
 
 
@@ -52,18 +64,43 @@ def test_list(call, chapter):
     assert "What [fig6] shows" in result.stdout
 
 
-def test_some_figures(call, chapter, tmp_path):
+@pytest.mark.parametrize(
+    "arguments", [["fig7", "fig6"], ["--figures", "fig7,fig6"], ["fig7", "--figures", "fig6"]]
+)
+def test_some_figures(call, chapter, tmp_path, arguments):
     out = tmp_path / "new" / "figures"
-    result = call("chapter", "run", "fig7", "--out", out)
+    result = call("chapter", "run", *arguments, "--out", out, "--processes", "3")
     assert result.exit_code == 0, result.stderr
-    assert chapter == [(["fig7"], out)]
-    assert result.stdout == f"{out / 'fig7.png'}\n"
+    assert chapter[1:] == [(["fig7", "fig6"], out, 3)]
+    assert result.stdout == f"{out / 'fig7.png'}\n{out / 'fig6.png'}\n"
     assert out.is_dir()
 
 
 def test_all_figures(call, chapter, tmp_path):
-    assert call("chapter", "run", "--all", "--out", tmp_path).exit_code == 0
-    assert chapter == [(["fig6", "fig7"], tmp_path)]
+    result = call("chapter", "run", "--all", "--out", tmp_path)
+    assert result.exit_code == 0
+    assert chapter[1:] == [(None, tmp_path, None)]
+    assert result.stdout.splitlines()[-1] == str(tmp_path / "report.html")
+
+
+def test_a_fault_is_told_and_gives_code_one(call, chapter, tmp_path):
+    chapter[0].faults = {"fig6": "RunError: no"}
+    result = call("chapter", "run", "--all", "--out", tmp_path)
+    assert result.exit_code == 1
+    assert result.stderr == "nonsmooth: fig6: RunError: no\n"
+    assert "report.html" in result.stdout
+    result = call("chapter", "claims", "--json")
+    assert result.exit_code == 1 and len(json.loads(result.stdout)) == 2
+
+
+def test_interruption_gives_code_130(call, chapter, tmp_path):
+    chapter[0].complete = False
+    result = call("chapter", "run", "--all", "--out", tmp_path)
+    assert result.exit_code == 130
+    assert "what is done is kept" in result.stderr
+    assert "report.html" not in result.stdout
+    result = call("chapter", "claims")
+    assert result.exit_code == 130 and result.stdout == ""
 
 
 @pytest.mark.parametrize(
@@ -71,33 +108,35 @@ def test_all_figures(call, chapter, tmp_path):
     [
         ([], "name some figures, or give --all"),
         (["fig6", "--all"], "name some figures, or give --all"),
+        (["--figures", "fig6", "--all"], "name some figures, or give --all"),
         (["fig8"], "unknown figure 'fig8'; did you mean"),
+        (["--figures", "fig6,fig8"], "unknown figure 'fig8'; did you mean"),
     ],
 )
 def test_no_such_figures(call, chapter, arguments, message):
     result = call("chapter", "run", *arguments)
     assert result.exit_code == 2
     assert message in result.stderr
-    assert chapter == []
+    assert chapter[1:] == []
 
 
-def test_claims_as_a_table(call, chapter):
-    result = call("chapter", "claims", "--section", "2")
+def test_claims_as_a_table(call, chapter, tmp_path):
+    result = call("chapter", "claims", "--section", "1", "--store", tmp_path, "--processes", "2")
     assert result.exit_code == 0, result.stderr
-    assert chapter == [2]
+    assert chapter[1:] == [(["G1", "G2", "G3"], tmp_path, 2)]
     row = next(line for line in result.stdout.splitlines() if "2.1-a" in line)
-    assert row.split() == ["2.1-a", "section", "2.1", "agrees", "31", "31.3453"]
-    assert "differs [sign]" in result.stdout
-    assert result.stdout.endswith("1 agrees, 1 differs [sign]\n")
+    assert row.split() == ["2.1-a", "section", "2.1", "holds", "31", "31.3453"]
+    assert "a [bracket]" in result.stdout
+    assert result.stdout.endswith("1 holds, 1 differs, 0 not determinable\n")
 
 
 def test_claims_as_json(call, chapter):
-    """Nothing but JSON, without numpy's types and infinities."""
+    """Nothing but JSON."""
     result = call("chapter", "claims", "--json")
     first, second = json.loads(result.stdout)
     assert first["evidence"] == {"v": [1.0, 2.0]}
     assert first["computed"] == 31.34529
-    assert second["computed"] is None
+    assert second["printed"] is None
     assert set(first) == {*CLAIM, "id", "printed", "computed", "verdict"}
 
 
@@ -111,17 +150,22 @@ def test_claims_by_name(call):
 
 
 def test_claims_with_a_verdict(call, chapter):
-    result = call("chapter", "claims", "--json", "--verdict", "agrees")
+    """A verdict that no row has is no error; one that does not exist is, before any work."""
+    result = call("chapter", "claims", "--json", "--verdict", "holds")
     assert [row["id"] for row in json.loads(result.stdout)] == ["2.1-a"]
-    result = call("chapter", "claims", "--verdict", "agree")
+    result = call("chapter", "claims", "--json", "--verdict", "not determinable")
+    assert result.exit_code == 0 and json.loads(result.stdout) == []
+    asked = len(chapter)
+    result = call("chapter", "claims", "--verdict", "hold")
     assert result.exit_code == 2
-    assert "unknown verdict 'agree'; did you mean 'agrees'?" in result.stderr
+    assert "unknown verdict 'hold'; did you mean 'holds'?" in result.stderr
+    assert len(chapter) == asked
 
 
 def test_demo(call, chapter, tmp_path):
     result = call("chapter", "demo", "--out", tmp_path)
     assert result.exit_code == 0
-    assert chapter == [tmp_path]
+    assert chapter[1:] == [tmp_path]
 
 
 def test_a_folder_that_cannot_be_made(call, chapter, tmp_path):

@@ -95,7 +95,7 @@ MISUSES = {
     "explain no/ball": "there is no file 'no/ball'",
     "models no/": "there is no file 'no'",
     "explain below/": "the file 'below' cannot be read: Is a directory",
-    "simulate ball": "unknown model 'ball' (known: bouncing_ball, breathing_crack, chua,",
+    "simulate ball": "unknown model 'ball' (known: belt_oscillator, bouncing_ball,",
     "explain note": "; for the file of that name write ./not",
     "explain nothing": "a file of your own ends in .toml",
     "simulate ball.toml --periods 5": "periods= needs a system with a period",

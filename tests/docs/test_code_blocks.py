@@ -39,7 +39,8 @@ def folder(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for name, text in re.findall(r"`([\w.-]+)`:\n```toml\n(.*?)```", page.read_text(), re.S):
         (tmp_path / name).write_text(text)
-    return tmp_path
+    yield tmp_path
+    plt.close("all")
 
 
 def printed_blocks(page: Path) -> list[tuple[str, str]]:
@@ -57,7 +58,6 @@ def test_python_blocks_run(page, folder, recwarn):
             exec(compile(block, page.name, "exec"), names)
         told, rules = stream.getvalue(), doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
         assert not shown or checker.check_output(shown, told, rules), f"{block}\nprints\n\n{told}"
-    plt.close("all")
     assert not [str(warning.message) for warning in recwarn]
     if DRAWN & {page.parent.name, page.name}:
         for picture in re.findall(r"!\[[^]]*\]\([^)]*/([^)/]+)\)", page.read_text()):

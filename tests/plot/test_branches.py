@@ -259,3 +259,11 @@ def test_a_range_that_was_set_stays_and_moderate_multipliers_are_all_seen():
     mu = (("point", "multiplier"), sizes)
     ns.plot.branch(branch(p, p, p < 0.0, multipliers=mu), "multipliers", ax=ax)
     assert ax.get_ylim() == (0.0, 5e9)
+
+
+def test_a_long_label_of_a_diagram_fits_beside_the_axes():
+    behind = diagram()
+    behind["x"].attrs["long_name"] = "displacement of the slider bottom (progression), per period"
+    label = ns.plot.branch(saddle_node(), "x", diagram=behind).get_ylabel()
+    assert label.replace("\n", " ") == behind["x"].attrs["long_name"]
+    assert max(map(len, label.split("\n"))) <= 34  # letters, the height of the axes

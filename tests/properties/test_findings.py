@@ -100,10 +100,9 @@ def test_an_impact_elsewhere_leaves_at_rest_what_is_at_rest():
     assert float(run["x"][-1]) == 0.0
 
 
-# ---------------------------------------------------------------- what the engine must mend
+# ---------------------------------------------------------------- rest of several things
 
 
-@awaits_engine
 def test_masses_that_meet_keep_their_momentum():
     """Ways onto a surface have resets too, which a curved mode linearises with its exits only."""
     hit = {"v": "v + 0.7*(w - v)", "w": "w - 0.7*(w - v)"}
@@ -116,7 +115,6 @@ def test_masses_that_meet_keep_their_momentum():
     assert after[1] + after[3] == pytest.approx(before[1] + before[3], rel=1e-12)
 
 
-@awaits_engine
 def test_rest_at_a_curved_wall_that_moves():
     """The speed at rest is that of the wall; at last the guard was off by 4."""
     reset = {"v": "-0.4*v + 1.4*0.6*cos(2*t)/(1 + 0.3*x**2)"}
@@ -152,7 +150,6 @@ def test_a_reset_that_jumps_over_a_surface_that_holds(reset):
     assert last_row(run, "state_after")[1] == pytest.approx(-0.3, abs=1e-14)
 
 
-@awaits_engine
 def test_when_rebounds_with_friction_are_over():
     """Flights fall with another acceleration than they rise with.
 

@@ -209,10 +209,10 @@ def test_too_many_cells():
     many = " + ".join(f"abs(x - {i}*v)" for i in range(30))
     with pytest.raises(ModelError, match="more than 64 cells"):
         system_of(many)
-    three = {f"m{i}": Mode({"x": "abs(x) + abs(x - 1) + abs(x - 2)", "v": "sign(v) + abs(v - 9)"})
-             for i in range(2)}  # fmt: skip
-    with pytest.raises(ModelError, match="there are 64 modes; at most 60"):
-        System(states=["x", "v"], modes=three)
+    four = {f"m{i}": Mode({"x": "abs(x) + abs(x - 1) + abs(x - 2)", "v": "sign(v) + abs(v - 9)"})
+             for i in range(4)}  # fmt: skip
+    with pytest.raises(ModelError, match="there are 128 modes; at most 120"):
+        System(states=["x", "v"], modes=four)
 
 
 def test_constant_sides_of_a_guard_are_allowed():

@@ -238,11 +238,11 @@ def test_files_with_bad_words(line, message):
 
 
 def test_too_many_cells_on_surfaces():
-    names = ["a", "b", "c", "d"]
-    for count, modes in ((2, 9), (3, 26)):
+    names = ["a", "b", "c", "d", "e"]
+    for count, modes in ((2, 9), (3, 26), (4, 72)):
         some = names[:count]
         system = System(states=some, equations={v: f"1 - 2*sign({v})" for v in some})
         # all signs of each, with at most two of them zero
         assert len(system.mode_names) == modes
-    with pytest.raises(ModelError, match="there are 72 modes; at most 60 are supported: write"):
+    with pytest.raises(ModelError, match="there are 192 modes; at most 120 are supported: write"):
         System(states=names, equations={v: f"1 - 2*sign({v})" for v in names})

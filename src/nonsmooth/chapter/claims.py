@@ -1,63 +1,20 @@
-"""The chapter's claims as data, and the verdicts on those that this version can judge."""
+"""The chapter's claims as data, and the verdicts on them."""
 
 from __future__ import annotations
 
 import importlib
 import json
-from collections.abc import Iterable
-from functools import cache
+from collections.abc import Callable, Iterable
+from functools import cache, partial
 from importlib import resources
+from pathlib import Path
 from typing import Any
 
+from nonsmooth.chapter.claim_modules import CLAIM_MODULES, module_of
 from nonsmooth.chapter.judgement import Check, verdict
-from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.errors import OptionError, RunError, unknown_name
 
-__all__ = ["claim_ids", "evaluate_claims"]
-
-# Modules with a tuple CHECKS each, in the order of the chapter.
-_GROUPS = (
-    "method.stitching_claims",
-    "method.surface_claims",
-    "method.smoothing_claims",
-    "mole.drilling_claims",
-    "mole.data_claims",
-    "mole.model_claims",
-    "mole.soil_claims",
-    "mole.run_claims",
-    "mole.window_claims",
-    "mole.cascade_claims",
-    "mole.progression_claims",
-    "mole.orbit_claims",
-    "mole.work_claims",
-    "mole.branch_claims",
-    "mole.best_ratio_claims",
-    "mole.drift_claims",
-    "mole.basin_claims",
-    "mole.frequency_claims",
-    "fatigue.specimen_claims",
-    "fatigue.life_claims",
-    "fatigue.chaos_claims",
-    "fatigue.record_claims",
-    "fatigue.rig_model_claims",
-    "fatigue.phase_claims",
-    "fatigue.rig_si_claims",
-    "fatigue.stiffness_claims",
-    "fatigue.portrait_claims",
-    "fatigue.growth_claims",
-    "fatigue.regime_claims",
-    "fatigue.growing_claims",
-    "fatigue.frozen_claims",
-    "fatigue.monitoring_claims",
-    "rotor.rig_data_claims",
-    "rotor.statics_claims",
-    "rotor.contact_claims",
-    "rotor.section_claims",
-    "rotor.bifurcation_claims",
-    "rotor.ring_claims",
-    "rotor.rig_diagram_claims",
-    "rotor.rig_regime_claims",
-    "rotor.preload_claims",
-)
+__all__ = ["check_of", "claim_data", "claim_ids", "evaluate_claims", "select_claims"]
 
 
 @cache
@@ -68,21 +25,68 @@ def _table() -> dict[str, dict[str, Any]]:
 
 @cache
 def _checks() -> dict[str, Check]:
-    modules = (importlib.import_module(f"nonsmooth.chapter.{name}") for name in _GROUPS)
-    checks = [check for module in modules for check in module.CHECKS]
+    """All checks, in the order of the chapter."""
+    checks = [check for module in CLAIM_MODULES for check in _checks_in(module)]
     order = list(_table())
     return {c.claim: c for c in sorted(checks, key=lambda c: order.index(c.claim))}
 
 
-def claim_ids(section: int | None = None, *, judged: bool = False) -> list[str]:
+def _checks_in(module: str) -> tuple[Check, ...]:
+    found: tuple[Check, ...] = importlib.import_module(f"nonsmooth.chapter.{module}").CHECKS
+    return found
+
+
+def check_of(name: str) -> tuple[Check, Callable[[], dict[str, Any]]]:
+    """Check of a claim, and a function that computes its evidence and judges it.
+
+    Parameters
+    ----------
+    name : str
+        Name of the claim.
+
+    Returns
+    -------
+    check : Check
+    judge : callable
+        Without arguments; returns a row as of `evaluate_claims`.
+
+    Examples
+    --------
+    >>> check, judge = check_of("M03")
+    >>> judge()["verdict"]
+    'differs'
+    """
+    check = next(check for check in _checks_in(module_of(name)) if check.claim == name)
+    return check, partial(_row, name, check)
+
+
+def claim_data(name: str) -> dict[str, Any]:
+    """A claim as data: what the chapter says and where, and what is missing to judge it.
+
+    Parameters
+    ----------
+    name : str
+        Name of the claim.
+
+    Returns
+    -------
+    dict
+
+    Examples
+    --------
+    >>> claim_data("M03")["where"]
+    'Fig. 5 caption'
+    """
+    return dict(_table()[name])
+
+
+def claim_ids(section: int | None = None) -> list[str]:
     """Names of the chapter's claims, in its order.
 
     Parameters
     ----------
     section : int, optional
         Section of the chapter, 1 to 4; all by default.
-    judged : bool, optional
-        Only those that `evaluate_claims` can judge.
 
     Returns
     -------
@@ -105,12 +109,49 @@ def claim_ids(section: int | None = None, *, judged: bool = False) -> list[str]:
             f"section = {section!r}: the claims are in sections"
             f" {', '.join(str(known) for known in sorted(sections))}"
         )
-    names = _checks() if judged else _table()
-    return [name for name in names if section in (None, _table()[name]["section"])]
+    return [name for name, row in _table().items() if section in (None, row["section"])]
+
+
+def select_claims(section: int | None = None, ids: Iterable[str] | None = None) -> list[str]:
+    """Names of claims of a section, or of those among some, in the order of the chapter.
+
+    Parameters
+    ----------
+    section : int, optional
+        Section of the chapter; all by default.
+    ids : iterable of str, optional
+        Names; all by default.
+
+    Returns
+    -------
+    list of str
+
+    Raises
+    ------
+    OptionError
+        For an unknown name or section.
+
+    Examples
+    --------
+    >>> select_claims(2, ["M04", "R01", "M03"])
+    ['M03', 'M04']
+    """
+    available = claim_ids(section)
+    if ids is None:
+        return available
+    wanted = [ids] if isinstance(ids, str) else list(ids)
+    for name in wanted:
+        if name not in _table():
+            raise OptionError(f"ids: {unknown_name('claim', str(name), _table())}")
+    return [name for name in available if name in wanted]
 
 
 def evaluate_claims(
-    section: int | None = None, ids: Iterable[str] | None = None
+    section: int | None = None,
+    ids: Iterable[str] | None = None,
+    *,
+    store: Path | str | None = None,
+    processes: int = 1,
 ) -> list[dict[str, Any]]:
     """Verdicts on claims of the chapter, each from evidence computed now.
 
@@ -119,7 +160,12 @@ def evaluate_claims(
     section : int, optional
         Section of the chapter; all by default.
     ids : iterable of str, optional
-        Names of claims; all that can be judged by default.
+        Names of claims; all by default.
+    store : pathlib.Path or str, optional
+        Folder in which verdicts are kept; those that it has from the same code are not computed
+        again.
+    processes : int, optional
+        Processes that compute side by side; one is this process itself, unless there is a store.
 
     Returns
     -------
@@ -131,7 +177,9 @@ def evaluate_claims(
     Raises
     ------
     OptionError
-        For an unknown name, or one that this version does not judge.
+        For an unknown name.
+    RunError
+        For claims of which another process could not compute the evidence.
 
     Examples
     --------
@@ -140,22 +188,22 @@ def evaluate_claims(
     >>> row["where"], row["verdict"]
     ('Fig. 5 caption', 'differs')
     """
-    available = claim_ids(section, judged=True)
-    if ids is None:
-        return [_row(name) for name in available]
-    wanted = [ids] if isinstance(ids, str) else list(ids)
-    for name in wanted:
-        if name not in _table():
-            raise OptionError(f"ids: {unknown_name('claim', str(name), _table())}")
-        if name not in _checks():
-            raise OptionError(
-                f"ids: {name} is not judged in this version; those are {', '.join(_checks())}"
-            )
-    return [_row(name) for name in available if name in wanted]
+    names = select_claims(section, ids)
+    if store is None and processes == 1:
+        return [check_of(name)[1]() for name in names]
+    from nonsmooth.chapter.claim_runs import judge_claims
+
+    rows, outcome = judge_claims(names, store=store, processes=processes)
+    if not outcome.complete:
+        raise KeyboardInterrupt
+    if outcome.faults:
+        told = "; ".join(f"{name}: {text}" for name, text in outcome.faults.items())
+        raise RunError(f"claims without a verdict: {told}")
+    return rows
 
 
-def _row(name: str) -> dict[str, Any]:
-    claim, check = _table()[name], _checks()[name]
+def _row(name: str, check: Check) -> dict[str, Any]:
+    claim = _table()[name]
     evidence = check.compute()
     finding = check.judge(evidence)
     lacking = f"; the chapter does not give: {claim['missing']}" if claim["dagger"] else ""

@@ -1,8 +1,10 @@
-"""Data files of figures and tables, as netCDF and CSV; they appear whole or not at all."""
+"""Files of figures, tables and claims: netCDF, CSV, JSON; they appear whole or not at all."""
 
 from __future__ import annotations
 
 import csv
+import json
+import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,7 +14,7 @@ from nonsmooth.files import replacing
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["save_data", "save_table"]
+__all__ = ["plain", "save_data", "save_json", "save_table"]
 
 
 def save_data(data: xr.Dataset, path: Path) -> Path:
@@ -70,3 +72,62 @@ def save_table(rows: Sequence[Mapping[str, Any]], path: Path) -> Path:
         table.writeheader()
         table.writerows(rows)
     return path
+
+
+def save_json(value: Any, path: Path) -> Path:
+    """Write a value as JSON.
+
+    Parameters
+    ----------
+    value : object
+        Mappings, lists, numbers and texts, see `plain`.
+    path : pathlib.Path
+        File to write; its folder exists.
+
+    Returns
+    -------
+    pathlib.Path
+        The file.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     save_json({"v": 1.5}, Path(folder) / "v.json").read_text().split()
+    ['{', '"v":', '1.5', '}']
+    """
+    with replacing(path) as draft:
+        draft.write_text(json.dumps(plain(value), indent=2, ensure_ascii=False), encoding="utf-8")
+    return path
+
+
+def plain(value: Any) -> Any:
+    """Value in the types of JSON, which has neither arrays of numpy nor infinities.
+
+    Parameters
+    ----------
+    value : object
+        Mappings, lists, arrays, numbers and texts.
+
+    Returns
+    -------
+    object
+        The same; None for what is not finite, and text for what JSON has no type for.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> plain({"v": np.array([1.0, np.inf])})
+    {'v': [1.0, None]}
+    """
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    if value is None or isinstance(value, str | bool | int | float):
+        return value
+    return str(value)

@@ -1,11 +1,12 @@
-"""Figures of the chapter by name, and writing them with the data they show."""
+"""Figures of the chapter by name: drawing them, and writing them with the data they show."""
 
 from __future__ import annotations
 
 import importlib
+import inspect
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from nonsmooth.errors import OptionError, unknown_name
 
@@ -15,7 +16,13 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-__all__ = ["figure_ids", "figure_summary", "run_figures"]
+__all__ = [
+    "draw_figure",
+    "figure_ids",
+    "figure_place",
+    "figure_summary",
+    "run_figures",
+]
 
 
 class _Entry(NamedTuple):
@@ -30,6 +37,9 @@ _FIGURES = {
     ),
     "fig2a": _Entry(
         "mole.friction_slider", "fig2a", "mass on a dry-friction slider: model and motion"
+    ),
+    "fig3b": _Entry(
+        "mole.soil_figure", "fig3b", "resistance of the soil over penetration, slow and fast"
     ),
     "fig5b": _Entry(
         "mole.histories", "fig5b", "history of the mole with the data of the first test"
@@ -123,7 +133,7 @@ def figure_ids() -> list[str]:
     --------
     >>> from nonsmooth.chapter import figure_ids
     >>> figure_ids()
-    ['fig1', 'fig2a', 'fig5b', 'fig5d', 'fig6', 'fig7', 'fig8', 'fig9', 'fig10', ...]
+    ['fig1', 'fig2a', 'fig3b', 'fig5b', 'fig5d', 'fig6', 'fig7', 'fig8', 'fig9', ...]
     """
     return list(_FIGURES)
 
@@ -154,8 +164,67 @@ def figure_summary(name: str) -> str:
     return _entry(name).summary
 
 
+def figure_place(name: str) -> tuple[str, str]:
+    """Module and function that draw a figure.
+
+    Parameters
+    ----------
+    name : str
+        Name of the figure.
+
+    Returns
+    -------
+    tuple of str
+
+    Examples
+    --------
+    >>> figure_place("fig8")
+    ('nonsmooth.chapter.mole.diagrams', 'fig8')
+    """
+    entry = _entry(name)
+    return f"nonsmooth.chapter.{entry.module}", entry.function
+
+
+def draw_figure(name: str, **options: Any) -> tuple[Figure, xr.Dataset]:
+    """Draw a figure of the chapter.
+
+    Parameters
+    ----------
+    name : str
+        Name of the figure, see `figure_ids`.
+    **options
+        Options of the function that draws it, such as ``columns`` of a diagram. Those by default
+        give the figure as it stands in the report.
+
+    Returns
+    -------
+    figure : matplotlib.figure.Figure
+        The figure.
+    data : xarray.Dataset
+        What it shows.
+
+    Raises
+    ------
+    OptionError
+        For an unknown figure or option.
+
+    Examples
+    --------
+    >>> from nonsmooth.chapter import draw_figure
+    >>> figure, data = draw_figure("fig27", points=11)
+    >>> data.sizes["deflection"]
+    11
+    """
+    draw = _maker(name)
+    known = inspect.signature(draw).parameters
+    for option in options:
+        if option not in known:
+            raise OptionError(f"{name}: {unknown_name('option', option, known)}")
+    return draw(**options)
+
+
 def run_figures(ids: Iterable[str], out: Path | str) -> list[Path]:
-    """Draw figures and write each as a PNG with its data as netCDF beside it.
+    """Draw figures and write each as PNG and PDF with its data as netCDF beside them.
 
     Parameters
     ----------
@@ -167,7 +236,7 @@ def run_figures(ids: Iterable[str], out: Path | str) -> list[Path]:
     Returns
     -------
     list of pathlib.Path
-        Files written, picture and data of each figure in turn. Each appears whole or not
+        Files written, pictures and data of each figure in turn. Each appears whole or not
         at all.
 
     Raises
@@ -175,16 +244,19 @@ def run_figures(ids: Iterable[str], out: Path | str) -> list[Path]:
     OptionError
         For an unknown name.
 
+    See Also
+    --------
+    run_chapter : on several processes, resumable, with a report.
+
     Examples
     --------
     >>> import tempfile
     >>> from nonsmooth.chapter import run_figures
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     [path.name for path in run_figures(["fig5b"], folder)]
-    ['fig5b.png', 'fig5b.nc']
+    ['fig5b.png', 'fig5b.pdf', 'fig5b.nc']
     """
-    from nonsmooth.chapter.files import save_data
-    from nonsmooth.plot import save_figure
+    from nonsmooth.chapter.figure_files import write_figure
 
     names = [ids] if isinstance(ids, str) else list(ids)
     makers = [_maker(name) for name in names]  # unknown names before any work
@@ -192,10 +264,7 @@ def run_figures(ids: Iterable[str], out: Path | str) -> list[Path]:
     folder.mkdir(parents=True, exist_ok=True)
     written = []
     for name, make in zip(names, makers, strict=True):
-        figure, data = make()
-        data.attrs = {"figure": name, "title": figure_summary(name), **data.attrs}
-        written.append(save_figure(figure, folder / f"{name}.png"))
-        written.append(save_data(data, folder / f"{name}.nc"))
+        written += write_figure(name, figure_summary(name), *make(), folder)
     return written
 
 
@@ -205,8 +274,9 @@ def _entry(name: str) -> _Entry:
     return _FIGURES[name]
 
 
-def _maker(name: str) -> Callable[[], tuple[Figure, xr.Dataset]]:
-    entry = _entry(name)
-    module = importlib.import_module(f"nonsmooth.chapter.{entry.module}")
-    function: Callable[[], tuple[Figure, xr.Dataset]] = getattr(module, entry.function)
-    return function
+def _maker(name: str) -> Callable[..., tuple[Figure, xr.Dataset]]:
+    module, function = figure_place(name)
+    found: Callable[..., tuple[Figure, xr.Dataset]] = getattr(
+        importlib.import_module(module), function
+    )
+    return found

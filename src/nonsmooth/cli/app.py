@@ -87,10 +87,9 @@ app.command()(explain)
 @app.command()
 def warmup() -> None:
     """Compile the kernels now, once for this installation."""
-    from nonsmooth.periodic.warmup import warm_up_orbits
-    from nonsmooth.simulation.warmup import warm_up
+    from nonsmooth.periodic.warmup import warm_up_all
 
-    typer.echo(f"kernels ready after {warm_up() + warm_up_orbits():.1f} s")
+    typer.echo(f"kernels ready after {warm_up_all():.1f} s")
 
 
 app.add_typer(chapter.app, name="chapter")

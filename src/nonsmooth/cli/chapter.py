@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import json
-import math
 from collections import Counter
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from nonsmooth.cli.console import print_table
+from nonsmooth.cli.console import ENDED_EARLY, STORE_HELP, print_table
 from nonsmooth.errors import OptionError, unknown_name
 
 __all__ = ["app"]
@@ -20,7 +19,11 @@ app = typer.Typer(
 )
 
 _COLUMNS = ("id", "where", "verdict", "printed", "computed")
+_VERDICTS = ("holds", "differs", "not determinable")
 _Out = Annotated[Path, typer.Option(metavar="DIR", help="Folder for the files.")]
+_Processes = Annotated[
+    int | None, typer.Option(metavar="N", help="Processes; by default one for each processor.")
+]
 
 
 @app.command("list")
@@ -37,22 +40,38 @@ def run(
     figures: Annotated[
         list[str] | None, typer.Argument(metavar="FIG...", help="Figures, see: list.")
     ] = None,
-    all_figures: Annotated[bool, typer.Option("--all", help="Draw every figure.")] = False,
+    more_figures: Annotated[
+        str | None,
+        typer.Option("--figures", metavar="FIG,FIG", help="The same, with commas in between."),
+    ] = None,
+    all_figures: Annotated[
+        bool, typer.Option("--all", help="Every figure, and a report with the claims.")
+    ] = False,
     out: _Out = Path("chapter-figures"),
+    processes: _Processes = None,
 ) -> None:
-    """Compute and draw figures."""
+    """Compute and draw figures; what the folder has from the same code is left as it is.
+
+    Each is written as PNG and PDF with its data as netCDF. With --all the claims are judged too,
+    and report.html shows everything.
+    """
     from nonsmooth.chapter import registry
+    from nonsmooth.chapter.run_chapter import run_chapter, written_files
 
     known = registry.figure_ids()
-    wanted = figures or []
+    wanted = [*(figures or []), *(more_figures.split(",") if more_figures else [])]
     if all_figures == bool(wanted):
         raise OptionError("name some figures, or give --all; nonsmooth chapter list names them")
     for name in wanted:
         if name not in known:
             raise OptionError(unknown_name("figure", name, known))
     out.mkdir(parents=True, exist_ok=True)
-    for path in registry.run_figures(known if all_figures else wanted, out):
+    outcome = run_chapter(out, None if all_figures else wanted, processes=processes)
+    for path in written_files(out, known if all_figures else wanted, outcome):
         typer.echo(str(path))
+    if all_figures and outcome.complete:
+        typer.echo(str(out / "report.html"))
+    _end(outcome, f"the same command with --out {out} goes on there")
 
 
 @app.command()
@@ -62,23 +81,43 @@ def claims(
     ] = None,
     section: Annotated[int | None, typer.Option(help="Those of this section.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON with all details.")] = False,
-    verdict: Annotated[str | None, typer.Option(help="Those with this verdict.")] = None,
+    verdict: Annotated[
+        str | None, typer.Option(help=f"Those with this verdict: {', '.join(_VERDICTS)}.")
+    ] = None,
+    store: Annotated[Path | None, typer.Option(metavar="FOLDER", help=STORE_HELP)] = None,
+    processes: _Processes = None,
 ) -> None:
     """Compare what the chapter states with what is computed."""
-    from nonsmooth.chapter.claims import evaluate_claims
+    from nonsmooth.chapter.claim_runs import judge_claims
+    from nonsmooth.chapter.claims import select_claims
 
-    rows = evaluate_claims(section=section, ids=ids or None)
-    if verdict is not None:
-        verdicts = {str(row["verdict"]) for row in rows}
-        if verdict not in verdicts:
-            raise OptionError(f"--verdict: {unknown_name('verdict', verdict, verdicts)}")
-        rows = [row for row in rows if row["verdict"] == verdict]
+    if verdict is not None and verdict not in _VERDICTS:
+        raise OptionError(f"--verdict: {unknown_name('verdict', verdict, _VERDICTS)}")
+    names = select_claims(section, ids or None)
+    rows, outcome = judge_claims(names, store=store, processes=processes)
+    if outcome.complete:
+        _print_rows([row for row in rows if verdict in (None, row["verdict"])], as_json)
+    _end(outcome, "with --store FOLDER the same command goes on there")
+
+
+def _print_rows(rows: list[dict[str, Any]], as_json: bool) -> None:
     if as_json:
-        typer.echo(json.dumps(_plain(rows), indent=2, ensure_ascii=False))
+        typer.echo(json.dumps(rows, indent=2, ensure_ascii=False))
         return
     print_table(_COLUMNS, [[_text(row[key]) for key in _COLUMNS] for row in rows], lines=True)
     counts = Counter(str(row["verdict"]) for row in rows)
-    typer.echo(", ".join(f"{count} {name}" for name, count in counts.most_common()))
+    typer.echo(", ".join(f"{counts[name]} {name}" for name in _VERDICTS))
+
+
+def _end(outcome: Any, cure: str) -> None:
+    """Say what failed, and end with the code of that."""
+    for name, message in outcome.faults.items():
+        typer.echo(f"nonsmooth: {name}: {message}", err=True)
+    if not outcome.complete:
+        typer.echo(f"nonsmooth: what is done is kept; {cure}", err=True)
+        raise KeyboardInterrupt
+    if outcome.faults:
+        raise typer.Exit(ENDED_EARLY)
 
 
 @app.command()
@@ -94,18 +133,3 @@ def _text(value: Any) -> str:
     if value is None:
         return ""
     return f"{value:.6g}" if isinstance(value, float) else str(value)
-
-
-def _plain(value: Any) -> Any:
-    """Value in the types of JSON, which has neither arrays of numpy nor infinities."""
-    if hasattr(value, "tolist"):
-        value = value.tolist()
-    if isinstance(value, dict):
-        return {str(key): _plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    if value is None or isinstance(value, str | bool | int | float):
-        return value
-    return str(value)

@@ -30,6 +30,9 @@ _UNIT = 2.220446049250313e-16
 _FAR = 1e300
 _FADED = 1e-3  # part of a rounding margin
 _STILL = 4.0  # margins within which a guard that is identically zero may be found
+_UNDER_MARGIN = 1.0 / 32.0  # of a rounding margin: one rounding
+_BENT = 1e-2  # part of the rate at take-off; each step of _landing leaves twice that of an error
+_LANDING_STEPS = 9
 _MOST_SHORTENINGS = 16  # the bound of the sixth coefficient knows nothing of what cancels
 
 
@@ -54,7 +57,7 @@ def first_crossing(tables, segment, m, start, length):
         rest = min(length - s, far)
         soonest = rest
         reach = rest if rest < 1.5 * top else top
-        which, unsure = -1, 0
+        which, unsure, lands = -1, 0, 0
         for g in range(n_exits):
             if s < scan[g, at.PASSED]:  # a tangency there is flagged already
                 scan[g, at.SAFE], scan[g, at.LATEST] = scan[g, at.PASSED] - s, _FAR
@@ -69,7 +72,12 @@ def first_crossing(tables, segment, m, start, length):
             if still > 0.0:
                 scan[g, at.SAFE] = still
             elif s == 0.0 and 0 < order[g] != STILL_ZERO:
-                scan[g, at.SAFE] = _leave(scan, g, order[g], reach)
+                landing = _landing(scan, g, reach) if order[g] == 1 else 0.0
+                if landing > 0.0:
+                    lands |= 1 << g
+                    scan[g, at.SAFE] = scan[g, at.LATEST] = landing
+                else:
+                    scan[g, at.SAFE] = _leave(scan, g, order[g], reach)
             else:
                 found = _look_ahead(scan, g, reach, far)
                 if found == GRAZE:
@@ -89,6 +97,11 @@ def first_crossing(tables, segment, m, start, length):
                 s += soonest
                 advance_once(tables, segment, m, s)
                 return s, which, UNCERTAIN
+            if (lands >> which) & 1 and _alone(scan, n_exits, which, length):
+                s = scan[which, at.LATEST]
+                scan[which, 1] = _rate_of_polynomial(scan, which, s)
+                advance_once(tables, segment, m, s)
+                return s, which, CERTIFIED
             if scan[which, at.LATEST] < _FAR and _alone(scan, n_exits, which, length - s):
                 root, found = _finish(tables, segment, m, which, s)
                 if root <= length:
@@ -163,6 +176,34 @@ def _leave(scan, g, order, reach):
         reach *= 0.5
         tail *= 0.5 ** (at.TERMS - order)
     return safe_step(max(a0, 0.0), a1, a2, a3, a4, a5, -last, reach)
+
+
+@kernel
+def _landing(scan, g, reach):
+    """Where a low flight from a zero of first order ends, by its polynomial; 0 for other flights.
+
+    Heights have the rounding of positions, and what is divided by the time of flight has none.
+    """
+    a1, a2, a3, a4, a5 = scan[g, 1], scan[g, 2], scan[g, 3], scan[g, 4], scan[g, 5]
+    if not (a1 > 0.0 and a2 < 0.0) or scan[g, at.TAKEN_OFF] != 0.0 or scan[g, at.FADING] != 0.0:
+        return 0.0
+    u = -a1 / a2
+    if not (1.0 + 4.0 * _BENT) * u <= reach:
+        return 0.0
+    # so nearly a parabola that there is one root, and what is left out is below rounding
+    bent = (abs(a3) + (2.0 * abs(a4) + 4.0 * abs(a5) * u) * u) * u * u
+    left_out = 2.0 * scan[g, at.BOUND] * u**6
+    if not (bent <= _BENT * a1 and left_out <= _UNDER_MARGIN * scan[g, at.MARGIN]):
+        return 0.0
+    for _ in range(_LANDING_STEPS):
+        u = -(a1 + u * u * (a3 + u * (a4 + u * a5))) / a2
+    return u
+
+
+@kernel
+def _rate_of_polynomial(scan, g, u):
+    a1, a2, a3, a4, a5 = scan[g, 1], scan[g, 2], scan[g, 3], scan[g, 4], scan[g, 5]
+    return a1 + u * (2.0 * a2 + u * (3.0 * a3 + u * (4.0 * a4 + u * 5.0 * a5)))
 
 
 @kernel

@@ -194,6 +194,7 @@ class Segment(NamedTuple):
     left_out: Integers  # (1,): bits of the states that a start leaves to their equations
     extent: Floats  # (N,) size of each coordinate at an event
     mark: Floats  # (N,) states from which exits are passed at one instant
+    visited: Integers  # (M,): 1 for the modes that are entered at one instant without a jump
     newton: Floats  # (3, N): last point and step of Newton's method, and what counts as large
     factors: Floats  # (factors + 1, FACTOR): of the products of a guard, and its linear part
     scan: Floats  # (e, SCAN)
@@ -372,6 +373,7 @@ def allocate_segment(sizes: Integers, n_rates: int = 0) -> Segment:
         left_out=np.zeros(1, np.int64),
         extent=np.zeros(big_n),
         mark=np.zeros(big_n),
+        visited=np.zeros(int(sizes[4]), np.int64),
         newton=np.zeros((3, big_n)),
         factors=np.zeros((int(sizes[8]) + 1, FACTOR)),
         scan=np.zeros((e, SCAN)),

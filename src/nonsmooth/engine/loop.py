@@ -39,6 +39,7 @@ from nonsmooth.engine.status import EventKind, Status
 from nonsmooth.engine.tangent import carry, complete_columns, start_columns
 from nonsmooth.engine.transitions import (
     PATH_BITS,
+    count_bits,
     fill_extent,
     guard_exceeds,
     guard_holds,
@@ -463,11 +464,22 @@ def _kind_of(wiring, before, after, jumped, corner, stay):
         return _CHATTER if stay > 0.0 else _STICK
     if on_before == at.RESTING and on_after != at.RESTING and not jumped:
         return _RELEASE
-    if on_after == at.SLIDES and on_before == at.FREE and not jumped:
-        return _SLIDE_ENTRY
-    if on_before == at.SLIDES and on_after == at.FREE and not jumped:
-        return _SLIDE_EXIT
+    if not jumped and (on_before == at.SLIDES or on_after == at.SLIDES):
+        # along one surface more, or one less
+        more = _surfaces_held(wiring, after) - _surfaces_held(wiring, before)
+        if more > 0:
+            return _SLIDE_ENTRY
+        if more < 0 and on_after != at.RESTING:
+            return _SLIDE_EXIT
     return _CORNER if corner else (_IMPACT if jumped else _SWITCH)
+
+
+@kernel
+def _surfaces_held(wiring, m):
+    """Number of surfaces along which a cell slides, or none."""
+    if wiring[m, 0, at.KIND] != at.SLIDES:
+        return 0
+    return max(1, count_bits(wiring[m, 0, at.SLAVED]))
 
 
 @kernel

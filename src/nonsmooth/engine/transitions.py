@@ -39,6 +39,7 @@ from nonsmooth.engine.zeros import (
 __all__ = [
     "PATH_BITS",
     "PATH_LENGTH",
+    "count_bits",
     "fill_extent",
     "guard_exceeds",
     "guard_holds",
@@ -85,7 +86,8 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
     # rows of Taylor modes hold at one point only, so there the free directions go along
     curved = tables.sizes[6] > 0
     first_mode, first_exit = m, e
-    visited = 1 << m
+    visited = segment.visited
+    _visit_only(visited, m)
     path, passes, jumped, corner = 0, 0, False, False
     jumping = 0  # bits of the slaved states that a reset has let jump onto their relations
     stay, first_rate = NEVER, 0.0
@@ -101,9 +103,12 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
             target = wiring[m, 1 + e, at.TARGET]
             onto = wiring[m, 1 + e, at.ONTO]
             rebounds = onto >= 0 and wiring[m, 1 + e, at.RESETTING] != 0
-            arrival = 0.0
+            arrival, push = 0.0, 0.0
             if rebounds:
+                if at.has_code(tables.code_rows, m):
+                    _differentiate(tables, rates, segment, m)
                 arrival = rate_of_guard(n, tables.generator, affine, wiring, m, e, z)
+                push = _sum_of_terms(affine, m, at.guard_row(e, 2), z, segment.extent)[0]
             first_rate = max(first_rate, abs(arrival))
             if passes < PATH_LENGTH:
                 path |= (e + 1) << (PATH_BITS * passes)
@@ -117,7 +122,7 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
             # what the target slaves is put on its relation anyway: naming it is no jump by itself
             slaved = wiring[target, 0, at.SLAVED]
             if (resetting & ~slaved) != 0:
-                visited = 0  # without a jump no mode may return
+                visited[:] = 0  # without a jump no mode may return
             jumped = jumped or (resetting & ~(wiring[m, 0, at.SLAVED] & slaved)) != 0
             # cells settle after a reset: what it lets jump goes on until one of them holds
             if resetting != 0 or tables.families[target] != tables.families[m]:
@@ -130,27 +135,36 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
                 status = _UNDECIDED if failed else _INADMISSIBLE
                 return status, target, path, passes, jumped, corner, stay
             before, m = m, target
-            if (visited >> m) & 1:
+            if visited[m] != 0:
                 # cells of one mode hand over in a circle where several surfaces meet
                 slides = tables.families[before] == tables.families[m] and jumping == 0
                 meeting = _meeting(tables, m, z, segment.extent, visited) if slides else -1
                 if meeting >= 0:
-                    e, visited = meeting, visited | 1 << m
+                    e = meeting
                     continue
+                cell = -1
+                if slides:
+                    cell = _cell_that_holds(tables, rates, segment, duration, tolerance)
+                if cell >= 0:
+                    if carrying:
+                        relate_columns(tables, rates, segment, tangent, cell)
+                    if carrying and first_exit >= 0:
+                        end_saltation(tables, segment, tangent, cell)
+                    return _COMPLETED, cell, path, passes, jumped, True, stay
                 if slides or not _moved(n, z, segment.mark, segment.extent):
                     status = _SLIDING if slides else _UNDECIDED
                     return status, m, path, passes, jumped, corner, stay
-                visited = 0  # slaved states have jumped on the way
+                visited[:] = 0  # slaved states have jumped on the way
                 copy_vector(z, segment.mark, n)
             if passes > (_MOST_REBOUNDS if rebounds else _MOST_PASSES):
                 return _EVENT_LIMIT, m, path, passes, jumped, corner, stay
-            visited |= 1 << m
+            visited[m] = 1
             followed = curved
             if rebounds:
                 if at.has_code(tables.code_rows, m):
                     _differentiate(tables, rates, segment, m)
                 wait = rest_time(
-                    affine, tables.clock[at.WINDOW], m, e, z, segment.extent, arrival, first_rate,
+                    affine, tables.clock, m, e, z, segment.extent, arrival, push, first_rate,
                     tolerance,
                 )  # fmt: skip
                 if wait != NEVER:
@@ -167,8 +181,9 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
             e = rests
             continue
         e, meets, followed = _next_exit(
-            n, affine, wiring, tables.families, z, segment.extent, segment.order, basis,
-            segment.scale, first_mode, first_exit, m, path, passes, followed, tolerance,
+            n, tables.generator, affine, wiring, tables.families, z, segment.extent,
+            segment.order, basis, segment.scale, first_mode, first_exit, m, path, passes,
+            followed, duration, tolerance,
         )  # fmt: skip
         corner = corner or meets
         if e < 0:
@@ -176,7 +191,7 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
                 end_saltation(tables, segment, tangent, m)
             return _COMPLETED, m, path, passes, jumped, corner, stay
         if passes == 0 and wiring[m, 1 + e, at.ONTO] == e:
-            visited = 0  # a start that is not held goes back to where it was looked for
+            visited[:] = 0  # a start that is not held goes back to where it was looked for
         e = _onto_surface(wiring, m, e, visited)
         if passes > 0 and e < wiring[m, 0, at.N_EXITS]:
             # a second surface at the same instant is met as exactly as the first one
@@ -249,8 +264,8 @@ def _enter(
 
 @inlined
 def _next_exit(
-    n, affine, wiring, families, z, extent, order, basis, scale, first_mode, first_exit, m, path,
-    passes, followed, tolerance,
+    n, generator, affine, wiring, families, z, extent, order, basis, scale, first_mode, first_exit,
+    m, path, passes, followed, duration, tolerance,
 ):  # fmt: skip
     """The exit of mode m that fires at z, -1 for none; fills the orders of its guards.
 
@@ -269,6 +284,11 @@ def _next_exit(
                 _follow(n, affine, wiring, first_mode, first_exit, path, passes, scale, basis)
                 followed = True
             known = zero_order(affine, m, g, scale, basis)
+            # surfaces passed one after the other at one instant are met as exactly as the first one
+            if known == 0 and passes > 0:
+                value = _sum_of_terms(affine, m, at.guard_row(g, 0), z, extent)[0]
+                rate = rate_of_guard(n, generator, affine, wiring, m, g, z)
+                known = 1 if abs(value) <= _NOTHING * abs(rate) * duration else 0
         order[g] = known
         fires = _must_fire(affine, m, g, z, extent, order, tolerance)
         # what starts on a surface that holds is held as long as it can be
@@ -290,7 +310,42 @@ def _onto_surface(wiring, m, e, visited):
     onto, target = wiring[m, 1 + e, at.ONTO], wiring[m, 1 + e, at.TARGET]
     if onto < 0 or target < 0 or wiring[m, 1 + e, at.RESETTING] != 0:
         return e
-    return onto if (visited >> target) & 1 else e
+    return onto if visited[target] != 0 else e
+
+
+@kernel
+def _visit_only(visited, m):
+    for k in range(visited.size):
+        visited[k] = 0
+    visited[m] = 1
+
+
+@kernel
+def _cell_that_holds(tables, rates, segment, duration, tolerance):
+    """The visited cell into which the motion leads when guards near zero count as zero, or -1.
+
+    Cells hand over in a circle where surfaces that are the same but for rounding are crossed: each
+    guard is a little on the wrong side in the one or the other. Rates tell which cell it is.
+    """
+    n, affine, wiring, z = tables.sizes[0], tables.affine, tables.wiring, segment.z
+    extent, scale, order = segment.extent, segment.scale, segment.order
+    for m in range(wiring.shape[0]):
+        if segment.visited[m] == 0:
+            continue
+        if wiring[m, 0, at.IMPLICIT] != 0 and not settle(tables, rates, segment, m):
+            continue
+        linearise_mode(tables, rates, segment, m)
+        if at.has_code(tables.code_rows, m):
+            _differentiate(tables, rates, segment, m)
+        fill_extent(n, affine, wiring, m, z, extent)
+        fill_scale(n, tables.generator, affine, wiring, m, z, duration, scale)
+        holds = True
+        for g in range(wiring[m, 0, at.N_EXITS]):
+            order[g] = 1 if _nearly_zero(affine, m, g, z, extent, scale) else 0
+            holds = holds and not _must_fire(affine, m, g, z, extent, order, tolerance)
+        if holds:
+            return m
+    return -1
 
 
 @kernel
@@ -299,9 +354,9 @@ def _meeting(tables, m, z, extent, visited):
     n, wiring, found, most = tables.sizes[0], tables.wiring, -1, 1
     for e in range(wiring[m, 0, at.N_EXITS], wiring[m, 0, at.N_WAYS]):
         target = wiring[m, 1 + e, at.TARGET]
-        if wiring[m, 1 + e, at.RESETTING] != 0 or (visited >> target) & 1:
+        if wiring[m, 1 + e, at.RESETTING] != 0 or visited[target] != 0:
             continue
-        more = _count(wiring[target, 0, at.SLAVED] & ~wiring[m, 0, at.SLAVED])
+        more = count_bits(wiring[target, 0, at.SLAVED] & ~wiring[m, 0, at.SLAVED])
         if more > most and slaved_agree(
             n, tables.affine, wiring, target, z, extent, z, 0, _CLEARLY
         ):
@@ -310,7 +365,7 @@ def _meeting(tables, m, z, extent, visited):
 
 
 @kernel
-def _count(bits):
+def count_bits(bits):
     """Number of bits that are set."""
     count = 0
     while bits > 0:
@@ -593,7 +648,7 @@ def _agrees(n, affine, wiring, target, segment, jumping, fired, scaled, toleranc
             # the root of the fired guard leaves a little more than the tolerance
             allowed = max(tolerance, _CLEARLY) * (size + abs(before) + fired)
             for j in range(segment.z.size if scaled else 0):
-                allowed += _NOTHING * abs(affine[target, row, j]) * segment.scale[j]
+                allowed += _CLEARLY * abs(affine[target, row, j]) * segment.scale[j]
             if abs(value - before) > allowed:
                 return False
     return True

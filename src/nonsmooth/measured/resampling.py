@@ -45,8 +45,8 @@ def synchronous(record: xr.Dataset, samples_per_period: int = 64) -> xr.Dataset:
 
     See Also
     --------
-    power_spectrum : with harmonics, of this.
-    zero_one_test : takes one value per revolution of it.
+    nonsmooth.power_spectrum : with harmonics, of this.
+    nonsmooth.zero_one_test : takes one value per revolution of it.
 
     Examples
     --------

@@ -50,7 +50,7 @@ def section(record: xr.Dataset, *, transient: int = 0, phase: float = 0.0) -> xr
 
     See Also
     --------
-    stroboscopic_map : the same of a system.
+    nonsmooth.stroboscopic_map : the same of a system.
     diagram : sections over the speed.
 
     Notes

@@ -65,7 +65,7 @@ def diagram(
 
     See Also
     --------
-    bifurcation_diagram : the same of a system.
+    nonsmooth.bifurcation_diagram : the same of a system.
 
     Examples
     --------

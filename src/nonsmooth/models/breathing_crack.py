@@ -117,7 +117,7 @@ def breathing_crack(
     --------
     FatigueRig : data of a rig in kg, N/m, mm and Hz, from which this model follows.
     fatigue_rig : both masses and their contacts.
-    local_regimes : what a run with a growing crack does at each of its times.
+    nonsmooth.local_regimes : what a run with a growing crack does at each of its times.
 
     Notes
     -----

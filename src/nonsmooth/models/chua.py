@@ -42,8 +42,8 @@ def chua(
     ====== ======== ======= =========================================
     alpha  alpha    9       Matsumoto et al., the double scroll
     beta   beta     100/7   Matsumoto et al., the double scroll
-    m0     m0       -8/7    Matsumoto et al.: slope of f for |x| < 1
-    m1     m1       -5/7    Matsumoto et al.: slope of f for |x| > 1
+    m0     m0       -8/7    Matsumoto et al.: slope of f for ``|x|`` < 1
+    m1     m1       -5/7    Matsumoto et al.: slope of f for ``|x|`` > 1
     ====== ======== ======= =========================================
 
     Parameters
@@ -56,7 +56,7 @@ def chua(
     Returns
     -------
     System
-        States ``x y z``; modes ``inner`` (|x| < 1), ``right`` and ``left``, all linear, or
+        States ``x y z``; modes ``inner`` (``|x|`` < 1), ``right`` and ``left``, all linear, or
         the one smooth mode ``flow`` with the cubic; output ``resistor_current``. It has no
         period. The origin is an equilibrium, so it starts at x = 0.1.
 

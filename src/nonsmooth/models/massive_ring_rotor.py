@@ -2,7 +2,7 @@ r"""The rotor in its snubber ring where the ring has a mass and, if wanted, dry 
 
 from __future__ import annotations
 
-from nonsmooth.models.rotor import rotor
+from nonsmooth.models.rotors.texts import rotor_words
 from nonsmooth.system.parts import Exit, Mode, Text
 from nonsmooth.system.system import System
 
@@ -136,9 +136,9 @@ def massive_ring_rotor(
     4.0e-05
     3.8e-06
     """
-    base = rotor()
+    base = rotor_words({})
     kept = ("springs", "preload", "pull", "stored")
-    definitions = {n: t for n, t in base.definitions.items() if n.startswith(kept)}
+    definitions = {n: t for n, t in base["definitions"].items() if n.startswith(kept)}
     return System(
         name="massive_ring_rotor",
         states=["x", "y", "vx", "vy", "sx", "sy", "svx", "svy", "nx", "ny", "w"],
@@ -159,8 +159,9 @@ def massive_ring_rotor(
             "f": f,
             "radius": radius,
         },
-        require={name: text for name, text in base.require.items() if "nu2" not in name} | _REQUIRE,
-        describe={n: t for n, t in base.describe.items() if n not in _MASSLESS} | _LABELS,
+        require={name: text for name, text in base["require"].items() if "nu2" not in name}
+        | _REQUIRE,
+        describe={n: t for n, t in base["describe"].items() if n not in _MASSLESS} | _LABELS,
         definitions=_FREE | definitions | _MOTION | _IMPACT,
         outputs={
             "force_x": "Fx",
@@ -172,7 +173,7 @@ def massive_ring_rotor(
             "gap": "1 - sqrt(nx**2 + ny**2)",
             "energy": "stored",
         },
-        modes=_modes(dict(base.modes["contact"].cells or {})),
+        modes=_modes(base["modes"]["contact"].cells),
     )
 
 

@@ -127,7 +127,7 @@ def rubbing_rotor(
     >>> ns.phase_word(run)
     ('forward_slip', 'rolling')
     >>> [round(float(run[name][-1]), 6) for name in ("radius_of_whirl", "friction")]
-    [2.497132, -1.08]
+    [2.497065, -1.079495]
     """
     return System(
         name="rubbing_rotor",

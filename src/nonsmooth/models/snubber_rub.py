@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from nonsmooth.models.rotor import rotor
+from nonsmooth.models.rotors.texts import rotor_words
 from nonsmooth.system.parts import Exit, Mode, Text
 from nonsmooth.system.system import System
 
@@ -105,34 +105,45 @@ def snubber_rub(
     >>> round(float(run["sx"][0]), 6), round(float(run["sy"][0]), 6)
     (0.050045, 0.009515)
     """
-    base = rotor(eta, nu1, nu2, K, eta_m, rho, eps_x, eps_y, delta_x, delta_y, phi0)
+    values = {
+        "eta": eta,
+        "nu1": nu1,
+        "nu2": nu2,
+        "K": K,
+        "eta_m": eta_m,
+        "rho": rho,
+        "eps_x": eps_x,
+        "eps_y": eps_y,
+        "delta_x": delta_x,
+        "delta_y": delta_y,
+        "phi0": phi0,
+    }
+    base = rotor_words(values)
     slip = "eta*radius + nx*(vy - rate(sy)) - ny*(vx - rate(sx))"
-    free, contact = base.modes["free"], base.modes["contact"]
-    return replace(
-        base,
-        name="snubber_rub",
-        parameters=dict(base.parameters) | {"f": f, "radius": radius},
-        require=dict(base.require)
-        | {
+    free, contact = base["modes"]["free"], base["modes"]["contact"]
+    modes = {
+        "free": replace(free, definitions=free.definitions | {"u": "0"}),
+        "contact": Mode(
+            contact.flow,
+            slaved=contact.slaved
+            | {"sx": "pull_x = mu*(nx - f*ny)", "sy": "pull_y = mu*(ny + f*nx)"},
+            exits=[*contact.exits, Exit("u", to="stop", name="rolling")],
+            cells=contact.cells,
+        ),
+    }
+    more = {
+        "parameters": {"f": f, "radius": radius},
+        "require": {
             "f >= 0": "friction acts against the slip",
             "radius > 0": "the rotor touches with its surface",
         },
-        describe=dict(base.describe)
-        | {
+        "describe": {
             "slip": "slip of the rotor on the ring",
             "f": "coefficient of friction",
             "radius": "radius of the rotor",
         },
-        definitions=dict(base.definitions) | {"u": slip},
-        outputs=dict(base.outputs) | {"slip": "u"},
-        modes={
-            "free": replace(free, definitions=dict(free.definitions) | {"u": "0"}),
-            "contact": Mode(
-                contact.flow,
-                slaved=dict(contact.slaved)
-                | {"sx": "pull_x = mu*(nx - f*ny)", "sy": "pull_y = mu*(ny + f*nx)"},
-                exits=[*contact.exits, Exit("u", to="stop", name="rolling")],
-                cells=contact.cells,
-            ),
-        },
-    )
+        "definitions": {"u": slip},
+        "outputs": {"slip": "u"},
+    }
+    more = {word: base[word] | added for word, added in more.items()}
+    return System(**base | more | {"name": "snubber_rub", "modes": modes})

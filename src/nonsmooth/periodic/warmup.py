@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import time
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 
 import numpy as np
 
@@ -10,10 +12,28 @@ from nonsmooth.periodic.equations import OrbitEquations, Turn
 from nonsmooth.periodic.legs import Legs
 from nonsmooth.periodic.multipliers import floquet
 from nonsmooth.periodic.word import Word
+from nonsmooth.simulation.warmup import warm_up, warm_up_loop
 from nonsmooth.system.parts import Mode
 from nonsmooth.system.system import System
 
-__all__ = ["warm_up_orbits"]
+__all__ = ["warm_up_all", "warm_up_orbits"]
+
+
+def warm_up_all() -> float:
+    """Compile every kernel, on two cores where there are two.
+
+    Returns
+    -------
+    float
+        Seconds; a few when the kernels were compiled already.
+    """
+    began = time.monotonic()
+    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as other:
+        loop = other.submit(warm_up_loop)  # which is half of all
+        warm_up_orbits()
+        loop.result()
+    warm_up()
+    return time.monotonic() - began
 
 
 def warm_up_orbits() -> float:

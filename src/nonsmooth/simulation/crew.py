@@ -43,11 +43,13 @@ def run_tasks(
     label: str,
     keep: Callable[[int, T], None],
     done: Collection[int] = (),
+    measure: Callable[[], tuple[float, float]] | None = None,
 ) -> bool:
     """Run all tasks; ``keep`` is told the number and result of each as it comes.
 
     The tasks whose numbers are ``done`` are left out. Every thread makes a worker of its own,
-    which its tasks get with an event that is set when they should stop. Returns False where the
+    which its tasks get with an event that is set when they should stop. The progress bar counts
+    tasks, or shows what ``measure`` says: how much is done, of how much. Returns False where the
     user interrupted; what was kept stays.
     """
     stop = threading.Event()
@@ -70,7 +72,7 @@ def run_tasks(
     crew = [threading.Thread(target=work, daemon=True) for _ in range(threads)]
     complete, done_so_far, under_way = True, len(done), 0
     remaining = iter([i for i in range(len(tasks)) if i not in done])
-    with Progress(label, len(tasks)) as progress:
+    with Progress(label, len(tasks) if measure is None else measure()[1]) as progress:
         try:
             for thread in crew:
                 thread.start()
@@ -84,13 +86,15 @@ def run_tasks(
                 try:
                     i, result, fault = take(results)
                 except Empty:
+                    if measure is not None:
+                        progress.update(measure()[0])
                     continue
                 under_way -= 1
                 if fault is not None:
                     raise fault
                 keep(i, result)
                 done_so_far += 1
-                progress.update(done_so_far)
+                progress.update(done_so_far if measure is None else measure()[0])
         except KeyboardInterrupt:
             complete = False
         finally:

@@ -7,104 +7,90 @@ Where one rate has a zero that the other does not share, both signs come beside 
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from itertools import product
 
 import numpy as np
-import numpy.typing as npt
 
-from nonsmooth.system.evaluate import evaluate_shared
-from nonsmooth.system.expressions import Call, Expression, Name
-from nonsmooth.system.identities import random_point
+from nonsmooth.system.expressions import Expression
+from nonsmooth.system.points import COUNT, Points
+from nonsmooth.system.value_tape import Array, ValueTape, table
 
 __all__ = ["may_attract"]
 
-_SEEDS = 2
+_STARTS = 2  # points from which zeros are looked for
 _STEPS = 30  # of the secant method
 _ROOT = 1e-11  # of the size of a rate
 _ZERO = 1e-6  # of it: what is no zero of the other rate
+_SAME = 1e-12  # in which the ratios of two rates agree where one is the other times a number
 
-_Array = npt.NDArray[np.float64]
 
+def may_attract(rates: Sequence[Expression]) -> bool:
+    """Whether the first of some rates and another one may have different signs.
 
-def may_attract(up: Expression, down: Expression) -> bool:
-    """Whether rates on both sides of a surface may have different signs; yes where in doubt.
-
-    The surface is put into the rates: any values of what stands in them are a point of it.
+    Yes where in doubt. The surface is put into the rates: any values of what stands in them are a
+    point of it.
     """
-    names = sorted(_names([up, down]))
-    points = [random_point(seed) for seed in range(_SEEDS)]
-    start = {name: np.array([point[name] for point in points]) for name in names}
-    rates = _values(up, down, start, _SEEDS)
-    if not (rates[0] * rates[1] > 0.0).all():
-        return True
-    if not names:
+    tape, points = ValueTape(rates), Points()
+    first, *others = values = table(tape.values(points), COUNT)
+    pairs = []
+    for i, other in enumerate(others, 1):
+        product_ = first * other
+        if (product_ < 0.0).any() or not (product_[:_STARTS] > 0.0).all():
+            return True
+        ratio = other / first
+        if not (np.abs(ratio - ratio[0]) <= _SAME * ratio[0]).all():
+            pairs.append(i)
+    if not pairs:
         return False
-    size = np.abs(rates).max(axis=0)
-    # one search for each point, coordinate and rate, side by side
-    searches = [(s, n, r) for s in range(_SEEDS) for n in range(len(names)) for r in (0, 1)]
-    which, coordinate, side = (np.array(part) for part in zip(*searches, strict=True))
-    begin = {name: start[name][which] for name in names}
-    others = _at_roots(up, down, begin, coordinate, side, size[which])
-    found = ~np.isnan(others)
-    return not found.any() or bool((others[found] > _ZERO * size[which][found]).any())
+    # a search that runs out of the numbers finds nothing
+    with np.errstate(over="ignore", invalid="ignore"):
+        return _Search(tape, points, values[:, :_STARTS], pairs).finds_signs()
 
 
-def _names(nodes: list[Expression]) -> set[str]:
-    """Names in some graphs, each node met once."""
-    found, seen, open_ = set(), set(), list(nodes)
-    while open_:
-        node = open_.pop()
-        if id(node) in seen:
-            continue
-        seen.add(id(node))
-        if isinstance(node, Name) and node.name != "pi":
-            found.add(node.name)
-        elif isinstance(node, Call):
-            open_ += node.arguments
-    return found
+class _Search:
+    """Zeros of both rates of some pairs, each by a change of one coordinate.
 
-
-def _values(up: Expression, down: Expression, point: dict[str, _Array], count: int) -> _Array:
-    """Both rates at some points."""
-    known: dict[int, Any] = {}
-    try:
-        rows = [evaluate_shared(node, point, known, lambda _: None) for node in (up, down)]
-    except (ArithmeticError, KeyError, TypeError, ValueError):
-        return np.full((2, count), np.nan)
-    return np.array([np.broadcast_to(np.asarray(row, float), count) for row in rows])
-
-
-def _at_roots(
-    up: Expression,
-    down: Expression,
-    point: dict[str, _Array],
-    coordinate: npt.NDArray[np.int64],
-    side: npt.NDArray[np.int64],
-    size: _Array,
-) -> _Array:
-    """Size of one rate where the other is zero by a change of one coordinate; nan where it is not.
-
-    By the secant method, for many coordinates at once.
+    By the secant method, from each start along each coordinate, side by side.
     """
-    names, every = list(point), np.arange(len(side))
-    others = np.full(len(side), np.nan)
-    x = np.array([point[names[n]][k] for k, n in enumerate(coordinate)])
-    step = 0.1 * x + 0.01
-    value = _values(up, down, point, len(side))[side, every]
-    going = np.isfinite(value)
-    with np.errstate(all="ignore"):
+
+    def __init__(
+        self, tape: ValueTape, points: Points, starts: Array, pairs: Sequence[int]
+    ) -> None:
+        self.tape, self.names = tape, list(tape.names)
+        ways = product(range(_STARTS), range(len(self.names)), pairs, (True, False))
+        start, self.coordinate, self.pair, is_first = (
+            np.array(part) for part in zip(*ways, strict=True)
+        )
+        self.own = np.where(is_first, 0, self.pair)  # the rate that is to vanish
+        self.other = np.where(is_first, self.pair, 0)
+        self.every = np.arange(len(start))
+        self.at = np.array([points[name][start] for name in self.names])
+        self.size = np.maximum(np.abs(starts[0, start]), np.abs(starts[self.pair, start]))
+
+    def finds_signs(self) -> bool:
+        """Whether one of two rates is not zero where the other is, or neither has a zero."""
+        found = np.zeros(len(self.every), dtype=bool)
+        step = 0.1 * self.at[self.coordinate, self.every] + 0.01
+        value, _ = self._rates()
+        going = np.isfinite(value)
         for _ in range(_STEPS):
-            for n, name in enumerate(names):
-                point[name] = np.where(coordinate == n, x + step, point[name])
-            both = _values(up, down, point, len(side))
-            new = both[side, every]
-            there = going & (np.abs(new) <= _ROOT * size)
-            others[there] = np.abs(both[1 - side, every])[there]
+            self.at[self.coordinate, self.every] += step
+            new, beside = self._rates()
+            there = going & (np.abs(new) <= _ROOT * self.size)
+            if (there & (np.abs(beside) > _ZERO * self.size)).any():
+                return True
+            found |= there & np.isfinite(beside)
             change = new - value
             going &= ~there & (np.abs(change) > 0.0)  # no number: no change either
             if not going.any():
                 break
-            x = x + step
-            step = np.where(going, -step * new / np.where(going, change, 1.0), 0.0)
+            step = np.divide(-step * new, change, out=np.zeros_like(step), where=going)
             value = new
-    return others
+        return set(self.pair[found]) != set(self.pair)
+
+    def _rates(self) -> tuple[Array, Array]:
+        """The rate that is to vanish and the other one, for each search."""
+        point = dict(zip(self.names, self.at, strict=True))
+        values = table(self.tape.values(point), len(self.every))
+        return values[self.own, self.every], values[self.other, self.every]

@@ -73,6 +73,7 @@ class SplitMode:
     nodes: dict[str, Expression] = field(default_factory=dict)
     declared: Mapping[SurfaceKey, Declared] = field(default_factory=dict)
     root: _Branch | Cell | None = None
+    _resolvers: dict[frozenset[tuple[SurfaceKey, int]], Resolver] = field(default_factory=dict)
 
     def leaf(self, signs: Mapping[SurfaceKey, int]) -> Cell:
         """Cell with these signs; on surfaces that they leave out the positive side."""
@@ -124,7 +125,10 @@ class SplitMode:
 
     def resolver(self, signs: Mapping[SurfaceKey, int]) -> Resolver:
         """Nodes of the equations between the surfaces, by signs."""
-        return self.make_resolver(signs)
+        given = frozenset(signs.items())
+        if given not in self._resolvers:
+            self._resolvers[given] = self.make_resolver(signs)
+        return self._resolvers[given]
 
 
 def split(

@@ -36,7 +36,6 @@ __all__ = [
     "check_structure",
     "check_values",
     "check_words",
-    "coefficients",
     "condition_of",
     "first_unmet",
     "modes_of",
@@ -292,11 +291,12 @@ def check_values(system: System) -> None:
 
 def _check_finite(system: System) -> None:
     """Every coefficient is a finite number for the present parameters."""
-    for where, coefficient in coefficients(system.structure):
-        value = constant_value(coefficient, system.parameter_values)
+    structure = system.structure
+    values = structure.coefficient_values.values(system.parameter_values)
+    for (where, coefficient), value in zip(structure.coefficients, values, strict=True):
         if not math.isfinite(value):
             raise ModelError(
-                f"{where}: {to_text(coefficient)} is {value} for the parameters given;"
+                f"{where}: {to_text(coefficient)} is {float(value)} for the parameters given;"
                 " change them, or forbid such values in require="
             )
 
@@ -320,17 +320,6 @@ def _held(system: System) -> Iterator[tuple[str, Text, Expression]]:
             if declared.hold is not None and declared.given.hold is not None:
                 found[name] = (name, declared.given.hold, declared.hold)
     yield from found.values()
-
-
-def coefficients(structure: Structure) -> Iterator[tuple[str, Expression]]:
-    """Where each coefficient of the equations stands, and its expression of parameters."""
-    for name, forms in structure.modes.items():
-        if forms.linear is not None:
-            for where, form, _ in forms.linear.with_place(name):
-                for coefficient in form.terms.values():
-                    yield where, coefficient
-        if forms.taylor is not None:
-            yield from structure.codes[name].constants
 
 
 def _check_angles(system: System) -> None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
+from hashlib import blake2b
 
 __all__ = [
     "ONE",
@@ -21,8 +22,10 @@ __all__ = [
     "call",
     "divide",
     "multiply",
+    "name_set",
     "names_in",
     "negate",
+    "place_in_order",
     "subtract",
     "to_text",
     "walk",
@@ -50,17 +53,21 @@ class Name:
 class Call:
     """An operator or function applied to arguments; sums and products hold many.
 
-    Trees share parts, and written out some have millions of nodes. So each node knows its hash
-    and, once asked for, its text: neither is worked out twice.
+    Trees share parts, and written out some have more nodes than a computer has memory. So each
+    node knows its hash and its size, and a short one its text: none of them is worked out twice.
     """
 
     function: str
     arguments: tuple[Expression, ...]
     at: int = field(default=-1, repr=False)
+    size: int = field(init=False, repr=False)  # nodes, written out
     _hash: int = field(init=False, repr=False)
     _text: str = field(init=False, repr=False, default="")
+    _mark: str = field(init=False, repr=False, default="")
 
     def __post_init__(self) -> None:
+        sizes = [part.size if isinstance(part, Call) else 1 for part in self.arguments]
+        object.__setattr__(self, "size", 1 + sum(sizes))
         object.__setattr__(self, "_hash", hash((self.function, self.arguments)))
 
     def __hash__(self) -> int:
@@ -74,16 +81,33 @@ class Call:
         return self.function == other.function and self.arguments == other.arguments
 
     def __reduce__(self) -> tuple[type[Call], tuple[str, tuple[Expression, ...], int]]:
-        return Call, (self.function, self.arguments, self.at)  # hashes of texts are those of a process
+        return Call, (
+            self.function,
+            self.arguments,
+            self.at,
+        )  # hashes of texts are those of a process
 
     def text(self) -> str:
         """The text of the node, without parentheses around it."""
-        if not self._text:
-            object.__setattr__(self, "_text", _text_of_call(self))
-        return self._text
+        if self._text:
+            return self._text
+        text = _text_of_call(self)
+        if self.size <= _SHORT:
+            object.__setattr__(self, "_text", text)
+        return text
+
+    def mark(self) -> str:
+        """A text of fixed length that no other tree has, the same in every process."""
+        if not self._mark:
+            parts = [place_in_order(part)[1] for part in self.arguments]
+            text = "\n".join([self.function, *parts])
+            object.__setattr__(self, "_mark", blake2b(text.encode(), digest_size=16).hexdigest())
+        return self._mark
 
 
 Expression = Number | Name | Call
+
+_SHORT = 200  # nodes of a tree whose text is kept
 
 ZERO = Number(0.0)
 ONE = Number(1.0)
@@ -172,18 +196,31 @@ def names_in(expression: Expression) -> list[Name]:
     return [node for node in walk(expression) if isinstance(node, Name)]
 
 
+def name_set(expression: Expression) -> set[str]:
+    """Names in a tree, ``pi`` and ``t`` among them; parts that it shares are met once."""
+    names: set[str] = set()
+    seen: set[int] = set()
+    stack = [expression]
+    while stack:
+        node = stack.pop()
+        if isinstance(node, Name):
+            names.add(node.name)
+        elif isinstance(node, Call) and id(node) not in seen:
+            seen.add(id(node))
+            stack.extend(node.arguments)
+    return names
+
+
 def written_out(expressions: Iterable[Expression]) -> int:
     """Number of nodes of some trees; parts that they share count each time, at no cost."""
-    sizes: dict[int, int] = {}
+    return sum(node.size if isinstance(node, Call) else 1 for node in expressions)
 
-    def size(node: Expression) -> int:
-        if not isinstance(node, Call):
-            return 1
-        if id(node) not in sizes:
-            sizes[id(node)] = 1 + sum(map(size, node.arguments))
-        return sizes[id(node)]
 
-    return sum(map(size, expressions))
+def place_in_order(expression: Expression) -> tuple[bool, str]:
+    """Key that sorts trees: short ones by their text, long ones behind them."""
+    if isinstance(expression, Call) and expression.size > _SHORT:
+        return True, expression.mark()
+    return False, to_text(expression)
 
 
 _STRENGTH = {"+": 1, "*": 2, "/": 2, "neg": 3, "**": 4}

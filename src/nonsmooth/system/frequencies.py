@@ -13,7 +13,7 @@ from nonsmooth.system.expressions import (
     add,
     divide,
     multiply,
-    to_text,
+    place_in_order,
 )
 
 __all__ = ["canonical_frequency", "monomials", "rebuilt"]
@@ -29,7 +29,7 @@ def canonical_frequency(frequency: Expression) -> tuple[Expression, float]:
     Zero comes back as the number zero.
     """
     terms = monomials(frequency)
-    ordered = sorted(terms.items(), key=lambda item: [to_text(factor) for factor in item[0]])
+    ordered = sorted(terms.items(), key=lambda item: [place_in_order(factor) for factor in item[0]])
     if not ordered:
         return Number(0.0), 1.0
     sign = -1.0 if ordered[0][1] < 0.0 else 1.0
@@ -89,7 +89,7 @@ def _is_large(left: Monomials, right: Monomials) -> bool:
 
 def _product(left: Monomials, right: Monomials) -> Monomials:
     parts = [
-        {tuple(sorted((*a, *b), key=to_text)): x * y}
+        {tuple(sorted((*a, *b), key=place_in_order)): x * y}
         for a, x in left.items()
         for b, y in right.items()
     ]
@@ -102,11 +102,11 @@ def _reciprocal(terms: Monomials) -> Monomials:
         (factors, value), *_ = terms.items()
         if value != 0.0:
             inverse = tuple(divide(Number(1.0), factor) for factor in factors)
-            return {tuple(sorted(inverse, key=to_text)): 1.0 / value}
+            return {tuple(sorted(inverse, key=place_in_order)): 1.0 / value}
     return {(divide(Number(1.0), rebuilt(terms)),): 1.0}
 
 
 def rebuilt(terms: Monomials) -> Expression:
     """Sum of products in one order."""
-    ordered = sorted(terms.items(), key=lambda item: [to_text(factor) for factor in item[0]])
+    ordered = sorted(terms.items(), key=lambda item: [place_in_order(factor) for factor in item[0]])
     return add(*(multiply(Number(value), *factors) for factors, value in ordered))

@@ -7,7 +7,7 @@ time stands in it, so that what depends on parameters alone is seen at once.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 from nonsmooth.system.expressions import Call, Expression, Name, Number
@@ -18,6 +18,7 @@ from nonsmooth.system.linear import (
     LinearForm,
     NotLinear,
     Power,
+    State,
     linear_form,
 )
 from nonsmooth.system.signals import LAST_DERIVATIVE
@@ -36,6 +37,8 @@ class Graph:
         self._bits = {"t": _TIME} | {name: 2 << i for i, name in enumerate((*states, *signals))}
         self._nodes: dict[tuple[object, ...], Expression] = {}
         self._depends: dict[int, int] = {}
+        self._imported: dict[int, tuple[Expression, Expression]] = {}
+        self._forms: dict[int, LinearForm | NotLinear] = {}
         self._angles: dict[int, tuple[Expression, Expression] | None] = {}
         self.surfaces: dict[int, Any] = {}  # switching functions worked out before
         self.zero = self.number(0.0)
@@ -72,26 +75,34 @@ class Graph:
         simple = self._simplified(function, arguments)
         if simple is not None:
             return simple
+        key = (function, *map(id, arguments))
+        known = self._nodes.get(key)
+        if known is not None:
+            return known
         depends = 0
         for argument in arguments:
             depends |= self._depends[id(argument)]
-        key = (function, *(id(argument) for argument in arguments))
         return self._kept(key, Call(function, arguments), depends)
 
     def add(self, *terms: Expression) -> Expression:
         """Sum without zeros."""
-        rest = [term for term in terms if term is not self.zero]
+        zero = self.zero
+        rest = [term for term in terms if term is not zero]
         if len(rest) < 2:
-            return rest[0] if rest else self.zero
+            return rest[0] if rest else zero
         return self.call("+", *rest)
 
     def multiply(self, *factors: Expression) -> Expression:
         """Product without ones; a zero makes zero."""
-        if any(factor is self.zero for factor in factors):
-            return self.zero
-        rest = [factor for factor in factors if factor is not self.one]
+        zero, one = self.zero, self.one
+        rest = []
+        for factor in factors:
+            if factor is zero:
+                return zero
+            if factor is not one:
+                rest.append(factor)
         if len(rest) < 2:
-            return rest[0] if rest else self.one
+            return rest[0] if rest else one
         return self.call("*", *rest)
 
     def negate(self, x: Expression) -> Expression:
@@ -108,7 +119,11 @@ class Graph:
             return self.name(tree.name)
         if id(tree) in self._depends:  # nodes stay alive, so the number is of one of them
             return tree
-        return self.call(tree.function, *(self.imported(part) for part in tree.arguments))
+        known = self._imported.get(id(tree))
+        if known is None:  # kept beside its node for the same reason
+            node = self.call(tree.function, *(self.imported(part) for part in tree.arguments))
+            known = self._imported[id(tree)] = tree, node
+        return known[1]
 
     def from_form(self, form: LinearForm) -> Expression:
         """Node of a linear form."""
@@ -127,9 +142,31 @@ class Graph:
                 terms.append(self.multiply(coefficient, self.name(basis.name)))
         return self.add(*terms)
 
+    def form(self, node: Expression) -> LinearForm:
+        """Linear form of a node in which rates of states were put in; `NotLinear` without one."""
+        return linear_form(node, self._form_of_leaf, self._forms)
+
+    def _form_of_leaf(self, node: Expression) -> LinearForm:
+        signal = self.signal_of(node)
+        if signal is not None:
+            return LinearForm.of(Input(*signal))
+        assert isinstance(node, Name)  # rates were put in
+        if node.name == "t":
+            return LinearForm.of(Power(1))
+        if node.name in self.states:
+            return LinearForm.of(State(node.name))
+        return LinearForm.constant(node)
+
     def moves(self, node: Expression) -> bool:
         """Whether a state, a signal or time stands in a node."""
         return self._depends[id(node)] != 0
+
+    def reads(self, names: Iterable[str]) -> Callable[[Expression], bool]:
+        """Test of nodes: whether one of some states or signals, or time, stands in them."""
+        wanted = 0
+        for name in names:
+            wanted |= self._bits[name]
+        return lambda node: self._depends[id(node)] & wanted != 0
 
     def states_in(self, node: Expression) -> set[str]:
         """States that stand in a node."""
@@ -154,21 +191,20 @@ class Graph:
         return form.coefficient(Power(1)), form.constant_part
 
     def _simplified(self, function: str, arguments: Sequence[Expression]) -> Expression | None:
+        if function == "*":
+            return self.zero if any(argument is self.zero for argument in arguments) else None
         if function == "neg":
             (inner,) = arguments
             if isinstance(inner, Number):
                 return self.number(-inner.value)
             if isinstance(inner, Call) and inner.function == "neg":
                 return inner.arguments[0]
-        if function == "*" and any(argument is self.zero for argument in arguments):
-            return self.zero
-        if function == "/" and arguments[1] is self.one:
+        elif function == "/" and arguments[1] is self.one:
             return arguments[0]
-        if function == "**" and isinstance(arguments[1], Number):
-            if arguments[1] is self.zero:
-                return self.one
-            if arguments[1] is self.one:
-                return arguments[0]
+        elif function == "**" and arguments[1] is self.zero:
+            return self.one
+        elif function == "**" and arguments[1] is self.one:
+            return arguments[0]
         return None
 
     def _kept(self, key: tuple[object, ...], node: Expression, depends: int) -> Expression:

@@ -16,8 +16,9 @@ from nonsmooth.system.differentiate import rate_of_change
 from nonsmooth.system.expressions import Expression
 from nonsmooth.system.graph import Graph
 from nonsmooth.system.identities import simplified, substituted, vanishes
+from nonsmooth.system.points import put_on
 from nonsmooth.system.quotients import quotient
-from nonsmooth.system.sliding import Slide, attract, cell_on, put_on, solved_for
+from nonsmooth.system.sliding import Slide, attract, cell_on, solved_for
 from nonsmooth.system.sums import signed_sum
 from nonsmooth.system.switching import SurfaceKey
 
@@ -31,10 +32,14 @@ def meetings_of(graph: Graph, mode: SplitMode, jumping: Sequence[SurfaceKey]) ->
     """Motion where two of the surfaces meet across which the field jumps."""
     for keys in combinations(dict.fromkeys(jumping), 2):
         done: list[Cell] = []
+        tried: list[list[Cell]] = []
         for first in mode.cells:
             corners = _corners(mode, keys, first)
-            if corners is None or any(cell.agrees(_others(first, keys)) for cell in done):
+            if corners is None or corners in tried:
                 continue
+            if any(cell.agrees(_others(first, keys)) for cell in done):
+                continue
+            tried.append(corners)
             slide = _meeting(graph, mode, keys, corners)
             if slide is not None:
                 done.append(slide.cell)
@@ -65,7 +70,6 @@ def _meeting(
     nodes = [surface.node for surface in surfaces]
     relations = solved_for(graph, mode.equations, nodes)
     sides = [mode.resolver(cell.signs) for cell in corners]
-    place = put_on(graph, nodes, relations)
 
     def on_both(node: Expression) -> Expression:
         return simplified(graph, substituted(graph, node, relations))
@@ -76,13 +80,14 @@ def _meeting(
         found = []
         for signs in weights:
             total = simplified(graph, signed_sum(graph, values, signs))
-            found.append(graph.zero if vanishes([total], place=place) else total)
+            found.append(graph.zero if vanishes([total], points=points) else total)
         a, b, c, e = found
         return a, b, c, e
 
     around = [[on_both(rate_of_change(graph, node, side.rate)) for side in sides] for node in nodes]
     if not all(attract(graph, mode, nodes, rates_around) for rates_around in around):
         return None
+    points = put_on(graph, nodes, relations)
     solved = _controls(graph, *map(parts, around))
     if solved is None:
         return None

@@ -179,7 +179,11 @@ def _total(forms: Iterable[LinearForm]) -> LinearForm:
     return LinearForm(terms)
 
 
-def linear_form(expression: Expression, form_of: Callable[[Name | Call], LinearForm]) -> LinearForm:
+def linear_form(
+    expression: Expression,
+    form_of: Callable[[Name | Call], LinearForm],
+    known: dict[int, LinearForm | NotLinear] | None = None,
+) -> LinearForm:
     """Linear form of an expression.
 
     Parameters
@@ -188,6 +192,8 @@ def linear_form(expression: Expression, form_of: Callable[[Name | Call], LinearF
         The tree.
     form_of : callable
         Form of a name, or of a call of ``rate``.
+    known : dict, optional
+        What parts have come to before, by their numbers; for parts that stay alive.
 
     Raises
     ------
@@ -196,9 +202,27 @@ def linear_form(expression: Expression, form_of: Callable[[Name | Call], LinearF
     """
     if isinstance(expression, Number):
         return LinearForm.constant(expression)
+    known = {} if known is None else known
+    if id(expression) not in known:
+        try:
+            known[id(expression)] = _form(expression, form_of, known)
+        except NotLinear as fault:
+            known[id(expression)] = NotLinear(fault.reason, fault.node)
+    found = known[id(expression)]
+    if isinstance(found, NotLinear):
+        raise NotLinear(found.reason, found.node)
+    return found
+
+
+def _form(
+    expression: Name | Call,
+    form_of: Callable[[Name | Call], LinearForm],
+    known: dict[int, LinearForm | NotLinear],
+) -> LinearForm:
+    """The same for an expression that was not met before."""
     if isinstance(expression, Name) or expression.function == "rate":
         return form_of(expression)
-    arguments = [linear_form(argument, form_of) for argument in expression.arguments]
+    arguments = [linear_form(argument, form_of, known) for argument in expression.arguments]
     if all(argument.is_constant for argument in arguments):
         return _constant_call(expression, arguments)
     rule = _RULES.get(expression.function)

@@ -104,9 +104,10 @@ class ModeForms:
         self.onto = piece.onto
         self.choices = piece.choices
         self.n_searched = piece.n_searched
-        self.resolved = resolver.resolved()
+        self.resolved = resolver.resolved(equations.exits)
+        self._as_written = not (resolver.met_piecewise or resolver.rates)
         # as written where nothing is piecewise, so that definitions stay whole
-        read = self.resolved if resolver.met_piecewise or resolver.rates else equations
+        read = equations if self._as_written else self.resolved
         self.reader = LinearReader(graph, read)
         self.linear: Forms[LinearForm] | None = None
         self.taylor: Forms[Expression] | None = None
@@ -197,7 +198,7 @@ class ModeForms:
         Piecewise calls that do not decide on the cell stay in the expression.
         """
         equation = self.equations.definitions[name]
-        if self.taylor is None and not self.resolver.met_piecewise and not self.resolver.rates:
+        if self.taylor is None and self._as_written:
             try:
                 return self.reader.form(equation)
             except NonlinearText:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 from nonsmooth.engine.layout import CROSS, FREE, NO_CHOICE, RESTING, SLIDES, STAY
 from nonsmooth.system.cells import Cell, SplitMode, shown, split
@@ -19,8 +20,9 @@ from nonsmooth.system.graph import Graph
 from nonsmooth.system.identities import substituted, vanishes
 from nonsmooth.system.intersections import meetings_of
 from nonsmooth.system.mode_equations import ExitEquations, ModeEquations
+from nonsmooth.system.points import put_on
 from nonsmooth.system.resolve import Resolver
-from nonsmooth.system.sliding import Slide, put_on, related, slides_of, solved_for
+from nonsmooth.system.sliding import Slide, related, slides_of, solved_for
 from nonsmooth.system.sticking import Rest, contacts_at_rest, leaves_at_rest, may_rest, rest_of
 from nonsmooth.system.surfaces import Declared
 from nonsmooth.system.switching import SurfaceKey
@@ -188,22 +190,16 @@ class _Maker:
             self.cell,
             kind,
             equations,
-            Resolver(
-                self.graph,
-                equations,
-                self.cell.signs,
-                controls=resolver.controls,
-                rates=resolver.rates,
-            ),
+            resolver,
             tuple(way.target for way in ways),
             tuple(onto),
             tuple(way.choice for way in ways),
             len(searched),
         )
 
-    @property
+    @cached_property
     def _resolver(self) -> Resolver:
-        """Nodes of the cell, without the exits that are made here."""
+        """Nodes of the cell; its exits are made here."""
         if self.slide is None:
             return self.mode.resolver(self.cell.signs)
         return self.slide.resolver(self.graph, self.slide.equations(self.mode))
@@ -257,7 +253,7 @@ class _Maker:
             assert fewer is not None
             yield self._way(_RELEASE, reaction, fewer.split.cell(self.cell.signs))
 
-    @property
+    @cached_property
     def _free(self) -> Resolver:
         """Nodes of the mode without contacts at rest, in the same cell."""
         free = self.family.free
@@ -324,10 +320,10 @@ class _Maker:
             resolver = self._resolver
             resets = {state: resolver.tree(e) for state, e in way.reset.items()}
             nodes = [self.mode.nodes[self.mode.names[key]] for key in self.cell.on]
-            place = put_on(self.graph, nodes, solved_for(self.graph, self.mode.equations, nodes))
+            points = put_on(self.graph, nodes, solved_for(self.graph, self.mode.equations, nodes))
             for key, node in zip(self.cell.on, nodes, strict=True):
                 behind = substituted(self.graph, node, resets)
-                if behind is not node and not vanishes([behind], [self.graph.one], place):
+                if behind is not node and not vanishes([behind], [self.graph.one], points):
                     del signs[key]
         return signs
 

@@ -6,13 +6,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from nonsmooth.errors import ModelError
-from nonsmooth.system.expressions import Expression, Name
+from nonsmooth.system.expressions import Expression
 from nonsmooth.system.graph import Graph
-from nonsmooth.system.linear import Input, LinearForm, NotLinear, Power, State, linear_form
+from nonsmooth.system.linear import LinearForm, NotLinear, State
 from nonsmooth.system.linear_mode import residual, solve_slaved
 from nonsmooth.system.mode_equations import ModeEquations, is_relation
 
-__all__ = ["Relations", "form_of_node", "read_relations"]
+__all__ = ["Relations", "read_relations"]
 
 _MOST_SOLVED = 6  # states that are solved for together: their rates are quotients of determinants
 
@@ -43,7 +43,7 @@ def read_relations(
     for state, tree in trees.items():
         equation = equations.slaved[state]
         try:
-            form = linear_form(tree, lambda node: form_of_node(graph, node))
+            form = graph.form(tree)
             residuals[state] = residual(state, equation, form)
         except NotLinear:
             (implicit if is_relation(equation.text) else found)[state] = tree
@@ -61,19 +61,6 @@ def read_relations(
             " some of these states as expressions of the others"
         )
     return Relations({state: found[state] for state in trees if state in found}, implicit)
-
-
-def form_of_node(graph: Graph, node: Expression) -> LinearForm:
-    """Linear form of a name, or of a signal or its rate, where rates of states were put in."""
-    signal = graph.signal_of(node)
-    if signal is not None:
-        return LinearForm.of(Input(*signal))
-    assert isinstance(node, Name)  # rates were put in
-    if node.name == "t":
-        return LinearForm.of(Power(1))
-    if node.name in graph.states:
-        return LinearForm.of(State(node.name))
-    return LinearForm.constant(node)
 
 
 def _check_circles(

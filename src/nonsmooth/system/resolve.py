@@ -18,7 +18,7 @@ from nonsmooth.system.expressions import Call, Expression, Name, Number, names_i
 from nonsmooth.system.functions import lookup
 from nonsmooth.system.graph import Graph
 from nonsmooth.system.implicit import implicit_rates
-from nonsmooth.system.mode_equations import ModeEquations
+from nonsmooth.system.mode_equations import ExitEquations, ModeEquations
 from nonsmooth.system.relations import Relations, read_relations
 from nonsmooth.system.switching import SurfaceKey, Switch, Undecided, switching_function
 
@@ -54,7 +54,7 @@ class Resolver:
         self.controls = controls or {}
         self.rates = rates or {}
         self.met_piecewise = False
-        self._known: dict[int, Expression] = {}
+        self._known: dict[int, tuple[Expression, Expression]] = {}  # parts of texts, and nodes
         self._named: dict[str, Expression] = {}
         self._open: list[str] = []
         self._relations: Relations | None = None
@@ -64,10 +64,11 @@ class Resolver:
         """Node of an equation."""
         return self._tree(equation.tree)
 
-    def resolved(self) -> ModeEquations:
-        """Equations of the mode with nodes for trees."""
+    def resolved(self, exits: tuple[ExitEquations, ...] | None = None) -> ModeEquations:
+        """Equations of the mode with nodes for trees, with its own exits or with others."""
         rates = {state: self.rate(state) for state in self.equations.flow}
-        found = self.equations.with_trees(self.tree)
+        read = self.equations if exits is None else replace(self.equations, exits=exits)
+        found = read.with_trees(self.tree)
         flow = {state: replace(e, tree=rates[state]) for state, e in found.flow.items()}
         return replace(found, flow=flow)
 
@@ -123,16 +124,19 @@ class Resolver:
                     f"modes[{self.equations.name!r}]: {circle} goes in a circle; break it"
                 )
             self._open.append(name)
-            self._named[name] = make()
-            self._open.pop()
+            try:
+                self._named[name] = make()
+            finally:
+                self._open.pop()
         return self._named[name]
 
     def _tree(self, node: Expression) -> Expression:
         if isinstance(node, Number):
             return self.graph.number(node.value)
-        if id(node) not in self._known:
-            self._known[id(node)] = self._resolved(node)
-        return self._known[id(node)]
+        known = self._known.get(id(node))
+        if known is None:  # the part is kept beside its node, so that its number stays its own
+            known = self._known[id(node)] = node, self._resolved(node)
+        return known[1]
 
     def _resolved(self, node: Name | Call) -> Expression:
         if isinstance(node, Name):

@@ -9,10 +9,8 @@ nothing to find, and it stays one.
 
 from __future__ import annotations
 
-from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -21,16 +19,16 @@ import numpy.typing as npt
 from nonsmooth.errors import ModelError, OptionError
 from nonsmooth.system.differentiate import rate_of_change
 from nonsmooth.system.equations import Equation
-from nonsmooth.system.evaluate import evaluate_shared
-from nonsmooth.system.expressions import Call, Expression
+from nonsmooth.system.expressions import written_out
 from nonsmooth.system.frequencies import monomials
 from nonsmooth.system.graph import Graph
+from nonsmooth.system.identities import is_rounding
 from nonsmooth.system.mode_equations import is_relation
 from nonsmooth.system.mode_forms import ModeForms
 from nonsmooth.system.parts import STOP, Exit, Mode
 from nonsmooth.system.resolve import Resolver
 from nonsmooth.system.structure import Structure
-from nonsmooth.system.switching import Undecided, switching_function
+from nonsmooth.system.switching import Undecided
 from nonsmooth.system.system import System
 
 __all__ = ["Section", "section_names", "with_section"]
@@ -63,8 +61,7 @@ class Section:
         return text
 
 
-_PLACES = 8  # at which it is seen that an expression is not zero
-_CLEAR = 1e-6  # of what it is made from
+_LONGEST = 2000  # nodes of a rate whose products are collected
 
 _known: WeakKeyDictionary[Structure, dict[str, Section]] = WeakKeyDictionary()
 
@@ -155,31 +152,11 @@ def _moves(structure: Structure, name: str, equation: Equation) -> bool:
 def _still(graph: Graph, resolver: Resolver, equation: Equation) -> bool:
     """Whether an expression surely keeps its value along the motion."""
     try:
-        node = resolver.tree(equation)
-        if switching_function(graph, node).surface is None:
-            return True
-        change = rate_of_change(graph, node, resolver.rate)
+        change = rate_of_change(graph, resolver.tree(equation), resolver.rate)
     except Undecided:
         return False
-    # products are collected, which takes long for large expressions, only where it may be zero
-    return not _is_clear_of_zero(change) and not monomials(change)
-
-
-def _is_clear_of_zero(node: Expression) -> bool:
-    """Whether an expression has values that are more than rounding, at places of no meaning."""
-    random = np.random.default_rng(0)
-
-    def somewhere() -> Any:
-        return random.uniform(0.1, 2.0, _PLACES)
-
-    def rate(part: Expression) -> Any:
-        return somewhere() if isinstance(part, Call) and part.function == "rate" else None
-
-    known: dict[int, Any] = {}
-    value = evaluate_shared(node, defaultdict(somewhere), known, rate)
-    sizes = [np.abs(np.broadcast_to(part, _PLACES)) for part in (value, *known.values())]
-    largest = np.max(sizes, axis=0)
-    return bool(np.any((sizes[0] > _CLEAR * largest) & np.isfinite(largest)))
+    # where it seems to be zero its products tell, if they can be collected
+    return is_rounding(change) and (written_out([change]) > _LONGEST or not monomials(change))
 
 
 # ---------------------------------------------------------------- the system with it

@@ -6,65 +6,43 @@ for other reasons, such as a force over a stiffness of 1e9, is as large as its s
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
+from collections.abc import Sequence
+from functools import reduce
+from typing import Any
 
 import numpy as np
 
-from nonsmooth.system.evaluate import evaluate_shared
-from nonsmooth.system.expressions import Call, Expression
+from nonsmooth.system.value_tape import ValueTape
 
-__all__ = ["size_at"]
+__all__ = ["sizes_of"]
 
 # Functions that pass on what is left of terms that cancel in their argument.
 _THROUGH_ZERO = frozenset({"sin", "tan", "asin", "atan", "sinh", "tanh", "abs", "min", "max"})
 
 
-def size_at(node: Expression, point: Mapping[str, float]) -> float:
-    """Size of the terms of an expression; nan where it has no value."""
-    try:
-        return _size(node, point, {}, {})
-    except (ArithmeticError, TypeError, ValueError):
-        return math.nan
-
-
-def _size(
-    node: Expression,
-    point: Mapping[str, float],
-    values: dict[int, float],
-    sizes: dict[int, float],
-) -> float:
-    """The same, with the values and sizes of parts that are shared."""
-    if not isinstance(node, Call):
-        return abs(_value(node, point, values))
-    if id(node) not in sizes:
-        parts = [_size(argument, point, values, sizes) for argument in node.arguments]
-        sizes[id(node)] = _combined(node, parts, point, values)
-    return sizes[id(node)]
-
-
-def _combined(
-    node: Call, parts: list[float], point: Mapping[str, float], values: dict[int, float]
-) -> float:
-    """Size of a call from those of its arguments."""
-    value = abs(_value(node, point, values))
-    first = parts[0] if parts else 0.0
-    if node.function in ("+", "neg"):
-        return sum(parts)
-    if node.function == "*":
-        return math.prod(parts)
-    if node.function == "/":
-        return first / abs(_value(node.arguments[1], point, values))
-    if node.function == "sqrt":
-        return math.sqrt(first)
-    if node.function == "**":
-        power = _value(node.arguments[1], point, values)
-        return float(first**power) if power > 0.0 else value
-    if node.function == "log":
-        return max(value, first / abs(_value(node.arguments[0], point, values)))
-    return max(value, *parts) if node.function in _THROUGH_ZERO else value
-
-
-def _value(node: Expression, point: Mapping[str, float], values: dict[int, float]) -> float:
+def sizes_of(tape: ValueTape, values: Sequence[Any]) -> list[Any]:
+    """Sizes of the terms of the expressions of a tape, from the values of all their parts."""
     with np.errstate(all="ignore"):
-        return float(evaluate_shared(node, point, values, lambda _: None))
+        sizes = [np.abs(value) for value in values]
+        for register, call, arguments in tape.calls:
+            parts = [sizes[i] for i in arguments]
+            inner = [values[i] for i in arguments]
+            sizes[register] = _combined(call.function, parts, inner, sizes[register])
+    return [sizes[i] for i in tape.results]
+
+
+def _combined(function: str, parts: list[Any], inner: list[Any], value: Any) -> Any:
+    """Size of a call from the sizes and values of its arguments, and from its own value."""
+    if function in ("+", "neg"):
+        return reduce(np.add, parts)
+    if function == "*":
+        return reduce(np.multiply, parts)
+    if function == "/":
+        return np.divide(parts[0], np.abs(inner[1]))
+    if function == "sqrt":
+        return np.sqrt(parts[0])
+    if function == "**":
+        return np.where(np.greater(inner[1], 0.0), np.power(parts[0], inner[1]), value)
+    if function == "log":
+        return np.maximum(value, np.divide(parts[0], np.abs(inner[0])))
+    return reduce(np.maximum, parts, value) if function in _THROUGH_ZERO else value

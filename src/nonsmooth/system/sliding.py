@@ -13,36 +13,29 @@ algorithm P. Piiroinen and Y. Kuznetsov, An event-driven method to simulate Fili
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+
+import numpy as np
 
 from nonsmooth.system.attraction import may_attract
 from nonsmooth.system.cells import Cell, Signs, SplitMode, shown
-from nonsmooth.system.differentiate import derivative, rate_of_change
+from nonsmooth.system.differentiate import rate_of_change
 from nonsmooth.system.equations import Equation
 from nonsmooth.system.expressions import ZERO, Expression, Number, negate
 from nonsmooth.system.graph import Graph
-from nonsmooth.system.identities import (
-    random_point,
-    simplified,
-    substituted,
-    value_at,
-    vanishes,
-)
-from nonsmooth.system.linear import LinearForm, NotLinear, State, linear_form
+from nonsmooth.system.identities import simplified, substituted, vanishes
+from nonsmooth.system.linear import LinearForm, NotLinear, State
 from nonsmooth.system.mode_equations import ModeEquations
+from nonsmooth.system.points import Points, put_on
 from nonsmooth.system.quotients import quotient, without_squares
-from nonsmooth.system.relations import form_of_node
 from nonsmooth.system.resolve import Resolver
 from nonsmooth.system.sums import signed_sum
 from nonsmooth.system.switching import SurfaceKey, SwitchingSurface
 
-__all__ = ["Slide", "attract", "between", "cell_on", "put_on", "related", "slides_of", "solved_for"]
+__all__ = ["Slide", "attract", "between", "cell_on", "related", "slides_of", "solved_for"]
 
-_NEWTON = 40  # steps in looking for a point of a surface
-_ON = 1e-12  # of the function at such a point
-_POINTS = 4  # values of parameters by which factors are told to be the same
+_SAME = 1e-12  # in which ratios of factors agree that are the same for all parameters
 
 
 @dataclass(frozen=True)
@@ -50,14 +43,14 @@ class Slide:
     """Motion on one or two surfaces.
 
     ``guards`` are positive while motion stays, by surface and by the side on which it leaves.
-    Where the sides cannot both point at the surface, it is not ``attracting``: motion stays on it
-    at most where it slides on another one too.
+    Where the sides cannot both point at the surface, it is not ``attracting``, and nothing more is
+    told of it: motion stays on it at most where it slides on another one too.
     """
 
     cell: Cell
-    rates: Mapping[str, Expression]
-    controls: Mapping[SurfaceKey, Expression]
-    relations: Mapping[str, Expression]
+    rates: Mapping[str, Expression] = field(default_factory=dict)
+    controls: Mapping[SurfaceKey, Expression] = field(default_factory=dict)
+    relations: Mapping[str, Expression] = field(default_factory=dict)
     guards: Mapping[tuple[SurfaceKey, int], Expression] = field(default_factory=dict)
     attracting: bool = True
 
@@ -96,11 +89,12 @@ def _slide(graph: Graph, mode: SplitMode, key: SurfaceKey, a: Cell, b: Cell) -> 
 
     up, down = (on_surface(rate_of_change(graph, surface.node, s.rate)) for s in sides)
     width = on_surface(signed_sum(graph, (down, up), (1, -1)))
-    place = put_on(graph, [surface.node], relations)
-    if vanishes([width], place=place):
+    points = put_on(graph, [surface.node], relations)
+    if vanishes([width], points=points):
         return None
     hold = _hold(mode, key)
-    attracting = hold is not None or attract(graph, mode, [surface.node], [up, down])
+    if hold is None and not attract(graph, mode, [surface.node], [up, down]):
+        return Slide(cell, attracting=False)
     up, down = without_squares(graph, up, down)
     width = on_surface(graph.add(down, graph.negate(up)))
     control = quotient(graph, on_surface(graph.add(up, down)), width)
@@ -108,9 +102,9 @@ def _slide(graph: Graph, mode: SplitMode, key: SurfaceKey, a: Cell, b: Cell) -> 
     for state in mode.equations.flow:
         if state not in relations:
             plus, minus = (on_surface(side.rate(state)) for side in sides)
-            rates[state] = between(graph, plus, minus, control, place)
+            rates[state] = between(graph, plus, minus, control, points)
     guards = _guards(graph, key, up, down, hold)
-    return Slide(cell, rates, {key: control}, relations, guards, attracting)
+    return Slide(cell, rates, {key: control}, relations, guards)
 
 
 def attract(
@@ -120,11 +114,10 @@ def attract(
 
     Here states that are given by equations count as free: that only finds more signs.
     """
-    place = solved_for(graph, mode.equations, surfaces, graph.states)
-    if not place:
+    relations = solved_for(graph, mode.equations, surfaces, graph.states)
+    if not relations:
         return True
-    first, *others = [substituted(graph, rate, place) for rate in rates]
-    return any(may_attract(first, other) for other in others)
+    return may_attract([substituted(graph, rate, relations) for rate in rates])
 
 
 def _hold(mode: SplitMode, key: SurfaceKey) -> Expression | None:
@@ -160,15 +153,11 @@ def cell_on(mode: SplitMode, corners: tuple[Cell, ...], on: tuple[SurfaceKey, ..
 
 
 def between(
-    graph: Graph,
-    plus: Expression,
-    minus: Expression,
-    control: Expression,
-    place: Callable[[Any], bool],
+    graph: Graph, plus: Expression, minus: Expression, control: Expression, points: Points
 ) -> Expression:
     """What lies between two sides; one of them where they are the same on the surface."""
     step = simplified(graph, signed_sum(graph, (plus, minus), (1, -1)))
-    if plus is minus or vanishes([step], place=place):
+    if plus is minus or vanishes([step], points=points):
         return minus
     half = graph.number(0.5)
     mean = graph.multiply(half, simplified(graph, graph.add(plus, minus)))
@@ -193,9 +182,7 @@ def solved_for(
     found: dict[str, Expression] = {}
     for node in nodes:
         try:
-            form = linear_form(
-                substituted(graph, node, found), lambda part: form_of_node(graph, part)
-            )
+            form = graph.form(substituted(graph, node, found))
         except NotLinear:
             return {}
         pivot = _pivot(form, among)
@@ -223,16 +210,12 @@ def _pivot(form: LinearForm, among: Collection[str]) -> State | None:
 
 def _proportional(factors: list[Expression]) -> bool:
     """Whether expressions of parameters have the same ratios for all values."""
-    points = [random_point(seed) for seed in range(_POINTS)]
-    rows = [[value_at(factor, point) for factor in factors] for point in points]
-    if not all(first[0] for first in rows):
+    rows = Points().of(factors)
+    rows = rows[:, np.isfinite(rows).all(axis=0)]
+    if not rows.shape[1] or not rows[0].all():
         return False
-    ratios = [[value / row[0] for value in row] for row in rows]
-    return all(
-        abs(value - first) <= _ON * abs(first)
-        for row in ratios
-        for value, first in zip(row, ratios[0], strict=True)
-    )
+    ratios = rows[1:] / rows[0]
+    return bool((np.abs(ratios - ratios[:, :1]) <= _SAME * np.abs(ratios[:, :1])).all())
 
 
 def related(
@@ -247,41 +230,3 @@ def related(
         for state, node in relations.items()
     }
     return replace(equations, flow=flow, slaved={**equations.slaved, **added})
-
-
-def put_on(
-    graph: Graph, nodes: list[Expression], relations: Mapping[str, Expression]
-) -> Callable[[Any], bool]:
-    """Function that moves a random point onto surfaces, and says whether it could."""
-    if relations:
-
-        def by_relations(point: Any) -> bool:
-            point.update({state: value_at(node, point) for state, node in relations.items()})
-            return True
-
-        return by_relations
-
-    def by_newton(point: Any) -> bool:
-        return all(_root(graph, node, point) for node in nodes)
-
-    return by_newton
-
-
-def _root(graph: Graph, node: Expression, point: Any) -> bool:
-    """Move one coordinate of a point to where an expression is zero."""
-    for state in sorted(graph.states_in(node)):
-
-        def seed(name: str, state: str = state) -> Expression:
-            return graph.one if name == state else graph.zero
-
-        slope, kept = derivative(graph, node, seed), point[state]
-        for _ in range(_NEWTON):
-            value = value_at(node, point)
-            if abs(value) <= _ON:
-                return True
-            rate = value_at(slope, point)
-            if not rate or rate != rate or value != value:
-                break
-            point[state] -= value / rate
-        point[state] = kept
-    return False

@@ -13,7 +13,7 @@ from nonsmooth.errors import ModelError
 from nonsmooth.system.checks import condition_of, first_unmet
 from nonsmooth.system.equations import Equation, check_references
 from nonsmooth.system.evaluate import evaluate, evaluate_shared
-from nonsmooth.system.expressions import Call, Expression, Name
+from nonsmooth.system.expressions import Expression, name_set
 from nonsmooth.system.graph import Graph
 from nonsmooth.system.mode_equations import ModeEquations
 from nonsmooth.system.parts import Text
@@ -43,7 +43,7 @@ def read_slow(
         equation = Equation.read(text, where, known)
         check_references({where: equation}, ())
         nodes[name] = resolver.tree(equation)
-        names = _names_in(nodes[name])
+        names = name_set(nodes[name])
         for other in (*graph.states, *graph.signals):
             if other in names:
                 raise ModelError(
@@ -59,21 +59,6 @@ def read_slow(
     return nodes
 
 
-def _names_in(root: Expression) -> set[str]:
-    """Names in a node whose parts are shared."""
-    names: set[str] = set()
-    seen: set[int] = set()
-    stack = [root]
-    while stack:
-        node = stack.pop()
-        if isinstance(node, Name):
-            names.add(node.name)
-        elif isinstance(node, Call) and id(node) not in seen:
-            seen.add(id(node))
-            stack.extend(node.arguments)
-    return names
-
-
 class SlowParameters:
     """The slow parameters of a system: their values at a time, and what keeps them from it."""
 
@@ -87,7 +72,7 @@ class SlowParameters:
         """Whether the period, or a frequency of the equations, follows a slow parameter."""
         structure = self.system.structure
         nodes = [*structure.period_nodes, *structure.frequencies]
-        return any(name in _names_in(node) for node in nodes for name in self.names)
+        return any(name in name_set(node) for node in nodes for name in self.names)
 
     def at(self, time: float) -> dict[str, float]:
         """Values at a time."""
@@ -128,4 +113,4 @@ class SlowParameters:
     def followed_by(self, parameter: str) -> bool:
         """Whether a slow parameter, or the period, changes with a parameter."""
         nodes = [*self.system.structure.slow.values(), *self.system.structure.period_nodes]
-        return any(parameter in _names_in(node) for node in nodes)
+        return any(parameter in name_set(node) for node in nodes)

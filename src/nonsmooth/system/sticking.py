@@ -10,20 +10,22 @@ complete chattering, Nonlinear Dynamics 58, 2009.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from typing import Any
+
+import numpy as np
 
 from nonsmooth.errors import ModelError
 from nonsmooth.system.determinants import determinant
 from nonsmooth.system.differentiate import derivative, rate_of_change
 from nonsmooth.system.expressions import Expression, Number
 from nonsmooth.system.graph import Graph
-from nonsmooth.system.identities import simplified, substituted, value_at, vanishes
+from nonsmooth.system.identities import simplified, substituted, vanishes
 from nonsmooth.system.mode_equations import ExitEquations, ModeEquations
+from nonsmooth.system.points import Points, put_on
 from nonsmooth.system.resolve import Resolver
-from nonsmooth.system.sliding import put_on, solved_for
+from nonsmooth.system.sliding import solved_for
 
 __all__ = ["Rest", "contacts_at_rest", "leaves_at_rest", "may_rest", "rest_of"]
 
@@ -78,8 +80,8 @@ def may_rest(graph: Graph, equations: ModeEquations, free: Resolver, which: Sequ
         return False
     matrix = _pushes(graph, contacts)
     divisor = determinant(graph, [[matrix[i, k] for k in which] for i in which])
-    place = put_on(graph, [], solved_for(graph, equations, [contacts[which[0]].guard]))
-    return not vanishes([divisor], [_diagonal(graph, matrix, which)], place)
+    points = put_on(graph, [], solved_for(graph, equations, [contacts[which[0]].guard]))
+    return not vanishes([divisor], [_diagonal(graph, matrix, which)], points)
 
 
 def _diagonal(
@@ -172,8 +174,8 @@ def _contact(graph: Graph, free: Resolver, way: ExitEquations) -> _Contact:
             for other, jump in jumps.items()
         }
         push = {other: node for other, node in push.items() if node is not graph.zero}
-        place = put_on(graph, [guard], solved_for(graph, free.equations, [guard]))
-        if push and _stops(graph, jumps, place, rate, state, slope):
+        points = put_on(graph, [guard], solved_for(graph, free.equations, [guard]))
+        if push and _stops(graph, jumps, points, rate, state, slope):
             return _Contact(way, guard, rate, push)
     raise ModelError(
         f"{way.guard.where.removesuffix('.guard')}: sticks={way.sticks!r} needs a reset that"
@@ -186,25 +188,20 @@ def _contact(graph: Graph, free: Resolver, way: ExitEquations) -> _Contact:
 def _stops(
     graph: Graph,
     jumps: Mapping[str, Expression],
-    place: Callable[[Any], bool],
+    points: Points,
     rate: Expression,
     state: str,
     slope: Expression,
 ) -> bool:
     """Whether jumps vanish where guard and rate do."""
-
-    def at_rest(point: Any) -> bool:
-        if not place(point):
-            return False
-        for _ in range(2):  # once would do, but for a rate that is not linear
-            steepness = value_at(slope, point)
-            if not steepness or steepness != steepness:
-                return False
-            point[state] -= value_at(rate, point) / steepness
-        return True
-
+    for _ in range(2):  # once would do, but for a rate that is not linear
+        speed, steepness = points.of([rate, slope])
+        points.able &= np.isfinite(speed) & np.isfinite(steepness) & (steepness != 0.0)
+        points[state] = points[state] - np.divide(
+            speed, steepness, out=np.zeros_like(speed), where=points.able
+        )
     sizes = [graph.one, *(graph.name(other) for other in jumps)]
-    return vanishes(list(jumps.values()), sizes, at_rest)
+    return vanishes(list(jumps.values()), sizes, points)
 
 
 def leaves_at_rest(
@@ -215,8 +212,8 @@ def leaves_at_rest(
     contacts = [_contact(graph, free, equations.exits[i]) for i in which]
     kept = [node for contact in contacts for node in (contact.guard, contact.rate)]
     changes = [graph.add(substituted(graph, node, resets), graph.negate(node)) for node in kept]
-    place = put_on(graph, kept, solved_for(graph, equations, kept))
-    return vanishes(changes, [graph.one], place)
+    points = put_on(graph, kept, solved_for(graph, equations, kept))
+    return vanishes(changes, [graph.one], points)
 
 
 def _slope(graph: Graph, node: Expression, state: str) -> Expression:

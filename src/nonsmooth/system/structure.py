@@ -24,13 +24,15 @@ from nonsmooth.system.slow import read_slow
 from nonsmooth.system.surfaces import Declared, Surface
 from nonsmooth.system.switching import switching_function
 from nonsmooth.system.taylor_code import TaylorCode, write_code
+from nonsmooth.system.value_tape import ValueTape
 
 if TYPE_CHECKING:
     from nonsmooth.system.system import System
 
 __all__ = ["MOST_MODES", "Structure"]
 
-MOST_MODES = 60  # cells counted one by one: sets of modes are bits of one integer
+MOST_MODES = 120  # cells counted one by one: results have their numbers in one byte
+_MOST_EXITS = 60  # of a cell: results have six bits for each exit of a path
 
 
 class Structure:
@@ -140,10 +142,10 @@ class Structure:
         running = {}
         for piece in pieces:
             name = piece.family.split.name_of(piece.cell)
-            if len(piece.equations.exits) > MOST_MODES:
+            if len(piece.equations.exits) > _MOST_EXITS:
                 raise ModelError(
                     f"modes: {name} has {len(piece.equations.exits)} exits with those through its"
-                    f" surfaces and onto them; at most {MOST_MODES} are supported"
+                    f" surfaces and onto them; at most {_MOST_EXITS} are supported"
                 )
             running[name] = ModeForms(
                 self.graph, piece, numbers, name=name, label=labels[id(piece.cell)]
@@ -188,6 +190,23 @@ class Structure:
             for name, forms in self.modes.items()
             if forms.taylor is not None
         }
+
+    @cached_property
+    def coefficients(self) -> tuple[tuple[str, Expression], ...]:
+        """Where each coefficient of the equations stands, and its expression of parameters."""
+        found: list[tuple[str, Expression]] = []
+        for name, forms in self.modes.items():
+            if forms.linear is not None:
+                for where, form, _ in forms.linear.with_place(name):
+                    found += [(where, coefficient) for coefficient in form.terms.values()]
+            if forms.taylor is not None:
+                found += self.codes[name].constants
+        return tuple(found)
+
+    @cached_property
+    def coefficient_values(self) -> ValueTape:
+        """Instructions for the values of all coefficients."""
+        return ValueTape(coefficient for _, coefficient in self.coefficients)
 
     @cached_property
     def frequencies(self) -> tuple[Expression, ...]:

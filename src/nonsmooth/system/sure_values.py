@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.system.checks import angle_periods, coefficients, condition_of
+from nonsmooth.system.checks import angle_periods, condition_of
 from nonsmooth.system.evaluate import evaluate
 from nonsmooth.system.expressions import Expression, names_in
 
@@ -44,8 +44,8 @@ def sure_values(system: System, name: str, values: npt.NDArray[np.float64]) -> B
         for expression in positive:
             value = number(expression)
             sure &= (value > 0.0) & np.isfinite(value)
-        for _, expression in coefficients(structure):
-            sure &= np.isfinite(number(expression))
+        for value in structure.coefficient_values.values(known):
+            sure &= np.isfinite(value)
         for equation in structure.initial.values():
             sure &= np.isfinite(number(structure.static_form.form(equation).constant_part))
         for period in structure.period_nodes:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from nonsmooth.system.expressions import Expression, names_in, to_text
+from nonsmooth.system.expressions import Expression, name_set, place_in_order
 from nonsmooth.system.frequencies import monomials, rebuilt
 from nonsmooth.system.graph import Graph
 
@@ -70,10 +70,10 @@ def _canonical(graph: Graph, node: Expression) -> Switch:
     )
 
 
-def _rank(graph: Graph, factors: tuple[Expression, ...]) -> tuple[int, int, list[str]]:
+def _rank(graph: Graph, factors: tuple[Expression, ...]) -> tuple[int, int, list[tuple[bool, str]]]:
     """What makes a product lead: the first state, time or signal in it, then few factors."""
-    names = {name.name for factor in factors for name in names_in(factor)}
+    names = {name for factor in factors for name in name_set(factor)}
     moving = (*graph.states, "t", *graph.signals)
     places = [i for i, name in enumerate(moving) if name in names]
     first = min(places, default=len(moving))
-    return first, len(factors), [to_text(factor) for factor in factors]
+    return first, len(factors), [place_in_order(factor) for factor in factors]

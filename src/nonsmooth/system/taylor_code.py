@@ -96,6 +96,7 @@ class _Writer:
         self.code = TaylorCode()
         self.place = ""
         self._known: dict[int, Operand] = {}
+        self._terms: dict[int, tuple[Operand, Expression]] = {}
         self._written: dict[tuple[object, ...], Operand] = {}
         self._minus_one = graph.number(-1.0)
 
@@ -167,6 +168,11 @@ class _Writer:
 
     def term(self, node: Expression) -> tuple[Operand, Expression]:
         """A part of a sum as an operand and its constant factor; sums within stay whole."""
+        if id(node) not in self._terms:
+            self._terms[id(node)] = self._term(node)
+        return self._terms[id(node)]
+
+    def _term(self, node: Expression) -> tuple[Operand, Expression]:
         graph = self.graph
         if not graph.moves(node):
             return _ONE, node

@@ -70,19 +70,22 @@ class Growth:
         """Growth up to where an interval ends, from columns there."""
         self.at_end = self.at_anchor.copy()
         triangle = np.linalg.qr(columns[: len(self.left)].T, mode="r")
-        self.at_end[self.left] += np.log(np.abs(np.diag(triangle)))
+        with np.errstate(divide="ignore"):  # minus infinity: a direction lost since the anchor
+            self.at_end[self.left] += np.log(np.abs(np.diag(triangle)))
 
     def _take(self, columns: Matrix, rank_of: Matrix | None) -> Matrix:
         columns = columns[: len(self.left)]
         rank = len(columns) if rank_of is None else min(len(columns), _rank(rank_of))
-        while len(columns) > rank:
-            diagonal = np.abs(np.diag(np.linalg.qr(columns.T, mode="r")))
+        while True:
+            basis, triangle = np.linalg.qr(columns.T)
+            diagonal = np.abs(np.diag(triangle))
+            if len(columns) <= rank and not np.any(diagonal == 0.0):
+                break
             lost = int(np.argmin(diagonal))
             self.at_anchor[self.left.pop(lost)] = -np.inf
             columns = np.delete(columns, lost, axis=0)
-        basis, triangle = np.linalg.qr(columns.T)
         self.flow.set_columns(basis.T)
-        return np.abs(np.diag(triangle))
+        return diagonal
 
 
 def advance(growth: Growth, end: Instant, interval: float) -> Status:

@@ -103,6 +103,7 @@ def _curve(data: xr.Dataset) -> Figure:
         for crack in CRACKS
     }
     flat = {crack: part.reset_index("strobe", drop=True) for crack, part in sections.items()}
+    ax.set_xlabel(r"time, $\tau$")
     growth_curve(data[["crack"]], flat, ax=ax, places=_PLACES)
     insets: Any = ax.child_axes
     for inset, crack in zip(insets, CRACKS, strict=True):
@@ -112,6 +113,8 @@ def _curve(data: xr.Dataset) -> Figure:
             f"{crack:g} mm: period {words}\nchapter: {_CHAPTER[crack]}", fontsize=6.5, pad=2.5,
             bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.0},
         )  # fmt: skip
+        inset.text(0.97, 0.03, "v over u", transform=inset.transAxes, ha="right", va="bottom",
+                   fontsize=6, color="0.35")  # fmt: skip
     return figure
 
 
@@ -137,6 +140,9 @@ def fig30() -> tuple[Figure, xr.Dataset]:
         known = labels.sel(time=slice(first, last))["period"]
         # thinned alike, the points of period one have their arrow still
         thin = slice(None, None, every)
+        ax.set_xlabel("deflection $u$ [$A_b$]")
+        ax.set_ylabel(r"velocity $v$ [$A_b \omega_M$]")
+        ax.margins(0.12)  # room for the arrows
         transient_section(
             part.isel(time=thin), "u", "v", labels=labels.sel(time=part["time"].isel(time=thin)),
             colour="crack", ax=ax,

@@ -136,9 +136,11 @@ def _drawn(data: xr.Dataset, tests: xr.Dataset, title: str) -> Figure:
         ax.plot(data["time_49"][k], data["crack"], color=colour, linewidth=1.1, linestyle="--")
         label = f"({'abcd'[k]}) mean {mean:g} N, amplitude {size:g} N: {measured:g} s"
         ax.plot(measured, _LAST, "o", color=colour, markersize=6, label=label, clip_on=False)
+        ax.annotate(f"({'abcd'[k]})", (measured, _LAST), (0, 5), textcoords="offset points",
+                    ha="center", fontsize=_TEXT)  # fmt: skip
     ax.set_xscale("log")
     ax.set_xlim(30.0, 1e5)
-    ax.set_ylim(5.0, 20.0)
+    ax.set_ylim(5.0, 20.6)
     ax.axhline(_FIRST, color="0.7", linewidth=0.6, linestyle=":", zorder=0)
     ax.annotate("6.4 mm, pre-crack at time 0", (33.0, _FIRST), (0, -9),
                 textcoords="offset points", fontsize=7)  # fmt: skip
@@ -256,8 +258,8 @@ def _shaken_figure(data: xr.Dataset, mean: float, printed: float) -> Figure:
     figure.supxlabel(
         "The measured curves are not available. Model: rig of Fig. 25 as one mass, 100 N at 6.4 mm"
         " under the sine, Ueda's wave,\nWalker's law with handbook constants (harmonic life"
-        f" {end:.2g} s from 6.4 to {top:g} mm). The chapter gives neither\nwave, damping nor"
-        " measure of power.",
+        f" {float(f'{end:.2g}'):,.0f} s from 6.4 to {top:g} mm). The chapter gives\nneither wave,"
+        " damping nor measure of power.",
         fontsize=7, ha="left", x=0.01,
     )  # fmt: skip
     return figure

@@ -87,6 +87,8 @@ def _in(
     near: float,
 ) -> bool:
     """Whether an attractor is one of some others, as a set of points of the same period."""
+    if not len(points):  # irregular ones count as one
+        return any(not len(others) for _, others in found)
     return any(
         len(points) == len(others)
         and (np.abs(points[:, None] - others[None]).max(axis=2).min(axis=1) < near).all()

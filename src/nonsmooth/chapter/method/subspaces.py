@@ -82,12 +82,12 @@ def fig1(friction: float = 0.4, stiffness: float = 6.0) -> tuple[Figure, xr.Data
     speed, gap = belt.parameter_values["v_b"], spring.parameter_values["e"]
     left.axhline(speed, color="0.75", linewidth=3.5, zorder=0)
     right.axvline(gap, color="0.75", linewidth=3.5, zorder=0)
-    left.text(0.62, speed + 0.06, r"surface $v = v_b$", fontsize=_TEXT)
+    left.text(1.72, speed + 0.08, r"surface $v = v_b$", fontsize=_TEXT, ha="right")
     right.text(gap + 0.04, -1.3, r"surface $x = e$", fontsize=_TEXT)
     left.text(-1.25, 1.3, "subspace $X_1$", fontsize=_TEXT, color=PALETTE["blue"])
     left.text(-1.25, -1.3, "subspace $X_2$", fontsize=_TEXT, color=PALETTE["vermilion"])
     right.text(-1.25, 1.3, "subspace $X_1$", fontsize=_TEXT, color=PALETTE["vermilion"])
-    right.text(0.62, 1.3, "subspace $X_2$", fontsize=_TEXT, color=PALETTE["blue"])
+    right.text(0.75, 1.3, "subspace $X_2$", fontsize=_TEXT, color=PALETTE["blue"])
     left.set_title("(a) dry friction: across, or along", loc="left", fontsize=_TEXT)
     right.set_title("(b) compliant contact: across", loc="left", fontsize=_TEXT)
     data.attrs["note"] = "the chapter's figure is a sketch; these are a belt and a second spring"
@@ -106,7 +106,11 @@ def _trajectories(system: System, starts: tuple[tuple[float, float], ...]) -> xr
     }
     side = np.array([sides[run["mode"].values] for run in runs])
     found[f"{system.name}_side"] = (("trajectory", "time"), side)
-    return xr.Dataset(found, {"time": times})
+    words = {"x": "displacement", "v": "velocity", "side": "side of the surface, 0 on it"}
+    data = xr.Dataset(found, {"time": times})
+    for name in data.data_vars:
+        data[name].attrs["long_name"] = words[str(name).rpartition("_")[2]]
+    return data
 
 
 def _draw(ax: Axes, data: xr.Dataset, name: str, count: int) -> None:
@@ -125,7 +129,7 @@ def _draw(ax: Axes, data: xr.Dataset, name: str, count: int) -> None:
                 _arrow(ax, x[first:last], v[first:last], colour)
     ax.set_xlabel("displacement, x")
     ax.set_ylabel("velocity, v")
-    ax.set_xlim(-1.3, 1.35)
+    ax.set_xlim(-1.3, 1.75)
     ax.set_ylim(-1.55, 1.55)
 
 

@@ -134,7 +134,7 @@ def fig33(delta: float = 0.1) -> tuple[Figure, xr.Dataset]:
         law.axvline(side, color="0.6", linewidth=0.6, linestyle=":")
     law.set_xlabel(r"displacement, $x_s/\gamma$ or $y_s/\gamma$")
     law.set_ylabel(r"force, $F/(k_s\gamma)$")
-    law.legend(frameon=False, fontsize=7)
+    law.legend(loc="lower center", fontsize=7, framealpha=1.0, edgecolor="none")
     for ax, letter in ((ring, "a"), (law, "b")):
         ax.set_title(f"({letter})", loc="left", fontsize=_TEXT)
     return figure, data
@@ -149,7 +149,7 @@ def _physical_model(ax: Axes) -> None:
     mass = (rotor[0] + 0.33, rotor[1] + 0.25)
     ax.plot(*mass, "o", color=_FORCE, markersize=4.0)
     ax.plot(*zip(rotor, mass, strict=True), color=_FORCE, linewidth=0.8)
-    ax.annotate(r"$m,\ \rho$", mass, (3, 6), textcoords="offset points", fontsize=_TEXT)
+    ax.annotate(r"$m,\ \rho$", mass, (6, 9), textcoords="offset points", fontsize=_TEXT)
     for turn, preload in ((0, r"$\Delta_x$"), (1, r"$\Delta_y$"), (2, r"$\Delta_x$"),
                           (3, r"$\Delta_y$")):  # fmt: skip
         way = np.array([(1, 0), (0, 1), (-1, 0), (0, -1)][turn], float)
@@ -163,7 +163,7 @@ def _physical_model(ax: Axes) -> None:
         at = way * 2.0 - 0.55 * side
         ax.annotate("$c_s$", tuple(at), ha="center", va="center", fontsize=_TEXT)
     ax.annotate(
-        r"rods: $k_r,\ c_r$", (rotor[0] - 0.2, rotor[1] - 0.35), (-0.75, -1.05), ha="center",
+        r"rods: $k_r,\ c_r$", (rotor[0] - 0.2, rotor[1] - 0.35), (-0.3, -0.95), ha="center",
         fontsize=_TEXT, arrowprops={"arrowstyle": "-", "linewidth": 0.5},
     )  # fmt: skip
     ax.annotate(r"gap $\gamma$", (-0.85, 0.35), ha="center", fontsize=_TEXT)

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from nonsmooth.models.rotor import first_guess, rotor
+from nonsmooth.models.rotors.texts import first_guess, rotor_words
 from nonsmooth.system.parts import Exit, Mode
 
 __all__ = ["matrix_rotor_words"]
@@ -43,10 +43,10 @@ def matrix_rotor_words(
 ) -> dict[str, Any]:
     """What `System` takes, but for name and parameters."""
     n = len(load)
-    base = rotor()
+    base = rotor_words({})
     flow = _flow(matrices, ring, unbalance, load)
     i, j = ring
-    labels = {name: text for name, text in base.describe.items() if name not in _OTHER_NAMES}
+    labels = {name: text for name, text in base["describe"].items() if name not in _OTHER_NAMES}
     for k in range(n):
         labels |= {f"q{k}": f"displacement {k}", f"v{k}": f"velocity {k}"}
     return {
@@ -57,21 +57,21 @@ def matrix_rotor_words(
         "definitions": {
             "nx": f"q{i} + eps_x - sx",
             "ny": f"q{j} + eps_y - sy",
-            **{n: t for n, t in base.definitions.items() if n.startswith(_SHARED)},
+            **{n: t for n, t in base["definitions"].items() if n.startswith(_SHARED)},
             "Fx": "k_s*pull_x + c_s*springs_x*rate(sx)",
             "Fy": "k_s*pull_y + c_s*springs_y*rate(sy)",
             "size": "sqrt(Fx**2 + Fy**2)",
-            "stored": str(base.definitions["stored"]).replace("0.5*K*", "0.5*k_s*"),
+            "stored": str(base["definitions"]["stored"]).replace("0.5*K*", "0.5*k_s*"),
         },
         "outputs": {
             "x": f"q{i} + eps_x",
             "y": f"q{j} + eps_y",
             "vx": f"v{i}",
             "vy": f"v{j}",
-            **base.outputs,
+            **base["outputs"],
             "gap": "gamma - sqrt(nx**2 + ny**2)",
         },
-        "modes": _modes(flow, dict(base.modes["contact"].cells or {})),
+        "modes": _modes(flow, base["modes"]["contact"].cells),
     }
 
 

@@ -1,1 +1,1 @@
-"""What the rotors are measured in."""
+"""What models of the rotor share: its texts, and what it is measured in."""

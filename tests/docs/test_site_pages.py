@@ -1,0 +1,40 @@
+"""Every page of the documentation stands in a table of contents, and is read on a forge too."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+DOCS = Path(__file__).parents[2] / "docs"
+FOLDERS = ("tutorials", "how-to", "case-studies", "explanation")
+MADE = "auto_gallery/index"  # when the site is built
+
+
+def contents(folder: str) -> list[str]:
+    """Names in the tables of contents of a folder; those of other folders begin with ``../``."""
+    text = (DOCS / folder / "index.md").read_text(encoding="utf-8")
+    tables = re.findall(r"```\{toctree\}\n(.*?)```", text, re.S)
+    lines = [line.strip() for table in tables for line in table.splitlines()]
+    return [line for line in lines if line and not line.startswith(":")]
+
+
+@pytest.mark.parametrize("folder", FOLDERS)
+def test_every_page_is_in_the_contents(folder):
+    pages = {path.stem for path in (DOCS / folder).glob("*.md")} - {"index"}
+    named = contents(folder)
+    assert len(named) == len(set(named)), "a page stands twice"
+    assert {name for name in named if not name.startswith("../")} == pages
+
+
+@pytest.mark.parametrize("folder", FOLDERS)
+def test_every_page_is_linked_where_tables_of_contents_are_not_read(folder):
+    text = (DOCS / folder / "index.md").read_text(encoding="utf-8")
+    assert re.findall(r"^\| \[.*?\]\((.+?)\.md\)", text, re.MULTILINE) == contents(folder)
+
+
+def test_the_landing_page_leads_everywhere():
+    parts = {f"{path.parent.name}/index" for path in DOCS.glob("*/index.*")} - {MADE}
+    elsewhere = {name.removeprefix("../") for folder in FOLDERS for name in contents(folder)}
+    elsewhere.add("names")  # of the reference
+    pages = {path.stem for path in DOCS.glob("*.md")} - {"index"} - elsewhere
+    assert set(contents("")) - {MADE} == pages | parts
