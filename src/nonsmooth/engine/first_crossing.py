@@ -182,8 +182,10 @@ def _leave(scan, g, order, reach):
 def _landing(scan, g, reach):
     """Where a low flight from a zero of first order ends, by its polynomial; 0 for other flights.
 
-    Heights have the rounding of positions, and what is divided by the time of flight has none.
+    Heights have the rounding of positions, and what is divided by the time of flight has none. A
+    start that is off zero by more is where a relation holds it, which is solved to rounding itself.
     """
+    off = scan[g, 0] if abs(scan[g, 0]) > scan[g, at.MARGIN] else 0.0
     a1, a2, a3, a4, a5 = scan[g, 1], scan[g, 2], scan[g, 3], scan[g, 4], scan[g, 5]
     if not (a1 > 0.0 and a2 < 0.0) or scan[g, at.TAKEN_OFF] != 0.0 or scan[g, at.FADING] != 0.0:
         return 0.0
@@ -193,10 +195,11 @@ def _landing(scan, g, reach):
     # so nearly a parabola that there is one root, and what is left out is below rounding
     bent = (abs(a3) + (2.0 * abs(a4) + 4.0 * abs(a5) * u) * u) * u * u
     left_out = 2.0 * scan[g, at.BOUND] * u**6
+    bent += abs(off) / u
     if not (bent <= _BENT * a1 and left_out <= _UNDER_MARGIN * scan[g, at.MARGIN]):
         return 0.0
     for _ in range(_LANDING_STEPS):
-        u = -(a1 + u * u * (a3 + u * (a4 + u * a5))) / a2
+        u = -(off / u + a1 + u * u * (a3 + u * (a4 + u * a5))) / a2
     return u
 
 

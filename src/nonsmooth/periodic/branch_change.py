@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 
@@ -21,7 +22,9 @@ from nonsmooth.periodic.word_change import changes_at_once, changes_of_word
 
 __all__ = ["broken_test", "change_at", "end_at"]
 
-_BEYOND = 1e-6  # of the range of the parameter: where the engine is asked
+# of the range of the parameter: where the engine is asked. Nearer, a leg that has just appeared is
+# so short that rounding may decide its motion; farther, another change may come
+_BEYOND = (1e-6, 1e-5, 1e-4)
 _APPEARS = 1e-5  # part of the turn that a leg lasts where a branch with it begins
 _ENDS = {
     "shrink": "the cycle shrinks to a point",
@@ -126,8 +129,9 @@ def _changes_beyond(stretch: Stretch, looked: Looked, point: Point) -> Iterator[
 def _motions_beyond(stretch: Stretch, looked: Looked, point: Point) -> Iterator[Guess]:
     """What the motion from the orbit does a little beyond, where there is a period to look at."""
     low, high = stretch.options.bounds
-    for way in (np.sign(point.tangent_p) or 1.0, -(np.sign(point.tangent_p) or 1.0)):
-        guess = motion_at(stretch, looked, point.p + way * _BEYOND * (high - low))
+    onwards = float(np.sign(point.tangent_p)) or 1.0
+    for way, part in product((onwards, -onwards), _BEYOND):
+        guess = motion_at(stretch, looked, point.p + way * part * (high - low))
         if guess is not None and guess.word != stretch.equations.word:
             yield guess
 
