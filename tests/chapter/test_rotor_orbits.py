@@ -76,13 +76,7 @@ def test_torus_just_behind_a_graze():
     assert abs(before["multipliers"].values[0]) < 0.7
 
 
-WITHOUT_PRELOAD = pytest.mark.xfail(
-    strict=True,
-    reason="the branch ends where preload surfaces that are one are crossed at a contact",
-)
-
-
-@pytest.mark.parametrize("delta", [pytest.param(0.0, marks=WITHOUT_PRELOAD), 0.1])
+@pytest.mark.parametrize("delta", [0.0, 0.1])
 def test_branches_pass_the_known_flips(delta):
     """Period one to the end of the range, unstable behind its flip, where period two begins."""
     branches = branches_of_set_a(delta, longest=2)
@@ -103,7 +97,6 @@ def test_branches_pass_the_known_flips(delta):
     assert abs(x[0, 0] - x[1, 0]) < 0.01 < np.abs(x[0] - x[1])[:-1].max()
 
 
-@WITHOUT_PRELOAD
 @pytest.mark.parametrize("step", [0.05, 0.08])
 def test_without_preload_contacts_change_where_they_cross_an_axis(step):
     """A ring without preload is back at once; a contact on the axis changes the springs at work.

@@ -15,12 +15,6 @@ CUBIC = ["wall, cubic"]  # Taylor by itself
 CASES = [*RUNS, *CUBIC, *(f"{name} by Taylor series" for name in RUNS)]
 ALL = {**RUNS, **{name: TANGENTS[name] for name in CUBIC}}
 
-EARLY = pytest.mark.xfail(
-    strict=True,
-    raises=AssertionError,
-    reason="the row has the time of rest, and states of the last impact followed",
-)
-
 
 def name_of(case):
     return case.removesuffix(" by Taylor series")
@@ -79,7 +73,7 @@ def test_accumulation_time_to_twelve_digits(case, run_of):
 MOVING = [name for name in RUNS if name in ("wall", "platform") or "table" in name]
 
 
-@pytest.mark.parametrize("case", [pytest.param(case, marks=EARLY) for case in MOVING])
+@pytest.mark.parametrize("case", MOVING)
 def test_states_at_the_accumulation(case, run_of):
     run, truth = run_of(case)
     after = [[float(x) for x in change["after"]] for change in expected(truth, "chatter")]

@@ -235,3 +235,26 @@ def test_a_part_of_a_run_is_not_the_run(part):
     except OptionError:
         return
     assert on.sizes["event"] > 0 and float(on["event_time"][0]) < 1.0
+
+
+def test_of_many_modes_the_nearest_are_explained():
+    """Twelve strips of u, all beyond a wall: six are told, digits enough to tell numbers apart."""
+    rate = "12"
+    for k in range(10, -1, -1):
+        rate = f"where(u > {k}, {rate}, {k + 1})"
+    system = System(
+        states=["u", "p"],
+        modes={
+            "strips": Mode(
+                flow={"u": rate},
+                slaved={"p": "2*u"},
+                exits=[Exit("100 - u", to="strips", reset={"u": "0"})],
+            )
+        },
+    )
+    with pytest.raises(OptionError, match="fits no mode") as refused:
+        ns.simulate(system, {"u": 0.3, "p": 0.6 * (1 + 1e-9)}, t_end=1.0)
+    lines = str(refused.value).splitlines()
+    assert len(lines) == 9
+    assert lines[7] == "  and 6 other modes, with as many faults or more"
+    assert "give p = 0.6 by '2*u', not 0.6000000006" in lines[1]

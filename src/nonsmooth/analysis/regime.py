@@ -15,8 +15,9 @@ from nonsmooth.analysis.regimes.verdict import Protocol, Verdict
 from nonsmooth.errors import OptionError
 from nonsmooth.simulation.labels import labels_of
 from nonsmooth.simulation.lane_runner import LaneRunner
+from nonsmooth.simulation.misfit import explain_misfit
 from nonsmooth.simulation.options import check_run_options
-from nonsmooth.simulation.start import explain_misfit, resolve_start, start_at_end
+from nonsmooth.simulation.start import resolve_start, start_at_end
 from nonsmooth.system.system import System
 from nonsmooth.version import __version__
 

@@ -32,9 +32,10 @@ from nonsmooth.maps.of_system import Map, map_of
 from nonsmooth.maps.poincare import PoincareMap
 from nonsmooth.simulation.clock import Instant
 from nonsmooth.simulation.lane_runner import LaneRunner
+from nonsmooth.simulation.misfit import explain_misfit
 from nonsmooth.simulation.options import finite_number, whole_number
 from nonsmooth.simulation.progress import Progress
-from nonsmooth.simulation.start import Start, explain_misfit
+from nonsmooth.simulation.start import Start
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -17,9 +17,10 @@ from nonsmooth.maps.section_options import set_limits
 from nonsmooth.maps.section_rows import AT_ONCE, BehindStart, Crossings, NamedEvents
 from nonsmooth.maps.section_search import Pick, Search, search, some_points, to_begin
 from nonsmooth.simulation.clock import Instant, instants
+from nonsmooth.simulation.misfit import explain_misfit
 from nonsmooth.simulation.options import whole_number
 from nonsmooth.simulation.runner import NoMode, build_tables
-from nonsmooth.simulation.start import Start, explain_misfit, resolve_start, start_at_end
+from nonsmooth.simulation.start import Start, resolve_start, start_at_end
 from nonsmooth.system.section import Section
 from nonsmooth.system.system import System
 

@@ -7,8 +7,9 @@ from typing import TypeVar
 
 from nonsmooth.engine.layout import Tables
 from nonsmooth.errors import OptionError
+from nonsmooth.simulation.misfit import explain_misfit
 from nonsmooth.simulation.runner import NoMode
-from nonsmooth.simulation.start import Start, explain_misfit
+from nonsmooth.simulation.start import Start
 from nonsmooth.system.system import System
 
 __all__ = ["in_first_mode"]

@@ -12,10 +12,6 @@ import numpy.typing as npt
 
 from nonsmooth.engine.lanes import run
 from nonsmooth.engine.layout import (
-    DERIVATIVES,
-    IMPLICIT,
-    N_EXITS,
-    SLAVED,
     Tables,
     allocate_segment,
 )
@@ -33,8 +29,8 @@ _NO_TIMES = (np.zeros(0, np.int64), np.zeros(0))
 
 __all__ = [
     "Start",
+    "begin",
     "complete_state",
-    "explain_misfit",
     "mode_numbers",
     "resolve_start",
     "start_at_end",
@@ -94,14 +90,14 @@ def complete_state(
     left_out = np.isnan(state)
     found = np.array([system.rest_state[name] for name in system.states])
     for mode in modes:
-        anchor = _begin(tables, state, instant, mode)
+        anchor = begin(tables, state, instant, mode)
         if anchor.place[1] >= 0:
             found = anchor.state
             break
     return np.where(left_out, found, state)
 
 
-def _begin(tables: Tables, state: npt.NDArray[np.float64], instant: Instant, mode: int) -> Anchor:
+def begin(tables: Tables, state: npt.NDArray[np.float64], instant: Instant, mode: int) -> Anchor:
     """Anchor of a run without length; its mode is -1 where none takes the state."""
     anchor = allocate_anchor(tables.sizes)
     anchor.place[0], anchor.phase[0] = instant
@@ -217,55 +213,3 @@ def start_at_end(start: Start) -> Start:
     """A start at the end of a run instead of its anchor: derivatives begin at a state."""
     assert start.anchor is not None
     return Start(start.state, start.instant, (int(start.anchor.place[1]),))
-
-
-def _solution(
-    system: System, tables: Tables, start: Start, state: npt.NDArray[np.float64], m: int
-) -> npt.NDArray[np.float64]:
-    """State with its slaved ones solved for in a mode; nan where the mode does not take it."""
-    slaved = int(tables.wiring[m, 0, SLAVED])
-    left_out = np.array([(slaved >> i) & 1 == 1 for i in range(state.size)])
-    opened = np.where(left_out, np.nan, state)
-    anchor = _begin(tables, opened, start.instant, m)
-    return np.where(left_out, anchor.state if anchor.place[1] >= 0 else np.nan, state)
-
-
-def explain_misfit(system: System, tables: Tables, start: Start, z: npt.NDArray[np.float64]) -> str:
-    """What fails in each mode for a start that no mode admits."""
-    lines = []
-    n = len(system.states)
-    n_exits = int(tables.sizes[5])
-    for m, (name, forms) in enumerate(system.structure.modes.items()):
-        if start.modes != (-1,) and m not in start.modes:
-            continue
-        faults = []
-        for e in range(int(tables.wiring[m, 0, N_EXITS])):
-            with np.errstate(invalid="ignore"):  # a guard may divide by zero there
-                value = float(tables.affine[m, DERIVATIVES * e] @ z)
-            guard = forms.equations.exits[e].guard.text
-            if value < 0.0:
-                faults.append(f"guard {guard!r} is {value:.6g}, it must not be negative")
-            elif not math.isfinite(value):
-                faults.append(f"guard {guard!r} is not a finite number there")
-        for i, state in enumerate(system.states):
-            if (int(tables.wiring[m, 0, SLAVED]) >> i) & 1:
-                wanted = float(tables.affine[m, DERIVATIVES * n_exits + i] @ z)
-                text = forms.equations.slaved[state].text
-                if (int(tables.wiring[m, 0, IMPLICIT]) >> i) & 1:
-                    wanted = _solution(system, tables, start, z[:n], m)[i]
-                    if math.isnan(wanted):
-                        faults.append(
-                            f"Newton's method does not solve {text!r} from {state} = {z[i]:.6g}"
-                            f" here; give {state} near a solution, if there is one"
-                        )
-                        continue
-                if wanted != z[i]:
-                    fault = f"{state} is slaved here: give {state} = {wanted:.6g} by {text!r}"
-                    faults.append(f"{fault}, not {z[i]:.6g}")
-        lines.append(f"  {name}: {'; '.join(faults)}")
-    given = ", ".join(f"{k} = {v:.6g}" for k, v in zip(system.states, z, strict=False))
-    return (
-        f"the initial state ({given}) fits no mode of {system.name!r}:\n"
-        + "\n".join(lines)
-        + "\nchange the state so that it lies inside one of the modes"
-    )
