@@ -1,0 +1,89 @@
+"""Why no mode admits a start, mode by mode."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.engine.layout import DERIVATIVES, IMPLICIT, N_EXITS, SLAVED, Tables
+from nonsmooth.simulation.start import Start, begin
+from nonsmooth.system.system import System
+
+__all__ = ["explain_misfit"]
+
+Floats = npt.NDArray[np.float64]
+
+_SHOWN = 6  # modes; those that come nearest, as a piecewise mode has dozens of cells
+_DIGITS = (6, 10, 17)
+
+
+def explain_misfit(system: System, tables: Tables, start: Start, z: Floats) -> str:
+    """What fails in each mode for a start that no mode admits."""
+    asked = start.modes if start.modes != (-1,) else range(len(system.structure.modes))
+    names = list(system.structure.modes)
+    faults = {m: _faults_of(system, tables, start, z, m) for m in asked}
+    nearest = sorted(sorted(faults, key=lambda m: len(faults[m]))[:_SHOWN])
+    lines = [f"  {names[m]}: {'; '.join(faults[m])}" for m in nearest]
+    if len(faults) > len(nearest):
+        lines.append(f"  and {len(faults) - len(nearest)} other modes, with as many faults or more")
+    given = ", ".join(f"{k} = {v:.6g}" for k, v in zip(system.states, z, strict=False))
+    return (
+        f"the initial state ({given}) fits no mode of {system.name!r}:\n"
+        + "\n".join(lines)
+        + "\nchange the state so that it lies inside one of the modes"
+    )
+
+
+def _faults_of(system: System, tables: Tables, start: Start, z: Floats, m: int) -> list[str]:
+    """Guards of a mode that are negative, and slaved states off their relations."""
+    n, n_exits = len(system.states), int(tables.sizes[5])
+    equations = list(system.structure.modes.values())[m].equations
+    slaved, implicit = int(tables.wiring[m, 0, SLAVED]), int(tables.wiring[m, 0, IMPLICIT])
+    faults = []
+    for e in range(int(tables.wiring[m, 0, N_EXITS])):
+        with np.errstate(invalid="ignore"):  # a guard may divide by zero there
+            value = float(tables.affine[m, DERIVATIVES * e] @ z)
+        guard = equations.exits[e].guard.text
+        if value < 0.0:
+            faults.append(f"guard {guard!r} is {value:.6g}, it must not be negative")
+        elif not math.isfinite(value):
+            faults.append(f"guard {guard!r} is not a finite number there")
+    solution = _solution(system, tables, start, z[:n], m) if implicit else z[:n]
+    for i, state in enumerate(system.states):
+        if not (slaved >> i) & 1:
+            continue
+        text = equations.slaved[state].text
+        wanted = float(tables.affine[m, DERIVATIVES * n_exits + i] @ z)
+        if (implicit >> i) & 1:
+            wanted = float(solution[i])
+        if math.isnan(wanted):
+            faults.append(
+                f"Newton's method does not solve {text!r} from {state} = {z[i]:.6g}"
+                f" here; give {state} near a solution, if there is one"
+            )
+        elif wanted != z[i]:
+            right, given = _told_apart(wanted, float(z[i]))
+            faults.append(
+                f"{state} is slaved here: give {state} = {right} by {text!r}, not {given}"
+            )
+    return faults
+
+
+def _told_apart(one: float, other: float) -> tuple[str, str]:
+    """Two numbers with as many digits as it takes to see that they differ."""
+    for digits in _DIGITS:
+        texts = f"{one:.{digits}g}", f"{other:.{digits}g}"
+        if texts[0] != texts[1]:
+            break
+    return texts
+
+
+def _solution(system: System, tables: Tables, start: Start, state: Floats, m: int) -> Floats:
+    """State with its slaved ones solved for in a mode; nan where the mode does not take it."""
+    slaved = int(tables.wiring[m, 0, SLAVED])
+    left_out = np.array([(slaved >> i) & 1 == 1 for i in range(state.size)])
+    opened = np.where(left_out, np.nan, state)
+    anchor = begin(tables, opened, start.instant, m)
+    return np.where(left_out, anchor.state if anchor.place[1] >= 0 else np.nan, state)
