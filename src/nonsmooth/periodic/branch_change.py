@@ -25,7 +25,7 @@ __all__ = ["broken_test", "change_at", "end_at"]
 # of the range of the parameter: where the engine is asked. Nearer, a leg that has just appeared is
 # so short that rounding may decide its motion; farther, another change may come
 _BEYOND = (1e-6, 1e-5, 1e-4)
-_APPEARS = 1e-5  # part of the turn that a leg lasts where a branch with it begins
+_APPEARS = 1e-6  # part of the turn that a leg lasts where a branch with it begins
 _ENDS = {
     "shrink": "the cycle shrinks to a point",
     "slide": "both sides of a surface point at it: beyond, the motion stays there for a while",
