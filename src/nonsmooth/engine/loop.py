@@ -19,7 +19,6 @@ from nonsmooth.engine.jit import inlined, kernel
 from nonsmooth.engine.linear_flow import augmented
 from nonsmooth.engine.rebounds import NEVER
 from nonsmooth.engine.records import (
-    CHATTER_ROW,
     COUNT,
     EVENT_FLOATS,
     EVENTS,
@@ -121,8 +120,7 @@ def run_lane(
         m, phase = place[1], anchor.phase[0]
         s, e, found = 0.0, -1, CERTIFIED
         if not begins:
-            # a row is complete before it leaves the buffer
-            room = records.event_floats.shape[0] if cursor[CHATTER_ROW] == 0 else 0
+            room = records.event_floats.shape[0]
             if room > 0 and cursor[EVENTS] >= room - 1:
                 return _BUFFER_FULL
             if cursor[SEGMENTS] > _MOST_SEGMENTS:
@@ -138,8 +136,6 @@ def run_lane(
                 return _NONUNIQUE if _at_two_fold(tables, rates, segment, m) else _SINGULAR
             end = (end_number - place[0]) * window + (end_phase - phase)
             s, e, found = _search(tables, segment, anchor, records, m, length, end)
-            if cursor[CHATTER_ROW] > 0:
-                _complete_chatter(tables, segment, m, s, records)
             _write_samples(
                 tables, rates, scratch, segment, anchor, tangent, records, m, min(s, end)
             )
@@ -342,22 +338,6 @@ def _search(tables, segment, anchor, records, m, length, end):
             _log_crossing(tables, segment, anchor, records, s, e, _GRAZE, False)
 
 
-@kernel
-def _complete_chatter(tables, segment, m, longest, records):
-    """The row of a chatter gets the states at the time when its rebounds are over.
-
-    They are passed as one a little before, where the segment in rest begins.
-    """
-    n, row, point = tables.sizes[0], records.cursor[CHATTER_ROW] - 1, segment.point[0]
-    records.cursor[CHATTER_ROW] = 0
-    floats = records.event_floats[row]
-    copy_matrix(segment.now, segment.kept)
-    advance_once(tables, segment, m, min(floats[WAIT], longest))
-    state_at(tables, segment, m, floats[EVENT_FLOATS + n :])
-    copy_matrix(segment.kept, segment.now)
-    segment.point[0] = point
-
-
 @inlined
 def _write_samples(tables, rates, scratch, segment, anchor, tangent, records, m, until):
     """Samples of this segment up to and including ``until``.
@@ -461,7 +441,6 @@ def _pass_event(
     if row >= 0 and kind == _CHATTER:
         records.event_floats[row, WAIT] = stay
         records.event_integers[row, COUNT] = rebounds
-        cursor[CHATTER_ROW] = row + 1
     if kind != _START and e < 0 and row >= 0:
         records.event_integers[row, EXIT] = path % (1 << PATH_BITS) - 1
     anchor.place[0], anchor.place[1] = number, m

@@ -25,8 +25,7 @@ PHASE, GUARD_RATE, WAIT = 0, 1, 2
 EVENT_FLOATS = 3
 # entries of Records.cursor
 SAMPLES, EVENTS, WINDOW_EVENTS, UNCERTAIN, STALLED, SEGMENTS, REBOUNDS, LAST_EXIT = range(8)
-CHATTER_ROW = 8
-CURSOR = 9
+CURSOR = 8
 
 
 class Anchor(NamedTuple):
@@ -49,7 +48,7 @@ class Records(NamedTuple):
     event_floats: Floats  # (c, EVENT_FLOATS + 2 n)
     cursor: Integers  # (CURSOR,): samples written, events logged, events in this window, uncertain
     # ones, events in a row between which time did not advance, segments of this call, impacts in a
-    # row of one exit, which exit that is, and one more than the row of a chatter not over yet
+    # row of one exit, and which exit that is
     end_state: Floats  # (n,)
     since: Floats  # (2,): window number and phase up to which tangencies are logged
 
@@ -81,7 +80,7 @@ def allocate_records(
 
 def with_fresh_events(records: Records, capacity: int) -> Records:
     """The same records with an empty event buffer; the old one stays with who holds it."""
-    records.cursor[EVENTS] = records.cursor[CHATTER_ROW] = 0
+    records.cursor[EVENTS] = 0
     width = records.event_floats.shape[1]
     return records._replace(
         event_integers=np.empty((capacity, EVENT_INTEGERS), np.int64),
