@@ -82,8 +82,8 @@ _MOST_SEGMENTS = 100_000  # in one call, so that a run of short steps can be int
 _LITTLE_TIME = 1e-8  # part of a window; flights of impacts that rounding leaves open
 _NO_TIME, _FEW = 1e-10, 5  # part of a window; events before that in the same window
 _SHORTEST = 1e-14  # part of a window; a shorter step of a series means that it does not converge
-# Part of a window, or of what is left of the run: steps of a series so short, and as many of them in
-# a row, mean that the run would go on for hours. Chirps do so, sin(y) where y grows and grows.
+# Part of a window, or of what is left of the run: steps of a series so short, and as many of them
+# in a row, mean that the run would go on for hours. Chirps do so, sin(y) where y grows and grows.
 _CREEP, _MOST_CREEPING = 2e-7, 100_000
 _FOLD = 1e-6  # part of the terms of a guard below which both sides of a surface are at a fold
 _MOST_SIZE = 1e30  # of a state that does not drift

@@ -18,7 +18,7 @@ __all__ = ["natural_window"]
 _RADIANS = 32.0
 _DWARFED = 1e3  # a coupling so much larger than the gap of its eigenvalues makes a chain
 _AT_REST = 64.0  # where nothing oscillates or grows
-_ROUNDED = 1e-14  # part of the largest eigenvalue of a mode that rounding leaves of one that is zero
+_ROUNDED = 1e-14  # part of the largest eigenvalue that rounding leaves of one that is zero
 
 
 @kernel
