@@ -13,6 +13,8 @@ _FURTHER = 0.02  # time for which a motion goes on that was called singular
 _BRIEF = 1e-4  # flights between rebounds that accumulate
 _MOST_GROWTH = 30.0
 _MOST_CALLS = 5000
+_SOON = 1e-3  # time within which a wall is passed by what is pressed into it
+_RUNS_OFF = 1e3  # size of states, of starts of size 1, beside which a function of them is steep
 
 
 def unreasonable(drawn: Drawn, texts: Texts, run) -> list[str]:
@@ -21,7 +23,9 @@ def unreasonable(drawn: Drawn, texts: Texts, run) -> list[str]:
     if status == "singular":
         return _not_singular(drawn, texts, run)
     if status == "event_limit":
-        return _not_accumulating(drawn, run)
+        return _not_accumulating(drawn, texts, run)
+    if status == "step_limit" and np.abs(run["end_state"].values).max() > _RUNS_OFF:
+        return []
     if status == "undecided" and len(texts.modes) == 1:
         return ["undecided, with one mode only"]
     if status in ("inadmissible", "step_limit", "interrupted"):
@@ -54,8 +58,11 @@ def _not_singular(drawn: Drawn, texts: Texts, run) -> list[str]:
     return []
 
 
-def _not_accumulating(drawn: Drawn, run) -> list[str]:
+def _not_accumulating(drawn: Drawn, texts: Texts, run) -> list[str]:
     """Events are far apart, or all of them are of exits that stick."""
+    last = str(run["event_path"].values[-1]).split(">")
+    if last[-1] == "...":
+        return _not_pressed(texts, run, {name for name in last if name.startswith("e")})
     gaps = np.diff(run["event_time"].values)[-5:]
     if len(gaps) == 5 and gaps.mean() > _BRIEF:
         return [f"event_limit, with events {gaps.mean():.3g} apart"]
@@ -70,3 +77,19 @@ def _not_accumulating(drawn: Drawn, run) -> list[str]:
     if not loose and not any(name.startswith(("s", "flow")) for name in passed):
         return [f"event_limit, though all of {', '.join(sorted(passed))} stick"]
     return []
+
+
+def _not_pressed(texts: Texts, run, names: set[str]) -> list[str]:
+    """Exits pass at one instant without end, though the texts lead away from all their guards."""
+    labels = run["mode"].attrs["flag_meanings"].split()
+    mode = labels[int(run["event_to"].values[-1])].split("[")[0]
+    if mode not in texts.modes:
+        return []
+    t, z = float(run["event_time"].values[-1]), run["end_state"].values
+    on = solve_ivp(lambda t, z: texts.field(mode, z, t), (t, t + _SOON), z, rtol=1e-9, atol=1e-12)
+    guards = [way["guard"] for way in texts.modes[mode].get("exits", []) if way["name"] in names]
+    if any(float(texts.value(guard, on.y[:, -1], on.t[-1])) < 0.0 for guard in guards):
+        return []
+    return [
+        f"event_limit at one instant, though nothing is pressed into {', '.join(sorted(names))}"
+    ]

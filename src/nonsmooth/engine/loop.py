@@ -20,6 +20,7 @@ from nonsmooth.engine.linear_flow import augmented
 from nonsmooth.engine.rebounds import NEVER
 from nonsmooth.engine.records import (
     COUNT,
+    CREEPING,
     EVENT_FLOATS,
     EVENTS,
     EXIT,
@@ -81,6 +82,9 @@ _MOST_SEGMENTS = 100_000  # in one call, so that a run of short steps can be int
 _LITTLE_TIME = 1e-8  # part of a window; flights of impacts that rounding leaves open
 _NO_TIME, _FEW = 1e-10, 5  # part of a window; events before that in the same window
 _SHORTEST = 1e-14  # part of a window; a shorter step of a series means that it does not converge
+# Part of a window, or of what is left of the run: steps of a series so short, and as many of them
+# in a row, mean that the run would go on for hours. Chirps do so, sin(y) where y grows and grows.
+_CREEP, _MOST_CREEPING = 2e-7, 100_000
 _FOLD = 1e-6  # part of the terms of a guard below which both sides of a surface are at a fold
 _MOST_SIZE = 1e30  # of a state that does not drift
 
@@ -162,6 +166,9 @@ def run_lane(
                 anchor.phase[0] = phase + s
                 return _DIVERGED
             if e < 0:
+                if tables.kinds[m] == at.TAYLOR and _creeps(cursor, length, longest, window, end):
+                    anchor.phase[0] = phase + s
+                    return _STEP_LIMIT
                 _move_anchor(tables, anchor, segment.order, cursor, length, whole)
                 _augment(tables, anchor.state, place[0], anchor.phase[0], segment.z)
                 if carrying:
@@ -191,6 +198,14 @@ def run_lane(
                 if cursor[EVENTS] > 0:
                     records.event_integers[cursor[EVENTS] - 1, TO] = place[1]
         begins = False
+
+
+@kernel
+def _creeps(cursor, length, longest, window, end):
+    """Count a step; whether too many in a row were so short that nothing but they limits them."""
+    short = length < longest and length < _CREEP * min(window, end)
+    cursor[CREEPING] = cursor[CREEPING] + 1 if short else 0
+    return cursor[CREEPING] > _MOST_CREEPING
 
 
 @kernel

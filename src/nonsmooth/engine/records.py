@@ -25,7 +25,8 @@ PHASE, GUARD_RATE, WAIT = 0, 1, 2
 EVENT_FLOATS = 3
 # entries of Records.cursor
 SAMPLES, EVENTS, WINDOW_EVENTS, UNCERTAIN, STALLED, SEGMENTS, REBOUNDS, LAST_EXIT = range(8)
-CURSOR = 8
+CREEPING = 8
+CURSOR = 9
 
 
 class Anchor(NamedTuple):
@@ -48,7 +49,7 @@ class Records(NamedTuple):
     event_floats: Floats  # (c, EVENT_FLOATS + 2 n)
     cursor: Integers  # (CURSOR,): samples written, events logged, events in this window, uncertain
     # ones, events in a row between which time did not advance, segments of this call, impacts in a
-    # row of one exit, and which exit that is
+    # row of one exit, and which exit that is, steps in a row that lead nowhere
     end_state: Floats  # (n,)
     since: Floats  # (2,): window number and phase up to which tangencies are logged
 

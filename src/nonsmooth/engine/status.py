@@ -77,8 +77,10 @@ CURES: dict[Status, str] = {
         " motion winds itself into the meeting of two surfaces: smooth one of them"
     ),
     Status.STEP_LIMIT: (
-        "the search for a crossing did not advance, or took more than a million steps; choose"
-        " units in which states and guards are nearer to one"
+        "the run hardly advances: more than a million looks at one flight, or steps so short that"
+        " one period would take five million of them. A function that gets steeper and steeper does"
+        " so, as sin(x) where x grows without bound: end the run before, or choose units in which"
+        " states and guards are nearer to one"
     ),
     Status.SLIDING: (
         "several sides of switching surfaces point at the place where they meet, and no motion"

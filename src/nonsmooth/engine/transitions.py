@@ -190,6 +190,9 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
             if carrying and first_exit >= 0:
                 end_saltation(tables, segment, tangent, m)
             return _COMPLETED, m, path, passes, jumped, corner, stay
+        if wiring[m, 1 + e, at.ONTO] == e:
+            fill_scale(n, tables.generator, affine, wiring, m, z, duration, segment.scale)
+            e = _over_surface(affine, wiring, m, e, z, segment.extent, segment.scale)
         if passes == 0 and wiring[m, 1 + e, at.ONTO] == e:
             visited[:] = 0  # a start that is not held goes back to where it was looked for
         e = _onto_surface(wiring, m, e, visited)
@@ -311,6 +314,19 @@ def _onto_surface(wiring, m, e, visited):
     if onto < 0 or target < 0 or wiring[m, 1 + e, at.RESETTING] != 0:
         return e
     return onto if visited[target] != 0 else e
+
+
+@kernel
+def _over_surface(affine, wiring, m, e, z, extent, scale):
+    """The exit to the other side, for a state that has jumped over a surface that holds; else e.
+
+    What was never on the surface is not held there: only what arrives at it is.
+    """
+    if not _nearly_zero(affine, m, e, z, extent, scale):
+        for k in range(wiring[m, 0, at.N_EXITS], wiring[m, 0, at.N_WAYS]):
+            if wiring[m, 1 + k, at.ONTO] == e:
+                return k
+    return e
 
 
 @kernel

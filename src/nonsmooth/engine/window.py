@@ -18,6 +18,7 @@ __all__ = ["natural_window"]
 _RADIANS = 32.0
 _DWARFED = 1e3  # a coupling so much larger than the gap of its eigenvalues makes a chain
 _AT_REST = 64.0  # where nothing oscillates or grows
+_ROUNDED = 1e-14  # part of the largest eigenvalue that rounding leaves of one that is zero
 
 
 @kernel
@@ -28,12 +29,18 @@ def natural_window(t):
 
     Decay does not count: however fast, its exponential stays accurate. A coupling that
     dwarfs the gap of its eigenvalues counts, up to where the two become one cluster:
-    x' = v + 1e-13 x is a rigid body to all intents.
+    x' = v + 1e-13 x is a rigid body to all intents. A rank less leaves an eigenvalue of 1e-17,
+    which is no growth: a window of 1e18 would have no digits left for the phase.
     """
     fastest = 0.0
     for m in range(t.shape[0]):
+        largest = 0.0
         for i in range(t.shape[1]):
-            fastest = max(fastest, abs(t[m, i, i].imag), t[m, i, i].real)
+            largest = max(largest, abs(t[m, i, i]))
+        for i in range(t.shape[1]):
+            rate = max(abs(t[m, i, i].imag), t[m, i, i].real)
+            if rate > _ROUNDED * largest:
+                fastest = max(fastest, rate)
     dwarfed = 0.0
     for m in range(t.shape[0]):
         for i in range(t.shape[1]):

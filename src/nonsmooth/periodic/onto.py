@@ -31,8 +31,12 @@ def modes_along(wiring: Integers, mode: int, path: tuple[int, ...]) -> list[int]
 
 
 def is_onto(wiring: Integers, mode: int, e: int) -> bool:
-    """Whether an exit of a mode is passed on behalf of others only."""
-    return e >= int(wiring[mode, 0, at.N_EXITS])
+    """Whether an exit leads onto a surface, or to rest, and is passed on behalf of others only.
+
+    The one across a surface that holds is not such an exit.
+    """
+    beside = e >= int(wiring[mode, 0, at.N_EXITS])
+    return beside and int(wiring[mode, 1 + e, at.ONTO]) < 0
 
 
 def crosses(wiring: Integers, families: Integers, mode: int, path: tuple[int, ...]) -> bool:

@@ -110,3 +110,7 @@ def _ways(
         back = int(wiring[m, 1 + e, at.TARGET]) == before
         if onto not in (-1, e) and (before == m and path[-1] == e if rebounds else back):
             yield onto
+    if wiring[before, 1 + path[-1], at.RESETTING]:  # it may jump over a surface that holds
+        for e in range(int(wiring[m, 0, at.N_EXITS]), int(wiring[m, 0, at.N_WAYS])):
+            if int(wiring[m, 1 + e, at.ONTO]) >= 0:
+                yield e

@@ -48,14 +48,15 @@ class Family:
 class Way:
     """An exit of a cell, the cell that it enters (None ends the run), and what lies beside it.
 
-    ``onto`` leads onto the surface of the exit; ``holds`` says that the exit itself does.
+    ``onto`` leads onto the surface of the exit. Where the exit itself does, because the surface
+    holds what arrives, ``across`` leads to the other side: a reset may jump there.
     ``choice`` is what a start does on the surface where both sides lead away from it.
     """
 
     exit: ExitEquations
     target: Cell | None
     onto: Way | None = None
-    holds: bool = False
+    across: Way | None = None
     choice: int = NO_CHOICE
 
 
@@ -177,11 +178,9 @@ class _Maker:
 
     def piece(self) -> Piece:
         searched = [*self._along(), *self._releases(), *self._declared()]
-        beside = [way.onto for way in searched if way.onto is not None]
+        beside = [b for way in searched for b in (way.onto, way.across) if b is not None]
         beside += [self._beside("meeting", cell) for cell in self._meetings()]
-        numbers = {id(way): len(searched) + i for i, way in enumerate(beside)}
         ways = [*searched, *beside]
-        onto = [i if way.holds else numbers.get(id(way.onto), -1) for i, way in enumerate(ways)]
         resolver = self._resolver
         equations = replace(resolver.equations, exits=tuple(way.exit for way in ways))
         kind = RESTING if self.family.resting else (FREE if self.slide is None else SLIDES)
@@ -192,7 +191,7 @@ class _Maker:
             equations,
             resolver,
             tuple(way.target for way in ways),
-            tuple(onto),
+            _onto(ways),
             tuple(way.choice for way in ways),
             len(searched),
         )
@@ -216,11 +215,11 @@ class _Maker:
             through = mode.through(self.graph, self.cell, surface)
             on = self._cell_on(key)
             declared = mode.declared.get(key)
+            target = mode.cell({**signs, key: -signs[key]})
             if on is not None and declared is not None and declared.hold is not None:
-                yield Way(through, on, holds=True)
+                yield Way(through, on, across=self._beside(through.name, target))
                 continue
             onto = None if on is None else self._beside(through.name, on)
-            target = mode.cell({**signs, key: -signs[key]})
             yield Way(through, target, onto, choice=_choice(declared, signs[key]))
 
     def _cell_on(self, key: SurfaceKey) -> Cell | None:
@@ -345,6 +344,16 @@ class _Maker:
         """Exit that is never searched for: its guard is the constant one."""
         way = self._way(name, self.graph.one, target)
         return replace(way, exit=replace(way.exit, reset=reset or {}))
+
+
+def _onto(ways: list[Way]) -> tuple[int, ...]:
+    """Number of the way that leads onto the surface of each one, itself where it holds; or -1."""
+    numbers = {id(way): i for i, way in enumerate(ways)}
+    found = {i: numbers[id(way.onto)] for i, way in enumerate(ways) if way.onto is not None}
+    for i, way in enumerate(ways):
+        if way.across is not None:
+            found[i] = found[numbers[id(way.across)]] = i
+    return tuple(found.get(i, -1) for i in range(len(ways)))
 
 
 def _choice(declared: Declared | None, sign: int) -> int:
