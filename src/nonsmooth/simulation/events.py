@@ -11,6 +11,7 @@ import numpy.typing as npt
 from nonsmooth.engine import records as at
 from nonsmooth.engine.status import EventKind
 from nonsmooth.engine.transitions import PATH_LENGTH
+from nonsmooth.simulation.after_chatter import states_after
 from nonsmooth.simulation.assemble import Columns
 from nonsmooth.simulation.labels import Labels
 from nonsmooth.simulation.runner import Outcome
@@ -27,7 +28,6 @@ def event_variables(labels: Labels, outcome: Outcome) -> Columns:
     time = outcome.times(number, phase)
     n = len(labels.states)
     before = values[:, at.EVENT_FLOATS : at.EVENT_FLOATS + n]
-    after = values[:, at.EVENT_FLOATS + n :]
     codes = rows[:, at.FROM] * labels.width
     codes += rows[:, at.EXIT]
     codes[rows[:, at.EXIT] < 0] += labels.width  # the start
@@ -50,7 +50,7 @@ def event_variables(labels: Labels, outcome: Outcome) -> Columns:
             "whether rounding leaves no doubt about the event",
         ),
         "state_before": (before, "states just before the event"),
-        "state_after": (after, "states just after the event"),
+        "state_after": (states_after(outcome), "states just after the event"),
     }
     return {
         name: (
