@@ -165,11 +165,11 @@ def test_a_reset_onto_a_surface_that_holds(speed):
 
 
 def test_a_chirp_ends_by_its_steps():
-    """Sin(x) of an x that grows would take 1e11 steps until 20; at pi it takes three."""
+    """The sine of an x that grows to 5e16 has as many turns; until x = pi it has half a one."""
     system = ns.System(states=["x", "y"], equations={"x": "x", "y": "sin(x)"})
     run = ns.simulate(system, {"x": 1e8}, t_end=20)
     assert run.attrs["status"] == "step_limit"
-    t, x, y = float(run["time"].values[-1]), *run["end_state"].values
+    x = run["end_state"].values[0]
     assert x == pytest.approx(1e8 * np.exp(run.attrs["end_phase"]), rel=1e-9)
     assert ns.simulate(system, {"x": 1.0}, t_end=np.log(np.pi)).attrs["status"] == "completed"
 
