@@ -75,9 +75,6 @@ def test_a_section_at_rest():
     assert float(orbit["x"]) == 0.0 and orbit.sizes["leg"] > 50
 
 
-@pytest.mark.xfail(
-    strict=True, reason="lost where the number of rebounds that are followed changes"
-)
 def test_a_branch_over_numbers_of_rebounds():
     """Their number and the section between them change; nothing happens, and nothing is said."""
     system = wall(zeta=0.02)

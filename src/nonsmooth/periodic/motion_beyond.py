@@ -18,6 +18,8 @@ from nonsmooth.system.system import System
 
 __all__ = ["motion_at", "over_chatter", "within_chatter"]
 
+_AT_SECTION = ("leg:0", "leg:last")
+_BEYOND = 1e-6  # of the range of the parameter: an impact at the section is on one side of it there
 _FARTHER = (1e-3, 2e-3, 5e-3, 1e-2, 2e-2)  # of the range of the parameter
 
 
@@ -62,7 +64,8 @@ def over_chatter(stretch: Stretch, looked: Looked, point: Point) -> BranchStart 
 def within_chatter(stretch: Stretch, looked: Looked, point: Point) -> BranchStart | None:
     """The same orbit with other rebounds, where a test has changed its sign within them.
 
-    The last ones are so short that the equations confuse them with none at all.
+    The last ones are so short that the equations confuse them with none at all. Where an impact
+    just passes the section, the engine would find it on either side there, so it is asked beyond.
     """
     word = stretch.equations.word
     name, *numbers = point.special.split(":")
@@ -72,10 +75,14 @@ def within_chatter(stretch: Stretch, looked: Looked, point: Point) -> BranchStar
         return None
     if not found:
         return None
-    guess = _same_motion_at(stretch, looked, point.p)
+    value = point.p
+    if point.special in _AT_SECTION:
+        low, high = stretch.options.bounds
+        value += _way(point) * _BEYOND * (high - low)
+    guess = _same_motion_at(stretch, looked, value)
     if guess is None or guess.word == word:
         return None
-    return _start(stretch, guess, point.p, point)
+    return _start(stretch, guess, value, point)
 
 
 def _same_motion_at(stretch: Stretch, looked: Looked, value: float) -> Guess | None:
