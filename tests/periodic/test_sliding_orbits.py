@@ -95,6 +95,22 @@ def test_a_branch_over_numbers_of_rebounds():
         assert float(run["v"][-1]) == pytest.approx(there["v"], abs=1e-11)
 
 
+@pytest.mark.parametrize("omega", [0.3118, 0.33])
+def test_a_branch_through_the_end_of_rebounds(omega):
+    """Infinitely many pass the section at omega = 0.31262: behind it, it lies at rest."""
+    system = wall(zeta=0.02, omega=omega)
+    start = {"x": -1.0, "v": 0.0}
+    branch = ns.continue_orbit(system, "omega", (0.3115, 0.331), initial=start, transient=3)
+    assert (branch.attrs["end_first"], branch.attrs["end_last"]) == ("bound", "bound")
+    assert set(branch["special_kind"].values) == {"bound"}
+    assert bool(branch["admissible"].all())
+    along = np.argsort(branch["omega"].values)
+    at_rest = (branch["v"].values == 0.0)[along]
+    assert not at_rest[0] and at_rest[-1]
+    # one change only, and the flight over the section is gone with it
+    assert np.count_nonzero(np.diff(at_rest.astype(int))) == 1
+
+
 def relays() -> ns.System:
     """Two of them: each holds its surface while its drive is weaker than the switch."""
     return ns.System(

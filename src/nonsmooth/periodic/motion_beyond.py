@@ -16,10 +16,11 @@ from nonsmooth.periodic.stretch import BranchStart, Stretch
 from nonsmooth.periodic.word import Word
 from nonsmooth.system.system import System
 
-__all__ = ["motion_at", "over_chatter", "within_chatter"]
+__all__ = ["at_last_rebounds", "motion_at", "over_chatter", "within_chatter"]
 
 _AT_SECTION = ("leg:0", "leg:last")
 _BEYOND = 1e-6  # of the range of the parameter: an impact at the section is on one side of it there
+_SHORT = 1e-3  # of the turn: flights at the section behind which no rebound counts by itself
 _FARTHER = (1e-3, 2e-3, 5e-3, 1e-2, 2e-2)  # of the range of the parameter
 
 
@@ -40,6 +41,14 @@ def motion_at(stretch: Stretch, looked: Looked, value: float, turns: int = 0) ->
         )  # fmt: skip
     except (RunError, ValueError):
         return None
+
+
+def at_last_rebounds(stretch: Stretch, looked: Looked, name: str) -> bool:
+    """Whether the section passes rebounds so short that the next ones follow at once."""
+    turn = looked.turn
+    flight = float(turn.durations[0] + turn.durations[-1])
+    short = flight <= _SHORT * float(turn.durations.sum())
+    return name in _AT_SECTION and short and _section_in_chatter(stretch, stretch.equations.word)
 
 
 def over_chatter(stretch: Stretch, looked: Looked, point: Point) -> BranchStart | None:
