@@ -544,3 +544,47 @@ def test_a_motion_that_comes_to_rest_on_the_section():
     truth = first + np.pi / wd * np.arange(60)
     np.testing.assert_allclose(early, truth, atol=1e-5)
     np.testing.assert_allclose(early[:20], truth[:20], atol=1e-11)
+
+
+# ------------------------------------------------------------------ at rest
+
+
+def test_a_force_of_rest_against_its_closed_form():
+    """1 - Gamma sin(t) on a table that never throws the ball; the mode it flies in has none."""
+    table = ns.models.bouncing_ball(Gamma=0.5)
+    start = {"y": 0.0, "v": 0.5}
+    points = section(table, start, section="table_force = 1.25", direction=0, record=4)
+    first = np.pi + np.arcsin(0.5)  # sin(t) = -1/2
+    expected = [first, 3 * np.pi - first, first + 2 * np.pi, 5 * np.pi - first]
+    np.testing.assert_allclose(points["time"], expected, rtol=1e-14)
+    assert points["direction"].values.tolist() == [1, -1, 1, -1]
+    assert set(points["mode"].values) == {1}  # at rest before and behind
+
+
+def test_a_crossing_at_rest_is_no_new_arrival():
+    """What stands on the table is not struck again where the section is crossed."""
+    split = with_section(ns.models.bouncing_ball(Gamma=0.5), "table_force = 1.25")
+    run = ns.simulate(split.system, {"y": 0.0, "v": 0.5}, t_end=10.0)
+    crossed = run["event_name"].values == "section"
+    assert crossed.sum() == 3
+    assert set(run["event_path"].values[crossed]) == {"section"}
+    assert set(run["event_kind"].values[crossed]) == {"switch"}
+
+
+def test_contacts_that_differ_are_not_taken_for_each_other():
+    """Behind a switch to another wall what rested is free, and here the new wall is elsewhere."""
+    hit = {"reset": {"v": "-r*v"}, "sticks": "rest", "name": "impact"}
+    there = {**hit, "sticks": "lower"}
+    system = ns.System(
+        states=["y", "v"],
+        parameters={"r": 0.5},
+        period="2*pi",
+        modes={
+            "above": ns.Mode(
+                {"y": "v", "v": "-1"}, exits=[ns.Exit("y", **hit), ns.Exit("cos(t)", to="below")]
+            ),
+            "below": ns.Mode({"y": "v", "v": "-1"}, exits=[ns.Exit("y + 2", **there)]),
+        },
+    )
+    run = ns.simulate(system, {"y": 0.0, "v": 0.0}, times=[1.0, np.pi / 2 + 1.0])
+    np.testing.assert_allclose(run["y"], [0.0, -0.5], atol=1e-14)

@@ -19,17 +19,8 @@ SHARES = (0.123, 0.487, 0.871)  # of the range of a variable, where the section 
 ROTORS = ("clearance_rotor", "massive_ring_rotor", "rotor", "rubbing_rotor", "snubber_rub")
 START = {name: {"x": 1e-3} for name in ROTORS}
 ANGLES = ("contact_angle",)  # which jumps by a whole turn where nothing happens
-# at rest forces jump, and the log has the end of all rebounds where the motion has the last one
-REST = pytest.mark.xfail(strict=True, reason="a force of rest, or rest itself, beside a section")
-AT_REST = {
-    ("bouncing_ball", "v"), ("bouncing_ball", "table_force"), ("impact_oscillator", "wall_force"),
-    ("print_hammer", "backstop_force"), ("metal_cutting", "F_y"),
-}  # fmt: skip
 CASES = [
-    pytest.param(name, v, marks=REST) if (name, v) in AT_REST else (name, v)
-    for name, s in MODELS.items()
-    for v in (*s.states, *s.outputs)
-    if v not in ANGLES
+    (name, v) for name, s in MODELS.items() for v in (*s.states, *s.outputs) if v not in ANGLES
 ]
 
 

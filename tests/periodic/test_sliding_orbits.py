@@ -75,9 +75,6 @@ def test_a_section_at_rest():
     assert float(orbit["x"]) == 0.0 and orbit.sizes["leg"] > 50
 
 
-@pytest.mark.xfail(
-    strict=True, reason="lost where the number of rebounds that are followed changes"
-)
 def test_a_branch_over_numbers_of_rebounds():
     """Their number and the section between them change; nothing happens, and nothing is said."""
     system = wall(zeta=0.02)
@@ -96,6 +93,22 @@ def test_a_branch_over_numbers_of_rebounds():
         run = ns.simulate(system, there, periods=1, parameters={"omega": float(point["omega"])})
         assert float(run["x"][-1]) == pytest.approx(there["x"], abs=1e-11)
         assert float(run["v"][-1]) == pytest.approx(there["v"], abs=1e-11)
+
+
+@pytest.mark.parametrize("omega", [0.3118, 0.314])
+def test_a_branch_through_the_end_of_rebounds(omega):
+    """Infinitely many pass the section at omega = 0.31262: behind it, it lies at rest."""
+    system = wall(zeta=0.02, omega=omega)
+    start = {"x": -1.0, "v": 0.0}
+    branch = ns.continue_orbit(system, "omega", (0.3115, 0.3145), initial=start, transient=3)
+    assert (branch.attrs["end_first"], branch.attrs["end_last"]) == ("bound", "bound")
+    assert set(branch["special_kind"].values) == {"bound"}
+    assert bool(branch["admissible"].all())
+    along = np.argsort(branch["omega"].values)
+    at_rest = (branch["v"].values == 0.0)[along]
+    assert not at_rest[0] and at_rest[-1]
+    # one change only, and the flight over the section is gone with it
+    assert np.count_nonzero(np.diff(at_rest.astype(int))) == 1
 
 
 def relays() -> ns.System:

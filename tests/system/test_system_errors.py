@@ -366,6 +366,25 @@ def test_a_guard_that_becomes_constant_with_a_parameter():
         system.with_parameters(w=0.5)
 
 
+def test_a_guard_that_moves_at_rest_may_be_constant_in_flight():
+    """The force of the floor is 1 + cos(2 t)/2 at rest, and zero in flight."""
+    weak = Exit("rate(v) + 1 + cos(w*t)/2 - 0.8", to="stop", name="weak")
+    bounce = Exit("x", reset={"v": "-v/2"}, sticks="rest", name="impact")
+    flow = {"x": "v", "v": "-1 - cos(w*t)/2"}
+    system = oscillator(modes={"flight": Mode(flow, exits=[bounce, weak])})
+    run = ns.simulate(system, {"x": 0.0, "v": 0.0}, t_end=5.0)
+    assert run.attrs["status"] == "stopped"
+    assert float(run["event_time"][-1]) == pytest.approx(math.acos(-0.4) / 2, rel=1e-14)
+
+
+def test_a_guard_that_is_constant_at_rest_too():
+    bounce = Exit("x", reset={"v": "-v/2"}, sticks="rest", name="impact")
+    flow = {"x": "v", "v": "-1"}
+    late = Exit("w - 3", to="stop", name="late")
+    with pytest.raises(ModelError, match="guard is the constant"):
+        oscillator(modes={"flight": Mode(flow, exits=[bounce, late])})
+
+
 NOT_FINITE = [
     "1e999",
     "1/0",

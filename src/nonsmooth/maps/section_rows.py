@@ -13,7 +13,6 @@ from nonsmooth.maps.section_search import Pick, Points, some_points
 from nonsmooth.simulation.clock import Instant
 from nonsmooth.simulation.labels import labels_of
 from nonsmooth.simulation.outputs import Clock, output_values
-from nonsmooth.system.resolve import Resolver
 from nonsmooth.system.section import Section
 from nonsmooth.system.system import System
 
@@ -96,9 +95,8 @@ class Crossings:
         """States on which the expression depends in a mode."""
         system = self.section.system
         forms = system.structure.running[mode]
-        resolver = Resolver(forms.graph, forms.equations, forms.resolver.signs, strict=False)
         equation = system.structure.outputs[self.section.value]
-        return forms.graph.states_in(resolver.tree(equation))
+        return forms.graph.states_in(forms.resolver.lenient().tree(equation))
 
     def _states_reset(self, row: Integers) -> set[str]:
         """States that jump at an event."""

@@ -141,7 +141,7 @@ def _goes_on(stretch: Stretch, start: BranchStart) -> bool:
             bounds=stretch.options.bounds, scale=scale_along(start.equations, start.unknowns),
             parameter_scale=stretch.options.bounds[1] - stretch.options.bounds[0],
         )  # fmt: skip
-        points = [point for point in branch if not point.special]
+        points = [point for point in branch if point.special in ("", "bound")]
     except NonsmoothError:
         return False
     if stretch.options.inadmissible or start.kind == "section":  # where nothing happens to it

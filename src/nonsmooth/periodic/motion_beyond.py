@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 
 from nonsmooth.continuation.point import Point
 from nonsmooth.errors import RunError
@@ -16,19 +17,30 @@ from nonsmooth.periodic.stretch import BranchStart, Stretch
 from nonsmooth.periodic.word import Word
 from nonsmooth.system.system import System
 
-__all__ = ["motion_at", "over_chatter", "within_chatter"]
+__all__ = ["at_last_rebounds", "motion_at", "over_chatter", "within_chatter"]
 
+Floats = npt.NDArray[np.float64]
+
+_AT_SECTION = ("leg:0", "leg:last")
+_BEYOND = 1e-6  # of the range of the parameter: an impact at the section is on one side of it there
+_INSIDE = 1e-9  # of the way to the middle of an orbit, which is forgotten at rest
+_SHORT = 1e-3  # of the turn: flights at the section behind which no rebound counts by itself
 _FARTHER = (1e-3, 2e-3, 5e-3, 1e-2, 2e-2)  # of the range of the parameter
 
 
-def motion_at(stretch: Stretch, looked: Looked, value: float, turns: int = 0) -> Guess | None:
-    """Legs of the motion from an orbit, after some turns; None where nothing drives the system."""
+def motion_at(stretch: Stretch, looked: Looked, value: float) -> Guess | None:
+    """Legs of the motion from an orbit; None where nothing drives the system."""
+    return _motion_from(stretch, looked.turn.states[0], value, 0)
+
+
+def _motion_from(stretch: Stretch, first: Floats, value: float, turns: int) -> Guess | None:
+    """Legs of the motion from a state, after some turns."""
     options = stretch.options
     low, high = options.bounds
     if options.autonomous or not low <= value <= high:
         return None
     names = list(options.system.parameters)
-    state = dict(zip(options.system.states, looked.turn.states[0].tolist(), strict=True))
+    state = dict(zip(options.system.states, first.tolist(), strict=True))
     values = dict(zip(names, stretch.legs.values.tolist(), strict=True))
     try:
         there = options.system.with_parameters(**values | {options.parameter: value})
@@ -38,6 +50,14 @@ def motion_at(stretch: Stretch, looked: Looked, value: float, turns: int = 0) ->
         )  # fmt: skip
     except (RunError, ValueError):
         return None
+
+
+def at_last_rebounds(stretch: Stretch, looked: Looked, name: str) -> bool:
+    """Whether the section passes rebounds so short that the next ones follow at once."""
+    turn = looked.turn
+    flight = float(turn.durations[0] + turn.durations[-1])
+    short = flight <= _SHORT * float(turn.durations.sum())
+    return name in _AT_SECTION and short and _section_in_chatter(stretch, stretch.equations.word)
 
 
 def over_chatter(stretch: Stretch, looked: Looked, point: Point) -> BranchStart | None:
@@ -62,7 +82,8 @@ def over_chatter(stretch: Stretch, looked: Looked, point: Point) -> BranchStart 
 def within_chatter(stretch: Stretch, looked: Looked, point: Point) -> BranchStart | None:
     """The same orbit with other rebounds, where a test has changed its sign within them.
 
-    The last ones are so short that the equations confuse them with none at all.
+    The last ones are so short that the equations confuse them with none at all. Where an impact
+    just passes the section, the engine would find it on either side there, so it is asked beyond.
     """
     word = stretch.equations.word
     name, *numbers = point.special.split(":")
@@ -72,15 +93,23 @@ def within_chatter(stretch: Stretch, looked: Looked, point: Point) -> BranchStar
         return None
     if not found:
         return None
-    guess = _same_motion_at(stretch, looked, point.p)
+    value = point.p
+    if point.special in _AT_SECTION:
+        low, high = stretch.options.bounds
+        value += _way(point) * _BEYOND * (high - low)
+    guess = _same_motion_at(stretch, looked, value)
     if guess is None or guess.word == word:
         return None
-    return _start(stretch, guess, point.p, point)
+    return _start(stretch, guess, value, point)
 
 
 def _same_motion_at(stretch: Stretch, looked: Looked, value: float) -> Guess | None:
     """What the motion is after a turn in which it rests, if its modes are those of the orbit."""
-    guess = motion_at(stretch, looked, value, 1)
+    states = looked.turn.states
+    guess = _motion_from(stretch, states[0], value, 1)
+    if guess is None:  # an impact at the section may lie behind the wall by rounding
+        inside = states[0] + _INSIDE * (states.mean(axis=0) - states[0])
+        guess = _motion_from(stretch, inside, value, 1)
     system = stretch.options.system
     if guess is None or _cycle(guess.word, system) != _cycle(stretch.equations.word, system):
         return None

@@ -11,7 +11,7 @@ from scipy.linalg import lapack
 from nonsmooth.periodic.equations import OrbitEquations
 from nonsmooth.periodic.legs import LegError
 
-__all__ = ["Solution", "null_vector", "scale_of", "solve_orbit"]
+__all__ = ["Solution", "null_vector", "row_scale", "scale_of", "size_of", "solve_orbit"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -45,8 +45,8 @@ def solve_orbit(
         residual, jacobian, _ = equations.evaluate(unknowns)
     except LegError:
         return Solution(unknowns, np.inf, 0, "no_orbit")
-    rows = _row_scale(equations, scale, jacobian)
-    size = _size(residual, rows)
+    rows = row_scale(equations, scale, jacobian)
+    size = size_of(residual, rows)
     if size <= _ROUNDING:  # where branches cross, a step would lead away
         return Solution(unknowns, size, 0, "completed")
     last, further = np.inf, 0  # size of the step before; steps within rounding
@@ -102,7 +102,7 @@ def _try(
         residual, jacobian, _ = equations.evaluate(unknowns)
     except LegError:
         return np.inf, None
-    return _size(residual, rows), (residual, jacobian)
+    return size_of(residual, rows), (residual, jacobian)
 
 
 def scale_of(equations: OrbitEquations, unknowns: Floats) -> Floats:
@@ -117,7 +117,7 @@ def scale_of(equations: OrbitEquations, unknowns: Floats) -> Floats:
     )
 
 
-def _row_scale(equations: OrbitEquations, scale: Floats, jacobian: Floats) -> Floats:
+def row_scale(equations: OrbitEquations, scale: Floats, jacobian: Floats) -> Floats:
     """What counts as large for each equation: a state, or what a guard changes by."""
     n_states = equations.legs.n * len(equations.word)
     rows = np.ones(equations.size)
@@ -126,7 +126,8 @@ def _row_scale(equations: OrbitEquations, scale: Floats, jacobian: Floats) -> Fl
     return np.where(rows > 0.0, rows, 1.0)
 
 
-def _size(residual: Floats, rows: Floats) -> float:
+def size_of(residual: Floats, rows: Floats) -> float:
+    """Largest entry of a residual beside the scale of its equation; infinite for no number."""
     size = float(np.abs(residual / rows).max())
     return size if np.isfinite(size) else np.inf
 

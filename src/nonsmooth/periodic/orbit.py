@@ -39,6 +39,7 @@ class Orbit:
     admissibility: Admissibility
     primitive: int = 1  # how often the turn repeats a shorter orbit
     drifting: npt.NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, bool))
+    in_family: bool = False  # whether cycles of other sizes lie beside it
 
     @property
     def length(self) -> float:
@@ -53,6 +54,8 @@ class Orbit:
     @property
     def stable(self) -> bool:
         """Whether all multipliers lie inside the unit circle."""
+        if self.in_family:
+            return False  # one is 1, whatever rounding makes of it
         values = self.multipliers.multipliers
         return bool(np.all(np.isfinite(values)) and np.all(np.abs(values) < 1.0 - _NEUTRAL))
 

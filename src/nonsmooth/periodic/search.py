@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import islice
 from typing import Any
 
@@ -13,6 +13,7 @@ import numpy.typing as npt
 from nonsmooth.errors import RunError
 from nonsmooth.periodic.branch_tests import is_graze
 from nonsmooth.periodic.equations import OrbitEquations, Turn
+from nonsmooth.periodic.family import member_of_family
 from nonsmooth.periodic.guess import Guess, driven_guess
 from nonsmooth.periodic.guess_cycle import cycle_guesses
 from nonsmooth.periodic.guess_of_word import guesses_in_motion, random_guesses
@@ -46,6 +47,7 @@ _STEPS = 25  # of Newton's method from random durations, of which most lead nowh
 _SEED = 1
 _AT_REST = 1e-7  # of the size of the guess, in one turn
 _NEUTRAL = 1e-9  # distance of a multiplier from 1
+_NEARLY_NEUTRAL = 1e-6  # likewise, of one that is double there: the root of its rounding
 _OFF_FOLD = (1e-4, 1e-3, 1e-2, 0.1, 0.5)  # of the size of an orbit, along the direction of a fold
 
 
@@ -148,6 +150,9 @@ def solve_guess(wanted: Wanted, legs: Legs, guess: Guess) -> Found:
     unknowns = equations.pack(guess.turn)
     solution = solve_orbit(equations, unknowns)
     if solution.status != "completed":
+        member = member_of_family(equations, unknowns) if equations.autonomous else None
+        if member is not None:
+            return finish(wanted, equations, member)
         solution = _off_fold(equations, unknowns) or solution
     if solution.status != "completed":
         return Found(None, equations, solution.status, _failure(wanted, equations, solution))
@@ -245,13 +250,19 @@ def _through_section(equations: OrbitEquations, solution: Solution) -> Guess | N
 def finish(wanted: Wanted, equations: OrbitEquations, solution: Solution) -> Found:
     """An orbit of a solution, judged."""
     orbit = make_orbit(equations, solution, wanted.tolerance)
+    orbit = replace(orbit, in_family=_is_in_family(equations, orbit))
     said = []
     if orbit.primitive > 1:
         said.append(
             f"the turn passes {orbit.primitive} times through a shorter orbit; the motion has only"
             " this one there, or the guess is nearer to it"
         )
-    if np.any(np.abs(orbit.multipliers.multipliers - 1.0) <= _NEUTRAL):
+    if orbit.in_family:
+        said.append(
+            "a multiplier is 1: the orbit is one of a family, for nothing fixes its amplitude;"
+            " this one is the nearest to the guess"
+        )
+    elif np.any(np.abs(orbit.multipliers.multipliers - 1.0) <= _NEUTRAL):
         said.append(
             "a multiplier is 1: the orbit lies on a fold, where branches cross, or is one of a"
             " family, as where nothing fixes its amplitude"
@@ -266,6 +277,14 @@ def finish(wanted: Wanted, equations: OrbitEquations, solution: Solution) -> Fou
         return Found(orbit, equations, "inadmissible", "; ".join(said))
     said = said or ["completed"]
     return Found(orbit, equations, "completed", "; ".join(said))
+
+
+def _is_in_family(equations: OrbitEquations, orbit: Orbit) -> bool:
+    """Whether cycles of other sizes lie beside one that nothing drives."""
+    near = np.any(np.abs(orbit.multipliers.multipliers - 1.0) <= _NEARLY_NEUTRAL)
+    if not (equations.autonomous and near):
+        return False
+    return member_of_family(equations, equations.pack(orbit.turn)) is not None
 
 
 def _guesses(wanted: Wanted, legs: Legs) -> Iterator[Guess]:

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
-from nonsmooth.engine.layout import FREE, MAX_AUGMENTED
+from nonsmooth.engine.layout import FREE, MAX_AUGMENTED, RESTING
 from nonsmooth.errors import ModelError, unknown_name
 from nonsmooth.system.equations import Equation
 from nonsmooth.system.evaluate import constant_value
@@ -277,8 +277,9 @@ def check_values(system: System) -> None:
         # of a piecewise guard one side may be a constant, and so may a reaction
         if forms.sides or forms.kind != FREE:
             continue
+        at_rest = _moving_at_rest(system.structure, forms.declared)
         for way, guard in zip(forms.exit_names, forms.constant_guards, strict=True):
-            if guard is not None:
+            if guard is not None and way not in at_rest:
                 _check_guard(f"modes[{name!r}], exit {way!r}", guard, values)
     _check_finite(system)
     _check_holds(system)
@@ -412,6 +413,17 @@ def condition_of(text: str) -> Expression:
 
 def _condition_names(text: str) -> list[Name]:
     return list({node.name: node for node in names_in(condition_of(text))}.values())
+
+
+def _moving_at_rest(structure: Structure, declared: str) -> set[str]:
+    """Exits of a mode whose guards change while it is at rest, such as those that read a force."""
+    return {
+        way
+        for forms in structure.running
+        if forms.declared == declared and forms.kind == RESTING
+        for way, guard in zip(forms.exit_names, forms.constant_guards, strict=True)
+        if guard is None
+    }
 
 
 def _check_guard(where: str, guard: Expression, values: Mapping[str, float]) -> None:

@@ -290,6 +290,9 @@ class _Maker:
             stays = not which or self._stays_at_rest(i)
             if which and stays and way.target == self.family.declared:
                 target = self.mode.cell(self._signs_behind(way))
+            elif which and not way.reset:
+                same = self._at_rest_in(way.target)
+                target = target if same is None else same.split.cell(self.cell.signs)
             if resting is None or not stays or not self._comes_to_rest(i, more):
                 yield Way(way, target)
                 continue
@@ -298,6 +301,26 @@ class _Maker:
                 str(way.sticks), resting.split.cell(self.cell.signs), self._reset(rest, way)
             )
             yield Way(way, target, onto)
+
+    def _at_rest_in(self, other: str) -> Family | None:
+        """Another mode with the same contacts at rest, which nothing has to strike anew there."""
+        entered = self.families.get(other)
+        if entered is None:
+            return None
+        here = self.family.free.equations.exits
+        there = [self._contact(entered.free, way) for way in entered.free.equations.exits]
+        wanted = [self._contact(self.family.free, here[i]) for i in self.family.resting]
+        if any(contact not in there for contact in wanted):
+            return None
+        resting = tuple(sorted(there.index(contact) for contact in wanted))
+        found = (f for f in self.families.values() if (f.declared, f.resting) == (other, resting))
+        return next(found, None)
+
+    def _contact(self, mode: SplitMode, way: ExitEquations) -> tuple[object, ...]:
+        """What an exit does that sticks, to be compared with those of other modes."""
+        resolver = mode.resolver(mode.leaf(self.cell.signs).signs)
+        reset = {state: resolver.tree(e) for state, e in way.reset.items()}
+        return way.sticks, way.target == mode.equations.name, resolver.tree(way.guard), reset
 
     def _stays_at_rest(self, i: int) -> bool:
         """Whether an exit does not move what is at rest."""
