@@ -21,7 +21,7 @@ _CONDITIONS = {
     "I": r"$D<\gamma$",
     "II": "$|x_s|\\leq\\Delta_x$\n$|y_s|\\leq\\Delta_y$",
     "III": "$|x_s|>\\Delta_x$\n$|y_s|\\leq\\Delta_y$",
-    "IV": "$|x_s|\\leq\\Delta_x$\n$|y_s|>\\Delta_y$",
+    "IV": "$|x_s|\\leq\\Delta_x$, $|y_s|>\\Delta_y$",  # low region: in one line
     "V": "$|x_s|>\\Delta_x$\n$|y_s|>\\Delta_y$",
 }
 
@@ -83,10 +83,8 @@ def _conditions(ax: Axes) -> None:
     }  # the second region has no room for more than its name
     for name, told in _CONDITIONS.items():
         if name in named and name != "II":
-            above = name == "IV"  # below it comes the second region
-            ax.annotate(told, named[name].get_position(), (0, 6 if above else -7),
-                        textcoords="offset points", ha="center", va="bottom" if above else "top",
-                        fontsize=_SMALL)  # fmt: skip
+            ax.annotate(told, named[name].get_position(), (0, -7), textcoords="offset points",
+                        ha="center", va="top", fontsize=_SMALL)  # fmt: skip
     if "II" in named:
         ax.annotate(
             _CONDITIONS["II"], named["II"].get_position(), (0.0, 0.3), ha="center", va="bottom",
