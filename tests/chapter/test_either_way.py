@@ -276,3 +276,40 @@ def test_crisis_and_what_is_left_above():
     assert judged("R44", {"rows": [swept("follow up", to=None)], "motions": []}) == DIFFERS
     assert judged("R45", {"rows": [{"speed": 30.0, "periods": [1]}]}) == HOLDS
     assert judged("R45", {"rows": [{"speed": 30.0, "periods": [1, 3]}]}) == DIFFERS
+
+
+def near_the_printed_torus(kind="none", largest=0.6, period=2):
+    """Orbit of period two about 3.107, followed and column by column, and what starts find."""
+    end = {"eta": 3.11, "kind": kind, "multiplier": [0.6, 0.0], "changes": []}
+    return {
+        "delta": 0.1, "eta": "3.107", "ends": [end, end], "found": True, "multipliers": [],
+        "largest": 0.6, "near": [{"eta": 3.0, "largest": 0.6}, {"eta": 3.2, "largest": largest}],
+        "motions": [{"period": period, "exponent": 0.0, "error": 0.01, "chaotic": False}],
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("evidence", "with_preload", "without"),
+    [
+        (near_the_printed_torus(), DIFFERS, HOLDS),
+        (near_the_printed_torus(kind="torus"), HOLDS, DIFFERS),
+        (near_the_printed_torus(period=0), HOLDS, DIFFERS),
+        # an orbit that is unstable or not there beside the place is no sign of a torus at it
+        (near_the_printed_torus(largest=1.2), DIFFERS, DIFFERS),
+        (near_the_printed_torus(largest=None), DIFFERS, DIFFERS),
+    ],
+)
+def test_torus_with_preload_and_none_without(evidence, with_preload, without):
+    assert judged("R22", evidence) == with_preload
+    assert judged("R23", evidence) == without
+
+
+def test_shifts_compare_like_with_like():
+    rows = [
+        {"change": "end of period one", "route": "restart", "shift": 0.05},
+        {"change": "end of period one", "route": "orbit", "shift": 1.1, "same_kind": False},
+    ]
+    assert judged("R24", {"rows": rows}) == HOLDS
+    assert "1.1" not in _checks()["R24"].judge({"rows": rows}).computed
+    assert judged("R24", {"rows": [rows[0] | {"shift": -0.05}]}) == DIFFERS
+    assert judged("R24", {"rows": [rows[0] | {"shift": None}]}) == DIFFERS
