@@ -107,7 +107,8 @@ def test_page_shows_how_each_figure_came_about(page):
 def test_table_of_claims(page):
     """Verdict, the chapter's words, ours and the protocol, and the counts."""
     text = "".join(page.text)
-    assert "Of 3 claims: 1 holds, 1 differs, 1 not determinable" in text
+    assert "Of 3 claims: 1 hold, 1 differ, 1 are not determinable" in text
+    assert "Section 2: 1 holds, 1 differs, 1 not determinable" in text
     assert text.count("3 < 4 & more") == 3
     assert claim_data("M13")["claim"] in text and claim_data("M13")["parameters"] in text
 

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from nonsmooth.chapter import evaluate_claims
@@ -14,6 +15,8 @@ from nonsmooth.chapter.registry import draw_figure
 from nonsmooth.chapter.rotor import rig_data_claims
 from nonsmooth.fatigue import chapter_tests
 from nonsmooth.models import moling
+
+_PUSH = ("penetration", "resistance")
 
 
 def verdicts(*names):
@@ -94,6 +97,51 @@ def test_other_fatigue_tests_have_other_verdicts(monkeypatch):
     for module in (life_claims, specimen_claims):
         monkeypatch.setattr(module, "chapter_tests", lambda: tests)
     assert verdicts("F02", "F06") == [DIFFERS, DIFFERS]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "true"),
+    [
+        ({"dampings": (0.05,)}, True),
+        # the damper adds 2 xi times the speed: far from the law however slow the push
+        ({"dampings": (100.0,), "rates": (1e-4,)}, False),
+        # a push less deep than the spring's deflection under the friction limit never slips
+        ({"dampings": (0.05,), "rates": (1e-4,), "depth": 0.8}, False),
+    ],
+)
+def test_another_soil_moves_the_finding(arguments, true):
+    """The row stays open for want of a measured curve; what the predicate finds does not."""
+    check = _checks()["M02"]
+    assert check.judge(check.compute(**arguments)).true is true
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"fall_before_threshold": 1e-3},
+        {"departure_from_threshold": 1e-3},
+        {"reaches_threshold": False},
+        {"rate": 1e-4, "law_distance": 0.02},
+    ],
+)
+def test_each_part_of_the_soil_law_decides(change):
+    row = push(0.05, 1.0)
+    judge = _checks()["M02"].judge
+    assert judge({"pushes": [row]}).true
+    assert not judge({"pushes": [row, row | change]}).true
+
+
+def test_soil_figure_follows_its_parameters():
+    """A slider damped more departs further from the law in fast pushes, and slips alike."""
+    data = {xi: draw_figure("fig3b", xi=xi)[1] for xi in (0.05, 0.35)}
+    fast = {
+        xi: float(np.interp(0.5, *(each[name].values[-1, :1000] for name in _PUSH)))
+        for xi, each in data.items()
+    }
+    # at depth 0.5 the speed is sqrt(0.5 (2.5 - 0.5)) times the rate: 2 xi 4 + 0.5 with xi 0.05
+    assert fast[0.05] == pytest.approx(0.9, abs=1e-3)
+    assert fast[0.35] == pytest.approx(1.0, abs=1e-12)
+    assert all(each.attrs["xi"] == xi for xi, each in data.items())
 
 
 def test_soil_figure_is_the_law_where_it_must_be():

@@ -107,10 +107,15 @@ def _curve(data: xr.Dataset) -> Figure:
     growth_curve(data[["crack"]], flat, ax=ax, places=_PLACES)
     insets: Any = ax.child_axes
     for inset, crack in zip(insets, CRACKS, strict=True):
-        found = sorted(set(data["period"].sel(length=crack).values.tolist()))
-        words = ", ".join(str(n) if n else "none" for n in found)
+        rest, other = (str(n) if n else "none" for n in data["period"].sel(length=crack).values)
+        words = f"period {rest}"
+        if other != rest:
+            words += f" (square: {other})"
+            part = data.sel(length=crack).isel(start=1)
+            inset.plot(part["u"], part["v"], linestyle="none", marker="s", markersize=3.5,
+                       markeredgewidth=0.0, color=PALETTE["vermilion"])  # fmt: skip
         inset.set_title(
-            f"{crack:g} mm: period {words}\nchapter: {_CHAPTER[crack]}", fontsize=6.5, pad=2.5,
+            f"{crack:g} mm: {words}\nchapter: {_CHAPTER[crack]}", fontsize=6.5, pad=2.5,
             bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.0},
         )  # fmt: skip
         inset.text(0.97, 0.03, "v over u", transform=inset.transAxes, ha="right", va="bottom",

@@ -138,6 +138,8 @@ def fig28() -> tuple[Figure, xr.Dataset]:
         axes[2 * row].remove()
         deep = figure.add_subplot(place, projection="3d")
         phase_portrait_3d(orbits[law], "u", "v", label="crack ratio", ax=deep, periods=None)
+        for line, colour in zip(deep.lines, _COLOURS, strict=False):  # the shadows stay grey
+            line.set_color(colour)
         _small_texts(deep)
         _plane(axes[2 * row + 1], orbits[law])
         for ax, letter in ((deep, "ac"[row]), (axes[2 * row + 1], "bd"[row])):

@@ -91,6 +91,9 @@ def _drawn(data: xr.Dataset) -> Figure:
                 data["deflection"], data["force"].sel(law=law, crack=crack), style, color=colour,
                 linewidth=1.1, label=f"{crack:g} mm" if law == "guinea" else None,
             )  # fmt: skip
+    # closed, all cracks are the same: one line for all, in no crack's colour
+    shut = data["force"].sel(law="guinea", crack=_FIXED).where(data["deflection"] <= 0.0)
+    right.plot(data["deflection"], shut, color="black", linewidth=1.4)
     right.set_title("(b) growing crack; broken: cubic law", loc="left", fontsize=_TEXT)
     right.legend(
         frameon=False, loc="upper left", title="crack length", title_fontsize=7, fontsize=7

@@ -88,8 +88,8 @@ def push(xi: float, rate: float, depth: float = 4.0) -> Evidence:
     Returns
     -------
     dict
-        Largest fall while rising to the threshold, largest departure from the threshold in
-        the rest of the loading, distance from the law min(penetration, 1), largest
+        Whether the threshold is reached, largest fall while rising to it, largest departure from
+        it in the rest of the loading, distance from the law min(penetration, 1), largest
         resistance, and its largest rise while unloading.
 
     Examples
@@ -109,6 +109,7 @@ def push(xi: float, rate: float, depth: float = 4.0) -> Evidence:
     return {
         "xi": xi,
         "rate": rate,
+        "reaches_threshold": len(reached) > 0,
         "fall_before_threshold": float(np.max(-np.diff(loading[: knee + 1]), initial=0.0)),
         "departure_from_threshold": float(np.max(np.abs(plateau - 1.0), initial=0.0)),
         "law_distance": float(np.abs(loading - np.minimum(depths[: half + 1], 1.0)).max()),
@@ -120,14 +121,18 @@ def push(xi: float, rate: float, depth: float = 4.0) -> Evidence:
 def _pushes(
     dampings: Sequence[float] = (0.01, 0.05, 0.11, 0.35, 1.0),
     rates: Sequence[float] = (_QUASI_STATIC, 0.1, 1.0),
+    depth: float = 4.0,
 ) -> Evidence:
-    return {"pushes": [push(xi, rate) for xi in dampings for rate in rates]}
+    return {"pushes": [push(xi, rate, depth) for xi in dampings for rate in rates]}
 
 
 def _judge_pushes(evidence: Evidence) -> Finding:
     slow = [row for row in evidence["pushes"] if row["rate"] <= _QUASI_STATIC]
     fast = [row for row in evidence["pushes"] if row["rate"] > _QUASI_STATIC]
-    rises = [row["fall_before_threshold"] <= _ROUNDING for row in slow + fast]
+    rises = [
+        row["reaches_threshold"] and row["fall_before_threshold"] <= _ROUNDING
+        for row in slow + fast
+    ]
     stays = [row["departure_from_threshold"] <= _ROUNDING for row in slow + fast]
     alike = [row["law_distance"] <= 0.01 for row in slow]
     left = [
@@ -135,13 +140,13 @@ def _judge_pushes(evidence: Evidence) -> Finding:
         for row in slow + fast
         if row["departure_from_threshold"] > _ROUNDING
     ]
-    farthest = max(row["law_distance"] for row in fast)
+    farthest = max((row["law_distance"] for row in fast), default=0.0)
     text = (
         f"resistance rises to the threshold in {sum(rises)} of {len(rises)} pushes and stays there"
         f" up to 99 % of the depth in {sum(stays)} of {len(stays)}"
         + (f" (not for {', '.join(left)})" if left else "")
         + f"; slow pushes follow min(penetration, 1) to"
-        f" {max(row['law_distance'] for row in slow):.1g},"
+        f" {max((row['law_distance'] for row in slow), default=0.0):.1g},"
         f" fast ones depart from it by up to {farthest:.2g} of the threshold"
     )
     return Finding(bool(all(rises) and all(stays) and all(alike)), text)

@@ -16,6 +16,7 @@ from nonsmooth import simulate
 from nonsmooth.chapter.mole.soil_claims import pushed_slider
 from nonsmooth.models import moling
 from nonsmooth.plot import PALETTE, print_figure
+from nonsmooth.plot.style import LINES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -33,6 +34,7 @@ _LOOKS: tuple[dict[str, Any], ...] = (
     {"color": PALETTE["blue"], "linewidth": 1.1},
     {"color": PALETTE["vermilion"], "linewidth": 1.1, "linestyle": "-."},
 )
+_MOLE: dict[str, Any] = {"color": LINES[2]["color"], "linewidth": 1.6}
 _LAW: dict[str, Any] = {"color": "0.6", "linewidth": 3.2, "linestyle": (0, (2, 1))}
 
 
@@ -76,7 +78,7 @@ def fig3b(xi: float = 0.05, b: float = 0.15) -> tuple[Figure, xr.Dataset]:
         axes[0].plot(run["penetration"], run["resistance"], label=name, **look)
     for ax in axes[1:]:
         _draw_law(ax, deepest)
-        ax.plot(impact["penetration"], impact["resistance"], label="mole", **_LOOKS[0])
+        ax.plot(impact["penetration"], impact["resistance"], label="mole", **_MOLE)
     axes[1].set_xlim(-0.05, 1.75)
     axes[2].set_xlim(deepest - 1.75, deepest + 0.05)
     titles = (f"(a) push of depth {_DEPTH:g}, and back", f"(b) mole, b = {b:g}: its impact",
@@ -86,10 +88,9 @@ def fig3b(xi: float = 0.05, b: float = 0.15) -> tuple[Figure, xr.Dataset]:
         ax.set_xlabel("penetration [$P_f/k$]")
         ax.set_ylabel("resistance [$P_f$]" if ax is axes[0] else "")
         ax.set_ylim(-0.05, 1.1)
-    figure.legend(
-        *axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=4, frameon=False,
-        fontsize=_TEXT,
-    )  # fmt: skip
+    lines = [*axes[0].get_lines(), axes[1].get_lines()[-1]]
+    figure.legend(handles=lines, loc="outside upper center", ncols=5, frameon=False, fontsize=7,
+                  columnspacing=1.2)  # fmt: skip
     return figure, _dataset(xi, b, rates, pushes, impact)
 
 

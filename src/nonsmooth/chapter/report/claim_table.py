@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from html import escape
 from typing import Any
@@ -45,9 +46,24 @@ def claim_table(rows: Sequence[dict[str, Any]], names: list[str]) -> str:
     heads = "".join(f'<th scope="col" class="{key}">{text}</th>' for key, text in _HEADS)
     body = "\n".join(_row(row, names) for row in rows)
     return (
-        f'<h2 id="claims">Claims</h2>\n<p class="small">{_RULES}</p>\n'
+        '<h2 id="claims"><a class="back" href="#top">contents</a>Claims</h2>'
+        f'\n<p>{_counts(rows)}</p>\n<p class="small">{_RULES}</p>\n'
         f'<table class="claims"><thead><tr>{heads}</tr></thead>\n<tbody>\n{body}\n</tbody></table>'
     )
+
+
+def _counts(rows: Sequence[dict[str, Any]]) -> str:
+    """Verdicts by section of the chapter."""
+    told = []
+    for section in sorted({int(claim_data(row["id"])["section"]) for row in rows}):
+        inside = [row for row in rows if claim_data(row["id"])["section"] == section]
+        counts = Counter(row["verdict"] for row in inside)
+        parts = ", ".join(
+            f'{counts[verdict]} <span class="{_LOOKS[verdict]}">{verdict}</span>'
+            for verdict in VERDICTS
+        )
+        told.append(f"Section {section}: {parts}")
+    return "<br>".join(told)
 
 
 def _row(row: dict[str, Any], names: list[str]) -> str:

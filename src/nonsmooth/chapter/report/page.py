@@ -33,6 +33,7 @@ _TITLES = {
     3: "Section 3: the fatigue-testing rig",
     4: "Section 4: the rotor in its snubber ring",
 }
+_BACK = '<a class="back" href="#top">contents</a>'
 _SOURCE = (
     "M. Wiercigroch and E. Pavlovskaia,"
     " <cite>Engineering Applications of Non-smooth Dynamics</cite> (2012)"
@@ -90,7 +91,13 @@ def write_report(
 
 def _head(names: Sequence[str], rows: Sequence[dict[str, Any]], outcome: Outcome) -> str:
     counts = Counter(str(row["verdict"]) for row in rows)
-    told = ", ".join(f"{counts[verdict]} {verdict}" for verdict in VERDICTS)
+    holds, differs, left = (counts[verdict] for verdict in VERDICTS)
+    told = f"{holds} hold, {differs} differ, {left} are not determinable"
+    sections = " &middot; ".join(
+        f'<a href="#section{number}">{title}</a>'
+        for number, title in _TITLES.items()
+        if any(section_of(name) == number for name in names)
+    )
     links = "".join(
         f'<li><a href="#{name}">{escape(figure_text(name)["where"])}</a>'
         f" {escape(figure_summary(name))}</li>"
@@ -100,20 +107,20 @@ def _head(names: Sequence[str], rows: Sequence[dict[str, Any]], outcome: Outcome
         f"<li>{escape(name)}: {escape(message)}</li>" for name, message in outcome.faults.items()
     )
     return (
-        f"<h1>The chapter, computed anew</h1>\n<p>Figures and claims of {_SOURCE}, computed by"
-        f" nonsmooth {escape(code_version())} with one command:</p>"
+        f'<h1 id="top">The chapter, computed anew</h1>\n<p>Figures and claims of {_SOURCE},'
+        f" computed by nonsmooth {escape(code_version())} with one command:</p>"
         "<pre>nonsmooth chapter run --all --out DIR</pre>"
         f'<p>Of {len(rows)} <a href="#claims">claims</a>: {told}. Beside this page lie every figure'
         " as PNG and PDF, its data as netCDF, and the claims with their evidence as JSON.</p>"
         + (f'<div class="fault"><p>Could not be made:</p><ul>{failed}</ul></div>' * bool(failed))
-        + f'<nav aria-label="Figures"><ol>{links}</ol></nav>'
+        + f'<nav aria-label="Figures"><p>{sections}</p><ul>{links}</ul></nav>'
     )  # fmt: skip
 
 
 def _figure(folder: Path, name: str, rows: Sequence[dict[str, Any]], outcome: Outcome) -> str:
     text, told = figure_text(name), outcome.of(name)
     summary = figure_summary(name)
-    heading = f"<h3>{escape(text['where'])}: {escape(summary)}</h3>"
+    heading = f"<h3>{_BACK}{escape(text['where'])}: {escape(summary)}</h3>"
     if told is None:
         message = outcome.faults.get(name, "not computed")
         return f'<figure id="{name}" class="fault">{heading}<p>{escape(message)}</p></figure>'

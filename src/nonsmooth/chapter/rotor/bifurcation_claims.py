@@ -9,6 +9,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import lru_cache
 
+import numpy as np
+
 from nonsmooth import regime
 from nonsmooth.chapter.judgement import Check, Evidence, Finding, agrees
 from nonsmooth.chapter.rotor.coexistence import DROPPED, STARTS, coexisting
@@ -21,6 +23,7 @@ from nonsmooth.chapter.rotor.speed_sweeps import PROTOCOLS
 __all__ = ["CHECKS"]
 
 _QUASI = "3.107"
+_NEAR = 11  # columns around it
 # Period below and above as printed, and the orbit that is followed: period, first and last eta.
 _CHANGES = {
     0: (1, None, (1, 2.05, 2.6)),
@@ -63,8 +66,9 @@ def _judge_change(evidence: Evidence) -> Finding:
         f" {row['becomes'] or 'no period'} from {row['first']:.5g}"
         for row in evidence["by_protocol"]
     )
-    return Finding(bool(true), f"printed {evidence['printed']}: {listed};"
-                   f" {_branch(evidence['branch'])}")  # fmt: skip
+    off = middle - float(evidence["printed"])
+    return Finding(bool(true), f"printed {evidence['printed']}, from zero off by {off:+.4f}:"
+                   f" {listed}; {_branch(evidence['branch'])}")  # fmt: skip
 
 
 def _branch(branch: Evidence) -> str:
@@ -86,10 +90,17 @@ def _quasi(delta: float, eta: str = _QUASI, reach: float = 0.1) -> Evidence:
     there = orbit_at(delta, 2, value)
     sizes = [] if there is None else orbit_multipliers(there)
     others = coexisting(set_a(delta, value))
+    # where following an orbit jumps, columns of their own tell what the neighbourhood is like
+    near = []
+    for each in np.linspace(value - reach, value + reach, _NEAR):
+        orbit_there = orbit_at(delta, 2, float(each))
+        largest = None if orbit_there is None else abs(orbit_multipliers(orbit_there)[0])
+        near.append({"eta": float(each), "largest": largest})
     return {
         "delta": delta,
         "eta": eta,
         "ends": ends,
+        "near": near,
         "found": orbit is not None,
         "multipliers": [[m.real, m.imag] for m in sizes],
         "largest": abs(sizes[0]) if sizes else None,
@@ -122,9 +133,14 @@ def _quasi_text(evidence: Evidence) -> str:
         f"{each['kind']} at {each['eta']:.7g}, {each['detail'].split(';')[0]}" for each in changes
     )
     ends = ", ".join(f"{end['kind']} at {end['eta']:.4f}" for end in evidence["ends"])
+    near = [row["largest"] for row in evidence["near"] if row["largest"] is not None]
+    columns = f"{len(near)} of {len(evidence['near'])} columns" + (
+        f", largest multipliers {min(near):.3f} to {max(near):.3f}" if near else ""
+    )
     return (
         f"Delta {evidence['delta']:g}: largest multiplier of period two at {evidence['eta']}"
-        f" {size}; followed 0.1 to either side: {ends} (none: stable to there); motions from"
+        f" {size}; followed 0.1 to either side: {ends} (none: stable to there); from zero 0.1 to"
+        f" either side period two in {columns}; motions from"
         f" {STARTS + 1} starts at {evidence['eta']}: {motions}"
         + (
             f"; the word changes, and the orbit stays stable: {words} (s1, s2: the ring at its"
@@ -140,7 +156,9 @@ def _judge_quasi(evidence: Evidence) -> Finding:
 
 
 def _judge_no_quasi(evidence: Evidence) -> Finding:
-    return Finding(evidence["found"] and not _torus_near(evidence), _quasi_text(evidence))
+    stable = all(row["largest"] is not None and row["largest"] < 1.0 for row in evidence["near"])
+    true = evidence["found"] and stable and not _torus_near(evidence)
+    return Finding(true, _quasi_text(evidence))
 
 
 def _shifts() -> Evidence:
@@ -159,7 +177,8 @@ def _shifts() -> Evidence:
 
 def _judge_shifts(evidence: Evidence) -> Finding:
     rows = evidence["rows"]
-    known = [row for row in rows if row["shift"] is not None]
+    # an orbit that ends in one way without preload and in another with it is not alike
+    known = [row for row in rows if row["shift"] is not None and row.get("same_kind", True)]
     listed = "; ".join(
         f"{name}: "
         + ", ".join(f"{row['route']} {row['shift']:+.4f}" for row in known if row["change"] == name)
@@ -228,7 +247,8 @@ def _judge_order(evidence: Evidence) -> Finding:
 
 
 _SWEPT = (
-    "set A, eta 2 to 5; the stated protocol, every column from zero, decides: 600 columns, 300"
+    "set A, eta 2 to 5; the stated protocol, every column from zero (phi_0, which is not"
+    " printed, too), decides: 600 columns, 300"
     " periods dropped, 150 kept, then 20 between the two with 3000 dropped; beside it followed up"
     " and down in 300 columns, and the orbit followed with its multipliers; one unit of the last"
     " printed digit"

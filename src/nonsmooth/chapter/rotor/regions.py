@@ -9,12 +9,21 @@ from nonsmooth.plot import contact_regions, print_figure
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 __all__ = ["fig34", "fig35"]
 
 # The chapter prints no preload; one that is large enough to see all regions.
 _DELTA = 0.3
+_SMALL = 7
+_CONDITIONS = {
+    "I": r"$D<\gamma$",
+    "II": "$|x_s|\\leq\\Delta_x$\n$|y_s|\\leq\\Delta_y$",
+    "III": "$|x_s|>\\Delta_x$\n$|y_s|\\leq\\Delta_y$",
+    "IV": "$|x_s|\\leq\\Delta_x$, $|y_s|>\\Delta_y$",  # low region: in one line
+    "V": "$|x_s|>\\Delta_x$\n$|y_s|>\\Delta_y$",
+}
 
 
 def fig34(delta: float = _DELTA) -> tuple[Figure, xr.Dataset]:
@@ -28,7 +37,7 @@ def fig34(delta: float = _DELTA) -> tuple[Figure, xr.Dataset]:
     Returns
     -------
     figure : matplotlib.figure.Figure
-        The regions with their names.
+        The regions with their names, and the conditions for them in the first quadrant.
     data : xarray.Dataset
         Result of `nonsmooth.models.snubber_boundaries`.
 
@@ -38,7 +47,9 @@ def fig34(delta: float = _DELTA) -> tuple[Figure, xr.Dataset]:
     >>> data.attrs["delta_x"]
     0.3
     """
-    return _regions(delta, "plane", 9.0, equations=False)
+    figure, data = _regions(delta, "plane", 11.0, equations=False)
+    _conditions(figure.axes[0])
+    return figure, data
 
 
 def fig35(delta: float = _DELTA) -> tuple[Figure, xr.Dataset]:
@@ -63,6 +74,23 @@ def fig35(delta: float = _DELTA) -> tuple[Figure, xr.Dataset]:
     [62, 63, 64, 65, 66]
     """
     return _regions(delta, "quadrant", 9.0, equations=True)
+
+
+def _conditions(ax: Axes) -> None:
+    """What holds in each region, under its name in the first quadrant, as the chapter has it."""
+    named = {
+        text.get_text(): text for text in ax.texts if min(text.get_position()) >= 0.0
+    }  # the second region has no room for more than its name
+    for name, told in _CONDITIONS.items():
+        if name in named and name != "II":
+            ax.annotate(told, named[name].get_position(), (0, -7), textcoords="offset points",
+                        ha="center", va="top", fontsize=_SMALL)  # fmt: skip
+    if "II" in named:
+        ax.annotate(
+            _CONDITIONS["II"], named["II"].get_position(), (0.0, 0.3), ha="center", va="bottom",
+            fontsize=_SMALL,
+            arrowprops={"arrowstyle": "-", "linewidth": 0.6, "shrinkA": 1.0, "shrinkB": 5.0},
+        )  # fmt: skip
 
 
 def _regions(
