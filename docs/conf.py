@@ -32,7 +32,7 @@ default_role = "public"  # of docstrings and gallery: see _extensions/backticks.
 
 # ---------------------------------------------------------------- pages
 
-myst_enable_extensions = ["colon_fence"]
+myst_enable_extensions = ["colon_fence", "dollarmath"]
 myst_heading_anchors = 3
 
 autodoc_member_order = "bysource"

@@ -6,6 +6,7 @@ Names are imported when first used, so that ``import nonsmooth`` costs nothing.
 from __future__ import annotations
 
 import importlib
+from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any
 
 from nonsmooth.version import __version__
@@ -176,7 +177,9 @@ def __getattr__(name: str) -> Any:
     if name in ("continuation", "excitation", "fatigue", "measured", "models", "plot"):
         return importlib.import_module(f"nonsmooth.{name}")
     if name not in _HOME:
-        raise AttributeError(f"module 'nonsmooth' has no attribute {name!r}")
+        near = get_close_matches(name, __all__, n=1)
+        hint = f"; did you mean {near[0]!r}?" if near else ""
+        raise AttributeError(f"module 'nonsmooth' has no attribute {name!r}{hint}")
     value = getattr(importlib.import_module(_HOME[name]), name)
     globals()[name] = value
     return value

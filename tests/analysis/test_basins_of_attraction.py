@@ -176,6 +176,7 @@ def test_a_store_goes_on_where_it_was(tmp_path, monkeypatch) -> None:
         ({"region": {"x": SIDE[::-1], "y": SIDE}}, "increasing"),
         ({"region": {"x": [], "y": SIDE}}, "finite"),
         ({"region": {"x": SIDE, "y": [1.0]}}, "two increasing"),
+        ({"region": {"x": SIDE, "y": (-1.0, 2.0)}}, r"is a range.*np.linspace\(-1, 2, 200\)"),
         ({"region": {"x": np.arange(1e5), "y": np.arange(1e6)}}, "cells"),
         ({"method": "magic"}, "cell mapping"),
         ({"threads": 0}, "threads"),

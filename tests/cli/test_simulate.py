@@ -143,6 +143,9 @@ def test_a_run_that_ends_early(call, accumulating, tmp_path):
     with pytest.warns(ns.RunWarning):
         run = ns.simulate(models.ball(), t_end=100.0)
     assert values(result.stdout)["status"] == run.attrs["message"]
+    words = run.attrs["phase_word"].split()
+    assert len(words) > 40 and set(words) == {"flight"}
+    assert values(result.stdout)["phase word"] == f"flight ({len(words)} times)"
     assert "all of it is drawn" in result.stderr
     assert sorted(os.listdir(tmp_path)) == ["a.nc", "a.png"]
 

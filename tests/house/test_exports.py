@@ -4,6 +4,7 @@ import inspect
 import subprocess
 import sys
 
+import pytest
 from numpydoc.docscrape import NumpyDocString
 
 import nonsmooth
@@ -49,6 +50,13 @@ def test_every_name_resolves():
     """Names are imported when first used, so a wrong one would show only at a user's desk."""
     missing = [name for name in nonsmooth.__all__ if not hasattr(nonsmooth, name)]
     assert not missing, f"nonsmooth.__all__ names what cannot be imported: {missing}"
+
+
+def test_a_wrong_name_comes_with_the_nearest_one():
+    with pytest.raises(AttributeError, match="has no attribute 'simulat'; did you mean 'simulate'"):
+        nonsmooth.simulat  # noqa: B018 - the attribute is what is tested
+    with pytest.raises(AttributeError, match=r"no attribute 'zzz'$"):
+        nonsmooth.zzz  # noqa: B018
 
 
 def test_no_module_hides_a_name():

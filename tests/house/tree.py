@@ -21,7 +21,8 @@ def text_files() -> list[Path]:
         subfolders[:] = sorted(
             s for s in subfolders if not any(fnmatch(s, pattern) for pattern in skipped)
         )
-        found += [path for name in sorted(names) if is_text(path := Path(folder, name))]
+        kept = (name for name in sorted(names) if name != ".git")  # a file in a further worktree
+        found += [path for name in kept if is_text(path := Path(folder, name))]
     return found
 
 

@@ -85,6 +85,12 @@ def test_unknown_variable_lists_the_known_ones(mole):
         ns.plot.time_history(mole, ["x", "w"])
 
 
+def test_a_diagram_has_no_time():
+    columns = ns.bifurcation_diagram(ns.models.soft_impact(), "omega", [0.7], transient=1, record=2)
+    with pytest.raises(OptionError, match="no dimension 'time'; give it a run"):
+        ns.plot.time_history(columns, "x")
+
+
 @pytest.mark.parametrize("wrong", ["mode", "state_before", "end_state"])
 def test_only_variables_over_time_are_drawn(mole, wrong):
     with pytest.raises(OptionError, match="unknown variable"):

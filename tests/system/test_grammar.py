@@ -121,6 +121,8 @@ REFUSED = [
     # text, column of the caret, words in the message
     ("__import__('os')", 11, "no strings"),
     ("x.real", 1, "no attributes"),
+    ("np.cos(t)", 2, "write cos, not np.cos"),
+    ("-c*x'", 4, "or rate(x)"),
     ("x.__class__", 1, "no attributes"),
     ("(x).y", 3, "no attributes"),
     ("lambda*x", 0, "write lambda_"),

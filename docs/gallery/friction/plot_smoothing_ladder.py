@@ -27,6 +27,6 @@ report = ns.smoothing_report(
     transient=10,
     samples=20_000,
 )
-figure, axes = plt.subplots(1, 2, figsize=(6.0, 2.8), dpi=120, layout="constrained")
+figure, axes = plt.subplots(1, 2, figsize=(7.0, 3.2), dpi=120, layout="constrained")
 for ax, name in zip(axes, ("creep", "stick_time_error")):
     ns.plot.smoothing(report, name, ax=ax)

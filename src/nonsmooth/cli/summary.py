@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Iterator
+from itertools import groupby
 from typing import TYPE_CHECKING
 
 from nonsmooth.cli.output import table
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
 __all__ = ["summary"]
 
 _LAST = 5  # periods whose progression is printed
+_MOST_ALIKE = 9  # modes in a row that are all written out
 
 
 def summary(run: xr.Dataset) -> str:
@@ -25,11 +27,20 @@ def summary(run: xr.Dataset) -> str:
         ("certified", f"no, {uncertain} within rounding of a tangency" if uncertain else "yes")
     )
     word = "phase word, last period" if "period" in attrs else "phase word"
-    rows.append((word, attrs["phase_word"]))
+    rows.append((word, _short(attrs["phase_word"])))
     states = zip(run["state"].values, run["end_state"].values, strict=True)
     rows.append(("end state", ", ".join(f"{name} = {value:.7g}" for name, value in states)))
     rows += _progression(run)
     return table(attrs["system_name"], rows)
+
+
+def _short(word: str) -> str:
+    """A phase word in which a mode that follows on itself many times stands once."""
+    runs = [(mode, len(list(same))) for mode, same in groupby(word.split())]
+    return " ".join(
+        f"{mode} ({count} times)" if count > _MOST_ALIKE else " ".join([mode] * count)
+        for mode, count in runs
+    )
 
 
 def _length(run: xr.Dataset) -> Iterator[tuple[str, str]]:

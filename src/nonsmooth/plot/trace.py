@@ -53,6 +53,10 @@ class Trace(NamedTuple):
 
 def check_variables(run: xr.Dataset, variables: str | Sequence[str]) -> list[str]:
     """Names of variables over time; an unknown one is an error that lists the known ones."""
+    if "time" not in run.dims:
+        raise OptionError(
+            "the dataset has no dimension 'time'; give it a run of simulate, or a measured motion"
+        )
     names = [variables] if isinstance(variables, str) else list(variables)
     known = [str(v) for v in run.data_vars if run[v].dims == ("time",) and v not in ("mode", "leg")]
     if not names:

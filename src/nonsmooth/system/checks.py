@@ -443,7 +443,7 @@ def _check_period(system: System, period: float) -> None:
         if abs(turns - round(turns)) > 1e-14 * max(1.0, abs(turns)):
             raise ModelError(
                 f"period = {period:g} is not a period of the equations: cos({to_text(frequency)}*t)"
-                f" turns {turns:.15g} times in it; give a common period as an expression such as"
+                f" turns {turns:.6g} times in it; give a common period as an expression such as"
                 " '2*pi/omega', or none"
             )
     for name, forms in structure.modes.items():

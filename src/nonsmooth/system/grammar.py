@@ -32,9 +32,12 @@ _HINTS = {
     "^": "write a power as **",
     "=": "an equation is given as a right-hand side only",
     "[": "there is no indexing",
-    ".": "there are no attributes; a number needs a digit",
+    ".": "there are no attributes: write cos, not np.cos; a number needs a digit",
     ";": "one expression per text",
-    "'": "there are no strings inside an expression",
+    "'": (
+        "there are no strings inside an expression; for the rate x' write the state that it is,"
+        " or rate(x)"
+    ),
     '"': "there are no strings inside an expression",
 }
 

@@ -208,6 +208,11 @@ def read_grid(system: System, region: Any, completion: Any, least: int = 2) -> G
     axes = []
     for name in names:
         values = _numbers(name, region[name])
+        if isinstance(region[name], tuple) and values.size == 2:
+            raise OptionError(
+                f"region[{name!r}] = {region[name]!r:.60} is a range, and a grid needs the value of"
+                f" each row of cells, such as np.linspace({values[0]:g}, {values[1]:g}, 200)"
+            )
         if values.size < 2 or np.any(np.diff(values) <= 0.0):
             raise OptionError(
                 f"region[{name!r}]: give at least two increasing values, one for each row of cells,"
