@@ -107,7 +107,7 @@ def _not_pressed(texts: Texts, run, names: set[str]) -> list[str]:
         return []
     t, z = float(run["event_time"].values[-1]), run["end_state"].values
     step = _SOON / _STEPS
-    for _ in range(_STEPS):  # of one length, for signs may go to and fro
+    for _ in range(_STEPS):  # of one length, for signs may alternate
         middle = z + 0.5 * step * texts.field(mode, z, t)
         z = z + step * texts.field(mode, middle, t + 0.5 * step)
         t += step
