@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from itertools import product
 
 import numpy as np
 
@@ -27,9 +26,7 @@ from nonsmooth.periodic.word_change import changes_at_once, changes_of_word
 
 __all__ = ["broken_test", "change_at", "end_at"]
 
-# of the range of the parameter: where the engine is asked. Nearer, a leg that has just appeared is
-# so short that rounding may decide its motion; farther, another change may come
-_BEYOND = (1e-6, 1e-5, 1e-4)
+_BEYOND = 1e-6  # of the range of the parameter: where the engine is asked
 _APPEARS = 1e-6  # part of the turn that a leg lasts where a branch with it begins
 _ENDS = {
     "shrink": "the cycle shrinks to a point",
@@ -136,8 +133,8 @@ def _motions_beyond(stretch: Stretch, looked: Looked, point: Point) -> Iterator[
     """What the motion from the orbit does a little beyond, where there is a period to look at."""
     low, high = stretch.options.bounds
     onwards = float(np.sign(point.tangent_p)) or 1.0
-    for way, part in product((onwards, -onwards), _BEYOND):
-        guess = motion_at(stretch, looked, point.p + way * part * (high - low))
+    for way in (onwards, -onwards):
+        guess = motion_at(stretch, looked, point.p + way * _BEYOND * (high - low))
         if guess is not None and guess.word != stretch.equations.word:
             yield guess
 
