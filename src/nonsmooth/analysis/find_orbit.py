@@ -103,7 +103,9 @@ def find_orbit(
     Status words: ``completed``; ``inadmissible``, the construction exists and is no motion;
     ``no_orbit``, none was found near the guess; ``singular``, the equations do not determine one
     there; or that of the motion which ended before a guess could be taken. The message says what
-    to try. States of an orbit that was not found are nan.
+    to try. States of an orbit that was not found are nan. Where nothing fixes the amplitude of a
+    cycle, as in free motion without damping, the one nearest to the guess is found, and the
+    message says that it is one of a family.
 
     References
     ----------

@@ -24,6 +24,7 @@ from nonsmooth.cli.regime import regime
 from nonsmooth.cli.regimes import regimes
 from nonsmooth.cli.section import section
 from nonsmooth.cli.simulate import simulate
+from nonsmooth.cli.smoothing import smoothing
 from nonsmooth.cli.spectrum import spectrum
 from nonsmooth.cli.strobe import strobe
 from nonsmooth.cli.waterfall import waterfall
@@ -75,6 +76,7 @@ app.command()(regime)
 app.command()(regimes)
 app.command()(orbit)
 app.command("continue")(continue_)
+app.command()(smoothing)
 app.command()(ensemble)
 app.command()(attractors)
 app.command()(basins)

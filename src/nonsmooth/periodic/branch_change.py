@@ -17,6 +17,7 @@ from nonsmooth.periodic.change import Change
 from nonsmooth.periodic.guess import Guess
 from nonsmooth.periodic.motion_beyond import (
     at_last_rebounds,
+    differs_in_rebounds,
     motion_at,
     over_chatter,
     within_chatter,
@@ -71,6 +72,9 @@ def change_at(
     for change in _changes_beyond(stretch, looked, point):
         start = begin_change(stretch, change, point)
         if start is not None and _is_near(start, looked):
+            if name == "motion" and differs_in_rebounds(stretch, start.equations.word):
+                start.kind = "section"  # nothing happens but that another number is followed
+                return start, part_of(stretch, looked, point, along, "section", "")
             start.detail = _detail(stretch, name, start, point)
             # at the change itself both words stand, whatever rounding lets the engine find
             stands = replace(looked, admissibility=Admissibility(True))

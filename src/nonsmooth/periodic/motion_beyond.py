@@ -17,7 +17,7 @@ from nonsmooth.periodic.stretch import BranchStart, Stretch
 from nonsmooth.periodic.word import Word
 from nonsmooth.system.system import System
 
-__all__ = ["at_last_rebounds", "motion_at", "over_chatter", "within_chatter"]
+__all__ = ["at_last_rebounds", "differs_in_rebounds", "motion_at", "over_chatter", "within_chatter"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -69,14 +69,16 @@ def over_chatter(stretch: Stretch, looked: Looked, point: Point) -> BranchStart 
     if not _section_in_chatter(stretch, stretch.equations.word):
         return None
     low, high = stretch.options.bounds
+    found: tuple[Guess, float] | None = None
     for part in _FARTHER:
         value = point.p + _way(point) * part * (high - low)
         guess = _same_motion_at(stretch, looked, value)
-        if guess is None:
-            return None
-        if not _section_in_chatter(stretch, guess.word) or part == _FARTHER[-1]:
-            return _start(stretch, guess, value, point)
-    return None
+        if guess is None:  # as behind a bound
+            break
+        found = guess, value
+        if not _section_in_chatter(stretch, guess.word):
+            break
+    return None if found is None else _start(stretch, *found, point)
 
 
 def within_chatter(stretch: Stretch, looked: Looked, point: Point) -> BranchStart | None:
@@ -110,10 +112,13 @@ def _same_motion_at(stretch: Stretch, looked: Looked, value: float) -> Guess | N
     if guess is None:  # an impact at the section may lie behind the wall by rounding
         inside = states[0] + _INSIDE * (states.mean(axis=0) - states[0])
         guess = _motion_from(stretch, inside, value, 1)
+    return guess if guess is not None and differs_in_rebounds(stretch, guess.word) else None
+
+
+def differs_in_rebounds(stretch: Stretch, word: Word) -> bool:
+    """Whether a word has the modes of the orbit, but for how many rebounds before rest it shows."""
     system = stretch.options.system
-    if guess is None or _cycle(guess.word, system) != _cycle(stretch.equations.word, system):
-        return None
-    return guess
+    return _cycle(word, system) == _cycle(stretch.equations.word, system)
 
 
 def _start(stretch: Stretch, guess: Guess, value: float, point: Point) -> BranchStart | None:
