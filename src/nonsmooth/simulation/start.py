@@ -267,6 +267,6 @@ def explain_misfit(system: System, tables: Tables, start: Start, z: npt.NDArray[
     return (
         f"the initial state ({given}) fits no mode of {system.name!r}:\n"
         + "\n".join(lines)
-        + "\nchange the state so that it lies inside one of the modes; inside its mode a guard is"
-        " positive, so check its sign too"
+        + "\nchange the state so that it lies inside one of the modes"
+        "\n(a guard is positive inside its mode: check its sign too)"
     )
