@@ -87,8 +87,8 @@ def test_a_start_that_no_mode_admits():
     assert lines[1] == "  no_contact: guard 'q + g - p' is -0.48, it must not be negative"
     assert lines[2] == "  contact: p is slaved here: give p = 0.52 by 'q + g', not 1"
     assert lines[3].startswith("  progression: guard 'F - 1' is -0.5, it must not be negative; p")
-    assert lines[4].startswith("change the state so that it lies inside one of the modes; ")
-    assert lines[4].endswith("inside its mode a guard is positive, so check its sign too")
+    assert lines[4] == "change the state so that it lies inside one of the modes"
+    assert lines[5] == "(a guard is positive inside its mode: check its sign too)"
 
 
 def test_a_mode_that_is_asked_for_must_fit():

@@ -32,8 +32,8 @@ def explain_misfit(system: System, tables: Tables, start: Start, z: Floats) -> s
     return (
         f"the initial state ({given}) fits no mode of {system.name!r}:\n"
         + "\n".join(lines)
-        + "\nchange the state so that it lies inside one of the modes; inside its mode a guard is"
-        " positive, so check its sign too"
+        + "\nchange the state so that it lies inside one of the modes"
+        "\n(a guard is positive inside its mode: check its sign too)"
     )
 
 

@@ -34,11 +34,30 @@ _HINTS = {
     "[": "there is no indexing",
     ".": "there are no attributes: write cos, not np.cos; a number needs a digit",
     ";": "one expression per text",
+    "&": "conditions are not joined; put one where into another",
+    "|": "conditions are not joined; put one where into another",
+    "\N{MINUS SIGN}": "write the sign of the keyboard, -",
+    "\N{MIDDLE DOT}": "write a product as *",
     "'": (
         "there are no strings inside an expression; for the rate x' write the state that it is,"
         " or rate(x)"
     ),
     '"': "there are no strings inside an expression",
+}
+
+
+_OTHER_NAMES = {  # of functions, in other programs
+    "arccos": "acos",
+    "arcsin": "asin",
+    "arctan": "atan",
+    "arctan2": "atan2",
+    "fabs": "abs",
+    "fmax": "max",
+    "fmin": "min",
+    "ln": "log",
+    "pow": "**",
+    "sgn": "sign",
+    "step": "heaviside",
 }
 
 
@@ -117,7 +136,9 @@ def point_at(text: str, at: int, message: str) -> str:
 def _number(value: object, where: str) -> Number:
     """A plain number, Python's or numpy's, as an expression."""
     if isinstance(value, bool) or not isinstance(value, Real):
-        raise ModelError(f"{where}: an expression is a text or a number, not {value!r:.60}")
+        raise ModelError(
+            f"{where}: an expression is a text or a number, such as '-2*v', not {value!r:.60}"
+        )
     try:
         number = float(value)
     except OverflowError:
@@ -174,7 +195,8 @@ class _Parser:
         if token.text in COMPARISONS:
             self.fail(token.at, "a comparison is allowed only as the first argument of where")
         self.fail_at_value(token)
-        self.fail(token.at, f"{token.text!r} does not belong here")
+        hint = "; a decimal point is a point, as in 0.5" if token.text == "," else ""
+        self.fail(token.at, f"{token.text!r} does not belong here{hint}")
 
     def fail_at_value(self, token: _Token) -> None:
         """Refuse a value where an operator is expected."""
@@ -273,10 +295,9 @@ class _Parser:
     def function(self, token: _Token) -> Expression:
         if token.text != "rate" and token.text not in FUNCTIONS:
             known = [*FUNCTIONS, "rate"]
-            self.fail(
-                token.at,
-                unknown_name("function", token.text, known) + "; write products with *",
-            )
+            here = _OTHER_NAMES.get(token.text)
+            cure = f"it is {here} here" if here else "write products with *"
+            self.fail(token.at, f"{unknown_name('function', token.text, known)}; {cure}")
         opening = self.take()
         hint = "where needs a comparison first, as in where(x > e, a, b)"
         arguments = [self.condition(hint) if token.text == "where" else self.sum_()]
