@@ -256,6 +256,6 @@ def test_of_many_modes_the_nearest_are_explained():
     with pytest.raises(OptionError, match="fits no mode") as refused:
         ns.simulate(system, {"u": 0.3, "p": 0.6 * (1 + 1e-9)}, t_end=1.0)
     lines = str(refused.value).splitlines()
-    assert len(lines) == 9
+    assert len(lines) == 10
     assert lines[7] == "  and 6 other modes, with as many faults or more"
     assert "give p = 0.6 by '2*u', not 0.6000000006" in lines[1]
