@@ -41,9 +41,10 @@ slow: $(INSTALLED) ## run the long checks
 bench: $(INSTALLED_BENCHMARK) ## run the benchmarks
 	$(BIN)/python benchmarks
 
-docs: $(INSTALLED_DOCS) ## build the documentation site into docs-output; a warning is an error
+docs: $(INSTALLED_DOCS) ## build the documentation site into docs-output; a warning or a broken link is an error
 	$(BIN)/sphinx-build -b html -E -d docs-output/doctrees -j auto -n -W --keep-going docs \
 	    docs-output/html
+	$(BIN)/python docs/links.py docs-output/html
 
 clean: ## remove all that these targets made, .venv included
 	rm -rf $(VENV) build dist demo-output chapter-output benchmark-output docs-output

@@ -1,6 +1,8 @@
 """Every page of the documentation stands in a table of contents, and is read on a forge too."""
 
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -38,3 +40,16 @@ def test_the_landing_page_leads_everywhere():
     elsewhere.add("names")  # of the reference
     pages = {path.stem for path in DOCS.glob("*.md")} - {"index"} - elsewhere
     assert set(contents("")) - {MADE} == pages | parts
+
+
+def test_broken_links_of_a_site_are_told(tmp_path):
+    (tmp_path / "a.html").write_text(
+        '<a id="x" href="b.html#y">1</a><a href="#x">2</a><a href="https://example.org/">3</a>'
+    )
+    (tmp_path / "b.html").write_text('<p id="y"><a href="a.html#z">4</a><img src="c.png"></p>')
+    command = [sys.executable, str(DOCS / "links.py"), str(tmp_path)]
+    first = subprocess.run(command, capture_output=True, text=True)
+    assert (first.returncode, first.stdout) == (1, "b.html: a.html#z\nb.html: c.png\n")
+    (tmp_path / "b.html").write_text('<p id="y"></p>')
+    again = subprocess.run(command, capture_output=True, text=True)
+    assert (again.returncode, "1 lead elsewhere" in again.stdout) == (0, True)

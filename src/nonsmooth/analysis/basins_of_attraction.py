@@ -97,8 +97,8 @@ def basins_of_attraction(
     Raises
     ------
     OptionError
-        For an unknown state or method, an empty range, a region without admissible cells, a store
-        of another computation.
+        For an unknown state or method, a range in place of values, a region without admissible
+        cells, a store of another computation.
 
     See Also
     --------
