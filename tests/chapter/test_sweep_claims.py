@@ -46,10 +46,11 @@ def series(count):
     ("name", "rows", "expected"),
     [
         ("M18", [row("restart", 0.2, 0.3)], HOLDS),
-        ("M18", [row("restart", 0.2, 0.3, chaotic_share=0.4)], DIFFERS),
+        ("M18", [row("restart", 0.2, 0.3, periodic_share=0.6, chaotic_share=0.4)], DIFFERS),
+        ("M18", [row("restart", 0.2, 0.3, chaotic_share=0.2)], DIFFERS),  # most have not settled
         (
             "M18",
-            [row("restart", 0.2, 0.3), row("follow up", 0.2, 0.3, chaotic_share=0.4)],
+            [row("restart", 0.2, 0.3), row("follow up", 0.2, 0.3, periodic_share=0.6)],
             OPEN,
         ),
         ("M20", [row("restart", 0.2, 0.3, a=0.1), row("restart", 0.2, 0.4, a=0.3)], HOLDS),

@@ -115,7 +115,9 @@ def _draw(panel: Panel, branches: list[xr.Dataset], motions: list[xr.Dataset], a
                 linestyle="none", marker="o", markersize=2.6, color=colour, markeredgewidth=0.5,
                 markerfacecolor=colour if filled else "none", zorder=2,
             )  # fmt: skip
-    ax.set_title(f"({panel.letter})", loc="left", fontsize=_TEXT)
+    words = {"omega": r"$\omega$", "xi": r"$\xi$"}
+    fixed = ", ".join(f"{words.get(key, key)} = {value:g}" for key, value in panel.fixed.items())
+    ax.set_title(f"({panel.letter}) {fixed}", loc="left", fontsize=_TEXT)
     ax.set_xlabel(panel.label)
     ax.set_ylabel("progression per period")
     ax.set_xlim(*panel.between)

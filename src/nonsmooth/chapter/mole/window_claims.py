@@ -67,12 +67,21 @@ def _listed(rows: list[Evidence], key: str) -> str:
 
 
 def _judge_chaos(evidence: Evidence) -> Finding:
-    rows = evidence["rows"]
+    """Columns near a bifurcation may need longer than others to show that they are chaotic."""
+    rows = [row | {"aperiodic_share": 1.0 - row["periodic_share"]} for row in evidence["rows"]]
     text = (
-        f"share of chaotic columns in 0 < b <= {rows[0]['a']:g}: {_listed(rows, 'chaotic_share')};"
-        " wide means more than half"
+        f"share of aperiodic columns in 0 < b <= {rows[0]['a']:g}:"
+        f" {_listed(rows, 'aperiodic_share')}; of those with a positive exponent:"
+        f" {_listed(rows, 'chaotic_share')}; wide means that more than half are aperiodic, and most"
+        " of these chaotic"
     )
-    return Finding(agreed(row["chaotic_share"] > 0.5 for row in rows), text)
+    return Finding(
+        agreed(
+            row["aperiodic_share"] > 0.5 and row["chaotic_share"] > 0.5 * row["aperiodic_share"]
+            for row in rows
+        ),
+        text,
+    )
 
 
 def _small_forces(
