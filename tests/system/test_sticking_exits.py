@@ -2,8 +2,10 @@
 
 import re
 
+import numpy as np
 import pytest
 
+import nonsmooth as ns
 from nonsmooth import Exit, Mode, ModelError, Surface, System
 from nonsmooth.system.evaluate import evaluate
 from nonsmooth.system.linear import CONSTANT
@@ -163,3 +165,32 @@ def test_files_hold_what_sticks():
     assert again == system and hash(again) == hash(system)
     assert again.mode_names == system.mode_names
     assert body(Exit("x", reset=REBOUND, name="impact")) != system
+
+
+def two_fields(second: str) -> System:
+    """A body on a floor; at t = pi/2 its weight becomes another one."""
+    floor = Exit("x", reset={"v": "-r*v"}, sticks="rest", name="impact")
+    return System(
+        states=["x", "v"],
+        parameters={"r": 0.5},
+        period="2*pi",
+        modes={
+            "light": Mode({"x": "v", "v": "-1"}, [floor, Exit("cos(t)", to="heavy")]),
+            "heavy": Mode({"x": "v", "v": second}, [floor]),
+        },
+    )
+
+
+def test_what_rests_goes_on_resting_in_a_mode_with_the_same_contact():
+    """It is not struck anew: the path is the one exit, and no impact is counted."""
+    run = ns.simulate(two_fields("-2"), {"x": 0.0, "v": 0.0}, periods=1, t_start=0.0)
+    switched = run["event_path"].values[run["event_time"].values > 1.0]
+    assert switched.tolist() == ["heavy"]
+    assert run.attrs["status"] == "completed" and float(run["x"][-1]) == 0.0
+    assert "rest" in str(run.attrs["phase_word"])
+
+
+def test_what_is_pulled_off_there_is_released_at_once():
+    run = ns.simulate(two_fields("2"), {"x": 0.0, "v": 0.0}, times=[0.0, np.pi / 2 + 0.5])
+    assert run["event_path"].values[-1] == "heavy>release"
+    assert float(run["x"][-1]) == pytest.approx(0.25, abs=1e-14)

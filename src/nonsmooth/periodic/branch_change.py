@@ -16,10 +16,10 @@ from nonsmooth.periodic.branch_tests import BranchTests, Looked
 from nonsmooth.periodic.change import Change
 from nonsmooth.periodic.guess import Guess
 from nonsmooth.periodic.motion_beyond import (
-    at_last_rebounds,
     differs_in_rebounds,
     motion_at,
     over_chatter,
+    over_last_rebounds,
     within_chatter,
 )
 from nonsmooth.periodic.stretch import BranchStart, Stretch
@@ -49,8 +49,10 @@ def change_at(
     """How a branch goes on behind a change of its word, and the point there if it is special."""
     name = point.special
     stretch.set_parameter(point.p)
-    last = over_chatter(stretch, looked, point) if at_last_rebounds(stretch, looked, name) else None
-    same = last or within_chatter(stretch, looked, point)
+    same = over_last_rebounds(stretch, looked, point)
+    if same is None:
+        stretch.set_parameter(point.p)
+        same = within_chatter(stretch, looked, point)
     if same is not None:
         return same, part_of(stretch, looked, point, along, "section", "")
     stretch.set_parameter(point.p)

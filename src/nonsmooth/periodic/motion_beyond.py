@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import numpy.typing as npt
 
@@ -10,6 +12,7 @@ from nonsmooth.errors import RunError
 from nonsmooth.periodic.branch_start import tangent_at
 from nonsmooth.periodic.branch_tests import Looked
 from nonsmooth.periodic.chatter import chatters
+from nonsmooth.periodic.equations import Turn
 from nonsmooth.periodic.guess import Guess, driven_guess
 from nonsmooth.periodic.legs import LegError
 from nonsmooth.periodic.newton import solve_orbit
@@ -17,7 +20,13 @@ from nonsmooth.periodic.stretch import BranchStart, Stretch
 from nonsmooth.periodic.word import Word
 from nonsmooth.system.system import System
 
-__all__ = ["at_last_rebounds", "differs_in_rebounds", "motion_at", "over_chatter", "within_chatter"]
+__all__ = [
+    "differs_in_rebounds",
+    "motion_at",
+    "over_chatter",
+    "over_last_rebounds",
+    "within_chatter",
+]
 
 Floats = npt.NDArray[np.float64]
 
@@ -52,12 +61,26 @@ def _motion_from(stretch: Stretch, first: Floats, value: float, turns: int) -> G
         return None
 
 
-def at_last_rebounds(stretch: Stretch, looked: Looked, name: str) -> bool:
-    """Whether the section passes rebounds so short that the next ones follow at once."""
-    turn = looked.turn
+def over_last_rebounds(stretch: Stretch, looked: Looked, point: Point) -> BranchStart | None:
+    """The same orbit a little beyond, where the section passes the last rebounds, or comes to them.
+
+    They are so short that the next ones follow at once.
+    """
+    word = stretch.equations.word
+    if point.special not in _AT_SECTION:
+        return None
+    if _section_in_chatter(stretch, word):
+        return over_chatter(stretch, looked, point) if _is_short(looked.turn) else None
+    found = chatters(word.modes, word.paths, stretch.legs.tables.wiring)
+    if point.special != "leg:last" or all(legs[-1] != len(word) - 2 for legs in found):
+        return None  # it is not rest that begins at the section
+    return _farther(stretch, looked, point, lambda guess: not _is_short(guess.turn))
+
+
+def _is_short(turn: Turn) -> bool:
+    """Whether the flight over the section is one of the last."""
     flight = float(turn.durations[0] + turn.durations[-1])
-    short = flight <= _SHORT * float(turn.durations.sum())
-    return name in _AT_SECTION and short and _section_in_chatter(stretch, stretch.equations.word)
+    return flight <= _SHORT * float(turn.durations.sum())
 
 
 def over_chatter(stretch: Stretch, looked: Looked, point: Point) -> BranchStart | None:
@@ -68,6 +91,15 @@ def over_chatter(stretch: Stretch, looked: Looked, point: Point) -> BranchStart 
     """
     if not _section_in_chatter(stretch, stretch.equations.word):
         return None
+    return _farther(
+        stretch, looked, point, lambda guess: not _section_in_chatter(stretch, guess.word)
+    )
+
+
+def _farther(
+    stretch: Stretch, looked: Looked, point: Point, done: Callable[[Guess], bool]
+) -> BranchStart | None:
+    """The same orbit beyond, as far as it takes or as it may be."""
     low, high = stretch.options.bounds
     found: tuple[Guess, float] | None = None
     for part in _FARTHER:
@@ -76,7 +108,7 @@ def over_chatter(stretch: Stretch, looked: Looked, point: Point) -> BranchStart 
         if guess is None:  # as behind a bound
             break
         found = guess, value
-        if not _section_in_chatter(stretch, guess.word):
+        if done(guess):
             break
     return None if found is None else _start(stretch, *found, point)
 
