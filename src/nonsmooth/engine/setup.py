@@ -137,7 +137,9 @@ def _fill_matrices(program, slots, tables):
 def _linearise_at_rest(program, tables):
     """How fast Taylor modes are near the rest state, for the window of a system without period.
 
-    Where they have no finite rates there, they have no say in it.
+    Where they have no finite rates there, they have no say in it. Cells on surfaces have none at
+    all: they move as those beside them do, and where the gradient of a surface vanishes, as that
+    of y - sin(y) at zero, what rounding leaves of their rates would count as 1e8 radians a second.
     """
     big_n = tables.generator.shape[1]
     z = np.zeros(big_n)
@@ -151,7 +153,7 @@ def _linearise_at_rest(program, tables):
     augmented(n, program.sizes[1], 0.0, tables.harmonics, 0, 0.0, z)
     fill_first_pieces(tables.signals, tables.knots, at.first_of_signals(tables.sizes), z)
     for m in range(tables.kinds.size):
-        if tables.kinds[m] == at.TAYLOR:
+        if tables.kinds[m] == at.TAYLOR and tables.wiring[m, 0, at.KIND] == at.FREE:
             linearise(tables, no_rates, no_rates, no_rows, series, dual, m, z)
             if not _finite(tables.generator[m]):
                 for i in range(n):
