@@ -21,7 +21,8 @@ from nonsmooth.engine.transitions import linearise_mode
 __all__ = ["enter_leg", "go_on", "step_of_leg"]
 
 _MOST_STEPS = 100_000
-_SHORTEST = 1e-14  # part of a window; a shorter step of a series means that it does not converge
+# part of a window, or of the leg; a shorter step of a series means that it does not converge
+_SHORTEST = 1e-14
 _END = 1e-15  # part of a step that is left by rounding
 
 
@@ -66,7 +67,7 @@ def go_on(tables, rates, scratch, segment, tangent, m, number, phase, duration):
         if left == 0.0 or not math.isfinite(left):
             return number, phase, math.isfinite(left)
         s = step_of_leg(tables, rates, segment, m, left)
-        if not abs(s) > _SHORTEST * tables.clock[0] and s != left:
+        if not abs(s) > _SHORTEST * min(tables.clock[0], abs(duration)) and s != left:
             return number, phase, False
         if tangent.columns.shape[0] > 0:
             carry(tables, rates, scratch, segment, tangent, m, s)

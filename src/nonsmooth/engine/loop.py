@@ -81,7 +81,9 @@ _MOST_STALLED = 100  # between which time does not advance: likewise
 _MOST_SEGMENTS = 100_000  # in one call, so that a run of short steps can be interrupted
 _LITTLE_TIME = 1e-8  # part of a window; flights of impacts that rounding leaves open
 _NO_TIME, _FEW = 1e-10, 5  # part of a window; events before that in the same window
-_SHORTEST = 1e-14  # part of a window; a shorter step of a series means that it does not converge
+# Part of a window, or of what is left of the run: a shorter step of a series means that it does not
+# converge. The window of a system without a period is as long as its slowest rates at rest.
+_SHORTEST = 1e-14
 # Part of a window, or of what is left of the run: steps of a series so short, and as many of them
 # in a row, mean that the run would go on for hours. Chirps do so, sin(y) where y grows and grows.
 _CREEP, _MOST_CREEPING = 2e-7, 100_000
@@ -135,10 +137,10 @@ def run_lane(
             copy_vector(anchor.order, segment.order, anchor.order.size)
             longest = min(whole, segment.to_knot[0])
             length = start_segment(tables, rates, segment, m, longest)
-            long_enough = length == longest or length > _SHORTEST * (window + phase)
+            end = (end_number - place[0]) * window + (end_phase - phase)
+            long_enough = length == longest or length > _SHORTEST * (min(window, end) + phase)
             if tables.kinds[m] == at.TAYLOR and not long_enough:
                 return _NONUNIQUE if _at_two_fold(tables, rates, segment, m) else _SINGULAR
-            end = (end_number - place[0]) * window + (end_phase - phase)
             s, e, found = _search(tables, segment, anchor, records, m, length, end)
             _write_samples(
                 tables, rates, scratch, segment, anchor, tangent, records, m, min(s, end)

@@ -21,9 +21,6 @@ from nonsmooth.version import __version__
 
 __all__ = ["run_dataset", "time_of_lost_derivatives"]
 
-_SHORTEST = 1e-14  # part of the unit of time: the engine takes no shorter step of a series
-_RESOLVED = 1e-9  # of the time of a run, that its steps may have
-
 
 def run_dataset(system: System, outcome: Outcome, options: dict[str, Any]) -> xr.Dataset:
     """Dataset of a run: trajectory over ``time``, events over ``event``, attributes."""
@@ -154,19 +151,7 @@ def _message(labels: Labels, outcome: Outcome) -> str:
         before, after = labels.modes[last[at.FROM]], labels.modes[last[at.TO]]
         passed = labels.path(*(int(last[column]) for column in (at.FROM, at.PATH, at.PASSES)))
         text += f" (exits passed: {passed}, from {before!r} to {after!r})"
-    if status == Status.SINGULAR and not labels.has_period and _is_long(outcome):
-        text += (
-            f". Time counts in units of {outcome.window:.3g} here, by the rates at the rest state,"
-            f" and steps below {_SHORTEST * outcome.window:.2g} are not taken: where the motion is"
-            " much faster than at rest, as in a sharp smoothed switch, declare initial= where the"
-            " switch is on its way, or take a wider epsilon"
-        )
     return text
-
-
-def _is_long(outcome: Outcome) -> bool:
-    """Whether the unit of time is so long that steps are refused that a run may need."""
-    return _SHORTEST * outcome.window > _RESOLVED * abs(outcome.end_time)
 
 
 def time_of_lost_derivatives(run: xr.Dataset) -> float | None:

@@ -19,7 +19,6 @@ class Labels:
 
     def __init__(self, system: System) -> None:
         self.system = system.to_toml()
-        self.has_period = system.period is not None
         self.modes = system.mode_names
         self.states = np.array(system.states)
         self.state_index = PandasIndex(self.states, "state", coord_dtype=self.states.dtype)
