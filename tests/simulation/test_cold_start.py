@@ -20,9 +20,9 @@ print(float(run["event_phase"][-1]), float(run["guard_rate"][-1]))
 """
 RIGHT = "2.0 -1.0\n"
 SILENT = ""
-ANNOUNCED = "nonsmooth: compiling its kernels, once for this installation (a minute or two)\n"
+ANNOUNCED = "nonsmooth: compiling its kernels, once for this installation (some minutes)\n"
 EACH_TIME = (
-    "nonsmooth: compiling its kernels, for this process alone (a minute or two): none of the"
+    "nonsmooth: compiling its kernels, for this process alone (some minutes): none of the"
     " folders where numba keeps machine code can be written; set NUMBA_CACHE_DIR to one that can\n"
 )
 

@@ -23,10 +23,10 @@ def announce_compilation() -> None:
     if is_warm(run_lanes):
         return
     if is_kept(run_lanes):
-        text = "once for this installation (a minute or two)"
+        text = "once for this installation (some minutes)"
     else:
         text = (
-            "for this process alone (a minute or two): none of the folders where numba keeps"
+            "for this process alone (some minutes): none of the folders where numba keeps"
             " machine code can be written; set NUMBA_CACHE_DIR to one that can"
         )
     print(f"nonsmooth: compiling its kernels, {text}", file=sys.stderr, flush=True)
@@ -56,5 +56,5 @@ def announce_orbits() -> None:
     from nonsmooth.engine.legs import pass_legs
 
     if not is_warm(pass_legs):
-        text = "nonsmooth: compiling the kernels of periodic orbits (a minute)"
+        text = "nonsmooth: compiling the kernels of periodic orbits (some minutes)"
         print(text, file=sys.stderr, flush=True)
