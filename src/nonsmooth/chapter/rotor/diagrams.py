@@ -33,6 +33,7 @@ SHOWN = ("restart", "follow up")
 PRINTED_36 = {0.0: ("2.165", "2.717", "3.803"), 0.1: ("2.213", "2.824", "3.893")}
 _TITLES = {"restart": "each column from zero", "follow up": "followed up"}
 _TEXT = 8  # points, as in the rest of the figure
+_LONGEST = 32  # period that a section is told by
 _DOTS: dict[str, Any] = {
     "linestyle": "none",
     "marker": "o",
@@ -219,7 +220,8 @@ def _rig_figure(
     sections = [_section(machine, speed, sweeps, points, starts) for speed in speeds]
     for ax, speed, found in zip(axes[2:], speeds, sections, strict=True):
         _draw_section(ax, found)
-        ax.set_title(f"section at {speed:g} Hz", loc="left", fontsize=_TEXT)
+        name = _name_of_motion(found["followed up"], machine.gap)
+        ax.set_title(f"section at {speed:g} Hz: {name}", loc="left", fontsize=_TEXT)
     _label(axes[2:], "displacement in x [mm]", "velocity in x [mm/s]")
     for axis, name in (("x", "section_x"), ("vx", "section_vx")):
         values = np.stack([found["followed up"][axis].values for found in sections])
@@ -231,6 +233,15 @@ def _rig_figure(
         **_version(sweeps),
     }  # fmt: skip
     return figure, data
+
+
+def _name_of_motion(found: xr.Dataset, gap: float) -> str:
+    """Period of strobes that repeat to a millionth of the gap; else that there is none."""
+    x = found["x"].values
+    for period in range(1, _LONGEST + 1):
+        if np.abs(x[period:] - x[:-period]).max() < 1e-6 * gap:
+            return f"period {period}"
+    return "no period"
 
 
 def _section(
