@@ -43,7 +43,7 @@ _DOTS: dict[str, Any] = {
 
 
 def fig36(
-    columns: int = 500, transient: int = 300, record: int = 100, longest: int = 3
+    columns: int = 600, transient: int = 300, record: int = 150, longest: int = 3
 ) -> tuple[Figure, xr.Dataset]:
     """Fig. 36: displacement at strobes over eta from 2 to 5, without and with preload.
 
@@ -149,7 +149,7 @@ def fig40(
 
 
 def fig41(
-    columns: int = 460,
+    columns: int = 230,
     transient: int = 400,
     record: int = 100,
     points: int = 6000,

@@ -78,7 +78,6 @@ class Sweep:
         return float(np.mean(self.labels == label))
 
 
-@lru_cache(maxsize=16)
 def speed_sweeps(
     system: System,
     etas: tuple[float, ...],
@@ -113,16 +112,24 @@ def speed_sweeps(
     """
 
     def sweep(start: str) -> Sweep:
-        found = bifurcation_diagram(
-            system, "eta", etas, start=start, transient=transient, record=record
-        ).isel(lane=0)
-        periods = found["period"].values.astype(int)
-        labels = np.where(periods > 0, periods, UNKNOWN)
-        return Sweep(start, np.array(etas), labels, found, np.full(len(etas), np.nan))
+        return _sweep(system, etas, start, transient, record)
 
     # a followed diagram is one chain: chains run side by side
     with ThreadPoolExecutor(check_threads(None)) as pool:
         return tuple(pool.map(sweep, starts))
+
+
+@lru_cache(maxsize=32)  # a figure and the claims beside it share what they have in common
+def _sweep(
+    system: System, etas: tuple[float, ...], start: str, transient: int, record: int
+) -> Sweep:
+    """Diagram by one protocol."""
+    found = bifurcation_diagram(
+        system, "eta", etas, start=start, transient=transient, record=record
+    ).isel(lane=0)
+    periods = found["period"].values.astype(int)
+    labels = np.where(periods > 0, periods, UNKNOWN)
+    return Sweep(start, np.array(etas), labels, found, np.full(len(etas), np.nan))
 
 
 @lru_cache(maxsize=32)
