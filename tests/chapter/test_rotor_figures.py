@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import nonsmooth as ns
 from nonsmooth.chapter.rotor.data import rig, set_a, set_b
-from nonsmooth.chapter.rotor.diagrams import fig36, fig41
+from nonsmooth.chapter.rotor.diagrams import _name_of_motion, fig36, fig41
 from nonsmooth.chapter.rotor.rig_orbits import fig42
 from nonsmooth.chapter.rotor.ring_motion import (
     PANELS,
@@ -27,6 +28,16 @@ def test_sets_are_those_printed():
     values = rig().parameters()
     for name in ("nu1", "nu2", "K", "eta_m", "rho"):
         assert values[name] == pytest.approx(set_b(0.0).parameter_values[name], rel=0.01)
+
+
+def test_titles_of_sections_tell_the_period():
+    """The least one; points that do not repeat have none."""
+    for points, name in (
+        (np.tile([1.0, 2.0, 1.5], 30), "period 3"),
+        (np.full(90, 0.5), "period 1"),
+        (np.random.default_rng(0).random(90), "no period"),
+    ):
+        assert _name_of_motion(xr.Dataset({"x": ("strobe", points)}), 0.5) == name
 
 
 def test_forces_of_four_springs():
