@@ -16,7 +16,7 @@ from nonsmooth import stroboscopic_map
 from nonsmooth.chapter.rotor.coexistence import coexisting
 from nonsmooth.chapter.rotor.data import DELTA_40, DELTA_41, EPS_40, EPS_41, rig, set_a
 from nonsmooth.chapter.rotor.speed_branches import branches_at_strobes, branches_of_set_a
-from nonsmooth.chapter.rotor.speed_sweeps import Sweep, even_values, speed_sweeps
+from nonsmooth.chapter.rotor.speed_sweeps import PROTOCOLS, Sweep, even_values, speed_sweeps
 from nonsmooth.plot import PALETTE, branch, print_figure
 
 if TYPE_CHECKING:
@@ -109,7 +109,7 @@ def fig36(
 
 
 def fig40(
-    columns: int = 430,
+    columns: int = 215,
     transient: int = 400,
     record: int = 100,
     points: int = 6000,
@@ -143,8 +143,9 @@ def fig40(
     ('mm', 4)
     """
     machine = rig(EPS_40, DELTA_40)
+    # all protocols, and the columns of the claims on this diagram, which are computed before
     return _rig_figure(
-        machine, (7.0, 50.0), (30.1, 37.1), columns, transient, record, points, starts
+        machine, (7.0, 50.0), (30.1, 37.1), PROTOCOLS, columns, transient, record, points, starts
     )
 
 
@@ -183,7 +184,7 @@ def fig41(
     """
     machine = rig(EPS_41, DELTA_41)
     return _rig_figure(
-        machine, (7.0, 30.0), (17.6, 25.0), columns, transient, record, points, starts
+        machine, (7.0, 30.0), (17.6, 25.0), SHOWN, columns, transient, record, points, starts
     )
 
 
@@ -191,6 +192,7 @@ def _rig_figure(
     machine: RotorRig,
     span: tuple[float, float],
     speeds: Sequence[float],
+    protocols: tuple[str, ...],
     columns: int,
     transient: int,
     record: int,
@@ -199,7 +201,8 @@ def _rig_figure(
 ) -> tuple[Figure, xr.Dataset]:
     hertz = machine.natural_frequency
     etas = even_values(span[0] / hertz, span[1] / hertz, columns)
-    sweeps = speed_sweeps(machine.system(), etas, SHOWN, transient=transient, record=record)
+    found = speed_sweeps(machine.system(), etas, protocols, transient=transient, record=record)
+    sweeps = tuple(sweep for sweep in found if sweep.start in SHOWN)
     figure, axes = print_figure(2, 2, width=16.0, height=13.0)
     data = _dataset(sweeps)
     data["x"] = (data["x"].dims, machine.gap * data["x"].values, _millimetres("x"))
@@ -218,13 +221,13 @@ def _rig_figure(
         loc="outside upper center", frameon=False, fontsize=_TEXT,
     )  # fmt: skip
     sections = [_section(machine, speed, sweeps, points, starts) for speed in speeds]
-    for ax, speed, found in zip(axes[2:], speeds, sections, strict=True):
-        _draw_section(ax, found)
-        name = _name_of_motion(found["followed up"], machine.gap)
+    for ax, speed, motions in zip(axes[2:], speeds, sections, strict=True):
+        _draw_section(ax, motions)
+        name = _name_of_motion(motions["followed up"], machine.gap)
         ax.set_title(f"section at {speed:g} Hz: {name}", loc="left", fontsize=_TEXT)
     _label(axes[2:], "displacement in x [mm]", "velocity in x [mm/s]")
     for axis, name in (("x", "section_x"), ("vx", "section_vx")):
-        values = np.stack([found["followed up"][axis].values for found in sections])
+        values = np.stack([motions["followed up"][axis].values for motions in sections])
         data[name] = (("speed", "strobe"), values, sections[0]["followed up"][axis].attrs)
     data = data.assign_coords(speed=("speed", list(speeds), {"units": "Hz"}))
     data.attrs = {
