@@ -16,7 +16,7 @@ from nonsmooth import stroboscopic_map
 from nonsmooth.chapter.rotor.coexistence import coexisting
 from nonsmooth.chapter.rotor.data import DELTA_40, DELTA_41, EPS_40, EPS_41, rig, set_a
 from nonsmooth.chapter.rotor.speed_branches import branches_at_strobes, branches_of_set_a
-from nonsmooth.chapter.rotor.speed_sweeps import PROTOCOLS, Sweep, even_values, speed_sweeps
+from nonsmooth.chapter.rotor.speed_sweeps import Sweep, even_values, speed_sweeps
 from nonsmooth.plot import PALETTE, branch, print_figure
 
 if TYPE_CHECKING:
@@ -143,9 +143,9 @@ def fig40(
     ('mm', 4)
     """
     machine = rig(EPS_40, DELTA_40)
-    # all protocols, and the columns of the claims on this diagram, which are computed before
+    # with the columns of the claims on this diagram, which are computed before
     return _rig_figure(
-        machine, (7.0, 50.0), (30.1, 37.1), PROTOCOLS, columns, transient, record, points, starts
+        machine, (7.0, 50.0), (30.1, 37.1), columns, transient, record, points, starts
     )
 
 
@@ -184,7 +184,7 @@ def fig41(
     """
     machine = rig(EPS_41, DELTA_41)
     return _rig_figure(
-        machine, (7.0, 30.0), (17.6, 25.0), SHOWN, columns, transient, record, points, starts
+        machine, (7.0, 30.0), (17.6, 25.0), columns, transient, record, points, starts
     )
 
 
@@ -192,7 +192,6 @@ def _rig_figure(
     machine: RotorRig,
     span: tuple[float, float],
     speeds: Sequence[float],
-    protocols: tuple[str, ...],
     columns: int,
     transient: int,
     record: int,
@@ -201,8 +200,7 @@ def _rig_figure(
 ) -> tuple[Figure, xr.Dataset]:
     hertz = machine.natural_frequency
     etas = even_values(span[0] / hertz, span[1] / hertz, columns)
-    found = speed_sweeps(machine.system(), etas, protocols, transient=transient, record=record)
-    sweeps = tuple(sweep for sweep in found if sweep.start in SHOWN)
+    sweeps = speed_sweeps(machine.system(), etas, SHOWN, transient=transient, record=record)
     figure, axes = print_figure(2, 2, width=16.0, height=13.0)
     data = _dataset(sweeps)
     data["x"] = (data["x"].dims, machine.gap * data["x"].values, _millimetres("x"))
