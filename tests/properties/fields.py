@@ -67,7 +67,8 @@ def _end(field: Field, flight: Flight, shift: float) -> np.ndarray:
         calls += 1
         if calls > MOST_CALLS:
             raise TooManyCalls
-        return field(t, z)
+        with np.errstate(all="ignore"):  # a trial step may lead far off
+            return field(t, z)
 
     span = (flight.t[0], flight.t[-1])
     run = solve_ivp(counted, span, flight.z[0] + shift, method="DOP853", rtol=1e-11, atol=1e-12)
