@@ -322,7 +322,7 @@ def test_periods_that_are_right(period):
     [
         (
             {"period": 1, "modes": FORCED},
-            ["not a period of the equations", "turns 0.318309886183791 times"],
+            ["not a period of the equations", "turns 0.31831 times"],
         ),
         ({"period": "pi/w", "modes": FORCED}, ["turns 0.5 times"]),
         ({"period": 0}, ["positive and finite"]),
