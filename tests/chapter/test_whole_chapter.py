@@ -1,11 +1,9 @@
-"""The whole chapter by one command: complete, in time, resumable, and as the README tells it."""
+"""The whole chapter by one command: complete, resumable, and as the README tells it."""
 
 import json
-import os
 import re
 import subprocess
 import sys
-import time
 from collections import Counter
 from pathlib import Path
 
@@ -16,7 +14,6 @@ from nonsmooth.chapter import claim_ids, figure_ids
 from nonsmooth.chapter.judgement import DIFFERS, HOLDS, OPEN
 
 ROOT = Path(__file__).parents[2]
-LONGEST = 900.0  # seconds, on two processors with nothing else to do
 
 
 def told_in_readme():
@@ -43,10 +40,8 @@ def chapter(*arguments):
 
 @pytest.mark.slow
 def test_whole_chapter(tmp_path):
-    """Complete, in time, as the README tells it; a second run computes nothing."""
-    began = time.monotonic()
+    """Complete, and as the README tells it; a second run computes nothing."""
     first = chapter("run", "--all", "--out", str(tmp_path))
-    seconds = time.monotonic() - began
     check_files(tmp_path, first)
     # the same verdicts from the command that the README names, which finds them in the folder
     told = chapter("claims", "--json", "--store", str(tmp_path))
@@ -62,8 +57,6 @@ def test_whole_chapter(tmp_path):
     assert (again.returncode, again.stdout) == (0, first.stdout)
     assert {path: path.stat().st_mtime_ns for path in tmp_path.glob("fig*")} == before
     assert (tmp_path / "report.html").exists()
-    if "PYTEST_XDIST_WORKER" not in os.environ:  # other tests want the processors too
-        assert seconds < LONGEST, f"{seconds:.0f} s"
 
 
 def check_files(folder, run):
