@@ -1,6 +1,6 @@
 """Impacts, rest and dry friction beside kernels written by hand: time per period, error, events.
 
-python benchmarks/bench_rest.py [--periods N] [--rounds N] [--no-scipy]
+python benchmarks/bench_rest.py [--periods N] [--rounds N] [--no-scipy] [--no-heyoka]
 
 Rigid impacts (r .8, omega 2.8, sigma 0), rebounds that accumulate and end at rest (omega .3), and
 a block on a belt that slips and sticks (F_c .4, v_b .3, F .5, omega .7). All programs run side by
@@ -22,7 +22,8 @@ import nonsmooth as ns
 COMPARED = 20
 BOUND = 1e-12  # the growth along these orbits, times rounding, with room for a factor of a hundred
 SCIPY_BOUND = 1e-6  # rtol 1e-10 per step, times the growth along the orbit
-SCIPY_PERIODS = 100
+SCIPY_PERIODS, HEYOKA_PERIODS = 100, 1000
+HEYOKA_BOUND = 1e-10  # rounding at events, which rebounds pass on to the times of the next ones
 AIM = 1.2  # time of nonsmooth over that of the hand kernel
 START = {"x": -0.2, "v": 0.0}
 
@@ -74,13 +75,16 @@ def strobes_of(run):
     return found, int((run["event_kind"].values != "start").sum())
 
 
-def measure(problem, clocks, periods, rounds, scipy):
+def measure(problem, clocks, periods, rounds, scipy, heyoka):
     """Lines of the table, and what failed."""
     true, true_events = rest_reference.strobes(problem.peer, problem.parameters, START, COMPARED)
     runs = {"hand kernel": problem.by_hand, "nonsmooth": problem.ours}
     if scipy is not None:
         runs["scipy DOP853"] = lambda n: scipy.strobes(problem.peer, problem.parameters, START, n)
-    lengths = {who: min(periods, SCIPY_PERIODS) if "scipy" in who else periods for who in runs}
+    if heyoka is not None:
+        runs["heyoka"] = heyoka.prepare(problem.peer, problem.parameters, START)
+    shorter = {"scipy DOP853": SCIPY_PERIODS, "heyoka": HEYOKA_PERIODS}
+    lengths = {who: min(periods, shorter.get(who, periods)) for who in runs}
     found = {}
     for turn in range(rounds):
         for who, run in runs.items():
@@ -98,7 +102,7 @@ def measure(problem, clocks, periods, rounds, scipy):
             f"{problem.name:<17} {who:<13} {seconds * 1e6:>9.2f} {seconds / hand:>7.2f}"
             f" {error:>9.1e} {events:>9} {lengths[who]:>8}"
         )
-        if not error <= (SCIPY_BOUND if "scipy" in who else BOUND):
+        if not error <= {"scipy DOP853": SCIPY_BOUND, "heyoka": HEYOKA_BOUND}.get(who, BOUND):
             faults.append(f"{problem.name}, {who}: error {error:.1e}")
     short = strobes_of(problem.ours(COMPARED))[1]
     if problem.peer == "belt" and short != true_events:
@@ -111,17 +115,20 @@ def main(given=None):
     parser.add_argument("--periods", type=int, default=5000)
     parser.add_argument("--rounds", type=int, default=9)
     parser.add_argument("--no-scipy", action="store_true")
+    parser.add_argument("--no-heyoka", action="store_true")
     options = parser.parse_args(given)
     if options.periods < COMPARED:
         parser.error(f"--periods must be at least {COMPARED}, the periods that are compared")
-    peer = None
+    scipy = heyoka = None
     if not options.no_scipy:
-        import peer_scipy_rest as peer
+        import peer_scipy_rest as scipy
+    if not options.no_heyoka:
+        import peer_heyoka_rest as heyoka
     clocks, lines, faults = Clocks(), [], []
     for problem in problems():
         problem.by_hand(1)  # compiles
         problem.ours(1)
-        more, wrong = measure(problem, clocks, options.periods, options.rounds, peer)
+        more, wrong = measure(problem, clocks, options.periods, options.rounds, scipy, heyoka)
         lines += more
         faults += wrong
     head = f"{'problem':<17} {'program':<13} {'us/period':>9} {'ratio':>7} {'error':>9}"
