@@ -56,7 +56,7 @@ def test_a_wrong_name_comes_with_the_nearest_one():
     with pytest.raises(AttributeError, match="has no attribute 'simulat'; did you mean 'simulate'"):
         nonsmooth.simulat  # noqa: B018 - the attribute is what is tested
     with pytest.raises(AttributeError, match=r"no attribute 'zzz'$"):
-        nonsmooth.zzz  # noqa: B018
+        nonsmooth.zzz  # noqa: B018 - likewise
 
 
 def test_no_module_hides_a_name():
