@@ -20,6 +20,16 @@ try:
 except SystemExit as stop:
     assert not stop.code, stop.code
 """
+BARE = """
+import sys, typer
+sys.argv = ["bare", "--help"]
+app = typer.Typer()
+app.command()(lambda: None)
+try:
+    app()
+except SystemExit as stop:
+    assert not stop.code, stop.code
+"""
 LOADED = f"\nprint(*(name for name in {HEAVY} if name in sys.modules), file=sys.stderr)"
 RUNS = 7
 
@@ -65,8 +75,11 @@ def test_import_time():
 
 
 def test_help_time():
-    """Under 300 ms, interpreter included: a command that waits feels broken."""
-    time = milliseconds(HELP)
-    assert time < 300, (
-        f"{time:.0f} ms, not 300; python -X importtime -m nonsmooth.cli shows what takes it"
+    """Under 150 ms more than a bare program of typer, which with its help page takes as much itself.
+
+    On a processor that is slow for a while both take longer, so the difference is what is bounded.
+    """
+    time = milliseconds(HELP) - milliseconds(BARE)
+    assert time < 150, (
+        f"{time:.0f} ms, not 150; python -X importtime -m nonsmooth.cli shows what takes it"
     )
