@@ -75,7 +75,7 @@ def test_import_time():
 
 
 def test_help_time():
-    """Under 150 ms more than a bare program of typer, which with its help page takes as much itself.
+    """Under 150 ms more than a bare program of typer, whose help page takes as much itself.
 
     On a processor that is slow for a while both take longer, so the difference is what is bounded.
     """
