@@ -196,3 +196,32 @@ def test_when_rebounds_with_friction_are_over():
     flights = first * (1 / 1.3 + 1 / np.sqrt(0.91)) / (1 - np.sqrt(0.7 / 1.3) / 2)
     assert kinds(run)[-1] == "chatter"
     assert last_row(run, "event_time") == pytest.approx(fall + flights, rel=0, abs=1e-9)
+
+
+# ---------------------------------------------------------------- modes that hand over
+
+
+@pytest.mark.parametrize("text", ["y - 2", "2 - y", "y + 2", "-2 - y"])
+def test_modes_in_a_circle_beside_a_surface(text):
+    """Two modes that push at each other are no motion along a surface that lies elsewhere."""
+    up = ns.Mode({"y": f"1 + 0.2*sign({text})"}, exits=[ns.Exit("0.1 - y", to="down", name="e0")])
+    down = ns.Mode({"y": "-1"}, exits=[ns.Exit("y - 0.1", to="up", name="e1")])
+    system = ns.System(states=["y"], modes={"up": up, "down": down})
+    with pytest.warns(ns.RunWarning, match="hand over in a circle"):
+        run = ns.simulate(system, {"y": 0.0}, t_end=1)
+    assert run.attrs["status"] == "undecided"
+    speed = 1.2 if text in ("2 - y", "y + 2") else 0.8
+    assert last_row(run, "event_time") == pytest.approx(0.1 / speed, rel=1e-15)
+
+
+def test_a_mode_puts_the_mass_behind_a_wall():
+    """No rebound leads back from there, and nothing rests on a wall at which it is not."""
+    free = ns.Mode({"x": "v", "v": "0"}, exits=[ns.Exit("2 - x", to="walled", name="into")])
+    wall = ns.Exit("1 - x", reset={"v": "-0.5*v"}, sticks="rest", name="wall")
+    walled = ns.Mode({"x": "v", "v": "1"}, exits=[wall])
+    system = ns.System(states=["x", "v"], modes={"free": free, "walled": walled})
+    with pytest.warns(ns.RunWarning, match="behind the surface"):
+        run = ns.simulate(system, {"x": 0.0, "v": 1.0}, t_end=5, mode="free")
+    assert run.attrs["status"] == "event_limit"
+    assert last_row(run, "event_time") == 2.0
+    assert last_row(run, "event_path").startswith("into>wall>wall")

@@ -16,8 +16,7 @@ from nonsmooth.engine.flow import advance_once, read_guard, state_at
 from nonsmooth.engine.jit import entry, kernel
 from nonsmooth.engine.leg_flow import enter_leg, step_of_leg
 from nonsmooth.engine.linear_flow import augmented
-from nonsmooth.engine.linearisation import linearise_derivatives
-from nonsmooth.engine.transitions import linearise_mode
+from nonsmooth.engine.linearisation import linearise_derivatives, linearise_mode
 
 __all__ = ["fill_minima"]
 

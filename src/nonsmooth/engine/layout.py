@@ -194,7 +194,7 @@ class Segment(NamedTuple):
     left_out: Integers  # (1,): bits of the states that a start leaves to their equations
     extent: Floats  # (N,) size of each coordinate at an event
     mark: Floats  # (N,) states from which exits are passed at one instant
-    visited: Integers  # (M,): 1 for the modes that are entered at one instant without a jump
+    visited: Integers  # (M,): spell in which a mode is entered at one instant without a jump, or 0
     newton: Floats  # (3, N): last point and step of Newton's method, and what counts as large
     factors: Floats  # (factors + 1, FACTOR): of the products of a guard, and its linear part
     scan: Floats  # (e, SCAN)

@@ -14,9 +14,9 @@ from nonsmooth.engine.arrays import copy_matrix, copy_vector
 from nonsmooth.engine.flow import advance_once, start_segment, state_at
 from nonsmooth.engine.jit import kernel
 from nonsmooth.engine.linear_flow import augmented
+from nonsmooth.engine.linearisation import linearise_mode
 from nonsmooth.engine.solved_relations import settle
 from nonsmooth.engine.tangent import carry, complete_columns, relate_columns, start_columns
-from nonsmooth.engine.transitions import linearise_mode
 
 __all__ = ["enter_leg", "go_on", "step_of_leg"]
 

@@ -19,9 +19,9 @@ from nonsmooth.engine.arrays import copy_vector, set_zero
 from nonsmooth.engine.jit import entry, kernel
 from nonsmooth.engine.layout import Floats
 from nonsmooth.engine.leg_flow import enter_leg, go_on
+from nonsmooth.engine.linearisation import linearise_mode
 from nonsmooth.engine.solved_relations import settle
 from nonsmooth.engine.tangent import complete_columns, push_columns, relate_columns
-from nonsmooth.engine.transitions import linearise_mode
 from nonsmooth.engine.velocity import fill_velocity
 
 __all__ = ["LegResults", "allocate_leg_results", "pass_legs"]

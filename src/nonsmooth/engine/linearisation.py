@@ -15,7 +15,28 @@ from nonsmooth.engine.jit import kernel
 from nonsmooth.engine.solved_relations import place_point, solve_together
 from nonsmooth.engine.taylor_series import fill_series
 
-__all__ = ["linearise", "linearise_derivatives"]
+__all__ = ["differentiate_mode", "linearise", "linearise_derivatives", "linearise_mode"]
+
+
+@kernel
+def linearise_mode(tables, rates, segment, m):
+    """Bring the rows of a curved mode up to date at segment.z; linear ones always are.
+
+    The rows of the derivatives of guards stay behind.
+    """
+    if at.has_code(tables.code_rows, m):
+        linearise(
+            tables, rates.slot_rates, rates.harmonics, rates.affine, segment.series,
+            segment.dual, m, segment.z,
+        )  # fmt: skip
+
+
+@kernel
+def differentiate_mode(tables, rates, segment, m):
+    """Rows of the derivatives of guards at segment.z, where those of the values are."""
+    linearise_derivatives(
+        tables, rates.slot_rates, rates.harmonics, segment.series, segment.dual, m, segment.z
+    )
 
 
 @kernel

@@ -15,8 +15,11 @@ from nonsmooth.engine.arrays import copy_matrix, copy_vector
 from nonsmooth.engine.event_log import log_event, log_transition, normal_phase
 from nonsmooth.engine.first_crossing import CERTIFIED, GRAZE, NONE, STUCK, first_crossing
 from nonsmooth.engine.flow import advance, advance_once, start_segment, state_at
+from nonsmooth.engine.guard_values import fill_extent, guard_exceeds, guard_holds
 from nonsmooth.engine.jit import inlined, kernel
 from nonsmooth.engine.linear_flow import augmented
+from nonsmooth.engine.linearisation import linearise_mode
+from nonsmooth.engine.placement import slaved_agree
 from nonsmooth.engine.rebounds import NEVER
 from nonsmooth.engine.records import (
     COUNT,
@@ -37,20 +40,9 @@ from nonsmooth.engine.records import (
 from nonsmooth.engine.signals import fill_signals
 from nonsmooth.engine.solved_relations import settle
 from nonsmooth.engine.status import EventKind, Status
+from nonsmooth.engine.surfaces import count_bits, in_cell, leaves_both_ways
 from nonsmooth.engine.tangent import carry, complete_columns, start_columns
-from nonsmooth.engine.transitions import (
-    PATH_BITS,
-    count_bits,
-    fill_extent,
-    guard_exceeds,
-    guard_holds,
-    has_fallen,
-    in_cell,
-    leaves_both_ways,
-    linearise_mode,
-    pass_exits,
-    slaved_agree,
-)
+from nonsmooth.engine.transitions import PATH_BITS, has_fallen, pass_exits
 from nonsmooth.engine.zeros import STILL_ZERO
 
 __all__ = ["ANY", "GOES_ON", "SAME", "run_lane"]

@@ -24,7 +24,7 @@ Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
 
 IN_CYCLE = 3  # visits in a row, in order: each ball is one of convergence already
-IN_SET = 100  # a lane that only passes leaves the cells earlier; more cost time alone
+IN_SET = 50  # a lane that only passes leaves the cells earlier; more cost time alone
 _CELLS = 1 << 12  # places of the table of cells to begin with
 
 

@@ -15,6 +15,8 @@ is minus infinity.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import numpy.typing as npt
 
@@ -62,29 +64,27 @@ class Growth:
         columns = columns[: len(self.left)]
         if not np.all(np.isfinite(columns)):
             return np.inf
-        smallest = np.abs(np.diag(np.linalg.qr(columns.T, mode="r"))).min()
+        smallest = _orthonormal(columns)[1].min()
         largest = np.sqrt((columns * columns).sum(axis=1)).max()
         return float(largest / smallest) if smallest > 0.0 else np.inf
 
     def measure(self, columns: Matrix) -> None:
         """Growth up to where an interval ends, from columns there."""
         self.at_end = self.at_anchor.copy()
-        triangle = np.linalg.qr(columns[: len(self.left)].T, mode="r")
         with np.errstate(divide="ignore"):  # minus infinity: a direction lost since the anchor
-            self.at_end[self.left] += np.log(np.abs(np.diag(triangle)))
+            self.at_end[self.left] += np.log(_orthonormal(columns[: len(self.left)])[1])
 
     def _take(self, columns: Matrix, rank_of: Matrix | None) -> Matrix:
         columns = columns[: len(self.left)]
         rank = len(columns) if rank_of is None else min(len(columns), _rank(rank_of))
         while True:
-            basis, triangle = np.linalg.qr(columns.T)
-            diagonal = np.abs(np.diag(triangle))
+            basis, diagonal = _orthonormal(columns)
             if len(columns) <= rank and not np.any(diagonal == 0.0):
                 break
             lost = int(np.argmin(diagonal))
             self.at_anchor[self.left.pop(lost)] = -np.inf
             columns = np.delete(columns, lost, axis=0)
-        self.flow.set_columns(basis.T)
+        self.flow.set_columns(basis)
         return diagonal
 
 
@@ -189,6 +189,18 @@ def _behind(flow: TangentFlow, after: Saved) -> Instant:
 
 def _instant(saved: Saved) -> Instant:
     return Instant(int(saved.anchor.place[0]), float(saved.anchor.phase[0]))
+
+
+def _orthonormal(columns: Matrix) -> tuple[Matrix, Matrix]:
+    """Orthonormal basis of what columns span, and the sizes of the diagonal of R.
+
+    Of one column, as for the largest exponent, it is asked so often that a library takes long.
+    """
+    if len(columns) == 1:
+        size = math.hypot(*columns[0])
+        return columns / size if size > 0.0 else columns, np.array([size])
+    basis, triangle = np.linalg.qr(columns.T)
+    return basis.T, np.abs(np.diag(triangle))
 
 
 def _rank(columns: Matrix) -> int:

@@ -263,7 +263,8 @@ def _open_motion(evidence: Evidence) -> Finding:
 
 _SWEPT = (
     "columns 0.2 Hz apart from 7 Hz, from zero and followed up and down, 400 periods dropped, 100"
-    " kept; chaos: no period and a largest exponent above 3 standard errors over 400 periods;"
+    " kept; chaos: no period and a largest exponent above 6 standard errors over 100 periods, or"
+    " above 3 over 400;"
     " followed up decides"
 )
 _AT = (

@@ -34,7 +34,9 @@ PROTOCOLS = ("restart", "follow up", "follow down")
 # labels of columns whose strobes do not repeat: chaos, an exponent of zero (quasi-periodic, or
 # still settling), and not looked at yet
 CHAOTIC, REGULAR, UNKNOWN = 0, -1, -2
-_SPAN = 400  # periods over which an exponent is taken
+# Periods over which an exponent is taken, and standard errors above which it tells of chaos. What
+# is far above after a short time needs no longer one.
+_SPANS = ((100, 6.0), (400, 3.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,8 +138,8 @@ def _sweep(
 def with_exponents(system: System, sweep: Sweep) -> Sweep:
     """Sweep with labels for the columns whose strobes do not repeat.
 
-    A motion is chaotic when its largest exponent is above three standard errors and above three
-    over the periods averaged.
+    A motion is chaotic when its largest exponent over 100 periods is above six standard errors and
+    above six over these periods, or that over 400 periods above three.
 
     Parameters
     ----------
@@ -159,20 +161,24 @@ def with_exponents(system: System, sweep: Sweep) -> Sweep:
     """
     labels, exponents = sweep.labels.copy(), sweep.exponents.copy()
 
-    def exponent(column: int) -> tuple[float, float]:
+    def exponent(column: int) -> tuple[float, bool]:
         there = system.with_parameters(eta=float(sweep.eta[column]))
-        found = lyapunov_spectrum(
-            there, sweep.data.isel(parameter=column, point=-1), transient=10, record=_SPAN,
-            exponents=1,
-        )  # fmt: skip
-        turn = float(there.period_value or 0.0)
-        return turn * float(found["lyapunov_exponent"][0]), turn * float(found["standard_error"][0])
+        start, turn = sweep.data.isel(parameter=column, point=-1), float(there.period_value or 0.0)
+        value, chaotic = np.nan, False
+        for span, clearly in _SPANS:
+            found = lyapunov_spectrum(there, start, transient=10, record=span, exponents=1)
+            value = turn * float(found["lyapunov_exponent"][0])
+            error = turn * float(found["standard_error"][0])
+            chaotic = value > clearly * max(error, 1.0 / span)
+            if chaotic:
+                break
+        return value, chaotic
 
     columns = np.flatnonzero(sweep.labels == UNKNOWN)
     with ThreadPoolExecutor(check_threads(None)) as pool:
-        for column, (value, error) in zip(columns, pool.map(exponent, columns), strict=True):
+        for column, (value, chaotic) in zip(columns, pool.map(exponent, columns), strict=True):
             exponents[column] = value
-            labels[column] = CHAOTIC if value > 3.0 * max(error, 1.0 / _SPAN) else REGULAR
+            labels[column] = CHAOTIC if chaotic else REGULAR
     return replace(sweep, labels=labels, exponents=exponents)
 
 
