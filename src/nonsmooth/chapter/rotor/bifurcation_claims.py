@@ -265,8 +265,8 @@ CHECKS = (
     Check(
         "R22",
         "Delta .1; multipliers of period two at 3.107 and followed from 3.0 to 0.1 on either side"
-        f" of it; motions from {STARTS} random starts and zero, {DROPPED} periods dropped; about:"
-        " 2 %",
+        f" of it; motions from {STARTS} random starts and zero, up to {DROPPED} periods"
+        " dropped; about: 2 %",
         lambda: _quasi(0.1),
         _judge_quasi,
     ),

@@ -11,9 +11,10 @@ from nonsmooth.chapter.judgement import Evidence
 
 __all__ = ["DROPPED", "STARTS", "coexisting", "random_starts"]
 
-STARTS, DROPPED = 32, 600  # random starts, beside the one at zero, and periods left out
+STARTS, DROPPED = 32, 600  # random starts, beside the one at zero; periods left out at most
 
 _LONGEST, _REPEATS = 32, 1e-6
+_EARLY = 1e-10  # likewise of motions that are not run on: slow ones seem to have other periods
 _SAME = 1e-4  # between points of one cycle
 _SPAN = 600  # periods over which an exponent is taken
 _STATES = ("x", "y", "vx", "vy")
@@ -84,8 +85,8 @@ def coexisting(
         name: np.concatenate([[0.0], values])
         for name, values in random_starts(starts, seed).items()
     }
-    runs = ensemble(system, initial, transient=transient, record=4 * _LONGEST)
-    points = np.stack([runs[name].values for name in _STATES], axis=-1)
+    states = _settled(system, initial, transient)
+    points = states[..., [system.states.index(name) for name in _STATES]]
     found: list[Evidence] = []
     for lane, orbit in enumerate(points):
         period = _period(orbit)
@@ -94,7 +95,6 @@ def coexisting(
                 row["count"] += 1
                 break
         else:
-            last = runs.isel(lane=lane, point=-1)
             found.append(
                 {
                     "period": period,
@@ -102,7 +102,7 @@ def coexisting(
                     "from_zero": lane == 0,
                     "orbit": orbit[-max(period, 1) :],
                     "point": orbit[-1].tolist(),
-                    "state": {name: float(last[name]) for name in system.states},
+                    "state": dict(zip(system.states, states[lane, -1].tolist(), strict=True)),
                 }
             )
     rows = []
@@ -115,9 +115,29 @@ def coexisting(
     return tuple(rows)
 
 
-def _period(orbit: np.ndarray) -> int:
+def _settled(system: System, initial: dict[str, np.ndarray], transient: int) -> np.ndarray:
+    """Strobes behind a transient, (starts, periods, states); what repeats early is not run on."""
+    record = 4 * _LONGEST
+    early = transient // 3
+    states = _strobes(system, initial, early, record)
+    free = [system.states.index(name) for name in _STATES]
+    left = [lane for lane, orbit in enumerate(states) if not _period(orbit[:, free], _EARLY)]
+    if left:
+        last = dict(zip(system.states, states[left, -1].T, strict=True))
+        states[left] = _strobes(system, last, max(0, transient - early - record), record)
+    return states
+
+
+def _strobes(
+    system: System, initial: dict[str, np.ndarray], transient: int, record: int
+) -> np.ndarray:
+    runs = ensemble(system, initial, transient=transient, record=record)
+    return np.stack([runs[name].values for name in system.states], axis=-1)
+
+
+def _period(orbit: np.ndarray, repeats: float = _REPEATS) -> int:
     for n in range(1, _LONGEST + 1):
-        if np.abs(orbit[n:] - orbit[:-n]).max() <= _REPEATS:
+        if np.abs(orbit[n:] - orbit[:-n]).max() <= repeats:
             return n
     return 0
 

@@ -13,7 +13,7 @@ import numpy as np
 import xarray as xr
 
 from nonsmooth import stroboscopic_map
-from nonsmooth.chapter.rotor.coexistence import coexisting
+from nonsmooth.chapter.rotor.coexistence import STARTS, coexisting
 from nonsmooth.chapter.rotor.data import DELTA_40, DELTA_41, EPS_40, EPS_41, rig, set_a
 from nonsmooth.chapter.rotor.speed_branches import branches_at_strobes, branches_of_set_a
 from nonsmooth.chapter.rotor.speed_sweeps import Sweep, even_values, speed_sweeps
@@ -113,7 +113,7 @@ def fig40(
     transient: int = 400,
     record: int = 100,
     points: int = 6000,
-    starts: int = 48,
+    starts: int = STARTS,
 ) -> tuple[Figure, xr.Dataset]:
     """Fig. 40(a): diagram over 7-50 Hz and sections at 30.1 and 37.1 Hz.
 
@@ -154,7 +154,7 @@ def fig41(
     transient: int = 400,
     record: int = 100,
     points: int = 6000,
-    starts: int = 48,
+    starts: int = STARTS,
 ) -> tuple[Figure, xr.Dataset]:
     """Fig. 41(a): diagram over 7-30 Hz and sections at 17.6 and 25 Hz.
 

@@ -180,8 +180,8 @@ CHECKS = (
           " some preload with less chaos than none in one set at least", _ladder, _judge_ladder),
     Check(
         "R56",
-        f"set A, Delta 0, six eta, {STARTS} random starts and zero, {DROPPED} periods dropped; 600"
-        " pairs of starts displaced in x, told apart by period after 250 periods",
+        f"set A, Delta 0, six eta, {STARTS} random starts and zero, up to {DROPPED} periods"
+        " dropped; 600 pairs of starts displaced in x, told apart by period after 250 periods",
         _attractors,
         _judge_attractors,
     ),

@@ -269,7 +269,7 @@ _SWEPT = (
 )
 _AT = (
     "regime begun where the nearest column of each diagram ended, 400 periods dropped; followed up"
-    f" decides; {STARTS} random starts and zero, {DROPPED} periods dropped, beside it"
+    f" decides; {STARTS} random starts and zero, up to {DROPPED} periods dropped, beside it"
 )
 
 CHECKS = (
