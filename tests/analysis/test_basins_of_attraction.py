@@ -109,6 +109,13 @@ def test_the_mole_has_a_section_with_a_completion() -> None:
     assert float(basins["fraction"].sum()) == pytest.approx(1.0)
     with pytest.raises(ns.OptionError, match="q is not in the region"):
         ns.basins_of_attraction(mole, region, method="cell mapping")
+    # chaos or a cycle, by the strobes of each cell after 2000 periods
+    y, p = (axis.ravel() for axis in np.meshgrid(region["y"], region["p"], indexing="ij"))
+    starts = {"p": p, "y": y, "q": np.maximum(0.0, p - mole.parameter_values["g"])}
+    late = ns.ensemble(mole, starts, transient=2000, record=48)["y"].values
+    four, twelve = (np.ptp(late[:, ::n], axis=1) < 1e-6 for n in (4, 12))
+    found = np.where(four, 4, np.where(twelve, 12, 0))
+    assert np.array_equal(basins["period"].values[basins["label"].values.ravel() - 1], found)
 
 
 @pytest.mark.parametrize("method", ["cell mapping", "generalised cell mapping"])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from nonsmooth import continue_orbit, find_orbit
-from nonsmooth.chapter.rotor.coexistence import coexisting
+from nonsmooth.chapter.rotor.coexistence import _EARLY, _period, coexisting
 from nonsmooth.chapter.rotor.data import rig, set_a
 from nonsmooth.chapter.rotor.orbits import follow_orbit, orbit_multipliers, orbit_near
 from nonsmooth.chapter.rotor.ring_mass import heavy_ring, heavy_ring_orbit
@@ -126,6 +126,15 @@ def test_coexisting_motions():
     assert sorted(row["period"] for row in found) == [1, 3]
     assert sum(row["share"] for row in found) == pytest.approx(1.0)
     assert next(row for row in found if row["from_zero"])["period"] == 3
+
+
+def test_a_slow_motion_is_run_on():
+    """Of a spiral with three turns in ten strobes an early look would say period ten."""
+    place = 5e-6 * np.exp((-0.02 + 0.6j * np.pi) * np.arange(128))
+    spiral = np.stack([place.real, place.imag], axis=-1)
+    # ten strobes on it is nearer by 1 - exp(-.2), 9e-7; three strobes on it is 3e-6 away
+    assert _period(spiral) == 10
+    assert _period(spiral, _EARLY) == 0
 
 
 def test_labels_of_columns():

@@ -70,11 +70,10 @@ def guard_exceeds(affine, m, g, z, extent, share):
 @kernel
 def is_nothing(affine, m, g, z, scale):
     """Whether a guard is nothing beside what it changes by in a while."""
-    row, value, change = at.guard_row(g, 0), 0.0, 0.0
+    row, value = at.guard_row(g, 0), 0.0
     for i in range(z.size):
         value += affine[m, row, i] * z[i]
-        change += abs(affine[m, row, i]) * scale[i]
-    return abs(value) <= NOTHING * change
+    return abs(value) <= NOTHING * _change(affine, m, row, scale)
 
 
 @kernel
@@ -82,9 +81,7 @@ def nearly_zero(affine, m, g, z, extent, scale):
     """Whether a guard is small beside its terms, or beside what it will change by."""
     row = at.guard_row(g, 0)
     value, size = sum_of_terms(affine, m, row, z, extent)
-    change = 0.0
-    for i in range(z.size):
-        change += abs(affine[m, row, i]) * scale[i]
+    change = _change(affine, m, row, scale)
     return abs(value) <= CLEARLY * size or abs(value) <= NOTHING * change
 
 
@@ -92,13 +89,20 @@ def nearly_zero(affine, m, g, z, extent, scale):
 def some_zero(affine, wiring, m, z, extent, scale):
     """Whether a guard of mode m is anywhere near zero, or below: its derivatives may count."""
     for g in range(wiring[m, 0, at.N_EXITS]):
-        row, change = at.guard_row(g, 0), 0.0
+        row = at.guard_row(g, 0)
         value, size = sum_of_terms(affine, m, row, z, extent)
-        for i in range(z.size):
-            change += abs(affine[m, row, i]) * scale[i]
-        if value <= _ANYWHERE_NEAR * (size + change):
+        if value <= _ANYWHERE_NEAR * (size + _change(affine, m, row, scale)):
             return True
     return False
+
+
+@kernel
+def _change(affine, m, row, scale):
+    """Bound of what a row changes by while the coordinates move as far as the scale says."""
+    change = 0.0
+    for i in range(scale.size):
+        change += abs(affine[m, row, i]) * scale[i]
+    return change
 
 
 @kernel

@@ -18,6 +18,7 @@ from __future__ import annotations
 import math
 
 from nonsmooth.engine import layout as at
+from nonsmooth.engine.guard_values import sum_of_terms
 from nonsmooth.engine.jit import kernel
 from nonsmooth.engine.velocity import velocity_of
 
@@ -51,9 +52,9 @@ def rest_time(affine, clock, m, e, z, extent, arrival, push_before, largest, tol
     second derivative ``push_before``; rows of the derivatives of the guard are up to date.
     ``largest`` of such rates at the same instant
     """
-    rate, rate_size = _terms(affine, m, at.guard_row(e, 1), z, extent)
-    push, push_size = _terms(affine, m, at.guard_row(e, 2), z, extent)
-    jerk, jerk_size = _terms(affine, m, at.guard_row(e, 3), z, extent)
+    rate, rate_size = sum_of_terms(affine, m, at.guard_row(e, 1), z, extent)
+    push, push_size = sum_of_terms(affine, m, at.guard_row(e, 2), z, extent)
+    jerk, jerk_size = sum_of_terms(affine, m, at.guard_row(e, 3), z, extent)
     pressed = push < -tolerance * push_size
     if abs(rate) <= tolerance * rate_size or abs(rate) <= _GONE * largest:
         soon = abs(push) <= tolerance * push_size and jerk < -tolerance * jerk_size
@@ -69,7 +70,7 @@ def rest_time(affine, clock, m, e, z, extent, arrival, push_before, largest, tol
         return NEVER
     wait = 2.0 * rate / (steady * (1.0 - ratio))
     change = (abs(drift) / steady + abs(damping)) * wait
-    size = _terms(affine, m, at.guard_row(e, 0), z, extent)[1]
+    size = sum_of_terms(affine, m, at.guard_row(e, 0), z, extent)[1]
     low = 0.5 * (ratio * rate) ** 2 / steady <= _LOW * size  # of the next one: rounding hides it
     low = low or wait <= _SHORTER * clock[at.WINDOW]
     if change <= _NEARLY_STEADY:
@@ -82,13 +83,3 @@ def rest_time(affine, clock, m, e, z, extent, arrival, push_before, largest, tol
         down = math.sqrt(push * push_before)
         return rate * (1.0 / down - 1.0 / push) / (1.0 + ratio * down / push)
     return NEVER
-
-
-@kernel
-def _terms(affine, m, row, z, extent):
-    """Value of a row at z, and the sum of the sizes of its terms."""
-    total, size = 0.0, 0.0
-    for i in range(z.size):
-        total += affine[m, row, i] * z[i]
-        size += abs(affine[m, row, i]) * extent[i]
-    return total, size

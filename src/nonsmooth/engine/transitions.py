@@ -133,9 +133,10 @@ def pass_exits(tables, rates, segment, tangent, m, e, duration, tolerance):
                 visited[:] = 0  # without a jump no mode may return
             jumped = jumped or (resetting & ~(wiring[m, 0, at.SLAVED] & slaved)) != 0
             # cells settle after a reset: what it lets jump goes on until one of them holds
-            if resetting != 0 or tables.families[target] != tables.families[m]:
+            leaves = tables.families[target] != tables.families[m]
+            if resetting != 0 or leaves:
                 jumping = resetting
-            if tables.families[target] != tables.families[m]:
+            if leaves:
                 spell += 1
             if not _enter(
                 tables, rates, segment, tangent, m, e, target, jumping, fired, duration, curved,
