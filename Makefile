@@ -8,26 +8,29 @@ BIN := $(VENV)/bin
 INSTALLED := $(VENV)/.installed-dev
 INSTALLED_BENCHMARK := $(VENV)/.installed-benchmark
 INSTALLED_DOCS := $(VENV)/.installed-docs
-PIP_INSTALL = $(BIN)/python -m pip --disable-pip-version-check install --quiet --editable
+ENGINE_SOURCES := build_engine.py $(wildcard src/nonsmooth/engine/native/*)
+ENGINE := src/nonsmooth/engine/_declarations.py
+SANITIZED := build/sanitized/engine.so
+PIP_INSTALL_TOOLS = $(BIN)/python -m pip --disable-pip-version-check install --quiet
+PIP_INSTALL = $(PIP_INSTALL_TOOLS) --editable
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo chapter test check slow bench docs clean
+.PHONY: help demo chapter test check slow bench docs engine sanitize wheels clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-7s %s\n", $$1, $$2 }' Makefile
 
-demo: $(INSTALLED) ## draw the chapter's demonstration into demo-output
+demo: $(ENGINE) ## draw the chapter's demonstration into demo-output
 	$(BIN)/nonsmooth chapter demo --out demo-output
 
-chapter: $(INSTALLED) ## draw and judge the whole chapter into chapter-output/report.html
+chapter: $(ENGINE) ## draw and judge the whole chapter into chapter-output/report.html
 	$(BIN)/nonsmooth chapter run --all --out chapter-output
 
-test: $(INSTALLED) ## run the tests and the examples in docstrings
-	$(BIN)/nonsmooth warmup
+test: $(ENGINE) ## run the tests and the examples in docstrings
 	$(BIN)/python -m pytest --numprocesses=$(JOBS)
 
-check: $(INSTALLED) ## style, format, types, imports, spelling, house tests
+check: $(ENGINE) ## style, format, types, imports, spelling, house tests
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
@@ -35,18 +38,32 @@ check: $(INSTALLED) ## style, format, types, imports, spelling, house tests
 	$(BIN)/codespell
 	$(BIN)/python -m pytest tests/house
 
-slow: $(INSTALLED) ## run the long checks
+slow: $(ENGINE) ## run the long checks
 	$(BIN)/python -m pytest --numprocesses=$(JOBS) -m slow
 
-bench: $(INSTALLED_BENCHMARK) ## run the benchmarks
+bench: $(INSTALLED_BENCHMARK) $(ENGINE) ## run the benchmarks
 	$(BIN)/python benchmarks
 
-docs: $(INSTALLED_DOCS) ## build the documentation site into docs-output; a warning or a broken link is an error
+docs: $(INSTALLED_DOCS) $(ENGINE) ## build the documentation site into docs-output; a warning or a broken link is an error
 	$(BIN)/sphinx-build -b html -E -d docs-output/doctrees -j auto -n -W --keep-going docs \
 	    docs-output/html
 	$(BIN)/python docs/links.py docs-output/html
 
+engine: $(ENGINE) ## compile the engine where its sources have changed
+
+sanitize: $(ENGINE) $(SANITIZED) ## run the tests of the engine under sanitizers of addresses and undefined behaviour
+	NONSMOOTH_ENGINE=$(CURDIR)/$(SANITIZED) ASAN_OPTIONS=detect_leaks=0 \
+	LD_PRELOAD="$$(c++ -print-file-name=libasan.so) $$(c++ -print-file-name=libubsan.so)" \
+	    $(BIN)/python -m pytest tests/engine tests/contract -p no:cacheprovider
+
+wheels: $(INSTALLED) ## build wheels for Linux, macOS and Windows into dist
+	$(PIP_INSTALL_TOOLS) build ziglang
+	@for platform in linux-x86_64 linux-aarch64 macos-x86_64 macos-arm64 windows-x86_64; do \
+	    NONSMOOTH_PLATFORM=$$platform $(BIN)/python -m build --wheel --outdir dist . || exit 1; \
+	done
+
 clean: ## remove all that these targets made, .venv included
+	rm -f $(ENGINE) src/nonsmooth/engine/_nonsmooth_*
 	rm -rf $(VENV) build dist demo-output chapter-output benchmark-output docs-output
 	rm -rf docs/auto_gallery docs/reference/generated
 	rm -rf .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache
@@ -66,6 +83,12 @@ $(INSTALLED): pyproject.toml
 	    $(PYTHON) -m pip --python $(BIN)/python install --quiet pip; }
 	$(PIP_INSTALL) '.[dev]'
 	@touch $@
+
+$(ENGINE): $(ENGINE_SOURCES) | $(INSTALLED)
+	$(BIN)/python build_engine.py
+
+$(SANITIZED): $(ENGINE_SOURCES) | $(INSTALLED)
+	$(BIN)/python build_engine.py --sanitized $@
 
 $(INSTALLED_BENCHMARK): $(INSTALLED)
 	$(PIP_INSTALL) '.[benchmark]'

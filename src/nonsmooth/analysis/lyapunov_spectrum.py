@@ -152,7 +152,7 @@ def lyapunov_spectrum(
     start = resolve_start(system, tables, initial, t_start, mode, parameters is not None)
     if start.anchor is not None:
         start = start_at_end(start)
-    window = float(tables.clock[0])
+    window = tables.window
     periodic = system.period_value is not None
     unit = 1.0 if periodic else window
     if strobe is not None:

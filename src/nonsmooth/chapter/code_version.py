@@ -16,7 +16,7 @@ _PACKAGE = Path(__file__).parents[1]
 # They print and lay out what is computed elsewhere; no number depends on them.
 _NO_NUMBERS = (_PACKAGE / "cli", _PACKAGE / "chapter" / "report")
 _SUFFIXES = (".py", ".json", ".toml")
-_LIBRARIES = ("numpy", "scipy", "numba", "matplotlib", "xarray")
+_LIBRARIES = ("numpy", "scipy", "matplotlib", "xarray")
 
 
 @cache
@@ -53,7 +53,7 @@ def library_versions() -> dict[str, str]:
     Examples
     --------
     >>> sorted(library_versions())
-    ['matplotlib', 'numba', 'numpy', 'python', 'scipy', 'xarray']
+    ['matplotlib', 'numpy', 'python', 'scipy', 'xarray']
     """
     found = {"python": platform.python_version()}
     return found | {name: version(name) for name in _LIBRARIES}

@@ -48,10 +48,7 @@ def main(folder: str) -> None:
 def _done(question: dict[str, Any], folder: Path) -> dict[str, Any]:
     if "item" in question:
         return do_item(Item(*question["item"]), folder)
-    from nonsmooth.periodic.warmup import warm_up_orbits
-    from nonsmooth.simulation.warmup import warm_up
-
-    return {"seconds": warm_up() + warm_up_orbits()}
+    return {}
 
 
 def _answer(answers: IO[str], told: dict[str, Any]) -> None:

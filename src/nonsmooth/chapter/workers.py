@@ -50,12 +50,12 @@ class Worker:
         said = f"the process that computed it ended with code {self._end()}"
         return {"name": item.name, "kind": item.kind, "state": "fault", "message": said}
 
-    def warm_up(self, stop: threading.Event) -> None:
-        """Load the kernels; where they are not compiled yet, that takes minutes."""
-        if self._ask({"warm": True}, stop) is None:
+    def start(self, stop: threading.Event) -> None:
+        """Start the process and wait until it answers."""
+        if self._ask({"ready": True}, stop) is None:
             raise RunError(
                 "a process that computes could not be started: it ended with code"
-                f" {self._end()}; nonsmooth warmup shows why"
+                f" {self._end()}; `python -m nonsmooth.chapter.worker_main FOLDER` shows why"
             )
 
     def close(self) -> None:
@@ -156,7 +156,7 @@ class Workers:
                 raise Stopped
         try:
             if self._cold:
-                worker.warm_up(stop)
+                worker.start(stop)
                 self._cold = False
         finally:
             self._lock.release()

@@ -86,12 +86,4 @@ app.command()(models)
 app.command()(explain)
 
 
-@app.command()
-def warmup() -> None:
-    """Compile the kernels now, once for this installation."""
-    from nonsmooth.periodic.warmup import warm_up_all
-
-    typer.echo(f"kernels ready after {warm_up_all():.1f} s")
-
-
 app.add_typer(chapter.app, name="chapter")

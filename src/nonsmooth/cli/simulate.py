@@ -141,7 +141,7 @@ def _default_length(system: System, samples_per_period: int) -> dict[str, Any]:
         return {"periods": _PERIODS}
     from nonsmooth.simulation.runner import build_tables
 
-    oscillation = float(build_tables(system).clock[0]) / _OSCILLATIONS
+    oscillation = build_tables(system).window / _OSCILLATIONS
     samples = math.ceil(_LENGTH * samples_per_period)
     return {"times": [k * oscillation * _LENGTH / samples for k in range(samples + 1)]}
 

@@ -1,123 +1,300 @@
-"""Runs side by side: the kernel that Python calls, for one run or for many.
+"""Runs side by side: what they need and write, and the call that runs them.
 
-A lane is a run of its own, with its own state, parameters being those of the tables. Lanes do
-not know of each other, so their order and the number of threads change no digit.
+A lane is a run of its own, with its own state; parameters are those of the tables. Lanes do not
+know of each other, so their order and the number of threads change no digit.
+
+An anchor is the start of a segment: window number, phase, mode, states and the known orders of
+zero. A run that ends in the middle of a segment keeps its anchor, so that going on repeats the very
+same operations and the result does not depend on where a run was cut.
 """
 
 from __future__ import annotations
 
-from typing import Any
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
-from nonsmooth.engine.jit import entry, kernel
-from nonsmooth.engine.layout import Segment, Tables, stack_of_one, tables_at
-from nonsmooth.engine.loop import SAME, run_lane
-from nonsmooth.engine.records import SAMPLES, WINDOW_EVENTS, Anchor, Records
+from nonsmooth.engine.derivatives import Columns, Rates
+from nonsmooth.engine.library import constant, engine
+from nonsmooth.engine.record import Complexes, Floats, Integers, Record, Rows, zeros
 from nonsmooth.engine.status import Status
-from nonsmooth.engine.tangent import Tangent
-from nonsmooth.engine.variation_tables import Columns, Rates
+from nonsmooth.engine.tables import LANES, ORDER, Sizes, Tables
 
-__all__ = ["Lane", "as_lanes", "run", "run_lanes"]
+__all__ = [
+    "ANY",
+    "GOES_ON",
+    "SAME",
+    "Anchor",
+    "Lane",
+    "Records",
+    "Segment",
+    "Tangent",
+    "allocate_anchor",
+    "allocate_columns",
+    "allocate_records",
+    "allocate_segment",
+    "allocate_tangent",
+    "lane_anchors",
+    "lane_records",
+    "run",
+    "run_lanes",
+]
+
+# how a run begins: in the first mode that fits; it goes on; SAME - m enters mode m in any case
+ANY, GOES_ON, SAME = constant("ANY"), constant("GOES_ON"), constant("SAME")
+_TERMS, _MAX_DEGREE = constant("TERMS"), constant("MAX_DEGREE")
+
+
+@dataclass(frozen=True, eq=False)
+class Anchor(Record):
+    """Where a run goes on, or each of some lanes."""
+
+    struct: ClassVar[str] = "Anchors"
+    in_lanes: ClassVar[tuple[str, ...]] = ("place", "state", "order")
+
+    place: Rows  # (): number, mode, phase
+    state: Floats  # (n,)
+    order: Integers  # (e,)
+
+    @property
+    def number(self) -> int:
+        """Window of the one lane."""
+        return int(self.place["number"])
+
+    @property
+    def mode(self) -> int:
+        """Mode of the one lane."""
+        return int(self.place["mode"])
+
+    @property
+    def phase(self) -> float:
+        """Time within the window, of the one lane."""
+        return float(self.place["phase"])
+
+    def move_to(self, instant: tuple[int, float]) -> None:
+        """Put the one lane to an instant, window and phase; the mode stays."""
+        self.place["number"], self.place["phase"] = instant
+
+
+@dataclass(frozen=True, eq=False)
+class Records(Record):
+    """Everything that a run writes, or each of some lanes; they share the times of samples."""
+
+    struct: ClassVar[str] = "RecordsOfLanes"
+    in_lanes: ClassVar[tuple[str, ...]] = (
+        "sample_state", "sample_mode", "events", "event_states", "counters", "end_state", "since",
+    )  # fmt: skip
+
+    sample_number: Integers  # (s,) window of each sample, in order of time
+    sample_phase: Floats  # (s,)
+    sample_state: Floats  # (s, n)
+    sample_mode: Integers  # (s,)
+    events: Rows  # (c,): rows of the log; c = 0 where events are not logged
+    event_states: Floats  # (c, 2, n): before and after each event
+    counters: Rows  # ()
+    end_state: Floats  # (n,)
+    since: Rows  # (): number, phase up to which tangencies are logged
+
+    @property
+    def n_events(self) -> int:
+        """Number of rows in the log of the one lane."""
+        return int(self.counters["events"])
+
+
+@dataclass(frozen=True, eq=False)
+class Segment(Record):
+    """Scratch of one smooth piece; allocated once per run, shared by lanes."""
+
+    struct: ClassVar[str] = "Segment"
+
+    z: Floats
+    spare: Floats
+    origin: Rows
+    now: Rows
+    kept: Rows
+    chain: Complexes
+    chain_noise: Floats
+    order: Integers
+    to_knot: Floats
+    left_out: Integers
+    extent: Floats
+    mark: Floats
+    visited: Integers
+    newton: Floats
+    factors: Rows
+    scan: Rows
+    scale: Floats
+    basis: Floats
+    point: Floats
+    series: Rows
+    doubt: Rows
+    dual: Rows
+
+
+@dataclass(frozen=True, eq=False)
+class Tangent(Record):
+    """Columns of derivatives and their scratch; C columns, none where nothing is carried."""
+
+    struct: ClassVar[str] = "Tangents"
+    in_lanes: ClassVar[tuple[str, ...]] = ("columns", "samples")
+
+    columns: Floats  # (C, N) at the anchor: by each initial state, then by each parameter
+    now: Floats  # (C, N) at the current point
+    shifts: Floats
+    velocity: Floats
+    dual: Rows  # (registers, blocks of C, ORDER + 1) series of the columns of a Taylor step
+    ready: Integers
+    piece: Floats
+    series: Rows
+    samples: Floats  # (s, C, n)
+
 
 # all that a run needs beside its records
 Lane = tuple[Tables, Rates, Columns, Anchor, Segment, Tangent]
 
-_COMPLETED = int(Status.COMPLETED)
-_PAUSED = int(Status.PAUSED)
+
+def allocate_anchor(sizes: Sizes) -> Anchor:
+    """Anchor at time zero."""
+    return Anchor(**zeros(Anchor.struct, place=(), state=(sizes.states,), order=(sizes.exits,)))
 
 
-@entry
+def lane_anchors(
+    sizes: Sizes, number: int | Integers, phase: float | Floats, states: Floats
+) -> Anchor:
+    """Anchors of some lanes, (lanes, n) states, at one instant or each at its own."""
+    count = len(states)
+    made = zeros(Anchor.struct, place=(count,), order=(count, sizes.exits))
+    made["place"]["number"], made["place"]["phase"] = number, phase
+    return Anchor(**made, state=np.array(states, dtype=float))
+
+
+def allocate_records(
+    sizes: Sizes, sample_number: Integers, sample_phase: Floats, capacity: int
+) -> Records:
+    """Buffers for given sample times and a number of events."""
+    return lane_records(sizes, sample_number, sample_phase, capacity, 1).part(0)
+
+
+def lane_records(
+    sizes: Sizes, sample_number: Integers, sample_phase: Floats, capacity: int, count: int
+) -> Records:
+    """The same for some lanes."""
+    n = sizes.states
+    since = zeros(Records.struct, since=(count,))["since"]
+    since["number"] = since["phase"] = -np.inf
+    return Records(
+        sample_number=sample_number,
+        sample_phase=sample_phase,
+        sample_state=np.full((count, sample_number.size, n), np.nan),
+        sample_mode=np.full((count, sample_number.size), -1, np.int64),
+        **zeros(Records.struct, events=(count, capacity), counters=(count,)),
+        event_states=np.zeros((count, capacity, 2, n)),
+        end_state=np.full((count, n), np.nan),
+        since=since,
+    )
+
+
+def allocate_segment(sizes: Sizes, n_rates: int = 0) -> Segment:
+    """Scratch for the sizes of a program, and derivatives by some parameters."""
+    big_n, registers = sizes.augmented, sizes.registers
+    blocks = -(-(big_n + n_rates) // LANES)
+    made = zeros(
+        Segment.struct,
+        z=(big_n,), spare=(big_n,), origin=(big_n,), now=(big_n,), kept=(big_n,),
+        chain=(_MAX_DEGREE + 1, big_n), chain_noise=(_MAX_DEGREE + 1, big_n),
+        order=(sizes.exits,), extent=(big_n,), mark=(big_n,), visited=(sizes.modes,),
+        newton=(3, big_n), factors=(sizes.factors + 1,), scan=(sizes.exits,), scale=(big_n,),
+        basis=(2, big_n, big_n), series=(registers,), doubt=(registers,),
+        dual=(registers, blocks, _TERMS),
+    )  # fmt: skip
+    return Segment(
+        **made, to_knot=np.full(1, np.inf), left_out=np.zeros(1, np.int64), point=np.zeros(1)
+    )
+
+
+def allocate_tangent(sizes: Sizes, n_parameters: int, n_samples: int) -> Tangent:
+    """Room for the columns of all states and some parameters; with -1, for no column at all."""
+    count = 0 if n_parameters < 0 else sizes.states + n_parameters
+    return allocate_columns(sizes, count, n_samples)
+
+
+def allocate_columns(sizes: Sizes, count: int, n_samples: int) -> Tangent:
+    """Room for any number of columns."""
+    big_n = sizes.augmented
+    registers = sizes.registers if count else 0
+    made = zeros(
+        Tangent.struct,
+        columns=(count, big_n), now=(count, big_n), shifts=(count,),
+        velocity=(big_n if count else 0,), dual=(registers, -(-count // LANES), ORDER + 1),
+        piece=(count, big_n), series=(registers,),
+    )  # fmt: skip
+    samples = np.full((n_samples if count else 0, count, sizes.states), np.nan)
+    return Tangent(**made, ready=np.zeros(1, np.int64), samples=samples)
+
+
+@dataclass(frozen=True, eq=False)
+class _Task(Record):
+    struct: ClassVar[str] = "LaneTask"
+
+    modes: Integers
+    first: int
+    end: int
+    end_number: int
+    end_phase: float
+    passed: Integers
+    statuses: Integers
+    tolerance: float
+
+
 def run_lanes(
-    stack, rates, scratch, anchors, segment, tangents, records, modes, first, last,
-    end_number, end_phase, passed, statuses, tolerance,
-):  # fmt: skip
-    """Run the lanes first ... last - 1 to a time, each as `run_lane` does.
+    stack: Tables,
+    rates: Rates,
+    scratch: Columns,
+    anchors: Anchor,
+    segment: Segment,
+    tangents: Tangent,
+    records: Records,
+    modes: Integers,
+    first: int,
+    last: int,
+    end_number: int,
+    end_phase: float,
+    passed: Integers,
+    statuses: Integers,
+    tolerance: float,
+) -> int:
+    """Run the lanes first ... last - 1 to a time given as window number and phase.
 
-    shapes: Anchor, Tangent and Records with the number of lanes in front, but for the sample
-    times of Records and the scratch of Tangent, which all lanes share; modes, statuses (L,).
-    With a stack of several tables a lane passes through periods one after the other, each with
-    its own tables, of which the last one ends at the time given; passed (1 + k,) has the number of
-    periods behind the lane, from where it goes on, and the samples by the end of each.
-    Stops early where a lane is paused, so that Python can look after interruptions.
+    shapes: the records with the number of lanes in front; modes, statuses (lanes,). With a stack of
+    k tables a lane passes through windows one after the other, each with its own tables, of which
+    the last one ends at the time given; passed (1 + k,) has the number of windows behind the lane,
+    from where it goes on, and the samples by the end of each.
+    modes: GOES_ON goes on from the anchor. Others make a start there, with columns of derivatives
+    that begin there too: ANY takes the first mode that fits, a number that one if it does. SAME - m
+    enters mode m after parameters have changed, whether it fits or not, and derivatives go on.
+    statuses: COMPLETED, STOPPED, DIVERGED, UNDECIDED, INADMISSIBLE when no mode fits, NONUNIQUE
+    when cells on both sides of a surface do, EVENT_LIMIT, STEP_LIMIT, SINGULAR, SLIDING,
+    BUFFER_FULL (call again with GOES_ON after emptying the event buffer) or PAUSED (call again)
     returns: the first lane that is not run, or the one that is paused
     """
-    for lane in range(first, last):
-        anchor = Anchor(
-            anchors.place[lane], anchors.phase[lane], anchors.state[lane], anchors.order[lane]
+    task = _Task(modes, first, last, int(end_number), float(end_phase), passed, statuses, tolerance)
+    return int(
+        engine.nonsmooth_run_lanes(
+            stack.pointer, rates.pointer, scratch.pointer, anchors.pointer, segment.pointer,
+            tangents.pointer, records.pointer, task.pointer,
         )
-        tangent = Tangent(
-            tangents.columns[lane], tangents.now, tangents.shifts, tangents.velocity,
-            tangents.dual, tangents.ready, tangents.piece, tangents.series,
-            tangents.samples[lane],
-        )  # fmt: skip
-        record = Records(
-            records.sample_number, records.sample_phase, records.sample_state[lane],
-            records.sample_mode[lane], records.event_integers[lane], records.event_floats[lane],
-            records.cursor[lane], records.end_state[lane], records.since[lane],
-        )  # fmt: skip
-        count = stack.clock.shape[0]
-        for period in range(passed[0], count):
-            left = count - 1 - period
-            statuses[lane] = run_lane(
-                tables_at(stack, period), rates, scratch, anchor, segment, tangent, record,
-                modes[lane], end_number - left, 0.0 if left > 0 else end_phase, tolerance,
-            )  # fmt: skip
-            passed[1 + period] = record.cursor[SAMPLES]
-            if statuses[lane] != _COMPLETED or left == 0:
-                break
-            modes[lane] = _begin_period(anchor, record, end_number - left)
-            passed[0] += 1
-        if statuses[lane] == _PAUSED:
-            return lane
-    return last
-
-
-@kernel
-def _begin_period(anchor, record, number):
-    """Put the anchor where a period begins, and give the mode in which the run enters it."""
-    anchor.place[0], anchor.phase[0] = number, 0.0
-    for i in range(anchor.state.size):
-        anchor.state[i] = record.end_state[i]
-    for e in range(anchor.order.size):
-        anchor.order[e] = 0
-    record.cursor[WINDOW_EVENTS] = 0
-    return SAME - anchor.place[1]
-
-
-_OF_LANES = (
-    "sample_state", "sample_mode", "event_integers", "event_floats", "cursor", "end_state",
-    "since",
-)  # fmt: skip
+    )  # fmt: skip
 
 
 def run(
-    tables: Tables,
-    rates: Rates,
-    scratch: Columns,
-    anchor: Anchor,
-    segment: Segment,
-    tangent: Tangent,
-    records: Records,
-    mode: int,
-    end_number: int,
-    end_phase: float,
-    tolerance: float,
-) -> int:
-    """Run one lane; arguments and status are those of `run_lane`."""
+    lane: Lane, records: Records, mode: int, end: tuple[int, float], tolerance: float
+) -> Status:
+    """Run one lane to an instant; mode and status are those of `run_lanes`."""
+    tables, rates, scratch, anchor, segment, tangent = lane
     modes, passed, statuses = np.array([mode]), np.zeros(2, np.int64), np.empty(1, np.int64)
-    anchors, tangents, lanes = as_lanes(anchor, tangent, records)
     run_lanes(
-        stack_of_one(tables), rates, scratch, anchors, segment, tangents, lanes, modes, 0, 1,
-        end_number, end_phase, passed, statuses, tolerance,
+        tables.as_lanes, rates, scratch, anchor.as_lanes, segment, tangent.as_lanes,
+        records.as_lanes, modes, 0, 1, *end, passed, statuses, tolerance,
     )  # fmt: skip
-    return int(statuses[0])
-
-
-def as_lanes(anchor: Anchor, tangent: Tangent, records: Records) -> tuple[Any, Any, Any]:
-    """What belongs to one lane in the form of lanes, without a copy."""
-    return (
-        Anchor(anchor.place[None], anchor.phase[None], anchor.state[None], anchor.order[None]),
-        tangent._replace(columns=tangent.columns[None], samples=tangent.samples[None]),
-        records._replace(**{name: getattr(records, name)[None] for name in _OF_LANES}),
-    )
+    return Status(int(statuses[0]))

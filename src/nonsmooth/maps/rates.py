@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.engine.layout import Tables
+from nonsmooth.engine.tables import Tables
 from nonsmooth.simulation.clock import Instant
 from nonsmooth.simulation.outputs import Clock, output_values
 from nonsmooth.system.system import System

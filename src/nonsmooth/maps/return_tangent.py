@@ -9,7 +9,6 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from nonsmooth.engine import records as at
 from nonsmooth.engine.status import CURES, Status
 from nonsmooth.errors import RunError
 from nonsmooth.maps.rates import Rates
@@ -149,9 +148,9 @@ class _Path:
 
     def point(self) -> tuple[Floats, int]:
         """State of the point that has been reached, and its mode in the system."""
-        rows, values = self.flow.last_rows
-        state = values[-1, at.EVENT_FLOATS :].reshape(2, -1)[self._side].copy()
-        return state, int(self._rates.origin[rows[-1, (at.FROM, at.TO)[self._side]]])
+        rows, states = self.flow.last_rows
+        mode = rows[("from_mode", "to_mode")[self._side]][-1]
+        return states[-1, self._side].copy(), int(self._rates.origin[mode])
 
     def on_section(self) -> Floats:
         """States of the point, and its time last, by the initial states.
@@ -159,15 +158,14 @@ class _Path:
         shapes: returns (n + 1, n)
         """
         flow = self.flow
-        rows, values = flow.last_rows
-        row, value = rows[-1], values[-1]
+        rows, states = flow.last_rows
+        row, state = rows[-1], states[-1, self._side]
         columns = flow.columns if self._side else flow.columns_before_event
         # the moment of a knot of a signal is known, so nothing shifts it
-        at_knot = self._knots and value[at.GUARD_RATE] == 0.0
+        at_knot = self._knots and row["guard_rate"] == 0.0
         shift = np.zeros(flow.n) if at_knot else -flow.time_shifts
-        state = value[at.EVENT_FLOATS :].reshape(2, -1)[self._side]
-        here = Instant(int(row[at.NUMBER]), float(value[at.PHASE]))
-        rate = self._rates.at(here, int(row[(at.FROM, at.TO)[self._side]]), state)
+        here = Instant(int(row["number"]), float(row["phase"]))
+        rate = self._rates.at(here, int(row[("from_mode", "to_mode")[self._side]]), state)
         return np.vstack([columns.T + np.outer(rate, shift), shift])
 
 

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from nonsmooth.engine.layout import Tables
 from nonsmooth.engine.status import CURES, Status
+from nonsmooth.engine.tables import Tables
 from nonsmooth.maps.section_search import PATIENCE, Search, joined_points
 from nonsmooth.simulation.labels import labels_of
 from nonsmooth.simulation.outputs import Clock, output_values
@@ -53,7 +53,7 @@ def section_dataset(
 def _attributes(
     system: System, tables: Tables, found: Search, protocol: dict[str, Any]
 ) -> dict[str, Any]:
-    end = found.instant.time(float(tables.clock[0]))
+    end = found.instant.time(tables.window)
     attrs = {
         "system_name": system.name,
         "system": labels_of(system).system,

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from nonsmooth.engine.layout import Tables
 from nonsmooth.engine.status import EventKind
+from nonsmooth.engine.tables import Tables
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.maps.section_rows import event_names
 from nonsmooth.maps.section_search import Limits
@@ -73,7 +73,7 @@ def set_limits(
     system: System, tables: Tables, start: Instant, transient: Any, record: int, t_end: Any
 ) -> Limits:
     """From when on points count, and when to end the search."""
-    window = float(tables.clock[0])
+    window = tables.window
     length = finite_number("transient", transient)
     if length < 0.0:
         raise OptionError(f"transient = {length:g} must not be negative")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from nonsmooth.engine.layout import Tables
+from nonsmooth.engine.tables import Tables
 from nonsmooth.errors import ModelError, OptionError, RunWarning
 from nonsmooth.maps.rates import Rates
 from nonsmooth.maps.section_dataset import section_dataset
@@ -53,7 +53,7 @@ def start_on_section(
     system, split = chosen.system, chosen.split
     tables = build_tables(system)
     start = resolve_start(system, tables, initial, t_start, mode, repeated)
-    window = float(tables.clock[0])
+    window = tables.window
     if split is None:
         begin = start
         if _is_at_event(initial):
@@ -62,9 +62,9 @@ def start_on_section(
         pick = BehindStart(events, begin.instant, window)
         return SectionStart(tables, begin, pick, start, tables)
     used = folded_tables(split)
-    begin = _on_either_side(start, split, window, float(used.clock[0]))
+    begin = _on_either_side(start, split, window, used.window)
     crossings = Crossings(split, used, chosen.way)
-    pick = BehindStart(crossings, begin.instant, float(used.clock[0]))
+    pick = BehindStart(crossings, begin.instant, used.window)
     return SectionStart(used, begin, pick, start, tables)
 
 
@@ -89,7 +89,7 @@ def take_points(
     system = chosen.system
     record = whole_number("record", record)
     motion = start_on_section(chosen, initial, mode, t_start, repeated)
-    window = float(motion.given_tables.clock[0])
+    window = motion.given_tables.window
     protocol = chosen.protocol | {
         "transient": float(transient),
         "record": record,
@@ -122,7 +122,7 @@ def just_before(system: System, tables: Tables, start: Start) -> Start:
     """The same motion a little earlier, by less than a point must be behind a start."""
     if start.modes == (-1,):
         return start
-    window = float(tables.clock[0])
+    window = tables.window
     step = 0.1 * AT_ONCE * window
     rates = Rates(system, tables).at(start.instant, start.modes[0], start.state)
     number, phase = start.instant.number, start.instant.phase - step

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.engine import records as at
-from nonsmooth.engine.layout import RESETTING, TARGET, Tables
+from nonsmooth.engine.record import Rows, columns
 from nonsmooth.engine.status import EventKind
-from nonsmooth.engine.transitions import PATH_BITS, PATH_LENGTH
+from nonsmooth.engine.tables import Tables, exits_of_path
 from nonsmooth.maps.section_search import Pick, Points, some_points
 from nonsmooth.simulation.clock import Instant
 from nonsmooth.simulation.labels import labels_of
@@ -23,6 +24,7 @@ Floats = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]
 
 _SMALL = 1e-9  # part of its terms, within which an expression is zero at an event
+_PASSAGE = "from_mode", "to_mode", "path", "passes"  # what tells events apart
 AT_ONCE = 1e-12  # part of a window; a point so soon after a start is the start up to rounding
 _SHIFT = 1e-4  # relative change of a state that tells the size of the terms it stands in
 
@@ -36,58 +38,57 @@ class Crossings:
         self.direction = direction
         self.knots = bool(section.system.signals)
 
-    def __call__(self, rows: Integers, values: Floats) -> tuple[Points, Flags]:
+    def __call__(self, rows: Rows, states: Floats) -> tuple[Points, Flags]:
         """Points among rows of the event log, and which rows are open contacts."""
         section = self.section
-        before, after = rows[:, at.FROM], rows[:, at.TO]
+        before, after = rows["from_mode"], rows["to_mode"]
         way = section.side[after]
-        grazes = rows[:, at.KIND] == EventKind.GRAZE
-        open_ = grazes & (rows[:, at.EXIT] >= 0) & (rows[:, at.EXIT] == section.gate[before])
+        grazes = rows["kind"] == EventKind.GRAZE
+        open_ = grazes & (rows["exit"] >= 0) & (rows["exit"] == section.gate[before])
         crosses = (section.side[before] * way < 0) & ~grazes
-        crosses &= rows[:, at.KIND] != EventKind.START
+        crosses &= rows["kind"] != EventKind.START
         if self.direction:
             crosses &= way == self.direction
         # a jump may lead over the section, as may an input whose rate jumps at a knot
-        doubtful = crosses & (rows[:, at.PASSES] > 1)
-        doubtful |= crosses & self.knots & (values[:, at.GUARD_RATE] == 0.0)
+        doubtful = crosses & (rows["passes"] > 1)
+        doubtful |= crosses & self.knots & (rows["guard_rate"] == 0.0)
         if doubtful.any():
-            crosses[doubtful] = self._go_through(rows[doubtful], values[doubtful])
+            crosses[doubtful] = self._go_through(rows[doubtful], states[doubtful])
         here = np.flatnonzero(crosses)
-        points = _points(rows, values, here, section.origin, way[here])
+        points = _points(rows, states, here, section.origin, way[here])
         # nothing but the side has changed, and behind it the state lies on the section exactly
-        plain = rows[here, at.PASSES] == 1
+        plain = rows["passes"][here] == 1
         points.states[0, plain] = points.states[1, plain]
         return points, open_
 
-    def is_own(self, row: Integers) -> bool:
+    def is_own(self, row: Any) -> bool:
         """Whether a row would not be there without the section."""
-        return bool(row[at.EXIT] >= 0 and row[at.EXIT] == self.section.gate[row[at.FROM]])
+        return bool(row["exit"] >= 0 and row["exit"] == self.section.gate[row["from_mode"]])
 
-    def _go_through(self, rows: Integers, values: Floats) -> Flags:
+    def _go_through(self, rows: Rows, states: Floats) -> Flags:
         """Whether the expression is continuous at events with several exits, or at knots."""
         found = np.zeros(len(rows), bool)
-        at_knot = self.knots & (values[:, at.GUARD_RATE] == 0.0)
-        kinds = np.column_stack([rows[:, [at.FROM, at.TO, at.PATH, at.PASSES]], at_knot])
+        at_knot = self.knots & (rows["guard_rate"] == 0.0)
+        kinds = np.column_stack([columns(rows, *_PASSAGE), at_knot])
         distinct, which = np.unique(kinds, axis=0, return_inverse=True)
         for k in range(len(distinct)):  # events that pass the same exits
             here = np.flatnonzero(which.ravel() == k)
-            found[here] = self._all_go_through(rows[here], values[here], bool(distinct[k, -1]))
+            found[here] = self._all_go_through(rows[here], states[here], bool(distinct[k, -1]))
         return found
 
-    def _all_go_through(self, rows: Integers, values: Floats, at_knot: bool) -> Flags:
+    def _all_go_through(self, rows: Rows, states: Floats, at_knot: bool) -> Flags:
         """The same for events that pass the same exits."""
         row = rows[0]
-        before, after = int(row[at.FROM]), int(row[at.TO])
-        states = values[:, at.EVENT_FLOATS :].reshape(len(rows), 2, -1)
+        before, after = int(row["from_mode"]), int(row["to_mode"])
         if at_knot:
-            return self._vanish(rows, values, after, states[:, 1])
+            return self._vanish(rows, after, states[:, 1])
         read = self._states_read(before) | self._states_read(after)
         if read & self._states_reset(row):
-            return self._vanish(rows, values, before, states[:, 0]) & self._vanish(
-                rows, values, after, states[:, 1]
+            return self._vanish(rows, before, states[:, 0]) & self._vanish(
+                rows, after, states[:, 1]
             )
-        first, one = self._values(rows, values, before, states[:, 1])
-        second, other = self._values(rows, values, after, states[:, 1])
+        first, one = self._values(rows, before, states[:, 1])
+        second, other = self._values(rows, after, states[:, 1])
         same: Flags = np.abs(first - second) <= _SMALL * (one + other)
         return same
 
@@ -98,32 +99,27 @@ class Crossings:
         equation = system.structure.outputs[self.section.value]
         return forms.graph.states_in(forms.resolver.lenient().tree(equation))
 
-    def _states_reset(self, row: Integers) -> set[str]:
+    def _states_reset(self, row: Any) -> set[str]:
         """States that jump at an event."""
-        wiring, mode, path = self.tables.wiring, int(row[at.FROM]), int(row[at.PATH])
-        bits = 0
-        for _ in range(min(int(row[at.PASSES]), PATH_LENGTH)):
-            way = (path & ((1 << PATH_BITS) - 1)) - 1
-            path >>= PATH_BITS
-            bits |= int(wiring[mode, 1 + way, RESETTING])
-            mode = int(wiring[mode, 1 + way, TARGET])
+        wiring, mode, bits = self.tables.wiring, int(row["from_mode"]), 0
+        for way in exits_of_path(int(row["path"]), int(row["passes"])):
+            bits |= int(wiring.exits["resetting"][mode, way])
+            mode = int(wiring.exits["target"][mode, way])
         states = self.section.system.states
         return {state for i, state in enumerate(states) if (bits >> i) & 1}
 
-    def _vanish(self, rows: Integers, values: Floats, mode: int, states: Floats) -> Flags:
-        value, size = self._values(rows, values, mode, states)
+    def _vanish(self, rows: Rows, mode: int, states: Floats) -> Flags:
+        value, size = self._values(rows, mode, states)
         none: Flags = np.abs(value) <= _SMALL * size
         return none
 
-    def _values(
-        self, rows: Integers, values: Floats, mode: int, states: Floats
-    ) -> tuple[Floats, Floats]:
+    def _values(self, rows: Rows, mode: int, states: Floats) -> tuple[Floats, Floats]:
         """Values of the expression at events, and the size of its terms there."""
         count, n = states.shape
         shifts = np.vstack([np.ones(n), 1.0 + _SHIFT * np.eye(n)])
         shifted = (states[:, None] * shifts).reshape(-1, n)
-        number = np.repeat(rows[:, at.NUMBER], n + 1)
-        phase = np.repeat(values[:, at.PHASE], n + 1)
+        number = np.repeat(rows["number"], n + 1)
+        phase = np.repeat(rows["phase"], n + 1)
         system = self.section.system
         clock, modes = Clock(number, phase, self.tables), np.full(number.size, mode)
         found = output_values(system, clock, shifted.T, modes)[self.section.value]
@@ -141,19 +137,19 @@ class NamedEvents:
         self.modes = np.array([name in (m.label, m.parent, m.name) for m in running])
         self.origin = np.arange(len(running))
 
-    def __call__(self, rows: Integers, values: Floats) -> tuple[Points, Flags]:
+    def __call__(self, rows: Rows, states: Floats) -> tuple[Points, Flags]:
         """Points among rows of the event log, and which rows are open contacts."""
-        kinds = rows[:, [at.FROM, at.PATH, at.PASSES, at.TO]]
+        kinds = columns(rows, "from_mode", "path", "passes", "to_mode")
         distinct, which = np.unique(kinds, axis=0, return_inverse=True)
         meant = np.array([self._is_meant(*map(int, kind)) for kind in distinct], bool)
         meant = meant[which.ravel()] if len(rows) else np.zeros(0, bool)
-        meant &= rows[:, at.KIND] != EventKind.START
-        grazes = rows[:, at.KIND] == EventKind.GRAZE
+        meant &= rows["kind"] != EventKind.START
+        grazes = rows["kind"] == EventKind.GRAZE
         here = np.flatnonzero(meant & ~grazes)
         none = np.zeros(here.size, np.int64)
-        return _points(rows, values, here, self.origin, none), meant & grazes
+        return _points(rows, states, here, self.origin, none), meant & grazes
 
-    def is_own(self, row: Integers) -> bool:
+    def is_own(self, row: Any) -> bool:
         """Whether a row would not be there without the section: events always are."""
         return False
 
@@ -168,12 +164,12 @@ class BehindStart:
     def __init__(self, pick: Pick, begin: Instant, window: float, within: float = AT_ONCE) -> None:
         self.pick, self.begin, self.window, self.within = pick, begin, window, within
 
-    def __call__(self, rows: Integers, values: Floats) -> tuple[Points, Flags]:
+    def __call__(self, rows: Rows, states: Floats) -> tuple[Points, Flags]:
         """Points among rows of the event log, and which rows are open contacts."""
-        points, open_ = self.pick(rows, values)
+        points, open_ = self.pick(rows, states)
         return behind_start(points, self.begin, self.window, self.within), open_
 
-    def is_own(self, row: Integers) -> bool:
+    def is_own(self, row: Any) -> bool:
         """Whether a row would not be there without the section."""
         return self.pick.is_own(row)
 
@@ -199,16 +195,15 @@ def event_names(system: System) -> set[str]:
 
 
 def _points(
-    rows: Integers, values: Floats, here: Integers, origin: Integers, direction: Integers
+    rows: Rows, states: Floats, here: Integers, origin: Integers, direction: Integers
 ) -> Points:
-    rows, values = rows[here], values[here]
-    n = (values.shape[1] - at.EVENT_FLOATS) // 2
+    rows = rows[here]
     return Points(
         here,
-        rows[:, at.NUMBER].copy(),
-        values[:, at.PHASE].copy(),
-        origin[rows[:, [at.FROM, at.TO]].T],
-        values[:, at.EVENT_FLOATS :].reshape(here.size, 2, n).transpose(1, 0, 2).copy(),
+        rows["number"].copy(),
+        rows["phase"].copy(),
+        origin[columns(rows, "from_mode", "to_mode").T],
+        states[here].transpose(1, 0, 2).copy(),
         direction.copy(),
-        rows[:, at.IS_CERTIFIED].astype(bool),
+        rows["is_certified"].astype(bool),
     )

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import threading
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.engine import records as at
-from nonsmooth.engine.loop import ANY, GOES_ON, SAME
+from nonsmooth.engine.lanes import ANY, GOES_ON, SAME
+from nonsmooth.engine.record import Rows, dtype_of
 from nonsmooth.engine.status import EventKind, Status
 from nonsmooth.maps.return_tangent import images_of_point
 from nonsmooth.maps.section_points import SectionStart, just_before
@@ -49,7 +49,7 @@ class _Way:
     begin: Instant
     here: Instant
     points: Points
-    rows: Integers  # of the event log since the last point that was asked for
+    rows: Rows  # of the event log since the last point that was asked for
     values: Floats
     size: Floats  # (n,): largest states at some instants
     first_modes: list[int]  # still to be tried at the start, in modes of the engine's system
@@ -125,8 +125,8 @@ class SectionRunner:
         first = np.array([candidates.pop(0) for candidates in wanted], np.int64)
         ways = [
             _Way(
-                begin, begin, joined_points([], n), np.zeros((0, at.EVENT_INTEGERS), np.int64),
-                np.zeros((0, at.EVENT_FLOATS + 2 * n)), np.zeros(n), candidates,
+                begin, begin, joined_points([], n), np.zeros(0, dtype_of("EventRow")),
+                np.zeros((0, 2, n)), np.zeros(n), candidates,
             )
             for candidates in wanted
         ]  # fmt: skip
@@ -184,21 +184,21 @@ class SectionRunner:
         lanes = self.start(state[None], np.array([SAME - mode]))
         points, rows, _ = self.take(lanes, 0, count)
         passed = rows[: int(points.row[-1])] if points.row.size else rows
-        entered = passed[self.is_event(passed), at.TO]
+        entered = passed["to_mode"][self.is_event(passed)]
         if self._at_events and entered.size:  # the event at which the point lies comes first
             mode, entered = int(entered[0]), entered[1:]
         modes = np.array([mode, *self.origin[entered]])
         return word_of_modes(self.chosen.system, modes)
 
-    def is_event(self, rows: Integers) -> npt.NDArray[np.bool_]:
+    def is_event(self, rows: Rows) -> npt.NDArray[np.bool_]:
         """Which rows of the log are events of the system, not only crossings of the section."""
-        own = np.array([row[at.PASSES] == 1 and self.pick.is_own(row) for row in rows], bool)
-        found: npt.NDArray[np.bool_] = ~own & (rows[:, at.KIND] != EventKind.GRAZE)
+        own = np.array([row["passes"] == 1 and self.pick.is_own(row) for row in rows], bool)
+        found: npt.NDArray[np.bool_] = ~own & (rows["kind"] != EventKind.GRAZE)
         return found
 
     def take(
         self, lanes: SectionLanes, i: int, count: int, stop: threading.Event | None = None
-    ) -> tuple[Points, Integers, Floats]:
+    ) -> tuple[Points, Rows, Floats]:
         """Next images of lane i, fewer where it ends, and the event log up to the last of them."""
         way, wanted = lanes.ways[i], count * self.chosen.every
         while way.points.number.size < wanted and lanes.lanes.status[i] == Status.COMPLETED:
@@ -256,7 +256,7 @@ class SectionRunner:
         if lanes.status[i] == Status.INADMISSIBLE and not len(rows) and way.first_modes:
             lanes.status[i], lanes.mode[i] = Status.COMPLETED, way.first_modes.pop(0)
             return
-        if mode != GOES_ON and len(rows) and _at_start(rows[0], values[0], way.here):
+        if mode != GOES_ON and len(rows) and _at_start(rows[0], way.here):
             rows, values = rows[1:], values[1:]  # what happens at the start is no crossing
         points, _ = self.pick(rows, values)
         points = behind_start(points, way.begin, window)
@@ -286,7 +286,7 @@ def _looks(begin: Instant, length: int, window: float) -> tuple[Integers, Floats
     return numbers + over, np.where(over, phases - window, phases)
 
 
-def _at_start(row: Integers, values: Floats, begin: Instant) -> bool:
+def _at_start(row: Any, begin: Instant) -> bool:
     """Whether a row of the log tells of the start itself."""
-    same = (int(row[at.NUMBER]), float(values[at.PHASE])) == begin
-    return bool(row[at.KIND] == EventKind.START or same)
+    same = (int(row["number"]), float(row["phase"])) == begin
+    return bool(row["kind"] == EventKind.START or same)

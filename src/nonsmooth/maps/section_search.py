@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.engine import records as at
-from nonsmooth.engine.layout import Tables
+from nonsmooth.engine.record import Rows
 from nonsmooth.engine.status import Status
+from nonsmooth.engine.tables import Tables
 from nonsmooth.simulation.clock import Instant, Plan
 from nonsmooth.simulation.progress import Progress
 from nonsmooth.simulation.runner import NoMode, Outcome, run_plan
@@ -83,11 +83,11 @@ class Pick(Protocol):
     """Finds points in rows of the event log."""
 
     def __call__(
-        self, rows: npt.NDArray[np.int64], values: npt.NDArray[np.float64]
+        self, rows: Rows, states: npt.NDArray[np.float64]
     ) -> tuple[Points, npt.NDArray[np.bool_]]:
         """Points, and which rows are contacts with the section that rounding leaves open."""
 
-    def is_own(self, row: npt.NDArray[np.int64]) -> bool:
+    def is_own(self, row: Any) -> bool:
         """Whether a row would not be there without the section."""
 
 
@@ -124,20 +124,20 @@ def search(tables: Tables, start: Start, limits: Limits, tolerance: float, pick:
 
 def _take(found: Search, outcome: Outcome, record: int, pick: Pick) -> int:
     """Add the points of a part, and what is doubtful until the last one; returns their number."""
-    rows = outcome.event_integers[1:]
-    points, grazes = pick(rows, outcome.event_floats[1:])
+    rows = outcome.events[1:]
+    points, grazes = pick(rows, outcome.event_states[1:])
     wanted = record - found.n_points
     found.status, found.instant = outcome.status, outcome.end
     if points.number.size < wanted:
         found.n_uncertain += outcome.n_uncertain
         if outcome.status in _STUCK and len(rows):
-            found.at_rest = pick.is_own(rows[-1]) and not rows[-1, at.IS_CERTIFIED]
+            found.at_rest = pick.is_own(rows[-1]) and not rows["is_certified"][-1]
     else:  # what lies behind the last point is not looked at, however far the part went
         points = some_points(points, slice(wanted))
         last = int(points.row[-1]) + 1
         found.status = Status.COMPLETED
         found.instant = Instant(int(points.number[-1]), float(points.phase[-1]))
-        found.n_uncertain += int(np.sum(rows[:last, at.IS_CERTIFIED] == 0))
+        found.n_uncertain += int(np.sum(rows["is_certified"][:last] == 0))
         grazes = grazes[:last]
     found.parts.append(points)
     found.n_points += points.number.size

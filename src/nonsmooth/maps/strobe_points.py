@@ -87,7 +87,7 @@ def strobe_tangent(chosen: StroboscopicMap, wanted: Wanted) -> xr.DataArray:
 def _run(chosen: StroboscopicMap, wanted: Wanted, *, derivatives: bool) -> Outcome:
     system = chosen.system
     tables = build_tables(system)
-    window = float(tables.clock[0])
+    window = tables.window
     start = resolve_start(
         system, tables, wanted.initial, wanted.t_start, wanted.mode, wanted.repeated
     )

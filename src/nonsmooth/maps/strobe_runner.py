@@ -8,8 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.engine import records as at
-from nonsmooth.engine.loop import ANY, SAME
+from nonsmooth.engine.lanes import ANY, SAME
 from nonsmooth.engine.status import EventKind, Status
 from nonsmooth.simulation.clock import Instant, Plan
 from nonsmooth.simulation.lane_runner import LaneRunner, Lanes
@@ -142,8 +141,8 @@ class StrobeRunner:
         last = self._instants(count, 1)[0]
         numbers, phases = np.array([last.number], np.int64), np.array([last.phase])
         _, _, rows, _ = self._runner.record(lanes, 0, numbers, phases)
-        passed = rows[rows[:, at.KIND] != EventKind.GRAZE]
-        return word_of_modes(self.system, np.array([mode, *passed[:, at.TO]]))
+        passed = rows[rows["kind"] != EventKind.GRAZE]
+        return word_of_modes(self.system, np.array([mode, *passed["to_mode"]]))
 
     def _instants(self, first: int, count: int) -> list[Instant]:
         """Instants of some iterates; the start is iterate 0."""

@@ -270,7 +270,7 @@ class StroboscopicMap:
     def hides_phase(self) -> bool:
         """Whether points meet the forcing at different phases, which their states do not tell."""
         tables = build_tables(self.system)
-        length = float(tables.clock[0]) if self.length is None else self.length
+        length = tables.window if self.length is None else self.length
         return hides_phase(tables, length * self.every)
 
     @property

@@ -14,14 +14,18 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.engine import records as at
-from nonsmooth.engine.lanes import run_lanes
-from nonsmooth.engine.layout import allocate_segment, stack_of_one
-from nonsmooth.engine.loop import GOES_ON
-from nonsmooth.engine.records import Anchor, Records
+from nonsmooth.engine.derivatives import no_rates, no_scratch
+from nonsmooth.engine.lanes import (
+    GOES_ON,
+    Anchor,
+    Records,
+    allocate_segment,
+    allocate_tangent,
+    lane_anchors,
+    lane_records,
+    run_lanes,
+)
 from nonsmooth.engine.status import EventKind, Status
-from nonsmooth.engine.tangent import allocate_tangent
-from nonsmooth.engine.variation_tables import no_columns, no_rates
 from nonsmooth.periodic.equations import OrbitEquations, Turn
 from nonsmooth.periodic.legs import LegError, Legs
 from nonsmooth.periodic.word import Word, path_of_bits
@@ -110,7 +114,7 @@ def _check_without_events(equations: OrbitEquations, turn: Turn, tolerance: floa
     end = float(turn.instants[-1])
     _run(equations.legs, lanes, equations.word.mode_array.copy(), end, tolerance)
     row = _first_event(lanes, 0)
-    begins = lanes.records.event_integers[0, 0, at.PASSES] > 0
+    begins = lanes.records.events["passes"][0, 0] > 0
     if lanes.status[0] == Status.COMPLETED and row < 0 and not begins:
         return Admissibility(True)
     return _instead(equations, lanes, 0, 0, row)
@@ -138,25 +142,10 @@ def _middles(equations: OrbitEquations, turn: Turn, instants: Floats) -> Floats:
 def _start(legs: Legs, states: Floats, instants: Floats, rows: int) -> _Lanes:
     """Lanes that begin at some states, with rows in their logs; one is that of the start."""
     count, sizes = len(states), legs.tables.sizes
-    n, window = legs.n, legs.window
+    window = legs.window
     number = np.floor(instants / window).astype(np.int64)
-    anchors = Anchor(
-        np.stack([number, np.zeros(count, np.int64)], axis=1),
-        (instants - number * window)[:, None],
-        np.array(states),
-        np.zeros((count, int(sizes[5])), np.int64),
-    )
-    records = Records(
-        sample_number=np.zeros(0, np.int64),
-        sample_phase=np.zeros(0),
-        sample_state=np.zeros((count, 0, n)),
-        sample_mode=np.zeros((count, 0), np.int64),
-        event_integers=np.zeros((count, rows, at.EVENT_INTEGERS), np.int64),
-        event_floats=np.zeros((count, rows, at.EVENT_FLOATS + 2 * n)),
-        cursor=np.zeros((count, at.CURSOR), np.int64),
-        end_state=np.full((count, n), np.nan),
-        since=np.full((count, 2), -np.inf),
-    )
+    anchors = lane_anchors(sizes, number, instants - number * window, states)
+    records = lane_records(sizes, np.zeros(0, np.int64), np.zeros(0), rows, count)
     return _Lanes(anchors, records, np.zeros(count, np.int64))
 
 
@@ -168,7 +157,7 @@ def _behind(legs: Legs, lanes: _Lanes, turn: Turn) -> _Lanes:
     count = len(lanes.status)
     following = np.arange(1, count + 1) % len(turn.states)
     new = _start(legs, turn.states[following], turn.instants[1 : 1 + count], _ROWS)
-    new.anchors.place[:, 1] = lanes.anchors.place[:, 1]
+    new.anchors.place["mode"] = lanes.anchors.place["mode"]
     new.anchors.order[:] = lanes.anchors.order
     return new
 
@@ -182,14 +171,14 @@ def _run(legs: Legs, lanes: _Lanes, how: Integers, end: float, tolerance: float)
     number = int(np.floor(end / window))
     tangent = allocate_tangent(sizes, -1, 0)
     count = len(lanes.status)
-    tangent = tangent._replace(
+    tangent = tangent.replace(
         columns=np.zeros((count, *tangent.columns.shape)),
         samples=np.zeros((count, *tangent.samples.shape)),
     )
     first, passed = 0, np.zeros(2, np.int64)
     while first < count:
         first = run_lanes(
-            stack_of_one(legs.tables), no_rates(), no_columns(), lanes.anchors,
+            legs.tables.as_lanes, no_rates(), no_scratch(), lanes.anchors,
             allocate_segment(sizes), tangent, lanes.records, how, first, count, number,
             end - number * window, passed, lanes.status, tolerance,
         )  # fmt: skip
@@ -203,21 +192,21 @@ def _all_agree(
 ) -> bool:  # fmt: skip
     """Whether every lane has passed the event that ends its leg, in that row, and no other."""
     records = lanes.records
-    rows = records.event_integers[:, row]
-    times = rows[:, at.NUMBER] * equations.legs.window + records.event_floats[:, row, at.PHASE]
+    rows = records.events[:, row]
+    times = rows["number"] * equations.legs.window + records.events["phase"][:, row]
     paths = equations.word.path_bits[legs]
     return bool(
-        np.all(records.cursor[:, at.EVENTS] == row + 1)
-        and np.all(rows[:, at.KIND] != EventKind.GRAZE)
-        and np.all(rows[:, at.PATH] == paths)
+        np.all(records.counters["events"] == row + 1)
+        and np.all(rows["kind"] != EventKind.GRAZE)
+        and np.all(rows["path"] == paths)
         and np.all(np.abs(times - expected) <= allowed[: len(times)])
     )
 
 
 def _first_event(lanes: _Lanes, j: int) -> int:
     """Row of the first event of a lane that is no tangency, -1 where there is none."""
-    count = int(lanes.records.cursor[j, at.EVENTS])
-    kinds = lanes.records.event_integers[j, :count, at.KIND]
+    count = int(lanes.records.counters["events"][j])
+    kinds = lanes.records.events["kind"][j, :count]
     rows = np.flatnonzero((kinds != EventKind.GRAZE) & (kinds != EventKind.START))
     return int(rows[0]) if rows.size else -1
 
@@ -228,8 +217,8 @@ def _compare(
     """Whether the first event of lane j is the one that ends leg k, at the expected instant."""
     word, row = equations.word, _first_event(lanes, j)
     if row >= 0:
-        integers = lanes.records.event_integers[j, row]
-        path = path_of_bits(int(integers[at.PATH]), int(integers[at.PASSES]))
+        event = lanes.records.events[j, row]
+        path = path_of_bits(int(event["path"]), int(event["passes"]))
         instant = _instant(equations, lanes, j, row)
         if path == word.paths[k] and abs(instant - expected) <= allowed:
             return Admissibility(True)
@@ -245,19 +234,19 @@ def _instead(equations: OrbitEquations, lanes: _Lanes, j: int, k: int, row: int)
         if status == Status.INADMISSIBLE:
             return Admissibility(False, f"{where} runs where a guard of its mode is negative", k)
         return Admissibility(False, f"in {where} the exit does not fire: {status.word}", k)
-    integers = lanes.records.event_integers[j, row]
-    path = path_of_bits(int(integers[at.PATH]), int(integers[at.PASSES])) or ()
+    event = lanes.records.events[j, row]
+    path = path_of_bits(int(event["path"]), int(event["passes"])) or ()
     instant = _instant(equations, lanes, j, row)
     words = labels_of(system).path(
-        int(integers[at.FROM]), int(integers[at.PATH]), int(integers[at.PASSES])
+        int(event["from_mode"]), int(event["path"]), int(event["passes"])
     )
     reason = f"in {where} the motion leaves by {words!r} at t = {instant:.9g}"
     return Admissibility(False, reason, k, path, instant)
 
 
 def _instant(equations: OrbitEquations, lanes: _Lanes, j: int, row: int) -> float:
-    number = lanes.records.event_integers[j, row, at.NUMBER]
-    return float(number * equations.legs.window + lanes.records.event_floats[j, row, at.PHASE])
+    number = lanes.records.events["number"][j, row]
+    return float(number * equations.legs.window + lanes.records.events["phase"][j, row])
 
 
 def _name(equations: OrbitEquations, k: int) -> str:

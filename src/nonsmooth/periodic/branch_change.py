@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 
 from nonsmooth.continuation.point import Point
-from nonsmooth.engine import layout as at
 from nonsmooth.periodic.admissibility import Admissibility
 from nonsmooth.periodic.branch_part import BranchPart, Followed, kind_of, part_of
 from nonsmooth.periodic.branch_start import begin_change
@@ -201,7 +200,7 @@ def _is_held(stretch: Stretch, name: str) -> bool:
         return False
     word, k = stretch.equations.word, int(numbers[0])
     e = int(numbers[1]) if kind == "graze" else word.paths[k][0]
-    return int(stretch.legs.tables.wiring[word.modes[k], 1 + e, at.ONTO]) == e
+    return int(stretch.legs.tables.wiring.exits["onto"][word.modes[k], e]) == e
 
 
 def broken_test(looked: Looked) -> str:

@@ -18,8 +18,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.engine import layout as at
-from nonsmooth.engine.legs import LegResults
+from nonsmooth.engine.orbits import LegResults
+from nonsmooth.engine.tables import Wiring
 from nonsmooth.periodic.admissibility import Admissibility, check_admissible
 from nonsmooth.periodic.change import kind_of_excursion
 from nonsmooth.periodic.entry_guards import EntryGuards
@@ -65,7 +65,7 @@ class Looked:
     other: tuple[OrbitEquations, Floats] | None = None  # with the rebounds that the engine follows
 
 
-def is_graze(word: Word, wiring: npt.NDArray[np.int64], k: int) -> bool:
+def is_graze(word: Word, wiring: Wiring, k: int) -> bool:
     """Whether leg k is an excursion out of a mode and back into it, that nothing remains of.
 
     The first leg of a driven orbit is one together with the last, which the section cuts off.
@@ -75,26 +75,24 @@ def is_graze(word: Word, wiring: npt.NDArray[np.int64], k: int) -> bool:
         return False
     before, path = word.modes[last % len(word)], word.paths[last % len(word)]
     resets = any(
-        wiring[m, 1 + e, at.RESETTING] & ~wiring[m, 0, at.SLAVED]
+        wiring.exits["resetting"][m, e] & ~wiring.modes["slaved"][m]
         for m, e in _passed(wiring, before, path + word.paths[k])
     )
     return not resets and word.last_target(wiring, k) == before
 
 
-def _shortest(wiring: npt.NDArray[np.int64], mode: int, k: int, word: Word) -> float:
+def _shortest(wiring: Wiring, mode: int, k: int, word: Word) -> float:
     """Part of the turn below which leg k counts as an excursion that is about to vanish."""
     last = k - 2 if k == 0 and not word.closes_at_event and len(word) > 2 else k - 1
     kind = kind_of_excursion(wiring, word.modes[last % len(word)], mode)
     return _SHORT_OF_SLIDE if kind == "adding_sliding" else _SHORT
 
 
-def _passed(
-    wiring: npt.NDArray[np.int64], mode: int, path: tuple[int, ...]
-) -> Iterator[tuple[int, int]]:
+def _passed(wiring: Wiring, mode: int, path: tuple[int, ...]) -> Iterator[tuple[int, int]]:
     """Modes and the exits passed in them."""
     for e in path:
         yield mode, e
-        mode = int(wiring[mode, 1 + e, at.TARGET])
+        mode = int(wiring.exits["target"][mode, e])
 
 
 class BranchTests:

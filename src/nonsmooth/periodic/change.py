@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.engine import layout as at
+from nonsmooth.engine.tables import SLIDES, Wiring
 from nonsmooth.periodic.guess import Guess
 from nonsmooth.periodic.onto import kind_of_mode, modes_along
 
@@ -27,31 +27,31 @@ class Change:
     duration: float = 0.0
 
 
-def kind_of_excursion(wiring: Integers, mode: int, away: int) -> str:
+def kind_of_excursion(wiring: Wiring, mode: int, away: int) -> str:
     """What it is called where an excursion out of a mode and back into it begins.
 
     Names are those of M. di Bernardo, C. Budd, A. Champneys and P. Kowalczyk, Piecewise-smooth
     Dynamical Systems, 2008: a guard that is touched is a tangency of the field beside a surface,
     or, while motion slides, one at which it would leave.
     """
-    if kind_of_mode(wiring, away) == at.SLIDES and kind_of_mode(wiring, mode) != at.SLIDES:
+    if kind_of_mode(wiring, away) == SLIDES and kind_of_mode(wiring, mode) != SLIDES:
         return "grazing_sliding"
-    if kind_of_mode(wiring, mode) == at.SLIDES and kind_of_mode(wiring, away) != at.SLIDES:
+    if kind_of_mode(wiring, mode) == SLIDES and kind_of_mode(wiring, away) != SLIDES:
         return "adding_sliding"
     return "grazing"
 
 
 def kind_of_leg(
-    wiring: Integers, before: int, path: tuple[int, ...], mode: int, behind: tuple[int, ...]
+    wiring: Wiring, before: int, path: tuple[int, ...], mode: int, behind: tuple[int, ...]
 ) -> str:
     """What it is called where a leg between two events vanishes; "" where it has no name.
 
     ``path`` leads from the mode before to that of the leg, ``behind`` away from it.
     """
-    free = wiring[before, 0, at.SLAVED]  # states that follow from what the mode before rests on
+    free = wiring.modes["slaved"][before]  # states that follow from what the mode before rests on
     after = modes_along(wiring, mode, behind)[-1]
-    slides = [kind_of_mode(wiring, m) == at.SLIDES for m in (before, mode, after)]
-    same = wiring[after, 0, at.SLAVED] == free
+    slides = [kind_of_mode(wiring, m) == SLIDES for m in (before, mode, after)]
+    same = wiring.modes["slaved"][after] == free
     if slides == [False, True, False] and same and after != before:
         return "crossing_sliding"
     if (

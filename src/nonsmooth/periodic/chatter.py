@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.engine import layout as at
+from nonsmooth.engine.tables import Wiring
 from nonsmooth.periodic.onto import is_onto
 
 __all__ = ["chatters", "collapsed"]
@@ -20,14 +20,14 @@ Integers = npt.NDArray[np.int64]
 Path = tuple[int, ...]
 
 
-def chatters(modes: Sequence[int], paths: Sequence[Path], wiring: Integers) -> list[list[int]]:
+def chatters(modes: Sequence[int], paths: Sequence[Path], wiring: Wiring) -> list[list[int]]:
     """Legs that end with the impacts of each chatter, in order; the last one ends in rest."""
     return [
         _up_to(modes, paths, k)
         for k, path in enumerate(paths)
         if len(path) == 2
-        and wiring[modes[k], 1 + path[0], at.RESETTING] != 0
-        and int(wiring[modes[k], 1 + path[0], at.TARGET]) == modes[k]
+        and wiring.exits["resetting"][modes[k], path[0]] != 0
+        and int(wiring.exits["target"][modes[k], path[0]]) == modes[k]
         and is_onto(wiring, modes[k], path[1])
     ]
 
@@ -47,7 +47,7 @@ def _up_to(modes: Sequence[int], paths: Sequence[Path], last: int) -> list[int]:
 
 
 def collapsed(
-    modes: Sequence[int], paths: Sequence[Path], wiring: Integers
+    modes: Sequence[int], paths: Sequence[Path], wiring: Wiring
 ) -> tuple[tuple[int, ...], tuple[Path, ...]]:
     """Modes and paths of a word as if the first impact of each chatter ended in rest."""
     gone: set[int] = set()

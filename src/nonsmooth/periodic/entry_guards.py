@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.engine import layout as at
+from nonsmooth.engine.tables import Wiring
 from nonsmooth.periodic.equations import OrbitEquations, Turn
 from nonsmooth.periodic.onto import is_onto, modes_along
 from nonsmooth.periodic.word import Word
@@ -47,7 +47,7 @@ class EntryGuards:
         }
 
 
-def _enters(wiring: Integers, mode: int, path: tuple[int, ...]) -> bool:
+def _enters(wiring: Wiring, mode: int, path: tuple[int, ...]) -> bool:
     """Whether a path ends on a surface that it was not on before."""
     last = modes_along(wiring, mode, path)[-2]
-    return is_onto(wiring, last, path[-1]) or int(wiring[last, 1 + path[-1], at.ONTO]) == path[-1]
+    return is_onto(wiring, last, path[-1]) or int(wiring.exits["onto"][last, path[-1]]) == path[-1]

@@ -14,8 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.engine.closure import close_legs
-from nonsmooth.engine.legs import LegResults
+from nonsmooth.engine.orbits import Closing, LegResults, close_legs
 from nonsmooth.periodic.legs import Legs
 from nonsmooth.periodic.word import Word
 
@@ -105,11 +104,12 @@ class OrbitEquations:
         residual, jacobian = np.empty(size), np.empty((size, size))
         moved = np.empty((size, n_rates))
         rates = self.legs.period_rates
-        close_legs(
-            found, turn.states, self.n_instants, not self.autonomous, self.phase * rates,
-            (self.phase + self.period) * rates, self.drifting, self.origin, residual, jacobian,
-            moved,
+        closing = Closing(
+            turn.states, self.n_instants, not self.autonomous, self.phase * rates,
+            (self.phase + self.period) * rates, self.drifting, np.ascontiguousarray(self.origin),
+            residual, jacobian, moved,
         )  # fmt: skip
+        close_legs(found, closing)
         if not self.autonomous and self.word.n_events == 0:
             self._keep_at_rest(turn, residual, jacobian, moved)
         if self.autonomous and not self.word.closes_at_event:

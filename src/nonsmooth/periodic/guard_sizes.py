@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.engine import layout as at
-from nonsmooth.engine.legs import LegResults
+from nonsmooth.engine.orbits import LegResults
+from nonsmooth.engine.tables import DERIVATIVES
 from nonsmooth.periodic.equations import OrbitEquations, Turn
 from nonsmooth.periodic.legs import LegError
 from nonsmooth.periodic.word import Word
@@ -36,11 +36,11 @@ def guard_sizes(
 ) -> GuardSizes:
     """Sizes for states of a given size and legs that are passed."""
     tables, n = equations.legs.tables, equations.legs.n
-    guards = at.DERIVATIVES * int(tables.sizes[5])
-    rows = np.abs(tables.affine[equations.word.mode_array, : guards : at.DERIVATIVES])
+    guards = DERIVATIVES * tables.sizes.exits
+    rows = np.abs(tables.affine[equations.word.mode_array, :guards:DERIVATIVES])
     sizes = rows[:, :, :n] @ largest
     # with 1 and the harmonics; an orbit has no powers of time, and signals count for nothing
-    first, last = n + 1 + int(tables.sizes[1]), at.first_of_signals(tables.sizes)
+    first, last = n + 1 + tables.sizes.powers, tables.sizes.first_of_signals
     terms = sizes + rows[:, :, n] + rows[:, :, first:last].sum(axis=2)
     rate = np.einsum("kgi,ki->kg", rows[:, :, :n], np.abs(found.end_rates))
     late = float(np.abs(turn.instants).max())

@@ -7,9 +7,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.engine import records as at
-from nonsmooth.engine.layout import Tables
 from nonsmooth.engine.status import CURES, EventKind, Status
+from nonsmooth.engine.tables import Tables
 from nonsmooth.errors import RunError
 from nonsmooth.periodic.equations import Turn
 from nonsmooth.periodic.word import Word, path_of_bits
@@ -67,7 +66,7 @@ def _stretch(
 ) -> Guess:  # fmt: skip
     """Legs of a motion, wherever they end."""
     tables = build_tables(system)
-    window = float(tables.clock[0])
+    window = tables.window
     start = resolve_start(system, tables, initial, None, mode, False)
     if start.anchor is not None:
         start = start_at_end(start)
@@ -120,25 +119,24 @@ def _closed(guess: Guess) -> Guess | None:
 def legs_of_outcome(system: System, outcome: Outcome, begin: Instant, end: Instant) -> Guess:
     """Legs of a run between two of its samples, the last two; times count from window zero."""
     window = outcome.window
-    rows, values = outcome.event_integers, outcome.event_floats
-    times = (rows[:, at.NUMBER] - begin.number) * window + (values[:, at.PHASE] - begin.phase)
+    rows, after = outcome.events, outcome.event_states[:, 1]
+    times = (rows["number"] - begin.number) * window + (rows["phase"] - begin.phase)
     inside = (times > 0.0) & (times < (end.number - begin.number) * window)
-    inside &= ~np.isin(rows[:, at.KIND], (EventKind.GRAZE, EventKind.START))
-    n = len(system.states)
+    inside &= ~np.isin(rows["kind"], (EventKind.GRAZE, EventKind.START))
     records = outcome.records
     modes, paths = [int(records.sample_mode[-2])], []
     states = [np.array(records.sample_state[-2])]
-    for row, value in zip(rows[inside], values[inside], strict=True):
-        path = path_of_bits(int(row[at.PATH]), int(row[at.PASSES]))
+    for row, state in zip(rows[inside], after[inside], strict=True):
+        path = path_of_bits(int(row["path"]), int(row["passes"]))
         if path is None:
             raise RunError(
                 f"{system.name}: more exits are passed at one instant than an orbit can hold",
                 status=Status.EVENT_LIMIT.word,
-                time=float(value[at.PHASE]),
+                time=float(row["phase"]),
             )
         paths.append(path)
-        modes.append(int(row[at.TO]))
-        states.append(value[at.EVENT_FLOATS + n :].copy())
+        modes.append(int(row["to_mode"]))
+        states.append(state.copy())
     paths.append(())
     instants = np.concatenate([[0.0], times[inside], [(end.number - begin.number) * window]])
     return Guess(Word(tuple(modes), tuple(paths)), Turn(np.array(states), instants + begin.phase))

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.engine import records as at
+from nonsmooth.engine.record import columns
 from nonsmooth.engine.status import EventKind
 from nonsmooth.periodic.equations import Turn
 from nonsmooth.periodic.guess import Guess, run_for_guess
@@ -46,7 +46,7 @@ def cycle_guesses(
     drifting = np.array([name in system.drift_states for name in system.states])
     for finer in _FINER:
         samples, final = _SAMPLES * finer, finer == _FINER[-1]
-        plan, step = _plan(float(tables.clock[0]), samples, period, begin, start, transient)
+        plan, step = _plan(tables.window, samples, period, begin, start, transient)
         outcome = run_for_guess(system, tables, start, plan, tolerance)
         found = _between_events(system, outcome, begin, drifting, period, final)
         found = found or _around(outcome, drifting, period, step, final)
@@ -82,17 +82,14 @@ def _between_events(
     final: bool,
 ) -> Guess | None:  # fmt: skip
     """From an event to a return of the same kind, the first that is near; at last the nearest."""
-    n, window = len(system.states), outcome.window
-    rows, values = outcome.event_integers, outcome.event_floats
-    keep = (rows[:, at.NUMBER] >= begin) & ~np.isin(
-        rows[:, at.KIND], (EventKind.GRAZE, EventKind.START)
-    )
-    rows, values = rows[keep][:_MOST_EVENTS], values[keep][:_MOST_EVENTS]
+    window, rows = outcome.window, outcome.events
+    keep = (rows["number"] >= begin) & ~np.isin(rows["kind"], (EventKind.GRAZE, EventKind.START))
+    rows, states = rows[keep][:_MOST_EVENTS], outcome.event_states[keep, 1][:_MOST_EVENTS]
     if len(rows) < 2:
         return None
-    states = values[:, at.EVENT_FLOATS + n :]
-    times = (rows[:, at.NUMBER] - begin) * window + values[:, at.PHASE]
-    same = np.all(rows[:, [at.FROM, at.PATH, at.TO]] == rows[0, [at.FROM, at.PATH, at.TO]], axis=1)
+    times = (rows["number"] - begin) * window + rows["phase"]
+    kinds = columns(rows, "from_mode", "path", "to_mode")
+    same = np.all(kinds == kinds[0], axis=1)
     samples = np.where(drifting, 0.0, outcome.records.sample_state)
     spread = np.maximum(np.ptp(samples, axis=0), 1e-12)
     apart = np.where(drifting, 0.0, np.abs(states - states[0]) / spread).max(axis=1)
@@ -106,10 +103,10 @@ def _between_events(
             return None
         turn = int(returns[np.argmin(apart[returns])])
     last = min(turn * period, len(rows) - 1)
-    paths = [path_of_bits(int(r[at.PATH]), int(r[at.PASSES])) for r in rows[1 : last + 1]]
+    paths = [path_of_bits(int(r["path"]), int(r["passes"])) for r in rows[1 : last + 1]]
     if any(path is None for path in paths):
         return None
-    modes = tuple(int(m) for m in rows[:last, at.TO])
+    modes = tuple(int(m) for m in rows["to_mode"][:last])
     word = Word(modes, tuple(path for path in paths if path is not None))
     return Guess(word, Turn(states[:last].copy(), times[: last + 1] - times[0]))
 

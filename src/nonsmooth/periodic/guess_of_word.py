@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.engine import records as at
 from nonsmooth.engine.status import EventKind
 from nonsmooth.periodic.equations import OrbitEquations, Turn
 from nonsmooth.periodic.guess import Guess
@@ -35,7 +34,7 @@ def guesses_in_motion(
     Words count rebounds that accumulate as one; those of the guesses have all that were followed.
     """
     tables = build_tables(system)
-    window = float(tables.clock[0])
+    window = tables.window
     start = resolve_start(system, tables, initial, None, None, False)
     if start.anchor is not None:
         return
@@ -50,11 +49,10 @@ def guesses_in_motion(
         )
     except NoMode:
         return
-    rows, values = outcome.event_integers, outcome.event_floats
-    lasting = ~np.isin(rows[:, at.KIND], (EventKind.GRAZE, EventKind.START))
-    rows, values = rows[lasting], values[lasting]
-    times = (rows[:, at.NUMBER] - first) * window + values[:, at.PHASE] - phase * window
-    n = len(system.states)
+    rows, after = outcome.events, outcome.event_states[:, 1]
+    lasting = ~np.isin(rows["kind"], (EventKind.GRAZE, EventKind.START))
+    rows, after = rows[lasting], after[lasting]
+    times = (rows["number"] - first) * window + rows["phase"] - phase * window
     states, modes = outcome.records.sample_state, outcome.records.sample_mode
     drifting = np.array([name in system.drift_states for name in system.states])
     sample = np.where(drifting, 0.0, states)
@@ -65,17 +63,17 @@ def guesses_in_motion(
     for k in range(max(0, reached - period)):
         low, high = np.searchsorted(times, [k * window, (k + period) * window], side="right")
         part = slice(int(low), int(high))
-        paths = [path_of_bits(int(r[at.PATH]), int(r[at.PASSES])) for r in rows[part]]
+        paths = [path_of_bits(int(r["path"]), int(r["passes"])) for r in rows[part]]
         if None in paths:
             continue
-        visited = (int(modes[k]), *(int(m) for m in rows[part, at.TO]))
+        visited = (int(modes[k]), *(int(m) for m in rows["to_mode"][part]))
         word = Word(visited, (*[path for path in paths if path is not None], ()))
         seen = word.collapsed(wiring)
         if (seen.modes, seen.paths) in wanted:
             gap = float(np.abs(sample[k + period] - sample[k]).max())
             inner = times[part] - k * window
             instants = np.concatenate([[0.0], inner, [period * window]]) + phase * window
-            legs = np.vstack([states[k][None], values[part, at.EVENT_FLOATS + n :]])
+            legs = np.vstack([states[k][None], after[part]])
             found.append((gap, Guess(word, Turn(legs, instants))))
     for _, guess in sorted(found, key=lambda pair: pair[0]):
         yield guess

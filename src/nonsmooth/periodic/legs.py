@@ -7,20 +7,18 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.engine.guard_minima import fill_minima
-from nonsmooth.engine.layout import allocate_segment, allocate_tables, augmented_size, stack_of_one
-from nonsmooth.engine.legs import LegResults, allocate_leg_results, pass_legs
-from nonsmooth.engine.setup import set_up
-from nonsmooth.engine.status import Status
-from nonsmooth.engine.tangent import allocate_tangent
-from nonsmooth.engine.variation_setup import set_up_rates
-from nonsmooth.engine.variation_tables import allocate_columns, allocate_rates
-from nonsmooth.periodic.word import Word
-from nonsmooth.simulation.kernels import (
-    announce_compilation,
-    announce_derivatives,
-    announce_orbits,
+from nonsmooth.engine.derivatives import allocate_rates, allocate_scratch, set_up_rates
+from nonsmooth.engine.lanes import allocate_segment, allocate_tangent
+from nonsmooth.engine.orbits import (
+    LegResults,
+    WordLegs,
+    allocate_leg_results,
+    fill_minima,
+    pass_legs,
 )
+from nonsmooth.engine.status import Status
+from nonsmooth.engine.tables import allocate_tables, set_up
+from nonsmooth.periodic.word import Word
 from nonsmooth.system.system import System
 
 __all__ = ["LegError", "Legs"]
@@ -39,9 +37,6 @@ class Legs:
     """
 
     def __init__(self, system: System, chosen: Sequence[str] = ()) -> None:
-        announce_compilation()
-        announce_derivatives()
-        announce_orbits()
         program = system.compiled.program
         names = list(system.parameters)
         numbers = np.array([names.index(name) for name in chosen], np.int64)
@@ -49,8 +44,8 @@ class Legs:
         self.n, self.n_rates = len(system.states), len(self.chosen)
         self.tables = allocate_tables(program)
         self.rates = allocate_rates(program, numbers)
-        self._program, self._stack = program, stack_of_one(self.tables)
-        self._scratch = allocate_columns(program, numbers)
+        self._program, self._stack = program, self.tables.as_lanes
+        self._scratch = allocate_scratch(program, numbers)
         self._segment = allocate_segment(program.sizes, self.n_rates)
         self._tangent = allocate_tangent(program.sizes, self.n_rates, 1)
         self._no_tangent = allocate_tangent(program.sizes, -1, 0)
@@ -81,7 +76,7 @@ class Legs:
     @property
     def window(self) -> float:
         """Period of the forcing, or the window of a system without one."""
-        return float(self.tables.clock[0])
+        return self.tables.window
 
     @property
     def period_rates(self) -> Floats:
@@ -104,7 +99,7 @@ class Legs:
         results = self._room(len(word))
         passed = pass_legs(
             self.tables, self.rates, self._scratch, self._segment, self._tangent,
-            word.mode_array, word.path_array, states, begins, ends, results,
+            _legs_of(word, states, begins, ends), results,
         )  # fmt: skip
         if passed < len(word):
             raise LegError(f"leg {passed} of the orbit cannot be passed")
@@ -115,19 +110,21 @@ class Legs:
 
         shapes: both (L, e), nan where there is none
         """
-        shape = (len(word), int(self._program.sizes[5]))
+        shape = (len(word), self._program.sizes.exits)
         lowest, places = np.full(shape, np.nan), np.full(shape, np.nan)
         fill_minima(
-            self.tables, self.rates, self._segment, self._no_tangent, word.mode_array, states,
-            instants[:-1], instants[1:], lowest, places,
+            self.tables, self.rates, self._segment, self._no_tangent,
+            _legs_of(word, states, instants[:-1], instants[1:]), lowest, places,
         )  # fmt: skip
         return lowest, places
 
     def _room(self, count: int) -> LegResults:
         if count not in self._results:
             sizes = self._program.sizes
-            self._results[count] = allocate_leg_results(
-                self.n, self.n_rates, int(sizes[5]), augmented_size(sizes), count,
-                Word((0,), ((),)).path_array.shape[1],
-            )  # fmt: skip
+            self._results[count] = allocate_leg_results(sizes, self.n_rates, count)
         return self._results[count]
+
+
+def _legs_of(word: Word, states: Floats, begins: Floats, ends: Floats) -> WordLegs:
+    states, begins, ends = (np.ascontiguousarray(each, float) for each in (states, begins, ends))
+    return WordLegs(word.mode_array, word.path_array, states, begins, ends)

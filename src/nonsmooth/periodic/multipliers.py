@@ -12,9 +12,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.engine import layout as at
-from nonsmooth.engine.graded_product import multiply_graded
-from nonsmooth.engine.legs import LegResults
+from nonsmooth.engine.orbits import LegResults, multiply_graded
 from nonsmooth.periodic.equations import OrbitEquations
 
 __all__ = ["Floquet", "floquet", "leg_factors"]
@@ -89,7 +87,7 @@ def floquet(equations: OrbitEquations, found: LegResults) -> Floquet:
 def _free_states(equations: OrbitEquations) -> npt.NDArray[np.bool_]:
     """Which states are free at the start of each leg: those not slaved; without drifts."""
     wiring = equations.legs.tables.wiring
-    slaved = wiring[equations.word.mode_array, 0, at.SLAVED]
+    slaved = wiring.modes["slaved"][equations.word.mode_array]
     free = (slaved[:, None] >> np.arange(equations.legs.n)) & 1 == 0
     return np.asarray(free[:, ~equations.drifting])
 
@@ -105,12 +103,11 @@ def _ranks(events: Floats) -> npt.NDArray[np.int64]:
 def _eigenvalues(products: Floats, free: npt.NDArray[np.bool_]) -> Complexes:
     """Eigenvalues of a product of matrices, the first one applied first, on the free states."""
     n, size = free.size, int(free.sum())
-    # columns that are picked lie one behind the other: another layout compiles the kernel again
     frame = np.ascontiguousarray(np.eye(n)[:, free])
     start, triangle = np.zeros_like(frame), np.zeros((size, size))
     if size == 0:
         return np.zeros(0, complex)
-    exponent = multiply_graded(products, _TURNS, frame, start, triangle, np.zeros_like(frame))
+    exponent = multiply_graded(products, _TURNS, frame, start, triangle)
     if np.isnan(exponent):
         return np.zeros(size, complex)
     turned = start.T @ frame  # by how much the frame has not come back: blocks on the diagonal

@@ -10,7 +10,6 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.engine import records as at
 from nonsmooth.engine.status import EventKind, Status
 from nonsmooth.periodic.chatter import chatters
 from nonsmooth.periodic.equations import OrbitEquations, Turn
@@ -52,7 +51,7 @@ def _followed(
 ) -> Guess | None:
     """The same with the rebounds of the engine in legs ``first`` to ``last``."""
     word, turn = guess
-    legs, n = equations.legs, equations.legs.n
+    legs = equations.legs
     mode, path = word.modes[first], word.paths[last]
     begin = float(turn.instants[first] + 0.5 * turn.durations[first])
     end = float(turn.instants[last + 1] + 0.5 * turn.durations[last + 1])
@@ -69,15 +68,14 @@ def _followed(
         )
     except NoMode:
         return None
-    rows, values = outcome.event_integers, outcome.event_floats
-    lasting = ~np.isin(rows[:, at.KIND], (EventKind.GRAZE, EventKind.START))
-    rows, values = rows[lasting][:_MOST], values[lasting][:_MOST]
-    paths = [path_of_bits(int(r[at.PATH]), int(r[at.PASSES])) for r in rows]
+    rows, states = outcome.events, outcome.event_states[:, 1]
+    lasting = ~np.isin(rows["kind"], (EventKind.GRAZE, EventKind.START))
+    rows, states = rows[lasting][:_MOST], states[lasting][:_MOST]
+    paths = [path_of_bits(int(r["path"]), int(r["passes"])) for r in rows]
     wanted = [path[:1]] * (len(paths) - 1) + [path]
     if outcome.status != Status.COMPLETED or paths != wanted:
         return None
-    times = rows[:, at.NUMBER] * window + values[:, at.PHASE]
-    states = values[:, at.EVENT_FLOATS + n :]
+    times = rows["number"] * window + rows["phase"]
     count = len(paths)
     new = Word(
         (*word.modes[:first], *[mode] * count, *word.modes[last + 1 :]),

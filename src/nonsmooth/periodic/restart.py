@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from nonsmooth.engine.transitions import PATH_BITS
+from nonsmooth.engine.tables import PATH_LENGTH, exits_of_path
 from nonsmooth.errors import OptionError
 from nonsmooth.periodic.equations import Turn
 from nonsmooth.periodic.guess import Guess
@@ -46,8 +46,5 @@ def guess_of_dataset(system: System, data: Any) -> Guess:
 
 
 def _path(bits: int) -> tuple[int, ...]:
-    path = []
-    while bits:
-        path.append((bits & ((1 << PATH_BITS) - 1)) - 1)
-        bits >>= PATH_BITS
-    return tuple(path)
+    whole = exits_of_path(bits, PATH_LENGTH)
+    return whole[: whole.index(-1)] if -1 in whole else whole

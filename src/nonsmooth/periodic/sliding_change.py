@@ -11,11 +11,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from nonsmooth.engine import layout as at
 from nonsmooth.periodic.change import Change
 from nonsmooth.periodic.equations import OrbitEquations, Turn
 from nonsmooth.periodic.guess import Guess
-from nonsmooth.periodic.onto import modes_along, onto_beyond
+from nonsmooth.periodic.onto import modes_along, onto_beyond, targets_of_cell
 from nonsmooth.periodic.word import Word
 from nonsmooth.periodic.word_names import shortest_paths
 
@@ -33,7 +32,7 @@ def onto_surface(equations: OrbitEquations, turn: Turn, k: int) -> list[Change]:
         return []
     entry = (path[0], onto)
     cell = modes_along(wiring, mode, entry)[-1]
-    exits = wiring[cell, 1 : 1 + int(wiring[cell, 0, at.N_EXITS]), at.TARGET].tolist()
+    exits = targets_of_cell(wiring, cell)
     if beyond not in exits:
         return []
     guess = _with_leg(equations, turn, k, entry, cell, (exits.index(beyond),))
@@ -45,7 +44,7 @@ def off_surface_first(equations: OrbitEquations, turn: Turn, k: int, g: int) -> 
     word, wiring = equations.word, equations.legs.tables.wiring
     mode, path = word.modes[k], word.paths[k]
     cell = word.last_target(wiring, k)
-    beyond = int(wiring[cell, 1 + g, at.TARGET])
+    beyond = int(wiring.exits["target"][cell, g])
     if beyond not in modes_along(wiring, mode, path)[1:-1]:
         return []
     # a leg of no duration would solve the equations too, so it begins with one

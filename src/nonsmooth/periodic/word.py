@@ -8,8 +8,7 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.engine import layout as at
-from nonsmooth.engine.transitions import PATH_BITS, PATH_LENGTH
+from nonsmooth.engine.tables import PATH_LENGTH, Wiring, bits_of_path, exits_of_path
 from nonsmooth.periodic.chatter import collapsed
 from nonsmooth.simulation.labels import labels_of
 from nonsmooth.simulation.words import names_of_modes
@@ -69,33 +68,28 @@ class Word:
         modes = modes if not self.closes_at_event else (*modes, modes[0])
         return " ".join(names_of_modes(system.mode_names, np.array(modes)))
 
-    def collapsed(self, wiring: Integers) -> Word:
+    def collapsed(self, wiring: Wiring) -> Word:
         """The same as if the first impact of each chatter ended in rest."""
         return Word(*collapsed(self.modes, self.paths, wiring))
 
     def exit_text(self, system: System, leg: int) -> str:
         """Names of the exits that end a leg, joined by '>'; empty at the section."""
         path = self.paths[leg]
-        bits = sum((e + 1) << (PATH_BITS * k) for k, e in enumerate(path))
-        return labels_of(system).path(self.modes[leg], bits, len(path))
+        return labels_of(system).path(self.modes[leg], bits_of_path(path), len(path))
 
-    def last_target(self, wiring: Integers, leg: int) -> int:
+    def last_target(self, wiring: Wiring, leg: int) -> int:
         """Mode behind the path of a leg; its own where it ends at the section."""
         mode = self.modes[leg]
         for e in self.paths[leg]:
-            mode = int(wiring[mode, 1 + e, at.TARGET])
+            mode = int(wiring.exits["target"][mode, e])
         return mode
 
     @cached_property
     def path_bits(self) -> Integers:
         """Paths as the event log keeps them."""
-        bits = [sum((e + 1) << (PATH_BITS * k) for k, e in enumerate(path)) for path in self.paths]
-        return np.array(bits, np.int64)
+        return np.array([bits_of_path(path) for path in self.paths], np.int64)
 
 
 def path_of_bits(bits: int, passes: int) -> tuple[int, ...] | None:
     """Exits of a path as the event log keeps it; None where it is longer than that."""
-    if passes > PATH_LENGTH:
-        return None
-    mask = (1 << PATH_BITS) - 1
-    return tuple(((bits >> (PATH_BITS * k)) & mask) - 1 for k in range(passes))
+    return None if passes > PATH_LENGTH else exits_of_path(bits, passes)

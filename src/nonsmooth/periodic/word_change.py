@@ -10,13 +10,12 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.engine import layout as at
-from nonsmooth.engine.transitions import PATH_LENGTH
+from nonsmooth.engine.tables import PATH_LENGTH, Wiring
 from nonsmooth.periodic.branch_tests import is_graze
 from nonsmooth.periodic.change import Change, kind_of_excursion, kind_of_leg
 from nonsmooth.periodic.equations import OrbitEquations, Turn
 from nonsmooth.periodic.guess import Guess
-from nonsmooth.periodic.onto import joined, modes_along, onto_beyond
+from nonsmooth.periodic.onto import joined, modes_along, onto_beyond, targets_of_cell
 from nonsmooth.periodic.sliding_change import off_surface_first, onto_surface
 from nonsmooth.periodic.word import Word
 from nonsmooth.periodic.word_names import shortest_paths
@@ -134,10 +133,10 @@ def _without_leg(equations: OrbitEquations, turn: Turn, k: int) -> Change:
     return Change(kind or "lost", guess, grows)
 
 
-def _entry_test(wiring: Integers, place: int, mode: int, path: tuple[int, ...], beyond: int) -> str:
+def _entry_test(wiring: Wiring, place: int, mode: int, path: tuple[int, ...], beyond: int) -> str:
     """Test of the guard through which motion would leave a surface to the cell beyond it."""
     cell = modes_along(wiring, mode, path)[-1]
-    targets = wiring[cell, 1 : 1 + int(wiring[cell, 0, at.N_EXITS]), at.TARGET].tolist()
+    targets = targets_of_cell(wiring, cell)
     return f"enter:{place}:{targets.index(beyond)}" if beyond in targets else ""
 
 
@@ -223,7 +222,7 @@ def _with_excursion(equations: OrbitEquations, turn: Turn, k: int, g: int) -> li
     word, wiring, legs = equations.word, equations.legs.tables.wiring, equations.legs
     _, places = legs.minima(word, turn.states, turn.instants)
     instant = float(turn.instants[k] + places[k, g])
-    mode, target = word.modes[k], int(wiring[word.modes[k], 1 + g, at.TARGET])
+    mode, target = word.modes[k], int(wiring.exits["target"][word.modes[k], g])
     if target < 0 or not np.isfinite(instant):
         return []
     changes, onto = [], onto_beyond(wiring, mode, g)

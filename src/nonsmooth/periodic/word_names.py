@@ -6,10 +6,7 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise, product
 from typing import Any
 
-import numpy as np
-import numpy.typing as npt
-
-from nonsmooth.engine import layout as at
+from nonsmooth.engine.tables import Wiring
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.periodic.word import Word
 from nonsmooth.simulation.start import mode_numbers
@@ -81,15 +78,15 @@ def words_of_names(system: System, names: Sequence[str], *, autonomous: bool) ->
     return found
 
 
-def shortest_paths(wiring: npt.NDArray[np.int64], a: int, b: int) -> list[tuple[int, ...]]:
+def shortest_paths(wiring: Wiring, a: int, b: int) -> list[tuple[int, ...]]:
     """The shortest ways from mode a to mode b, by exits passed at one instant."""
     ways: list[tuple[tuple[int, ...], int, int]] = [((), a, -1)]
     for _ in range(_MOST_EXITS):
         ways = [
-            ((*path, e), int(wiring[m, 1 + e, at.TARGET]), m)
+            ((*path, e), int(wiring.exits["target"][m, e]), m)
             for path, m, before in ways
             for e in _ways(wiring, path, m, before)
-            if wiring[m, 1 + e, at.TARGET] >= 0
+            if wiring.exits["target"][m, e] >= 0
         ]
         there = [path for path, m, _ in ways if m == b]
         if there:
@@ -97,20 +94,18 @@ def shortest_paths(wiring: npt.NDArray[np.int64], a: int, b: int) -> list[tuple[
     return []
 
 
-def _ways(
-    wiring: npt.NDArray[np.int64], path: tuple[int, ...], m: int, before: int
-) -> Iterator[int]:
+def _ways(wiring: Wiring, path: tuple[int, ...], m: int, before: int) -> Iterator[int]:
     """Exits that can be passed in a mode behind a path, those onto a surface included."""
-    yield from range(int(wiring[m, 0, at.N_EXITS]))
+    yield from range(int(wiring.modes["n_exits"][m]))
     if not path:
         return
-    for e in range(int(wiring[m, 0, at.N_EXITS])):
-        onto = int(wiring[m, 1 + e, at.ONTO])
-        rebounds = bool(wiring[m, 1 + e, at.RESETTING])
-        back = int(wiring[m, 1 + e, at.TARGET]) == before
+    for e in range(int(wiring.modes["n_exits"][m])):
+        onto = int(wiring.exits["onto"][m, e])
+        rebounds = bool(wiring.exits["resetting"][m, e])
+        back = int(wiring.exits["target"][m, e]) == before
         if onto not in (-1, e) and (before == m and path[-1] == e if rebounds else back):
             yield onto
-    if wiring[before, 1 + path[-1], at.RESETTING]:  # it may jump over a surface that holds
-        for e in range(int(wiring[m, 0, at.N_EXITS]), int(wiring[m, 0, at.N_WAYS])):
-            if int(wiring[m, 1 + e, at.ONTO]) >= 0:
+    if wiring.exits["resetting"][before, path[-1]]:  # it may jump over a surface that holds
+        for e in range(int(wiring.modes["n_exits"][m]), int(wiring.modes["n_ways"][m])):
+            if int(wiring.exits["onto"][m, e]) >= 0:
                 yield e

@@ -8,7 +8,6 @@ import numpy as np
 import xarray as xr
 from xarray.indexes import PandasIndex
 
-from nonsmooth.engine import records as at
 from nonsmooth.engine.status import CURES, Status
 from nonsmooth.simulation.assemble import Columns, assemble
 from nonsmooth.simulation.events import event_variables
@@ -115,16 +114,16 @@ def _attributes(system: System, labels: Labels, outcome: Outcome) -> dict[str, A
         "message": _message(labels, outcome),
         "certified": int(outcome.n_uncertain == 0),
         "n_samples": outcome.n_samples,
-        "n_rows": len(outcome.event_integers) if outcome.keeps_events else 0,
+        "n_rows": len(outcome.events) if outcome.keeps_events else 0,
         "n_events": outcome.n_events,
         "n_uncertain": outcome.n_uncertain,
         "phase_word": last_period_word(system, outcome),
-        "window": float(outcome.tables.clock[0]),
+        "window": outcome.tables.window,
         "end_number": outcome.end.number,
         "end_phase": outcome.end.phase,
-        "anchor_number": int(anchor.place[0]),
-        "anchor_phase": float(anchor.phase[0]),
-        "anchor_mode": int(anchor.place[1]),
+        "anchor_number": anchor.number,
+        "anchor_phase": anchor.phase,
+        "anchor_mode": anchor.mode,
         "anchor_order": " ".join(str(order) for order in anchor.order),
     }
     if system.period_value is not None:
@@ -146,10 +145,10 @@ def _message(labels: Labels, outcome: Outcome) -> str:
     text = f"{status.word} at t = {outcome.end_time:.9g}: {CURES[status]}"
     if status == Status.REFUSED and outcome.history is not None:
         text += f" ({outcome.history.fault})"
-    if status in (Status.UNDECIDED, Status.INADMISSIBLE) and len(outcome.event_integers):
-        last = outcome.event_integers[-1]
-        before, after = labels.modes[last[at.FROM]], labels.modes[last[at.TO]]
-        passed = labels.path(*(int(last[column]) for column in (at.FROM, at.PATH, at.PASSES)))
+    if status in (Status.UNDECIDED, Status.INADMISSIBLE) and len(outcome.events):
+        last = outcome.events[-1]
+        before, after = labels.modes[last["from_mode"]], labels.modes[last["to_mode"]]
+        passed = labels.path(*(int(last[name]) for name in ("from_mode", "path", "passes")))
         text += f" (exits passed: {passed}, from {before!r} to {after!r})"
     return text
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from nonsmooth.engine.layout import Tables
+from nonsmooth.engine.tables import Tables
 
 __all__ = ["hides_phase", "is_driven"]
 
@@ -13,7 +13,7 @@ _TURN = 1e-9  # of a forcing between strobes, beside their number, within which 
 
 def is_driven(tables: Tables) -> bool:
     """Whether time stands in a system: as harmonics, as powers, or as signals."""
-    return bool(tables.harmonics.shape[1] or tables.sizes[1] or tables.signals.shape[0])
+    return bool(tables.harmonics.shape[1] or tables.sizes.powers or tables.signals.shape[0])
 
 
 def hides_phase(tables: Tables, length: float) -> bool:

@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-from nonsmooth.engine import records as at
-from nonsmooth.engine.records import Records, with_fresh_events
+from nonsmooth.engine.lanes import Records
+from nonsmooth.engine.record import Floats, Rows
 from nonsmooth.engine.status import EventKind
 
 __all__ = ["FIRST_CAPACITY", "EventLog"]
@@ -35,21 +34,24 @@ class EventLog:
         self._leave_out(records)
         return records
 
-    def rows(self, records: Records) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.float64]]:
-        """Rows that stay; no part of a buffer that is mostly empty and would stay in memory."""
-        count = int(records.cursor[at.EVENTS])
-        integers, floats = records.event_integers[:count], records.event_floats[:count]
-        if 2 * count < len(records.event_integers):
-            return integers.copy(), floats.copy()
-        return integers, floats
+    def rows(self, records: Records) -> tuple[Rows, Floats]:
+        """Rows that stay, and states before and after each event, (rows, 2, n).
+
+        They are no part of a buffer that is mostly empty and would stay in memory.
+        """
+        count = records.n_events
+        rows, states = records.events[:count], records.event_states[:count]
+        if 2 * count < len(records.events):
+            return rows.copy(), states.copy()
+        return rows, states
 
     def _leave_out(self, records: Records) -> None:
         """Empty the buffer but for its end, of which tangencies passed by are no part."""
-        count = int(records.cursor[at.EVENTS])
-        end = np.flatnonzero(records.event_integers[:count, at.KIND] != EventKind.GRAZE)[-_END:]
-        for buffer in (records.event_integers, records.event_floats):
+        count = records.n_events
+        end = np.flatnonzero(records.events["kind"][:count] != EventKind.GRAZE)[-_END:]
+        for buffer in (records.events, records.event_states):
             buffer[: end.size] = buffer[end]
-        records.cursor[at.EVENTS] = end.size
+        records.counters["events"] = end.size
         self.n_left_out += count - end.size
 
 
@@ -59,10 +61,12 @@ def _enlarged(records: Records, share: float) -> Records:
     Memory that is asked for and never written costs nothing, while every further buffer
     is one more copy of the log.
     """
-    count = int(records.cursor[at.EVENTS])
+    count = records.n_events
     expected = _SPARE * count / share if share > 0.0 else np.inf
-    larger = with_fresh_events(records, int(np.clip(expected, 2 * count, max(4 * count, _LARGE))))
-    larger.event_integers[:count] = records.event_integers[:count]
-    larger.event_floats[:count] = records.event_floats[:count]
-    larger.cursor[at.EVENTS] = count
+    room = int(np.clip(expected, 2 * count, max(4 * count, _LARGE)))
+    rows, states = records.events, records.event_states
+    larger = records.replace(
+        events=np.empty(room, rows.dtype), event_states=np.empty((room, *states.shape[1:]))
+    )
+    larger.events[:count], larger.event_states[:count] = rows[:count], states[:count]
     return larger

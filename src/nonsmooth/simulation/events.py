@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.engine import records as at
+from nonsmooth.engine.record import Rows, columns
 from nonsmooth.engine.status import EventKind
-from nonsmooth.engine.transitions import PATH_LENGTH
+from nonsmooth.engine.tables import PATH_LENGTH
 from nonsmooth.simulation.after_chatter import states_after
 from nonsmooth.simulation.assemble import Columns
 from nonsmooth.simulation.labels import Labels
@@ -23,30 +23,32 @@ _KINDS = [kind.word for kind in EventKind]
 
 def event_variables(labels: Labels, outcome: Outcome) -> Columns:
     """Variables over ``event`` for a dataset."""
-    rows, values = outcome.event_integers, outcome.event_floats
-    number, phase = rows[:, at.NUMBER].copy(), values[:, at.PHASE] + values[:, at.WAIT]
+    rows, states = outcome.events, outcome.event_states
+    number, phase = rows["number"].copy(), rows["phase"] + rows["wait"]
     time = outcome.times(number, phase)
-    n = len(labels.states)
-    before = values[:, at.EVENT_FLOATS : at.EVENT_FLOATS + n]
-    codes = rows[:, at.FROM] * labels.width
-    codes += rows[:, at.EXIT]
-    codes[rows[:, at.EXIT] < 0] += labels.width  # the start
-    columns: dict[str, tuple[Any, str | dict[str, Any]]] = {
+    before = states[:, 0]
+    codes = rows["from_mode"] * labels.width
+    codes += rows["exit"]
+    codes[rows["exit"] < 0] += labels.width  # the start
+    variables: dict[str, tuple[Any, str | dict[str, Any]]] = {
         "event_time": (time, "time of the event"),
         "event_period_number": (number, "whole windows before the event"),
         "event_phase": (phase, "time of the event within its window"),
         "event_name": (_texts(labels.names, codes), "name of the first exit passed"),
-        "event_kind": (_texts(_KINDS, rows[:, at.KIND]), "kind of the event"),
-        "event_from": (_modes(rows, at.FROM), labels.mode_flags("mode before the event")),
-        "event_to": (_modes(rows, at.TO), labels.mode_flags("mode after the event")),
+        "event_kind": (_texts(_KINDS, rows["kind"]), "kind of the event"),
+        "event_from": (
+            rows["from_mode"].astype(np.int8),
+            labels.mode_flags("mode before the event"),
+        ),
+        "event_to": (rows["to_mode"].astype(np.int8), labels.mode_flags("mode after the event")),
         "event_path": (_paths(labels, rows, codes), "exits passed at the instant"),
-        "event_count": (rows[:, at.COUNT].copy(), "impacts that this row stands for"),
+        "event_count": (rows["count"].copy(), "impacts that this row stands for"),
         "guard_rate": (
-            values[:, at.GUARD_RATE],
+            rows["guard_rate"].copy(),
             "rate of the guard that fired, just before the event",
         ),
         "certified": (
-            rows[:, at.IS_CERTIFIED].astype(bool),
+            rows["is_certified"].astype(bool),
             "whether rounding leaves no doubt about the event",
         ),
         "state_before": (before, "states just before the event"),
@@ -58,12 +60,8 @@ def event_variables(labels: Labels, outcome: Outcome) -> Columns:
             column,
             {"long_name": words} if isinstance(words, str) else words,
         )
-        for name, (column, words) in columns.items()
+        for name, (column, words) in variables.items()
     }
-
-
-def _modes(rows: npt.NDArray[np.int64], column: int) -> npt.NDArray[np.int8]:
-    return rows[:, column].astype(np.int8)
 
 
 def _texts(table: Sequence[str], codes: npt.NDArray[np.int64]) -> npt.NDArray[Any]:
@@ -73,14 +71,12 @@ def _texts(table: Sequence[str], codes: npt.NDArray[np.int64]) -> npt.NDArray[An
     return words.take(codes)
 
 
-def _paths(
-    labels: Labels, rows: npt.NDArray[np.int64], codes: npt.NDArray[np.int64]
-) -> npt.NDArray[Any]:
+def _paths(labels: Labels, rows: Rows, codes: npt.NDArray[np.int64]) -> npt.NDArray[Any]:
     """Exits passed: mostly the one that has named the event; longer paths are decoded."""
-    several = np.flatnonzero(rows[:, at.PASSES] > (rows[:, at.EXIT] >= 0))
+    several = np.flatnonzero(rows["passes"] > (rows["exit"] >= 0))
     if several.size == 0:
         return _texts(labels.paths, codes)
-    mode, path, passes = rows[several][:, [at.FROM, at.PATH, at.PASSES]].T
+    mode, path, passes = columns(rows[several], "from_mode", "path", "passes").T
     _, path_code = np.unique(path, return_inverse=True)
     code = (path_code * len(labels.modes) + mode) * 2 + (passes > PATH_LENGTH)
     _, first, which = np.unique(code, return_index=True, return_inverse=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TypeVar
 
-from nonsmooth.engine.layout import Tables
+from nonsmooth.engine.tables import Tables
 from nonsmooth.errors import OptionError
 from nonsmooth.simulation.misfit import explain_misfit
 from nonsmooth.simulation.runner import NoMode

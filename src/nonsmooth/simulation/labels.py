@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from xarray.indexes import PandasIndex
 
-from nonsmooth.engine.transitions import PATH_BITS, PATH_LENGTH
+from nonsmooth.engine.tables import PATH_LENGTH, exits_of_path
 from nonsmooth.system.system import System
 
 __all__ = ["Labels", "labels_of"]
@@ -32,7 +32,7 @@ class Labels:
         rows = [[*names, *[""] * (self.width - 1 - len(names))] for names in exits]
         self.names = [name for row in rows for name in [*row, "start"]]
         self.paths = [name for row in rows for name in [*row, ""]]
-        self._targets = system.compiled.program.wiring[:, 1:, 0]
+        self._targets = system.compiled.program.exits["target"]
 
     def attributes(self, name: str) -> dict[str, str]:
         """``long_name`` and ``units`` of a variable from the system's descriptions."""
@@ -51,9 +51,7 @@ class Labels:
     def path(self, mode: int, path: int, passes: int) -> str:
         """Names of the exits passed at one instant, joined by '>'."""
         names = []
-        for _ in range(min(passes, PATH_LENGTH)):
-            way = (path & ((1 << PATH_BITS) - 1)) - 1
-            path >>= PATH_BITS
+        for way in exits_of_path(path, passes):
             names.append(self.paths[mode * self.width + way])
             mode = int(self._targets[mode, way])
         return ">".join(names) + (">..." if passes > PATH_LENGTH else "")

@@ -12,14 +12,21 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.engine import records as at
-from nonsmooth.engine.lanes import run_lanes
-from nonsmooth.engine.layout import allocate_segment, stack_of_one
-from nonsmooth.engine.loop import ANY, GOES_ON
-from nonsmooth.engine.records import Anchor, Records
+from nonsmooth.engine.derivatives import no_rates, no_scratch
+from nonsmooth.engine.lanes import (
+    ANY,
+    GOES_ON,
+    Anchor,
+    Tangent,
+    allocate_records,
+    allocate_segment,
+    allocate_tangent,
+    lane_anchors,
+    lane_records,
+    run_lanes,
+)
+from nonsmooth.engine.record import Rows
 from nonsmooth.engine.status import Status
-from nonsmooth.engine.tangent import Tangent, allocate_tangent
-from nonsmooth.engine.variation_tables import no_columns, no_rates
 from nonsmooth.simulation.clock import Instant
 from nonsmooth.simulation.crew import Stopped
 from nonsmooth.simulation.event_log import EventLog
@@ -32,6 +39,7 @@ Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
 
 _ALL = slice(None)
+_NO_TIMES = (np.zeros(0, np.int64), np.zeros(0))
 _FIRST_EVENTS = 256  # rows of an event log to begin with
 _TOGETHER = 4096  # windows in one call of a kernel, over all its lanes
 
@@ -44,12 +52,12 @@ class Lanes(NamedTuple):
     end_state: Floats  # (L, n)
     mode: Integers  # (L,): how each goes on, see `run_lane`
     uncertain: Integers  # (L,): events that rounding leaves open
-    since: Floats  # (L, 2): window and phase up to which these are counted
+    since: Rows  # (L,): window and phase up to which these are counted
 
     def select(self, chosen: Integers) -> Lanes:
         """Copy of some of the lanes."""
         return Lanes(
-            _of_lane(self.anchors, chosen), self.status[chosen], self.end_state[chosen],
+            self.anchors.part(chosen), self.status[chosen], self.end_state[chosen],
             self.mode[chosen], self.uncertain[chosen], self.since[chosen],
         )  # fmt: skip
 
@@ -62,14 +70,14 @@ class LaneRunner:
         self.tolerance = tolerance
         self.tables = build_tables(system)
         self.sizes = self.tables.sizes
-        self.rates, self.scratch = no_rates(), no_columns()
+        self.rates, self.scratch = no_rates(), no_scratch()
         self.segment = allocate_segment(self.sizes)
         self.tangent = allocate_tangent(self.sizes, -1, 0)
 
     @property
     def window(self) -> float:
         """Length of a window: the period, where there is one."""
-        return float(self.tables.clock[0])
+        return self.tables.window
 
     def set_up(self, values: dict[str, float]) -> None:
         """Take other values of the parameters; `ModelError` where they make no sense."""
@@ -80,22 +88,15 @@ class LaneRunner:
 
         shapes: states (L, n), modes (L,)
         """
-        count, _n = states.shape
-        place = np.zeros((count, 2), np.int64)
-        place[:, 0] = begin.number
-        anchors = Anchor(
-            place,
-            np.full((count, 1), begin.phase),
-            np.array(states, dtype=float),
-            np.zeros((count, int(self.sizes[5])), np.int64),
-        )
+        count = len(states)
+        anchors = lane_anchors(self.sizes, begin.number, begin.phase, states)
         return Lanes(
             anchors,
             status=np.full(count, int(Status.COMPLETED)),
             end_state=np.array(states, dtype=float),
             mode=np.broadcast_to(np.asarray(modes, np.int64), count).copy(),
             uncertain=np.zeros(count, np.int64),
-            since=np.full((count, 2), -np.inf),
+            since=lane_records(self.sizes, *_NO_TIMES, 0, count).since,
         )
 
     def run(
@@ -117,7 +118,7 @@ class LaneRunner:
             return self._run_some(lanes, _ALL, 1, end, numbers, phases, stop)
         states = np.full((count, numbers.size, n), np.nan)
         modes = np.full((count, numbers.size), -1, np.int64)
-        windows = max(1, end.number - int(lanes.anchors.place[:, 0].min(initial=end.number)))
+        windows = max(1, end.number - int(lanes.anchors.place["number"].min(initial=end.number)))
         size = max(1, _TOGETHER // windows)
         for first in range(0, alive.size, size):
             chosen = alive[first : first + size]
@@ -137,12 +138,12 @@ class LaneRunner:
         stop: threading.Event | None,
     ) -> tuple[Floats, Integers]:
         """Run the chosen lanes, so many of them; their states and modes at the times."""
-        anchors = _of_lane(lanes.anchors, chosen)
-        records = self._records(count, numbers, phases)
+        anchors = lanes.anchors.part(chosen)
+        records = lane_records(self.sizes, numbers, phases, 0, count)
         records.since[:] = lanes.since[chosen]
         tangent = self._tangents(count)
         how, statuses = lanes.mode[chosen], np.empty(count, np.int64)
-        stack, passed = stack_of_one(self.tables), np.zeros(2, np.int64)
+        stack, passed = self.tables.as_lanes, np.zeros(2, np.int64)
         first = 0
         while first < count:
             if stop is not None and stop.is_set():
@@ -153,26 +154,24 @@ class LaneRunner:
             )  # fmt: skip
             if first < count:
                 how[first] = GOES_ON
-        for part, whole in zip(anchors, lanes.anchors, strict=True):
-            whole[chosen] = part
+        lanes.anchors.put(chosen, anchors)
         lanes.status[chosen], lanes.mode[chosen] = statuses, GOES_ON
         lanes.end_state[chosen] = records.end_state
-        lanes.uncertain[chosen] += records.cursor[:, at.UNCERTAIN]
+        lanes.uncertain[chosen] += records.counters["uncertain"]
         lanes.since[chosen] = records.since
         return records.sample_state, records.sample_mode
 
     def record(
         self, lanes: Lanes, i: int, numbers: Integers, phases: Floats
-    ) -> tuple[Floats, Integers, Integers, Floats]:
+    ) -> tuple[Floats, Integers, Rows, Floats]:
         """Run lane i to the last of some times, with its event log.
 
-        Returns the states and modes at the times, as far as it has come, and the rows of the log
-        as in `Records`.
+        Returns the states and modes at the times, as far as it has come, the rows of the log and
+        the states before and after each event.
         """
-        anchor = _of_lane(lanes.anchors, i)
-        whole = self._records(1, numbers, phases, _FIRST_EVENTS)
-        records = Records(*whole[:2], *(part[0] for part in whole[2:]))
-        records.since[:] = lanes.since[i]
+        anchor = lanes.anchors.part(i)
+        records = allocate_records(self.sizes, numbers, phases, _FIRST_EVENTS)
+        records.since[()] = lanes.since[i]
         log = EventLog(keep=True)
         lane = (self.tables, self.rates, self.scratch, anchor, self.segment, self.tangent)
         end = Instant(int(numbers[-1]), float(phases[-1]))
@@ -181,32 +180,13 @@ class LaneRunner:
         )
         lanes.status[i], lanes.mode[i] = status, GOES_ON
         lanes.end_state[i] = records.end_state
-        lanes.uncertain[i] += records.cursor[at.UNCERTAIN]
+        lanes.uncertain[i] += records.counters["uncertain"]
         lanes.since[i] = records.since
-        count = int(records.cursor[at.SAMPLES])
+        count = int(records.counters["samples"])
         return records.sample_state[:count], records.sample_mode[:count], *log.rows(records)
-
-    def _records(self, count: int, numbers: Integers, phases: Floats, events: int = 0) -> Records:
-        n, samples = int(self.sizes[0]), numbers.size
-        return Records(
-            sample_number=numbers,
-            sample_phase=phases,
-            sample_state=np.full((count, samples, n), np.nan),
-            sample_mode=np.full((count, samples), -1, np.int64),
-            event_integers=np.empty((count, events, at.EVENT_INTEGERS), np.int64),
-            event_floats=np.empty((count, events, at.EVENT_FLOATS + 2 * n)),
-            cursor=np.zeros((count, at.CURSOR), np.int64),
-            end_state=np.full((count, n), np.nan),
-            since=np.full((count, 2), -np.inf),
-        )
 
     def _tangents(self, count: int) -> Tangent:
         """No columns for any lane."""
         columns = np.zeros((count, *self.tangent.columns.shape))
         samples = np.zeros((count, *self.tangent.samples.shape))
-        return self.tangent._replace(columns=columns, samples=samples)
-
-
-def _of_lane(anchors: Anchor, i: int | Integers | slice) -> Anchor:
-    """Anchor of one lane, or a copy of those of some lanes; a slice gives no copy."""
-    return Anchor(anchors.place[i], anchors.phase[i], anchors.state[i], anchors.order[i])
+        return self.tangent.replace(columns=columns, samples=samples)

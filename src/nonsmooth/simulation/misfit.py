@@ -7,7 +7,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.engine.layout import DERIVATIVES, IMPLICIT, N_EXITS, SLAVED, Tables
+from nonsmooth.engine.tables import Tables
 from nonsmooth.simulation.start import Start, begin
 from nonsmooth.system.system import System
 
@@ -39,13 +39,13 @@ def explain_misfit(system: System, tables: Tables, start: Start, z: Floats) -> s
 
 def _faults_of(system: System, tables: Tables, start: Start, z: Floats, m: int) -> list[str]:
     """Guards of a mode that are negative, and slaved states off their relations."""
-    n, n_exits = len(system.states), int(tables.sizes[5])
+    n = len(system.states)
     equations = list(system.structure.modes.values())[m].equations
-    slaved, implicit = int(tables.wiring[m, 0, SLAVED]), int(tables.wiring[m, 0, IMPLICIT])
+    slaved, implicit = int(tables.modes["slaved"][m]), int(tables.modes["implicit"][m])
     faults = []
-    for e in range(int(tables.wiring[m, 0, N_EXITS])):
+    for e in range(int(tables.modes["n_exits"][m])):
         with np.errstate(invalid="ignore"):  # a guard may divide by zero there
-            value = float(tables.affine[m, DERIVATIVES * e] @ z)
+            value = float(tables.guard_row(m, e) @ z)
         guard = equations.exits[e].guard.text
         if value < 0.0:
             faults.append(f"guard {guard!r} is {value:.6g}, it must not be negative")
@@ -56,7 +56,7 @@ def _faults_of(system: System, tables: Tables, start: Start, z: Floats, m: int) 
         if not (slaved >> i) & 1:
             continue
         text = equations.slaved[state].text
-        wanted = float(tables.affine[m, DERIVATIVES * n_exits + i] @ z)
+        wanted = float(tables.relation_row(m, i) @ z)
         if (implicit >> i) & 1:
             wanted = float(solution[i])
         if math.isnan(wanted):
@@ -83,8 +83,8 @@ def _told_apart(one: float, other: float) -> tuple[str, str]:
 
 def _solution(system: System, tables: Tables, start: Start, state: Floats, m: int) -> Floats:
     """State with its slaved ones solved for in a mode; nan where the mode does not take it."""
-    slaved = int(tables.wiring[m, 0, SLAVED])
+    slaved = int(tables.modes["slaved"][m])
     left_out = np.array([(slaved >> i) & 1 == 1 for i in range(state.size)])
     opened = np.where(left_out, np.nan, state)
     anchor = begin(tables, opened, start.instant, m)
-    return np.where(left_out, anchor.state if anchor.place[1] >= 0 else np.nan, state)
+    return np.where(left_out, anchor.state if anchor.mode >= 0 else np.nan, state)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.engine.layout import Tables
+from nonsmooth.engine.tables import Tables
 from nonsmooth.simulation.history import History
 from nonsmooth.simulation.runner import Outcome
 from nonsmooth.system.evaluate import evaluate, evaluate_shared
@@ -32,7 +32,7 @@ class Clock:
 
     def __init__(self, number: npt.NDArray[np.int64], phase: Array, tables: Tables) -> None:
         self.number, self.phase = number, phase
-        self.window = float(tables.clock[0])
+        self.window = tables.window
         self.turns = {float(w): float(turns) for w, turns in tables.harmonics.T}
         self.parameters: dict[str, Array] = {}  # those that vary from sample to sample
 

@@ -9,36 +9,34 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.engine import records as at
-from nonsmooth.engine.lanes import Lane, run
-from nonsmooth.engine.layout import (
-    MAX_AUGMENTED,
-    Tables,
-    allocate_segment,
-    allocate_tables,
-    augmented_size,
-    stack_of_one,
-)
-from nonsmooth.engine.loop import GOES_ON
-from nonsmooth.engine.records import Anchor, Records, allocate_anchor, allocate_records
-from nonsmooth.engine.setup import set_up
-from nonsmooth.engine.status import SETUP_ERRORS, EventKind, Status
-from nonsmooth.engine.tangent import allocate_tangent
-from nonsmooth.engine.variation_setup import set_up_rates
-from nonsmooth.engine.variation_tables import (
+from nonsmooth.engine.derivatives import (
     Columns,
     Rates,
-    allocate_columns,
     allocate_rates,
-    no_columns,
+    allocate_scratch,
     no_rates,
+    no_scratch,
+    set_up_rates,
 )
+from nonsmooth.engine.lanes import (
+    GOES_ON,
+    Anchor,
+    Lane,
+    Records,
+    allocate_anchor,
+    allocate_records,
+    allocate_segment,
+    allocate_tangent,
+    run,
+)
+from nonsmooth.engine.record import Rows
+from nonsmooth.engine.status import SETUP_ERRORS, EventKind, Status
+from nonsmooth.engine.tables import MAX_AUGMENTED, Tables, allocate_tables, set_up
 from nonsmooth.errors import ModelError
 from nonsmooth.simulation.clock import Instant, Plan
 from nonsmooth.simulation.event_log import FIRST_CAPACITY, EventLog
 from nonsmooth.simulation.history import History
 from nonsmooth.simulation.interrupts import HeldInterrupts
-from nonsmooth.simulation.kernels import announce_compilation, announce_derivatives
 from nonsmooth.simulation.progress import Progress
 from nonsmooth.system.system import System
 
@@ -79,8 +77,8 @@ class Outcome:
     anchor: Anchor
     records: Records
     n_samples: int
-    event_integers: npt.NDArray[np.int64]  # the whole log, or its end where it was not kept
-    event_floats: npt.NDArray[np.float64]
+    events: Rows  # the whole log, or its end where it was not kept
+    event_states: npt.NDArray[np.float64]  # (event, 2, n) before and after
     keeps_events: bool
     n_events: int
     n_uncertain: int
@@ -90,7 +88,7 @@ class Outcome:
     @property
     def window(self) -> float:
         """Length of the last window."""
-        return float(self.tables.clock[0])
+        return self.tables.window
 
     def times(self, number: Any, phase: Any) -> Any:
         """Times as single numbers."""
@@ -120,7 +118,7 @@ class Derivatives:
         return -1 if self.chosen is None else len(self.chosen)
 
 
-NO_DERIVATIVES = Derivatives(no_rates(), no_columns(), None)
+NO_DERIVATIVES = Derivatives(no_rates(), no_scratch(), None)
 
 
 def build_derivatives(
@@ -135,7 +133,6 @@ def build_derivatives(
     """
     if chosen is None:
         return NO_DERIVATIVES
-    announce_derivatives()
     program = system.compiled.program
     values = system.parameter_values if values is None else values
     numbers = np.array([list(values).index(name) for name in chosen], np.int64)
@@ -147,24 +144,23 @@ def build_derivatives(
             f"{system.name}: a coefficient has no finite derivative with respect to {name!r} at"
             f" {name} = {values[name]:g}; leave it out of tangent="
         )
-    return Derivatives(rates, allocate_columns(program, numbers), chosen)
+    return Derivatives(rates, allocate_scratch(program, numbers), chosen)
 
 
 def build_tables(system: System, values: Mapping[str, float] | None = None) -> Tables:
     """Tables of a system for its parameter values, or for others."""
     program = system.compiled.program
-    if augmented_size(program.sizes) > MAX_AUGMENTED:
+    if program.sizes.augmented > MAX_AUGMENTED:
         raise ModelError(
             f"{system.name}: states, powers of time, two per frequency and four per signal make"
-            f" {augmented_size(program.sizes)} coordinates; at most {MAX_AUGMENTED} are supported"
+            f" {program.sizes.augmented} coordinates; at most {MAX_AUGMENTED} are supported"
         )
-    announce_compilation()
     tables = allocate_tables(program)
     values = system.parameter_values if values is None else values
     given = np.array([[values[name] for name in system.parameters]], dtype=float)
-    code, mode, _ = set_up(program, given, stack_of_one(tables))
+    code, mode, _ = set_up(program, given, tables.as_lanes)
     if code != Status.COMPLETED:
-        where, what = f"mode {system.mode_names[max(mode, 0)]!r}", SETUP_ERRORS[Status(code)]
+        where, what = f"mode {system.mode_names[max(mode, 0)]!r}", SETUP_ERRORS[code]
         if mode < 0:
             where, what = "the period", "it is not a positive finite number for these parameters"
         numbers = ", ".join(f"{k} = {v:g}" for k, v in values.items())
@@ -192,15 +188,15 @@ def run_plan(
     if anchor is None:
         assert state is not None
         anchor = allocate_anchor(sizes)
-        anchor.place[0], anchor.phase[0] = begin
+        anchor.move_to(begin)
         anchor.state[:] = state
     else:
         mode = GOES_ON
         log_going_on(records, begin, anchor, state)
-        records.since[:] = begin
+        records.since[()] = tuple(begin)
     log = EventLog(keep_events)
     lane = (tables, derivatives.rates, derivatives.scratch, anchor, segment, tangent)
-    windows = max(1, plan.end.number - int(anchor.place[0]))
+    windows = max(1, plan.end.number - anchor.number)
     try:
         with HeldInterrupts() as held, Progress("simulating", windows) as progress:
 
@@ -211,10 +207,10 @@ def run_plan(
             status, records = advance(lane, plan.end, records, log, tolerance, report, mode=mode)
     except KeyboardInterrupt:  # it came in the last call, whose results are kept too
         status = Status.INTERRUPTED
-    if status == Status.INADMISSIBLE and records.cursor[at.EVENTS] == 0:
+    if status == Status.INADMISSIBLE and records.n_events == 0:
         raise NoMode(segment.z.copy())
     end = plan.end if status == Status.COMPLETED else last_instant(anchor, records)
-    integers, floats = log.rows(records)
+    rows, states = log.rows(records)
     return Outcome(
         status=status,
         tables=tables,
@@ -223,12 +219,12 @@ def run_plan(
         plan=plan,
         anchor=anchor,
         records=records,
-        n_samples=int(records.cursor[at.SAMPLES]),
-        event_integers=integers,
-        event_floats=floats,
+        n_samples=int(records.counters["samples"]),
+        events=rows,
+        event_states=states,
         keeps_events=keep_events,
-        n_events=log.n_left_out + len(integers) - 1,  # the first row is the start
-        n_uncertain=int(records.cursor[at.UNCERTAIN]),
+        n_events=log.n_left_out + len(rows) - 1,  # the first row is the start
+        n_uncertain=int(records.counters["uncertain"]),
         end=end,
     )
 
@@ -248,42 +244,51 @@ def advance(
     ``mode`` says how the first chunk begins, see `run_lane`.
     """
     anchor = lane[3]
-    first = int(anchor.place[0])
+    first = anchor.number
     windows = max(1, end.number - first)
     while True:
-        done = int(anchor.place[0]) + _WINDOWS_PER_CALL
+        done = anchor.number + _WINDOWS_PER_CALL
         stop = Instant(done, 0.0) if done < end.number else end
         try:
-            status = Status(run(*lane, records, mode, *stop, tolerance))
+            status = run(lane, records, mode, stop, tolerance)
         except KeyboardInterrupt:
             return Status.INTERRUPTED, records
         mode = GOES_ON
         if status == Status.BUFFER_FULL:
-            records = log.make_room(records, (int(anchor.place[0]) - first) / windows)
+            records = log.make_room(records, (anchor.number - first) / windows)
         elif status != Status.PAUSED and (status != Status.COMPLETED or stop == end):
             return status, records
         try:
-            report(int(anchor.place[0]) - first)
+            report(anchor.number - first)
         except KeyboardInterrupt:
             return Status.INTERRUPTED, records
 
 
 def last_instant(anchor: Anchor, records: Records) -> Instant:
     """Instant that a run has come to which ended early: an event, or the end of a call before."""
-    reached = Instant(int(anchor.place[0]), float(anchor.phase[0]))
-    if not np.all(np.isfinite(records.since)):
+    reached = Instant(anchor.number, anchor.phase)
+    number, phase = records.since["number"], records.since["phase"]
+    if not np.isfinite(number):
         return reached
-    return max(reached, Instant(int(records.since[0]), float(records.since[1])))
+    return max(reached, Instant(int(number), float(phase)))
 
 
 def log_going_on(
     records: Records, begin: Instant, anchor: Anchor, state: npt.NDArray[np.float64] | None
 ) -> None:
     """Row of the event log for a run that goes on from an earlier one."""
-    mode = anchor.place[1]
-    row = [begin.number, EventKind.START, mode, mode, -1, 0, 0, 1, 1]
-    records.event_integers[0] = row
-    records.event_floats[0, : at.EVENT_FLOATS] = begin.phase, 0.0, 0.0
+    row = records.events[0]
+    for name, value in (
+        ("number", begin.number),
+        ("kind", EventKind.START),
+        ("from_mode", anchor.mode),
+        ("to_mode", anchor.mode),
+        ("exit", -1),
+        ("is_certified", 1),
+        ("count", 1),
+        ("phase", begin.phase),
+    ):
+        row[name] = value
     if state is not None:
-        records.event_floats[0, at.EVENT_FLOATS :] = np.concatenate([state, state])
-    records.cursor[at.EVENTS] = 1
+        records.event_states[0] = state
+    records.counters["events"] = 1

@@ -198,7 +198,7 @@ def _simulate(
     start = resolve_start(system, tables, *given)
     if chosen is not None and start.anchor is not None:
         start = start_at_end(start)
-    window = float(tables.clock[0])
+    window = tables.window
     periodic = system.period_value is not None
     plan = plan_run(window, periodic, start.instant, **ends, samples_per_period=samples_per_period)
     check_signals(system, start.instant.time(window), plan.end.time(window))
@@ -234,7 +234,7 @@ def _simulate_slow(
     start, period, tables = resolve_slow_start(slow, lambda values: tables_of(slow, values), *given)
     if chosen is not None and start.anchor is not None:
         start = start_at_end(start)
-    window = float(tables.clock[0])
+    window = tables.window
     plan = plan_slow_run(
         start.instant, period, window, **ends, samples_per_period=samples_per_period
     )

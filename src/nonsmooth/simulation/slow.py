@@ -13,12 +13,15 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.engine import records as at
-from nonsmooth.engine.layout import Tables, allocate_segment
-from nonsmooth.engine.loop import ANY
-from nonsmooth.engine.records import allocate_anchor, allocate_records
+from nonsmooth.engine.lanes import (
+    ANY,
+    allocate_anchor,
+    allocate_records,
+    allocate_segment,
+    allocate_tangent,
+)
 from nonsmooth.engine.status import Status
-from nonsmooth.engine.tangent import allocate_tangent
+from nonsmooth.engine.tables import Tables
 from nonsmooth.errors import OptionError
 from nonsmooth.simulation.clock import Instant, Plan
 from nonsmooth.simulation.event_log import FIRST_CAPACITY, EventLog
@@ -78,19 +81,19 @@ def run_slow(
     run.enter(period, tables)
     status = Status.COMPLETED
     if start.anchor is None:
-        run.anchor.place[0], run.anchor.phase[0] = start.instant
+        run.anchor.move_to(start.instant)
         run.anchor.state[:] = start.state
         run.mode = mode
     else:
         log_going_on(run.records, start.instant, run.anchor, start.state)
-        run.records.since[:] = start.instant
+        run.records.since[()] = tuple(start.instant)
     end = None
     try:
         with HeldInterrupts() as held, Progress("simulating", plan.total) as progress:
             while status == Status.COMPLETED:
                 part = plan.part(run.history.periods[-1], run.history.windows[-1])
                 status, end = run.pass_period(part, held.check), part.end
-                if status == Status.INADMISSIBLE and run.records.cursor[at.EVENTS] == 0:
+                if status == Status.INADMISSIBLE and run.records.n_events == 0:
                     raise NoMode(run.segment.z.copy())
                 if end is not None or status != Status.COMPLETED:
                     break
@@ -112,13 +115,13 @@ def _outcome(
     elif end is None or status != Status.COMPLETED:
         end = last_instant(run.anchor, run.records)
     arrays = [_joined(run, i) for i in range(5)]
-    records = run.records._replace(
+    records = run.records.replace(
         sample_number=arrays[0],
         sample_phase=arrays[1],
         sample_state=arrays[2],
         sample_mode=arrays[3],
     )
-    integers, floats = run.log.rows(run.records)
+    rows, states = run.log.rows(run.records)
     return Outcome(
         status=status,
         tables=run.tables,
@@ -128,11 +131,11 @@ def _outcome(
         anchor=run.anchor,
         records=records,
         n_samples=arrays[0].size,
-        event_integers=integers,
-        event_floats=floats,
+        events=rows,
+        event_states=states,
         keeps_events=run.log.keep,
-        n_events=run.log.n_left_out + len(integers) - 1,  # the first row is the start
-        n_uncertain=int(run.records.cursor[at.UNCERTAIN]),
+        n_events=run.log.n_left_out + len(rows) - 1,  # the first row is the start
+        n_uncertain=int(run.records.counters["uncertain"]),
         end=end,
         history=run.history,
     )

@@ -9,13 +9,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.engine import records as at
-from nonsmooth.engine.lanes import as_lanes, run_lanes
-from nonsmooth.engine.layout import Tables, allocate_stack, part_of_stack
-from nonsmooth.engine.loop import GOES_ON, SAME
-from nonsmooth.engine.records import Anchor, Records
-from nonsmooth.engine.setup import set_up
+from nonsmooth.engine.lanes import GOES_ON, SAME, Anchor, Records, run_lanes
 from nonsmooth.engine.status import Status
+from nonsmooth.engine.tables import Tables, allocate_stack, set_up
 from nonsmooth.errors import ModelError
 from nonsmooth.simulation.clock import Instant
 from nonsmooth.simulation.event_log import EventLog
@@ -41,7 +37,7 @@ def tables_of(slow: SlowParameters, values: Mapping[str, float]) -> Tables:
     if np.any(np.abs(turns - np.rint(turns)) > _WHOLE * np.maximum(1.0, turns)):
         given = ", ".join(f"{name} = {value:g}" for name, value in values.items())
         raise ModelError(
-            f"{slow.system.name}: with {given} the period {float(tables.clock[0]):g} is not a"
+            f"{slow.system.name}: with {given} the period {tables.window:g} is not a"
             " period of the equations; write period= as an expression of the parameters that"
             " change it"
         )
@@ -72,7 +68,7 @@ class SlowRun:
         self.derivatives = build_derivatives(
             self.slow.system, tables, self.chosen, self.slow.all_values(period.values)
         )
-        self.history.add(period, float(tables.clock[0]))
+        self.history.add(period, tables.window)
 
     def pass_period(self, part: Part, check: Callable[[], None]) -> Status:
         """Run to the end of the period, or of the run, and keep the samples.
@@ -108,7 +104,7 @@ class SlowRun:
                 tables = tables_of(self.slow, period.values)
             except ModelError as error:
                 fault = str(error)
-        if not fault and not begins + float(tables.clock[0]) > begins:
+        if not fault and not begins + tables.window > begins:
             fault = "the period is too short to be told from none"
         if fault:
             self.history.fault = fault
@@ -120,11 +116,11 @@ class SlowRun:
     def _begin(self, number: int) -> None:
         """Put the anchor where a period begins, in the mode in which the last one ended."""
         anchor = self.anchor
-        anchor.place[0], anchor.phase[0] = number, 0.0
+        anchor.move_to((number, 0.0))
         anchor.state[:] = self.records.end_state
         anchor.order[:] = 0
-        self.records.cursor[at.WINDOW_EVENTS] = 0
-        self.mode = SAME - int(anchor.place[1])
+        self.records.counters["window_events"] = 0
+        self.mode = SAME - anchor.mode
 
     def pass_ahead(self, plan: SlowPlan, check: Callable[[], None]) -> Status:
         """Run through whole periods whose values are known beforehand, if there are any.
@@ -135,7 +131,7 @@ class SlowRun:
         if self.chosen is not None or self.slow.changes_clock:
             return Status.COMPLETED
         last, window = self.history.periods[-1], self.history.windows[-1]
-        room = max(1, _TOGETHER // sum(np.asarray(each).nbytes for each in self.tables))
+        room = max(1, _TOGETHER // self.tables.n_bytes)
         origins = np.add.accumulate(np.array([last.origin, *[window] * min(_AHEAD, room)]))[1:]
         origins = origins[: plan.whole(last.number + 1, origins, window)]
         values = self.slow.at_times(origins)
@@ -150,13 +146,13 @@ class SlowRun:
             return Status.COMPLETED
         part = plan.parts(last.number + 1, origins[:count], window)
         self._expect(part)
-        stack = part_of_stack(stack, slice(count))
+        stack = stack.part(slice(count))
         status, samples = self._pass_stack(stack, origins, plan, check)
         for k, written in enumerate(np.diff(samples, prepend=0).tolist()):
             frozen = {name: float(values[name][k]) for name in self.slow.names}
             self.history.add(Frozen(last.number + 1 + k, float(origins[k]), frozen), window)
             self.history.samples[-1] = written
-        self.tables = part_of_stack(stack, samples.size - 1)
+        self.tables = stack.part(samples.size - 1)
         self._keep_samples(part)
         return status
 
@@ -171,11 +167,10 @@ class SlowRun:
         passed, status = np.zeros(1 + count, np.int64), Status.PAUSED
         try:
             while status in (Status.PAUSED, Status.BUFFER_FULL):
-                anchors, tangents, records = as_lanes(self.anchor, self.tangent, self.records)
                 run_lanes(
-                    stack, NO_DERIVATIVES.rates, NO_DERIVATIVES.scratch, anchors, self.segment,
-                    tangents, records, modes, 0, 1, first + count, 0.0, passed, statuses,
-                    self.tolerance,
+                    stack, NO_DERIVATIVES.rates, NO_DERIVATIVES.scratch, self.anchor.as_lanes,
+                    self.segment, self.tangent.as_lanes, self.records.as_lanes, modes, 0, 1,
+                    first + count, 0.0, passed, statuses, self.tolerance,
                 )  # fmt: skip
                 status = Status(int(statuses[0]))
                 if status == Status.BUFFER_FULL:
@@ -194,20 +189,20 @@ class SlowRun:
         n, carried = self.records.end_state.size, self.tangent.columns.shape[0]
         more = [] if extra is None else [extra]
         count = part.phase.size + len(more)
-        self.records.cursor[at.SAMPLES] = 0
-        self.records = self.records._replace(
+        self.records.counters["samples"] = 0
+        self.records = self.records.replace(
             sample_number=np.append(part.number, [each.number for each in more]).astype(np.int64),
             sample_phase=np.append(part.phase, [each.phase for each in more]),
             sample_state=np.full((count, n), np.nan),
             sample_mode=np.full(count, -1, np.int64),
         )
-        self.tangent = self.tangent._replace(
+        self.tangent = self.tangent.replace(
             samples=np.full((count if carried else 0, carried, n), np.nan)
         )
 
     def _keep_samples(self, part: Part) -> int:
         """Keep the samples that were written, and give their number."""
-        written = min(part.phase.size, int(self.records.cursor[at.SAMPLES]))
+        written = min(part.phase.size, int(self.records.counters["samples"]))
         records = self.records
         self.pieces.append(
             (

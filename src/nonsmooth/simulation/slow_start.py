@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-from nonsmooth.engine.layout import Tables
+from nonsmooth.engine.tables import Tables
 from nonsmooth.errors import ModelError
 from nonsmooth.simulation.clock import Instant, instants
 from nonsmooth.simulation.history import Frozen
@@ -41,7 +41,7 @@ def resolve_slow_start(
         start = resolve_start(system, tables, initial, None, mode, repeated)
         if start.anchor is None:  # the system is another one: the share of the period is kept
             number, phase = int(initial.attrs["end_number"]), float(initial.attrs["end_phase"])
-            phase *= float(tables.clock[0]) / float(initial.attrs["window"])
+            phase *= tables.window / float(initial.attrs["window"])
             start = replace(start, instant=Instant(number, phase))
         return start, period, tables
     if from_data and _is_within(slow, initial):
@@ -105,6 +105,6 @@ def _checked(slow: SlowParameters, make_tables: Make, values: dict[str, float]) 
     if fault:
         raise ModelError(f"{slow.system.name}, slow= at the start: {fault}")
     tables = make_tables(values)
-    if not math.isfinite(float(tables.clock[0])):
+    if not math.isfinite(tables.window):
         raise ModelError(f"{slow.system.name}, slow= at the start: the period is not finite")
     return tables

@@ -10,14 +10,16 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.engine.lanes import run
-from nonsmooth.engine.layout import (
-    Tables,
+from nonsmooth.engine.derivatives import no_rates, no_scratch
+from nonsmooth.engine.lanes import (
+    Anchor,
+    allocate_anchor,
+    allocate_records,
     allocate_segment,
+    allocate_tangent,
+    run,
 )
-from nonsmooth.engine.records import Anchor, allocate_anchor, allocate_records
-from nonsmooth.engine.tangent import allocate_tangent
-from nonsmooth.engine.variation_tables import no_columns, no_rates
+from nonsmooth.engine.tables import Tables
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.simulation.clock import Instant, instants
 from nonsmooth.simulation.labels import labels_of
@@ -91,7 +93,7 @@ def complete_state(
     found = np.array([system.rest_state[name] for name in system.states])
     for mode in modes:
         anchor = begin(tables, state, instant, mode)
-        if anchor.place[1] >= 0:
+        if anchor.mode >= 0:
             found = anchor.state
             break
     return np.where(left_out, found, state)
@@ -100,13 +102,12 @@ def complete_state(
 def begin(tables: Tables, state: npt.NDArray[np.float64], instant: Instant, mode: int) -> Anchor:
     """Anchor of a run without length; its mode is -1 where none takes the state."""
     anchor = allocate_anchor(tables.sizes)
-    anchor.place[0], anchor.phase[0] = instant
+    anchor.move_to(instant)
     anchor.state[:] = state
     records = allocate_records(tables.sizes, *_NO_TIMES, 0)
-    run(
-        tables, no_rates(), no_columns(), anchor, allocate_segment(tables.sizes),
-        allocate_tangent(tables.sizes, -1, 0), records, mode, *instant, _TOLERANCE,
-    )  # fmt: skip
+    segment, tangent = allocate_segment(tables.sizes), allocate_tangent(tables.sizes, -1, 0)
+    lane = (tables, no_rates(), no_scratch(), anchor, segment, tangent)
+    run(lane, records, mode, instant, _TOLERANCE)
     return anchor
 
 
@@ -141,7 +142,7 @@ def _instant(tables: Tables, time: float) -> Instant:
     if time == 0.0:
         return Instant(0, 0.0)
     time = finite_number("t_start", time)
-    number, phase = instants([time], float(tables.clock[0]))
+    number, phase = instants([time], tables.window)
     return Instant(int(number[0]), float(phase[0]))
 
 
@@ -194,22 +195,21 @@ def _from_run(
     end = Instant(int(run.attrs["end_number"]), float(run.attrs["end_phase"]))
     if run.attrs["system"] != labels_of(system).system:
         # another system, a changed parameter for instance: same state, same phase
-        window = float(tables.clock[0])
+        window = tables.window
         same = math.isclose(window, float(run.attrs["window"]), rel_tol=1e-15)
         time = end.number * float(run.attrs["window"]) + end.phase
         if "end_time" in run.attrs:  # of a run with slow parameters
             time, same = float(run.attrs["end_time"]), False
         return Start(run["end_state"].values.copy(), end if same else _instant(tables, time))
-    anchor = Anchor(
-        np.array([run.attrs["anchor_number"], run.attrs["anchor_mode"]], np.int64),
-        np.array([run.attrs["anchor_phase"]], float),
-        run["anchor_state"].values.astype(float),
-        np.array(run.attrs["anchor_order"].split(), np.int64),
-    )
+    anchor = allocate_anchor(tables.sizes)
+    anchor.move_to((int(run.attrs["anchor_number"]), float(run.attrs["anchor_phase"])))
+    anchor.place["mode"] = run.attrs["anchor_mode"]
+    anchor.state[:] = run["anchor_state"].values
+    anchor.order[:] = np.array(run.attrs["anchor_order"].split(), np.int64)
     return Start(run["end_state"].values.copy(), end, anchor=anchor)
 
 
 def start_at_end(start: Start) -> Start:
     """A start at the end of a run instead of its anchor: derivatives begin at a state."""
     assert start.anchor is not None
-    return Start(start.state, start.instant, (int(start.anchor.place[1]),))
+    return Start(start.state, start.instant, (start.anchor.mode,))

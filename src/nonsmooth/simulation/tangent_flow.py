@@ -14,15 +14,21 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.engine import layout
-from nonsmooth.engine import records as at
-from nonsmooth.engine.lanes import run
-from nonsmooth.engine.layout import Tables, allocate_segment
-from nonsmooth.engine.loop import GOES_ON
-from nonsmooth.engine.records import Anchor, allocate_anchor, allocate_records
+from nonsmooth.engine.lanes import (
+    GOES_ON,
+    Anchor,
+    Lane,
+    Records,
+    Tangent,
+    allocate_anchor,
+    allocate_columns,
+    allocate_records,
+    allocate_segment,
+    run,
+)
+from nonsmooth.engine.record import Rows
 from nonsmooth.engine.status import EventKind, Status
-from nonsmooth.engine.tangent import Tangent, allocate_columns
-from nonsmooth.engine.zeros import STILL_ZERO
+from nonsmooth.engine.tables import ORDER, STILL_ZERO, TAYLOR, Tables
 from nonsmooth.simulation.clock import Instant
 from nonsmooth.simulation.event_log import FIRST_CAPACITY
 from nonsmooth.simulation.runner import Derivatives, NoMode
@@ -40,8 +46,8 @@ class Saved:
 
     anchor: Anchor
     columns: Matrix
-    cursor: npt.NDArray[np.int64]
-    since: Matrix
+    counters: Rows
+    since: Rows
     counts: tuple[int, int, int]
 
 
@@ -53,20 +59,20 @@ class TangentFlow:
 
     def __init__(self, tables: Tables, derivatives: Derivatives, count: int, tolerance: float):
         self.tables, self.derivatives, self.tolerance = tables, derivatives, tolerance
-        self.window = float(tables.clock[0])
-        self.n = int(tables.sizes[0])
+        self.window = tables.window
+        self.n = tables.sizes.states
         sizes = tables.sizes
         self.anchor = allocate_anchor(sizes)
         self.segment = allocate_segment(sizes, 0)
         self._tangent = allocate_columns(tables.sizes, count, 1)
         self._many = allocate_records(sizes, np.zeros(1, np.int64), np.zeros(1), FIRST_CAPACITY)
         # a buffer that is full after one event, and the other arrays shared
-        self._one = self._many._replace(
-            event_integers=self._many.event_integers[:2].copy(),
-            event_floats=self._many.event_floats[:2].copy(),
+        self._one = self._many.replace(
+            events=self._many.events[:2].copy(),
+            event_states=self._many.event_states[:2].copy(),
         )
         self.n_events = self.n_impacts = self.n_uncertain = 0
-        self.last_event = np.zeros(at.EVENT_INTEGERS, np.int64)
+        self.last_event = np.zeros((), self._many.events.dtype)
 
     def start(self, state: Matrix, begin: Instant, mode: int) -> Status:
         """Start at a state; ``columns`` are then derivatives by the initial states, all n.
@@ -75,12 +81,12 @@ class TangentFlow:
         """
         whole = allocate_columns(self.tables.sizes, self.n, 1)
         whole.columns[:, : self.n] = np.eye(self.n)  # also where parameters are taken as changed
-        self.anchor.place[0], self.anchor.phase[0] = begin
+        self.anchor.move_to(begin)
         self.anchor.state[:] = state
         status = self._run(begin, mode, whole, one_event=False)
-        if status == Status.INADMISSIBLE and self._many.cursor[at.EVENTS] == 0:
+        if status == Status.INADMISSIBLE and self._many.counters["events"] == 0:
             raise NoMode(self.segment.z.copy())
-        self.passed_at_start = self.n_events > 0 and bool(self.last_event[at.PASSES] > 0)
+        self.passed_at_start = self.n_events > 0 and bool(self.last_event["passes"] > 0)
         self.n_events = self.n_impacts = 0  # the start is none
         self.first_columns = whole.columns[:, : self.n].copy()
         return status
@@ -88,12 +94,12 @@ class TangentFlow:
     @property
     def here(self) -> Instant:
         """Instant of the anchor."""
-        return Instant(int(self.anchor.place[0]), float(self.anchor.phase[0]))
+        return Instant(self.anchor.number, self.anchor.phase)
 
     @property
     def mode(self) -> int:
         """Mode that holds at the anchor."""
-        return int(self.anchor.place[1])
+        return self.anchor.mode
 
     @property
     def counts(self) -> tuple[int, int, int]:
@@ -122,10 +128,10 @@ class TangentFlow:
         return self._tangent.shifts[: self.n]
 
     @property
-    def last_rows(self) -> tuple[npt.NDArray[np.int64], Matrix]:
-        """Rows of the event log of the last piece, run with ``one_event``; numbers and values."""
-        count = int(self._one.cursor[at.EVENTS])
-        return self._one.event_integers[:count], self._one.event_floats[:count]
+    def last_rows(self) -> tuple[Rows, Matrix]:
+        """Rows of the event log of the last piece, run with ``one_event``, and their states."""
+        count = self._one.n_events
+        return self._one.events[:count], self._one.event_states[:count]
 
     def set_columns(self, columns: Matrix) -> None:
         """Exchange the columns at the anchor; those that are not given are zero."""
@@ -134,24 +140,20 @@ class TangentFlow:
 
     def save(self) -> Saved:
         """Copy of all that changes along a run."""
-        anchor = self.anchor
         return Saved(
-            Anchor(
-                anchor.place.copy(), anchor.phase.copy(), anchor.state.copy(), anchor.order.copy()
-            ),
+            self.anchor.copied(),
             self.columns.copy(),
-            self._many.cursor.copy(),
+            self._many.counters.copy(),
             self._many.since.copy(),
             self.counts,
-        )  # fmt: skip
+        )
 
     def restore(self, saved: Saved) -> None:
         """Go back to where a copy was taken."""
-        for now, then in zip(self.anchor, saved.anchor, strict=True):
-            now[:] = then
+        self.anchor.put(..., saved.anchor)
         self.set_columns(saved.columns)
-        self._many.cursor[:] = saved.cursor
-        self._many.since[:] = saved.since
+        self._many.counters[()] = saved.counters
+        self._many.since[()] = saved.since
         self.n_events, self.n_impacts, self.n_uncertain = saved.counts
 
     def run_to(self, end: Instant, *, one_event: bool = False) -> Status:
@@ -172,20 +174,15 @@ class TangentFlow:
         shapes: numbers, phases (K,); returns (K, n) and (K, C, n)
         """
         count = len(self._tangent.columns)
-        records = allocate_records(self.tables.sizes, numbers, phases, 0)._replace(
-            cursor=self._many.cursor, since=self._many.since
+        records = allocate_records(self.tables.sizes, numbers, phases, 0).replace(
+            counters=self._many.counters, since=self._many.since
         )
-        records.cursor[at.SAMPLES] = records.cursor[at.SEGMENTS] = records.cursor[at.EVENTS] = 0
-        tangent = self._tangent._replace(samples=np.full((numbers.size, count, self.n), np.nan))
+        records.counters["samples"] = records.counters["segments"] = records.counters["events"] = 0
+        tangent = self._tangent.replace(samples=np.full((numbers.size, count, self.n), np.nan))
         status = Status.PAUSED
         while status == Status.PAUSED:
-            status = Status(
-                run(
-                    self.tables, self.derivatives.rates, self.derivatives.scratch, self.anchor,
-                    self.segment, tangent, records, GOES_ON, int(numbers[-1]), float(phases[-1]),
-                    self.tolerance,
-                )
-            )  # fmt: skip
+            end = int(numbers[-1]), float(phases[-1])
+            status = run(self._lane(tangent), records, GOES_ON, end, self.tolerance)
         return status, records.sample_state, tangent.samples
 
     def move_to_end(self) -> None:
@@ -195,9 +192,9 @@ class TangentFlow:
         guards that began at a zero have left it.
         """
         number, phase = self._end
-        if number > self.anchor.place[0]:
-            self._many.cursor[at.WINDOW_EVENTS] = 0
-        self.anchor.place[0], self.anchor.phase[0] = number, phase
+        if number > self.anchor.number:
+            self._many.counters["window_events"] = 0
+        self.anchor.move_to((number, phase))
         self.anchor.state[:] = self._many.end_state
         smooth = self.tables.signals.shape[0] == 0
         zero = (self.segment.order >= STILL_ZERO) & smooth
@@ -206,8 +203,8 @@ class TangentFlow:
 
     def guard_gradient(self) -> Matrix:
         """Gradient by the states of the guard that fired at the last event."""
-        mode, way = int(self.last_event[at.FROM]), int(self.last_event[at.EXIT])
-        row = self.tables.affine[mode, layout.guard_row(max(way, 0), 0), : self.n]
+        mode, way = int(self.last_event["from_mode"]), int(self.last_event["exit"])
+        row = self.tables.guard_row(mode, max(way, 0))[: self.n]
         return np.array(row) if way >= 0 else np.zeros(self.n)
 
     def reach_of_series(self, mode: int) -> float:
@@ -216,26 +213,26 @@ class TangentFlow:
         No limit in a mode in closed form. A step is chosen by the series of the states, in which
         a stiff direction need not show; columns along it tell at once.
         """
-        if self.tables.kinds[mode] != layout.TAYLOR:
+        if self.tables.kinds[mode] != TAYLOR:
             return np.inf
-        last = np.abs(self._tangent.dual[: self.n, :, layout.ORDER]).max(initial=0.0)
-        size = np.abs(self._tangent.dual[: self.n, :, 0]).max(initial=0.0)
-        return float((_LAST_TERM * size / last) ** (1.0 / layout.ORDER)) if last > 0.0 else np.inf
+        series = np.abs(self._tangent.dual["lane"][: self.n])
+        last, size = series[:, :, ORDER].max(initial=0.0), series[:, :, 0].max(initial=0.0)
+        return float((_LAST_TERM * size / last) ** (1.0 / ORDER)) if last > 0.0 else np.inf
 
     def probe_series(self, duration: float) -> float:
         """The same for a step that begins at the anchor, which stays where it is."""
-        if self.tables.kinds[self.mode] != layout.TAYLOR:
+        if self.tables.kinds[self.mode] != TAYLOR:
             return np.inf
         saved = self.save()
         self.run_to(self.after(self.here, duration))
-        reach = self.reach_of_series(int(saved.anchor.place[1]))
+        reach = self.reach_of_series(saved.anchor.mode)
         self.restore(saved)
         return reach
 
     @property
     def n_segments(self) -> int:
         """Segments of the last piece, steps of Taylor modes included."""
-        return max(1, int(self._many.cursor[at.SEGMENTS]))
+        return max(1, int(self._many.counters["segments"]))
 
     def between(self, first: Instant, last: Instant) -> float:
         """Time from one instant to another."""
@@ -251,25 +248,24 @@ class TangentFlow:
         self._end = end
         records = self._one if one_event else self._many
         records.sample_number[0], records.sample_phase[0] = end
-        records.cursor[at.SAMPLES] = records.cursor[at.SEGMENTS] = 0
+        records.counters["samples"] = records.counters["segments"] = 0
         while True:
-            records.cursor[at.EVENTS] = records.cursor[at.UNCERTAIN] = 0
-            status = Status(
-                run(
-                    self.tables, self.derivatives.rates, self.derivatives.scratch, self.anchor,
-                    self.segment, tangent, records, mode, *end, self.tolerance,
-                )
-            )  # fmt: skip
+            records.counters["events"] = records.counters["uncertain"] = 0
+            status = run(self._lane(tangent), records, mode, end, self.tolerance)
             self._count(records)
             mode = GOES_ON
             if status != Status.PAUSED and (status != Status.BUFFER_FULL or one_event):
                 return status
 
-    def _count(self, records: at.Records) -> None:
-        rows = records.event_integers[: int(records.cursor[at.EVENTS])]
-        passed = rows[rows[:, at.KIND] != EventKind.GRAZE]
+    def _lane(self, tangent: Tangent) -> Lane:
+        rates, scratch = self.derivatives.rates, self.derivatives.scratch
+        return self.tables, rates, scratch, self.anchor, self.segment, tangent
+
+    def _count(self, records: Records) -> None:
+        rows = records.events[: records.n_events]
+        passed = rows[rows["kind"] != EventKind.GRAZE]
         if len(passed):
             self.last_event = passed[-1].copy()
         self.n_events += len(passed)
-        self.n_impacts += int(np.count_nonzero(passed[:, at.KIND] == EventKind.IMPACT))
-        self.n_uncertain += int(records.cursor[at.UNCERTAIN])
+        self.n_impacts += int(np.count_nonzero(passed["kind"] == EventKind.IMPACT))
+        self.n_uncertain += int(records.counters["uncertain"])

@@ -12,9 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.engine import layout
-from nonsmooth.engine import records as at
 from nonsmooth.engine.status import EventKind
+from nonsmooth.engine.tables import RESTING
 from nonsmooth.errors import OptionError
 
 if TYPE_CHECKING:
@@ -88,17 +87,17 @@ def phase_word(
 
 def last_period_word(system: System, outcome: Outcome) -> str:
     """Word of the last period of a run, of the whole run where there is no period."""
-    low = -float(outcome.tables.clock[0]) if system.period_value is not None else -np.inf
+    low = -outcome.tables.window if system.period_value is not None else -np.inf
     times, entered = _latest(outcome, low)
     modes = entered[_between(times, low, 0.0)].astype(int)
     if modes.size == 0:  # no event since the run went on from an earlier one
-        modes = outcome.anchor.place[1:2]
+        modes = np.array([outcome.anchor.mode])
     return word_of_modes(system, modes)
 
 
 def word_of_modes(system: System, modes: npt.NDArray[np.int64]) -> str:
     """Word of modes entered one after the other; the end of a long one."""
-    rests = system.compiled.program.wiring[modes, 0, layout.KIND] == layout.RESTING
+    rests = system.compiled.program.wiring.modes["kind"][modes] == RESTING
     modes = without_rebounds(modes, rests, turn=True)
     text = " ".join(names_of_modes(system.mode_names, modes[-_LONGEST:]))
     return ("... " if modes.size > _LONGEST else "") + text
@@ -142,20 +141,20 @@ def _latest(outcome: Outcome, low: float) -> tuple[np.ndarray, np.ndarray]:
     All since ``low``, or enough for a word: a run may be long, and its last period is short,
     so the log is read from its end.
     """
-    window, end = float(outcome.tables.clock[0]), outcome.end
+    window, end = outcome.tables.window, outcome.end
     count = 2 * _LONGEST
     while True:
-        rows, phase = outcome.event_integers[-count:], outcome.event_floats[-count:, at.PHASE]
-        lasting = rows[:, at.KIND] != EventKind.GRAZE
+        rows, phase = outcome.events[-count:], outcome.events["phase"][-count:]
+        lasting = rows["kind"] != EventKind.GRAZE
         if outcome.history is None:
-            times = (rows[:, at.NUMBER] - end.number) * window + (phase - end.phase)
+            times = (rows["number"] - end.number) * window + (phase - end.phase)
         else:
-            times = outcome.times(rows[:, at.NUMBER], phase) - outcome.end_time
+            times = outcome.times(rows["number"], phase) - outcome.end_time
         times = times[lasting]
         before = int(np.searchsorted(times, 0.0))
         enough = before > _LONGEST + 1 or (before > 0 and times[0] <= low)
-        if enough or count >= len(outcome.event_integers):
-            return times, rows[lasting, at.TO]
+        if enough or count >= len(outcome.events):
+            return times, rows["to_mode"][lasting]
         count *= 4
 
 

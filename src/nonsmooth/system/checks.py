@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
-from nonsmooth.engine.layout import FREE, MAX_AUGMENTED, RESTING
+from nonsmooth.engine.tables import FREE, MAX_AUGMENTED, RESTING
 from nonsmooth.errors import ModelError, unknown_name
 from nonsmooth.system.equations import Equation
 from nonsmooth.system.evaluate import constant_value

@@ -7,12 +7,13 @@ the tape and builds its tables.
 
 from __future__ import annotations
 
+from collections.abc import Container
 from dataclasses import dataclass
 
 import numpy as np
 
-from nonsmooth.engine import layout
-from nonsmooth.engine.layout import EXACT, TAYLOR, Program
+from nonsmooth.engine.record import Rows, rows_of, zeros
+from nonsmooth.engine.tables import EXACT, TAYLOR, Program, Sizes
 from nonsmooth.system.expressions import Expression, Number
 from nonsmooth.system.linear import Basis, Harmonic, Input, LinearForm, Power, State
 from nonsmooth.system.mode_forms import Forms
@@ -35,17 +36,17 @@ class Compiled:
 class _Entries:
     """Coefficients of forms: where each belongs and which slot holds it."""
 
-    def __init__(self, width: int) -> None:
+    def __init__(self, row: str) -> None:
         self.places: list[tuple[tuple[int, ...], int, Expression]] = []
-        self.width = width
+        self.row = row
 
     def put(self, place: tuple[int, ...], form: LinearForm, columns: dict[Basis, int]) -> None:
         for basis, value in form.terms.items():
             self.places.append((place, columns[basis], value))
 
-    def array(self, tape: ParameterTape) -> np.ndarray:
+    def array(self, tape: ParameterTape) -> Rows:
         rows = [(*place, column, tape.slot(value)) for place, column, value in self.places]
-        return np.array(rows, dtype=np.int64).reshape(-1, self.width)
+        return rows_of(self.row, rows)
 
 
 class _LinearRows:
@@ -53,9 +54,9 @@ class _LinearRows:
 
     def __init__(self, columns: dict[Basis, int]) -> None:
         self.columns = columns
-        self.flow, self.relations = _Entries(4), _Entries(4)
-        self.guards, self.resets = _Entries(4), _Entries(5)
-        self.factors = _Entries(4)
+        self.flow, self.relations = _Entries("FlowTerm"), _Entries("FlowTerm")
+        self.guards, self.resets = _Entries("GuardTerm"), _Entries("ResetTerm")
+        self.factors = _Entries("FactorTerm")
         self.groups = (self.flow, self.relations, self.guards, self.resets, self.factors)
         self.products: list[tuple[int, int]] = []
         self.product_rows: dict[tuple[int, int], tuple[int, int]] = {}
@@ -116,20 +117,24 @@ def compile_structure(structure: Structure) -> Compiled:
     code, terms = taylor.array(tape), taylor.array_of_terms(tape)
     rest_slots = np.array([-1 if r is None else tape.slot(r) for r in rest], np.int64)
     signals, knots, spacing = signal_arrays(structure.signals.values())
-    product_rows = np.zeros((len(modes), most, 2), np.int64)
+    product_rows = zeros(Program.struct, product_rows=(len(modes), most))["product_rows"]
     for place, rows in linear.product_rows.items():
         product_rows[place] = rows
-    sizes = [len(states), structure.time_order, len(frequency_slots), len(structure.parameters)]
+    wired, exits = _wiring(structure, most)
     program = Program(
-        sizes=np.array(
-            [
-                *(*sizes, len(modes), most, taylor.n_registers, len(structure.signals)),
-                linear.most_factors,
-            ],
-            np.int64,
+        sizes=Sizes(
+            states=len(states),
+            powers=structure.time_order,
+            frequencies=len(frequency_slots),
+            parameters=len(structure.parameters),
+            modes=len(modes),
+            exits=most,
+            registers=taylor.n_registers,
+            signals=len(structure.signals),
+            factors=linear.most_factors,
         ),
         constants=np.array(list(tape.literals), dtype=float),
-        tape=np.array(tape.rows, np.int64).reshape(-1, 4),
+        tape=rows_of("TapeRow", tape.rows),
         period_slot=period_slot,
         frequency_slots=frequency_slots,
         flow=arrays[0],
@@ -137,9 +142,10 @@ def compile_structure(structure: Structure) -> Compiled:
         guards=arrays[2],
         resets=arrays[3],
         factors=arrays[4],
-        products=np.array(linear.products, np.int64).reshape(-1, 2),
+        products=rows_of("Product", linear.products),
         product_rows=product_rows,
-        wiring=_wiring(structure, most),
+        modes=wired,
+        exits=exits,
         drifting=sum(1 << i for i, state in enumerate(states) if state in structure.drift),
         families=np.array(structure.family_numbers, np.int64),
         kinds=np.array([EXACT if mode.linear else TAYLOR for mode in modes], np.int64),
@@ -175,29 +181,33 @@ def _collect(
     tape.finish_literals()
 
 
-def _wiring(structure: Structure, most: int) -> np.ndarray:
-    """Targets of the exits, slaved states and states that are reset."""
-    wiring = np.zeros((len(structure.modes), 1 + most, layout.ORDERS + most), np.int64)
-    wiring[:, 1:, layout.ONTO] = -1
+def _wiring(structure: Structure, most: int) -> tuple[Rows, Rows]:
+    """Rows of the modes and of their exits: targets, slaved states and states that are reset."""
+    count = len(structure.modes)
+    made = zeros(Program.struct, modes=(count,), exits=(count, most))
+    modes, exits = made["modes"], made["exits"]
+    exits["onto"] = -1
     for i_mode, mode in enumerate(structure.modes.values()):
-        wiring[i_mode, 0, layout.N_EXITS] = mode.n_searched
-        wiring[i_mode, 0, layout.KIND] = mode.kind
-        wiring[i_mode, 0, layout.N_WAYS] = len(mode.targets)
-        for i_state, state in enumerate(structure.states):
-            if state in mode.equations.slaved:
-                wiring[i_mode, 0, layout.SLAVED] |= 1 << i_state
-            if mode.taylor is not None and state in mode.taylor.implicit:
-                wiring[i_mode, 0, layout.IMPLICIT] |= 1 << i_state
+        implicit = () if mode.taylor is None else mode.taylor.implicit
+        modes[i_mode] = (
+            mode.n_searched,
+            _bits(structure, mode.equations.slaved),
+            _bits(structure, implicit),
+            mode.kind,
+            len(mode.targets),
+        )
         for i_exit, (target, way) in enumerate(
             zip(mode.targets, mode.equations.exits, strict=True)
         ):
-            wiring[i_mode, 1 + i_exit, layout.TARGET] = target
-            wiring[i_mode, 1 + i_exit, layout.ONTO] = mode.onto[i_exit]
-            wiring[i_mode, 1 + i_exit, layout.CHOICE] = mode.choices[i_exit]
-            for state in way.reset:
-                bit = 1 << structure.states.index(state)
-                wiring[i_mode, 1 + i_exit, layout.RESETTING] |= bit
-    return wiring
+            resetting = _bits(structure, way.reset)
+            onto, choice = mode.onto[i_exit], mode.choices[i_exit]
+            exits[i_mode, i_exit] = target, resetting, onto, choice
+    return modes, exits
+
+
+def _bits(structure: Structure, names: Container[str]) -> int:
+    """A set of states as bits of a number."""
+    return sum(1 << i for i, state in enumerate(structure.states) if state in names)
 
 
 def _static_expression(structure: Structure, name: str) -> Expression | None:

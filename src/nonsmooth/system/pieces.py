@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
-from nonsmooth.engine.layout import CROSS, FREE, NO_CHOICE, RESTING, SLIDES, STAY
+from nonsmooth.engine.tables import CROSS, FREE, NO_CHOICE, RESTING, SLIDES, STAY
 from nonsmooth.system.cells import Cell, SplitMode, shown, split
 from nonsmooth.system.equations import Equation
 from nonsmooth.system.expressions import Expression

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.engine.layout import CHAIN
+from nonsmooth.engine.record import Rows, rows_of
+from nonsmooth.engine.tables import CHAIN
 from nonsmooth.errors import ModelError
 
 __all__ = ["LAST_DERIVATIVE", "METHODS", "Signal", "signal_arrays", "values_of"]
@@ -151,7 +152,7 @@ def values_of(
 
 def signal_arrays(
     signals: Iterable[Signal],
-) -> tuple[npt.NDArray[np.int64], Floats, Floats]:
+) -> tuple[Rows, Rows, Floats]:
     """Arrays of the engine: rows of each signal, knots with coefficients, shortest and longest."""
     rows, knots, count = [], [], 0
     shortest, longest = np.inf, np.inf
@@ -164,9 +165,8 @@ def signal_arrays(
         gaps = np.diff(signal.times)
         shortest, longest = min(shortest, gaps.min()), min(longest, gaps.max())
     return (
-        np.array(rows, np.int64).reshape(-1, 2),
-        # in rows: another order of the numbers in memory would be another kernel
-        np.ascontiguousarray(np.vstack(knots)) if knots else np.zeros((0, 1 + CHAIN)),
+        rows_of("SignalRow", rows),
+        rows_of("Knot", np.vstack(knots) if knots else []),
         np.array([shortest, longest], dtype=float),
     )
 

@@ -7,6 +7,7 @@ from operator import itemgetter
 
 import numpy as np
 
+from nonsmooth.engine.record import Rows, rows_of, zeros
 from nonsmooth.system.expressions import Expression
 from nonsmooth.system.linear import Basis
 from nonsmooth.system.parameter_tape import ParameterTape
@@ -25,7 +26,7 @@ class TaylorRows:
         self.n_registers = 0
         self.rows: list[tuple[int, int, int, int | Expression, int]] = []
         self.terms: list[tuple[int, Expression]] = []
-        self.code_rows = np.zeros((n_modes, 3), np.int64)
+        self.code_rows = zeros("Program", code_rows=(n_modes,))["code_rows"]
         self.outlets = np.full((n_modes, 2 * n + most + most * n), -1, np.int64)
 
     @property
@@ -52,18 +53,18 @@ class TaylorRows:
         for (kind, *place), operand in code.results.items():
             self.outlets[i_mode, self._outlet(kind, place, states)] = self._register(operand)
 
-    def array_of_terms(self, tape: ParameterTape) -> np.ndarray:
+    def array_of_terms(self, tape: ParameterTape) -> Rows:
         """Rows (register, slot)."""
         rows = [(register, tape.slot(factor)) for register, factor in self.terms]
-        return np.array(rows, np.int64).reshape(-1, 2)
+        return rows_of("Term", rows)
 
-    def array(self, tape: ParameterTape) -> np.ndarray:
+    def array(self, tape: ParameterTape) -> Rows:
         """Rows (opcode, target, a, b, c)."""
         rows = [
             (code, target, a, b if isinstance(b, int) else tape.slot(b), c)
             for code, target, a, b, c in self.rows
         ]
-        return np.array(rows, np.int64).reshape(-1, 5)
+        return rows_of("Instruction", rows)
 
     def _outlet(self, kind: object, place: list[object], states: tuple[str, ...]) -> int:
         if kind == "rate":

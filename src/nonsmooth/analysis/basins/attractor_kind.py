@@ -12,7 +12,7 @@ from nonsmooth.analysis.basins.attractor import Attractor, canonical
 from nonsmooth.analysis.basins.cycles import Cycle, refine
 from nonsmooth.analysis.basins.recurrences import Measure
 from nonsmooth.analysis.statistics.block_averages import block_averages
-from nonsmooth.engine.loop import ANY
+from nonsmooth.engine.lanes import ANY
 from nonsmooth.engine.status import Status
 
 __all__ = ["cycle_from", "kind_of_set"]

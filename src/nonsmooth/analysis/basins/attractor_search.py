@@ -14,8 +14,8 @@ from nonsmooth.analysis.basins.attractor import Attractor
 from nonsmooth.analysis.basins.attractor_kind import cycle_from, kind_of_set
 from nonsmooth.analysis.basins.recurrences import Known, Measure, new_visits, share_of_new
 from nonsmooth.analysis.statistics.periodicity import primitive_period
-from nonsmooth.engine.loop import ANY, SAME
-from nonsmooth.engine.recurrences import visit
+from nonsmooth.engine.attractors import visit
+from nonsmooth.engine.lanes import ANY, SAME
 from nonsmooth.engine.status import Status
 
 __all__ = ["ENDED", "INADMISSIBLE", "UNSETTLED", "AttractorSearch", "Settled", "measure_of"]
@@ -126,8 +126,8 @@ class AttractorSearch:
                     number, is_new = self._analyse(images[i, -1], int(image_modes[i, -1]), stop)
                     visits.label[i], visits.needed[i] = number, done + block
                     if is_new:
-                        visit(images[i + 1 :], done + 1, self.known.landmarks(),
-                              type(visits)(*(part[i + 1 :] for part in visits)))  # fmt: skip
+                        later = visits.part(slice(i + 1, None))
+                        visit(images[i + 1 :], done + 1, self.known.landmarks(), later)
             done += block
             ended = ~going_on & (visits.label == 0)
             refused = lanes.status == Status.INADMISSIBLE
@@ -137,7 +137,7 @@ class AttractorSearch:
             label[left], needed[left] = visits.label, visits.needed
             kept = np.flatnonzero(visits.label == 0)
             left, lanes, history = left[kept], lanes.select(kept), history[kept]
-            visits = type(visits)(*(part[kept] for part in visits))
+            visits = visits.part(kept)
             self._tell(before + count - left.size)
         needed[left] = done
         return Settled(label, needed)

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from nonsmooth.analysis.basins.attractor_search import ENDED, INADMISSIBLE, UNSETTLED, Settled
 from nonsmooth.analysis.basins.recurrences import new_visits
-from nonsmooth.engine.recurrences import Landmarks, Visits, visit
+from nonsmooth.engine.attractors import Landmarks, visit
 from nonsmooth.engine.status import Status
 from nonsmooth.simulation.crew import Stopped
 from nonsmooth.simulation.stored_tasks import run_stored_tasks
@@ -95,5 +95,5 @@ def _label(
         kept = np.flatnonzero(~arrived & ~ended)
         done += images.shape[1]
         left, lanes = left[kept], lanes.select(kept)
-        visits = Visits(*(part[kept] for part in visits))
+        visits = visits.part(kept)
     return Settled(label, needed)

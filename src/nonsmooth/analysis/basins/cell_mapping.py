@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.basins.region import Grid
-from nonsmooth.engine.loop import ANY, SAME
+from nonsmooth.engine.lanes import ANY, SAME
 from nonsmooth.engine.status import Status
 from nonsmooth.simulation.crew import Stopped, run_tasks
 

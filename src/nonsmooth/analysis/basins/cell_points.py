@@ -11,8 +11,8 @@ import numpy.typing as npt
 from nonsmooth.analysis.basins.cell_mapping import NOWHERE, REFUSED, Part, map_points
 from nonsmooth.analysis.basins.recurrences import Known, new_visits
 from nonsmooth.analysis.basins.region import Grid
-from nonsmooth.engine.loop import ANY, SAME
-from nonsmooth.engine.recurrences import visit
+from nonsmooth.engine.attractors import visit
+from nonsmooth.engine.lanes import ANY, SAME
 
 __all__ = ["CellPoints"]
 
@@ -57,7 +57,7 @@ class CellPoints:
 
     def recognise(self, known: Known) -> None:
         """See which points are at an attractor: in a ball of convergence, or a cell of a set."""
-        marks = known.landmarks()._replace(in_cycle=1, in_set=1)
+        marks = known.landmarks().replace(in_cycle=1, in_set=1)
         visits = new_visits(len(self._points))
         visit(np.ascontiguousarray(self._points[:, None, :]), 1, marks, visits)
         self.owner = np.where(self._modes >= 0, visits.label, 0)

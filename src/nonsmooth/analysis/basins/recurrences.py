@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.basins.attractor import Attractor
-from nonsmooth.engine.recurrences import Landmarks, Visits, cell_keys, fill_cells, visit
+from nonsmooth.engine.attractors import Landmarks, Visits, cell_keys, fill_cells, visit
 
 __all__ = ["IN_CYCLE", "IN_SET", "Known", "Measure", "new_visits", "share_of_new"]
 
@@ -38,9 +38,7 @@ class Measure:
 
     def keys(self, states: Floats) -> Integers:
         """Keys of the cells in which states lie; shapes: states (K, n), returns (K,)."""
-        keys = np.zeros(len(states), np.int64)
-        cell_keys(states, self.columns, self.scale[self.columns], self.cell, keys)
-        return keys
+        return cell_keys(states, self.columns, self.scale[self.columns], self.cell)
 
     def scaled(self, states: Floats) -> Floats:
         """Compared states in their units, (K, d)."""
@@ -122,7 +120,7 @@ class Known:
 
     def owners(self, states: Floats) -> Integers:
         """Set to which the cell of each state belongs, 0 for none; (K,)."""
-        marks = self.landmarks()._replace(
+        marks = self.landmarks().replace(
             points=np.zeros((0, self.measure.columns.size)), radius=np.zeros(0), in_set=1
         )
         visits = new_visits(len(states))

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.diagrams.column_starts import ColumnStarts, Start
-from nonsmooth.engine.loop import SAME
+from nonsmooth.engine.lanes import SAME
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import ModelError
 from nonsmooth.maps.stroboscopic import StroboscopicMap
@@ -61,7 +61,7 @@ def chain(
         begin = Instant(0, 0.0)
         if follow and lanes is not None and lanes.status[0] == Status.COMPLETED:
             state = np.where(drifting, state, lanes.end_state[0])
-            mode = SAME - int(lanes.anchors.place[0, 1])
+            mode = SAME - int(lanes.anchors.place["mode"][0])
             number, phase = strobes(runner.window, begin, length, chosen.phase, 0, 1)
             begin = Instant(int(number[0]), float(phase[0]))
         lanes = runner.start(state[None], begin, mode)

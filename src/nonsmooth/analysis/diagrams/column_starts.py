@@ -8,7 +8,7 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.engine.layout import Tables
+from nonsmooth.engine.tables import Tables
 from nonsmooth.maps.stroboscopic import StroboscopicMap
 from nonsmooth.simulation.lane_runner import LaneRunner
 from nonsmooth.system.sure_values import rests_alike, sure_values

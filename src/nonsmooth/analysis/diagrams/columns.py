@@ -11,9 +11,9 @@ import numpy.typing as npt
 from nonsmooth.analysis.diagrams.chain import chain
 from nonsmooth.analysis.diagrams.column_starts import Start
 from nonsmooth.analysis.statistics.periodicity import primitive_period, scales
-from nonsmooth.engine import records as at
-from nonsmooth.engine.layout import Tables
+from nonsmooth.engine.record import Rows
 from nonsmooth.engine.status import EventKind, Status
+from nonsmooth.engine.tables import Tables
 from nonsmooth.maps.of_system import Map
 from nonsmooth.maps.stroboscopic import StroboscopicMap
 from nonsmooth.simulation.clock import Instant
@@ -141,7 +141,7 @@ def _look(
         runner.run(lanes, settled, np.zeros(0, np.int64), np.zeros(0), stop)
     if lanes.status[0] != Status.COMPLETED:
         return nothing(Status(int(lanes.status[0])), n, window)
-    points, modes, rows, values = runner.record(lanes, 0, numbers, phases)
+    points, modes, rows, states = runner.record(lanes, 0, numbers, phases)
     status = Status(int(lanes.status[0]))
     if status != Status.COMPLETED:
         return nothing(status, n, window)
@@ -149,8 +149,8 @@ def _look(
     period = primitive_period(points, protocol.drifting, scale, protocol.match)
     word = ""
     if period:
-        word = _word(protocol, rows, values[:, at.PHASE], numbers, phases, modes, period, window)
-    kind = rows[:, at.KIND]
+        word = _word(protocol, rows, rows["phase"], numbers, phases, modes, period, window)
+    kind = rows["kind"]
     events = np.count_nonzero(kind != EventKind.GRAZE) / protocol.record
     impacts = np.count_nonzero(kind == EventKind.IMPACT) / protocol.record
     drift = (points[-1] - points[0]) / protocol.record
@@ -160,7 +160,7 @@ def _look(
         # the last strobe closes the recorded time and belongs to the next period
         taken = points[:-1], numbers[:-1], phases[:-1], modes[:-1]
     else:
-        taken = _at_events(protocol, rows, values, n)
+        taken = _at_events(protocol, rows, states)
     return Look(
         status, *taken, period, word, events, impacts, drift,
         int(lanes.uncertain[0]), lasts,
@@ -168,17 +168,16 @@ def _look(
 
 
 def _at_events(
-    protocol: Protocol, rows: Integers, values: Floats, n: int
+    protocol: Protocol, rows: Rows, states: Floats
 ) -> tuple[Floats, Integers, Floats, Integers]:
     """States, windows, phases and modes at the chosen events."""
     assert protocol.exits is not None
-    chosen = (rows[:, at.EXIT] >= 0) & protocol.exits[rows[:, at.FROM], rows[:, at.EXIT]]
-    first = at.EVENT_FLOATS + (n if protocol.after else 0)
+    chosen = (rows["exit"] >= 0) & protocol.exits[rows["from_mode"], rows["exit"]]
     return (
-        values[chosen, first : first + n],
-        rows[chosen, at.NUMBER],
-        values[chosen, at.PHASE],
-        rows[chosen, at.TO if protocol.after else at.FROM],
+        states[chosen, 1 if protocol.after else 0],
+        rows["number"][chosen],
+        rows["phase"][chosen],
+        rows["to_mode" if protocol.after else "from_mode"][chosen],
     )
 
 
@@ -197,7 +196,7 @@ def with_outputs(
 
 def _word(
     protocol: Protocol,
-    rows: Integers,
+    rows: Rows,
     phase: Floats,
     numbers: Integers,
     phases: Floats,
@@ -206,9 +205,9 @@ def _word(
     window: float,
 ) -> str:
     """Modes of the last primitive period, in order."""
-    since = (rows[:, at.NUMBER] - numbers[-1 - period]) * window + (phase - phases[-1 - period])
-    within = (rows[:, at.KIND] != EventKind.GRAZE) & (since > 0.0)
-    entered = [int(modes[-1 - period]), *rows[within, at.TO]]
+    since = (rows["number"] - numbers[-1 - period]) * window + (phase - phases[-1 - period])
+    within = (rows["kind"] != EventKind.GRAZE) & (since > 0.0)
+    entered = [int(modes[-1 - period]), *rows["to_mode"][within]]
     return word_of_modes(protocol.system, np.array(entered))
 
 

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from nonsmooth.analysis.diagrams.columns import Look, Protocol, run_chain
 from nonsmooth.analysis.diagrams.section_columns import run_section_chain
-from nonsmooth.engine.layout import Tables
+from nonsmooth.engine.tables import Tables
 from nonsmooth.maps.of_system import Map
 from nonsmooth.maps.poincare import PoincareMap
 from nonsmooth.maps.section_runner import SectionRunner

@@ -10,8 +10,8 @@ import numpy.typing as npt
 from nonsmooth.analysis.diagrams.column_starts import Start
 from nonsmooth.analysis.diagrams.columns import Look, Protocol, nothing, with_outputs
 from nonsmooth.analysis.statistics.periodicity import primitive_period, scales
-from nonsmooth.engine import records as at
-from nonsmooth.engine.loop import SAME
+from nonsmooth.engine.lanes import SAME
+from nonsmooth.engine.record import Rows
 from nonsmooth.engine.status import EventKind, Status
 from nonsmooth.errors import ModelError
 from nonsmooth.maps.poincare import PoincareMap
@@ -80,7 +80,7 @@ def _look(
     states, modes = points.states[side], points.modes[side]
     since = (points.number - points.number[0]) * window + (points.phase - points.phase[0])
     period = _period(protocol, states, since, lanes.ways[0].size)
-    kind = rows[points.row[0] + 1 : points.row[-1] + 1, at.KIND]
+    kind = rows["kind"][points.row[0] + 1 : points.row[-1] + 1]
     kind = kind[runner.is_event(rows)[points.row[0] + 1 : points.row[-1] + 1]]
     # the last point closes the recorded time and belongs to the next iterate
     taken = states[:-1], points.number[:-1], points.phase[:-1], modes[:-1]
@@ -113,10 +113,10 @@ def _period(protocol: Protocol, states: Floats, since: Floats, size: Floats) -> 
     return primitive_period(points, drifting, scale, protocol.match)
 
 
-def _word(runner: SectionRunner, points: Points, rows: Integers, period: int) -> str:
+def _word(runner: SectionRunner, points: Points, rows: Rows, period: int) -> str:
     """Modes of the last primitive period, in order."""
     first = int(points.row[-1 - period])
     between = slice(first + 1, int(points.row[-1]))
-    entered = rows[between][runner.is_event(rows)[between], at.TO]
+    entered = rows["to_mode"][between][runner.is_event(rows)[between]]
     modes = [int(points.modes[1, -1 - period]), *runner.origin[entered]]
     return word_of_modes(runner.chosen.system, np.array(modes))

@@ -102,7 +102,7 @@ def _run_set(
             part["initial"][waiting] = np.where(left_out, began[:, 0], known)
         points, modes = runner.run(lanes, plan.end, plan.sample_number, plan.sample_phase, stop)
         _write(system, runner, plan, lanes, points, modes, waiting, part)
-        waiting = waiting[lanes.anchors.place[:, 1] < 0]  # no mode took the start
+        waiting = waiting[lanes.anchors.place["mode"] < 0]  # no mode took the start
         if waiting.size == 0:
             break
     at_rest = [system.rest_state[name] for name in system.states]
@@ -128,8 +128,8 @@ def _write(
     part["uncertain"][rows] = lanes.uncertain
     part["end"][rows] = lanes.end_state
     ended = lanes.status != Status.COMPLETED
-    numbers = np.where(ended, lanes.anchors.place[:, 0], plan.end.number)
-    phases = np.where(ended, lanes.anchors.phase[:, 0], plan.end.phase)
+    numbers = np.where(ended, lanes.anchors.place["number"], plan.end.number)
+    phases = np.where(ended, lanes.anchors.place["phase"], plan.end.phase)
     part["end_time"][rows] = numbers * runner.window + phases
     if system.outputs:
         clock = Clock(

@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.exponents.growth import Growth, advance
-from nonsmooth.engine.layout import Tables
 from nonsmooth.engine.status import Status
+from nonsmooth.engine.tables import Tables
 from nonsmooth.simulation.clock import Instant
 from nonsmooth.simulation.first_mode import in_first_mode
 from nonsmooth.simulation.progress import Progress

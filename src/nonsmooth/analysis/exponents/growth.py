@@ -131,7 +131,7 @@ def _advance_by_pieces(growth: Growth, end: Instant, interval: float) -> Status:
         ratio = growth.spread(flow.columns if at_event else flow.columns_at_end)
         # the piece may have several steps, and only the last of them is known
         longest = duration if at_event else flow.between(flow.here, target)
-        unconverged = longest > flow.reach_of_series(int(saved.anchor.place[1]))
+        unconverged = longest > flow.reach_of_series(saved.anchor.mode)
         if (ratio > _WIDEST or unconverged) and duration > 2.0 * shortest:
             if at_event:
                 before = flow.after(flow.here, -shortest)
@@ -188,7 +188,7 @@ def _behind(flow: TangentFlow, after: Saved) -> Instant:
 
 
 def _instant(saved: Saved) -> Instant:
-    return Instant(int(saved.anchor.place[0]), float(saved.anchor.phase[0]))
+    return Instant(saved.anchor.number, saved.anchor.phase)
 
 
 def _orthonormal(columns: Matrix) -> tuple[Matrix, Matrix]:

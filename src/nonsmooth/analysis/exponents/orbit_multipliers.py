@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.exponents.growth import Growth, advance
-from nonsmooth.engine.layout import Tables
 from nonsmooth.engine.status import Status
+from nonsmooth.engine.tables import Tables
 from nonsmooth.simulation.clock import Instant
 from nonsmooth.simulation.runner import Derivatives, NoMode
 from nonsmooth.simulation.tangent_flow import TangentFlow
@@ -38,7 +38,7 @@ class OrbitTangent:
 
         A point that lies on a guard belongs to a mode only by what came before.
         """
-        n = int(self.tables.sizes[0])
+        n = self.tables.sizes.states
         flow = TangentFlow(self.tables, self.derivatives, n, self.tolerance)
         try:
             status = flow.start(self.state, self.begin, self.mode)

@@ -10,9 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.exponents.growth import Growth, advance
-from nonsmooth.engine import layout
-from nonsmooth.engine.layout import Tables
 from nonsmooth.engine.status import Status
+from nonsmooth.engine.tables import EXACT, Tables
 from nonsmooth.simulation.clock import Instant
 from nonsmooth.simulation.crew import Stopped
 from nonsmooth.simulation.driving import is_driven
@@ -86,7 +85,7 @@ def _one_column(given: Neighbours) -> tuple[Status, Floats] | None:
     except NoMode:
         return Status.COMPLETED, np.zeros(0)
     growth = Growth(flow, 1, _SEED)
-    if np.any(given.tables.kinds != layout.EXACT):
+    if np.any(given.tables.kinds != EXACT):
         for last, end in pairwise(given.ends[: given.turn + 1]):
             given.attend()
             if status == Status.COMPLETED:

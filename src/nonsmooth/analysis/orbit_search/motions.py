@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.engine import records as at
-from nonsmooth.engine.layout import Tables
+from nonsmooth.engine.record import columns
 from nonsmooth.engine.status import EventKind, Status
+from nonsmooth.engine.tables import Tables
 from nonsmooth.periodic.equations import Turn
 from nonsmooth.periodic.guess import Guess
 from nonsmooth.periodic.search import Wanted
@@ -85,7 +85,7 @@ class Motion:
 def first_motion(wanted: Wanted, tables: Tables, periods: int, driven: bool) -> Motion:
     """Motion from the start that is given, some periods after its transient."""
     system = wanted.system
-    window = float(tables.clock[0])
+    window = tables.window
     start = resolve_start(system, tables, wanted.initial, None, wanted.mode, False)
     if start.anchor is not None:
         start = start_at_end(start)
@@ -103,7 +103,7 @@ def motion_from(
     driven: bool, mode: int = -1,
 ) -> Motion:  # fmt: skip
     """Motion from a state, its points from window ``first`` on; `NoMode` where none admits it."""
-    phase = wanted.phase * float(tables.clock[0])
+    phase = wanted.phase * tables.window
     numbers = first + np.arange(periods + 1, dtype=np.int64)
     plan = Plan(Instant(int(numbers[-1]), phase), numbers, np.full(periods + 1, phase))
     outcome = run_plan(tables, plan, wanted.tolerance, state=state, begin=begin, mode=mode)
@@ -111,23 +111,20 @@ def motion_from(
 
 
 def _points(outcome: Outcome, first: int, phase: float, driven: bool) -> Motion:
-    rows: Any = outcome.event_integers
-    values, window = outcome.event_floats, outcome.window
-    keep = ~np.isin(rows[:, at.KIND], (EventKind.GRAZE, EventKind.START))
-    since: Floats = (rows[:, at.NUMBER] - first) * window + (values[:, at.PHASE] - phase)
+    rows, window = outcome.events, outcome.window
+    keep = ~np.isin(rows["kind"], (EventKind.GRAZE, EventKind.START))
+    since: Floats = (rows["number"] - first) * window + (rows["phase"] - phase)
     keep &= since > 0.0
-    rows, values, times = rows[keep], values[keep], since[keep]
+    rows, states, times = rows[keep], outcome.event_states[keep, 1], since[keep]
     reached = outcome.n_samples
-    n = outcome.records.sample_state.shape[1]
-    states = values[:, at.EVENT_FLOATS + n :]
-    kept = rows[:, [at.PATH, at.PASSES, at.TO]].astype(np.int64)
+    kept = columns(rows, "path", "passes", "to_mode")
     if driven:
         return Motion(
             outcome.records.sample_state[:reached], np.zeros(reached, np.int64),
             np.arange(reached, dtype=float) * window, outcome.records.sample_mode[:reached], True,
             phase, kept, times, states, outcome.status,
         )  # fmt: skip
-    tell = rows[:, [at.FROM, at.PATH, at.TO]]
+    tell = columns(rows, "from_mode", "path", "to_mode")
     _, kinds = np.unique(tell, axis=0, return_inverse=True)
     return Motion(
         states, kinds.reshape(-1), times, kept[:, 2], False, 0.0, kept, times, states,

@@ -10,7 +10,7 @@ from scipy.stats import qmc
 
 from nonsmooth.analysis.basins.region import Box
 from nonsmooth.analysis.orbit_search.motions import Motion, motion_from
-from nonsmooth.engine.layout import Tables
+from nonsmooth.engine.tables import Tables
 from nonsmooth.periodic.search import Wanted
 from nonsmooth.simulation.clock import Instant
 from nonsmooth.simulation.runner import NoMode
@@ -62,7 +62,7 @@ def sampled_motions(
     wanted: Wanted, tables: Tables, states: Floats, periods: int, driven: bool
 ) -> Iterator[Motion | None]:
     """A motion from each state; None where no mode admits it."""
-    begin = Instant(0, wanted.phase * float(tables.clock[0]))
+    begin = Instant(0, wanted.phase * tables.window)
     for state in states:
         try:
             if np.any(np.isnan(state)):

@@ -24,7 +24,6 @@ from nonsmooth.analysis.regimes.strobe_test import StrobeTest, strobe_test
 from nonsmooth.analysis.regimes.verdict import Protocol, Verdict
 from nonsmooth.analysis.regimes.window import Windows, cyclic_word
 from nonsmooth.analysis.statistics.block_averages import block_averages
-from nonsmooth.engine import records as at
 from nonsmooth.engine.status import Status
 from nonsmooth.simulation.clock import Instant, instants
 from nonsmooth.simulation.driving import hides_phase, is_driven
@@ -116,7 +115,7 @@ class _Motion:
         between = [self._after(_instant(numbers, phases, -2), part) for part in _BETWEEN]
         numbers = np.insert(numbers, -1, [instant.number for instant in between])
         phases = np.insert(phases, -1, [instant.phase for instant in between])
-        states, modes, rows, values = self.runner.record(self.lanes, 0, numbers, phases)
+        states, modes, rows, _ = self.runner.record(self.lanes, 0, numbers, phases)
         if self._has_ended:
             return self._ended(first)
         self.reached = first + 2 * record
@@ -129,7 +128,7 @@ class _Motion:
             np.delete(numbers, others),
             np.delete(phases, others),
             rows,
-            values[:, at.PHASE],
+            rows["phase"],
             self.runner.window,
         )
         before, now = windows.returns(self.drifting, self.sizes, protocol.match)
@@ -360,13 +359,13 @@ class _Motion:
     @property
     def _is_misfit(self) -> bool:
         """Whether the start lies in no mode, rather than an end that was reached."""
-        return self._has_ended and int(self.lanes.anchors.place[0, 1]) < 0
+        return self._has_ended and int(self.lanes.anchors.place["mode"][0]) < 0
 
     def _ended(self, first: int) -> Verdict:
         """A motion that did not go on."""
         status = Status(int(self.lanes.status[0]))
         anchors = self.lanes.anchors
-        place = Instant(int(anchors.place[0, 0]), float(anchors.phase[0, 0]))
+        place = Instant(int(anchors.place["number"][0]), float(anchors.place["phase"][0]))
         passed = (
             place.time(self.runner.window) - self.begin.time(self.runner.window)
         ) / self.length

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.statistics.periodicity import nearest_return, scales
-from nonsmooth.engine import records as at
+from nonsmooth.engine.record import Rows
 from nonsmooth.engine.status import EventKind
 from nonsmooth.simulation.clock import Instant
 from nonsmooth.simulation.words import word_of_modes
@@ -33,7 +33,7 @@ class Windows:
     modes: Integers  # (K,)
     numbers: Integers  # (K,): window of the clock, and phase in it
     phases: Floats  # (K,)
-    rows: Integers  # events, as in `Records`
+    rows: Rows  # events, as in `Records`
     event_phases: Floats
     clock: float  # length of a window of the clock
 
@@ -66,23 +66,23 @@ class Windows:
     def word(self, system: System, first: int, last: int) -> str:
         """Modes between two strobes, in order."""
         within = self._between(first, last)
-        entered = [int(self.modes[first]), *self.rows[within, at.TO]]
+        entered = [int(self.modes[first]), *self.rows["to_mode"][within]]
         return word_of_modes(system, np.array(entered))
 
     def counts(self, first: int, last: int) -> tuple[int, int]:
         """Events between two strobes, and the impacts among them."""
         within = self._between(first, last)
-        impacts = self.rows[:, at.KIND] == EventKind.IMPACT
+        impacts = self.rows["kind"] == EventKind.IMPACT
         return int(np.count_nonzero(within)), int(np.count_nonzero(within & impacts))
 
     def _between(self, first: int, last: int) -> npt.NDArray[np.bool_]:
-        kinds = self.rows[:, at.KIND]
+        kinds = self.rows["kind"]
         passed = (kinds != EventKind.GRAZE) & (kinds != EventKind.START)
         return passed & (self._since(first) > 0.0) & (self._since(last) <= 0.0)
 
     def _since(self, k: int) -> Floats:
         """Time of every event since a strobe."""
-        whole = (self.rows[:, at.NUMBER] - self.numbers[k]) * self.clock
+        whole = (self.rows["number"] - self.numbers[k]) * self.clock
         return np.asarray(whole + (self.event_phases - self.phases[k]))
 
 

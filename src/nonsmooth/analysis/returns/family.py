@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.returns.coordinate import PHASE, Coordinate
-from nonsmooth.engine.loop import ANY
+from nonsmooth.engine.lanes import ANY
 from nonsmooth.errors import ModelError, OptionError, unknown_name
 from nonsmooth.simulation.clock import Instant
 from nonsmooth.simulation.options import finite_number

@@ -12,7 +12,7 @@ from nonsmooth.analysis.returns.family import Starts
 from nonsmooth.analysis.returns.images import Imaging
 from nonsmooth.analysis.returns.reduced_map import Branch, joined
 from nonsmooth.analysis.returns.tangents import Tangents
-from nonsmooth.engine.loop import ANY
+from nonsmooth.engine.lanes import ANY
 from nonsmooth.errors import OptionError
 from nonsmooth.simulation.clock import instants
 from nonsmooth.simulation.driving import is_driven

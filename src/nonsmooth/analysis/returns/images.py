@@ -10,8 +10,8 @@ import numpy.typing as npt
 
 from nonsmooth.analysis.returns.family import Starts
 from nonsmooth.analysis.returns.lane_log import LaneLog, Settled, settle
-from nonsmooth.engine import records as at
-from nonsmooth.engine.loop import ANY
+from nonsmooth.engine.lanes import ANY
+from nonsmooth.engine.record import Rows, columns
 from nonsmooth.engine.status import EventKind, Status
 from nonsmooth.maps.poincare import PoincareMap
 from nonsmooth.maps.rates import Rates
@@ -106,28 +106,28 @@ class Imaging(ABC):
     def follow(self, starts: Starts, log: LaneLog) -> Way:
         """Run to the images."""
 
-    def is_own(self, rows: Integers) -> npt.NDArray[np.bool_]:
+    def is_own(self, rows: Rows) -> npt.NDArray[np.bool_]:
         """Which rows are there for the section alone."""
         return np.zeros(len(rows), bool)
 
     def _summary(self, starts: Starts, begun: Settled, log: LaneLog, way: Way) -> Images:
-        lanes, rows, values = log.rows()
+        lanes, rows, _ = log.rows()
         first = np.searchsorted(lanes, np.arange(log.status.size))
-        since = (rows[:, at.NUMBER] - starts.number[lanes]) * self.window
-        since += values[:, at.PHASE] - starts.phase[lanes]
+        since = (rows["number"] - starts.number[lanes]) * self.window
+        since += rows["phase"] - starts.phase[lanes]
         here = np.arange(lanes.size)
-        counts = ~self.is_own(rows) & (rows[:, at.KIND] != EventKind.GRAZE)
+        counts = ~self.is_own(rows) & (rows["kind"] != EventKind.GRAZE)
         counts &= here <= way.last[lanes]
         early = counts & (since <= AT_ONCE * self.window)  # of the start itself
         counts &= ~early
-        entered = self.origin[rows[:, at.TO]]
+        entered = self.origin[rows["to_mode"]]
         if self.at_rows:
             entered[here == way.last[lanes]] = -1  # the image lies there
-        mode = self.origin[begun.anchors.place[:, 1]]
+        mode = self.origin[begun.anchors.place["mode"]]
         mode[lanes[early]] = entered[early]  # the last one, as rows are in order
         words, exits = self._texts(lanes[counts], entered[counts], rows[counts], mode)
         there = log.status == Status.COMPLETED
-        doubtful = (rows[:, at.IS_CERTIFIED] == 0) & (here <= way.last[lanes])
+        doubtful = (rows["is_certified"] == 0) & (here <= way.last[lanes])
         return Images(
             np.where(there[:, None], way.states, np.nan),
             np.where(there, way.number, -1),
@@ -144,12 +144,11 @@ class Imaging(ABC):
         )
 
     def _texts(
-        self, lanes: Integers, entered: Integers, rows: Integers, mode: Integers
+        self, lanes: Integers, entered: Integers, rows: Rows, mode: Integers
     ) -> tuple[Texts, Texts]:
         """Words of modes, and names of exits in order; lanes that do the same share a text."""
-        kinds, which = np.unique(
-            rows[:, [at.FROM, at.PATH, at.PASSES]], axis=0, return_inverse=True
-        )
+        passages = columns(rows, "from_mode", "path", "passes")
+        kinds, which = np.unique(passages, axis=0, return_inverse=True)
         labels = labels_of(self.engine.system)
         own = {"...", *(n for names in self.chosen.system.compiled.exit_names for n in names)}
         names = [
@@ -193,7 +192,7 @@ class StrobeImaging(Imaging):
         last = np.searchsorted(lanes, np.arange(count), side="right") - 1
         return Way(
             last, np.full(count, end.number), np.full(count, end.phase), log.ends,
-            log.anchors.place[:, 1],
+            log.anchors.place["mode"],
         )  # fmt: skip
 
 
@@ -266,18 +265,18 @@ class SectionImaging(Imaging):
         log.status[arrived] = Status.COMPLETED  # whatever became of it behind the image
         return found
 
-    def is_own(self, rows: Integers) -> npt.NDArray[np.bool_]:
+    def is_own(self, rows: Rows) -> npt.NDArray[np.bool_]:
         """Which rows are there for the section alone."""
         if self.gate is None:
             return np.zeros(len(rows), bool)
-        own: npt.NDArray[np.bool_] = (rows[:, at.PASSES] == 1) & (rows[:, at.EXIT] >= 0)
-        return own & (rows[:, at.EXIT] == self.gate[rows[:, at.FROM]])
+        own: npt.NDArray[np.bool_] = (rows["passes"] == 1) & (rows["exit"] >= 0)
+        return own & (rows["exit"] == self.gate[rows["from_mode"]])
 
     def _look(self, starts: Starts, log: LaneLog, wanted: int) -> tuple[Way, npt.NDArray[np.bool_]]:
         """The images that the log holds, and which lanes have one."""
-        lanes, rows, values = log.rows()
+        lanes, rows, states = log.rows()
         count, n = starts.states.shape
-        points, _ = self.pick(rows, values)
+        points, _ = self.pick(rows, states)
         lane = lanes[points.row]
         since = (points.number - starts.number[lane]) * self.window
         since += points.phase - starts.phase[lane]

@@ -12,7 +12,7 @@ from nonsmooth.analysis.returns.coordinate import Coordinate
 from nonsmooth.analysis.returns.family import Family, Starts
 from nonsmooth.analysis.returns.images import Images, Imaging
 from nonsmooth.analysis.returns.tangents import Tangents
-from nonsmooth.engine.loop import ANY
+from nonsmooth.engine.lanes import ANY
 
 __all__ = ["Branch", "ReducedMap", "joined", "some_values", "starts_of_images"]
 

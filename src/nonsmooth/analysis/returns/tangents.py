@@ -8,12 +8,8 @@ import numpy.typing as npt
 from nonsmooth.analysis.returns.family import Starts
 from nonsmooth.analysis.returns.images import Images, Imaging
 from nonsmooth.analysis.returns.lane_log import settle
-from nonsmooth.engine import records as at
-from nonsmooth.engine.lanes import run
-from nonsmooth.engine.loop import GOES_ON
-from nonsmooth.engine.records import Anchor, allocate_records
+from nonsmooth.engine.lanes import GOES_ON, Anchor, allocate_columns, allocate_records, run
 from nonsmooth.engine.status import Status
-from nonsmooth.engine.tangent import allocate_columns
 from nonsmooth.maps.rates import Rates
 from nonsmooth.simulation.clock import Instant
 from nonsmooth.simulation.runner import build_derivatives
@@ -57,16 +53,15 @@ class Tangents:
             entry[through] = begun.columns[through, :, :n].transpose(0, 2, 1)
             anchors = begun.anchors
             behind = Starts(
-                anchors.state[through], anchors.place[through, 0], anchors.phase[through, 0],
-                anchors.place[through, 1:],
+                anchors.state[through], anchors.place["number"][through],
+                anchors.place["phase"][through], anchors.place["mode"][through, None],
             )  # fmt: skip
             again = settle(engine, behind, tolerance, self.derivatives)
-            for part, whole in zip(again.anchors, anchors, strict=True):
-                whole[through] = part
+            anchors.put(through, again.anchors)
             begun.columns[through] = again.columns
         anchors = begun.anchors
         first = self.rates.of_many(
-            anchors.place[:, 0], anchors.phase[:, 0], anchors.place[:, 1], anchors.state
+            anchors.place["number"], anchors.place["phase"], anchors.place["mode"], anchors.state
         )
         with np.errstate(invalid="ignore"):  # slopes without bound where a motion just touches
             for k, i in enumerate(there):
@@ -89,23 +84,19 @@ class Tangents:
         )
         far = Instant(end.number + 1, 0.0) if at_rows else end
         status = Status.PAUSED
+        rates, scratch = self.derivatives.rates, self.derivatives.scratch
+        lane = (engine.tables, rates, scratch, anchor, engine.segment, tangent)
         while status == Status.PAUSED:
-            status = Status(
-                run(
-                    engine.tables, self.derivatives.rates, self.derivatives.scratch, anchor,
-                    engine.segment, tangent, records, GOES_ON, *far, self.imaging.tolerance,
-                )
-            )  # fmt: skip
+            status = run(lane, records, GOES_ON, far, self.imaging.tolerance)
         if not at_rows:
             return np.vstack([tangent.samples[0].T, np.zeros(n)])
         if status != Status.BUFFER_FULL:
             return np.full((n + 1, n), np.nan)
-        row, value = records.event_integers[rows - 1], records.event_floats[rows - 1]
         side = self.imaging.side
+        row, state = records.events[rows - 1], records.event_states[rows - 1, side]
         now = (tangent.now, tangent.columns)[side][:, :n].T
         # the moment of a knot of a signal is known, so nothing shifts it
-        at_knot = self.knots and value[at.GUARD_RATE] == 0.0
+        at_knot = self.knots and row["guard_rate"] == 0.0
         shift = np.zeros(n) if at_knot else -tangent.shifts
-        state = value[at.EVENT_FLOATS :].reshape(2, -1)[side]
-        rate = self.rates.at(end, int(row[(at.FROM, at.TO)[side]]), state)
+        rate = self.rates.at(end, int(row[("from_mode", "to_mode")[side]]), state)
         return np.vstack([now + np.outer(rate, shift), shift])

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.engine.layout import SLIDES
 from nonsmooth.engine.status import EventKind
+from nonsmooth.engine.tables import SLIDES
 from nonsmooth.system.evaluate import evaluate_shared
 from nonsmooth.system.expressions import Expression
 from nonsmooth.system.system import System

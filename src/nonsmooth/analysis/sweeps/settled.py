@@ -9,7 +9,6 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.engine import records as at
 from nonsmooth.engine.status import EventKind, Status
 from nonsmooth.maps.stroboscopic import StroboscopicMap
 from nonsmooth.simulation.clock import Instant, instants
@@ -92,20 +91,17 @@ class Settled:
         """Run the motion itself to the end of the record, with the event log."""
         ends = np.array([self.begin, self.end])
         numbers, phases = ends[:, 0].astype(np.int64), ends[:, 1].copy()
-        _, _, rows, floats = self.runner.record(lanes, 0, numbers, phases)
+        _, _, rows, states = self.runner.record(lanes, 0, numbers, phases)
         self.status = Status(int(lanes.status[0]))
-        n = lanes.end_state.shape[1]
         # a run that goes on has no row for its start
-        kept = (rows[:, at.KIND] != EventKind.GRAZE) & (rows[:, at.KIND] != EventKind.START)
-        rows, floats = rows[kept], floats[kept]
-        number, phase = rows[:, at.NUMBER].copy(), floats[:, at.PHASE].copy()
+        kept = (rows["kind"] != EventKind.GRAZE) & (rows["kind"] != EventKind.START)
+        rows, states = rows[kept], states[kept]
+        number, phase = rows["number"].copy(), rows["phase"].copy()
         since = (number - self.begin.number) * self.runner.window + (phase - self.begin.phase)
-        first = at.EVENT_FLOATS
-        before, after = floats[:, first : first + n], floats[:, first + n : first + 2 * n]
         self.events = Events(
             since,
-            Samples(before, number, phase, rows[:, at.FROM].copy()),
-            Samples(after, number, phase, rows[:, at.TO].copy()),
+            Samples(states[:, 0], number, phase, rows["from_mode"].copy()),
+            Samples(states[:, 1], number, phase, rows["to_mode"].copy()),
         )
 
 

@@ -16,8 +16,8 @@ from nonsmooth.analysis.diagrams.diagram_options import check_way
 from nonsmooth.analysis.diagrams.diagram_tasks import chains
 from nonsmooth.analysis.regimes.regime_dataset import said_of_start
 from nonsmooth.analysis.sweeps.settled import Settled, settle
-from nonsmooth.engine.layout import Tables
 from nonsmooth.engine.status import Status
+from nonsmooth.engine.tables import Tables
 from nonsmooth.errors import OptionError
 from nonsmooth.maps.of_system import map_of
 from nonsmooth.maps.stroboscopic import StroboscopicMap

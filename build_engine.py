@@ -1,0 +1,191 @@
+"""Compile the engine: C++ sources to shared libraries, and their declarations to Python.
+
+`python build_engine.py` compiles in a folder of the sources; building the package calls `build`
+(hatch_build.py). The libraries have a plain C interface and know nothing of Python, so one wheel
+serves all versions.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import importlib.util
+import os
+import platform
+import re
+import shutil
+import subprocess
+import sys
+import sysconfig
+import tempfile
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import NamedTuple
+
+ENGINE = Path(__file__).resolve().parent / "src" / "nonsmooth" / "engine"
+SOURCES = ENGINE / "native"
+DECLARATIONS = ENGINE / "_declarations.py"
+
+# Contraction of products and sums is a matter of the processor: without it all builds give the same
+# digits. Optimisations that assume finite numbers, or an order of sums, would break the certificate.
+FLAGS = [
+    "-std=c++20", "-O3", "-fPIC", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math",
+    "-fno-exceptions", "-fno-rtti", "-fvisibility=hidden", "-Wall", "-Wextra",
+]  # fmt: skip
+
+
+class Platform(NamedTuple):
+    """What a library is built for."""
+
+    zig: str  # the target in words of Zig; empty for this machine and its own compiler
+    suffix: str
+    tag: str  # of the wheel
+    machine: str
+
+
+def _wheel_tag() -> str:
+    return sysconfig.get_platform().replace("-", "_").replace(".", "_")
+
+
+_OWN_SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
+_LINUX = "manylinux_2_17_{0}.manylinux2014_{0}"
+# $NONSMOOTH_PLATFORM names one of these; without it the library is for this machine.
+PLATFORMS = {
+    "": Platform("", _OWN_SUFFIX, _wheel_tag(), platform.machine().lower()),
+    "linux-x86_64": Platform("x86_64-linux-gnu.2.17", ".so", _LINUX.format("x86_64"), "x86_64"),
+    "linux-aarch64": Platform("aarch64-linux-gnu.2.17", ".so", _LINUX.format("aarch64"), "aarch64"),
+    "macos-x86_64": Platform("x86_64-macos", ".dylib", "macosx_11_0_x86_64", "x86_64"),
+    "macos-arm64": Platform("aarch64-macos", ".dylib", "macosx_11_0_arm64", "arm64"),
+    "windows-x86_64": Platform("x86_64-windows-gnu", ".dll", "win_amd64", "amd64"),
+}
+
+
+def chosen_platform() -> Platform:
+    """Platform that the environment asks for."""
+    name = os.environ.get("NONSMOOTH_PLATFORM", "")
+    if name not in PLATFORMS:
+        known = ", ".join(each for each in PLATFORMS if each)
+        raise SystemExit(f"NONSMOOTH_PLATFORM is {name!r}; known are {known}")
+    return PLATFORMS[name]
+
+
+def builds(aim: Platform) -> dict[str, list[str]]:
+    """Names of the libraries to build and what their processors allow."""
+    if aim.machine not in ("x86_64", "amd64"):
+        return {"baseline": []}
+    if "ziglang" in compiler(aim):
+        return {"baseline": ["-mcpu=x86_64"], "v3": ["-mcpu=x86_64_v3"]}
+    return {"baseline": ["-march=x86-64"], "v3": ["-march=x86-64-v3"]}
+
+
+def compiler(aim: Platform = PLATFORMS[""]) -> list[str]:
+    """Command of a C++20 compiler: $CXX, one on the path, or that of the package ziglang."""
+    for name in () if aim.zig else (os.environ.get("CXX"), "c++", "g++", "clang++"):
+        if name and shutil.which(name.split()[0]):
+            return name.split()
+    if importlib.util.find_spec("ziglang"):
+        target = ["-target", aim.zig] if aim.zig else []
+        # without its own C++ library, which would take minutes to build: the engine uses none
+        options = ["-nostdlib++", "-fno-sanitize=all", *target]
+        return [sys.executable, "-m", "ziglang", "c++", *options]
+    raise SystemExit(
+        "no C++ compiler was found. Install one that knows C++20 (GCC 11, Clang 14 or newer), name"
+        " yours in the environment variable CXX, or `pip install ziglang`, which brings one"
+    )
+
+
+def sources_hash() -> str:
+    """Hash of the sources and of the flags that they are compiled with."""
+    digest = hashlib.sha256(" ".join(FLAGS).encode())
+    for path in sorted(SOURCES.iterdir()):
+        if path.suffix in (".h", ".hpp", ".cpp"):
+            digest.update(path.name.encode() + path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def library(build: str, aim: Platform) -> Path:
+    """Path of a library."""
+    return ENGINE / f"_nonsmooth_{build}{aim.suffix}"
+
+
+def declarations() -> str:
+    """The declarations of interface.h in plain C: ``Array(T, d)`` becomes a struct of its own."""
+    text = re.sub(r"/\*.*?\*/", "", (SOURCES / "interface.h").read_text(), flags=re.DOTALL)
+    arrays = sorted(set(re.findall(r"Array\((\w+), (\d)\)", text)))
+    text = re.sub(r"Array\((\w+), (\d)\)", r"Array_\1_\2", text)
+    structs = "".join(
+        f"typedef struct Array_{of}_{axes} {{ {of} *data; int64_t shape[{axes}]; }}"
+        f" Array_{of}_{axes};\n"
+        for of, axes in arrays
+    )
+    rows, records = text.split("typedef struct Program", 1)
+    complexes = "typedef struct Complex { double re, im; } Complex;\n"
+    return complexes + rows + structs + "typedef struct Program" + records
+
+
+def write_declarations() -> None:
+    """Write the declarations as a Python module that needs no parsing when it is imported."""
+    from cffi import FFI
+
+    ffi = FFI()
+    ffi.cdef(declarations())
+    ffi.set_source("nonsmooth.engine._declarations", None)
+    with tempfile.TemporaryDirectory() as folder, contextlib.redirect_stdout(None):
+        made = Path(folder) / "declarations.py"
+        ffi.emit_python_code(str(made))
+        _replace(made, DECLARATIONS)
+
+
+def _replace(made: Path, target: Path) -> None:
+    """Put a file in place at once: another process may be reading the old one."""
+    beside = target.with_name(f"{target.name}.{os.getpid()}")
+    shutil.copyfile(made, beside)
+    os.replace(beside, target)
+
+
+def compile_library(path: Path, flags: list[str], aim: Platform) -> None:
+    """Compile all units of one library side by side, and link them."""
+    command = compiler(aim)
+    with tempfile.TemporaryDirectory() as folder:
+
+        def compile_unit(unit: Path) -> str:
+            made = str(Path(folder) / f"{unit.stem}.o")
+            define = f'-DNONSMOOTH_SOURCES="{sources_hash()}"'
+            parts = [*command, *FLAGS, *flags, define, "-c", str(unit), "-o", made]
+            subprocess.run(parts, check=True)
+            return made
+
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            objects = list(pool.map(compile_unit, sorted(SOURCES.glob("*.cpp"))))
+        linked = Path(folder) / f"linked{aim.suffix}"
+        libraries = [] if aim.suffix == ".dll" else ["-lm"]
+        subprocess.run(
+            [*command, "-shared", *flags, *objects, "-o", str(linked), *libraries], check=True
+        )
+        _replace(linked, path)
+
+
+def build() -> list[Path]:
+    """Compile all libraries and write the declarations; returns their paths."""
+    aim = chosen_platform()
+    made = []
+    for name, flags in builds(aim).items():
+        made.append(library(name, aim))
+        compile_library(made[-1], flags, aim)
+    write_declarations()
+    return [*made, DECLARATIONS]
+
+
+def build_sanitized(path: Path) -> None:
+    """A library that looks after its own addresses and undefined behaviour, for tests."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    flags = ["-O1", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=undefined"]
+    compile_library(path, flags, PLATFORMS[""])
+
+
+if __name__ == "__main__":
+    if sys.argv[1:2] == ["--sanitized"]:
+        build_sanitized(Path(sys.argv[2]))
+    else:
+        for each in build():
+            print(each)

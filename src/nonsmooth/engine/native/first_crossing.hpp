@@ -1,0 +1,214 @@
+// The first root of the guards of a mode, none skipped.
+//
+// At each point looked at, the Taylor polynomial of every guard with a bound on what follows tells
+// how far it is surely positive: step there and repeat (`guard_series`). Once a guard is known to
+// fall monotonically to its root, Newton's method on that polynomial and third-order steps on the
+// exact flow finish. What rounding leaves undecided, a tangency whose depth is below the rounding
+// margin, is decided by the best guess and flagged. See docs/explanation/certified-events.md.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "flow.hpp"
+#include "guard_outlook.hpp"
+#include "guard_root.hpp"
+#include "records.hpp"
+
+namespace nonsmooth {
+
+// Steps of the ladder in a row: each adds up to three roundings, and the margin has 32 units.
+constexpr Index most_climbs = 8;
+constexpr double relative_rounding = 2.220446049250313e-16;
+
+// A search through a segment of mode m, now at s.
+struct Search {
+    const Tables& tables;
+    const Segment& segment;
+    const Index m, n_exits;
+    const double length;
+    double s;
+    Index climbs;  // in a row
+};
+
+// A look at all guards from the current point.
+struct Look {
+    double rest;      // how far it may look
+    double soonest;   // the smallest safe step
+    Index which;      // the guard that has it, or that touches zero; -1 where none is in the way
+    Outlook outlook;  // of that guard
+};
+
+// Look at one guard: fills its scan. Order is that of its zero at s = 0, which is known there only;
+// a guard that is identically zero may stay so.
+inline Outlook look_at_guard(const Search& search, Index g, double reach, double farthest) {
+    GuardScan& guard = search.segment.scan[g];
+    int64_t& order = search.segment.order[g];
+    const bool begins = search.s == 0.0;
+    const Index known = begins && order < TERMS ? order : 0;
+    read_guard(search.tables, search.segment, search.m, g, known);
+    guard.latest = no_root_known;
+    const double still = order >= STILL_ZERO ? while_zero(guard, reach) : 0.0;
+    Outlook outlook = Outlook::open;
+    if (still > 0.0) {
+        guard.safe = still;
+    } else if (begins && order > 0 && order != STILL_ZERO) {
+        const double landing = order == 1 ? end_of_low_flight(guard, reach) : 0.0;
+        if (landing > 0.0) {
+            outlook = Outlook::lands;
+            guard.safe = guard.latest = landing;
+        } else {
+            guard.safe = leave(guard, order, reach);
+        }
+    } else {
+        outlook = look_ahead(guard, reach, farthest);
+        if (outlook == Outlook::touches) {
+            // passed by this guard alone: the others may fall before
+            const double least = 4.0 * relative_rounding * search.length;
+            guard.passed = search.s + std::max(guard.safe, least);
+            return outlook;
+        }
+    }
+    if (order >= STILL_ZERO && still == 0.0) order = 0;
+    return outlook;
+}
+
+// Look at all guards; each one looks no farther than those before it let the search go.
+inline Look look_at_guards(const Search& search) {
+    const Spans& spans = search.tables.spans[search.m];
+    const double rest = std::min(search.length - search.s, spans.reach);
+    Look look{rest, rest, -1, Outlook::open};
+    double reach = rest < 1.5 * spans.rung ? rest : spans.rung;
+    for (Index g = 0; g < search.n_exits; ++g) {
+        GuardScan& guard = search.segment.scan[g];
+        Outlook outlook = Outlook::open;
+        if (search.s < guard.passed) {  // a tangency there is flagged already
+            guard.safe = guard.passed - search.s;
+            guard.latest = no_root_known;
+        } else {
+            outlook = look_at_guard(search, g, reach, spans.reach);
+            if (outlook == Outlook::touches) return {rest, look.soonest, g, outlook};
+        }
+        if (guard.safe < look.soonest) {
+            look.soonest = guard.safe;
+            look.which = g;
+            look.outlook = outlook;
+            const double latest = guard.latest == no_root_known ? look.soonest : guard.latest;
+            reach = std::min(reach, latest);
+        }
+    }
+    return look;
+}
+
+// Whether every other guard is safe up to the latest place of this guard's root, or the end.
+//
+// One that is the same function, as two surfaces that have become one, comes after it.
+inline bool falls_before_others(const Search& search, Index which, double rest) {
+    const auto& scan = search.segment.scan;
+    const double latest = std::min(scan[which].latest, rest);
+    for (Index g = 0; g < search.n_exits; ++g) {
+        if (g == which || !(scan[g].safe < latest)) continue;
+        if (!(g > which && same_function(scan[g], scan[which]))) return false;
+    }
+    return true;
+}
+
+// Guards that reach zero together: the earlier root, in declared order when equal.
+//
+// Rounding leaves open which of them is first, so the event is uncertain.
+inline Crossing nearest_root(const Search& search) {
+    Index best = -1;
+    double best_root = no_root_known;
+    for (Index g = 0; g < search.n_exits; ++g) {
+        if (!(search.segment.scan[g].latest < no_root_known)) continue;
+        const double root = finish_root(search.tables, search.segment, search.m, g, search.s).s;
+        if (root < best_root - 4.0 * relative_rounding * std::fabs(root)) {
+            best = g;
+            best_root = root;
+        }
+    }
+    if (best < 0) return {search.s, -1, Found::stuck};
+    best_root = std::min(std::max(best_root, search.s), search.length);
+    advance(search.tables, search.segment, search.m, best_root);
+    return {best_root, best, Found::uncertain};
+}
+
+// The crossing that a look with a guard in the way has come to, if any: otherwise the search goes
+// on as far as look.soonest says.
+inline Crossing follow_guard(Search& search, Look& look) {
+    const Tables& tables = search.tables;
+    const Segment& segment = search.segment;
+    const Index m = search.m, which = look.which;
+    const double rest = search.length - search.s;
+    const Crossing nothing_yet{search.s, -1, Found::none};
+    GuardScan& guard = segment.scan[which];
+    if (look.outlook == Outlook::uncertain) {
+        const double s = search.s + look.soonest;
+        advance(tables, segment, m, s);
+        return {s, which, Found::uncertain};
+    }
+    if (look.outlook == Outlook::lands && falls_before_others(search, which, search.length)) {
+        const double s = guard.latest;
+        guard.a[1] = rate_of_polynomial(guard, s);
+        advance(tables, segment, m, s);
+        return {s, which, Found::certified};
+    }
+    if (guard.latest < no_root_known && falls_before_others(search, which, rest)) {
+        const Crossing root = finish_root(tables, segment, m, which, search.s);
+        if (root.s <= search.length) return root;
+        look.soonest = look.rest;  // the guard falls, but not to zero within the segment
+        for (Index g = 0; g < search.n_exits; ++g) {
+            if (g != which) look.soonest = std::min(look.soonest, segment.scan[g].safe);
+        }
+        search.climbs = most_climbs;
+        return nothing_yet;
+    }
+    return search.s + look.soonest == search.s ? nearest_root(search) : nothing_yet;
+}
+
+// Go on by a safe step, or by a rung of the ladder below it; whether the end is reached.
+inline bool step_on(Search& search, double safe) {
+    constexpr double worth = 0.6;  // a rung shorter than this part of the safe step is not worth it
+    const Spans& spans = search.tables.spans[search.m];
+    Index rung = 0;
+    double step = spans.rung;
+    while (step > safe && rung < RUNGS) {  // the longest rung that is not longer
+        step *= 0.5;
+        ++rung;
+    }
+    const bool is_worth = rung < RUNGS && step >= worth * safe && search.climbs < most_climbs;
+    if (is_worth && safe < search.length - search.s) {
+        ++search.climbs;
+        search.s += step;
+        climb(search.tables, search.segment, search.m, rung, search.s);
+        return false;
+    }
+    search.climbs = 0;
+    search.s = std::min(search.s + safe, search.length);
+    advance(search.tables, search.segment, search.m, search.s);
+    return search.s >= search.length;
+}
+
+// Search for the first guard of mode m to fall below zero within (start, length].
+//
+// The segment is as left by start_segment; its orders are the known orders of zero of the guards at
+// s = 0. Behind a graze the search goes on at its s, where GuardScan.passed says how far each guard
+// is known. Leaves segment.now at s.
+inline Crossing first_crossing(const Tables& tables, const Segment& segment, Index m, double start,
+                               double length) {
+    constexpr Index most_steps = 1'000'000;
+    Search search{tables, segment, m, mode_wiring(tables, m).n_exits, length, start, 0};
+    if (start > 0.0) advance(tables, segment, m, start);
+    for (Index step = 0; step < most_steps; ++step) {
+        Look look = look_at_guards(search);
+        if (look.outlook == Outlook::touches) return {search.s, look.which, Found::graze};
+        if (look.which >= 0) {
+            const Crossing crossing = follow_guard(search, look);
+            if (crossing.found != Found::none) return crossing;
+        }
+        if (step_on(search, look.soonest)) return {length, -1, Found::none};
+    }
+    return {search.s, -1, Found::stuck};
+}
+
+}  // namespace nonsmooth

@@ -1,0 +1,123 @@
+// A run at an event: it is logged, its exits are passed, and the anchor is set behind it.
+#pragma once
+
+#include "event_kind.hpp"
+#include "event_log.hpp"
+#include "flow.hpp"
+#include "guard_root.hpp"
+#include "records.hpp"
+#include "run.hpp"
+#include "tangent.hpp"
+#include "transitions.hpp"
+
+namespace nonsmooth {
+
+// The instant at s of the segment.
+inline WindowPhase instant_at(const Run& run, double s) {
+    return normal_phase(run.anchor.place.number, run.anchor.phase + s, run.tables.clock.window);
+}
+
+// Log an event of the segment with the state before it; returns its row.
+inline Index log_crossing(const Run& run, const Crossing& crossing, EventKind kind) {
+    const Index e = crossing.exit, m = run.anchor.place.mode;
+    const bool certified = crossing.found == Found::certified;
+    const double rate = e >= 0 ? run.segment.scan[e].a[1] : 0.0;
+    const Records& records = run.records;
+    const Index row =
+        log_event(records, {instant_at(run, crossing.s), kind, m, e, certified, rate});
+    if (row < 0) return row;
+    if (e >= 0) {
+        state_at(run.tables, run.segment, m, records.state_before(row));
+    } else {
+        copy(run.anchor.state.data, records.state_before(row), run.tables.n());
+    }
+    copy(records.state_before(row), records.state_after(row), run.tables.n());
+    return row;
+}
+
+// Log a start with the state as given; going on in the same mode is no event.
+inline Index log_start(const Run& run, EventKind kind, Index passes) {
+    if (kind != EVENT_START && passes == 0) return -1;
+    const Index m = run.anchor.place.mode;
+    const Index row = log_event(run.records, {time_of_anchor(run), kind, m, -1, true, 0.0});
+    if (row >= 0) copy(run.anchor.state.data, run.records.state_before(row), run.tables.n());
+    return row;
+}
+
+// Count an event at an instant, and bring coordinates and columns there.
+inline void come_to_event(const Run& run, const Crossing& crossing, WindowPhase when) {
+    constexpr double little = 1e-8;  // part of a window: flights that rounding leaves open
+    const Tables& tables = run.tables;
+    Counters& counters = run.records.counters;
+    const Index number = run.anchor.place.number;
+    bool stalled = when.number == number && when.phase == run.anchor.phase;
+    // flights that rounding alone makes are no motion either
+    stalled = stalled || (crossing.found != Found::certified &&
+                          crossing.s <= little * tables.clock.window);
+    counters.stalled = stalled ? counters.stalled + 1 : 0;
+    counters.window_events = when.number > number ? 1 : counters.window_events + 1;
+    augment_anchor(run, when);
+    fill_signals_at(run, when);
+    if (run.tangent.carries()) {
+        complete_columns(tables, run.rates, run.tangent, when.number, when.phase,
+                         run.segment.z.data);
+    }
+}
+
+// Complete the row of an event by its passage out of mode `before`; e is its exit.
+inline void log_passage(const Run& run, Index row, EventKind kind, const Passage& passage,
+                        Index e) {
+    const Records& records = run.records;
+    const Index before = run.anchor.place.mode;
+    log_transition(records, row, kind, passage, run.segment.z.data);
+    const Index rebounds = count_rebounds(records.counters, kind, before, e);
+    if (row < 0) return;
+    if (kind == EVENT_CHATTER) {
+        records.rows[row].wait = passage.stay;
+        records.rows[row].count = rebounds;
+    }
+    if (kind != EVENT_START && e < 0) records.rows[row].exit = exit_of_path(passage.path, 0);
+}
+
+// Set the anchor behind an event.
+inline void set_anchor(const Run& run, WindowPhase when, Index m) {
+    const Anchor& anchor = run.anchor;
+    anchor.place = {when.number, m, when.phase};
+    copy(run.segment.z.data, anchor.state.data, run.tables.n());
+    copy(run.segment.z.data, run.records.end_state.data, run.tables.n());
+    copy(run.segment.order, anchor.order);
+}
+
+// Whether impacts accumulate.
+inline bool events_accumulate(const Counters& counters) {
+    constexpr Index most_events = 10'000;  // in one window
+    constexpr Index most_stalled = 100;    // between which time does not advance
+    return counters.window_events > most_events || counters.stalled > most_stalled;
+}
+
+// Log an event, pass its exits and set the anchor behind it.
+//
+// The exit is -1 at a start, where the run begins, and at a knot where guards have jumped: what is
+// negative fires.
+inline Status pass_event(const Run& run, const Crossing& crossing, bool begins) {
+    const Index before = run.anchor.place.mode, e = crossing.exit;
+    Counters& counters = run.records.counters;
+    Index row = begins ? -1 : log_crossing(run, crossing, EVENT_SWITCH);
+    if (crossing.found != Found::certified) ++counters.uncertain;
+    const WindowPhase when = instant_at(run, crossing.s);
+    if (!begins) come_to_event(run, crossing, when);
+    const Passage passage = pass_exits(run.tables, run.rates, run.segment, run.tangent, before, e,
+                                       crossing.s, run.tolerance);
+    EventKind kind = kind_of(run.tables, before, passage);
+    if (begins) {
+        kind = run.mode >= ANY ? EVENT_START : EVENT_SWITCH;
+        row = log_start(run, kind, passage.passes);
+    }
+    log_passage(run, row, kind, passage, e);
+    set_anchor(run, when, passage.mode);
+    if (begins || passage.status != COMPLETED) return passage.status;
+    if (!all_finite(run.anchor.state)) return SINGULAR;  // the reset divides by zero
+    return events_accumulate(counters) ? EVENT_LIMIT : COMPLETED;
+}
+
+}  // namespace nonsmooth

@@ -1,0 +1,87 @@
+// When rebounds have accumulated: the last of infinitely many impacts, and the time until it.
+//
+// An impact leaves with the rate w of its guard, pressed back by the acceleration -P. The next ones
+// come after 2 w/P, 2 r w/P, ... with the ratio r of the rates after and before an impact, so that
+// all of them are over after T = 2 w/(P (1 - r)). Where the acceleration is -(A + a t + c g') with
+// the time t and the rate g', flights and ratios change, and to first order T is
+// 1 - a T/(3 A) - c T/6 times that. Where friction makes it -P up and -Q down, T is
+// w (1/P + (P Q)^(-1/2)) over 1 - r (Q/P)^(1/2). Impacts are passed one by one until little is left
+// of the row and the acceleration is as good as constant, or until flights are so low that rounding
+// would swallow them. Then the rest is one exit: onto the surface, with the momentum gone that is
+// left along the jump. What it leaves out in the state is of third order in T.
+// See A. Nordmark and P. Piiroinen, Nonlinear Dynamics 58, 2009; C. Budd and F. Dux, Philosophical
+// Transactions of the Royal Society A 347, 1994.
+#pragma once
+
+#include <cmath>
+
+#include "guard_values.hpp"
+
+namespace nonsmooth {
+
+constexpr double never = -1.0;
+
+// An impact at its exit e of mode m: the rate and the second derivative with which its guard came
+// in, and the largest of such rates at the same instant.
+struct Rebound {
+    Index m, e;
+    double arrival, push_before, largest;
+};
+
+// Time until rebounds are over with friction: flights fall with one acceleration and have risen with
+// another.
+inline double rest_time_with_friction(double rate, double ratio, double push, double push_before) {
+    const double down = std::sqrt(push * push_before);
+    return rate * (1.0 / down - 1.0 / push) / (1.0 + ratio * down / push);
+}
+
+// Time until rebounds are over; never while they go on. z are the coordinates behind the impact,
+// where rows of the derivatives of the guard are up to date.
+inline double rest_time(const Tables& tables, const Rebound& rebound, const double* z,
+                        const double* extent, double tolerance) {
+    constexpr double part_of_period = 1e-6;
+    constexpr double shorter = 1e-12;  // likewise; or of the unit of time, for quick motions
+    constexpr double steady_enough = 1e-5;  // change of the acceleration while rebounds die out
+    constexpr double nearly_steady = 1e-2;  // likewise, where flights are too low to be followed
+    constexpr double low_flight = 1e-12;    // height of a flight beside the terms of its guard
+    constexpr double gone = 1e-12;          // of the largest rate at the same instant
+    const Index m = rebound.m, e = rebound.e;
+    const Clock& clock = tables.clock;
+    const TermSum rate = guard_terms(tables, m, e, 1, z, extent);
+    const TermSum push = guard_terms(tables, m, e, 2, z, extent);
+    const TermSum jerk = guard_terms(tables, m, e, 3, z, extent);
+    const bool pressed = push.value < -tolerance * push.size;
+    if (std::fabs(rate.value) <= tolerance * rate.size ||
+        std::fabs(rate.value) <= gone * rebound.largest) {
+        const bool soon = std::fabs(push.value) <= tolerance * push.size &&
+                          jerk.value < -tolerance * jerk.size;
+        return pressed || soon ? 0.0 : never;
+    }
+    const double ratio = rebound.arrival < 0.0 ? -rate.value / rebound.arrival : 1.0;
+    if (rate.value < 0.0 || !pressed || ratio >= 1.0) return never;
+    // the acceleration is -(steady + drift t + damping g')
+    const double damping =
+        (rebound.push_before - push.value) * ratio / (rate.value * (1.0 + ratio));
+    const double steady = -push.value - damping * rate.value;
+    const double drift = -jerk.value - damping * push.value;
+    if (steady <= 0.0) return never;
+    double wait = 2.0 * rate.value / (steady * (1.0 - ratio));
+    const double change = (std::fabs(drift) / steady + std::fabs(damping)) * wait;
+    const double size = guard_terms(tables, m, e, 0, z, extent).size;
+    const double next = ratio * rate.value;
+    const bool low = 0.5 * (next * next) / steady <= low_flight * size ||  // rounding hides it
+                     wait <= shorter * clock.window;
+    if (change <= nearly_steady) {
+        wait *= 1.0 - drift * wait / (3.0 * steady) - damping * wait / 6.0;
+        const bool brief = clock.is_period != 0.0 && wait <= part_of_period * clock.window;
+        return low || (brief && change <= steady_enough) ? wait : never;
+    }
+    const bool uneven = low && rebound.push_before < 0.0 &&
+                        ratio * ratio * rebound.push_before > push.value;
+    if (uneven && std::fabs(jerk.value) * wait <= nearly_steady * -push.value) {
+        return rest_time_with_friction(rate.value, ratio, push.value, rebound.push_before);
+    }
+    return never;
+}
+
+}  // namespace nonsmooth

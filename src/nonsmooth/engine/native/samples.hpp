@@ -1,0 +1,61 @@
+// Samples of a run: read from the segment that passes over them, which they do not change.
+#pragma once
+
+#include "flow.hpp"
+#include "records.hpp"
+#include "run.hpp"
+#include "tangent.hpp"
+
+namespace nonsmooth {
+
+// Columns of derivatives at sample k, at s of the segment.
+inline void write_columns(const Run& run, double s, Index k) {
+    const Tangent& tangent = run.tangent;
+    if (s > 0.0) {
+        const Index m = run.anchor.place.mode;
+        carry(run.tables, run.rates, run.scratch, run.segment, tangent, m, s);
+    }
+    const auto& columns = s > 0.0 ? tangent.now : tangent.columns;
+    for (Index c = 0; c < tangent.count(); ++c) {
+        copy(&columns(c, 0), &tangent.samples(k, c, 0), run.tables.n());
+    }
+}
+
+// Samples of this segment up to and including the time until.
+//
+// The slots at the end of the segment are put back bit by bit: the last step to an event is rounded
+// differently from a direct evaluation.
+inline void write_samples(const Run& run, double until) {
+    const Segment& segment = run.segment;
+    const Records& records = run.records;
+    const Index m = run.anchor.place.mode;
+    bool kept = false;
+    double point = 0.0;
+    Index k = records.counters.samples;
+    for (; k < records.sample_phase.size(); ++k) {
+        const double number = static_cast<double>(records.sample_number[k]);
+        const double s = time_to(run, number, records.sample_phase[k]);
+        if (s > until) break;
+        if (!kept) {
+            copy(segment.now, segment.kept);
+            point = *segment.point;
+            kept = true;
+        }
+        double* const state = &records.sample_state(k, 0);
+        if (s == 0.0) {  // the state as it was given, not as it comes back from modal coordinates
+            copy(run.anchor.state.data, state, run.tables.n());
+        } else {
+            advance(run.tables, segment, m, s);
+            state_at(run.tables, segment, m, state);
+        }
+        if (run.tangent.carries()) write_columns(run, s, k);
+        records.sample_mode[k] = m;
+    }
+    records.counters.samples = k;
+    if (kept) {
+        copy(segment.kept, segment.now);
+        *segment.point = point;
+    }
+}
+
+}  // namespace nonsmooth

@@ -1,0 +1,157 @@
+// The flow of a Taylor mode: one step of its series, read wherever it is asked for.
+//
+// A step is to a Taylor mode what a segment is to a linear one: it starts at the anchor, it is as
+// long as its series allow, and samples, guards and events only read its polynomials.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "records.hpp"
+#include "rounding.hpp"
+#include "solved_relations.hpp"
+#include "taylor_series.hpp"
+#include "taylor_step.hpp"
+
+namespace nonsmooth::taylor {
+
+constexpr double unit = 2.220446049250313e-16;
+
+// Binomial coefficients (k over TERMS)
+constexpr auto choices = [] {
+    std::array<double, ORDER + 1> table{};
+    for (int k = TERMS; k <= ORDER; ++k) {
+        double count = 1.0;
+        for (int i = 1; i <= TERMS; ++i) count = count * (k - TERMS + i) / i;
+        table[k] = count;
+    }
+    return table;
+}();
+
+// The length of a step as its series allow it, and the roots of the guards.
+inline double allowed_length(const Tables& tables, const Segment& segment, Index m,
+                             double limit) {
+    constexpr double short_part = 0x1p-40;  // of the longest step
+    const View<Series, 1>& series = segment.series;
+    double length = limit;
+    for (Index i = 0; i < tables.n(); ++i) length = converging_step(series[i].c, 0.0, length);
+    length = step_inside(tables, m, series, length);
+    for (Index g = 0; g < mode_wiring(tables, m).n_exits; ++g) {
+        const Index order = segment.order[g];
+        if (order >= TERMS) continue;
+        length = step_of_roots(series[guard_outlet(tables, m, g)].c, order, length,
+                               short_part * limit);
+    }
+    return length;
+}
+
+// The length within which the guards converge too, down to the rounding errors within it, which it
+// leaves in segment.doubt.
+inline double length_with_doubt(const Tables& tables, const Segment& segment, Index m,
+                                double limit) {
+    constexpr int most_rounds = 20;  // of a length and the errors within it, which need each other
+    double length = limit;
+    for (int count = 0; count < most_rounds; ++count) {
+        fill_doubt(tables, m, segment.series, length, segment.doubt);
+        const double whole = length;
+        for (Index g = 0; g < mode_wiring(tables, m).n_exits; ++g) {
+            const Index guard = guard_outlet(tables, m, g);
+            const double noise = unit * segment.doubt[guard].units;
+            length = converging_step(segment.series[guard].c, noise, length);
+        }
+        if (length > 0.5 * whole) break;
+    }
+    return length;
+}
+
+// Margin of a guard, and bound of its sixth Taylor coefficient, over the whole step.
+inline void bound_guard(const double* a, const Doubt& doubt, double length, GuardScan& scan) {
+    constexpr double margin = 8.0;  // roundings: of coefficients and of the polynomial at a point
+    double bound = 0.0, size = std::fabs(a[0]);
+    double power = 1.0, scale = 1.0;
+    for (Index k = 1; k <= ORDER; ++k) {
+        scale *= length;
+        size += std::fabs(a[k]) * scale;
+        if (k >= TERMS) {
+            bound += choices[k] * std::fabs(a[k]) * power;
+            power *= length;
+        }
+    }
+    const double remainder = (std::fabs(a[ORDER - 1]) / length + std::fabs(a[ORDER])) * scale;
+    scan.bound = bound;
+    scan.margin = margin * unit * (size + doubt.units) + remainder;
+    scan.taken_off = 0.0;
+    scan.fading = 0.0;
+}
+
+// Whether the series of all states and guards are numbers.
+inline bool is_finite(const Tables& tables, const Segment& segment, Index m) {
+    for (Index i = 0; i < tables.n(); ++i) {
+        if (!std::isfinite(segment.series[i].c[ORDER])) return false;
+    }
+    for (Index g = 0; g < mode_wiring(tables, m).n_exits; ++g) {
+        if (!std::isfinite(segment.series[guard_outlet(tables, m, g)].c[ORDER])) return false;
+    }
+    return true;
+}
+
+// Series of all registers at segment.z, and the length of the step; nan where they fail.
+//
+// States that are solved for are put on their relations before.
+inline double start_step(const Tables& tables, const Rates& rates, const Segment& segment, Index m,
+                         double limit) {
+    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+    constexpr double no_rung = 1e300;
+    const View<Series, 1>& series = segment.series;
+    if (mode_wiring(tables, m).implicit != 0 && !settle(tables, rates, segment, m)) return nan;
+    for (Index i = 0; i < tables.size(); ++i) series[i].c[0] = segment.z[i];
+    fill_series(tables, m, tables.code_rows[m].middle, series, 0, ORDER);
+    double length = allowed_length(tables, segment, m, limit);
+    length = length_with_doubt(tables, segment, m, length);
+    Spans& spans = tables.spans[m];
+    spans.rung = no_rung;
+    spans.reach = length;
+    spans.fastest = 1.0 / length;
+    *segment.point = 0.0;
+    for (Index g = 0; g < mode_wiring(tables, m).n_exits; ++g) {
+        const Index guard = guard_outlet(tables, m, g);
+        bound_guard(series[guard].c, segment.doubt[guard], length, segment.scan[g]);
+    }
+    return is_finite(tables, segment, m) ? length : nan;
+}
+
+// Taylor coefficients of a guard at the current point; bound and margin hold all along.
+inline void read_guard(const Tables& tables, const Segment& segment, Index m, Index g) {
+    const double s = *segment.point;
+    const double* a = segment.series[guard_outlet(tables, m, g)].c;
+    GuardScan& scan = segment.scan[g];
+    if (s == 0.0) {
+        copy(a, scan.a, TERMS);
+        return;
+    }
+    // the polynomial shifted to s, by Horner's rule for all coefficients at once
+    double c0 = a[ORDER], c1 = 0.0, c2 = 0.0, c3 = 0.0, c4 = 0.0, c5 = 0.0;
+    for (Index k = ORDER - 1; k >= 0; --k) {
+        c5 = c5 * s + c4;
+        c4 = c4 * s + c3;
+        c3 = c3 * s + c2;
+        c2 = c2 * s + c1;
+        c1 = c1 * s + c0;
+        c0 = c0 * s + a[k];
+    }
+    const double shifted[TERMS] = {c0, c1, c2, c3, c4, c5};
+    copy(shifted, scan.a, TERMS);
+}
+
+// The first n states at a point of the step.
+inline void state_at(const Segment& segment, double s, double* out, Index n) {
+    for (Index i = 0; i < n; ++i) {
+        const double* a = segment.series[i].c;
+        double total = a[ORDER];
+        for (Index k = ORDER - 1; k >= 0; --k) total = total * s + a[k];
+        out[i] = total;
+    }
+}
+
+}  // namespace nonsmooth::taylor
