@@ -2,7 +2,6 @@
 
 import os
 import signal
-import sys
 
 import pytest
 from hypothesis import settings
@@ -11,7 +10,7 @@ from hypothesis import settings
 os.environ["MPLBACKEND"] = "Agg"
 
 # A failure must come back when the same tests run again, so the default run draws the same
-# examples each time. No deadline: the first call of a kernel may compile it.
+# examples each time. No deadline: other work on the machine takes time as well.
 settings.register_profile("ci", derandomize=True, deadline=None, database=None)
 # For looking further than the default run does: HYPOTHESIS_PROFILE=search
 settings.register_profile("search", deadline=None, max_examples=2000)
@@ -24,17 +23,3 @@ def interrupts():
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     signal.signal(signal.SIGINT, before)
-
-
-@pytest.fixture(scope="session", autouse=True)
-def _kernels_compiled_once():
-    """One signature for each kernel that Python calls: another one takes minutes to compile."""
-    yield
-    for module in list(sys.modules.values()):
-        if not getattr(module, "__name__", "").startswith("nonsmooth.engine."):
-            continue
-        for name, kernel in vars(module).items():
-            count = len(getattr(kernel, "signatures", ()))
-            # those that others call are compiled with them, for arrays of several layouts
-            kept = type(getattr(kernel, "_cache", None)).__name__ == "_KernelCache"
-            assert count <= 1 or not kept, f"{module.__name__}.{name}: {kernel.signatures}"

@@ -5,7 +5,6 @@ import sys
 import pytest
 
 import nonsmooth as ns
-from nonsmooth.periodic import warmup
 
 
 def shell(*arguments: str) -> subprocess.CompletedProcess[str]:
@@ -18,14 +17,7 @@ def test_version(call):
     assert call("--version").stdout == f"nonsmooth {ns.__version__}\n"
 
 
-def test_warmup(call, monkeypatch):
-    monkeypatch.setattr(warmup, "warm_up_all", lambda: 12.34)
-    assert call("warmup").stdout == "kernels ready after 12.3 s\n"
-
-
-@pytest.mark.parametrize(
-    "command", [[], ["simulate"], ["models"], ["explain"], ["chapter"], ["warmup"]]
-)
+@pytest.mark.parametrize("command", [[], ["simulate"], ["models"], ["explain"], ["chapter"]])
 def test_help(call, command):
     result = call(*command, "--help")
     assert result.exit_code == 0
@@ -47,7 +39,7 @@ def test_help_loads_nothing_heavy():
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert run.returncode == 0, run.stderr
     loaded = run.stdout.partition("LOADED")[2].split()
-    assert not {"matplotlib", "numba", "numpy", "scipy", "xarray"} & set(loaded)
+    assert not {"matplotlib", "_cffi_backend", "numpy", "scipy", "xarray"} & set(loaded)
 
 
 def test_exit_codes_and_plain_text_in_a_pipe():

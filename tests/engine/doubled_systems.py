@@ -10,13 +10,12 @@ import numpy as np
 from mpmath import mp, mpf
 
 from engine import conditioning
-from nonsmooth.engine import layout as at
+from engine.native_shim import advance_columns, augmented, augmented_columns
 from nonsmooth.engine import opcodes as op
-from nonsmooth.engine.linear_flow import augmented
-from nonsmooth.engine.setup import set_up
-from nonsmooth.engine.variation import advance_columns, augmented_columns
-from nonsmooth.engine.variation_setup import set_up_rates
-from nonsmooth.engine.variation_tables import allocate_columns, allocate_rates
+from nonsmooth.engine.derivatives import allocate_rates, allocate_scratch, set_up_rates
+from nonsmooth.engine.library import constant
+from nonsmooth.engine.status import Status
+from nonsmooth.engine.tables import allocate_tables, set_up
 
 DIGITS = 50
 FUNCTIONS = {
@@ -39,8 +38,8 @@ def run_exactly(program, values):
 
 def matrices(program, m, slots):
     """Generator of mode m and the relations of its slaved states, as rows over coordinates."""
-    n, powers, n_frequencies = (int(size) for size in program.sizes[:3])
-    size = at.augmented_size(program.sizes)
+    n, powers, n_frequencies = program.sizes[:3]
+    size = program.sizes.augmented
     full, relations = mp.zeros(size), mp.zeros(n, size)
     for target, rows in ((full, program.flow), (relations, program.relations)):
         for mode, i, column, slot in rows:
@@ -81,22 +80,21 @@ class Prepared:
         names = list(system.parameter_values)
         names = names if chosen is None else chosen
         self.chosen = np.array([list(system.parameter_values).index(p) for p in names], np.int64)
-        self.tables = at.allocate_tables(self.program)
-        assert set_up(self.program, self.values[None], at.stack_of_one(self.tables))[0] == 0
+        self.tables = allocate_tables(self.program)
+        status, _, _ = set_up(self.program, self.values[None], self.tables.as_lanes)
+        assert status == Status.COMPLETED
         self.rates = allocate_rates(self.program, self.chosen)
         self.status = set_up_rates(self.program, self.values, self.tables, self.rates)
-        self.scratch = allocate_columns(self.program, self.chosen)
-        self.n, self.size = int(self.program.sizes[0]), at.augmented_size(self.program.sizes)
+        self.scratch = allocate_scratch(self.program, self.chosen)
+        self.n, self.size = self.program.sizes.states, self.program.sizes.augmented
 
     def start(self, state, time, columns):
         """Augmented coordinates at a time, and columns given by their states completed."""
-        powers = int(self.program.sizes[1])
         z, full = np.zeros(self.size), np.zeros((len(columns), self.size))
         z[: self.n], full[:, : self.n] = state, columns
-        clock, harmonics = self.tables.clock, self.tables.harmonics
-        number = time // clock[0]
-        augmented(self.n, powers, clock[0], harmonics, number, time - number * clock[0], z)
-        augmented_columns(self.n, powers, time, self.rates.harmonics, z, full)
+        number = time // self.tables.window
+        augmented(self.tables, number, time - number * self.tables.window, z)
+        augmented_columns(self.tables, self.rates, time, z, full)
         return z, full
 
     def advance(self, m, z, s, columns):
@@ -106,7 +104,7 @@ class Prepared:
 
     def longest(self, m):
         """Longest segment that the engine makes in a mode."""
-        return min(self.tables.spans[m, at.LONGEST], at.WINDOWS * self.tables.clock[0])
+        return min(self.tables.spans["longest"][m], constant("WINDOWS") * self.tables.window)
 
     def doubled(self, m, p):
         """Generator of (z, u) by the p-th chosen parameter, and what reads the states of u."""
@@ -118,7 +116,7 @@ class Prepared:
         matrix[:size, :size] = matrix[size:, size:] = doubles(full)
         matrix[size:, :size] = doubles(moved[0])
         for i in range(n):
-            if (self.tables.wiring[m, 0, at.SLAVED] >> i) & 1:
+            if (self.tables.modes["slaved"][m] >> i) & 1:
                 rows[i, :size], rows[i, size:] = doubles(moved[1])[i], doubles(relations)[i]
             else:
                 rows[i, size + i] = 1.0

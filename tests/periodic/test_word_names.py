@@ -3,7 +3,6 @@
 import pytest
 
 import nonsmooth as ns
-from nonsmooth.engine import layout as at
 from nonsmooth.periodic.onto import joined
 from nonsmooth.periodic.word import Word
 from nonsmooth.periodic.word_names import read_word, shortest_paths, words_of_names
@@ -102,9 +101,9 @@ def test_a_slide_is_entered_through_the_cell_beyond():
         (word,) = words_of_names(STICK, ("stick", name, "stick"), autonomous=False)
         off, onto = word.paths[:2]
         assert len(off) == 1 and len(onto) == 2
-        beyond = int(wiring[word.modes[1], 1 + onto[0], at.TARGET])
+        beyond = int(wiring.exits["target"][word.modes[1], onto[0]])
         assert STICK.mode_names[beyond] == other
-        assert onto[1] >= wiring[beyond, 0, at.N_EXITS]  # it is never searched for
+        assert onto[1] >= wiring.modes["n_exits"][beyond]  # it is never searched for
         assert word.text(STICK) == f"stick {name} stick"
 
 
@@ -142,7 +141,7 @@ def test_rebounds_of_another_exit_count():
         },
     )
     floor, ceiling = 0, 1
-    onto = int(two.compiled.program.wiring[0, 1 + floor, at.ONTO])
+    onto = int(two.compiled.program.wiring.exits["onto"][0, floor])
     modes = (0, 0, 0, 1)
     assert Word(modes, ((ceiling,), (floor,), (floor, onto), ())).text(two) == "free free down"
 

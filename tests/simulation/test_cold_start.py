@@ -1,99 +1,66 @@
-"""First runs of an installation: the kernels are compiled, once, and a run says so."""
+"""First runs of an installation: nothing is compiled, and where the engine is missing a run says so."""
 
+import os
 import shutil
-import time
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
 import nonsmooth as ns
-from engine.installations import Installation, finish, permissions_bind
-from nonsmooth.engine.lanes import run_lanes as engine_run
 
 # x falls from 2 at unit speed: event after 2, guard rate -1
 CODE = """
 from nonsmooth import Exit, Mode, System, simulate
 fall = System(states=["x"], modes={"m": Mode({"x": "-1"}, exits=[Exit("x", to="stop")])})
-for _ in range(2):
-    run = simulate(fall, {"x": 2.0}, t_end=5.0)
+run = simulate(fall, {"x": 2.0}, t_end=5.0)
 print(float(run["event_phase"][-1]), float(run["guard_rate"][-1]))
 """
-RIGHT = "2.0 -1.0\n"
-SILENT = ""
-ANNOUNCED = "nonsmooth: compiling its kernels, once for this installation (some minutes)\n"
-EACH_TIME = (
-    "nonsmooth: compiling its kernels, for this process alone (some minutes): none of the"
-    " folders where numba keeps machine code can be written; set NUMBA_CACHE_DIR to one that can\n"
-)
 
 
 @pytest.fixture
-def whole(tmp_path):
-    return Installation.whole(tmp_path)
-
-
-@pytest.fixture
-def locked(whole, tmp_path):
-    if not permissions_bind(tmp_path / "probe"):
-        pytest.skip("this user can write everywhere")
-    return whole
-
-
-def test_machine_code_goes_with_a_copy_of_the_installation(locked):
-    # as in an image of a container: built and warmed up by one user, run by another, who can
-    # write neither there nor at home
-    ns.simulate(ns.models.moling(), periods=1)
-    made = Path(engine_run.stats.cache_path)
-    shutil.copytree(made, locked.engine / "__pycache__", ignore=shutil.ignore_patterns("*.pyc"))
-    with locked.read_only(locked.folder, locked.home):
-        assert locked.run(CODE) == (RIGHT, SILENT)
-
-
-def test_what_is_said_where_nothing_can_be_written(locked):
-    announce = """
-from nonsmooth.simulation.kernels import announce_compilation
-announce_compilation()
-announce_compilation()
-"""
-    assert locked.run(announce) == ("", ANNOUNCED)
-    with locked.read_only(locked.folder, locked.home):
-        assert locked.run(announce) == ("", EACH_TIME)
-
-
-@pytest.mark.slow
-def test_two_processes_on_an_empty_cache_and_an_upgrade(whole):
-    processes = [whole.start(CODE) for _ in range(2)]
-    assert [finish(process) for process in processes] == 2 * [(RIGHT, ANNOUNCED)]
-    files = set(whole.files())
-    assert whole.run(CODE) == (RIGHT, SILENT)
-    # A change in a helper: columns of the event log trade places. Python reads them by their
-    # names, so old machine code would give the guard rate for the phase.
-    records = whole.engine / "records.py"
-    text = records.read_text()
-    assert "PHASE, GUARD_RATE, WAIT = 0, 1, 2\n" in text
-    records.write_text(
-        text.replace("PHASE, GUARD_RATE, WAIT = 0, 1, 2\n", "PHASE, GUARD_RATE, WAIT = 1, 0, 2\n")
+def engine(tmp_path):
+    """Engine of a copy of the package."""
+    package = tmp_path / "nonsmooth"
+    shutil.copytree(
+        Path(ns.__file__).parent, package, ignore=shutil.ignore_patterns("__pycache__", "native")
     )
-    assert whole.run(CODE) == (RIGHT, ANNOUNCED)
-    assert whole.run(CODE) == (RIGHT, SILENT)
-    assert len(whole.files()) == len(files) and not files & set(whole.files())
+    return package / "engine"
 
 
-@pytest.mark.slow
-def test_a_process_killed_while_it_compiles_and_a_read_only_installation(locked):
-    with locked.read_only(locked.folder):
-        process = locked.start(CODE)
-        assert process.stderr.readline() == ANNOUNCED
-        time.sleep(6.0)
-        process.kill()
-        process.communicate()
-        assert locked.run(CODE) == (RIGHT, ANNOUNCED)
-        assert locked.run(CODE) == (RIGHT, SILENT)
-    assert all(path.is_relative_to(locked.home) for path in locked.files().values())
+def run(engine):
+    """A process that knows of this copy only."""
+    kept = {k: v for k, v in os.environ.items() if not k.startswith(("PYTHON", "NONSMOOTH"))}
+    own = {"PYTHONPATH": str(engine.parents[1]), "PYTHONDONTWRITEBYTECODE": "1"}
+    command = [sys.executable, "-c", CODE]
+    return subprocess.run(command, env=kept | own, cwd=engine, capture_output=True, text=True)
 
 
-@pytest.mark.slow
-def test_where_nothing_can_be_written_the_run_is_right(locked):
-    with locked.read_only(locked.folder, locked.home):
-        assert locked.run(CODE) == (RIGHT, EACH_TIME)
-    assert locked.files() == {}
+def test_a_first_run_is_right_and_silent_and_writes_nothing(engine):
+    files = set(engine.parents[1].rglob("*"))
+    first = run(engine)
+    assert (first.returncode, first.stdout, first.stderr) == (0, "2.0 -1.0\n", "")
+    assert set(engine.parents[1].rglob("*")) == files
+
+
+@pytest.mark.parametrize("part", ["_declarations.py", "_nonsmooth_baseline.*"])
+def test_a_part_that_is_missing(engine, part):
+    (path,) = engine.glob(part)
+    path.unlink()
+    assert "make engine" in fault(engine)
+
+
+def test_a_library_of_another_machine(engine):
+    for path in engine.glob("_nonsmooth_*"):
+        path.write_text("no machine code")
+    assert "cannot be loaded" in fault(engine)
+
+
+def fault(engine):
+    """Last line that a process writes which cannot load its engine."""
+    failed = run(engine)
+    assert failed.returncode == 1
+    last = failed.stderr.splitlines()[-1]
+    assert last.startswith("ImportError: the engine of nonsmooth")
+    return last

@@ -8,7 +8,6 @@ import math
 
 from nonsmooth.engine import opcodes
 from nonsmooth.engine import taylor_opcodes as op
-from nonsmooth.engine.layout import augmented_size
 
 
 def tape_slots(program, parameters):
@@ -37,12 +36,12 @@ def tape_slots(program, parameters):
 
 def column_values(program, slots, states, t):
     """Augmented coordinates and their coefficients up to an order, states left constant."""
-    n, time_order = int(program.sizes[0]), int(program.sizes[1])
+    n, time_order = program.sizes.states, program.sizes.powers
     frequencies = [slots[slot] for slot in program.frequency_slots]
     values = [*states, *(t**power for power in range(time_order + 1))]
     for w in frequencies:
         values += [math.cos(w * t), math.sin(w * t)]
-    assert len(values) == augmented_size(program.sizes) and n == len(states)
+    assert len(values) == program.sizes.augmented and n == len(states)
     return values
 
 
@@ -51,8 +50,8 @@ class Series:
 
     def __init__(self, program, mode, slots):
         self.program, self.mode, self.slots = program, mode, slots
-        self.width = augmented_size(program.sizes)
-        self.registers = [[] for _ in range(max(self.width, int(program.sizes[6])))]
+        self.width = program.sizes.augmented
+        self.registers = [[] for _ in range(max(self.width, program.sizes.registers))]
 
     def order(self, k, columns):
         """Compute coefficient k of every register from those of the coordinates."""
@@ -62,7 +61,7 @@ class Series:
         written = set(range(self.width))
         for code, target, a, b, c in self.program.code[first:end]:
             assert target not in written, "a register is written once"
-            assert target < self.program.sizes[6]
+            assert target < self.program.sizes.registers
             written.add(int(target))
             self.registers[target].append(0.0)
             self.registers[target][k] = self.coefficient(int(code), k, target, a, b, c)

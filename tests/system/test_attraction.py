@@ -4,7 +4,7 @@ import pytest
 
 import nonsmooth as ns
 from nonsmooth import Mode, System
-from nonsmooth.engine.layout import SLIDES
+from nonsmooth.engine.tables import SLIDES
 
 # rate of x, rate of v, and the surfaces on which motion can slide, by hand
 CASES = [

@@ -5,7 +5,7 @@ import pytest
 
 import nonsmooth as ns
 from nonsmooth import Exit, Mode, System
-from nonsmooth.engine.layout import FREE
+from nonsmooth.engine.tables import FREE
 from nonsmooth.errors import ModelError, OptionError
 from nonsmooth.system.evaluate import evaluate
 from nonsmooth.system.grammar import parse

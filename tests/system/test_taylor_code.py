@@ -7,7 +7,7 @@ from mpmath import mp, mpf
 
 from nonsmooth import Exit, Mode, System
 from nonsmooth.engine import taylor_opcodes as op
-from nonsmooth.engine.layout import EXACT, TAYLOR
+from nonsmooth.engine.tables import EXACT, TAYLOR
 from nonsmooth.errors import ModelError
 from nonsmooth.system.evaluate import evaluate
 from nonsmooth.system.grammar import parse
@@ -101,8 +101,8 @@ def test_linear_modes_stay_exact():
     )
     program = system.compiled.program
     assert list(program.kinds) == [EXACT, TAYLOR]
-    assert set(program.flow[:, 0]) == {0} and set(program.guards[:, 0]) == {0}
-    assert list(program.code_rows[0]) == [0, 0, 0]
+    assert set(program.flow["mode"]) == {0} and set(program.guards["mode"]) == {0}
+    assert program.code_rows[0].tolist() == (0, 0, 0)
 
 
 @pytest.mark.parametrize("place", ["guard", "reset"])
@@ -139,8 +139,8 @@ def test_curved_exits_leave_a_linear_flow_in_closed_form(guard, reset):
 def test_resets_come_after_what_runs_for_each_order():
     system = system_of("x**2", mode={"exits": [Exit("1 - x*v", reset={"v": "-v*exp(x)"})]})
     first, middle, end = system.compiled.program.code_rows[0]
-    assert op.EXP not in system.compiled.program.code[first:middle, 0]
-    assert op.EXP in system.compiled.program.code[middle:end, 0]
+    opcodes = system.compiled.program.code["opcode"]
+    assert op.EXP not in opcodes[first:middle] and op.EXP in opcodes[middle:end]
 
 
 def test_shared_parts_are_written_once():
@@ -152,8 +152,8 @@ def test_shared_parts_are_written_once():
 
 def test_phases_and_frequencies():
     program = system_of("x*cos(w*t + p) + v*sin(w*t) + x*cos(-w*t)").compiled.program
-    assert list(program.sizes[:3]) == [2, 0, 1]
-    assert system_of("x*t").compiled.program.sizes[1] == 1
+    assert program.sizes[:3] == (2, 0, 1)
+    assert system_of("x*t").compiled.program.sizes.powers == 1
 
 
 # ---------------------------------------------------------------- names
@@ -186,9 +186,9 @@ def test_slaved_states_are_replaced_and_their_rates_derived():
     assert series.outlet(2)[0] == pytest.approx(-np.sin(p), rel=1e-15)
     assert series.outlet(3)[0] == pytest.approx(2 * x * v**2 - x**2 * np.sin(p) + p, rel=1e-14)
     rows = system.compiled.program.code
-    others = [row for row in rows if row[0] != op.COMBINE]
-    registers = [r[2] for r in others] + [r[3] for r in others if r[0] == op.MULTIPLY]
-    registers += list(system.compiled.program.terms[:, 0])
+    others = rows[rows["opcode"] != op.COMBINE]
+    registers = [*others["a"], *others["b"][others["opcode"] == op.MULTIPLY]]
+    registers += [*system.compiled.program.terms["reg"]]
     assert 0 not in registers  # p itself is no operand
 
 

@@ -1,0 +1,44 @@
+// Functions of the engine that tests call by themselves and that interface.h has no room for.
+#include "linear_flow.hpp"
+#include "tape_rates.hpp"
+#include "trigonometry.hpp"
+#include "variation.hpp"
+
+namespace nonsmooth {
+
+#pragma GCC visibility push(default)
+extern "C" {
+
+// cos x + i sin x of each angle.
+void shim_turn(const View<double, 1>* angles, const View<Complex, 1>* turns) {
+    for (Index i = 0; i < angles->size(); ++i) (*turns)[i] = turn((*angles)[i]);
+}
+
+// Slots of a tape without literals, and their derivatives by the chosen parameters.
+void shim_run_tape(const View<double, 1>* parameters, const View<TapeRow, 1>* tape,
+                   const View<int64_t, 1>* chosen, const View<double, 1>* slots,
+                   const View<double, 2>* rates) {
+    const View<double, 1> no_literals{};
+    run_tape(*parameters, no_literals, *tape, *slots);
+    run_tape_rates(*parameters, no_literals, *tape, *slots, *chosen, *rates);
+}
+
+void shim_augmented(const TableStack* table, Index number, double phase, const View<double, 1>* z) {
+    augmented(tables_at(*table, 0), number, phase, z->data);
+}
+
+void shim_augmented_columns(const TableStack* table, const Rates* rates, double time,
+                            const View<double, 1>* z, const View<double, 2>* columns) {
+    augmented_columns(tables_at(*table, 0), *rates, time, z->data, *columns);
+}
+
+void shim_advance_columns(const TableStack* table, const Rates* rates, const Columns* scratch,
+                          Index m, const View<double, 1>* z, double s,
+                          const View<double, 2>* columns, const View<double, 2>* out) {
+    advance_columns(tables_at(*table, 0), *rates, *scratch, m, z->data, s, *columns, *out);
+}
+
+}  // extern "C"
+#pragma GCC visibility pop
+
+}  // namespace nonsmooth
