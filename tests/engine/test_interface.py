@@ -32,7 +32,8 @@ def header(name):
 
 def enumeration(file, name):
     """Names and numbers of an enum; one without a number follows the one before."""
-    (body,) = re.findall(rf"enum (?:class )?{name}\b[^{{]*{{(.*?)}}", header(file), re.DOTALL)
+    pattern = rf"enum (?:class )?{name}(?: : int64_t)? {{(.*?)}};"
+    (body,) = re.findall(pattern, header(file), re.DOTALL)
     found, number = {}, -1
     for word, given in re.findall(r"(\w+)(?: = (\d+))?", body):
         number = int(given) if given else number + 1

@@ -94,7 +94,7 @@ def _time_of(initial: Any, t_start: float | None) -> float:
 def _fresh(slow: SlowParameters, make_tables: Make, time: float) -> tuple[Frozen, Instant]:
     """Period in which a time lies, as if the values there had always been."""
     values = slow.at(time)
-    window = float(_checked(slow, make_tables, values).clock[0])
+    window = _checked(slow, make_tables, values).window
     number, phase = instants([time], window)
     instant = Instant(int(number[0]), float(phase[0]))
     return Frozen(instant.number, time - instant.phase, values), instant

@@ -94,8 +94,8 @@ class LaneLog:
         empty = lane_records(engine.sizes, *_NO_TIMES, 0, self.status.size)
         self._since, self._counters = empty.since, empty.counters
         self._lanes: list[Integers] = [np.zeros(0, np.int64)]
-        self._rows: list[Rows] = [empty.events[0]]
-        self._states: list[Floats] = [empty.event_states[0]]
+        self._rows: list[Rows] = [empty.events.ravel()]
+        self._states: list[Floats] = [empty.event_states.reshape(0, 2, engine.sizes.states)]
 
     def run(self, chosen: Integers, end: Instant) -> Integers:
         """Run some lanes on, to an instant or until their logs are full, and give those that are.
