@@ -1,5 +1,5 @@
 """`python benchmarks` runs all: long runs, set-up, the stiff rig, Taylor steps, sweeps, basins,
-rotor, growing crack, continuation, impacts and friction.
+rotor, growing crack, continuation, orbits, impacts and friction, starts.
 """
 
 import subprocess
@@ -37,6 +37,7 @@ sys.exit(
                 "bench_continuation.py",
                 "bench_orbits.py",
                 "bench_rest.py",
+                "bench_start.py",
             ),
         ),
     )

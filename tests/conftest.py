@@ -1,20 +1,33 @@
-"""Settings that every test shares: how hypothesis draws, and where pictures go."""
+"""What every test shares: how hypothesis draws, where pictures go, what a failing run ends with."""
 
 import os
 import signal
 
 import pytest
-from hypothesis import settings
+from hypothesis import HealthCheck, settings
 
 # Before anything imports matplotlib: a test machine has no screen.
 os.environ["MPLBACKEND"] = "Agg"
 
 # A failure must come back when the same tests run again, so the default run draws the same
-# examples each time. No deadline: other work on the machine takes time as well.
-settings.register_profile("ci", derandomize=True, deadline=None, database=None)
+# examples each time. No deadline, for an example nor for drawing it: how long they take is no
+# property of the program.
+UNTIMED = {"deadline": None, "suppress_health_check": [HealthCheck.too_slow]}
+settings.register_profile("ci", **UNTIMED, derandomize=True, database=None)
 # For looking further than the default run does: HYPOTHESIS_PROFILE=search
-settings.register_profile("search", deadline=None, max_examples=2000)
+settings.register_profile("search", **UNTIMED, max_examples=2000)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "ci"))
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_unconfigure(config):
+    """The last lines of a failing run name the tests that failed, below all reasons and totals."""
+    reporter = config.pluginmanager.get_plugin("terminalreporter")
+    if reporter is None:  # in a process of xdist, which tells the first one
+        return
+    reports = [each for kind in ("failed", "error") for each in reporter.stats.get(kind, [])]
+    for name in dict.fromkeys(each.nodeid for each in reports):
+        reporter.write_line(f"FAILED {name}")
 
 
 @pytest.fixture

@@ -1,12 +1,11 @@
 """Local periods of motions that change slowly, where the period is known by other means."""
 
-import time
-
 import numpy as np
 import pytest
 import xarray as xr
 
 import nonsmooth as ns
+from effort import calls_at_most
 
 GROWTH = "5 + 1e-3*exp(t/54734 - 7.8)"
 T = 2 * np.pi / 1.1475
@@ -218,12 +217,12 @@ def test_points_of_a_map():
     assert found["period"].dims == ("point",) and np.all(found["period"] == 5)
 
 
-def test_speed():
-    """171,700 strobes of two states within two seconds; it takes a fourth of one."""
+def test_many_strobes_are_taken_together():
+    """For 171,700 strobes 2300 calls of Python and numpy; what they take is in the benchmarks."""
     points = np.random.default_rng(0).normal(size=(171_700, 2))
-    before = time.process_time()
-    assert np.all(ns.local_regimes(points)["period"] == 0)
-    assert time.process_time() - before < 2.0
+    with calls_at_most(20_000):
+        found = ns.local_regimes(points)
+    assert np.all(found["period"] == 0)
 
 
 def test_kept_in_files(tmp_path):

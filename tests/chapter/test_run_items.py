@@ -2,16 +2,16 @@
 
 import json
 import os
-import signal
 import subprocess
 import sys
-import time
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
 import xarray as xr
 
 from chapter.stub_figures import claim, item
+from effort import HANG
 from nonsmooth.chapter.claims import _checks
 from nonsmooth.chapter.entries import ENTRIES, basis
 from nonsmooth.chapter.files import plain
@@ -123,9 +123,10 @@ def test_one_run_at_a_time(tmp_path):
     assert run(tmp_path).told == {}
 
 
-def script(folder, *names):
+def script(folder, *names, before=""):
     """Program that runs the command with stand-ins for the figures."""
     return f"""
+{before}
 import sys
 sys.path.insert(0, {str(TESTS)!r})
 from chapter.stub_figures import item
@@ -141,34 +142,58 @@ main()
 """
 
 
-def wait_for(condition, seconds=60.0):
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end, "it took too long"
-        time.sleep(0.02)
+# Ctrl-C once the endless figure is under way and all that was told before is kept.
+INTERRUPTED = """
+import os, signal
+from queue import Empty
+from nonsmooth.simulation import crew
+
+def take(results, original=crew.take):
+    try:
+        return original(results)
+    except Empty:
+        if os.path.exists(os.environ["ENDLESS_BEGAN"]):
+            os.kill(os.getpid(), signal.SIGINT)
+        raise
+
+crew.take = take
+# a shell has programs in its background ignore it
+signal.signal(signal.SIGINT, signal.default_int_handler)
+"""
 
 
 @posix
 def test_interruption_keeps_what_is_done(tmp_path):
     """Ctrl-C: code 130, the figures that are done, no half-written file, no bar in a pipe."""
-    command = [sys.executable, "-c", script(tmp_path, "line", "endless")]
-    process = subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    folder = tmp_path / "drawn"
+    done = subprocess.run(
+        [sys.executable, "-c", script(folder, "line", "endless", before=INTERRUPTED)],
+        capture_output=True, text=True, timeout=HANG,
+        env=os.environ | {"ENDLESS_BEGAN": str(tmp_path / "began")},
     )  # fmt: skip
-    wait_for(lambda: (tmp_path / ENTRIES / "line.json").exists() or process.poll() is not None)
-    time.sleep(0.3)  # the next figure is under way
-    process.send_signal(signal.SIGINT)
-    out, told = process.communicate(timeout=60.0)
-    assert process.returncode == 130, told
-    assert out.splitlines() == [str(tmp_path / f"line.{end}") for end in ("png", "pdf", "nc")]
-    assert told.splitlines() == [
-        f"nonsmooth: what is done is kept; the same command with --out {tmp_path} goes on there",
+    assert done.returncode == 130, done.stderr
+    assert done.stdout.splitlines() == [str(folder / f"line.{end}") for end in ("png", "pdf", "nc")]
+    assert done.stderr.splitlines() == [
+        f"nonsmooth: what is done is kept; the same command with --out {folder} goes on there",
         "nonsmooth: interrupted",
     ]
-    names = {path.name for path in tmp_path.rglob("*") if path.is_file()}
+    names = {path.name for path in folder.rglob("*") if path.is_file()}
     assert names == {"line.png", "line.pdf", "line.nc", "line.json", "lock"}
-    assert states(run(tmp_path, "line")) == {"line": "kept"}
+    assert states(run(folder, "line")) == {"line": "kept"}
+
+
+# A bar appears after a second; here it need not wait for that.
+IMPATIENT = """
+from nonsmooth.simulation import progress
+progress._PATIENCE = 0.0
+"""
+
+
+def pieces(terminal):
+    """What is shown, until all that show something have ended: nobody waits for a full buffer."""
+    with os.fdopen(terminal, "rb", buffering=0) as shown, suppress(OSError):  # its end on Linux
+        while piece := shown.read(4096):
+            yield piece.decode(errors="replace")
 
 
 @posix
@@ -177,15 +202,14 @@ def test_progress_is_for_terminals(tmp_path):
     import pty
 
     near, far = pty.openpty()
-    command = [sys.executable, "-c", script(tmp_path, "pausing", "line")]
+    command = [sys.executable, "-c", script(tmp_path, "line", before=IMPATIENT)]
     process = subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=far, text=True, env=os.environ | {"TERM": "xterm"}
     )
-    out, _ = process.communicate(timeout=120.0)
     os.close(far)
-    shown = os.read(near, 100_000).decode(errors="replace")
-    os.close(near)
-    assert process.returncode == 0 and "pausing.png" in out
+    shown = "".join(pieces(near))
+    out, _ = process.communicate(timeout=HANG)
+    assert process.returncode == 0 and "line.png" in out, shown
     assert "chapter" in shown and "%" in shown
 
 

@@ -29,19 +29,6 @@ def test_help_of_the_chapter(call, command):
     assert call(*command.split(), "--help").exit_code == 0
 
 
-def test_help_loads_nothing_heavy():
-    code = (
-        "import sys; sys.argv = ['nonsmooth', 'simulate', '--help']\n"
-        "from nonsmooth.cli import main\n"
-        "try:\n    main()\n"
-        "finally:\n    print('LOADED', *sorted(sys.modules))\n"
-    )
-    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
-    assert run.returncode == 0, run.stderr
-    loaded = run.stdout.partition("LOADED")[2].split()
-    assert not {"matplotlib", "_cffi_backend", "numpy", "scipy", "xarray"} & set(loaded)
-
-
 def test_exit_codes_and_plain_text_in_a_pipe():
     """No traceback and no colour codes; results and messages in different streams."""
     good = shell("models", "moling")

@@ -17,7 +17,7 @@ CELLS = st.sampled_from(
 )  # fmt: skip
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow])
 @given(
     changes=st.lists(
         st.tuples(st.integers(0, 200), st.integers(0, 20), st.integers(0, 8), CELLS), max_size=6

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
+from statistics import median
 
 from properties.cases import Verdict
 
@@ -18,6 +19,15 @@ def chattering(found: Sequence[Verdict]) -> float:
     return sum(
         "chatter" in v.kinds or (v.status == "event_limit" and "impact" in v.kinds) for v in found
     ) / len(found)
+
+
+def lasting(found: Sequence[Verdict]) -> list[int]:
+    """Seeds with a run far longer than the others; all ran on one machine, so that one scales out.
+
+    The longest known take a hundred times the median, for they have thousands of steps.
+    """
+    ran = [v.seconds for v in found if v.seconds > 0.0]
+    return [v.seed for v in found if v.seconds > 1000.0 * median(ran)]
 
 
 def printed(found: Sequence[Verdict]) -> str:

@@ -6,7 +6,7 @@ random. ``python -m properties.survey 0 1000`` judges others.
 
 import pytest
 
-from properties.distribution import chattering, complaints, printed, share
+from properties.distribution import chattering, complaints, lasting, printed, share
 from properties.watched import verdicts
 
 FEW, ALL = range(300), range(10_000)
@@ -22,6 +22,7 @@ def judge_all(seeds):
     assert complaints(fresh) == ""
     mended = [v.seed for v in found if v.seed in known and not v.complaints]
     assert mended == [], "take these seeds off the list"
+    assert lasting(found) == []
     # what the systems are made of
     assert share(found, "resets") > 0.2
     assert share(found, "surfaces") > 0.2

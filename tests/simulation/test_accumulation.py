@@ -1,7 +1,5 @@
 """Impacts that accumulate: the run ends there, says so, and nothing has gone through the floor."""
 
-import time
-
 import numpy as np
 import pytest
 from mpmath import mp
@@ -12,12 +10,11 @@ from simulation.flows import crossings, on_both_flows
 
 
 def accumulated(system, start):
-    """A run that must end at accumulating impacts, soon."""
-    began = time.perf_counter()
+    """A run that must end at accumulating impacts, after some hundreds of them."""
     with pytest.warns(RunWarning, match="impacts accumulate"):
         run = ns.simulate(system, start, t_end=100.0)
-    assert time.perf_counter() - began < 5.0
     assert run.attrs["status"] == "event_limit"
+    assert run.attrs["n_events"] < 500
     return run
 
 

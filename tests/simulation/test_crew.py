@@ -6,6 +6,7 @@ import threading
 
 import pytest
 
+from effort import HANG
 from nonsmooth.simulation.crew import run_tasks
 
 # A user who presses Ctrl-C at one step of this thread after the other.
@@ -37,7 +38,7 @@ for k in range(1, 1500, 3):
 
 
 def test_an_interruption_at_any_moment_ends_the_work():
-    subprocess.run([sys.executable, "-c", INTERRUPTED], timeout=120, check=True)
+    subprocess.run([sys.executable, "-c", INTERRUPTED], timeout=HANG, check=True)
 
 
 def test_every_task_is_kept_once():

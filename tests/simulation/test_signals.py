@@ -1,12 +1,12 @@
 """Measured input: exact for the curve through the knots, whatever happens at a knot."""
 
 import pickle
-import time
 
 import numpy as np
 import pytest
 
 import nonsmooth as ns
+from effort import calls_at_most
 from simulation.signal_truth import motion
 
 METHODS = ("cubic", "monotone", "linear")
@@ -247,13 +247,12 @@ def test_tangent_through_knots_against_differences(method, nonlinear):
 # ---------------------------------------------------------------- many knots, values, errors
 
 
-def test_many_knots_are_fast_and_saved(tmp_path):
+def test_many_knots_are_passed_in_the_engine_and_saved(tmp_path):
     t = np.linspace(0.0, 100.0, 10_001)
     system = impact_oscillator(ns.Signal(t, np.sin(1.7 * t)))
     ns.simulate(system, t_end=1.0)
-    began = time.perf_counter()
-    run = ns.simulate(system, t_end=100.0)
-    assert time.perf_counter() - began < 1.0  # some hundredths of a second
+    with calls_at_most(5000):  # 1200, as with a hundred knots
+        run = ns.simulate(system, t_end=100.0)
     run.to_netcdf(tmp_path / "run.nc")
     assert ns.System.from_toml(run.attrs["system"]) == system
 

@@ -1,7 +1,5 @@
 """How runs end, and that they say so: never a success on a wrong answer, never a hang."""
 
-import time
-
 import numpy as np
 import pytest
 
@@ -68,11 +66,10 @@ def test_a_start_where_modes_hand_over_to_each_other():
 
 def test_resets_at_one_instant_are_bounded():
     # each turn adds one to n; a hundred passes are the limit
-    began = time.perf_counter()
     with pytest.warns(RunWarning):
         run = ns.simulate(circle({"n": "n + 1"}), {"x": 1.0}, t_end=5.0)
     assert run.attrs["status"] in ("undecided", "event_limit")
-    assert time.perf_counter() - began < 1.0
+    assert run.attrs["n_events"] == 1
     assert float(run["end_state"].sel(state="n")) <= 51.0
 
 
@@ -96,11 +93,12 @@ def ball(r=0.5, gravity=1.0):
 def test_a_bouncing_ball_never_falls_through_the_floor(r):
     # From height h the bounces accumulate at sqrt(2 h/g) (1 + 2 r/(1 - r)).
     accumulation = np.sqrt(2.0) * (1.0 + 2.0 * r / (1.0 - r))
-    began = time.perf_counter()
     with pytest.warns(RunWarning):
         run = ns.simulate(ball(r), {"x": 1.0}, t_end=100.0)
-    assert time.perf_counter() - began < 2.0
     assert run.attrs["status"] in ("event_limit", "undecided", "step_limit")
+    # bounces until a speed is lost in rounding, r^n = eps, and a hundred at one instant
+    bounces = np.log(np.finfo(float).eps) / np.log(r) if r else 1
+    assert run.attrs["n_events"] <= bounces + 110
     # no sample below the floor by more than rounding of the height, none beyond the end
     assert float(run["x"].min()) >= -1e-15
     assert float(run["state_after"].sel(state="x").min()) >= -1e-15
