@@ -176,13 +176,13 @@ def continue_orbit(
 
     At each grazing the branch turns back with one impact more.
     """
-    options, wanted, names, chosen = read_branch_options(
+    options, wanted, names, beginning = read_branch_options(
         system, parameter, between, initial=initial, period=period, word=word, special=special,
         direction=direction, steps=steps, step=step, largest_step=largest_step,
         smallest_step=smallest_step, inadmissible=inadmissible, transient=transient,
         parameters=parameters, phase=phase, mode=mode, tolerance=tolerance,
     )  # fmt: skip
-    options, parts, said = both_ways(options, wanted, chosen, direction)
+    options, parts, said = both_ways(options, wanted, beginning, direction)
     attrs = {"period": options.period, "between": f"{options.bounds[0]:g} {options.bounds[1]:g}"}
     attrs |= said | said_of_options(wanted, parameters, names)
     return branch_dataset(options, parts, attrs)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -17,9 +17,16 @@ from nonsmooth.simulation.options import check_flag, finite_number, whole_number
 from nonsmooth.simulation.runner import build_tables
 from nonsmooth.system.system import System
 
-__all__ = ["check_way", "read_bounds", "read_branch_options", "read_steps"]
+__all__ = ["Beginning", "check_way", "read_bounds", "read_branch_options", "read_steps"]
 
 _WAYS = ("both", "up", "down")
+
+
+class Beginning(NamedTuple):
+    """Where a branch begins: with an orbit, or at a special point of another branch."""
+
+    kind: str = "orbit"  # or "flip", "crossing"
+    neighbour: Any = None  # of a crossing: the next point of the known branch with the same word
 
 
 def read_branch_options(
@@ -38,19 +45,19 @@ def read_branch_options(
     inadmissible: Any,
     parameters: Mapping[str, float] | None,
     **rest: Any,
-) -> tuple[BranchOptions, Wanted, tuple[str, ...], int]:
-    """Options of a branch, its first orbit, the word given, and how a special point is left."""
+) -> tuple[BranchOptions, Wanted, tuple[str, ...], Beginning]:
+    """Options of a branch, its first orbit, the word given, and where it begins."""
     base = getattr(system, "system", system)
     if isinstance(base, System) and parameter not in base.parameters:
         raise OptionError(unknown_name("parameter", str(parameter), base.parameters))
-    chosen = -1
+    beginning = Beginning()
     if special is not None:
-        initial, chosen, value = _at_special(initial, special, parameter)
-        parameters = {**(parameters or {}), parameter: value}
+        initial, beginning = _at_special(initial, special, parameter)
+        parameters = {**(parameters or {}), parameter: float(initial[parameter])}
     elif is_orbit(initial) and parameter in initial and initial[parameter].ndim == 0:
         parameters = {**(parameters or {}), parameter: float(initial[parameter])}
     if is_orbit(initial) and whole_number("period", period) == 1:
-        period = period_of(initial) * (2 if chosen == 1 else 1)
+        period = period_of(initial) * (2 if beginning.kind == "flip" else 1)
     wanted, names = read_wanted(
         system, initial, period=period, parameters=parameters, verb="continue_orbit", **rest
     )
@@ -68,7 +75,7 @@ def read_branch_options(
         not is_driven(build_tables(wanted.system)), whole_number("steps", steps), first, largest,
         smallest, wanted.tolerance, check_flag("inadmissible", inadmissible),
     )  # fmt: skip
-    return options, wanted, names, chosen
+    return options, wanted, names, beginning
 
 
 def check_way(direction: Any) -> None:
@@ -111,8 +118,8 @@ def _length(name: str, value: Any) -> float:
     return number
 
 
-def _at_special(branch: Any, special: Any, parameter: str) -> tuple[Any, int, float]:
-    """The orbit at a special point of a branch."""
+def _at_special(branch: Any, special: Any, parameter: str) -> tuple[Any, Beginning]:
+    """The orbit at a special point of a branch, and what begins there."""
     if not hasattr(branch, "data_vars") or "special_point" not in branch:
         raise OptionError("special= needs initial=, a branch that continue_orbit has given")
     count = branch.sizes["special"]
@@ -132,6 +139,19 @@ def _at_special(branch: Any, special: Any, parameter: str) -> tuple[Any, int, fl
             f"special = {int(number)}: no other branch begins at a {kind} point; take one of the"
             " kinds flip, branch_point and symmetry_breaking"
         )
-    point = branch.isel(point=int(branch["special_point"].values[int(number)]))
-    value = float(np.asarray(point[parameter]))
-    return point, 1 if kind == "flip" else 2, value
+    place = int(branch["special_point"].values[int(number)])
+    point = branch.isel(point=place)
+    if kind == "flip":
+        return point, Beginning("flip")
+    return point, Beginning("crossing", _neighbour(branch, place))
+
+
+def _neighbour(branch: Any, place: int) -> Any:
+    """The next point of a branch, or the one before, with the same word; None where neither has."""
+    here = branch.isel(point=place)
+    for other in (place + 1, place - 1):
+        if 0 <= other < branch.sizes["point"]:
+            there = branch.isel(point=other)
+            if all(np.array_equal(here[name], there[name]) for name in ("leg_mode", "leg_path")):
+                return there
+    return None

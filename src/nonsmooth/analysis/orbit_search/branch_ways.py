@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from nonsmooth.analysis.orbit_search.branch_options import Beginning
 from nonsmooth.continuation.branch_directions import branch_directions
 from nonsmooth.errors import NonsmoothError, OptionError
 from nonsmooth.periodic.branch_part import BranchPart, Followed
@@ -23,13 +24,12 @@ from nonsmooth.simulation.progress import Progress
 
 __all__ = ["both_ways"]
 
-_FLIP, _CROSSING = 1, 2
 _CROSSINGS = ("branch_point", "symmetry_breaking", "halving")
 _SAME, _BESIDE = 1e-7, 1e-3  # in the parameter and in arclength
 
 
 def both_ways(
-    options: BranchOptions, wanted: Wanted, special: int, direction: str
+    options: BranchOptions, wanted: Wanted, beginning: Beginning, direction: str
 ) -> tuple[BranchOptions, list[BranchPart], dict[str, Any]]:
     """Points of a branch in order, and attributes that say how it ended.
 
@@ -37,10 +37,10 @@ def both_ways(
     """
     legs = Legs(options.system, (options.parameter,))
     legs.set_values(options.system.parameter_values)
-    options, wanted = _primitive(options, wanted, legs, special)
+    options, wanted = _primitive(options, wanted, legs, beginning)
     value = float(options.system.parameter_values[options.parameter])
-    start = _first(options, wanted, legs, value, special)
-    if special == _FLIP:  # both ways lead to the same orbits, a strobe apart
+    start = _first(options, wanted, legs, value, beginning)
+    if beginning.kind == "flip":  # both ways lead to the same orbits, a strobe apart
         direction = "up"
     ways = {"both": (1.0, -1.0), "up": (1.0,), "down": (-1.0,)}[direction]
     found: dict[float, tuple[list[BranchPart], Followed]] = {}
@@ -73,10 +73,10 @@ def both_ways(
 
 
 def _primitive(
-    options: BranchOptions, wanted: Wanted, legs: Legs, special: int
+    options: BranchOptions, wanted: Wanted, legs: Legs, beginning: Beginning
 ) -> tuple[BranchOptions, Wanted]:
     """The period of the shorter orbit, where the first turn passes it several times."""
-    if special in (_FLIP, _CROSSING) or options.autonomous or options.period == 1:
+    if beginning.kind != "orbit" or options.autonomous or options.period == 1:
         return options, wanted
     found = search_orbit(wanted, legs)
     legs.set_values(options.system.parameter_values)
@@ -123,15 +123,15 @@ def _drop_folds_at_crossings(parts: list[BranchPart]) -> None:
 
 
 def _first(
-    options: BranchOptions, wanted: Wanted, legs: Legs, value: float, special: int
+    options: BranchOptions, wanted: Wanted, legs: Legs, value: float, beginning: Beginning
 ) -> BranchStart:
     """Where the branch begins, heading for larger values of the parameter."""
-    if special == _FLIP:
+    if beginning.kind == "flip":
         start = doubled_start(
             options, legs, guess_of_dataset(options.system, wanted.initial), value
         )
-    elif special == _CROSSING:
-        start = _crossing(options, wanted, legs, value)
+    elif beginning.kind == "crossing":
+        start = _crossing(options, wanted, legs, value, beginning.neighbour)
     else:
         found = search_orbit(wanted, legs)
         if found.orbit is None or found.equations is None:
@@ -150,22 +150,32 @@ def _first(
     return start
 
 
-def _crossing(options: BranchOptions, wanted: Wanted, legs: Legs, value: float) -> BranchStart:
-    """The other branch at a point where two of them cross."""
+def _crossing(
+    options: BranchOptions, wanted: Wanted, legs: Legs, value: float, neighbour: Any
+) -> BranchStart:
+    """The other branch at a point where two of them cross.
+
+    At the point itself both branches are tangent to solutions of the same equations, so only
+    another point of the known branch tells which of the two directions is its own.
+    """
     found = solve_guess(wanted, legs, guess_of_dataset(options.system, wanted.initial))
     assert found.equations is not None
     equations = found.equations
     unknowns = equations.pack(guess_of_dataset(options.system, wanted.initial).turn)
     stretch = Stretch(options, legs, equations)
-    known = tangent_at(equations, unknowns)
+    if neighbour is None:
+        known = tangent_at(equations, unknowns)
+    else:
+        there = equations.pack(guess_of_dataset(options.system, neighbour).turn)
+        known = there - unknowns, float(neighbour[options.parameter]) - value
     low, high = options.bounds
     try:
-        there = branch_directions(
+        crossing = branch_directions(
             stretch.residual, unknowns, value, along=known, scale=scale_of(equations, unknowns),
             parameter_scale=high - low,
         )  # fmt: skip
     except NonsmoothError as fault:
         raise OptionError(f"no other branch was found at this point: {fault}") from None
     legs.set_values(options.system.parameter_values)
-    du, dp = there.directions[1]
-    return BranchStart(equations, np.asarray(there.u), float(there.p), (du, dp))
+    du, dp = crossing.directions[1]
+    return BranchStart(equations, np.asarray(crossing.u), float(crossing.p), (du, dp))

@@ -10,6 +10,8 @@
 
 namespace nonsmooth {
 
+constexpr double one_rounding = 1.0 / 32.0;  // as a part of a rounding margin
+
 // GuardScan.latest of a guard that is not known to fall to a root
 constexpr double no_root_known = 1e300;
 
@@ -49,7 +51,6 @@ inline double end_of_low_flight(const GuardScan& guard, double reach) {
     // part of the rate at take-off; each step of the iteration leaves twice that of an error
     constexpr double most_bent = 1e-2;
     constexpr int steps = 9;
-    constexpr double under_margin = 1.0 / 32.0;  // of a rounding margin: one rounding
     const auto& a = guard.a;
     const double off = std::fabs(a[0]) > guard.margin ? a[0] : 0.0;
     if (!(a[1] > 0.0 && a[2] < 0.0) || guard.taken_off != 0.0 || guard.fading != 0.0) return 0.0;
@@ -61,7 +62,7 @@ inline double end_of_low_flight(const GuardScan& guard, double reach) {
         (std::fabs(a[3]) + (2.0 * std::fabs(a[4]) + 4.0 * std::fabs(a[5]) * u) * u) * u * u;
     const double left_out = 2.0 * guard.bound * (u2 * (u2 * u2));
     bent += std::fabs(off) / u;
-    if (!(bent <= most_bent * a[1] && left_out <= under_margin * guard.margin)) return 0.0;
+    if (!(bent <= most_bent * a[1] && left_out <= one_rounding * guard.margin)) return 0.0;
     for (int step = 0; step < steps; ++step) {
         u = -(off / u + a[1] + u * u * (a[3] + u * (a[4] + u * a[5]))) / a[2];
     }
@@ -113,7 +114,8 @@ inline Outlook look_within_margin(GuardScan& guard, double margin, double reach)
     }
     if (second == 0.0) return Outlook::uncertain;
     const double lowest = value - 0.5 * rate * rate / second;
-    if (lowest < 0.0 && rate < 0.0) return Outlook::uncertain;
+    // what is below zero by a rounding touches it
+    if (lowest < -one_rounding * guard.margin && rate < 0.0) return Outlook::uncertain;
     // touches and leaves: go on where it is clear of the margin again
     const double ahead = std::max(0.0, -rate / second);
     guard.safe = ahead + std::sqrt(2.0 * (4.0 * margin + std::fabs(lowest)) / second);

@@ -338,19 +338,30 @@ class Transition {
         } else if (!nearly_zero(tables_, m, g, z(), extent(), scale())) {
             known = 0;
         }
-        if (known != OPEN) return known;
-        if (!followed_) {
-            follow_path();
-            followed_ = true;
+        if (known == OPEN) {
+            if (!followed_) {
+                follow_path();
+                followed_ = true;
+            }
+            known = zero_order(tables_, m, g, directions_of(segment_));
         }
-        known = zero_order(tables_, m, g, directions_of(segment_));
-        // surfaces passed one after the other at one instant are met as exactly as the first one
-        if (known == 0 && passage_.passes > 0) {
-            const double value = guard_terms(tables_, m, g, 0, z(), extent()).value;
-            const double rate = rate_of_guard(tables_, m, g, z());
-            known = std::fabs(value) <= nothing * std::fabs(rate) * duration_ ? 1 : 0;
-        }
+        // guards met one after the other at one instant are met as exactly as the first one
+        if (known == 0 && passage_.passes > 0 && is_met_now(m, g)) known = 1;
         return known;
+    }
+
+    // Whether a guard is zero up to what it changes by in a time that is nothing.
+    bool is_met_now(Index m, Index g) const {
+        const double* row = guard_coefficients(tables_, m, g, 0);
+        const double value = std::fabs(product(row, z(), tables_.size()));
+        // a guard far above what any of its coordinates comes to is not: the rate costs more
+        double largest = 0.0, weight = 0.0;
+        for (Index i = 0; i < tables_.size(); ++i) {
+            largest = std::max(largest, std::fabs(z()[i]));
+            weight += std::fabs(row[i]);
+        }
+        if (value > clearly * weight * largest) return false;
+        return value <= nothing * std::fabs(rate_of_guard(tables_, m, g, z())) * duration_;
     }
 
     // Directions left free along the whole path so far, where all modes are linear.
