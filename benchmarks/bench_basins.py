@@ -13,12 +13,10 @@ import gc
 import platform
 import sys
 import threading
-from importlib import import_module
 
 import numpy as np
 from crowd import Clocks, timed
-from hand_kernels import mole
-from numba import njit
+from hand_kernels import compiled, mole
 from ours import VERSION
 
 import nonsmooth as ns
@@ -34,15 +32,9 @@ SAME = 1e-8  # difference of two exact solutions on a cycle
 AGREE = 0.999  # of the cells: some may settle later than the runs end
 
 
-@njit
-def by_hand(starts, periods, a, b, xi, omega, g):
+def by_hand(starts):
     """Last states of runs; starts (L, 4)."""
-    last, strobes = np.empty(starts.shape), np.empty((periods, 4))
-    for i in range(starts.shape[0]):
-        p, y, q, v = starts[i]
-        mole.simulate(strobes, a, b, xi, omega, g, p, y, q, v)
-        last[i] = strobes[-1]
-    return last
+    return mole.last_states(starts, PERIODS, *PARAMETERS.values(), GAP)
 
 
 def axes(cells):
@@ -98,13 +90,11 @@ def cycle_of(basins, states):
 def measure(system, starts, rounds):
     """Times of interleaved rounds and the last states of each."""
     clocks, year = Clocks(), ns.StroboscopicMap(system)
-    fixed = tuple(PARAMETERS.values())
-    by_hand(starts[:1], 1, *fixed, GAP)
     by_runner(year, starts[:1], 1)
     for _ in range(rounds):
         gc.collect()
         clocks.spin()
-        hand = clocks.time(("hand kernel", 1), lambda: by_hand(starts, PERIODS, *fixed, GAP))
+        hand = clocks.time(("hand kernel", 1), lambda: by_hand(starts))
         for n in (1, 2):
             ours = clocks.time(("map runner", n), lambda n=n: by_runner(year, starts, n))
     return clocks, hand, ours
@@ -146,9 +136,8 @@ def main(given=None):
     parser.add_argument("--rounds", type=int, default=3)
     options = parser.parse_args(given)
     system = ns.models.moling(**PARAMETERS, g=GAP)
-    versions = {name: import_module(name).__version__ for name in ("numpy", "numba")}
-    print(f"python {platform.python_version()}, nonsmooth {VERSION},", end=" ")
-    print(", ".join(f"{name} {version}" for name, version in versions.items()))
+    print(f"python {platform.python_version()}, nonsmooth {VERSION}, numpy {np.__version__}")
+    print(f"hand kernel: {compiled.version()}")
 
     rows = grid(options.cells, EVERY)
     clocks, *_ = measure(system, rows, options.rounds)
@@ -166,7 +155,7 @@ def main(given=None):
     starts, year = grid(options.cells), ns.StroboscopicMap(system)
     (wall, processor), ours = timed(lambda: by_runner(year, starts, 2))
     print(f"all {len(starts)} cells, two threads: {wall:.1f} s, {processor:.1f} s of processors")
-    hand = by_hand(starts, PERIODS, *PARAMETERS.values(), GAP)
+    hand = by_hand(starts)
     (wall, processor), basins = timed(
         lambda: ns.basins_of_attraction(
             system, axes(options.cells), completion={"q": "max(0, p - g)"}, threads=2

@@ -99,7 +99,7 @@ def main(arguments=None):
     parser.add_argument("--periods", type=int, default=int(END / PERIOD))
     chosen = parser.parse_args(arguments)
     for run in RUNS.values():
-        run(20)  # compiled
+        run(20)  # what is only done once
     seconds = dict.fromkeys(RUNS, np.inf)
     found = {}
     for _ in range(chosen.rounds):

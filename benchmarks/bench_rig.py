@@ -13,7 +13,7 @@ compared with a run at 50 digits, and the command fails when that is off by more
 import os
 
 # One thread each, decided before any library reads its environment.
-for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
+for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ[name] = "1"
 
 import argparse

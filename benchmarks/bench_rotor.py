@@ -122,7 +122,6 @@ def main(given=None):
     parser.add_argument("--columns", type=int, default=100)
     parser.add_argument("--rounds", type=int, default=5)
     options = parser.parse_args(given)
-    hand_rotor.strobes(hand_rotor.constants(), 1)  # compiles
     clocks = Clocks()
     lines, faults = long_runs(clocks, options.periods, options.rounds)
     print(f"{'run':<22} {'program':<12} {'us/period':>8} {'ratio':>5} {'error/growth':>12}")

@@ -13,8 +13,7 @@ from time import process_time
 
 import numpy as np
 
-from nonsmooth.engine import layout
-from nonsmooth.engine.setup import set_up
+from nonsmooth.engine.tables import allocate_stack, set_up
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 from ours import SYSTEMS
@@ -30,9 +29,11 @@ BOUND = 1e-10  # relative to the largest eigenvalue; none of these spectra is de
 def error_of_spectrum(tables):
     """Largest distance of an eigenvalue in the tables from the nearest one of numpy."""
     worst = 0.0
-    for m, generator in enumerate(tables.generator):
+    for generator, spectrum, slots in zip(
+        tables.generator, tables.spectrum, tables.slots, strict=True
+    ):
         expected = np.linalg.eigvals(generator)
-        for value in tables.spectrum[m, : tables.slots[m, layout.COUNT]]:
+        for value in spectrum[: slots["count"]]:
             if abs(value) > 0.0:
                 worst = max(worst, np.abs(expected - value).min() / np.abs(expected).max())
     return worst
@@ -41,8 +42,7 @@ def error_of_spectrum(tables):
 def measure(system):
     """Microseconds per set-up and the error of the spectrum."""
     program = system.compiled.program
-    tables = layout.allocate_tables(program)
-    stack = layout.stack_of_one(tables)
+    stack = allocate_stack(program, 1)
     values = np.array([list(system.parameter_values.values())])
     set_up(program, values, stack)
     best = np.inf
@@ -51,7 +51,7 @@ def measure(system):
         for _ in range(CALLS):
             set_up(program, values, stack)
         best = min(best, (process_time() - start) / CALLS)
-    return best * 1e6, error_of_spectrum(tables)
+    return best * 1e6, error_of_spectrum(stack.part(0))
 
 
 def main():
@@ -61,7 +61,7 @@ def main():
     faults = []
     for name, system in systems.items():
         microseconds, error = measure(system)
-        size = layout.augmented_size(system.compiled.program.sizes)
+        size = system.compiled.program.sizes.augmented
         line = f"{name:<14} {len(system.modes):>6} {size:>12} {microseconds:>8.1f} {error:>9.1e}"
         print(line)
         if not error <= BOUND:

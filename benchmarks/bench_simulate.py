@@ -7,7 +7,7 @@ python benchmarks/bench_simulate.py [--periods N] [--problem NAME] [--no-scipy] 
 import os
 
 # One thread each, decided before any library reads its environment.
-for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
+for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ[name] = "1"
 
 import argparse
@@ -20,6 +20,7 @@ from time import process_time
 
 import numpy as np
 import taylor_reference
+from hand_kernels import compiled
 from problems import PROBLEMS
 
 COMPARED = 20  # periods compared with the reference
@@ -73,7 +74,7 @@ def measure(problem, modules, periods):
         if module is None:
             continue
         run, read = module.prepare(problem)
-        short_strobes, short_events = read(run(COMPARED))  # compiles, too
+        short_strobes, short_events = read(run(COMPARED))
         row |= {
             "periods": min(periods, SCIPY_PERIODS) if name.startswith("scipy") else periods,
             "rounds": SCIPY_ROUNDS if name.startswith("scipy") else ROUNDS,
@@ -137,7 +138,7 @@ def main():
     options = arguments()
     modules = load(options.no_scipy)
     versions = {"python": platform.python_version()}
-    versions |= {p: importlib.import_module(p).__version__ for p in ("numpy", "numba")}
+    versions |= {"numpy": np.__version__, "hand kernel": compiled.version()}
     versions |= {n: m.VERSION for n, m in modules.items() if hasattr(m, "VERSION")}
     print(", ".join(f"{name} {version}" for name, version in versions.items()))
     rows = []

@@ -11,7 +11,7 @@ heyoka, and those of tangents with differences; the command fails where they dis
 import os
 
 # One thread each, decided before any library reads its environment.
-for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
+for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ[name] = "1"
 
 import argparse
@@ -23,7 +23,6 @@ import heyoka as hy
 import numpy as np
 
 import nonsmooth as ns
-from nonsmooth.engine.records import SEGMENTS
 from nonsmooth.simulation.clock import plan_run
 from nonsmooth.simulation.runner import build_derivatives, build_tables, run_plan
 from nonsmooth.simulation.start import resolve_start
@@ -96,7 +95,7 @@ def time_ours(system, start, periods, chosen):
             state=begin.state, begin=begin.instant, derivatives=derivatives,
         )  # fmt: skip
         best = min(best, process_time() - t)
-    return best, int(outcome.records.cursor[SEGMENTS]), outcome.records.end_state.copy()
+    return best, int(outcome.records.counters["segments"]), outcome.records.end_state.copy()
 
 
 def time_heyoka(equations, start, event, t_end):

@@ -8,17 +8,9 @@ import os
 from concurrent.futures import ThreadPoolExecutor
 from time import perf_counter, process_time
 
-from numba import njit
+from hand_kernels.spin import spin
 
 TURNS = 50_000_000  # a fifth of a second
-
-
-@njit(nogil=True)
-def spin(turns, x):
-    """A chain of multiplications and additions that nobody can shorten."""
-    for _ in range(turns):
-        x = x * x - 1.9
-    return x
 
 
 def spread(work, count, threads):
@@ -51,7 +43,6 @@ class Clocks:
         return result
 
     def spin(self):
-        spin(1, 0.1)
         for threads in (1, 2):
             self.time(("spin", threads), lambda n=threads: spread(lambda _: spin(TURNS, 0.1), 2, n))
 

@@ -2,7 +2,7 @@
 
 Time is counted in phases of the forcing, so that all columns share one grid of strobes; omega and
 the stiffness behind the stop are parameters of the compiled integrator. Terminal events with
-Python callbacks change the stiffness. Compilation is outside the time, as for numba.
+Python callbacks change the stiffness. Compilation is outside the time, as for the C kernels.
 """
 
 import heyoka as hy

@@ -150,7 +150,9 @@ static void prepare_dense(Step *step, const Rotor *p, Contact c) {
 static inline void dense(const Step *step, double theta, double z[4]) {
     for (int m = 0; m < 4; ++m) {
         double value = 0.0;
-        for (int i = 6; i >= 0; --i) value = (value + step->F[i][m]) * (i % 2 ? 1.0 - theta : theta);
+        for (int i = 6; i >= 0; --i) {
+            value = (value + step->F[i][m]) * (i % 2 ? 1.0 - theta : theta);
+        }
         z[m] = step->y[m] + value;
     }
 }

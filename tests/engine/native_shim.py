@@ -1,4 +1,4 @@
-"""Parts of the compiled engine that only tests call by themselves: shim.cpp, compiled at first use."""
+"""Parts of the engine that only tests call by themselves: shim.cpp, compiled at first use."""
 
 import ctypes
 import importlib.util

@@ -1,4 +1,4 @@
-"""The builds of the engine: of the sources that lie here, and with the same digits on all processors."""
+"""The builds of the engine: of the sources beside them, and with the same digits as each other."""
 
 import json
 import os

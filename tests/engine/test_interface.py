@@ -1,4 +1,4 @@
-"""What Python says of the engine's numbers and records against the headers that the engine is made of."""
+"""Numbers and records as Python knows them, against the headers that the engine is made of."""
 
 import re
 from dataclasses import fields
@@ -145,7 +145,7 @@ def test_an_array_that_is_not_what_the_engine_takes_it_for(name, wrong):
 
 def test_lanes_are_an_axis_in_front():
     visits = Visits(*(np.zeros(5, np.int64) for _ in range(5)))
-    with pytest.raises(TypeError, match="^candidate: .* with 1 axes"):
+    with pytest.raises(TypeError, match=r"^candidate: .* with 1 axes"):
         _ = visits.part(3).pointer
     assert visits.part(slice(3, 4)).pointer.score.shape[0] == 1
 
@@ -154,5 +154,5 @@ def test_rows_have_the_names_of_their_struct():
     places = lanes.lane_anchors(Sizes(2, 0, 0, 0, 1, 1, 0, 0, 0), 7, 0.5, np.zeros((3, 2))).place
     assert list(places.dtype.names) == struct("Place")
     swapped = np.zeros(3, [(name, float) for name in struct("Place")])
-    with pytest.raises(TypeError, match="^argument: "):
+    with pytest.raises(TypeError, match=r"^argument: "):
         array_pointer("double", swapped)

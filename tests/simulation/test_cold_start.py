@@ -1,4 +1,4 @@
-"""First runs of an installation: nothing is compiled, and where the engine is missing a run says so."""
+"""First runs of an installation: nothing is compiled, and a missing engine is told as such."""
 
 import os
 import shutil
