@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
 from nonsmooth.errors import OptionError
 from nonsmooth.fatigue.closure import NewmanClosure, closure_text
@@ -13,6 +12,9 @@ from nonsmooth.fatigue.growth_laws import GrowthLaw
 from nonsmooth.fatigue.growth_rate import StressIntensity
 from nonsmooth.fatigue.life import life
 from nonsmooth.fatigue.load_block import LoadBlock
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["check_tests", "compare_lives", "predicted_lives"]
 
@@ -91,6 +93,8 @@ def compare_lives(
     >>> float(found["predicted"][0] / found["predicted"][1])
     8.0
     """
+    import xarray as xr
+
     table = check_tests(tests)
     options: dict[str, Any] = {"initial": initial, "final": final, "toughness": toughness,
                                "closure": closure}  # fmt: skip
@@ -128,6 +132,8 @@ def compare_lives(
 
 def check_tests(tests: Any) -> xr.Dataset:
     """Dataset of measured lives, with what is needed of it."""
+    import xarray as xr
+
     if not isinstance(tests, xr.Dataset) or "test" not in tests.dims:
         raise OptionError("tests: give a dataset over 'test', such as chapter_tests()")
     missing = [name for name in _NEEDED if name not in tests]

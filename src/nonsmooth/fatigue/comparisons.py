@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
 from nonsmooth.errors import OptionError
 from nonsmooth.fatigue.checks import Array, crack_lengths, finite_array
 from nonsmooth.fatigue.specimen import Specimen
 from nonsmooth.fatigue.stiffness_laws import FACTOR, LENGTH, cubic_stiffness
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["compare_stiffness_laws", "compare_stress_intensity"]
 
@@ -60,6 +62,8 @@ def compare_stiffness_laws(
     >>> [round(float(value), 3) for value in laws["cubic_relative"]]
     [1.0, 0.296, 0.037]
     """
+    import xarray as xr
+
     specimen = Specimen() if specimen is None else specimen
     lengths = _row("crack", crack)
     at = specimen.notch if reference is None else reference
@@ -126,6 +130,8 @@ def compare_stress_intensity(
     >>> [round(float(value), 2) for value in found["difference"].sel(formula="guinea")]
     [0.17, 0.01]
     """
+    import xarray as xr
+
     specimen = Specimen() if specimen is None else specimen
     lengths = crack_lengths(_row("crack", crack), specimen.width)
     if np.any(lengths == 0.0):

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
-import xarray as xr
 
 from nonsmooth.fatigue.checks import Array
 from nonsmooth.fatigue.record_checks import check_times, record_values
 from nonsmooth.fatigue.reversals import refined, turning_places
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["count_cycles"]
 
@@ -83,6 +85,8 @@ def count_cycles(
     8 1.0
     9 0.5
     """
+    import xarray as xr
+
     if isinstance(load, xr.DataArray) and times is None and "time" in load.coords:
         times = load["time"].values
     values = record_values("load", load)
@@ -139,6 +143,8 @@ def _rainflow(values: Array, repeating: bool) -> Array:
 def _dataset(
     rows: Array, moments: Array, unit: str, time_unit: str, attrs: dict[str, Any]
 ) -> xr.Dataset:
+    import xarray as xr
+
     size, mean = rows[:, 0], rows[:, 1]
     ends = rows[:, 3:].astype(int)
     columns = {

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
-import xarray as xr
 
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.fatigue.checks import Array
@@ -15,6 +14,9 @@ from nonsmooth.fatigue.closure import NewmanClosure, closure_text
 from nonsmooth.fatigue.compared_lives import check_tests, predicted_lives
 from nonsmooth.fatigue.growth_laws import Paris, Walker
 from nonsmooth.fatigue.growth_rate import StressIntensity
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["FittedLaw", "fit_law"]
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 import numpy.typing as npt
-import xarray as xr
 
 from nonsmooth.errors import OptionError
 from nonsmooth.fatigue.checks import positive
@@ -12,6 +13,9 @@ from nonsmooth.fatigue.closure import NewmanClosure, effective_range
 from nonsmooth.fatigue.growth_laws import GrowthLaw
 from nonsmooth.fatigue.growth_rate import StressIntensity, check_law, intensity
 from nonsmooth.fatigue.record_checks import record_values
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["growth_by_frequency"]
 
@@ -76,6 +80,8 @@ def growth_by_frequency(
     >>> found["share"].values.round(2).tolist()
     [0.99, 0.01]
     """
+    import xarray as xr
+
     if "cycle" not in cycles.dims or "duration" not in cycles.attrs:
         raise OptionError("give a result of count_cycles")
     check_law(law)

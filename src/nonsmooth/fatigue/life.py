@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import warnings
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
 from nonsmooth.errors import OptionError, ResultWarning
 from nonsmooth.fatigue.checks import Array, finite, positive
@@ -24,6 +23,9 @@ from nonsmooth.fatigue.growth_rate import (
 from nonsmooth.fatigue.load_block import LoadBlock
 from nonsmooth.fatigue.load_table import LoadTable
 from nonsmooth.fatigue.quadrature import panel_integrals
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["life", "life_dataset"]
 
@@ -201,6 +203,8 @@ def life_dataset(
     cracks: Array, times: Array, rates: Array, loads: Loads, attrs: dict[str, Any]
 ) -> xr.Dataset:
     """Curve of growth with its attributes."""
+    import xarray as xr
+
     per_second = np.array([_cycles_per_second(loads, a) for a in cracks])
     # by the trapezium where the count changes with the crack, exact where it does not
     with np.errstate(invalid="ignore"):

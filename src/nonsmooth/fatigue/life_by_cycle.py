@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
 from nonsmooth.errors import OptionError
 from nonsmooth.fatigue.checks import Array, positive
@@ -14,6 +13,9 @@ from nonsmooth.fatigue.growth_laws import GrowthLaw
 from nonsmooth.fatigue.growth_rate import StressIntensity, check_law, intensity
 from nonsmooth.fatigue.life import _lengths, life_dataset
 from nonsmooth.fatigue.load_block import LoadBlock
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["life_by_cycle"]
 

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-import xarray as xr
+from typing import TYPE_CHECKING, Any
 
 from nonsmooth.fatigue.closure import NewmanClosure
 from nonsmooth.fatigue.growth_laws import GrowthLaw
 from nonsmooth.fatigue.growth_rate import Loads, StressIntensity
 from nonsmooth.fatigue.life import life
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["life_ratio"]
 
@@ -69,6 +70,8 @@ def life_ratio(
     >>> round(float(found["ratio"]), 9)
     8.0
     """
+    import xarray as xr
+
     options: dict[str, Any] = {"initial": initial, "final": final, "toughness": toughness,
                                "closure": closure}  # fmt: skip
     first = life(stress_intensity, law, reference, **options)

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
-import xarray as xr
 
 from nonsmooth.errors import OptionError
 from nonsmooth.fatigue.checks import finite, positive
 from nonsmooth.fatigue.cycles import count_cycles
 from nonsmooth.fatigue.record_checks import record_values
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["LoadBlock"]
 
@@ -130,6 +132,8 @@ class LoadBlock:
         LoadBlock
             Its cycles, all of them whole.
         """
+        import xarray as xr
+
         if isinstance(load, xr.DataArray) and times is None and "time" in load.coords:
             times = load["time"].values
         if times is None:

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-import xarray as xr
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["aluminium_2024_t351", "chapter_tests"]
 
@@ -48,6 +52,8 @@ def aluminium_2024_t351() -> xr.Dataset:
     >>> float(alloy["composition"].sel(element="Cu"))
     4.06
     """
+    import xarray as xr
+
     properties = {
         "tensile_strength": (454.0, "tensile strength", "MPa"),
         "yield_strength": (317.0, "yield strength", "MPa"),
@@ -88,6 +94,8 @@ def chapter_tests() -> xr.Dataset:
     >>> float(one["life"]), round(float(one["load_ratio"]), 4), float(one["printed_ratio"])
     (331.0, 0.3333, 0.33)
     """
+    import xarray as xr
+
     names = [row[0] for row in _TESTS]
     mean, amplitude, printed, life = np.array([row[1:] for row in _TESTS]).T
     table = f"Table 3, from {_PAPER}"

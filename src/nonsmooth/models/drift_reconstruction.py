@@ -7,13 +7,15 @@ are read; the integrated drift gives no more than the constant at the first samp
 from __future__ import annotations
 
 import tomllib
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-import xarray as xr
 
 from nonsmooth.errors import OptionError
 from nonsmooth.system.checks import parameter_values
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["drift_reconstruction"]
 
@@ -82,6 +84,8 @@ def drift_reconstruction(run: xr.Dataset, *, as_printed: bool = False) -> xr.Dat
     >>> bool(error < 1e-12 * run["v"].max())
     True
     """
+    import xarray as xr
+
     if run.attrs.get("system_name") != "moling":
         raise OptionError(
             f"the run is of {run.attrs.get('system_name')!r}; the chapter's Eqs. (28) and (29)"

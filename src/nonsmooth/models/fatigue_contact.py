@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-import xarray as xr
+from typing import TYPE_CHECKING
 
 from nonsmooth.errors import NonsmoothError, OptionError, RunError
 from nonsmooth.models.fatigue_preload import least_preload
 from nonsmooth.models.fatigue_rigs.motion import Loss, first_loss
 from nonsmooth.system.system import System
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["GRAVITY", "check_contact", "loss_message"]
 
@@ -56,6 +59,8 @@ def check_contact(run: xr.Dataset) -> xr.Dataset:
     Traceback (most recent call last):
     nonsmooth.errors.RunError: contact is lost: phase iii began at time 0.5169, where mass 2 has ...
     """
+    import xarray as xr
+
     if not isinstance(run, xr.Dataset):
         raise OptionError(f"{run!r:.60} is no run; give the result of nonsmooth.simulate")
     if str(run.attrs.get("system_name", "")) != "fatigue_rig":

@@ -6,9 +6,7 @@ import math
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
-
-import xarray as xr
+from typing import TYPE_CHECKING, Any
 
 from nonsmooth.errors import ModelError, OptionError
 from nonsmooth.models.breathing_crack import breathing_crack
@@ -16,6 +14,9 @@ from nonsmooth.models.fatigue_contact import GRAVITY
 from nonsmooth.models.fatigue_reduction import refuse_lost_contact
 from nonsmooth.models.fatigue_rigs.growth import Reached, lengths_to_check
 from nonsmooth.system.system import System
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["Lumped", "breathing", "check_one_mass", "lumped"]
 

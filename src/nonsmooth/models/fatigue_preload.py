@@ -3,17 +3,18 @@ r"""Least forces on the masses of the fatigue rig that keep both in contact with
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-import xarray as xr
 
 from nonsmooth.errors import ModelError, OptionError, RunError
 from nonsmooth.models.fatigue_rigs.motion import first_loss, settled_motion, swing
 from nonsmooth.models.fatigue_rigs.response import full_contact, is_cracked, rig_values
 from nonsmooth.models.rigs.data import one_number
-from nonsmooth.simulation.simulate import simulate
 from nonsmooth.system.system import System
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["LOOSEST", "least_preload"]
 
@@ -130,6 +131,8 @@ def least_preload(
 
 
 def _dataset(values: dict[str, np.ndarray], attrs: dict[str, str | float]) -> xr.Dataset:
+    import xarray as xr
+
     units = {"units": "k_Ls A_b"}
     return xr.Dataset(
         {n: ("mass", v, {"long_name": _LABELS[n], **units}) for n, v in values.items()},
@@ -165,6 +168,8 @@ def _steady_loss(p: dict[str, float]) -> np.ndarray:
 
 def _start_up_loss(system: System, p: dict[str, float], periods: int) -> np.ndarray:
     """Largest losses on the way from rest, at forces that keep contact for sure."""
+    from nonsmooth.simulation.simulate import simulate
+
     # no contact force of a start-up is far beyond the push on a mass
     most = 1e3 * (1.0 + p["eta"] ** 2)
     linear = system.with_parameters(f1=most, f2=most)
@@ -183,6 +188,7 @@ def _start_up_loss(system: System, p: dict[str, float], periods: int) -> np.ndar
 
 def _kept(system: System, motion: str, periods: int) -> Callable[[float, float], bool]:
     """Whether contact is kept at two forces."""
+    from nonsmooth.simulation.simulate import simulate
 
     def kept(f1: float, f2: float) -> bool:
         try:

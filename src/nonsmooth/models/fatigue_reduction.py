@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 import numpy.typing as npt
-import xarray as xr
 
 from nonsmooth.errors import ModelError, OptionError
 from nonsmooth.models.fatigue_contact import loss_message
@@ -17,6 +16,9 @@ from nonsmooth.models.fatigue_rigs.motion import first_loss, settled_motion
 from nonsmooth.models.fatigue_rigs.response import full_contact, is_cracked, rig_values
 from nonsmooth.system.parts import Mode
 from nonsmooth.system.system import System
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["OneMass", "Version", "one_mass", "reduction_error", "refuse_lost_contact"]
 
@@ -260,6 +262,8 @@ def reduction_error(system: System, eps: npt.ArrayLike | None = None) -> xr.Data
     >>> found["error"].sel(version="chapter").values.round(5)
     array([0.00415, 0.03931])
     """
+    import xarray as xr
+
     p = _symmetric(system)
     try:
         grid = np.atleast_1d(np.asarray(p["eps"] if eps is None else eps, float))

@@ -5,10 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-import xarray as xr
 
 from nonsmooth.errors import ModelError, OptionError, unknown_name
 from nonsmooth.fatigue.specimen import Specimen
@@ -27,6 +26,9 @@ from nonsmooth.models.rigs.ties import check_system, units_of_ties, with_likes
 from nonsmooth.models.rigs.units import Units
 from nonsmooth.system.signals import Signal
 from nonsmooth.system.system import System
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["FatigueRig"]
 
@@ -492,6 +494,8 @@ class FatigueRig:
         >>> rig.least_preload()["least_at_ratio"].values.round(1)
         array([261. , 302.8])
         """
+        import xarray as xr
+
         data = least_preload(self.system(), ratio=ratio, motion=motion, periods=periods)
         unit, weight = self.units.force, self.mass * GRAVITY
         own = xr.DataArray([-weight, weight], dims="mass")

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
-import xarray as xr
 
 from nonsmooth.errors import OptionError
 from nonsmooth.models.four_phases import FourPhases, pass_four_phases
 from nonsmooth.system.system import System
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["four_phase_misfit", "four_phase_orbit"]
 
@@ -182,6 +184,8 @@ def _apart(place: Floats, other: Floats) -> float:
 def _dataset(
     system: System, values: Values, found: list[tuple[Floats, FourPhases]], evaluations: int
 ) -> xr.Dataset:
+    import xarray as xr
+
     def admissible(each: FourPhases) -> bool:
         low, high = each.last_force
         return each.misfit <= _ZERO and low > 0.0 and high < 1.0
@@ -232,6 +236,8 @@ def _values(system: System) -> dict[str, float]:
 
 
 def _pair(guess: tuple[float, float] | xr.Dataset) -> Floats:
+    import xarray as xr
+
     if isinstance(guess, xr.Dataset):
         guess = tuple(np.ravel(guess[name].values)[0] for name in ("y_0", "psi_0"))
     pair = np.asarray(guess, float)

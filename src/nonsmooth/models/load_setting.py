@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import asdict, dataclass, field, replace
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-import xarray as xr
-from scipy.optimize import brentq
 
 from nonsmooth.errors import OptionError, ResultWarning, RunError
 from nonsmooth.fatigue.specimen import Specimen
@@ -17,6 +15,9 @@ from nonsmooth.models.fatigue_preload import LOOSEST
 from nonsmooth.models.fatigue_rig_si import FatigueRig
 from nonsmooth.models.fatigue_rigs.motion import first_loss, settled_motion, swing
 from nonsmooth.models.rigs.data import one_number
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["set_load"]
 
@@ -139,6 +140,8 @@ def set_load(
     >>> [round(float(found[n]), 3) for n in ("base_amplitude", "voltage", "load_amplitude")]
     [0.628, 0.425, 100.0]
     """
+    from scipy.optimize import brentq
+
     load = one_number("load", load, positive=True)
     largest = one_number("largest", largest, positive=True)
     tolerance = one_number("tolerance", tolerance, positive=True, most=LOOSEST)
@@ -202,6 +205,8 @@ def _loss(row: dict[str, Any]) -> str:
 
 
 def _dataset(search: _Search, best: dict[str, Any]) -> xr.Dataset:
+    import xarray as xr
+
     rig: FatigueRig = best["rig"]
     low, high = swing(best["run"], "load")
     unit = rig.units.force

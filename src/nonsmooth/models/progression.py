@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import tomllib
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 
 from nonsmooth.errors import OptionError, unknown_name
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["progression"]
 
@@ -54,6 +57,8 @@ def progression(run: xr.Dataset, state: str = "v", *, periods: int | None = None
     >>> round(float(steady["per_period"]), 4), round(float(steady["per_unit_time"]), 4)
     (31.3453, 0.4989)
     """
+    import xarray as xr
+
     _check_drift(run, state)
     number, values = _strobes(run, state)
     available = len(values) - 1

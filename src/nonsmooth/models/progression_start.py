@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-import xarray as xr
 
 from nonsmooth.errors import OptionError
 from nonsmooth.system.system import System
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["progression_start"]
 
@@ -51,6 +55,8 @@ def progression_start(orbit: xr.Dataset) -> xr.Dataset:
     >>> [round(float(start[name][0]), 6) for name in ("psi_0", "x_0", "y_0")]
     [1.1647, 0.296881, 7.231191]
     """
+    import xarray as xr
+
     values, modes = _read(orbit)
     entered = orbit["leg_exit"].values.astype(str)
     # legs on both sides of the section are one stay, unless an event is just there

@@ -5,9 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
-from typing import Any
-
-import xarray as xr
+from typing import TYPE_CHECKING, Any
 
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.models.rigs.data import check_data, finite_values
@@ -18,6 +16,9 @@ from nonsmooth.models.rotor import rotor
 from nonsmooth.models.rotors.units import PARAMETERS, rotor_units
 from nonsmooth.models.static_contact import static_contact
 from nonsmooth.system.system import System
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["RotorRig"]
 

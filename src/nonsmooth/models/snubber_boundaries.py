@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-import xarray as xr
 
 from nonsmooth.errors import OptionError
 from nonsmooth.models.snubber_ring import check_preload, regime_flags
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["snubber_boundaries"]
 
@@ -85,6 +87,8 @@ def snubber_boundaries(
     >>> ns.models.snubber_boundaries(delta_x=0.0, delta_y=0.0).sizes["curve"]
     1
     """
+    import xarray as xr
+
     delta_x, delta_y = check_preload(delta_x, delta_y)
     corner = 1.0 + math.hypot(delta_x, delta_y)
     if not (math.isfinite(extent) and extent >= corner):

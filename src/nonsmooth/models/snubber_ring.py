@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 from numpy.typing import ArrayLike
 
 from nonsmooth.errors import ModelError, OptionError
@@ -17,6 +16,9 @@ from nonsmooth.models.snubbers.statics import (
     ring_position,
     ring_rate,
 )
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["check_preload", "check_ring", "regime_flags", "snubber_ring"]
 
@@ -105,6 +107,8 @@ def snubber_ring(
     >>> [round(float(value), 6) for value in ring["force"]]
     [0.0, 3.0, 18.569826]
     """
+    import xarray as xr
+
     K, nu2 = check_ring(K, nu2)
     delta_x, delta_y = check_preload(delta_x, delta_y)
     if (vx is None) != (vy is None):
@@ -195,6 +199,8 @@ def _broadcast(
     given: dict[str, Any],
 ) -> tuple[tuple[Any, ...], dict[Any, Any], dict[str, np.ndarray]]:
     """Dimensions, their coordinates, and the arrays in one shape, checked."""
+    import xarray as xr
+
     labelled = any(isinstance(values, xr.DataArray) for values in given.values())
     if labelled:
         try:
@@ -221,6 +227,8 @@ def _broadcast(
 
 
 def _labelled(values: Any) -> xr.DataArray:
+    import xarray as xr
+
     if isinstance(values, xr.DataArray):
         return values
     if np.ndim(values):

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 
 from nonsmooth.errors import OptionError
 from nonsmooth.models.snubber_ring import check_preload, check_ring, snubber_ring
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["static_contact"]
 

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-import xarray as xr
 
 from nonsmooth.errors import OptionError, RunError
-from nonsmooth.simulation.simulate import simulate
 from nonsmooth.system.system import System
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["Loss", "Settled", "first_loss", "settled_motion", "swing"]
 
@@ -37,6 +38,8 @@ def settled_motion(
     system: System, *, tolerance: float = 1e-9, samples_per_period: int = 400
 ) -> Settled:
     """Run from rest until the strobed states repeat, then the periods of one repetition."""
+    from nonsmooth.simulation.simulate import simulate
+
     start = None
     for _ in range(_MOST // _CHUNK):
         start = simulate(system, start, periods=_CHUNK, samples_per_period=1)

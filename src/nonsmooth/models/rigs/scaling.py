@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import ast
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
 from nonsmooth.models.rigs.units import DERIVATIVES, OF_STATES, Unit, Units, unit_of
-from nonsmooth.simulation.labels import labels_of
 from nonsmooth.system.system import System
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["changed_parameters", "in_si"]
 
@@ -75,6 +76,8 @@ def _factors(found: list[Unit], data: xr.Dataset) -> np.ndarray[Any, Any]:
 
 def _state_words(data: xr.Dataset, units: Units) -> dict[str, Any]:
     """Coordinates that say what the states are, for pictures of points."""
+    from nonsmooth.simulation.labels import labels_of
+
     names = [str(name) for name in data["state"].values]
     found: dict[str, Any] = {
         "state_units": ("state", [unit.name for unit in units.states(names)]),

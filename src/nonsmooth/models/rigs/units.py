@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-
-import xarray as xr
+from typing import TYPE_CHECKING
 
 from nonsmooth.errors import OptionError
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["DERIVATIVES", "OF_STATES", "Unit", "Units", "unit_of"]
 
