@@ -13,6 +13,7 @@ def within_three_errors(spectrum, truth) -> bool:
     return bool(np.all(away < 3 * np.hypot(spectrum["standard_error"].values, errors)))
 
 
+@pytest.mark.slow  # the chaos of the circuit below has its exponents from another route, too
 @pytest.mark.parametrize("omega", [0.905])
 def test_soft_impact(omega):
     system = ns.models.soft_impact(omega=omega)

@@ -19,8 +19,19 @@ SHARES = (0.123, 0.487, 0.871)  # of the range of a variable, where the section 
 ROTORS = ("clearance_rotor", "massive_ring_rotor", "rotor", "rubbing_rotor", "snubber_rub")
 START = {name: {"x": 1e-3} for name in ROTORS}
 ANGLES = ("contact_angle",)  # which jumps by a whole turn where nothing happens
+# A rotor in a ring has dozens of cells, which each section splits anew: seconds for each variable.
+# A state, a force with kinks and a variable of contact tell what the others could.
+RINGS = ("massive_ring_rotor", "rotor", "snubber_rub")
+OF_RINGS = ("x", "normal_force", "force_y", "gap", "slip")
+
+
+def case(name: str, variable: str):
+    long = name in RINGS and variable not in OF_RINGS
+    return pytest.param(name, variable, marks=[pytest.mark.slow] * long)
+
+
 CASES = [
-    (name, v) for name, s in MODELS.items() for v in (*s.states, *s.outputs) if v not in ANGLES
+    case(name, v) for name, s in MODELS.items() for v in (*s.states, *s.outputs) if v not in ANGLES
 ]
 
 

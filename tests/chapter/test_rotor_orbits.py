@@ -76,7 +76,8 @@ def test_torus_just_behind_a_graze():
     assert abs(before["multipliers"].values[0]) < 0.7
 
 
-@pytest.mark.parametrize("delta", [0.0, 0.1])
+# without preload contacts begin on an axis, which is the harder case
+@pytest.mark.parametrize("delta", [0.0, pytest.param(0.1, marks=pytest.mark.slow)])
 def test_branches_pass_the_known_flips(delta):
     """Period one to the end of the range, unstable behind its flip, where period two begins."""
     branches = branches_of_set_a(delta, longest=2)

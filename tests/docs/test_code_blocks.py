@@ -20,8 +20,13 @@ from nonsmooth.cli.app import app
 
 ROOT = Path(__file__).parents[2]
 EVERY_PAGE = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
-LONG = {"chapter.md"}  # takes minutes
+# The chapter takes minutes; what the others call is tested by itself, and they take half a minute.
+LONG = {"chapter.md", "fatigue-lives.md", "many-orbits.md", "case-studies/rotor.md"}
 DRAWN = {"tutorials", "case-studies", "explanation", "figures.md"}
+
+
+def is_long(page: Path) -> bool:
+    return page.name in LONG or f"{page.parent.name}/{page.name}" in LONG
 
 
 def pages(language: str):
@@ -30,7 +35,7 @@ def pages(language: str):
     return pytest.mark.parametrize(
         "page",
         [
-            pytest.param(page, id=page.name, marks=[pytest.mark.slow] * (page.name in LONG))
+            pytest.param(page, id=page.name, marks=[pytest.mark.slow] * is_long(page))
             for page in found
         ],
     )

@@ -16,7 +16,7 @@ from engine.guard_survey import judge
 from reference.linear import first_crossing
 from reference.modal import first_of
 
-FEW, MANY = 300, 10_000
+FEW, MANY = 100, 10_000
 
 
 @cache
