@@ -96,3 +96,10 @@ def test_answers_without_work_load_nothing_heavy(words):
     found = loaded(COMMAND.format(words=words))
     assert within(found, HEAVY) == [], "import these inside the commands that need them"
     assert within(found, {"nonsmooth.engine", "nonsmooth.simulation", "nonsmooth.system"}) == []
+
+
+def test_a_list_of_models_needs_no_datasets():
+    """Models are functions of numbers: scipy and xarray come with what is done with a system."""
+    found = loaded(COMMAND.format(words=["models"]))
+    heavy = {"h5netcdf", "h5py", "matplotlib", "pandas", "scipy", "xarray"}
+    assert within(found, heavy) == [], "import these inside the functions that need them"
