@@ -83,7 +83,7 @@ def time_ours(system, start, periods, chosen):
     initial = dict(zip(system.states, start, strict=True))
     begin = resolve_start(system, tables, initial, None, None, False)
     plan = plan_run(
-        float(tables.clock[0]), True, begin.instant,
+        tables.window, True, begin.instant,
         periods=periods, t_end=None, times=None, samples_per_period=1,
     )  # fmt: skip
     derivatives = build_derivatives(system, tables, chosen)

@@ -8,5 +8,5 @@ _strobes = function(
 
 
 def strobes(xi, eta, periods, looks, found):
-    """Fill found[i] = (u, u') at the end of period i with the crack of Fig. 30; returns the events."""
+    """Fill found[i] = (u, u') at the end of period i, with the crack of Fig. 30; counts events."""
     return _strobes(xi, eta, periods, looks, found)

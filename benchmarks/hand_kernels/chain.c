@@ -5,8 +5,8 @@
  *     m x3'' = -k (x3 - x2) - c (x3' - x2')  - k_stop (x3 - e) H(x3 - e)
  *
  * Each mode has three damped pairs, z = Re(V w) + steady response, w_j' = lambda_j w_j, scaled so
- * that x3 = Re(w_1 + w_2 + w_3) + steady. A crossing maps w by one constant 6 x 6 matrix and a forced
- * term. The phase restarts every period. chain.py computes the constants.
+ * that x3 = Re(w_1 + w_2 + w_3) + steady. A crossing maps w by one constant 6 x 6 matrix and a
+ * forced term. The phase restarts every period. chain.py computes the constants.
  */
 #include "first_crossing.h"
 
@@ -21,7 +21,9 @@ typedef struct { double r[3], i[3], size[3]; } Pairs;
 typedef const double (*Rates)[3];
 
 static void renew_sizes(Pairs *w, Rates rates) {
-    for (int j = 0; j < 3; ++j) w->size[j] = rates[6][j] * sqrt(w->r[j] * w->r[j] + w->i[j] * w->i[j]);
+    for (int j = 0; j < 3; ++j) {
+        w->size[j] = rates[6][j] * sqrt(w->r[j] * w->r[j] + w->i[j] * w->i[j]);
+    }
 }
 
 static double steady_bound(const double steadies[3][6], double omega) {
@@ -30,12 +32,15 @@ static double steady_bound(const double steadies[3][6], double omega) {
 }
 
 /* w <- matrix w + forced (c, s, 1) */
-static void jump(Pairs *w, const double matrix[6][6], const double forced[6][3], double c, double s) {
+static void jump(Pairs *w, const double matrix[6][6], const double forced[6][3], double c,
+                 double s) {
     const Pairs old = *w;
     double moved[6];
     for (int i = 0; i < 6; ++i) {
         moved[i] = forced[i][0] * c + forced[i][1] * s + forced[i][2];
-        for (int j = 0; j < 3; ++j) moved[i] += matrix[i][j] * old.r[j] + matrix[i][3 + j] * old.i[j];
+        for (int j = 0; j < 3; ++j) {
+            moved[i] += matrix[i][j] * old.r[j] + matrix[i][3 + j] * old.i[j];
+        }
     }
     for (int j = 0; j < 3; ++j) w->r[j] = moved[j], w->i[j] = moved[3 + j];
 }

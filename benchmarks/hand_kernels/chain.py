@@ -5,9 +5,7 @@ import numpy as np
 from .compiled import INTEGER, REAL, REALS, Counts, function, library
 
 X3 = 2  # z = (x1, x2, x3, x1', x2', x3')
-_simulate = function(
-    library("chain"), "simulate", Counts, REALS, INTEGER, *[REALS] * 7, REAL, REAL
-)
+_simulate = function(library("chain"), "simulate", Counts, REALS, INTEGER, *[REALS] * 7, REAL, REAL)
 
 
 def mode_constants(k_stop, m, k, c, e, A, omega):

@@ -17,9 +17,9 @@ FOLDER = Path(__file__).parent
 sys.path.append(str(FOLDER.parents[1]))
 from build_engine import compiler  # noqa: E402
 
-# The compiler of the engine takes C as well. Contraction of products and sums, which it may leave out
-# where the standard of the language is named, keeps every comparison meaningful; a free order of
-# sums, or the assumption that all numbers are finite, would not.
+# The compiler of the engine takes C as well. Contraction of products and sums, which some compilers
+# leave out where a standard is named, keeps the meaning of every comparison; a free order of sums
+# or the assumption that all numbers are finite would not.
 FLAGS = ["-x", "c", "-std=c11", "-O3", "-march=native", "-fno-math-errno", "-ffp-contract=fast"]
 
 REAL, INTEGER = ctypes.c_double, ctypes.c_int64

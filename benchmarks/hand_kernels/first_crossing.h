@@ -6,7 +6,7 @@
  *
  * so no zero is passed while the right-hand side is positive. On 0 <= h <= H the cubic lies above
  * the parabola with curvature g2 - M H/3, whose first zero is a square root away; a second, smaller
- * H tightens it. A caller that limits its step to about a radian of the motion gets a tight first H.
+ * H tightens it. The first one is tight where the step is limited to about a radian of the motion.
  */
 #ifndef FIRST_CROSSING_H
 #define FIRST_CROSSING_H

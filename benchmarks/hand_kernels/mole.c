@@ -5,9 +5,9 @@
  *     contact:      p' = q'  y' = f - F  q' = y               v' = 0               until F = 0 or 1
  *     progression:  p' = q'  y' = f - 1  q' = (1 - q)/(2 xi)  v' = (F - 1)/(2 xi)  until F = 1
  *
- * With c = cos(omega tau + pi/2), s = sin(omega tau + pi/2) the forced motion is taken off: in flight
- * and progression U = y - (a/omega) s and P = p + (a/omega^2) c are polynomials in time, in contact
- * q = Re w + A c + B s + b with w' = (-xi + i W) w. The phase restarts every period.
+ * With c = cos(omega tau + pi/2), s = sin(omega tau + pi/2) the forced motion is taken off: in
+ * flight and progression U = y - (a/omega) s and P = p + (a/omega^2) c are polynomials in time, in
+ * contact q = Re w + A c + B s + b with w' = (-xi + i W) w. The phase restarts every period.
  * Underdamped slider (xi < 1) only.
  */
 #include "first_crossing.h"

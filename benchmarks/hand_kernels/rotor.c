@@ -3,8 +3,8 @@
  *     r'' + 2 nu1 r' + (r - eps) + F = load (cos, sin)(phi0 + eta tau)
  *
  * Steps end at contacts, at releases (n . F = 0) and where |sx| or |sy| passes the preload, for
- * there the number of dampers changes. Each event is found on the dense output, reached by a step of
- * its own and polished by the rate of its guard.
+ * there the number of dampers changes. Each event is found on the dense output, reached by a step
+ * of its own and polished by the rate of its guard.
  */
 #include <stdint.h>
 #include <string.h>
@@ -13,7 +13,7 @@
 
 static const double pi = 3.141592653589793;
 static const double shortest = 1e-15;
-static const double at_once = 1e-12; /* a contact as soon as this after a release: no regime holds */
+static const double at_once = 1e-12; /* a contact as soon after a release: no regime holds */
 static const double largest_factor = 4.0, least_factor = 0.2, safety = 0.9;
 
 /* status: GOES_ON, UNDECIDED or STUCK */
@@ -79,7 +79,7 @@ Outcome simulate(double (*strobes)[8], int64_t periods, double (*log)[4], int64_
     Step *step = &run.step;
     double(*K)[4] = step->K;
     Guard guards[2][3], *g = guards[0], *g_new = guards[1];
-    double longest[2] = {0.1, 0.02}; /* the step that the method would take next: free, in contact */
+    double longest[2] = {0.1, 0.02}; /* what the method would take next: free, in contact */
     const double period = 2.0 * pi / run.p.eta;
     Outcome out = {0, 0, GOES_ON};
     memcpy(step->y, start, sizeof step->y);

@@ -2,9 +2,7 @@
 
 from .compiled import INTEGER, REAL, REALS, Counts, function, library
 
-_simulate = function(
-    library("soft_impact"), "simulate", Counts, REALS, INTEGER, *[REAL] * 7
-)
+_simulate = function(library("soft_impact"), "simulate", Counts, REALS, INTEGER, *[REAL] * 7)
 
 
 def simulate(strobes, zeta, e, beta, a, omega, x, v):

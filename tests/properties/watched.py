@@ -16,7 +16,7 @@ _WAITING = 10.0  # times that by the clock, on a machine that does other things 
 
 def _work(seeds: list[int], found: Connection, path: list[str], patience: float) -> None:
     sys.path[:] = path
-    judge(0)  # what is loaded or compiled first is no part of a seed
+    judge(0)  # what is loaded first is no part of a seed
     for seed in seeds:
         signal.setitimer(signal.ITIMER_PROF, patience)  # ends the process, whatever it is in
         found.send(judge(seed))

@@ -5,6 +5,7 @@ import dataclasses
 import pickle
 import tomllib
 
+import numpy as np
 import pytest
 
 import nonsmooth as ns
@@ -197,3 +198,16 @@ def test_equal_values_make_equal_systems():
 
 def test_repr_is_short():
     assert repr(everything()) == "<System 'hopper': states x v p s; w=2, r=0.8, gap=0.1, n=3>"
+
+
+def test_a_model_called_again_shares_its_structure():
+    """A machine made in a loop is parsed once; another text is another structure."""
+    first, second = ns.models.moling(b=0.1), ns.models.moling(b=0.2)
+    assert first.structure is second.structure and first.compiled is second.compiled
+    assert first != second
+    one, other = (
+        ns.System(states=["x"], parameters={"a": a}, equations={"x": f"-a*{k}*x"})
+        for a, k in ((1.0, 1), (2.0, 2))
+    )
+    assert one.structure is not other.structure
+    assert float(ns.simulate(other, {"x": 1.0}, t_end=0.25)["x"][-1]) == pytest.approx(np.exp(-1))

@@ -74,7 +74,7 @@ def regime_map(grid: xr.Dataset, *, ax: Axes | None = None, legend: bool = True)
     --------
     >>> import nonsmooth as ns
     >>> grid = ns.regime_map(
-    ...     ns.models.soft_impact(), {"omega": [0.8, 0.905], "zeta": [0.01, 0.05]}, transient=300
+    ...     ns.models.soft_impact(), {"omega": [0.78, 0.905], "zeta": [0.01, 0.05]}, transient=300
     ... )
     >>> ax = ns.plot.regime_map(grid)
     >>> [text.get_text() for text in ax.get_legend().get_texts()]

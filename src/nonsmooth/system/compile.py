@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Container
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -94,6 +95,7 @@ class _LinearRows:
         return len(known) - 1
 
 
+@lru_cache(maxsize=32)  # a structure is shared by systems, and so are its arrays
 def compile_structure(structure: Structure) -> Compiled:
     """Arrays of a system, independent of parameter values."""
     states = tuple(structure.states)

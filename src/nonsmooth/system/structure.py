@@ -1,13 +1,16 @@
 """What the texts of a system mean, before any parameter has a value.
 
 A `Structure` holds the parsed equations and, for each mode, what they come to. It does not
-depend on parameter values, so all systems made by ``with_parameters`` share one.
+depend on parameter values, so all systems with the same texts share one, whether they come from
+``with_parameters`` or from a model that is called again with other numbers.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections import OrderedDict
+from collections.abc import Hashable, Mapping
 from functools import cached_property
+from threading import Lock
 from typing import TYPE_CHECKING
 
 from nonsmooth.errors import ModelError
@@ -29,7 +32,7 @@ from nonsmooth.system.value_tape import ValueTape
 if TYPE_CHECKING:
     from nonsmooth.system.system import System
 
-__all__ = ["MOST_MODES", "Structure"]
+__all__ = ["MOST_MODES", "Structure", "structure_of"]
 
 MOST_MODES = 120  # cells counted one by one: results have their numbers in one byte
 _MOST_EXITS = 60  # of a cell: results have six bits for each exit of a path
@@ -242,3 +245,30 @@ class Structure:
     def static_form(self) -> ModeForms:
         """Names resolved where no mode matters: parameters and their definitions."""
         return next(iter(self.modes.values()))
+
+
+_MOST_KNOWN = 32  # structures that are remembered; one of a rotor in a ring takes a second to make
+_known: OrderedDict[Hashable, Structure] = OrderedDict()  # the one asked for last stands last
+_lock = Lock()
+
+
+def structure_of(system: System) -> Structure:
+    """The structure of a system; those of the last few texts are remembered."""
+    texts = (
+        system.states, tuple(system.parameters), system.modes, system.definitions, system.outputs,
+        system.period, system.drift, system.initial, system.equations, system.surfaces, system.slow,
+    )  # fmt: skip
+    try:  # as texts: 1, 1.0 and True are equal, but not for who reads them
+        key = repr(texts), tuple(system.signals.items())
+    except ValueError:  # a whole number too long to be written; it is refused where it stands
+        return Structure(system)
+    with _lock:
+        if key in _known:
+            _known.move_to_end(key)
+            return _known[key]
+    made = Structure(system)
+    with _lock:
+        _known[key] = made
+        if len(_known) > _MOST_KNOWN:
+            _known.popitem(last=False)
+    return made

@@ -23,7 +23,7 @@ from nonsmooth.system.frozen import FrozenDict
 from nonsmooth.system.matrices import matrix_words
 from nonsmooth.system.parts import Mode, Text, items_of
 from nonsmooth.system.signals import Signal
-from nonsmooth.system.structure import Structure
+from nonsmooth.system.structure import Structure, structure_of
 from nonsmooth.system.surfaces import Surface
 from nonsmooth.system.toml_reading import read_system
 from nonsmooth.system.toml_writing import system_to_toml
@@ -169,7 +169,7 @@ class System:
     @cached_property
     def structure(self) -> Structure:
         """What the texts mean; shared by systems that differ in parameter values only."""
-        return Structure(self)
+        return structure_of(self)
 
     @cached_property
     def compiled(self) -> Compiled:
