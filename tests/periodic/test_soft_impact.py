@@ -121,8 +121,8 @@ def test_the_trilinear_orbit_at_symmetry_breaking(name, off):
     system = ns.models.trilinear(omega=omega)
     orbit = ns.find_orbit(system, state_of(half), word="upper free lower free upper")
     assert orbit.attrs["status"] == "completed", orbit.attrs["message"]
-    # What rounding leaves of the residual moves the orbit by that over the distance of the multiplier
-    # from 1, times the condition of the multiplier, which is below 20.
+    # What rounding leaves of the residual moves the orbit by that over the distance of the
+    # multiplier from 1, times the condition of the multiplier, which is below 20.
     left = 20.0 * float(orbit["residual"])
     assert_state(orbit, state_of(half), 1e-10 + left / abs(squares[0] - 1))
     assert abs(orbit["multipliers"].values - squares).max() < 1e-7
