@@ -173,9 +173,15 @@ def build() -> list[Path]:
     made = []
     for name, flags in builds(aim).items():
         made.append(library(name, aim))
-        compile_library(made[-1], flags, aim)
+        if aim.zig or not is_current(made[-1]):
+            compile_library(made[-1], flags, aim)
     write_declarations()
     return [*made, DECLARATIONS]
+
+
+def is_current(path: Path) -> bool:
+    """Whether a library was compiled from these very sources, whose hash it carries."""
+    return path.exists() and sources_hash().encode() in path.read_bytes()
 
 
 def build_sanitized(path: Path) -> None:
