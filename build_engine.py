@@ -27,7 +27,8 @@ SOURCES = ENGINE / "native"
 DECLARATIONS = ENGINE / "_declarations.py"
 
 # Contraction of products and sums is a matter of the processor: without it all builds give the same
-# digits. Optimisations that assume finite numbers, or an order of sums, would break the certificate.
+# digits. Optimisations that assume finite numbers, or change the order of sums, would break the
+# certificate.
 FLAGS = [
     "-std=c++20", "-O3", "-fPIC", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math",
     "-fno-exceptions", "-fno-rtti", "-fvisibility=hidden", "-Wall", "-Wextra",
