@@ -10,7 +10,7 @@ import pytest
 
 # Arrays, datasets, pictures, files and compilers: each takes longer than the whole help page.
 HEAVY = {
-    "IPython", "PIL", "_cffi_backend", "cffi", "flint", "h5netcdf", "h5py", "heyoka", "llvmlite", "matplotlib",
+    "IPython", "PIL", "_cffi_backend", "cffi", "flint", "h5netcdf", "h5py", "heyoka", "matplotlib",
     "mpl_toolkits", "mpmath", "numba", "numpy", "pandas", "rainflow", "scipy", "sympy", "tqdm",
     "xarray", "zarr",
 }  # fmt: skip
