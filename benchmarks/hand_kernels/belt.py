@@ -7,4 +7,5 @@ _simulate = function(library("belt"), "simulate", Counts, REALS, INTEGER, *[REAL
 
 def simulate(strobes, F_c, v_b, F, omega, x, v):
     """Fill strobes[i] = (x, x') at the end of period i; numbers of events and evaluations."""
-    return _simulate(strobes, len(strobes), F_c, v_b, F, omega, x, v)
+    counts = _simulate(strobes, len(strobes), F_c, v_b, F, omega, x, v)
+    return counts.events, counts.evaluations

@@ -50,4 +50,5 @@ def simulate(strobes, rates, bases, steadies, jumps, forced, start, e, omega, z0
     Starts free, at z0.
     """
     arrays = rates, bases, steadies, jumps, forced, start, z0
-    return _simulate(strobes, len(strobes), *arrays, e, omega)
+    counts = _simulate(strobes, len(strobes), *arrays, e, omega)
+    return counts.events, counts.evaluations

@@ -13,7 +13,8 @@ _last_states = function(
 
 def simulate(strobes, a, b, xi, omega, g, p, y, q, v):
     """Fill strobes[i] = (p, y, q, v) at the end of period i; numbers of events and evaluations."""
-    return _simulate(strobes, len(strobes), a, b, xi, omega, g, p, y, q, v)
+    counts = _simulate(strobes, len(strobes), a, b, xi, omega, g, p, y, q, v)
+    return counts.events, counts.evaluations
 
 
 def last_states(starts, periods, a, b, xi, omega, g):

@@ -7,4 +7,5 @@ _simulate = function(library("rigid_impact"), "simulate", Counts, REALS, INTEGER
 
 def simulate(strobes, F, omega, sigma, r, x, v):
     """Fill strobes[i] = (x, x') at the end of period i; numbers of events and evaluations."""
-    return _simulate(strobes, len(strobes), F, omega, sigma, r, x, v)
+    counts = _simulate(strobes, len(strobes), F, omega, sigma, r, x, v)
+    return counts.events, counts.evaluations

@@ -24,4 +24,6 @@ def simulate(strobes, log, start, p, tolerance):
     Counts of events and steps, and a status: 0, or 1 where no regime holds, or 2 where steps
     become too short. Constants p: eta, nu1, nu2, K, load, eps_x, eps_y, delta_x, delta_y, phi0.
     """
-    return _simulate(strobes, len(strobes), log, len(log), start, np.array(p), tolerance)
+    constants = np.array(p)
+    found = _simulate(strobes, len(strobes), log, len(log), start, constants, tolerance)
+    return found.events, found.steps, found.status

@@ -7,4 +7,5 @@ _simulate = function(library("soft_impact"), "simulate", Counts, REALS, INTEGER,
 
 def simulate(strobes, zeta, e, beta, a, omega, x, v):
     """Fill strobes[i] = (x, x') at the end of period i; numbers of events and evaluations."""
-    return _simulate(strobes, len(strobes), zeta, e, beta, a, omega, x, v)
+    counts = _simulate(strobes, len(strobes), zeta, e, beta, a, omega, x, v)
+    return counts.events, counts.evaluations

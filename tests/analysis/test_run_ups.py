@@ -15,6 +15,7 @@ def run_up(rate=2e-5, **parameters):
     return ns.simulate(system, t_end=1.4 / rate, samples_per_period=32)
 
 
+@pytest.mark.slow  # thousands of periods; those of a constant speed are below
 def test_orders_follow_the_unbalance_response():
     """Slow enough that it is settled at every speed, up to the rate of change."""
     found = ns.order_tracking(run_up(k_y=2.0), ("x", "y"), periods=10)

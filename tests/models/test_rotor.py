@@ -95,6 +95,7 @@ def test_a_position_that_disagrees_with_the_ring_is_told_what_would_agree():
         ns.simulate(rotor(), {"x": 1.2, "sx": 0.1}, periods=1)
 
 
+@pytest.mark.slow  # every verb on the rotor; each has tests of its own
 def test_analyses_take_starts_on_the_ring():
     """What a region leaves out of the ring stands where statics put it, as in `simulate`."""
     system = rotor(eta=2.1, delta_x=0.05, delta_y=0.05, nu1=0.2)
