@@ -88,6 +88,7 @@ def test_what_is_whole_is_kept_and_what_is_not_is_computed(drawn):
     assert again() == set()
 
 
+@pytest.mark.slow  # starts a process three times; an interruption, below, ends one too
 def test_faults_and_crashes_stop_no_other_figure(tmp_path):
     """An exception, and a process that ends; what comes after them in a group is drawn."""
     groups = [[item("faulty"), item("crashing"), item("line")], [item("parabola")]]
