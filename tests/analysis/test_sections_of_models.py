@@ -5,6 +5,7 @@ chaos has no time to tell the two trajectories apart.
 """
 
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -39,6 +40,11 @@ def end_of(system: ns.System) -> float:
     return 6.0 * system.period_value if system.period_value else 25.0
 
 
+def with_level(system: ns.System) -> ns.System:
+    """The system with a parameter for sections, so that those of one variable share their cells."""
+    return replace(system, parameters={**system.parameters, "level_of_section": 0.0})
+
+
 @pytest.fixture(scope="module")
 def sampled():
     return {
@@ -49,24 +55,25 @@ def sampled():
 
 @pytest.mark.parametrize(("model", "variable"), CASES)
 def test_crossings_are_sign_changes(sampled, model, variable):
-    system, run = MODELS[model], sampled[model]
+    system, run = with_level(MODELS[model]), sampled[model]
     values, time = run[variable].values, run["time"].values
     for share in SHARES:
         level = float(np.nanmin(values) + share * np.ptp(values[np.isfinite(values)]))
-        text = f"{variable} - ({level!r})"
+        text = f"{variable} - level_of_section"
         with warnings.catch_warnings():
             # a force that only jumps crosses nothing, and the verb says so
             warnings.simplefilter("ignore", ns.RunWarning)
             points = ns.poincare_section(
-                system, START.get(model), section=text, direction=0, t_end=time[-1]
-            )
+                system, START.get(model), section=text, direction=0, t_end=time[-1],
+                parameters={"level_of_section": level},
+            )  # fmt: skip
         above = values >= level
         found = np.flatnonzero(above[1:] != above[:-1])
         # where an event lies between two samples, a jump may have changed the sign
         events = np.searchsorted(time, run["event_time"].values, side="left") - 1
         met = np.searchsorted(time, points["time"].values, side="left") - 1
         assert np.array_equal(np.setdiff1d(met, events), np.setdiff1d(found, events)), (
-            f"{text}: {np.setxor1d(met, found)}"
+            f"{text}, {level}: {np.setxor1d(met, found)}"
         )
         smooth = ~np.isin(met, events)
         assert np.array_equal(above[met + 1][smooth], points["direction"].values[smooth] > 0)

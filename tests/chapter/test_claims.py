@@ -18,13 +18,14 @@ from nonsmooth.chapter.judgement import DIFFERS, HOLDS, OPEN, verdict
 from nonsmooth.errors import OptionError
 
 KEYS = ["id", "where", "printed", "computed", "protocol", "verdict", "evidence"]
+SLOW_SMOOTHING = {"G3"}  # Taylor steps through narrow switches: as long as all others here
 COUNTS = {"G": 3, "M": 57, "F": 59, "R": 57}
 
 
 @pytest.fixture(scope="module")
 def rows():
     """Verdicts that take seconds; those from diagrams have tests of their own."""
-    long = {*LONG, *SLOW, *SLOW_ORBITS, *SLOW_CRACK, *SLOW_RIG, *SLOW_ROTOR}
+    long = {*LONG, *SLOW, *SLOW_ORBITS, *SLOW_CRACK, *SLOW_RIG, *SLOW_ROTOR, *SLOW_SMOOTHING}
     quick = [name for name in claim_ids() if name not in long]
     return {row["id"]: row for row in evaluate_claims(ids=quick)}
 
@@ -131,6 +132,24 @@ def test_evidence_turns_a_verdict_over(rows, name, change):
         evidence["largest_x"] = [1.0]
     turned = {HOLDS: DIFFERS, DIFFERS: HOLDS}[rows[name]["verdict"]]
     assert verdict(_checks()[name].judge(evidence), lacks_data=False) == turned
+
+
+def test_smoothing_makes_motions_of_its_own():
+    """Two widths of one kind, of the eight that are judged; without such motions it does not."""
+    check = _checks()["G3"]
+    evidence = check.compute(widths=(0.04, 0.02), kinds=("sqrt",))
+    assert verdict(check.judge(evidence), lacks_data=False) == HOLDS
+    none = [row | {"only_smoothed": []} for row in evidence["rows"]]
+    assert verdict(check.judge(evidence | {"rows": none}), lacks_data=False) == DIFFERS
+
+
+@pytest.mark.slow
+def test_smoothing_by_all_widths():
+    """As it is printed, from four widths of two kinds."""
+    (row,) = evaluate_claims(ids=SLOW_SMOOTHING)
+    assert list(row) == KEYS and row["verdict"] == HOLDS
+    assert verdict(_checks()["G3"].judge(row["evidence"]), lacks_data=False) == HOLDS
+    json.dumps(row, allow_nan=False)
 
 
 def test_second_test_of_the_cam_says_which_panel(rows):
