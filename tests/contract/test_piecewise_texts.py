@@ -32,6 +32,7 @@ GAPS = [
     "(abs(x - delta) - abs(x + delta))/2 + x",
     "where(x > delta, x - delta, where(x < -delta, x + delta, 0))",
     "sign(x)*max(abs(x) - delta, 0)",
+    "where(-delta < x < delta, 0, where(x > delta, x - delta, x + delta))",
 ]
 
 GEAR = gear_pair(Omega=0.5, F_a=0.9, zeta=0.1)
@@ -41,6 +42,7 @@ DEAD_ZONES = [
     "x - clip(x, -b, b)",
     "max(x - b, 0) - max(-x - b, 0)",
     "where(abs(x) > b, x - b*sign(x), 0)",
+    "where(x > b or not x > -b, x - clip(x, -b, b), 0)",
 ]
 
 CHUA = chua()

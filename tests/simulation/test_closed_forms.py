@@ -285,3 +285,20 @@ def test_a_huge_gap_and_names_of_one_letter():
     )
     run = ns.simulate(system, times=[0.0, 4.5e4])
     assert float(run["event_time"][1]) == pytest.approx(np.sqrt(2e9), rel=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("condition", "turns", "end"),
+    [
+        ("x > 1 and y > 0.5", 2.0, 4.0),  # x = 1 at t = 1, y = 0.5 at t = 2
+        ("x > 1 or y > 0.5", 1.0, 5.0),
+        ("not (x < 1 or y < 0.5)", 2.0, 4.0),
+        ("0.25 < y < 0.5", 1.0, 4.0),  # twice as fast from t = 1 to t = 2
+    ],
+)
+def test_regions_of_joined_conditions(condition, turns, end):
+    flow = {"x": f"where({condition}, 2, 1)", "y": "0.25"}
+    run = ns.simulate(System(states=["x", "y"], equations=flow), times=[0.0, 3.0])
+    times = run["event_time"].values
+    assert np.abs(times - turns).min() < 8 * EPS
+    assert float(run["x"][-1]) == pytest.approx(end, abs=32 * EPS)

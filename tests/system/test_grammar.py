@@ -5,6 +5,7 @@ package itself never evaluates text.
 """
 
 import math
+from itertools import product
 
 import numpy as np
 import pytest
@@ -13,9 +14,9 @@ from hypothesis import strategies as st
 
 from effort import calls_at_most
 from nonsmooth.errors import ModelError
-from nonsmooth.system.evaluate import evaluate
+from nonsmooth.system.evaluate import constant_value, evaluate
 from nonsmooth.system.expressions import Call, Name, Number, to_text, walk
-from nonsmooth.system.grammar import MAX_DEPTH, MAX_LENGTH, parse
+from nonsmooth.system.grammar import MAX_DEPTH, MAX_LENGTH, parse, parse_condition
 
 VALUES = {"x": 0.7, "y": -1.3, "E": 2.5, "e": 0.4, "I": -0.6}
 SMOOTH = {
@@ -134,7 +135,7 @@ REFUSED = [
     ("2*ln(x)", 2, "it is log here"),
     ("pow(x, 2)", 0, r"it is ** here"),
     ("0,5*x", 1, "a decimal point is a point"),
-    ("where(x > 0 && y > 0, 1, 2)", 12, "put one where into another"),
+    ("where(x > 0 && y > 0, 1, 2)", 12, "join conditions by 'and'"),
     ("\N{MINUS SIGN}x", 0, "sign of the keyboard"),
     ("eval(x)", 0, "unknown function 'eval'"),
     ("2x", 1, "write products with *"),
@@ -275,7 +276,63 @@ def test_text_of_a_tree_parses_to_an_equal_tree(text):
     assert parse(to_text(tree)) == tree
 
 
-@pytest.mark.parametrize("word", ["and", "or"])
-def test_conditions_joined_by_a_word_are_told_to_nest(word):
-    with pytest.raises(ModelError, match=f"not joined by '{word}'"):
-        parse(f"where(x > 0 {word} x < 1, 1, 2)")
+JOINED = [
+    "a > b and c > d",
+    "a > b or c > d",
+    "not a > b",
+    "not (a > b or c <= d)",
+    "a > b or c > d and b < c",
+    "(a > b or c > d) and b < c",
+    "(a + b)*2 > c and not (not d < a)",
+    "((a > b)) or (a) < (b - c) and a < c < d",
+    "a < b < c or not a < d",
+]
+
+
+@pytest.mark.parametrize("text", JOINED)
+def test_joined_conditions_mean_what_python_means(text):
+    # Python's own and, or, not judge every order of the four values, ties included
+    choice = parse(f"where({text}, 1, 2)")
+    condition = parse_condition(text, where="require")
+    for values in product((-1.0, 0.0, 1.0), repeat=4):
+        names = dict(zip("abcd", values, strict=True))
+        truth = bool(eval(text, {}, names))
+        assert constant_value(choice, names) == (1.0 if truth else 2.0)
+        assert bool(constant_value(condition, names)) == truth
+
+
+def test_joined_conditions_are_choices_in_a_row():
+    assert parse("where(a > 1 and b > 2, x, y)") == parse("where(a > 1, where(b > 2, x, y), y)")
+    assert parse("where(a > 1 or b > 2, x, y)") == parse("where(a > 1, x, where(b > 2, x, y))")
+    assert parse("where(not a > 1, x, y)") == parse("where(a > 1, y, x)")
+
+
+@pytest.mark.parametrize(
+    ("text", "at", "message"),
+    [
+        ("where(a and b > 1, 1, 2)", 8, "needs a comparison"),
+        ("where(a > 1 and b, 1, 2)", 17, "needs a comparison"),
+        ("where(a > 1 and, 1, 2)", 15, "value is expected"),
+        ("where((a), 1, 2)", 8, "needs a comparison"),
+        ("where(a > 1 & b > 1, 1, 2)", 12, "join conditions by 'and'"),
+        ("where(a > 1 | b > 1, 1, 2)", 12, "join conditions by 'or'"),
+        ("where(!(a > 1), 1, 2)", 6, "write not"),
+        ("a > 1 and b > 1", 2, "first argument of where"),
+        ("a and b", 2, "first argument of where"),
+        ("max(a or b, 1)", 6, "'or' joins comparisons"),
+    ],
+)
+def test_faults_of_joined_conditions(text, at, message):
+    with pytest.raises(ModelError, match=message) as caught:
+        parse(text)
+    assert str(caught.value).splitlines()[-1].index("^") - 4 == at
+
+
+def test_many_joined_conditions_are_bounded_as_depth_is():
+    # each comparison is one choice deeper, and every walk over trees goes as deep
+    most = " and ".join(["a > b"] * 50)
+    assert parse(f"where({most}, 1, 2)").size > 50
+    with pytest.raises(ModelError, match="nested deeper than 60"):
+        parse(f"where({most} and {most}, 1, 2)")
+    with pytest.raises(ModelError, match="nested deeper than 60"):
+        parse(f"where({most}, where({most}, 1, 2), 2)")

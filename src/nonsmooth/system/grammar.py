@@ -1,9 +1,12 @@
 """Text of an equation to an expression tree.
 
-The grammar is small and closed: numbers, names, ``+ - * / **``, parentheses, comparisons
-inside ``where``, and the functions of `nonsmooth.system.functions`. Text is data: its
-length and depth are bounded first, every character must belong to a known token, and
-nothing is ever handed to Python for evaluation. Precedence is Python's.
+The grammar is small and closed: numbers, names, ``+ - * / **``, parentheses, the functions of
+`nonsmooth.system.functions`, and inside ``where`` comparisons, which ``and``, ``or`` and ``not``
+may join. Text is data: its length and depth are bounded first, every character must belong to a
+known token, and nothing is ever handed to Python for evaluation. Precedence is Python's.
+
+Joined comparisons are no part of the trees: ``where(a and b, x, y)`` means
+``where(a, where(b, x, y), y)``, so that each comparison has a switching function of its own.
 """
 
 from __future__ import annotations
@@ -11,11 +14,12 @@ from __future__ import annotations
 import keyword
 import math
 import re
+from itertools import pairwise
 from numbers import Real
 from typing import NamedTuple, NoReturn
 
 from nonsmooth.errors import ModelError, unknown_name
-from nonsmooth.system.expressions import Call, Expression, Name, Number
+from nonsmooth.system.expressions import ONE, ZERO, Call, Expression, Name, Number
 from nonsmooth.system.functions import COMPARISONS, FUNCTIONS
 
 __all__ = ["MAX_DEPTH", "MAX_LENGTH", "is_name", "parse", "parse_condition", "point_at"]
@@ -34,8 +38,9 @@ _HINTS = {
     "[": "there is no indexing",
     ".": "there are no attributes: write cos, not np.cos; a number needs a digit",
     ";": "one expression per text",
-    "&": "conditions are not joined; put one where into another",
-    "|": "conditions are not joined; put one where into another",
+    "&": "join conditions by 'and'",
+    "|": "join conditions by 'or'",
+    "!": "write not (a > b)",
     "\N{MINUS SIGN}": "write the sign of the keyboard, -",
     "\N{MIDDLE DOT}": "write a product as *",
     "'": (
@@ -45,6 +50,8 @@ _HINTS = {
     '"': "there are no strings inside an expression",
 }
 
+
+_JOINING = ("and", "or", "not")
 
 _OTHER_NAMES = {  # of functions, in other programs
     "arccos": "acos",
@@ -111,13 +118,15 @@ def parse(text: str | float, *, where: str = "expression") -> Expression:
 
 
 def parse_condition(text: str, *, where: str) -> Expression:
-    """Tree of a single comparison such as ``xi > 0``."""
+    """Tree of a condition such as ``xi > 0`` or ``a < b or not c < d``: one comparison."""
     if not isinstance(text, str) or len(text) > MAX_LENGTH:
         raise ModelError(f"{where}: a condition is a short text such as 'xi > 0'")
     parser = _Parser(text, where)
-    tree = parser.condition("a condition is one comparison, as in xi > 0")
+    condition = parser.condition("a condition is a comparison, as in xi > 0")
     parser.end()
-    return tree
+    if condition.function in COMPARISONS:
+        return condition
+    return Call(">", (_choice(condition, ONE, ZERO), ZERO), condition.at)
 
 
 def point_at(text: str, at: int, message: str) -> str:
@@ -192,19 +201,18 @@ class _Parser:
         token = self.here
         if token.kind == "end":
             return
-        if token.text in COMPARISONS:
-            self.fail(token.at, "a comparison is allowed only as the first argument of where")
+        if token.text in COMPARISONS or token.text in _JOINING:
+            self.fail(token.at, "a condition is allowed only as the first argument of where")
         self.fail_at_value(token)
         hint = "; a decimal point is a point, as in 0.5" if token.text == "," else ""
         self.fail(token.at, f"{token.text!r} does not belong here{hint}")
 
     def fail_at_value(self, token: _Token) -> None:
         """Refuse a value where an operator is expected."""
-        if token.text in ("and", "or"):
+        if token.text in _JOINING:
             self.fail(
                 token.at,
-                f"conditions are not joined by {token.text!r}; put one where into another, as in"
-                " where(a > b, where(c > d, x, y), y)",
+                f"{token.text!r} joins comparisons, as in where(a > b {token.text} c > d, x, y)",
             )
         if token.kind in ("name", "number") or token.text == "(":
             self.fail(token.at, "an operator is missing before this; write products with *")
@@ -299,12 +307,14 @@ class _Parser:
             cure = f"it is {here} here" if here else "write products with *"
             self.fail(token.at, f"{unknown_name('function', token.text, known)}; {cure}")
         opening = self.take()
+        before = self.depth
         hint = "where needs a comparison first, as in where(x > e, a, b)"
         arguments = [self.condition(hint) if token.text == "where" else self.sum_()]
         while self.here.text == ",":
             self.take()
             arguments.append(self.sum_())
         self.close(opening)
+        self.depth = before
         least, most = (1, 1) if token.text == "rate" else _arity(token.text)
         if len(arguments) < least or (most is not None and len(arguments) > most):
             wanted = f"{least}" if most == least else f"at least {least}"
@@ -313,15 +323,66 @@ class _Parser:
             )
         if token.text == "rate" and not isinstance(arguments[0], Name):
             self.fail(token.at, "rate takes the name of a state or of a signal, as in rate(y)")
+        if token.text == "where":
+            condition, yes, no = arguments
+            assert isinstance(condition, Call)
+            return _choice(condition, yes, no, token.at)
         return Call(token.text, tuple(arguments), token.at)
 
-    def condition(self, hint: str) -> Expression:
-        left = self.sum_()
+    def condition(self, hint: str) -> Call:
+        """Comparisons joined by ``or``, ``and`` and ``not``, as calls of these."""
+        return self.joined("or", hint)
+
+    def joined(self, word: str, hint: str) -> Call:
+        parts = [self.negated(hint) if word == "and" else self.joined("and", hint)]
+        at = self.here.at
+        while self.here.text == word:
+            self.take()
+            parts.append(self.negated(hint) if word == "and" else self.joined("and", hint))
+        return parts[0] if len(parts) == 1 else Call(word, tuple(parts), at)
+
+    def negated(self, hint: str) -> Call:
         token = self.here
-        if token.text not in COMPARISONS:
-            self.fail(token.at, hint)
-        self.take()
-        return Call(token.text, (left, self.sum_()), token.at)
+        if token.text == "not":
+            self.take()
+            self.enter()
+            return Call("not", (self.negated(hint),), token.at)
+        if token.text == "(" and self.holds_condition():
+            self.take()
+            self.enter()
+            inner = self.condition(hint)
+            self.close(token)
+            return inner
+        return self.comparison(hint)
+
+    def holds_condition(self) -> bool:
+        """Whether the parenthesis here is around a condition, not around a value.
+
+        What follows it tells: behind a value stands an operator or a comparison.
+        """
+        depth = 0
+        for token, following in pairwise(self.tokens[self.index :]):
+            depth += {"(": 1, ")": -1}.get(token.text, 0)
+            if depth == 0:
+                return following.kind == "end" or following.text in ("and", "or", ",", ")")
+        return False
+
+    def comparison(self, hint: str) -> Call:
+        """One comparison, or several in a row as in ``0 < x < 1``.
+
+        Each leaves what follows one level deeper, as it will be in the tree of choices.
+        """
+        values = [self.sum_()]
+        parts: list[Call] = []
+        if self.here.text not in COMPARISONS:
+            self.fail(self.here.at, hint)
+        at = self.here.at
+        while self.here.text in COMPARISONS:
+            token = self.take()
+            self.enter()
+            values.append(self.sum_())
+            parts.append(Call(token.text, (values[-2], values[-1]), token.at))
+        return parts[0] if len(parts) == 1 else Call("and", tuple(parts), at)
 
     def close(self, opening: _Token) -> None:
         token = self.here
@@ -332,6 +393,23 @@ class _Parser:
         else:
             self.fail_at_value(token)
             self.fail(token.at, f"{token.text!r} does not belong here; ')' or ',' is expected")
+
+
+def _choice(condition: Call, yes: Expression, no: Expression, at: int = -1) -> Call:
+    """A choice by joined comparisons, as choices by one each."""
+    if condition.function == "not":
+        (denied,) = condition.arguments
+        assert isinstance(denied, Call)
+        return _choice(denied, no, yes, at)
+    if condition.function not in _JOINING:
+        return Call("where", (condition, yes, no), at)
+    result: Expression = yes if condition.function == "and" else no
+    for part in reversed(condition.arguments):
+        assert isinstance(part, Call)
+        both = (result, no) if condition.function == "and" else (yes, result)
+        result = _choice(part, *both, at)
+    assert isinstance(result, Call)
+    return result
 
 
 def _negative(term: Expression, at: int) -> Expression:
