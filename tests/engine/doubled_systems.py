@@ -15,7 +15,7 @@ from nonsmooth.engine import opcodes as op
 from nonsmooth.engine.derivatives import allocate_rates, allocate_scratch, set_up_rates
 from nonsmooth.engine.library import constant
 from nonsmooth.engine.status import Status
-from nonsmooth.engine.tables import allocate_tables, set_up
+from nonsmooth.engine.tables import allocate_tables, members, set_up
 
 DIGITS = 50
 FUNCTIONS = {
@@ -115,8 +115,9 @@ class Prepared:
         matrix, rows = np.zeros((2 * size, 2 * size)), np.zeros((n, 2 * size))
         matrix[:size, :size] = matrix[size:, size:] = doubles(full)
         matrix[size:, :size] = doubles(moved[0])
+        slaved = members(self.tables.modes["slaved"][m], n)
         for i in range(n):
-            if (self.tables.modes["slaved"][m] >> i) & 1:
+            if slaved[i]:
                 rows[i, :size], rows[i, size:] = doubles(moved[1])[i], doubles(relations)[i]
             else:
                 rows[i, size + i] = 1.0

@@ -117,7 +117,7 @@ class Segment(Record):
     chain_noise: Floats
     order: Integers
     to_knot: Floats
-    left_out: Integers
+    left_out: Rows
     extent: Floats
     mark: Floats
     visited: Integers
@@ -206,11 +206,9 @@ def allocate_segment(sizes: Sizes, n_rates: int = 0) -> Segment:
         order=(sizes.exits,), extent=(big_n,), mark=(big_n,), visited=(sizes.modes,),
         newton=(3, big_n), factors=(sizes.factors + 1,), scan=(sizes.exits,), scale=(big_n,),
         basis=(2, big_n, big_n), series=(registers,), doubt=(registers,),
-        dual=(registers, blocks, _TERMS),
+        dual=(registers, blocks, _TERMS), left_out=(1,),
     )  # fmt: skip
-    return Segment(
-        **made, to_knot=np.full(1, np.inf), left_out=np.zeros(1, np.int64), point=np.zeros(1)
-    )
+    return Segment(**made, to_knot=np.full(1, np.inf), point=np.zeros(1))
 
 
 def allocate_tangent(sizes: Sizes, n_parameters: int, n_samples: int) -> Tangent:

@@ -37,6 +37,7 @@ Rows = npt.NDArray[np.void]  # structured, with the names of a struct of interfa
 _NUMBERS = {
     "double": np.dtype(np.float64),
     "int64_t": np.dtype(np.int64),
+    "uint64_t": np.dtype(np.uint64),
     "uint8_t": np.dtype(np.bool_),
     "Complex": np.dtype(np.complex128),
 }
@@ -63,7 +64,7 @@ def dtype_of(struct: str) -> np.dtype[Any]:
         if of.kind == "array":
             of, shape = of.item, (of.length,)
         names.append(name)
-        formats.append((_NUMBERS[of.cname], shape))
+        formats.append((dtype_of(of.cname.removeprefix("struct ")), shape))
         offsets.append(field.offset)
     size = ffi.sizeof(struct)
     return np.dtype({"names": names, "formats": formats, "offsets": offsets, "itemsize": size})

@@ -7,6 +7,7 @@ signal).
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
 
@@ -40,6 +41,8 @@ __all__ = [
     "allocate_tables",
     "bits_of_path",
     "exits_of_path",
+    "fill_set",
+    "members",
     "set_up",
 ]
 
@@ -82,8 +85,27 @@ class Sizes(NamedTuple):
 class Wiring(NamedTuple):
     """Where exits lead: rows of modes and of their exits, with names."""
 
-    modes: Rows  # (m,): n_exits, slaved, implicit, kind, n_ways
-    exits: Rows  # (m, e): target, resetting, onto, choice
+    modes: Rows  # (m,): n_exits, kind, n_ways, slaved, implicit
+    exits: Rows  # (m, e): target, onto, choice, resetting
+
+    def resets(self, mode: int, exit_number: int) -> bool:
+        """Whether an exit resets any state."""
+        return bool(self.exits["resetting"]["words"][mode, exit_number].any())
+
+
+def fill_set(row: Rows, members: Iterable[int]) -> None:
+    """Fill a set of states, a row of ``StateSet``."""
+    words = np.zeros_like(row["words"])
+    for i in members:
+        words[i >> 6] |= np.uint64(1 << (i & 63))
+    row["words"] = words
+
+
+def members(sets: Rows, n: int) -> npt.NDArray[np.bool_]:
+    """Whether each of n states is in a set; for rows of sets, (..., n)."""
+    i = np.arange(n, dtype=np.uint64)
+    words = sets["words"][..., i >> np.uint64(6)]
+    return np.asarray((words >> (i & np.uint64(63))) & np.uint64(1), bool)
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,7 +128,7 @@ class Program(Record):
     product_rows: Rows
     modes: Rows
     exits: Rows
-    drifting: int
+    drifting: Rows
     kinds: Integers
     families: Integers
     code: Rows
@@ -160,7 +182,7 @@ class Tables(Record):
     modes: Rows
     exits: Rows
     entry_orders: Integers
-    drifting: int
+    drifting: Rows
     kinds: Integers
     families: Integers
     values: Floats

@@ -74,8 +74,9 @@ def is_graze(word: Word, wiring: Wiring, k: int) -> bool:
     if len(word) < 2 or not word.paths[k] or not word.paths[last % len(word)]:
         return False
     before, path = word.modes[last % len(word)], word.paths[last % len(word)]
+    resetting, slaved = wiring.exits["resetting"]["words"], wiring.modes["slaved"]["words"]
     resets = any(
-        wiring.exits["resetting"][m, e] & ~wiring.modes["slaved"][m]
+        (resetting[m, e] & ~slaved[m]).any()
         for m, e in _passed(wiring, before, path + word.paths[k])
     )
     return not resets and word.last_target(wiring, k) == before

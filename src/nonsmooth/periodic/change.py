@@ -48,10 +48,10 @@ def kind_of_leg(
 
     ``path`` leads from the mode before to that of the leg, ``behind`` away from it.
     """
-    free = wiring.modes["slaved"][before]  # states that follow from what the mode before rests on
+    slaved = wiring.modes["slaved"]["words"]  # states that follow from what a mode rests on
     after = modes_along(wiring, mode, behind)[-1]
     slides = [kind_of_mode(wiring, m) == SLIDES for m in (before, mode, after)]
-    same = wiring.modes["slaved"][after] == free
+    same = bool((slaved[after] == slaved[before]).all())
     if slides == [False, True, False] and same and after != before:
         return "crossing_sliding"
     if (

@@ -26,7 +26,7 @@ def chatters(modes: Sequence[int], paths: Sequence[Path], wiring: Wiring) -> lis
         _up_to(modes, paths, k)
         for k, path in enumerate(paths)
         if len(path) == 2
-        and wiring.exits["resetting"][modes[k], path[0]] != 0
+        and wiring.resets(modes[k], path[0])
         and int(wiring.exits["target"][modes[k], path[0]]) == modes[k]
         and is_onto(wiring, modes[k], path[1])
     ]

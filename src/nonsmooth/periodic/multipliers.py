@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.engine.orbits import LegResults, multiply_graded
+from nonsmooth.engine.tables import members
 from nonsmooth.periodic.equations import OrbitEquations
 
 __all__ = ["Floquet", "floquet", "leg_factors"]
@@ -88,7 +89,7 @@ def _free_states(equations: OrbitEquations) -> npt.NDArray[np.bool_]:
     """Which states are free at the start of each leg: those not slaved; without drifts."""
     wiring = equations.legs.tables.wiring
     slaved = wiring.modes["slaved"][equations.word.mode_array]
-    free = (slaved[:, None] >> np.arange(equations.legs.n)) & 1 == 0
+    free = ~members(slaved, equations.legs.n)
     return np.asarray(free[:, ~equations.drifting])
 
 

@@ -62,19 +62,19 @@ def crosses(wiring: Wiring, families: Integers, mode: int, path: tuple[int, ...]
         beyond >= 0
         and bool(families[beyond] == families[mode])
         and kind_of_mode(wiring, beyond) == kind_of_mode(wiring, mode)
-        and wiring.exits["resetting"][mode, path[0]] == 0
+        and not wiring.resets(mode, path[0])
     )
 
 
 def onto_beyond(wiring: Wiring, mode: int, e: int) -> int:
     """Exit of the cell beyond a surface that leads onto it; -1 where motion cannot slide."""
     beyond = int(wiring.exits["target"][mode, e])
-    if beyond < 0 or wiring.exits["resetting"][mode, e] != 0:
+    if beyond < 0 or wiring.resets(mode, e):
         return -1
     for back in range(int(wiring.modes["n_exits"][beyond])):
         if int(wiring.exits["target"][beyond, back]) == mode:
             onto = int(wiring.exits["onto"][beyond, back])
-            if onto not in (-1, back) and wiring.exits["resetting"][beyond, back] == 0:
+            if onto not in (-1, back) and not wiring.resets(beyond, back):
                 return onto
     return -1
 
@@ -89,7 +89,7 @@ def joined(
     path = first + second
     modes = modes_along(wiring, mode, path)
     for j, e in enumerate(path):
-        if not is_onto(wiring, modes[j], e) or wiring.exits["resetting"][modes[j], e] != 0:
+        if not is_onto(wiring, modes[j], e) or wiring.resets(modes[j], e):
             continue
         if j + 1 < len(path) and modes[j + 2] == modes[j]:
             return path[:j] + path[j + 2 :]

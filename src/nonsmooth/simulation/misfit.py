@@ -7,7 +7,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.engine.tables import Tables
+from nonsmooth.engine.tables import Tables, members
 from nonsmooth.simulation.start import Start, begin
 from nonsmooth.system.system import System
 
@@ -41,7 +41,8 @@ def _faults_of(system: System, tables: Tables, start: Start, z: Floats, m: int) 
     """Guards of a mode that are negative, and slaved states off their relations."""
     n = len(system.states)
     equations = list(system.structure.modes.values())[m].equations
-    slaved, implicit = int(tables.modes["slaved"][m]), int(tables.modes["implicit"][m])
+    slaved = members(tables.modes["slaved"][m], n)
+    implicit = members(tables.modes["implicit"][m], n)
     faults = []
     for e in range(int(tables.modes["n_exits"][m])):
         with np.errstate(invalid="ignore"):  # a guard may divide by zero there
@@ -51,13 +52,13 @@ def _faults_of(system: System, tables: Tables, start: Start, z: Floats, m: int) 
             faults.append(f"guard {guard!r} is {value:.6g}, it must not be negative")
         elif not math.isfinite(value):
             faults.append(f"guard {guard!r} is not a finite number there")
-    solution = _solution(system, tables, start, z[:n], m) if implicit else z[:n]
+    solution = _solution(system, tables, start, z[:n], m) if implicit.any() else z[:n]
     for i, state in enumerate(system.states):
-        if not (slaved >> i) & 1:
+        if not slaved[i]:
             continue
         text = equations.slaved[state].text
         wanted = float(tables.relation_row(m, i) @ z)
-        if (implicit >> i) & 1:
+        if implicit[i]:
             wanted = float(solution[i])
         if math.isnan(wanted):
             faults.append(
@@ -83,8 +84,7 @@ def _told_apart(one: float, other: float) -> tuple[str, str]:
 
 def _solution(system: System, tables: Tables, start: Start, state: Floats, m: int) -> Floats:
     """State with its slaved ones solved for in a mode; nan where the mode does not take it."""
-    slaved = int(tables.modes["slaved"][m])
-    left_out = np.array([(slaved >> i) & 1 == 1 for i in range(state.size)])
+    left_out = members(tables.modes["slaved"][m], state.size)
     opened = np.where(left_out, np.nan, state)
     anchor = begin(tables, opened, start.instant, m)
     return np.where(left_out, anchor.state if anchor.mode >= 0 else np.nan, state)

@@ -14,7 +14,7 @@ from functools import lru_cache
 import numpy as np
 
 from nonsmooth.engine.record import Rows, rows_of, zeros
-from nonsmooth.engine.tables import EXACT, TAYLOR, Program, Sizes
+from nonsmooth.engine.tables import EXACT, TAYLOR, Program, Sizes, fill_set
 from nonsmooth.system.expressions import Expression, Number
 from nonsmooth.system.linear import Basis, Harmonic, Input, LinearForm, Power, State
 from nonsmooth.system.mode_forms import Forms
@@ -123,6 +123,8 @@ def compile_structure(structure: Structure) -> Compiled:
     for place, rows in linear.product_rows.items():
         product_rows[place] = rows
     wired, exits = _wiring(structure, most)
+    drifting = zeros(Program.struct, drifting=(1,))["drifting"]
+    fill_set(drifting[0], _places(structure, structure.drift))
     program = Program(
         sizes=Sizes(
             states=len(states),
@@ -148,7 +150,7 @@ def compile_structure(structure: Structure) -> Compiled:
         product_rows=product_rows,
         modes=wired,
         exits=exits,
-        drifting=sum(1 << i for i, state in enumerate(states) if state in structure.drift),
+        drifting=drifting,
         families=np.array(structure.family_numbers, np.int64),
         kinds=np.array([EXACT if mode.linear else TAYLOR for mode in modes], np.int64),
         code=code,
@@ -191,25 +193,23 @@ def _wiring(structure: Structure, most: int) -> tuple[Rows, Rows]:
     exits["onto"] = -1
     for i_mode, mode in enumerate(structure.modes.values()):
         implicit = () if mode.taylor is None else mode.taylor.implicit
-        modes[i_mode] = (
-            mode.n_searched,
-            _bits(structure, mode.equations.slaved),
-            _bits(structure, implicit),
-            mode.kind,
-            len(mode.targets),
-        )
+        row = modes[i_mode]
+        row["n_exits"], row["n_ways"], row["kind"] = mode.n_searched, len(mode.targets), mode.kind
+        fill_set(row["slaved"], _places(structure, mode.equations.slaved))
+        fill_set(row["implicit"], _places(structure, implicit))
         for i_exit, (target, way) in enumerate(
             zip(mode.targets, mode.equations.exits, strict=True)
         ):
-            resetting = _bits(structure, way.reset)
-            onto, choice = mode.onto[i_exit], mode.choices[i_exit]
-            exits[i_mode, i_exit] = target, resetting, onto, choice
+            row = exits[i_mode, i_exit]
+            row["target"] = target
+            row["onto"], row["choice"] = mode.onto[i_exit], mode.choices[i_exit]
+            fill_set(row["resetting"], _places(structure, way.reset))
     return modes, exits
 
 
-def _bits(structure: Structure, names: Container[str]) -> int:
-    """A set of states as bits of a number."""
-    return sum(1 << i for i, state in enumerate(structure.states) if state in names)
+def _places(structure: Structure, names: Container[str]) -> list[int]:
+    """Numbers of the states that are in a set."""
+    return [i for i, state in enumerate(structure.states) if state in names]
 
 
 def _static_expression(structure: Structure, name: str) -> Expression | None:

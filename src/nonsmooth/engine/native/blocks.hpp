@@ -5,15 +5,14 @@
 // routine would guarantee.
 #pragma once
 
-#include <bit>
-
 #include "complex.hpp"
+#include "state_sets.hpp"
 #include "views.hpp"
 
 namespace nonsmooth {
 
-// First coordinate that i reaches and that reaches i; reach (N,) holds the coordinates as bits.
-inline Index lowest_member(const View<Index, 1>& reach, Index i) {
+// First coordinate that i reaches and that reaches i; reach (N,) holds sets of coordinates.
+inline Index lowest_member(const View<StateSet, 1>& reach, Index i) {
     for (Index j = 0; j < reach.size(); ++j) {
         if (has_bit(reach[i], j) && has_bit(reach[j], i)) return j;
     }
@@ -22,23 +21,24 @@ inline Index lowest_member(const View<Index, 1>& reach, Index i) {
 
 // A coordinate that reaches more comes first; equal reach means the same block or unrelated ones,
 // which the lowest member keeps apart.
-inline Index rank_by_reach(const View<Index, 1>& reach, Index i) {
-    const Index n = reach.size(), count = std::popcount(static_cast<std::uint64_t>(reach[i]));
+inline Index rank_by_reach(const View<StateSet, 1>& reach, Index i) {
+    const Index n = reach.size(), count = count_bits(reach[i]);
     return (n - count) * n + lowest_member(reach, i);
 }
 
-// Bits of the coordinates that each coordinate depends on, directly or not, and of itself.
-inline void fill_reach(const View<double, 2>& matrix, const View<Index, 1>& reach) {
+// The coordinates that each coordinate depends on, directly or not, and of itself.
+inline void fill_reach(const View<double, 2>& matrix, const View<StateSet, 1>& reach) {
     const Index n = reach.size();
     for (Index i = 0; i < n; ++i) {
-        reach[i] = Index{1} << i;
+        reach[i] = StateSet{};
+        insert(reach[i], i);
         for (Index j = 0; j < n; ++j) {
-            if (matrix(i, j) != 0.0) reach[i] |= Index{1} << j;
+            if (matrix(i, j) != 0.0) insert(reach[i], j);
         }
     }
     for (Index k = 0; k < n; ++k) {
         for (Index i = 0; i < n; ++i) {
-            if (has_bit(reach[i], k)) reach[i] |= reach[k];
+            if (has_bit(reach[i], k)) unite(reach[i], reach[k]);
         }
     }
 }
@@ -49,7 +49,7 @@ inline void fill_reach(const View<double, 2>& matrix, const View<Index, 1>& reac
 // component). A coordinate comes before those that it depends on. Returns the number of blocks;
 // block k holds order[starts[k]] ... order[starts[k + 1] - 1]. Shapes: reach (N,) is scratch, order
 // (N,), starts (N + 1,).
-inline Index order_blocks(const View<double, 2>& matrix, const View<Index, 1>& reach,
+inline Index order_blocks(const View<double, 2>& matrix, const View<StateSet, 1>& reach,
                           const View<Index, 1>& order, const View<Index, 1>& starts) {
     const Index n = matrix.shape[0];
     fill_reach(matrix, reach);

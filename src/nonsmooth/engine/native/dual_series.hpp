@@ -10,6 +10,7 @@
 
 #include "records.hpp"
 #include "series_sums.hpp"
+#include "state_sets.hpp"
 #include "taylor_opcodes.hpp"
 
 namespace nonsmooth {
@@ -124,7 +125,7 @@ inline void differentiate_coefficient(const Instruction& instruction, const doub
 // Derivatives of the states from those of their rates; slaved states are given themselves.
 inline void advance_dual_states(const Tables& tables, Index m, const DualBlock& dual, Index k) {
     const int64_t* outlets = &tables.outlets(m, 0);
-    const Index slaved = explicitly_slaved(tables, m);
+    const StateSet slaved = explicitly_slaved(tables, m);
     for (Index i = 0; i < tables.n(); ++i) {
         const Lanes& source = dual[outlets[i]][k];
         if (has_bit(slaved, i)) {

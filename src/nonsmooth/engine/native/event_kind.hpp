@@ -5,6 +5,7 @@
 
 #include "rebounds.hpp"
 #include "records.hpp"
+#include "state_sets.hpp"
 #include "surfaces.hpp"
 #include "transitions.hpp"
 

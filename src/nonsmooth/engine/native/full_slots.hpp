@@ -7,6 +7,7 @@
 #pragma once
 
 #include "records.hpp"
+#include "state_sets.hpp"
 
 namespace nonsmooth {
 
@@ -23,7 +24,8 @@ struct FullSlots {
 
 // Weight of a cluster: that of any motion of states in it, one for powers of time.
 inline double weight_of_cluster(const Tables& tables, Index m, Index first, Index end) {
-    const Index n = tables.n(), slaved = mode_wiring(tables, m).slaved;
+    const Index n = tables.n();
+    const StateSet& slaved = mode_wiring(tables, m).slaved;
     for (Index a = first; a < end; ++a) {
         if (tables.reads(m, a) >= n) continue;
         double total = 0.0;
@@ -93,7 +95,8 @@ inline void invert_forcing(const Tables& tables, Index m, const FullSlots& full)
 
 // Fill the full slots of mode m, all but their labels.
 inline void fill_full_slots(const Tables& tables, Index m, FullSlots& full) {
-    const Index n = tables.n(), slaved = mode_wiring(tables, m).slaved;
+    const Index n = tables.n();
+    const StateSet& slaved = mode_wiring(tables, m).slaved;
     find_partners(tables, m, full);
     fill(full.v, Complex());
     fill(full.generator, Complex());

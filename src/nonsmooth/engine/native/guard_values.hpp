@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "records.hpp"
+#include "state_sets.hpp"
 
 namespace nonsmooth {
 
@@ -45,7 +46,7 @@ inline double change_of_row(const double* row, const double* scale, Index count)
 //
 // A ring that rests at zero on a rotor of size one is known to the rounding of the one.
 inline void fill_extent(const Tables& tables, Index m, const double* z, double* extent) {
-    const Index implicit = mode_wiring(tables, m).implicit;
+    const StateSet& implicit = mode_wiring(tables, m).implicit;
     for (Index i = 0; i < tables.size(); ++i) extent[i] = std::fabs(z[i]);
     for (Index i = 0; i < tables.n(); ++i) {
         if (!has_bit(implicit, i)) continue;

@@ -15,7 +15,8 @@ enum {
     DERIVATIVES = 6, /* rows kept per guard: its value and five time derivatives */
     TERMS = 6,       /* of the Taylor polynomial of a guard; the next one is bounded */
     MAX_DEGREE = 32, /* of the polynomial in s that multiplies exp(mu s) in a cluster */
-    MAX_AUGMENTED = 60, /* sets of coordinates are bits of one integer */
+    SET_WORDS = 8,   /* of 64 bits, in a set of coordinates */
+    MAX_AUGMENTED = 512, /* coordinates: the bits of a set */
     WINDOWS = 2,     /* that a segment may last */
     ORDER = 20,      /* of Taylor series of the motion; near the best for double precision */
     LANES = 8,       /* directions of derivatives side by side: the numbers of a long vector */
@@ -90,12 +91,13 @@ typedef struct SlotCounts {
 } SlotCounts;
 typedef struct Cluster { int64_t first, size, degree; } Cluster; /* slots, in powers of s */
 
-/* exits that are searched for; bits of slaved states, of those solved for by equations; kind of the
- * cell; number of all exits: those from n_exits on are passed on behalf of others */
-typedef struct ModeWiring { int64_t n_exits, slaved, implicit, kind, n_ways; } ModeWiring;
-/* target mode; bits of states reset; the exit that leads onto the surface of this one (-1: none, its
- * own number: it does so itself); what a start does from which both sides lead away */
-typedef struct ExitWiring { int64_t target, resetting, onto, choice; } ExitWiring;
+typedef struct StateSet { uint64_t words[8]; } StateSet; /* a bit for each state */
+/* exits that are searched for; kind of the cell; number of all exits: those from n_exits on are
+ * passed on behalf of others; slaved states, and those of them solved for by equations */
+typedef struct ModeWiring { int64_t n_exits, kind, n_ways; StateSet slaved, implicit; } ModeWiring;
+/* target mode; the exit that leads onto the surface of this one (-1: none, its own number: it does so
+ * itself); what a start does from which both sides lead away; the states that it resets */
+typedef struct ExitWiring { int64_t target, onto, choice; StateSet resetting; } ExitWiring;
 
 /* a modal coordinate: its parts, bound of its modulus from there on, rounding margin */
 typedef struct Slot { double re, im, size, noise; } Slot;
@@ -158,7 +160,7 @@ typedef struct Program {
     Array(ProductRows, 2) product_rows; /* (m, e) */
     Array(ModeWiring, 1) modes;         /* (m,) */
     Array(ExitWiring, 2) exits;         /* (m, e) */
-    int64_t drifting;                   /* bits of the states that may grow without bound */
+    StateSet *drifting;                 /* the states that may grow without bound */
     Array(int64_t, 1) kinds;            /* (m,): EXACT or TAYLOR */
     Array(int64_t, 1) families; /* (m,): cells of one declared mode have the same number */
     Array(Instruction, 1) code; /* of all modes with instructions on series */
@@ -196,7 +198,7 @@ typedef struct TableStack {
     Array(ExitWiring, 2) exits;
     Array(int64_t, 4) entry_orders; /* (m, e, e): order of zero of each guard of the target when an
                                        exit is taken alone */
-    int64_t drifting;
+    StateSet *drifting;
     Array(int64_t, 1) kinds;
     Array(int64_t, 1) families;
     /* of curved modes, whose generator, affine rows and spans are those of the last point or step */
@@ -222,7 +224,7 @@ typedef struct Segment {
     Array(double, 2) chain_noise; /* their rounding margins */
     Array(int64_t, 1) order;      /* (e,): known order of zero of each guard at the start */
     double *to_knot;              /* time to the next knot of a signal, inf without signals */
-    int64_t *left_out;            /* bits of the states that a start leaves to their equations */
+    StateSet *left_out;           /* the states that a start leaves to their equations */
     Array(double, 1) extent;      /* (N,) size of each coordinate at an event */
     Array(double, 1) mark;        /* (N,) states from which exits are passed at one instant */
     Array(int64_t, 1) visited; /* (m,): spell in which a mode is entered at one instant, or 0 */

@@ -13,6 +13,7 @@
 #include "linearisation.hpp"
 #include "records.hpp"
 #include "solved_relations.hpp"
+#include "state_sets.hpp"
 #include "tangent.hpp"
 #include "window_phase.hpp"
 
@@ -49,11 +50,12 @@ inline void move_state(const Tables& tables, const Segment& segment, Index m, do
 // Columns begin there: changes of slaved states count for nothing, they follow the others.
 inline bool enter_leg(const Tables& tables, const Rates& rates, const Segment& segment,
                       const Tangent& tangent, Index m, const double* state, WindowPhase time) {
-    const Index n = tables.n(), slaved = mode_wiring(tables, m).slaved;
+    const Index n = tables.n();
+    const StateSet& slaved = mode_wiring(tables, m).slaved;
     double* z = segment.z.data;
     copy(state, z, n);
     augmented(tables, time.number, time.phase, z);
-    if (mode_wiring(tables, m).implicit != 0 && !settle(tables, rates, segment, m)) return false;
+    if (!is_empty(mode_wiring(tables, m).implicit) && !settle(tables, rates, segment, m)) return false;
     linearise_mode(tables, rates, segment, m);
     for (Index i = 0; i < n; ++i) {
         if (!has_bit(slaved, i)) continue;

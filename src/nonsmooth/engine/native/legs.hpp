@@ -14,6 +14,7 @@
 #include "linearisation.hpp"
 #include "records.hpp"
 #include "solved_relations.hpp"
+#include "state_sets.hpp"
 #include "tangent.hpp"
 #include "velocity.hpp"
 
@@ -50,10 +51,11 @@ inline void read_guards_of_leg(const Tables& tables, const Rates& rates, const S
 
 // Apply the reset of an exit to the first n entries of a vector, by way of spare.
 inline void reset_vector(const Tables& tables, Index m, Index e, double* vector, double* spare) {
-    const Index n = tables.n(), bits = exit_wiring(tables, m, e).resetting;
+    const Index n = tables.n();
+    const StateSet& resetting = exit_wiring(tables, m, e).resetting;
     for (Index i = 0; i < n; ++i) {
         spare[i] = vector[i];
-        if (!has_bit(bits, i)) continue;
+        if (!has_bit(resetting, i)) continue;
         spare[i] = product(reset_coefficients(tables, m, e, i), vector, tables.size());
     }
     copy(spare, vector, n);
@@ -90,7 +92,7 @@ inline bool pass_path(const Tables& tables, const Rates& rates, const Segment& s
         reset_vector(tables, m, e, moved, segment.spare.data);
         m = exit_wiring(tables, m, e).target;
         if (m < 0) return false;
-        if (mode_wiring(tables, m).implicit != 0 && !settle(tables, rates, segment, m)) {
+        if (!is_empty(mode_wiring(tables, m).implicit) && !settle(tables, rates, segment, m)) {
             return false;
         }
         linearise_mode(tables, rates, segment, m);

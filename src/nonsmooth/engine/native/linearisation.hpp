@@ -10,6 +10,7 @@
 #include "dual_series.hpp"
 #include "records.hpp"
 #include "solved_relations.hpp"
+#include "state_sets.hpp"
 #include "taylor_series.hpp"
 
 namespace nonsmooth {
@@ -46,7 +47,8 @@ inline void write_row(const Tables& tables, double* row, double value,
 // gradient (blocks, orders) where the equations are solved.
 inline void write_solved(const Tables& tables, Index m, Index i, double* row,
                          const View<Lanes, 2>& gradient, const double* z) {
-    const Index n = tables.n(), implicit = mode_wiring(tables, m).implicit;
+    const Index n = tables.n();
+    const StateSet& implicit = mode_wiring(tables, m).implicit;
     double rest = z[i];
     for (Index j = 0; j < tables.size(); ++j) {
         if (j == n) continue;
@@ -70,9 +72,9 @@ inline void write_rates(const Tables& tables, const Rates& rates, Index m, Index
 // Rows of the rates and of the relations of the slaved states.
 inline void write_flow(const Tables& tables, const Rates& rates, const View<Series, 1>& series,
                        const View<Lanes, 3>& dual, Index m, const double* z) {
-    const Index implicit = mode_wiring(tables, m).implicit;
-    const Index slaved = explicitly_slaved(tables, m);
-    if (implicit != 0) solve_together(tables, m, series, dual);
+    const StateSet& implicit = mode_wiring(tables, m).implicit;
+    const StateSet slaved = explicitly_slaved(tables, m);
+    if (!is_empty(implicit)) solve_together(tables, m, series, dual);
     for (Index i = 0; i < tables.n(); ++i) {
         const Index place = relation_row(tables.n_exits(), i), outlet = rate_outlet(tables, m, i);
         double* row = &tables.affine(m, place, 0);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "guard_values.hpp"
+#include "state_sets.hpp"
 #include "velocity.hpp"
 
 namespace nonsmooth {
@@ -50,8 +51,9 @@ inline double set_fired_zero(const Tables& tables, Index m, Index e, double* z,
 
 // Apply the reset of an exit, all new values from the state before.
 inline void apply_reset(const Tables& tables, const Segment& segment, Index m, Index e) {
-    const Index n = tables.n(), resetting = exit_wiring(tables, m, e).resetting;
-    if (resetting == 0) return;
+    const Index n = tables.n();
+    const StateSet& resetting = exit_wiring(tables, m, e).resetting;
+    if (is_empty(resetting)) return;
     double* z = segment.z.data;
     for (Index i = 0; i < n; ++i) {
         segment.spare[i] = z[i];
@@ -62,10 +64,10 @@ inline void apply_reset(const Tables& tables, const Segment& segment, Index m, I
     copy(segment.spare.data, z, n);
 }
 
-// What may be off where a mode is entered: bits of the slaved states that jump onto their relations,
+// What may be off where a mode is entered: the slaved states that jump onto their relations,
 // the terms that cancelled in the guard that fired, and whether segment.scale is known.
 struct Allowance {
-    Index jumping;
+    const StateSet& jumping;
     double fired;
     bool scaled;
 };
@@ -101,9 +103,9 @@ inline void settle_slaved(const Tables& tables, Index m, double* z) {
 }
 
 // Whether the slaved states of a mode, as they were given, agree with their relations; those that
-// were not given, bits of left_out, agree in any case.
+// were not given, those of left_out, agree in any case.
 inline bool slaved_agree(const Tables& tables, Index m, const double* z, const double* extent,
-                         const double* given, Index left_out, double tolerance) {
+                         const double* given, const StateSet& left_out, double tolerance) {
     for (Index i = 0; i < tables.n(); ++i) {
         if (!has_bit(mode_wiring(tables, m).slaved, i) || has_bit(left_out, i)) continue;
         const double* row = relation_coefficients(tables, m, i);

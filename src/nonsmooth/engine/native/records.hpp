@@ -41,7 +41,7 @@ struct Tables {
     View<ModeWiring, 1> modes;
     View<ExitWiring, 2> exits;
     View<int64_t, 3> entry_orders;
-    Index drifting;
+    const StateSet& drifting;
     View<int64_t, 1> kinds;
     View<int64_t, 1> families;
     View<double, 1> values;
@@ -66,7 +66,7 @@ inline Tables tables_at(const TableStack& stack, Index k) {
                   stack.reads[k],     stack.states[k],   stack.series[k],    stack.products,
                   stack.product_rows, stack.ladder[k],   stack.slots[k],     stack.clusters[k],
                   stack.spans[k],     stack.modes,       stack.exits,        stack.entry_orders[k],
-                  stack.drifting,     stack.kinds,       stack.families,     stack.values[k],
+                  *stack.drifting,    stack.kinds,       stack.families,     stack.values[k],
                   stack.weights[k],   stack.code,        stack.terms,        stack.code_rows,
                   stack.outlets,      stack.rest_slots,  stack.signals,      stack.knots};
 }
@@ -134,11 +134,6 @@ inline Index reset_outlet(const Tables& tables, Index m, Index e, Index i) {
 inline Index vanishing_outlet(const Tables& tables, Index m, Index i) {
     const Index n = tables.n(), n_exits = tables.n_exits();
     return tables.outlets(m, n + n_exits + n_exits * n + i);
-}
-
-// Bits of the slaved states of a mode that are given by expressions.
-inline Index explicitly_slaved(const Tables& tables, Index m) {
-    return mode_wiring(tables, m).slaved & ~mode_wiring(tables, m).implicit;
 }
 
 // Whether rows of a mode hold at an instant only: a Taylor mode, or one with curved exits.

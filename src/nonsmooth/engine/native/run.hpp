@@ -6,6 +6,7 @@
 #include "linear_flow.hpp"
 #include "records.hpp"
 #include "signals.hpp"
+#include "state_sets.hpp"
 #include "window_phase.hpp"
 
 namespace nonsmooth {
@@ -54,7 +55,7 @@ inline bool all_finite(const View<double, 1>& state) {
 }
 
 // Whether a state is finite, and no larger than it may be where it does not drift.
-inline bool is_bounded(const View<double, 1>& state, Index drifting) {
+inline bool is_bounded(const View<double, 1>& state, const StateSet& drifting) {
     constexpr double largest = 1e30;
     if (!all_finite(state)) return false;
     for (Index i = 0; i < state.size(); ++i) {

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "records.hpp"
+#include "state_sets.hpp"
 
 namespace nonsmooth {
 

@@ -10,6 +10,7 @@
 #include "records.hpp"
 #include "refinement.hpp"
 #include "scratch.hpp"
+#include "state_sets.hpp"
 #include "triangular.hpp"
 #include "weights.hpp"
 
@@ -43,7 +44,7 @@ inline bool has_partner(const ModalForm& form, Index j) {
 }
 
 // Whether motion j is one of slaved coordinates alone, which are inert.
-inline bool moves_only_slaved(const ModalForm& form, Index slaved, Index j) {
+inline bool moves_only_slaved(const ModalForm& form, const StateSet& slaved, Index j) {
     for (Index i = 0; i < form.size(); ++i) {
         if (form.v(i, j) != 0.0 && !has_bit(slaved, i)) return false;
     }
@@ -51,7 +52,7 @@ inline bool moves_only_slaved(const ModalForm& form, Index slaved, Index j) {
 }
 
 // Kind of motion j; of conjugate partners one is dropped, the other one gets a double weight.
-inline Motion classify_motion(const ModalForm& form, Index slaved, double window, Index j,
+inline Motion classify_motion(const ModalForm& form, const StateSet& slaved, double window, Index j,
                               double& weight) {
     Complex mean;
     Index members = 0;
@@ -198,7 +199,8 @@ inline void limit_growth(const View<Complex, 1>& eigenvalues, Index count, Spans
 
 // Sort the decoupled motions of mode m into slots and fill its tables.
 inline void fill_slots(const Tables& tables, Index m, const ModalForm& form) {
-    const Index size = form.size(), slaved = mode_wiring(tables, m).slaved;
+    const Index size = form.size();
+    const StateSet& slaved = mode_wiring(tables, m).slaved;
     const double window = tables.clock.window;
     const Scratch<Motion, 1> kind(size);
     const Scratch<double, 1> weight(size);

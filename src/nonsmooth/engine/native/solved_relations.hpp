@@ -10,6 +10,7 @@
 
 #include "dual_series.hpp"
 #include "records.hpp"
+#include "state_sets.hpp"
 #include "taylor_series.hpp"
 
 namespace nonsmooth {
@@ -72,7 +73,8 @@ inline void subtract_row(const View<Series, 1>& series, const View<Lanes, 3>& du
 // minus its solution, and in order 0 of its series the step back to it.
 inline bool solve_together(const Tables& tables, Index m, const View<Series, 1>& series,
                            const View<Lanes, 3>& dual) {
-    const Index n = tables.n(), implicit = mode_wiring(tables, m).implicit;
+    const Index n = tables.n();
+    const StateSet& implicit = mode_wiring(tables, m).implicit;
     for (Index j = 0; j < n; ++j) {
         if (!has_bit(implicit, j)) continue;
         const Index block = j / LANES, lane = j % LANES;
@@ -108,7 +110,8 @@ struct NewtonStep {
 // The step that solve_together has left; the first one fills the weights.
 inline NewtonStep newton_step(const Tables& tables, const Segment& segment, Index m,
                               double* weight, bool is_first) {
-    const Index n = tables.n(), implicit = mode_wiring(tables, m).implicit;
+    const Index n = tables.n();
+    const StateSet& implicit = mode_wiring(tables, m).implicit;
     NewtonStep largest{0.0, 0.0};
     for (Index i = 0; i < n; ++i) {
         if (!has_bit(implicit, i)) continue;
@@ -138,7 +141,8 @@ inline bool settle(const Tables& tables, const Rates& rates, const Segment& segm
     constexpr double quadratic = 1e-9;  // a step of this part of the terms leaves its square
     constexpr double most_growth = 4.0;  // of a step: far from a solution steps may grow
     constexpr double least_share = 0x1p-20;  // of a step of Newton's method
-    const Index n = tables.n(), implicit = mode_wiring(tables, m).implicit;
+    const Index n = tables.n();
+    const StateSet& implicit = mode_wiring(tables, m).implicit;
     double *before = &segment.newton(0, 0), *last = &segment.newton(1, 0),
            *weight = &segment.newton(2, 0);
     double share = 1.0, size = endless_step;

@@ -9,6 +9,7 @@
 #include "records.hpp"
 #include "run.hpp"
 #include "solved_relations.hpp"
+#include "state_sets.hpp"
 #include "surfaces.hpp"
 
 namespace nonsmooth {
@@ -20,10 +21,10 @@ struct ModeRange {
 
 // Put states that a start leaves out, as nan, to rest; those that are slaved follow later.
 inline void take_rest(const Tables& tables, const Segment& segment) {
-    *segment.left_out = 0;
+    *segment.left_out = StateSet{};
     for (Index i = 0; i < tables.n(); ++i) {
         if (!std::isnan(segment.z[i])) continue;
-        *segment.left_out |= Index(1) << i;
+        insert(*segment.left_out, i);
         const Index slot = tables.rest_slots[i];
         segment.z[i] = slot >= 0 ? tables.values[slot] : 0.0;
     }
@@ -38,7 +39,7 @@ inline bool fits_start(const Run& run, Index m, const double* given) {
     for (Index g = 0; g < mode_wiring(tables, m).n_exits; ++g) {
         if (!guard_holds(tables, m, g, z, extent, run.tolerance)) return false;
     }
-    const Index left_out = *run.segment.left_out;
+    const StateSet& left_out = *run.segment.left_out;
     return slaved_agree(tables, m, z, extent, given, left_out, run.tolerance);
 }
 
@@ -49,13 +50,13 @@ inline Index mode_behind(const Run& run, Index m, ModeRange range) {
     const Tables& tables = run.tables;
     const Segment& segment = run.segment;
     const auto& z = segment.z;
-    if (mode_wiring(tables, m).implicit == 0 || !settle(tables, run.rates, segment, m)) return -1;
+    if (is_empty(mode_wiring(tables, m).implicit) || !settle(tables, run.rates, segment, m)) return -1;
     linearise_mode(tables, run.rates, segment, m);
     fill_extent(tables, m, z.data, segment.extent.data);
     if (!in_cell(tables, m, z.data, segment.extent.data, run.tolerance)) return -1;
     copy(z, segment.mark);
     for (Index k = range.low; k < range.high; ++k) {
-        if (mode_wiring(tables, k).implicit != 0) continue;
+        if (!is_empty(mode_wiring(tables, k).implicit)) continue;
         linearise_mode(tables, run.rates, segment, k);
         if (fits_start(run, k, segment.mark.data)) return k;
     }
@@ -74,13 +75,13 @@ inline Index mode_of_start(const Run& run) {
     take_rest(tables, segment);
     copy(z, given);
     for (Index m = range.low; m < range.high; ++m) {
-        if (mode_wiring(tables, m).implicit == 0 || settle(tables, run.rates, segment, m)) {
+        if (is_empty(mode_wiring(tables, m).implicit) || settle(tables, run.rates, segment, m)) {
             linearise_mode(tables, run.rates, segment, m);
             if (fits_start(run, m, given.data)) return m;
         }
         copy(given, z);
     }
-    if (*segment.left_out == 0) return -1;
+    if (is_empty(*segment.left_out)) return -1;
     for (Index m = range.low; m < range.high; ++m) {
         const Index k = mode_behind(run, m, range);
         if (k >= 0) return k;

@@ -1,17 +1,15 @@
 // Surfaces at one instant: which cell of a mode holds, and when motion goes on along a surface.
 #pragma once
 
-#include <bit>
 
 #include "guard_values.hpp"
 #include "linearisation.hpp"
 #include "placement.hpp"
 #include "solved_relations.hpp"
+#include "state_sets.hpp"
 #include "velocity.hpp"
 
 namespace nonsmooth {
-
-inline Index count_bits(Index bits) { return std::popcount(static_cast<uint64_t>(bits)); }
 
 // The exit onto the surface of exit e where both sides point at it, else e.
 //
@@ -19,7 +17,7 @@ inline Index count_bits(Index bits) { return std::popcount(static_cast<uint64_t>
 inline Index onto_surface(const Tables& tables, const Segment& segment, Index m, Index e,
                           Index spell) {
     const ExitWiring& exit = exit_wiring(tables, m, e);
-    if (exit.onto < 0 || exit.target < 0 || exit.resetting != 0) return e;
+    if (exit.onto < 0 || exit.target < 0 || !is_empty(exit.resetting)) return e;
     return segment.visited[exit.target] == spell ? exit.onto : e;
 }
 
@@ -40,7 +38,7 @@ inline Index over_surface(const Tables& tables, const Segment& segment, Index m,
 inline bool is_surface(const Tables& tables, Index m, Index e) {
     const ExitWiring& exit = exit_wiring(tables, m, e);
     return exit.target >= 0 && tables.families[exit.target] == tables.families[m] &&
-           exit.resetting == 0;
+           is_empty(exit.resetting);
 }
 
 // Forget all modes that were visited but one.
@@ -66,7 +64,7 @@ inline Index cell_that_holds(const Tables& tables, const Rates& rates, const Seg
     for (Index m = 0; m < tables.n_modes(); ++m) {
         if (segment.visited[m] != spell) continue;
         const ModeWiring& mode = mode_wiring(tables, m);
-        if (mode.implicit != 0 && !settle(tables, rates, segment, m)) continue;
+        if (!is_empty(mode.implicit) && !settle(tables, rates, segment, m)) continue;
         bring_up_to_date(tables, rates, segment, m);
         fill_extent(tables, m, z, extent);
         fill_scale(tables, m, z, duration, scale);
@@ -87,9 +85,9 @@ inline Index meeting(const Tables& tables, const Segment& segment, Index m) {
     Index found = -1, most = 1;
     for (Index e = mode.n_exits; e < mode.n_ways; ++e) {
         const ExitWiring& exit = exit_wiring(tables, m, e);
-        if (exit.resetting != 0 || segment.visited[exit.target] != 0) continue;
-        const Index more = count_bits(mode_wiring(tables, exit.target).slaved & ~mode.slaved);
-        if (more > most && slaved_agree(tables, exit.target, z, extent, z, 0, clearly)) {
+        if (!is_empty(exit.resetting) || segment.visited[exit.target] != 0) continue;
+        const Index more = count_bits(without(mode_wiring(tables, exit.target).slaved, mode.slaved));
+        if (more > most && slaved_agree(tables, exit.target, z, extent, z, StateSet{}, clearly)) {
             found = e;
             most = more;
         }

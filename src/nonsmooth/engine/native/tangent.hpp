@@ -9,6 +9,7 @@
 
 #include "column_series.hpp"
 #include "records.hpp"
+#include "state_sets.hpp"
 #include "variation.hpp"
 #include "velocity.hpp"
 
@@ -68,12 +69,13 @@ inline void start_saltation(const Tables& tables, const Rates& rates, const Segm
 // Carry the columns through the reset of an exit; segment.z is still that before it.
 inline void push_columns(const Tables& tables, const Rates& rates, const Segment& segment,
                          const Tangent& tangent, Index m, Index e) {
-    const Index n = tables.n(), bits = exit_wiring(tables, m, e).resetting;
+    const Index n = tables.n();
+    const StateSet& resetting = exit_wiring(tables, m, e).resetting;
     double* pushed = tangent.velocity.data;  // spare here
     for (Index c = 0; c < tangent.count(); ++c) {
         for (Index i = 0; i < n; ++i) {
             pushed[i] = tangent.columns(c, i);
-            if (!has_bit(bits, i)) continue;
+            if (!has_bit(resetting, i)) continue;
             const Index row = reset_row(tables.n_exits(), n, e, i);
             pushed[i] = change_of_row(tables, rates, tangent, m, row, c, segment.z.data);
         }
@@ -84,7 +86,7 @@ inline void push_columns(const Tables& tables, const Rates& rates, const Segment
 // Put the slaved entries of the columns on the relations of a mode, at segment.z.
 inline void relate_columns(const Tables& tables, const Rates& rates, const Segment& segment,
                            const Tangent& tangent, Index m) {
-    const Index slaved = mode_wiring(tables, m).slaved;
+    const StateSet& slaved = mode_wiring(tables, m).slaved;
     for (Index c = 0; c < tangent.count(); ++c) {
         for (Index i = 0; i < tables.n(); ++i) {
             if (!has_bit(slaved, i)) continue;

@@ -11,6 +11,7 @@
 #include "records.hpp"
 #include "rounding.hpp"
 #include "solved_relations.hpp"
+#include "state_sets.hpp"
 #include "taylor_series.hpp"
 #include "taylor_step.hpp"
 
@@ -104,7 +105,7 @@ inline double start_step(const Tables& tables, const Rates& rates, const Segment
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
     constexpr double no_rung = 1e300;
     const View<Series, 1>& series = segment.series;
-    if (mode_wiring(tables, m).implicit != 0 && !settle(tables, rates, segment, m)) return nan;
+    if (!is_empty(mode_wiring(tables, m).implicit) && !settle(tables, rates, segment, m)) return nan;
     for (Index i = 0; i < tables.size(); ++i) series[i].c[0] = segment.z[i];
     fill_series(tables, m, tables.code_rows[m].middle, series, 0, ORDER);
     double length = allowed_length(tables, segment, m, limit);

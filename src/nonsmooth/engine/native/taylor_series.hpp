@@ -12,6 +12,7 @@
 
 #include "records.hpp"
 #include "series_sums.hpp"
+#include "state_sets.hpp"
 #include "taylor_opcodes.hpp"
 
 namespace nonsmooth {
@@ -124,7 +125,7 @@ inline void run_series_code(const Tables& tables, Index first, Index end, Series
 inline void advance_states(const Tables& tables, Index m, Series* series, Index k) {
     const double inverse = 1.0 / (static_cast<double>(k) + 1.0);
     const int64_t* outlets = &tables.outlets(m, 0);
-    const Index slaved = explicitly_slaved(tables, m);
+    const StateSet slaved = explicitly_slaved(tables, m);
     for (Index i = 0; i < tables.n(); ++i) {
         const double value = series[outlets[i]].c[k];
         if (has_bit(slaved, i)) {

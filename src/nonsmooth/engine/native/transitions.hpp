@@ -17,6 +17,7 @@
 #include "placement.hpp"
 #include "rebounds.hpp"
 #include "solved_relations.hpp"
+#include "state_sets.hpp"
 #include "surfaces.hpp"
 #include "tangent.hpp"
 #include "taylor_series.hpp"
@@ -125,7 +126,7 @@ class Transition {
     // where states cannot be solved for.
     bool prepare() {
         const Index m = passage_.mode;
-        if (e_ < 0 && mode_wiring(tables_, m).implicit != 0 &&
+        if (e_ < 0 && !is_empty(mode_wiring(tables_, m).implicit) &&
             !settle(tables_, rates_, segment_, m)) {
             return false;
         }
@@ -134,7 +135,7 @@ class Transition {
         if (e_ >= 0) {
             fired_ = set_fired_zero(tables_, m, e_, z(), extent());
             // a reset is exact where it is applied
-            if (curved_ && exit_wiring(tables_, m, e_).resetting != 0) {
+            if (curved_ && !is_empty(exit_wiring(tables_, m, e_).resetting)) {
                 linearise_mode(tables_, rates_, segment_, m);
             }
         }
@@ -157,7 +158,7 @@ class Transition {
     Step fire(Index& rests) {
         const Index m = passage_.mode, e = e_;
         const ExitWiring& exit = exit_wiring(tables_, m, e);
-        const bool rebounds = exit.onto >= 0 && exit.resetting != 0;
+        const bool rebounds = exit.onto >= 0 && !is_empty(exit.resetting);
         Rebound rebound{m, e, 0.0, 0.0, 0.0};
         if (rebounds) {
             if (is_curved(tables_, m)) differentiate_mode(tables_, rates_, segment_, m);
@@ -172,7 +173,7 @@ class Transition {
         if (carries()) push_columns(tables_, rates_, segment_, tangent_, m, e);
         apply_reset(tables_, segment_, m, e);
         if (exit.target < 0) {
-            passage_.jumped = passage_.jumped || exit.resetting != 0;
+            passage_.jumped = passage_.jumped || !is_empty(exit.resetting);
             ended(STOPPED);
             return Step::ends;
         }
@@ -195,19 +196,22 @@ class Transition {
 
     // Enter the target of an exit of mode m behind its reset; false where that cannot be.
     bool enter_target(const ExitWiring& exit, Index m) {
-        const Index resetting = exit.resetting;
+        const StateSet& resetting = exit.resetting;
         // what the target slaves is put on its relation anyway: naming it is no jump by itself
-        const Index slaved = mode_wiring(tables_, exit.target).slaved;
-        if ((resetting & ~slaved) != 0) fill(segment_.visited, Index(0));  // a jump: modes may return
+        const StateSet& slaved = mode_wiring(tables_, exit.target).slaved;
+        if (!is_empty(without(resetting, slaved))) {
+            fill(segment_.visited, Index(0));  // a jump: modes may return
+        }
         passage_.jumped =
-            passage_.jumped || (resetting & ~(mode_wiring(tables_, m).slaved & slaved)) != 0;
+            passage_.jumped ||
+            !is_empty(without(resetting, in_both(mode_wiring(tables_, m).slaved, slaved)));
         // cells settle after a reset: what it lets jump goes on until one of them holds
         const bool leaves = tables_.families[exit.target] != tables_.families[m];
-        if (resetting != 0 || leaves) jumping_ = resetting;
+        if (!is_empty(resetting) || leaves) jumping_ = resetting;
         if (leaves) ++spell_;
         passage_.mode = exit.target;
         if (agrees_with_target(m, exit.target)) return true;
-        const bool failed = (jumping_ & mode_wiring(tables_, exit.target).implicit) != 0;
+        const bool failed = !is_empty(in_both(jumping_, mode_wiring(tables_, exit.target).implicit));
         ended(failed ? UNDECIDED : INADMISSIBLE);
         return false;
     }
@@ -217,7 +221,7 @@ class Transition {
         copy(segment_.z, segment_.spare);
         if (curved_) {
             push_reset(tables_, m, e_, directions_of(segment_));
-            if (mode_wiring(tables_, target).implicit != 0 &&
+            if (!is_empty(mode_wiring(tables_, target).implicit) &&
                 !settle(tables_, rates_, segment_, target)) {
                 return false;
             }
@@ -243,7 +247,7 @@ class Transition {
     // where several surfaces meet.
     Step close_circle() {
         const Index m = passage_.mode;
-        const bool slides = segment_.visited[m] == spell_ && jumping_ == 0;
+        const bool slides = segment_.visited[m] == spell_ && is_empty(jumping_);
         const Index met = slides ? meeting(tables_, segment_, m) : -1;
         if (met >= 0) {
             e_ = met;
@@ -406,7 +410,7 @@ class Transition {
     bool followed_;      // whether the basis holds the directions left free by the path so far
     Index e_;            // exit that fires
     Index spell_ = 1;    // numbers the times spent in one mode and its cells
-    Index jumping_ = 0;  // bits of the slaved states that a reset has let jump onto relations
+    StateSet jumping_{};  // slaved states that a reset has let jump onto relations
     double fired_ = 0.0;       // size of the terms that cancelled in the guard that fired
     double first_rate_ = 0.0;  // largest rate of arrival at this instant
     Passage passage_;

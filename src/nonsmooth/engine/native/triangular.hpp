@@ -32,7 +32,8 @@ struct ModalForm {
 inline Status triangular_form(const View<double, 2>& matrix, const ModalForm& form) {
     const Index n = matrix.shape[0];
     const View<Complex, 2>& t = form.t;
-    const Scratch<Index, 1> reach(n), order(n), starts(n + 1);
+    const Scratch<StateSet, 1> reach(n);
+    const Scratch<Index, 1> order(n), starts(n + 1);
     const Scratch<double, 1> scale(n);
     const Scratch<Complex, 2> q(n, n);
     const Index n_blocks = order_blocks(matrix, reach, order, starts);

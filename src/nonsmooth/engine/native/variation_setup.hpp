@@ -15,6 +15,7 @@
 #include "records.hpp"
 #include "scratch.hpp"
 #include "short_series.hpp"
+#include "state_sets.hpp"
 #include "tape_rates.hpp"
 
 namespace nonsmooth {

@@ -4,13 +4,14 @@
 #include <cmath>
 
 #include "records.hpp"
+#include "state_sets.hpp"
 
 namespace nonsmooth {
 
 // Rates of all augmented coordinates in a mode; slaved states follow their relation.
 inline void fill_velocity(const Tables& tables, Index m, const double* z, double* velocity) {
     const Index n = tables.n(), size = tables.size();
-    const Index slaved = mode_wiring(tables, m).slaved;
+    const StateSet& slaved = mode_wiring(tables, m).slaved;
     for (Index i = 0; i < size; ++i) velocity[i] = product(&tables.generator(m, i, 0), z, size);
     for (Index i = 0; i < n; ++i) {
         if (!has_bit(slaved, i)) continue;
@@ -26,7 +27,7 @@ inline void fill_velocity(const Tables& tables, Index m, const double* z, double
 // Rate of one augmented coordinate in a mode.
 inline double velocity_of(const Tables& tables, Index m, const double* z, Index i) {
     const Index n = tables.n(), size = tables.size();
-    const Index slaved = mode_wiring(tables, m).slaved;
+    const StateSet& slaved = mode_wiring(tables, m).slaved;
     if (!(i < n && has_bit(slaved, i))) return product(&tables.generator(m, i, 0), z, size);
     const double* row = relation_coefficients(tables, m, i);
     double total = 0.0;

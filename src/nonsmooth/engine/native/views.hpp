@@ -77,7 +77,4 @@ inline double product(const double* a, const double* b, Index count) {
     return total;
 }
 
-// Sets of states are bits of an integer.
-inline bool has_bit(Index bits, Index i) { return (bits >> i) & 1; }
-
 }  // namespace nonsmooth

@@ -6,6 +6,7 @@
 
 #include "records.hpp"
 #include "scratch.hpp"
+#include "state_sets.hpp"
 #include "triangular.hpp"
 #include "trigonometry.hpp"
 
@@ -31,7 +32,7 @@ inline Complex product_with_column(const double* row, const View<Complex, 2>& v,
 // Weights between augmented coordinates and slots, slots and states.
 inline void fill_weights(const Tables& tables, Index m, const ModalForm& form,
                          const SlotOrder& order) {
-    const Index slaved = mode_wiring(tables, m).slaved;
+    const StateSet& slaved = mode_wiring(tables, m).slaved;
     for (Index slot = 0; slot < order.count; ++slot) {
         const Index j = order.place[slot];
         tables.reads(m, slot) = form.size();

@@ -13,6 +13,7 @@
 
 #include "records.hpp"
 #include "scratch.hpp"
+#include "state_sets.hpp"
 
 namespace nonsmooth {
 
