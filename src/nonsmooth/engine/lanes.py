@@ -199,10 +199,11 @@ def allocate_segment(sizes: Sizes, n_rates: int = 0) -> Segment:
     """Scratch for the sizes of a program, and derivatives by some parameters."""
     big_n, registers = sizes.augmented, sizes.registers
     blocks = -(-(big_n + n_rates) // LANES)
+    powers = max(_MAX_DEGREE, big_n) + 1  # of a chain of integrators there are as many as states
     made = zeros(
         Segment.struct,
         z=(big_n,), spare=(big_n,), origin=(big_n,), now=(big_n,), kept=(big_n,),
-        chain=(_MAX_DEGREE + 1, big_n), chain_noise=(_MAX_DEGREE + 1, big_n),
+        chain=(powers, big_n), chain_noise=(powers, big_n),
         order=(sizes.exits,), extent=(big_n,), mark=(big_n,), visited=(sizes.modes,),
         newton=(3, big_n), factors=(sizes.factors + 1,), scan=(sizes.exits,), scale=(big_n,),
         basis=(2, big_n, big_n), series=(registers,), doubt=(registers,),

@@ -14,8 +14,10 @@
 
 namespace nonsmooth {
 
-// Eliminating across a relative gap loses -log10(gap) digits, and more for each neighbour in a
-// chain of couplings. A cluster this narrow does not even shorten a window.
+// Eliminating a coupling as large as its rate across a relative gap loses -log10(gap) digits, and
+// more for each neighbour in a chain of couplings. A cluster this narrow does not even shorten a
+// window. A coupling below the gap itself loses nothing, however close the eigenvalues are: the
+// natural modes of a large structure lie close together and do not influence each other.
 constexpr double close_eigenvalues = 3e-3;
 constexpr double chained_coupling = 10.0;  // a coupling so much larger than its gap makes a chain
 
@@ -30,13 +32,14 @@ struct MotionPair {
     bool near;
 };
 
-// Largest eigenvalue of the block of motion i of a triangular form.
-inline double fastest_of_block(const ModalForm& form, Index i) {
-    double fastest = 0.0;
+// Fill the largest eigenvalue of the block of each motion of a triangular form, (N,).
+inline void fill_fastest(const ModalForm& form, const View<double, 1>& fastest) {
+    const Scratch<double, 1> of_block(form.size());  // there are at most as many blocks
     for (Index k = 0; k < form.size(); ++k) {
-        if (form.block[k] == form.block[i]) fastest = std::max(fastest, abs(form.t(k, k)));
+        double& largest = of_block[form.block[k]];
+        largest = std::max(largest, abs(form.t(k, k)));
     }
-    return fastest;
+    for (Index k = 0; k < form.size(); ++k) fastest[k] = of_block[form.block[k]];
 }
 
 // Whether column i of a triangular form belongs to a block of states, of which there are n.
@@ -48,14 +51,15 @@ inline bool moves_states(const ModalForm& form, Index n, Index i) {
 }
 
 // Whether motions i and j of a triangular form belong to a chain, see `fill_gap_rates`.
-inline bool are_chained(const ModalForm& form, Index n, double horizon, Index i, Index j) {
+inline bool are_chained(const ModalForm& form, const View<double, 1>& fastest, Index n,
+                        double horizon, Index i, Index j) {
     constexpr double most_cuts = 1e5;  // of a window by a cluster that only its units may have made
     const View<Complex, 2>& t = form.t;
     const double coupling = abs(t(std::min(i, j), std::max(i, j)));
     const double gap = abs(t(i, i) - t(j, j));
     if (coupling <= chained_coupling * gap) return false;
     if (form.block[i] == form.block[j]) {
-        return coupling > fastest_of_block(form, i) / chained_coupling;
+        return coupling > fastest[i] / chained_coupling;
     }
     return std::max(abs(t(i, i)), abs(t(j, j))) <= coupling / chained_coupling &&
            gap * horizon <= most_cuts && moves_states(form, n, i) && moves_states(form, n, j);
@@ -72,10 +76,12 @@ inline void fill_gap_rates(const ModalForm& form, Index n, double horizon,
                            const View<double, 2>& rates) {
     const View<Complex, 2>& t = form.t;
     const Index size = form.size();
+    const Scratch<double, 1> fastest(size);
+    fill_fastest(form, fastest);
     for (Index i = 0; i < size; ++i) {
         rates(i, i) = std::max(abs(t(i, i)), 1.0 / horizon);
         for (Index j = 0; j < size; ++j) {
-            if (i == j || !are_chained(form, n, horizon, i, j)) continue;
+            if (i == j || !are_chained(form, fastest, n, horizon, i, j)) continue;
             rates(i, i) = std::max(rates(i, i), abs(t(std::min(i, j), std::max(i, j))));
         }
     }
@@ -84,7 +90,7 @@ inline void fill_gap_rates(const ModalForm& form, Index n, double horizon,
             const double coupling = abs(t(i, j));
             rates(i, j) = std::max(rates(i, i), rates(j, j));
             if (form.block[i] != form.block[j]) continue;
-            if (coupling > fastest_of_block(form, i) / chained_coupling) {
+            if (coupling > fastest[i] / chained_coupling) {
                 rates(i, j) = std::max(rates(i, j), coupling);
             }
         }
@@ -103,7 +109,7 @@ inline MotionPair eliminate_or_stop(const ModalForm& form, const View<double, 2>
             if (form.cluster[i] == form.cluster[j] || t(i, j) == 0.0) continue;
             const Complex gap = t(j, j) - t(i, i);
             const double separation = abs(gap) / rates(i, j);
-            if (separation <= close_eigenvalues) return {i, j, true};
+            if (separation <= close_eigenvalues && !(abs(t(i, j)) <= abs(gap))) return {i, j, true};
             near = near || separation <= neighbour;
             const Complex x = t(i, j) / gap;
             for (Index k = 0; k < i; ++k) t(k, j) += x * t(k, i);
@@ -118,44 +124,81 @@ inline MotionPair eliminate_or_stop(const ModalForm& form, const View<double, 2>
     return {-1, -1, near};
 }
 
+// c := a b of upper triangular matrices (N, N) without negative entries.
+inline void multiply_triangular(const View<double, 2>& a, const View<double, 2>& b,
+                                const View<double, 2>& c) {
+    const Index n = a.shape[0];
+    fill(c, 0.0);
+    for (Index i = 0; i < n; ++i) {
+        for (Index k = i; k < n; ++k) {
+            if (a(i, k) == 0.0) continue;
+            for (Index j = k; j < n; ++j) c(i, j) += a(i, k) * b(k, j);
+        }
+    }
+}
+
 // Fill paths (N, N): the sum of products of couplings over rates along all paths from j to i, which
 // is the size of the exponential at the time scale of the pair; triangular (N, N).
+//
+// A path of p couplings has the weight 1 / p!, so the sum is an exponential itself: a short series
+// of the matrix over a power of two, squared as often. No term is negative, so nothing cancels.
 inline void fill_paths(const View<Complex, 2>& triangular, const View<double, 2>& rates,
                        const View<double, 2>& paths) {
+    constexpr int terms = 10;  // with sums of rows below 1/2 what follows is below 1e-10
     const Index n = triangular.shape[0];
-    const Scratch<double, 2> step(n, n), power(n, n);
+    const Scratch<double, 2> step(n, n), sum(n, n), spare(n, n);
+    double widest = 0.0;
     for (Index i = 0; i < n; ++i) {
-        power(i, i) = 1.0;
-        for (Index j = i + 1; j < n; ++j) step(i, j) = abs(triangular(i, j)) / rates(i, j);
+        double across = 0.0;
+        for (Index j = i + 1; j < n; ++j) {
+            step(i, j) = abs(triangular(i, j)) / rates(i, j);
+            across += step(i, j);
+        }
+        widest = std::max(widest, across);
     }
-    for (Index p = 1; p < n; ++p) {
+    int squarings = 0;
+    for (; widest > 0.5 && squarings < 1000; ++squarings) widest *= 0.5;
+    for (double& each : step.view()) each = std::ldexp(each, -squarings);
+    set_identity(sum.view());
+    for (int p = terms; p > 0; --p) {  // Horner's scheme
+        multiply_triangular(step, sum, spare);
         for (Index i = 0; i < n; ++i) {
-            for (Index j = n - 1; j > i; --j) {
-                double total = 0.0;
-                for (Index k = i; k < j; ++k) total += power(i, k) * step(k, j);
-                power(i, j) = total / static_cast<double>(p);
-            }
-            power(i, i) = 0.0;
+            for (Index j = i; j < n; ++j) sum(i, j) = spare(i, j) / p + (i == j ? 1.0 : 0.0);
         }
-        for (Index i = 0; i < n; ++i) {
-            for (Index j = i + 1; j < n; ++j) paths(i, j) += power(i, j);
-        }
+    }
+    for (int k = 0; k < squarings; ++k) {
+        multiply_triangular(sum, sum, spare);
+        copy(spare.view(), sum.view());
+    }
+    for (Index i = 0; i < n; ++i) {
+        for (Index j = i + 1; j < n; ++j) paths(i, j) = sum(i, j);
     }
 }
 
 // How much larger the motions are than what they add up to, whatever the units: the largest of
 // (|U| |U^-1|)_ij over the paths from j to i.
-inline double loss_by_cancellation(const View<Complex, 2>& triangular, const View<double, 2>& rates,
-                                   const Elimination& by) {
+//
+// Within a block the rotations to triangular form have mixed balanced coordinates: a coupling far
+// below one there is a rounding of others, and what it is divided by tells nothing.
+inline double loss_by_cancellation(const ModalForm& form, const View<Complex, 2>& triangular,
+                                   const View<double, 2>& rates, const Elimination& by) {
     const Index n = triangular.shape[0];
-    const Scratch<double, 2> paths(n, n);
+    const Scratch<double, 2> paths(n, n), there(n, n), back(n, n);
     fill_paths(triangular, rates, paths);
+    for (Index i = 0; i < n; ++i) {
+        for (Index j = i; j < n; ++j) {
+            there(i, j) = abs(by.unit(i, j));
+            back(j, i) = abs(by.unit_inverse(i, j));
+        }
+    }
     double worst = 0.0;
     for (Index i = 0; i < n; ++i) {
         for (Index j = i + 1; j < n; ++j) {
             double total = 0.0;
-            for (Index k = i; k <= j; ++k) total += abs(by.unit(i, k)) * abs(by.unit_inverse(k, j));
-            if (paths(i, j) > 0.0) worst = std::max(worst, total / paths(i, j));
+            for (Index k = i; k <= j; ++k) total += there(i, k) * back(j, k);
+            const bool mixed = form.block[i] == form.block[j];
+            const double size = mixed ? std::max(1.0, paths(i, j)) : paths(i, j);
+            if (size > 0.0) worst = std::max(worst, total / size);
         }
     }
     return worst;
@@ -224,8 +267,9 @@ inline void apply_elimination(const Elimination& by, const ModalForm& form) {
 // Block-diagonal form: couplings between different clusters eliminated, in place, and the clusters
 // filled; n states, and horizon is the time over which eigenvalues must be told apart.
 inline void decouple(const ModalForm& form, Index n, double horizon) {
-    constexpr double most_loss = 1000.0;  // of cancellation, from which on the closest are merged
     const Index size = form.size();
+    // of cancellation, from which on the closest are merged; sums of many terms reach more
+    const double most_loss = std::max(1000.0, 50.0 * static_cast<double>(size));
     const Scratch<Complex, 2> triangular(size, size), unit(size, size), unit_inverse(size, size);
     const Scratch<double, 2> rates(size, size);
     const Elimination by{unit, unit_inverse};
@@ -238,7 +282,7 @@ inline void decouple(const ModalForm& form, Index n, double horizon) {
         set_identity(by.unit_inverse);
         MotionPair pair = eliminate_or_stop(form, rates, by);
         if (pair.first < 0 && pair.near &&
-            loss_by_cancellation(triangular, rates, by) > most_loss) {
+            loss_by_cancellation(form, triangular, rates, by) > most_loss) {
             pair = closest_pair(form, rates, by);
         }
         if (pair.first < 0) break;

@@ -220,7 +220,7 @@ typedef struct Segment {
     Array(Slot, 1) origin; /* (N,) at the start of the segment */
     Array(Slot, 1) now;    /* at the current point */
     Array(Slot, 1) kept;   /* at the end of the segment while samples are read */
-    Array(Complex, 2) chain;      /* (MAX_DEGREE + 1, N): clusters in powers of s */
+    Array(Complex, 2) chain;      /* (at least MAX_DEGREE + 1, N): clusters in powers of s */
     Array(double, 2) chain_noise; /* their rounding margins */
     Array(int64_t, 1) order;      /* (e,): known order of zero of each guard at the start */
     double *to_knot;              /* time to the next knot of a signal, inf without signals */

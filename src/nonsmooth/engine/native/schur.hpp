@@ -22,7 +22,14 @@ inline double length_of_pair(Complex x, Complex y) {
 }
 
 // The one whose adjoint maps (x, y) to (r, 0).
+//
+// Behind a chain of weak couplings both are so small that their squares vanish.
 inline Rotation rotation_onto(Complex x, Complex y) {
+    constexpr double small = 0x1p-450, scale = 0x1p900;
+    if (std::fabs(x.re) + std::fabs(x.im) + std::fabs(y.re) + std::fabs(y.im) < small) {
+        x *= scale;
+        y *= scale;
+    }
     const double length = length_of_pair(x, y);
     if (length == 0.0) return {1.0, 0.0};
     return {x / length, y / length};
