@@ -249,9 +249,9 @@ SHAPES = [
     (None, "is no array"),
     ("1 2; 3 4", "is no array"),
     ({1, 2}, "is no array"),
-    (np.ones((60, 60)), "is 60 x 60; at most 59 states can run"),
-    (scipy.sparse.eye_array(10**6), "is 1000000 x 1000000; at most 59 states"),
-    (np.broadcast_to(0.0, (10**6, 10**6)), "at most 59 states"),
+    (np.ones((512, 512)), "is 512 x 512; at most 511 states can run"),
+    (scipy.sparse.eye_array(10**6), "is 1000000 x 1000000; at most 511 states"),
+    (np.broadcast_to(0.0, (10**6, 10**6)), "at most 511 states"),
 ]
 
 

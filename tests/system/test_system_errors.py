@@ -433,13 +433,16 @@ def test_coefficients_that_are_not_finite():
         ("w > 3", "w = 2"),
         ("w**2 <= 3*zeta", "w = 2, zeta = 0.1"),
         ("w < zeta", "w = 2, zeta = 0.1"),
+        ("w > 1 and zeta > 1", "w = 2, zeta = 0.1"),
+        ("not (w > 1 or zeta < 0)", "w = 2, zeta = 0.1"),
+        ("0 < w < 1", "w = 2"),
     ],
 )
 def test_requirements_fail_with_reason_and_value(condition, given):
     refused([condition, given, "because so"], require={condition: "because so"})
 
 
-@pytest.mark.parametrize("condition", ["w", "w > 1 and zeta > 0", "w = 2", "", "w > 1, 2"])
+@pytest.mark.parametrize("condition", ["w", "w > 1 and zeta", "w = 2", "", "w > 1, 2"])
 def test_requirements_that_are_no_conditions(condition):
     refused(["require"], require={condition: "because so"})
 
@@ -457,19 +460,19 @@ def test_a_requirement_with_pi_that_fails():
 
 
 def test_too_many_coordinates():
-    names = [f"x{i}" for i in range(59)]
+    names = [f"x{i}" for i in range(511)]
     system = System(states=names, modes={"m": Mode(dict.fromkeys(names, "0"))})
     assert ns.simulate(system, t_end=1.0).attrs["status"] == "completed"
     forced = System(states=names, modes={"m": Mode(dict.fromkeys(names, "cos(t)"))})
-    with pytest.raises(ModelError, match="at most 60"):
+    with pytest.raises(ModelError, match="at most 512"):
         ns.simulate(forced, t_end=1.0)
 
 
 def test_too_many_states():
-    names = [f"x{i}" for i in range(60)]
-    with pytest.raises(ModelError, match="60 states; at most 59 can run"):
+    names = [f"x{i}" for i in range(512)]
+    with pytest.raises(ModelError, match="512 states; at most 511 can run"):
         System(states=names, modes={"m": Mode(dict.fromkeys(names, "0"))})
-    with pytest.raises(ModelError, match="at most 59"):
+    with pytest.raises(ModelError, match="at most 511"):
         System(states=names, modes={"m": Mode({}, slaved=dict.fromkeys(names, "0"))})
 
 
