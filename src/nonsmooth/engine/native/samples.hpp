@@ -5,6 +5,7 @@
 #include "records.hpp"
 #include "run.hpp"
 #include "tangent.hpp"
+#include "work.hpp"
 
 namespace nonsmooth {
 
@@ -21,21 +22,29 @@ inline void write_columns(const Run& run, double s, Index k) {
     }
 }
 
-// Samples of this segment up to and including the time until.
+// Samples of this segment up to and including the time until; false where there was too much work
+// for one call, and some are left.
 //
 // The slots at the end of the segment are put back bit by bit: the last step to an event is rounded
 // differently from a direct evaluation.
-inline void write_samples(const Run& run, double until) {
+inline bool write_samples(const Run& run, double until) {
     const Segment& segment = run.segment;
     const Records& records = run.records;
     const Index m = run.anchor.place.mode;
     bool kept = false;
     double point = 0.0;
+    const int64_t work = work_of_sample(run.tables, run.tangent, m);
+    Pause& pause = *segment.pause;
+    bool complete = true;
     Index k = records.counters.samples;
     for (; k < records.sample_phase.size(); ++k) {
         const double number = static_cast<double>(records.sample_number[k]);
         const double s = time_to(run, number, records.sample_phase[k]);
         if (s > until) break;
+        complete = !kept || pause.work > 0;  // one sample at least in a call
+        if (!complete) break;
+        pause.work -= work;
+        pause.reached = s;
         if (!kept) {
             copy(segment.now, segment.kept);
             point = *segment.point;
@@ -56,6 +65,7 @@ inline void write_samples(const Run& run, double until) {
         copy(segment.kept, segment.now);
         *segment.point = point;
     }
+    return complete;
 }
 
 }  // namespace nonsmooth
