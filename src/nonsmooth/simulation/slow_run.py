@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.engine.lanes import GOES_ON, SAME, WORK, Anchor, Records, run_lanes
+from nonsmooth.engine.lanes import GOES_ON, RESUMES, SAME, WORK, Anchor, Records, run_lanes
 from nonsmooth.engine.status import Status
 from nonsmooth.engine.tables import Tables, allocate_stack, set_up
 from nonsmooth.errors import ModelError
@@ -183,7 +183,7 @@ class SlowRun:
                     self.records = self.log.make_room(self.records, done / plan.total)
                 if status == Status.PAUSED:
                     check()
-                    if self.limits.time_is_up:
+                    if self.limits.time_is_up and modes[0] != RESUMES:
                         status = Status.WORK_LIMIT
         except KeyboardInterrupt:
             status = Status.INTERRUPTED
