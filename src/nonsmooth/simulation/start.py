@@ -76,7 +76,10 @@ def resolve_start(
             f" {{{system.states[0]!r}: 0.1}}, a point of a dataset, or a run to go on from"
         )
     state = _from_mapping(system, initial or {})
-    instant, modes = _instant(tables, 0.0 if t_start is None else t_start), mode_numbers(system, mode)
+    instant, modes = (
+        _instant(tables, 0.0 if t_start is None else t_start),
+        mode_numbers(system, mode),
+    )
     if np.any(np.isnan(state)):
         state = complete_state(system, tables, state, instant, modes)
     return Start(state, instant, modes)

@@ -139,7 +139,7 @@ class _Faces:
         return found
 
     def _largest_number(self, node: Expression) -> float:
-        """Largest number in a switching function or in that of the surface, beside which it counts."""
+        """Largest number in a switching function and in that of the surface."""
         terms = [*monomials(node).values(), *monomials(self.node).values()]
         return max(abs(number) for number in terms)
 

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import replace
-from numbers import Real
 from typing import Any
 
 from nonsmooth.errors import ModelError, OptionError
+from nonsmooth.real_numbers import finite_real
 from nonsmooth.system.equations import Equation
 from nonsmooth.system.expressions import Expression, Name, Number, to_text
 from nonsmooth.system.grammar import is_name
@@ -152,11 +151,9 @@ def _width(system: System, epsilon: Any) -> Expression:
                 f"epsilon = {epsilon!r}: the system has this name already; choose a new one"
             )
         return Name(epsilon)
-    if isinstance(epsilon, bool) or not isinstance(epsilon, Real):
-        raise OptionError(f"epsilon = {epsilon!r:.60} is neither a positive number nor a name")
-    width = float(epsilon)
-    if not (width > 0.0 and math.isfinite(width)):
-        raise OptionError(f"epsilon = {width:g} must be positive and finite")
+    width = finite_real("epsilon", epsilon)
+    if not width > 0.0:
+        raise OptionError(f"epsilon = {width:g} must be positive")
     return Number(width)
 
 
