@@ -146,10 +146,11 @@ typedef struct Counters {
         creeping, happened;
 } Counters;
 /* where a run has paused within its segment: what it was at, looks behind it, steps of the ladder in
- * a row, exit and kind of the crossing that is found; work left in this call; time since the segment
- * began that the search or the samples have come to, time of the crossing, and length */
+ * a row, exit and kind of the crossing that is found, work left in this call, whether the segment is
+ * a free flight; time since the segment began that the search or the samples have come to, time of
+ * the crossing, and length */
 typedef struct Pause {
-    int64_t stage, looks, climbs, exit, found, work;
+    int64_t stage, looks, climbs, exit, found, work, flies;
     double reached, crossing, length;
 } Pause;
 

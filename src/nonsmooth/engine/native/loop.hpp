@@ -9,6 +9,7 @@
 
 #include "first_crossing.hpp"
 #include "flow.hpp"
+#include "free_flight.hpp"
 #include "guard_values.hpp"
 #include "linearisation.hpp"
 #include "pass_event.hpp"
@@ -86,6 +87,7 @@ inline bool creeps(const Run& run, const SegmentTimes& times) {
 // when the run goes on.
 inline Crossing search_segment(const Run& run, const SegmentTimes& times) {
     const Index m = run.anchor.place.mode;
+    if (run.segment.pause->flies != 0) return {times.length, -1, Found::none};
     const bool resumes = run.segment.pause->stage == SEARCHING;
     if (!resumes) {
         for (GuardScan& guard : run.segment.scan) guard.passed = 0.0;
@@ -108,7 +110,7 @@ inline Crossing search_segment(const Run& run, const SegmentTimes& times) {
 inline Status complete_run(const Run& run, double end) {
     const Index m = run.anchor.place.mode;
     const Records& records = run.records;
-    advance(run.tables, run.segment, m, end);
+    go_to(run, run.end, end);
     state_at(run.tables, run.segment, m, records.end_state.data);
     records.since = {static_cast<double>(run.end.number), run.end.phase};
     if (is_bounded(records.end_state, run.tables.drifting)) return COMPLETED;
@@ -205,7 +207,10 @@ inline SegmentEnd pass_segment(const Run& run) {
     if (pause.stage == BETWEEN) {
         pause.work -= work_of_segment(run.tables, run.tangent, m);
         copy(anchor.order, run.segment.order);
-        pause.length = start_segment(run.tables, run.rates, run.segment, m, times.longest);
+        pause.flies = may_fly(run.tables, run.tangent, m) && start_flight(run.tables, run.segment, m);
+        pause.length = pause.flies != 0 ? farthest_flight
+                                        : start_segment(run.tables, run.rates, run.segment, m,
+                                                        times.longest);
     }
     times.length = pause.length;
     if (step_fails(run, times)) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "flow.hpp"
+#include "free_flight.hpp"
 #include "records.hpp"
 #include "run.hpp"
 #include "tangent.hpp"
@@ -19,6 +20,17 @@ inline void write_columns(const Run& run, double s, Index k) {
     const auto& columns = s > 0.0 ? tangent.now : tangent.columns;
     for (Index c = 0; c < tangent.count(); ++c) {
         copy(&columns(c, 0), &tangent.samples(k, c, 0), run.tables.n());
+    }
+}
+
+// Go to an instant of the segment, which is s after its start.
+inline void go_to(const Run& run, WindowPhase when, double s) {
+    const Place& start = run.anchor.place;
+    if (run.segment.pause->flies != 0) {
+        const double windows = static_cast<double>(when.number - start.number);
+        fly(run.tables, run.segment, start.mode, windows, when.phase - start.phase);
+    } else {
+        advance(run.tables, run.segment, start.mode, s);
     }
 }
 
@@ -54,7 +66,7 @@ inline bool write_samples(const Run& run, double until) {
         if (s == 0.0) {  // the state as it was given, not as it comes back from modal coordinates
             copy(run.anchor.state.data, state, run.tables.n());
         } else {
-            advance(run.tables, segment, m, s);
+            go_to(run, {records.sample_number[k], records.sample_phase[k]}, s);
             state_at(run.tables, segment, m, state);
         }
         if (run.tangent.carries()) write_columns(run, s, k);
