@@ -29,26 +29,33 @@ def shown(value: Any) -> str:
     return text if len(text) <= _WIDTH else f"{text[: _WIDTH - 3]}..."
 
 
-def finite_real(where: str, value: Any, error: type[NonsmoothError] = OptionError) -> float:
-    """A finite real number as a float; ``where`` names the argument in the error.
+def finite_real(
+    where: str,
+    value: Any,
+    error: type[NonsmoothError] = OptionError,
+    wanted: str = "a finite real number",
+) -> float:
+    """A finite real number as a float; ``where`` names the argument, ``wanted`` what it may be.
 
     Booleans, texts and complex numbers are none; an array without axes stands for its element.
     """
     given = value
     if not isinstance(value, Real) and getattr(value, "ndim", None) == 0:
         value = value.item()
-    if isinstance(value, bool | np.bool_) or not isinstance(value, Real):
+    if isinstance(value, bool | np.bool_):
+        raise error(f"{where} = {given} is a truth value, which is not a number; give {wanted}")
+    if not isinstance(value, Real):
         kind = "a complex number" if isinstance(value, Complex) else "not a number"
-        raise error(f"{where} = {shown(given)} is {kind}; give a finite real number")
+        raise error(f"{where} = {shown(given)} is {kind}; give {wanted}")
     try:
         number = float(value)
     except OverflowError:
         raise error(
-            f"{where} = {shown(given)} is too large for a floating-point number, which reaches"
-            " 1.8e308; give a smaller one"
+            f"{where} = {shown(given)} is too large for a double, which reaches 1.8e308; give"
+            f" {wanted}"
         ) from None
     if not math.isfinite(number):
-        raise error(f"{where} = {number} is not a finite number; give one that is")
+        raise error(f"{where} = {number} is not a finite number; give {wanted}")
     return number
 
 

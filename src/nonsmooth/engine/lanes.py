@@ -289,8 +289,9 @@ def run_lanes(
     from where it goes on, and the samples by the end of each.
     modes: GOES_ON goes on from the anchor, RESUMES within the segment in which the lane paused,
     with its scratch as it was left; afterwards they say how each lane goes on. Others make a start
-    there, with columns of derivatives that begin there too: ANY takes the first mode that fits, a number that one if it does. SAME - m
-    enters mode m after parameters have changed, whether it fits or not, and derivatives go on.
+    there, with columns of derivatives that begin there too: ANY takes the first mode that fits, a
+    number that one if it does. SAME - m enters mode m after parameters have changed, whether it
+    fits or not, and derivatives go on.
     statuses: COMPLETED, STOPPED, DIVERGED, UNDECIDED, INADMISSIBLE when no mode fits, NONUNIQUE
     when cells on both sides of a surface do, EVENT_LIMIT, STEP_LIMIT, SINGULAR, SLIDING,
     WORK_LIMIT after most_events, BUFFER_FULL (call again after emptying the event buffer) or

@@ -293,7 +293,8 @@ def _stop_within(lane: Lane, records: Records, tolerance: float) -> None:
         phase -= max(late, np.spacing(phase))
     end = Instant(anchor.number + int(whole), float(phase))
     since = records.since
-    if late > 0.0 or phase < 0.0 or end < (since["number"], since["phase"]):
+    before = (float(since["number"]), float(since["phase"]))
+    if late > 0.0 or phase < 0.0 or tuple(end) < before:
         return
     if pause["stage"] == SEARCHING:
         pause["stage"] = STOPPING
@@ -302,8 +303,9 @@ def _stop_within(lane: Lane, records: Records, tolerance: float) -> None:
 
 def keep_start(records: Records, begin: Instant, anchor: Anchor) -> None:
     """Write the sample at the start of a run that goes on and has not left it."""
-    first = records.sample_number[:1], records.sample_phase[:1]
-    if records.counters["samples"] == 0 and first[0].size and (first[0][0], first[1][0]) == begin:
+    if records.counters["samples"] or not records.sample_number.size:
+        return
+    if Instant(int(records.sample_number[0]), float(records.sample_phase[0])) == begin:
         records.sample_state[0], records.sample_mode[0] = records.end_state, anchor.mode
         records.counters["samples"] = 1
 

@@ -18,9 +18,8 @@ from numbers import Real
 from typing import NamedTuple, NoReturn
 
 from nonsmooth.errors import ModelError, unknown_name
-from nonsmooth.system.expressions import ONE, ZERO, Call, Expression, Name, Number
 from nonsmooth.real_numbers import finite_real
-from nonsmooth.system.expressions import Call, Expression, Name, Number
+from nonsmooth.system.expressions import ONE, ZERO, Call, Expression, Name, Number
 from nonsmooth.system.functions import COMPARISONS, FUNCTIONS
 
 __all__ = ["MAX_DEPTH", "MAX_LENGTH", "is_name", "parse", "parse_condition", "point_at"]
