@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from nonsmooth.engine.library import constant, engine, ffi
 from nonsmooth.engine.record import Complexes, Floats, Integers, Record, Rows, array_pointer, zeros
