@@ -72,7 +72,7 @@ def without_events():
 
 def interrupted():
     """Ctrl-C after the first call of the engine."""
-    calls = iter([runner.run])
+    calls = iter([runner.run_some])
 
     def run(*arguments):
         for engine in calls:
@@ -80,7 +80,7 @@ def interrupted():
         raise KeyboardInterrupt
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(runner, "run", run)
+        patch.setattr(runner, "run_some", run)
         return ns.simulate(wall(), periods=30_000, samples_per_period=1)
 
 

@@ -156,14 +156,14 @@ def test_control_c_in_the_last_call_keeps_the_run(monkeypatch, interrupts):
     """A run of one call: its results are there when the signal is looked at."""
     from nonsmooth.simulation import runner
 
-    system, original = wall(slow={}), runner.run
+    system, original = wall(slow={}), runner.run_some
     whole = ns.simulate(system, periods=50)
 
     def interrupted(*given):
         os.kill(os.getpid(), signal.SIGINT)
         return original(*given)
 
-    monkeypatch.setattr(runner, "run", interrupted)
+    monkeypatch.setattr(runner, "run_some", interrupted)
     with pytest.warns(ns.RunWarning, match="interrupted"):
         run = ns.simulate(system, periods=50)
     assert run.attrs["status"] == "interrupted"

@@ -156,7 +156,7 @@ def _check_boxes(boxes: Any) -> list[int] | None:
         return None
     try:
         sides = sorted({whole_number("boxes", float(side)) for side in boxes})
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise OptionError(
             f"boxes = {boxes!r:.60}: give whole numbers of boxes per side, such as (8, 16, 32)"
         ) from None

@@ -174,7 +174,7 @@ def _asked(sweep: Sweep, contact: Any, of: Any, percentiles: Any) -> Asked:
             raise OptionError(f"of: {unknown_name('variable', str(name), known)}")
     try:
         parts = np.atleast_1d(np.asarray(percentiles, dtype=float))
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         parts = np.full(1, np.nan)
     if parts.ndim != 1 or not np.all((parts >= 0.0) & (parts <= 100.0)):
         raise OptionError(f"percentiles = {percentiles!r:.60}: give numbers from 0 to 100")

@@ -194,7 +194,7 @@ def _check_grid(
             raise OptionError(f"over: {unknown_name('parameter', str(name), system.parameters)}")
         try:
             array = np.atleast_1d(np.asarray(each, dtype=float))
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             raise OptionError(f"over: {name!r}: {each!r:.60} is no list of numbers") from None
         if array.ndim != 1 or array.size == 0 or not np.all(np.isfinite(array)):
             raise OptionError(

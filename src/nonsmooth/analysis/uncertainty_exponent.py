@@ -238,7 +238,7 @@ def _check_distances(distances: Any, shape: tuple[int, ...]) -> list[int]:
         return sorted({d for s in doubled for d in (s, s + s // 2) if d <= longest})
     try:
         steps = sorted({whole_number("distances", float(d)) for d in distances})
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise OptionError(
             f"distances = {distances!r:.60}: give whole numbers of cells, such as (1, 2, 4, 8)"
         ) from None
@@ -255,7 +255,7 @@ def _check_pair(between: Any) -> tuple[int, int] | None:
         return None
     try:
         first, second = (int(label) for label in between)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         first = second = 0
     if first == second:
         raise OptionError(f"between = {between!r:.60}: give two different labels, such as (1, 2)")

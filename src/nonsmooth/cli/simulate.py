@@ -45,6 +45,12 @@ def simulate(
         str | None, typer.Option(metavar="p=0.1,y=0", help="States at the start.")
     ] = None,
     samples_per_period: Annotated[int, typer.Option(help="Samples per period.")] = 100,
+    max_seconds: Annotated[
+        float | None, typer.Option(help="End the run when it has taken so long.")
+    ] = None,
+    max_events: Annotated[
+        int | None, typer.Option(help="End the run after so many events.")
+    ] = None,
     plot: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Draw a time history: .png or .pdf.")
     ] = None,
@@ -90,6 +96,8 @@ def simulate(
         system,
         constants(settings(names(start), "--start"), "--start"),
         samples_per_period=samples_per_period,
+        max_seconds=max_seconds,
+        max_events=max_events,
         **length,
     )
     from nonsmooth.cli.summary import summary

@@ -154,7 +154,7 @@ def _numbers(what: str, values: Any, shape: tuple[int, ...]) -> Array:
         if numbers.dtype.kind not in "fiu":
             raise TypeError(f"of kind {numbers.dtype}")
         numbers = numbers.astype(float, copy=False)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise OptionError(
             f"{what} is {values!r:.60}, not real numbers ({error}); residual(u, p) returns an array"
             " r, or (r, J_u, J_p) with derivatives"

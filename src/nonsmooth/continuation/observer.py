@@ -137,7 +137,7 @@ class Observer:
                 )
         try:
             return {name: float(value) for name, value in found.items()}
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             raise OptionError(
                 f"tests returned {dict(found)!r:.80}; each value must be one real number, NaN where"
                 " there is none"

@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from numbers import Integral, Real
+from numbers import Integral
 from typing import Any
 
 import numpy as np
 
 from nonsmooth.continuation.arrays import Array
 from nonsmooth.errors import OptionError
+from nonsmooth.real_numbers import finite_real, shown
 
 __all__ = [
     "OWN_NAMES",
@@ -76,7 +77,7 @@ def start_of(u: Any, p: Any) -> tuple[Array, float]:
         if unknowns.dtype.kind not in "fiu":
             raise TypeError
         unknowns = np.atleast_1d(unknowns.astype(float))
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise OptionError(f"u = {u!r:.60} must be real numbers: one for each unknown") from None
     if unknowns.ndim != 1 or not unknowns.size:
         raise OptionError(
@@ -114,8 +115,8 @@ def checked_bounds(p: float, bounds: Any) -> tuple[float, float]:
     """Bounds that are in order, with the start inside them."""
     try:
         low, high = (float(bound) for bound in bounds)
-    except (TypeError, ValueError):
-        raise OptionError(f"bounds = {bounds!r:.60}: two numbers (low, high)") from None
+    except (TypeError, ValueError, OverflowError):
+        raise OptionError(f"bounds = {shown(bounds)}: two numbers (low, high)") from None
     if not low < high:
         raise OptionError(f"bounds = ({low:g}, {high:g}): the first must be below the second")
     if not low <= p <= high:
@@ -129,9 +130,7 @@ def number(name: str, value: Any) -> float:
     """A finite number."""
     if isinstance(value, np.ndarray) and value.size == 1:
         value = value.item()
-    if isinstance(value, bool) or not isinstance(value, Real) or not math.isfinite(value):
-        raise OptionError(f"{name} = {value!r:.60} is not a finite number")
-    return float(value)
+    return finite_real(name, value)
 
 
 def _positive(name: str, value: Any) -> float:

@@ -35,7 +35,7 @@ def scaled_direction(direction: Any, n: int, scale: Array) -> tuple[Array, bool]
     try:
         du, dp = direction
         ahead = np.append(np.asarray(du, dtype=float).reshape(n), float(dp)) / scale
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise OptionError(
             f"direction = {direction!r:.60}: 1, -1, or (du, dp) with {n} numbers and one"
         ) from None

@@ -24,7 +24,12 @@ from nonsmooth.engine.tables import LANES, ORDER, Sizes, Tables
 __all__ = [
     "ANY",
     "GOES_ON",
+    "NO_LIMIT",
+    "RESUMES",
     "SAME",
+    "SEARCHING",
+    "STOPPING",
+    "WORK",
     "Anchor",
     "Lane",
     "Records",
@@ -39,10 +44,19 @@ __all__ = [
     "lane_records",
     "run",
     "run_lanes",
+    "run_some",
 ]
 
-# how a run begins: in the first mode that fits; it goes on; SAME - m enters mode m in any case
-ANY, GOES_ON, SAME = constant("ANY"), constant("GOES_ON"), constant("SAME")
+# how a run begins: in the first mode that fits; it goes on from its anchor; it goes on within the
+# segment in which it paused; SAME - m enters mode m in any case
+ANY, GOES_ON, RESUMES = constant("ANY"), constant("GOES_ON"), constant("RESUMES")
+SAME = constant("SAME")
+# what a run was at in its segment when it paused; that it ends where its search has come to
+SEARCHING, STOPPING = constant("SEARCHING"), constant("STOPPING")
+# Work that a call of the engine does before it pauses: a tenth of a second, see work.hpp.
+WORK = 100_000_000
+# events after which a run ends that has no limit
+NO_LIMIT = 2**62
 _TERMS, _MAX_DEGREE = constant("TERMS"), constant("MAX_DEGREE")
 
 
@@ -117,6 +131,7 @@ class Segment(Record):
     chain_noise: Floats
     order: Integers
     to_knot: Floats
+    pause: Rows  # (): where a run has paused within the segment
     left_out: Rows
     extent: Floats
     mark: Floats
@@ -204,7 +219,7 @@ def allocate_segment(sizes: Sizes, n_rates: int = 0) -> Segment:
         Segment.struct,
         z=(big_n,), spare=(big_n,), origin=(big_n,), now=(big_n,), kept=(big_n,),
         chain=(powers, big_n), chain_noise=(powers, big_n),
-        order=(sizes.exits,), extent=(big_n,), mark=(big_n,), visited=(sizes.modes,),
+        order=(sizes.exits,), pause=(), extent=(big_n,), mark=(big_n,), visited=(sizes.modes,),
         newton=(3, big_n), factors=(sizes.factors + 1,), scan=(sizes.exits,), scale=(big_n,),
         basis=(2, big_n, big_n), series=(registers,), doubt=(registers,),
         dual=(registers, blocks, _TERMS), left_out=(1,),
@@ -244,6 +259,8 @@ class _Task(Record):
     passed: Integers
     statuses: Integers
     tolerance: float
+    work: int
+    most_events: int
 
 
 def run_lanes(
@@ -262,6 +279,8 @@ def run_lanes(
     passed: Integers,
     statuses: Integers,
     tolerance: float,
+    work: int = WORK,
+    most_events: int = NO_LIMIT,
 ) -> int:
     """Run the lanes first ... last - 1 to a time given as window number and phase.
 
@@ -269,15 +288,21 @@ def run_lanes(
     k tables a lane passes through windows one after the other, each with its own tables, of which
     the last one ends at the time given; passed (1 + k,) has the number of windows behind the lane,
     from where it goes on, and the samples by the end of each.
-    modes: GOES_ON goes on from the anchor. Others make a start there, with columns of derivatives
-    that begin there too: ANY takes the first mode that fits, a number that one if it does. SAME - m
-    enters mode m after parameters have changed, whether it fits or not, and derivatives go on.
+    modes: GOES_ON goes on from the anchor, RESUMES within the segment in which the lane paused,
+    with its scratch as it was left; afterwards they say how each lane goes on. Others make a start
+    there, with columns of derivatives that begin there too: ANY takes the first mode that fits, a
+    number that one if it does. SAME - m enters mode m after parameters have changed, whether it
+    fits or not, and derivatives go on.
     statuses: COMPLETED, STOPPED, DIVERGED, UNDECIDED, INADMISSIBLE when no mode fits, NONUNIQUE
     when cells on both sides of a surface do, EVENT_LIMIT, STEP_LIMIT, SINGULAR, SLIDING,
-    BUFFER_FULL (call again with GOES_ON after emptying the event buffer) or PAUSED (call again)
+    WORK_LIMIT after most_events, BUFFER_FULL (call again after emptying the event buffer) or
+    PAUSED, after so much work (call again)
     returns: the first lane that is not run, or the one that is paused
     """
-    task = _Task(modes, first, last, int(end_number), float(end_phase), passed, statuses, tolerance)
+    task = _Task(
+        modes, first, last, int(end_number), float(end_phase), passed, statuses, tolerance, work,
+        most_events,
+    )  # fmt: skip
     return int(
         engine.nonsmooth_run_lanes(
             stack.pointer, rates.pointer, scratch.pointer, anchors.pointer, segment.pointer,
@@ -286,14 +311,29 @@ def run_lanes(
     )  # fmt: skip
 
 
-def run(
-    lane: Lane, records: Records, mode: int, end: tuple[int, float], tolerance: float
-) -> Status:
-    """Run one lane to an instant; mode and status are those of `run_lanes`."""
+def run_some(
+    lane: Lane,
+    records: Records,
+    mode: int,
+    end: tuple[int, float],
+    tolerance: float,
+    most_events: int = NO_LIMIT,
+) -> tuple[Status, int]:
+    """Run one lane towards an instant, as far as one call goes; also how it goes on."""
     tables, rates, scratch, anchor, segment, tangent = lane
     modes, passed, statuses = np.array([mode]), np.zeros(2, np.int64), np.empty(1, np.int64)
     run_lanes(
         tables.as_lanes, rates, scratch, anchor.as_lanes, segment, tangent.as_lanes,
-        records.as_lanes, modes, 0, 1, *end, passed, statuses, tolerance,
+        records.as_lanes, modes, 0, 1, *end, passed, statuses, tolerance, WORK, most_events,
     )  # fmt: skip
-    return Status(int(statuses[0]))
+    return Status(int(statuses[0])), int(modes[0])
+
+
+def run(
+    lane: Lane, records: Records, mode: int, end: tuple[int, float], tolerance: float
+) -> Status:
+    """Run one lane to an instant, or until it ends; mode and status are those of `run_lanes`."""
+    while True:
+        status, mode = run_some(lane, records, mode, end, tolerance)
+        if status != Status.PAUSED:
+            return status

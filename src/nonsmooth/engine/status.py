@@ -23,6 +23,7 @@ class Status(IntEnum):
     SLIDING = 10
     REFUSED = 11
     TIME_LIMIT = 12
+    WORK_LIMIT = 13
     # inside the engine only
     BUFFER_FULL = 20
     PAUSED = 24
@@ -107,6 +108,10 @@ CURES: dict[Status, str] = {
     Status.TIME_LIMIT: (
         "no point on the section for 10000 periods, or units of time without one; check that the"
         " motion comes through it in the direction that counts"
+    ),
+    Status.WORK_LIMIT: (
+        "the run has reached max_seconds= or max_events=; all until then is kept, and it goes on"
+        " from there when it is passed as initial="
     ),
     Status.INTERRUPTED: "by the user; what was computed is kept",
 }

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import fields
-from numbers import Real
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import ModelError, OptionError
+from nonsmooth.real_numbers import finite_real
 
 __all__ = [
     "Array",
@@ -43,20 +42,12 @@ def set_numbers(thing: Any, positive: Mapping[str, str]) -> None:
 
 def finite_number(name: str, value: Any) -> float:
     """One number of a specimen or curve, or an error that names it."""
-    try:
-        number = math.nan if isinstance(value, (bool, str)) else float(value)
-    except (TypeError, ValueError):
-        number = math.nan
-    if not math.isfinite(number):
-        raise ModelError(f"{name} = {value!r:.60} is not a finite number")
-    return number
+    return finite_real(name, value, ModelError)
 
 
 def finite(name: str, value: Any) -> float:
     """A finite number."""
-    if isinstance(value, bool) or not isinstance(value, Real) or not math.isfinite(value):
-        raise OptionError(f"{name} = {value!r:.60} is not a finite number")
-    return float(value)
+    return finite_real(name, value)
 
 
 def positive(name: str, value: Any, unit: str = "") -> float:
@@ -71,7 +62,7 @@ def finite_array(name: str, values: Any) -> Array:
     """Values as numbers that are all finite, or an error that shows the first one that is not."""
     try:
         numbers = real_numbers(values)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise OptionError(f"{name} = {values!r:.60} is no number, nor are its parts") from None
     if not np.all(np.isfinite(numbers)):
         place = int(np.flatnonzero(~np.isfinite(numbers))[0])

@@ -58,7 +58,7 @@ def intensity(stress_intensity: StressIntensity, load: Any, crack: Any) -> Array
     value = stress_intensity(load, crack)
     try:
         found = real_numbers(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise OptionError(
             f"stress_intensity gave {value!r:.60}; it has to give numbers in MPa sqrt(m)"
         ) from None

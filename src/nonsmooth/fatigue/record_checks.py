@@ -16,7 +16,7 @@ def record_values(name: str, values: Any) -> Array:
     """Samples of a record: one dimension, two at least, all finite."""
     try:
         found = real_numbers(values)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise OptionError(f"{name}: give samples as numbers, not {values!r:.60}") from None
     if found.ndim != 1:
         raise OptionError(f"{name} has {found.ndim} dimensions; give one series of samples")

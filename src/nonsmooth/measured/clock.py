@@ -25,7 +25,7 @@ def numbers(name: str, values: Any) -> Floats:
     try:
         given = np.asarray(values)
         found = np.array(given, dtype=float) if given.dtype.kind != "c" else None
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise OptionError(f"{name} = {values!r:.60}: give numbers") from None
     if found is None or found.ndim != 1 or found.size == 0:
         raise OptionError(f"{name}: give real samples in one dimension, one at least")
@@ -112,6 +112,6 @@ def _even_grid(times: Floats, first: int, places: Places) -> tuple[float, float,
 def _two_times(time_range: Any) -> tuple[float, float]:
     try:
         low, high = (float(value) for value in time_range)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise OptionError(f"time_range = {time_range!r:.60}: give two times") from None
     return low, high

@@ -86,7 +86,7 @@ def given_marks(marks: Any) -> Floats:
     """Times of marks given by the caller."""
     try:
         times = np.asarray(marks, dtype=float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise OptionError(f"marks = {marks!r:.60}: give the times of the marks") from None
     if times.ndim != 1 or not np.all(np.isfinite(times)):
         raise OptionError("marks: give times in one dimension, all of them finite")

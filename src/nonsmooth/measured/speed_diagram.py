@@ -184,7 +184,7 @@ def _across(
         return speeds, words
     try:
         given = np.asarray(values, dtype=float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise OptionError(f"values = {values!r:.60}: give a number per record") from None
     if given.shape != speeds.shape or not np.all(np.isfinite(given)):
         raise OptionError(f"values: give a finite number for each of the {speeds.size} records")

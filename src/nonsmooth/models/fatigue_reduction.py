@@ -267,7 +267,7 @@ def reduction_error(system: System, eps: npt.ArrayLike | None = None) -> xr.Data
     p = _symmetric(system)
     try:
         grid = np.atleast_1d(np.asarray(p["eps"] if eps is None else eps, float))
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         grid = np.array([np.nan])
     if grid.ndim != 1 or grid.size == 0 or not np.all(np.isfinite(grid) & (grid > 0.0)):
         raise OptionError(

@@ -236,7 +236,7 @@ class MatrixRotor:
 def _freedoms(name: str, given: Any, n: int) -> tuple[int, int]:
     try:
         x, y = (operator.index(value) for value in given)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise ModelError(f"{name} = {given!r:.60}: give two degrees of freedom, (x, y)") from None
     for value in (x, y):
         if not 0 <= value < n:
@@ -253,7 +253,7 @@ def _unbalance(place: int, given: Any, n: int) -> tuple[int, int, float, float]:
     try:
         x, y, *numbers = given
         moment, phase = (float(v) for v in (*numbers, 0.0)[: max(2, len(numbers))])
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise ModelError(f"{name} = {given!r:.60}: give (x, y, moment) or with a phase") from None
     if not (math.isfinite(moment) and math.isfinite(phase)):
         raise ModelError(f"{name}: moment and phase must be finite numbers")
@@ -263,7 +263,7 @@ def _unbalance(place: int, given: Any, n: int) -> tuple[int, int, float, float]:
 def _load(given: Any, n: int) -> tuple[float, ...]:
     try:
         load = tuple(map(float, [0.0] * n if given is None else given))
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise ModelError("load: give a number for each degree of freedom") from None
     if len(load) != n:
         raise ModelError(f"load has {len(load)} numbers for {n} degrees of freedom")

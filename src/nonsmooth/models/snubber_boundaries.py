@@ -10,6 +10,7 @@ import numpy as np
 
 from nonsmooth.errors import OptionError
 from nonsmooth.models.snubber_ring import check_preload, regime_flags
+from nonsmooth.real_numbers import finite_real
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -18,6 +19,7 @@ __all__ = ["snubber_boundaries"]
 
 _SIGNS = (1, -1)
 _FEWEST = 3  # points of a curve
+_MOST = 10**6
 _NUMBERS = {"I": 1, "II": 2, "III": 3, "IV": 4, "V": 5}
 
 
@@ -91,12 +93,12 @@ def snubber_boundaries(
 
     delta_x, delta_y = check_preload(delta_x, delta_y)
     corner = 1.0 + math.hypot(delta_x, delta_y)
-    if not (math.isfinite(extent) and extent >= corner):
-        raise OptionError(
-            f"extent = {extent:g} must be finite and not below {corner:g}, where the corner is"
-        )
-    if isinstance(points, bool) or points != int(points) or points < _FEWEST:
-        raise OptionError(f"points = {points!r} must be a whole number of at least {_FEWEST}")
+    extent = finite_real("extent", extent)
+    if not extent >= corner:
+        raise OptionError(f"extent = {extent:g} must not be below {corner:g}, where the corner is")
+    given = finite_real("points", points)
+    if given != int(given) or not _FEWEST <= given <= _MOST:
+        raise OptionError(f"points = {given:g} must be a whole number from {_FEWEST} to {_MOST}")
     curves = list(_curves(delta_x, delta_y, extent, int(points)))
     flags = regime_flags()
     return xr.Dataset(

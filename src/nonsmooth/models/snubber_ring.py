@@ -181,7 +181,7 @@ def check_preload(delta_x: float, delta_y: float) -> tuple[float, float]:
 def _number(name: str, value: object) -> float:
     try:
         number = float(value)  # type: ignore[arg-type] # whatever else comes is refused
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         number = math.nan
     if not math.isfinite(number):
         raise ModelError(f"{name} = {value!r:.60} is not a finite number")
@@ -246,7 +246,7 @@ def _finite(name: str, values: Any) -> np.ndarray:
         if array.dtype.kind not in "iuf":
             raise TypeError
         array = array.astype(float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise OptionError(f"{name}: values must be real numbers") from None
     if not np.isfinite(array).all():
         raise OptionError(

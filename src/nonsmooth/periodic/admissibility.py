@@ -175,15 +175,13 @@ def _run(legs: Legs, lanes: _Lanes, how: Integers, end: float, tolerance: float)
         columns=np.zeros((count, *tangent.columns.shape)),
         samples=np.zeros((count, *tangent.samples.shape)),
     )
-    first, passed = 0, np.zeros(2, np.int64)
+    first, passed, segment = 0, np.zeros(2, np.int64), allocate_segment(sizes)
     while first < count:
         first = run_lanes(
             legs.tables.as_lanes, no_rates(), no_scratch(), lanes.anchors,
-            allocate_segment(sizes), tangent, lanes.records, how, first, count, number,
+            segment, tangent, lanes.records, how, first, count, number,
             end - number * window, passed, lanes.status, tolerance,
         )  # fmt: skip
-        if first < count:
-            how[first] = GOES_ON
 
 
 def _all_agree(

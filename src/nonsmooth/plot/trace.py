@@ -83,7 +83,7 @@ def check_range(
         return None
     try:
         low, high = (float(value) for value in time_range)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise OptionError(
             f"time_range = {time_range!r:.60}: give two times, such as (800, 1200)"
         ) from None

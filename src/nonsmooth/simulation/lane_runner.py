@@ -152,8 +152,6 @@ class LaneRunner:
                 stack, self.rates, self.scratch, anchors, self.segment, tangent, records,
                 how, first, count, end.number, end.phase, passed, statuses, self.tolerance,
             )  # fmt: skip
-            if first < count:
-                how[first] = GOES_ON
         lanes.anchors.put(chosen, anchors)
         lanes.status[chosen], lanes.mode[chosen] = statuses, GOES_ON
         lanes.end_state[chosen] = records.end_state

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
-from numbers import Real
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.real_numbers import finite_numbers, finite_real
 from nonsmooth.system.system import System
 
 __all__ = [
@@ -20,6 +19,7 @@ __all__ = [
     "check_signals",
     "finite_number",
     "parameters_of_tangent",
+    "positive_number",
     "time_grid",
     "whole_number",
 ]
@@ -30,11 +30,17 @@ _MOST_SAMPLES = 10**8
 
 def finite_number(name: str, value: Any) -> float:
     """Value of an option that must be a finite number of reasonable size."""
-    if isinstance(value, bool) or not isinstance(value, Real):
-        raise OptionError(f"{name} = {value!r:.60} is not a number")
-    number = float(value)
-    if not math.isfinite(number) or abs(number) > _LARGEST_TIME:
-        raise OptionError(f"{name} = {number:g} must be finite, at most {_LARGEST_TIME:g} in size")
+    number = finite_real(name, value)
+    if abs(number) > _LARGEST_TIME:
+        raise OptionError(f"{name} = {number:g} must be at most {_LARGEST_TIME:g} in size")
+    return number
+
+
+def positive_number(name: str, value: Any) -> float:
+    """Value of an option that must be positive."""
+    number = finite_number(name, value)
+    if not number > 0.0:
+        raise OptionError(f"{name} = {number:g} must be positive")
     return number
 
 
@@ -55,10 +61,7 @@ def check_flag(name: str, value: Any) -> bool:
 
 def time_grid(value: Any) -> npt.NDArray[np.float64]:
     """Times to sample: one dimension, finite, not decreasing."""
-    try:
-        grid = np.atleast_1d(np.asarray(value, dtype=float))
-    except (TypeError, ValueError):
-        raise OptionError(f"times = {value!r:.60}: give a list of numbers") from None
+    grid = np.atleast_1d(finite_numbers("times", value))
     if grid.ndim != 1 or grid.size == 0 or not np.all(np.abs(grid) <= _LARGEST_TIME):
         raise OptionError(
             "times= takes a one-dimensional, non-empty list of finite numbers, at most"

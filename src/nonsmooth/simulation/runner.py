@@ -20,6 +20,9 @@ from nonsmooth.engine.derivatives import (
 )
 from nonsmooth.engine.lanes import (
     GOES_ON,
+    RESUMES,
+    SEARCHING,
+    STOPPING,
     Anchor,
     Lane,
     Records,
@@ -28,6 +31,7 @@ from nonsmooth.engine.lanes import (
     allocate_segment,
     allocate_tangent,
     run,
+    run_some,
 )
 from nonsmooth.engine.record import Rows
 from nonsmooth.engine.status import SETUP_ERRORS, EventKind, Status
@@ -37,6 +41,7 @@ from nonsmooth.simulation.clock import Instant, Plan
 from nonsmooth.simulation.event_log import FIRST_CAPACITY, EventLog
 from nonsmooth.simulation.history import History
 from nonsmooth.simulation.interrupts import HeldInterrupts
+from nonsmooth.simulation.limits import UNLIMITED, Limits
 from nonsmooth.simulation.progress import Progress
 from nonsmooth.system.system import System
 
@@ -54,7 +59,7 @@ __all__ = [
 ]
 
 _ZERO = Instant(0, 0.0)
-_WINDOWS_PER_CALL = 10_000  # a few hundredths of a second: interruption and progress
+_ROUNDS = 8  # until a sum of times is rounded to the other side
 
 
 class NoMode(Exception):
@@ -179,6 +184,7 @@ def run_plan(
     mode: int = -1,
     keep_events: bool = True,
     derivatives: Derivatives = NO_DERIVATIVES,
+    limits: Limits = UNLIMITED,
 ) -> Outcome:
     """Run a plan from an anchor, or from a state at an instant; `NoMode` when none fits."""
     sizes = tables.sizes
@@ -194,6 +200,8 @@ def run_plan(
         mode = GOES_ON
         log_going_on(records, begin, anchor, state)
         records.since[()] = tuple(begin)
+        if state is not None:
+            records.end_state[:] = state
     log = EventLog(keep_events)
     lane = (tables, derivatives.rates, derivatives.scratch, anchor, segment, tangent)
     windows = max(1, plan.end.number - anchor.number)
@@ -204,12 +212,15 @@ def run_plan(
                 progress.update(done)
                 held.check()
 
-            status, records = advance(lane, plan.end, records, log, tolerance, report, mode=mode)
+            status, records = advance(
+                lane, plan.end, records, log, tolerance, report, mode=mode, limits=limits
+            )
     except KeyboardInterrupt:  # it came in the last call, whose results are kept too
         status = Status.INTERRUPTED
     if status == Status.INADMISSIBLE and records.n_events == 0:
         raise NoMode(segment.z.copy())
     end = plan.end if status == Status.COMPLETED else last_instant(anchor, records)
+    keep_start(records, begin, anchor)
     rows, states = log.rows(records)
     return Outcome(
         status=status,
@@ -238,30 +249,65 @@ def advance(
     report: Callable[[int], None],
     *,
     mode: int = GOES_ON,
+    limits: Limits = UNLIMITED,
 ) -> tuple[Status, Records]:
-    """Run to an instant, in chunks; ``report`` is told how many windows are done.
+    """Run to an instant, in pieces; ``report`` is told how many windows are done.
 
-    ``mode`` says how the first chunk begins, see `run_lane`.
+    ``mode`` says how the first piece begins, see `run_lanes`. A run that is interrupted, or has
+    reached its limits, ends where it has come to.
     """
     anchor = lane[3]
     first = anchor.number
     windows = max(1, end.number - first)
     while True:
-        done = anchor.number + _WINDOWS_PER_CALL
-        stop = Instant(done, 0.0) if done < end.number else end
         try:
-            status = run(lane, records, mode, stop, tolerance)
-        except KeyboardInterrupt:
-            return Status.INTERRUPTED, records
-        mode = GOES_ON
-        if status == Status.BUFFER_FULL:
-            records = log.make_room(records, (anchor.number - first) / windows)
-        elif status != Status.PAUSED and (status != Status.COMPLETED or stop == end):
-            return status, records
-        try:
+            status, mode = run_some(lane, records, mode, end, tolerance, limits.most_events)
+            if status == Status.BUFFER_FULL:
+                records = log.make_room(records, (anchor.number - first) / windows)
+            elif status != Status.PAUSED:
+                return status, records
             report(anchor.number - first)
+            if not limits.time_is_up:
+                continue
+            status = Status.WORK_LIMIT
         except KeyboardInterrupt:
-            return Status.INTERRUPTED, records
+            status = Status.INTERRUPTED
+        if mode == RESUMES:
+            _stop_within(lane, records, tolerance)
+        return status, records
+
+
+def _stop_within(lane: Lane, records: Records, tolerance: float) -> None:
+    """End a run at the place in a segment to which the search for its next event has come.
+
+    Up to there nothing happens. A run that goes on and has not come to its start yet stays there.
+    """
+    tables, anchor, pause = lane[0], lane[3], lane[4].pause
+    reached, window = float(pause["reached"]), tables.window
+    whole = np.floor((anchor.phase + reached) / window)
+    phase = anchor.phase + reached - whole * window
+    for _ in range(_ROUNDS):  # the engine must find this instant no later than what is reached
+        late = whole * window + (phase - anchor.phase) - reached
+        if late <= 0.0:
+            break
+        phase -= max(late, np.spacing(phase))
+    end = Instant(anchor.number + int(whole), float(phase))
+    since = records.since
+    before = (float(since["number"]), float(since["phase"]))
+    if late > 0.0 or phase < 0.0 or tuple(end) < before:
+        return
+    if pause["stage"] == SEARCHING:
+        pause["stage"] = STOPPING
+    run(lane, records, RESUMES, end, tolerance)
+
+
+def keep_start(records: Records, begin: Instant, anchor: Anchor) -> None:
+    """Write the sample at the start of a run that goes on and has not left it."""
+    if records.counters["samples"] or not records.sample_number.size:
+        return
+    if Instant(int(records.sample_number[0]), float(records.sample_phase[0])) == begin:
+        records.sample_state[0], records.sample_mode[0] = records.end_state, anchor.mode
+        records.counters["samples"] = 1
 
 
 def last_instant(anchor: Anchor, records: Records) -> Instant:

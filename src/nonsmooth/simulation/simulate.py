@@ -14,6 +14,7 @@ from nonsmooth.errors import RunWarning
 from nonsmooth.simulation.clock import plan_run
 from nonsmooth.simulation.dataset import run_dataset, time_of_lost_derivatives
 from nonsmooth.simulation.first_mode import in_first_mode
+from nonsmooth.simulation.limits import Limits, limits_from
 from nonsmooth.simulation.options import (
     check_flag,
     check_run_options,
@@ -51,6 +52,8 @@ def simulate(
     tolerance: float = 1e-12,
     events: bool = True,
     tangent: bool | Sequence[str] = False,
+    max_seconds: float | None = None,
+    max_events: int | None = None,
 ) -> xr.Dataset:
     """Trajectory of a system, its event log and the certificate of both.
 
@@ -95,6 +98,12 @@ def simulate(
         Whether to carry the derivatives of the states by the initial states, and by the
         parameters: by all of them, or by those named in a list, which may be empty. A run
         that goes on begins them anew.
+    max_seconds : float, optional
+        Time of the clock that the run may take. A run that takes longer ends with status
+        ``work_limit``: it holds everything up to there, and goes on when it is passed as
+        ``initial``. The clock decides where the run ends, never what it computes.
+    max_events : int, optional
+        Number of events, tangencies included, after which the run ends likewise.
 
     Returns
     -------
@@ -109,7 +118,7 @@ def simulate(
         ``sensitivity (time, state, parameter_0)``, those by parameters, both at a fixed
         time and just before an event that falls on a sample. Attributes: ``status``
         (completed, stopped, diverged, undecided, nonunique, inadmissible, event_limit,
-        step_limit, singular, sliding, refused, interrupted) with its ``message``,
+        step_limit, work_limit, singular, sliding, refused, interrupted) with its ``message``,
         ``phase_word`` of the last period, ``n_events``, ``n_uncertain``, the system as TOML
         and the options.
 
@@ -132,8 +141,11 @@ def simulate(
 
     Notes
     -----
-    Cost in a linear mode: about a microsecond per event and as much per sample. In a mode
-    that is not linear the cost is that of the steps of its Taylor series of order 20, each
+    A linear mode without exits needs neither looks nor steps: whatever its frequencies, its
+    closed form leads from the start to any time.
+
+    Cost in a linear mode with exits: about a microsecond per event and as much per sample. In
+    a mode that is not linear the cost is that of the steps of its Taylor series of order 20, each
     about as long as the fastest motion takes, so stiff ones are slow. Guarantees are up to
     rounding, and in a Taylor mode up to what the last terms of the series tell of the
     next: a tangency that they leave open is decided by the best guess, flagged in
@@ -161,10 +173,11 @@ def simulate(
     system = check_run_options(system, parameters, mode, tolerance)
     chosen = parameters_of_tangent(system, tangent)
     keep_events = check_flag("events", events)
+    limits = limits_from(max_seconds, max_events)
     given = (initial, t_start, mode, parameters is not None)
     ends = {"periods": periods, "t_end": t_end, "times": times}
     make = _simulate_slow if system.slow else _simulate
-    outcome = make(system, given, ends, samples_per_period, tolerance, keep_events, chosen)
+    outcome = make(system, given, ends, samples_per_period, tolerance, keep_events, chosen, limits)
     options: dict[str, Any] = {
         "tolerance": float(tolerance),
         "samples_per_period": int(samples_per_period),
@@ -193,6 +206,7 @@ def _simulate(
     tolerance: float,
     keep_events: bool,
     chosen: tuple[str, ...] | None,
+    limits: Limits,
 ) -> Outcome:
     tables = build_tables(system)
     start = resolve_start(system, tables, *given)
@@ -215,6 +229,7 @@ def _simulate(
             mode=mode,
             keep_events=keep_events,
             derivatives=derivatives,
+            limits=limits,
         )
 
     return in_first_mode(system, tables, start, run)
@@ -228,6 +243,7 @@ def _simulate_slow(
     tolerance: float,
     keep_events: bool,
     chosen: tuple[str, ...] | None,
+    limits: Limits,
 ) -> Outcome:
     slow = SlowParameters(system)
     check_slow_tangent(slow, chosen)
@@ -242,7 +258,7 @@ def _simulate_slow(
     def run(mode: int) -> Outcome:
         return run_slow(
             slow, tables, period, plan, start, tolerance, mode=mode, keep_events=keep_events,
-            chosen=chosen,
+            chosen=chosen, limits=limits,
         )  # fmt: skip
 
     return in_first_mode(system, tables, start, run)

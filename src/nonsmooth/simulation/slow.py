@@ -27,6 +27,7 @@ from nonsmooth.simulation.clock import Instant, Plan
 from nonsmooth.simulation.event_log import FIRST_CAPACITY, EventLog
 from nonsmooth.simulation.history import Frozen
 from nonsmooth.simulation.interrupts import HeldInterrupts
+from nonsmooth.simulation.limits import UNLIMITED, Limits
 from nonsmooth.simulation.progress import Progress
 from nonsmooth.simulation.runner import NoMode, Outcome, last_instant, log_going_on
 from nonsmooth.simulation.slow_plan import SlowPlan
@@ -66,6 +67,7 @@ def run_slow(
     mode: int = ANY,
     keep_events: bool = True,
     chosen: tuple[str, ...] | None = None,
+    limits: Limits = UNLIMITED,
 ) -> Outcome:
     """Run a plan from the period of its start; `NoMode` where no mode admits the start."""
     sizes = tables.sizes
@@ -77,6 +79,7 @@ def run_slow(
         tangent=allocate_tangent(sizes, n_chosen, 0),
         records=allocate_records(sizes, *_NOTHING, FIRST_CAPACITY),
         log=EventLog(keep_events),
+        limits=limits,
     )  # fmt: skip
     run.enter(period, tables)
     status = Status.COMPLETED
@@ -87,6 +90,7 @@ def run_slow(
     else:
         log_going_on(run.records, start.instant, run.anchor, start.state)
         run.records.since[()] = tuple(start.instant)
+        run.records.end_state[:] = start.state
     end = None
     try:
         with HeldInterrupts() as held, Progress("simulating", plan.total) as progress:
@@ -96,6 +100,9 @@ def run_slow(
                 if status == Status.INADMISSIBLE and run.records.n_events == 0:
                     raise NoMode(run.segment.z.copy())
                 if end is not None or status != Status.COMPLETED:
+                    break
+                if limits.time_is_up:
+                    status = Status.WORK_LIMIT
                     break
                 status = run.pass_ahead(plan, held.check)
                 progress.update(plan.done(run.history.periods[-1]))

@@ -9,13 +9,14 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.engine.lanes import GOES_ON, SAME, Anchor, Records, run_lanes
+from nonsmooth.engine.lanes import GOES_ON, RESUMES, SAME, WORK, Anchor, Records, run_lanes
 from nonsmooth.engine.status import Status
 from nonsmooth.engine.tables import Tables, allocate_stack, set_up
 from nonsmooth.errors import ModelError
 from nonsmooth.simulation.clock import Instant
 from nonsmooth.simulation.event_log import EventLog
 from nonsmooth.simulation.history import Frozen, History
+from nonsmooth.simulation.limits import UNLIMITED, Limits
 from nonsmooth.simulation.runner import NO_DERIVATIVES, advance, build_derivatives, build_tables
 from nonsmooth.simulation.slow_plan import Part, SlowPlan
 from nonsmooth.system.slow import SlowParameters
@@ -56,6 +57,7 @@ class SlowRun:
     tangent: Any
     records: Records
     log: EventLog
+    limits: Limits = UNLIMITED
     mode: int = GOES_ON  # how the next period begins, see `run_lane`
     history: History = field(default_factory=History)
     pieces: list[tuple[Any, ...]] = field(default_factory=list)
@@ -86,8 +88,9 @@ class SlowRun:
             self.segment, self.tangent,
         )  # fmt: skip
         status, self.records = advance(
-            arrays, end, self.records, self.log, self.tolerance, lambda _: check(), mode=self.mode
-        )
+            arrays, end, self.records, self.log, self.tolerance, lambda _: check(), mode=self.mode,
+            limits=self.limits,
+        )  # fmt: skip
         self.mode = GOES_ON
         self.history.samples[-1] = self._keep_samples(part)
         if extra and status == Status.COMPLETED:
@@ -170,16 +173,18 @@ class SlowRun:
                 run_lanes(
                     stack, NO_DERIVATIVES.rates, NO_DERIVATIVES.scratch, self.anchor.as_lanes,
                     self.segment, self.tangent.as_lanes, self.records.as_lanes, modes, 0, 1,
-                    first + count, 0.0, passed, statuses, self.tolerance,
+                    first + count, 0.0, passed, statuses, self.tolerance, WORK,
+                    self.limits.most_events,
                 )  # fmt: skip
                 status = Status(int(statuses[0]))
                 if status == Status.BUFFER_FULL:
                     reached = int(passed[0])
                     done = plan.done(Frozen(first + reached, float(origins[reached]), {}))
                     self.records = self.log.make_room(self.records, done / plan.total)
-                modes[0] = GOES_ON
                 if status == Status.PAUSED:
                     check()
+                    if self.limits.time_is_up and modes[0] != RESUMES:
+                        status = Status.WORK_LIMIT
         except KeyboardInterrupt:
             status = Status.INTERRUPTED
         return status, passed[1 : 2 + passed[0]]

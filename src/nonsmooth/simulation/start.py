@@ -19,14 +19,18 @@ from nonsmooth.engine.lanes import (
     allocate_tangent,
     run,
 )
+from nonsmooth.engine.status import Status
 from nonsmooth.engine.tables import Tables
 from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.real_numbers import finite_real
 from nonsmooth.simulation.clock import Instant, instants
 from nonsmooth.simulation.labels import labels_of
 from nonsmooth.simulation.options import finite_number
 from nonsmooth.system.system import System
 
 _TOLERANCE = 1e-12
+# statuses of runs that go on where they ended
+_GOES_ON = (Status.COMPLETED.word, Status.WORK_LIMIT.word, Status.INTERRUPTED.word)
 _NO_TIMES = (np.zeros(0, np.int64), np.zeros(0))
 
 __all__ = [
@@ -72,7 +76,10 @@ def resolve_start(
             f" {{{system.states[0]!r}: 0.1}}, a point of a dataset, or a run to go on from"
         )
     state = _from_mapping(system, initial or {})
-    instant, modes = _instant(tables, t_start or 0.0), mode_numbers(system, mode)
+    instant, modes = (
+        _instant(tables, 0.0 if t_start is None else t_start),
+        mode_numbers(system, mode),
+    )
     if np.any(np.isnan(state)):
         state = complete_state(system, tables, state, instant, modes)
     return Start(state, instant, modes)
@@ -116,13 +123,7 @@ def _from_mapping(system: System, initial: Mapping[str, Any]) -> npt.NDArray[np.
     for name, value in initial.items():
         if name not in values:
             raise OptionError(f"initial: {unknown_name('state', str(name), system.states)}")
-        try:
-            number = float(value)
-        except (TypeError, ValueError):
-            number = math.nan
-        if not math.isfinite(number):
-            raise OptionError(f"initial[{name!r}] = {value!r:.60} is not a finite number")
-        values[name] = number
+        values[name] = finite_real(f"initial[{name!r}]", value)
     return np.array([values[name] for name in system.states])
 
 
@@ -139,9 +140,9 @@ def mode_numbers(system: System, mode: str | None) -> tuple[int, ...]:
 
 
 def _instant(tables: Tables, time: float) -> Instant:
+    time = finite_number("t_start", time)
     if time == 0.0:
         return Instant(0, 0.0)
-    time = finite_number("t_start", time)
     number, phase = instants([time], tables.window)
     return Instant(int(number[0]), float(phase[0]))
 
@@ -174,7 +175,7 @@ def _from_run(
     repeated: bool,
 ) -> Start:
     status = run.attrs.get("status")
-    if status != "completed" or "anchor_state" not in run or "end_state" not in run:
+    if status not in _GOES_ON or "anchor_state" not in run or "end_state" not in run:
         raise OptionError(
             f"initial: the run ended with status {status!r} and cannot go on; take one of its"
             " points instead, as in run.isel(time=-1)"

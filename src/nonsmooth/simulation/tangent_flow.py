@@ -179,10 +179,8 @@ class TangentFlow:
         )
         records.counters["samples"] = records.counters["segments"] = records.counters["events"] = 0
         tangent = self._tangent.replace(samples=np.full((numbers.size, count, self.n), np.nan))
-        status = Status.PAUSED
-        while status == Status.PAUSED:
-            end = int(numbers[-1]), float(phases[-1])
-            status = run(self._lane(tangent), records, GOES_ON, end, self.tolerance)
+        end = int(numbers[-1]), float(phases[-1])
+        status = run(self._lane(tangent), records, GOES_ON, end, self.tolerance)
         return status, records.sample_state, tangent.samples
 
     def move_to_end(self) -> None:
@@ -254,7 +252,7 @@ class TangentFlow:
             status = run(self._lane(tangent), records, mode, end, self.tolerance)
             self._count(records)
             mode = GOES_ON
-            if status != Status.PAUSED and (status != Status.BUFFER_FULL or one_event):
+            if status != Status.BUFFER_FULL or one_event:
                 return status
 
     def _lane(self, tangent: Tangent) -> Lane:

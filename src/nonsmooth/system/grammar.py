@@ -12,13 +12,13 @@ Joined comparisons are no part of the trees: ``where(a and b, x, y)`` means
 from __future__ import annotations
 
 import keyword
-import math
 import re
 from itertools import pairwise
 from numbers import Real
 from typing import NamedTuple, NoReturn
 
 from nonsmooth.errors import ModelError, unknown_name
+from nonsmooth.real_numbers import finite_real
 from nonsmooth.system.expressions import ONE, ZERO, Call, Expression, Name, Number
 from nonsmooth.system.functions import COMPARISONS, FUNCTIONS
 
@@ -148,13 +148,7 @@ def _number(value: object, where: str) -> Number:
         raise ModelError(
             f"{where}: an expression is a text or a number, such as '-2*v', not {value!r:.60}"
         )
-    try:
-        number = float(value)
-    except OverflowError:
-        raise ModelError(f"{where}: the number is too large for a double") from None
-    if not math.isfinite(number):
-        raise ModelError(f"{where}: {number} is not a finite number")
-    return Number(number)
+    return Number(finite_real(where, value, ModelError))
 
 
 class _Parser:

@@ -179,7 +179,7 @@ def _numbers(what: str, given: Any) -> Floats:
             raise TypeError
         # adding zero makes one spelling of both zeros, so that equal signals are one
         numbers: Floats = array.astype(float) + 0.0
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise ModelError(f"Signal: {what} = {given!r:.60}: give a list of numbers") from None
     if numbers.ndim != 1:
         raise ModelError(

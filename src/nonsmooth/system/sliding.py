@@ -13,7 +13,7 @@ algorithm P. Piiroinen and Y. Kuznetsov, An event-driven method to simulate Fili
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -23,6 +23,7 @@ from nonsmooth.system.cells import Cell, Signs, SplitMode, shown
 from nonsmooth.system.differentiate import rate_of_change
 from nonsmooth.system.equations import Equation
 from nonsmooth.system.expressions import ZERO, Expression, Number, negate
+from nonsmooth.system.frequencies import monomials
 from nonsmooth.system.graph import Graph
 from nonsmooth.system.identities import simplified, substituted, vanishes
 from nonsmooth.system.linear import LinearForm, NotLinear, State
@@ -31,10 +32,11 @@ from nonsmooth.system.points import Points, put_on
 from nonsmooth.system.quotients import quotient, without_squares
 from nonsmooth.system.resolve import Resolver
 from nonsmooth.system.sums import signed_sum
-from nonsmooth.system.switching import SurfaceKey, SwitchingSurface
+from nonsmooth.system.switching import SurfaceKey, SwitchingSurface, switching_function
 
 __all__ = ["Slide", "attract", "between", "cell_on", "related", "slides_of", "solved_for"]
 
+_SURE = 1e-9  # of the numbers in a function, what it must be away from zero to be told from it
 _SAME = 1e-12  # in which ratios of factors agree that are the same for all parameters
 
 
@@ -68,32 +70,104 @@ def slides_of(graph: Graph, mode: SplitMode) -> Iterator[Slide]:
     for key in mode.names:
         above = [cell for cell in mode.cells if cell.signs.get(key) == 1]
         below = [cell for cell in mode.cells if cell.signs.get(key) == -1]
+        faces: dict[int, _Faces] = {}
         for a in above:
+            node = next(s.node for s in a.surfaces if s.key == key)
+            if not graph.states_in(node):
+                continue  # time passes
+            if id(node) not in faces:
+                faces[id(node)] = _Faces(graph, mode, node)
             for b in below:
-                if b.agrees({k: sign for k, sign in a.signs.items() if k != key}):
-                    slide = _slide(graph, mode, key, a, b)
+                if not b.agrees({k: sign for k, sign in a.signs.items() if k != key}):
+                    continue
+                if faces[id(node)].meet(a, b):
+                    slide = _slide(faces[id(node)], key, a, b)
                     if slide is not None:
                         yield slide
 
 
-def _slide(graph: Graph, mode: SplitMode, key: SurfaceKey, a: Cell, b: Cell) -> Slide | None:
-    cell = cell_on(mode, (a, b), (key,))
-    surface = next(s for s in a.surfaces if s.key == key)
-    if not graph.states_in(surface.node):
-        return None  # time passes
-    relations = solved_for(graph, mode.equations, [surface.node])
-    sides = [mode.resolver(c.signs) for c in (a, b)]
+class _Faces:
+    """The cells beside a surface as they are on it; what they share is worked out once.
 
-    def on_surface(node: Expression) -> Expression:
-        return simplified(graph, substituted(graph, node, relations))
+    Nested piecewise functions make many cells, and each may lie beside each across a surface.
+    """
 
-    up, down = (on_surface(rate_of_change(graph, surface.node, s.rate)) for s in sides)
+    def __init__(self, graph: Graph, mode: SplitMode, node: Expression) -> None:
+        self.graph = graph
+        self.mode = mode
+        self.node = node
+        self.relations = solved_for(graph, mode.equations, [node])
+        self.points = put_on(graph, [node], self.relations)
+        self._rates: dict[int, Expression] = {}
+        self._sides: dict[int, dict[Hashable, float] | None] = {}
+
+    def meet(self, a: Cell, b: Cell) -> bool:
+        """Whether two cells beside the surface may have a place on it in common.
+
+        One may come no nearer to it than some distance, as ``x < -1`` to ``x = 0``, or the other
+        surfaces become one there and the cells lie on different sides of it. Then a jump between
+        their rates is none that a motion meets.
+        """
+        ours, theirs = self._sides_of(a), self._sides_of(b)
+        if ours is None or theirs is None:
+            return False
+        return all(theirs.get(place, sign) == sign for place, sign in ours.items())
+
+    def _sides_of(self, cell: Cell) -> dict[Hashable, float] | None:
+        """On which side of its other surfaces, on this one, a cell lies; None where it is empty."""
+        if id(cell) not in self._sides:
+            self._sides[id(cell)] = self._new_sides(cell)
+        return self._sides[id(cell)]
+
+    def _new_sides(self, cell: Cell) -> dict[Hashable, float] | None:
+        found: dict[Hashable, float] = {}
+        for surface in cell.surfaces:
+            if surface.node is self.node:
+                continue
+            switch = switching_function(self.graph, self.on_surface(surface.node))
+            sign = switch.sign * cell.signs[surface.key]
+            if switch.surface is not None:
+                place: Hashable = switch.surface.key
+            elif isinstance(switch.constant, Number):
+                if switch.constant.value * sign < -_SURE * self._largest_number(surface.node):
+                    return None
+                continue
+            else:
+                place = switch.constant
+            if found.setdefault(place, sign) != sign:
+                return None
+        return found
+
+    def _largest_number(self, node: Expression) -> float:
+        """Largest number in a switching function and in that of the surface."""
+        terms = [*monomials(node).values(), *monomials(self.node).values()]
+        return max(abs(number) for number in terms)
+
+    def on_surface(self, node: Expression) -> Expression:
+        """An expression with the states that follow from the surface."""
+        return simplified(self.graph, substituted(self.graph, node, self.relations))
+
+    def rate(self, cell: Cell) -> Expression:
+        """Rate of the switching function on the side of a cell."""
+        if id(cell) not in self._rates:
+            rate = self.mode.resolver(cell.signs).rate
+            self._rates[id(cell)] = self.on_surface(rate_of_change(self.graph, self.node, rate))
+        return self._rates[id(cell)]
+
+
+def _slide(faces: _Faces, key: SurfaceKey, a: Cell, b: Cell) -> Slide | None:
+    graph, mode, relations, points = faces.graph, faces.mode, faces.relations, faces.points
+    on_surface = faces.on_surface
+    up, down = faces.rate(a), faces.rate(b)
+    if up is down:
+        return None
     width = on_surface(signed_sum(graph, (down, up), (1, -1)))
-    points = put_on(graph, [surface.node], relations)
     if vanishes([width], points=points):
         return None
+    cell = cell_on(mode, (a, b), (key,))
+    sides = [mode.resolver(c.signs) for c in (a, b)]
     hold = _hold(mode, key)
-    if hold is None and not attract(graph, mode, [surface.node], [up, down]):
+    if hold is None and not attract(graph, mode, [faces.node], [up, down]):
         return Slide(cell, attracting=False)
     up, down = without_squares(graph, up, down)
     width = on_surface(graph.add(down, graph.negate(up)))

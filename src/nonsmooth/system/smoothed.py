@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import replace
 from numbers import Real
 from typing import Any
 
 from nonsmooth.errors import ModelError, OptionError
+from nonsmooth.real_numbers import finite_real, shown
 from nonsmooth.system.equations import Equation
 from nonsmooth.system.expressions import Expression, Name, Number, to_text
 from nonsmooth.system.grammar import is_name
@@ -153,9 +153,9 @@ def _width(system: System, epsilon: Any) -> Expression:
             )
         return Name(epsilon)
     if isinstance(epsilon, bool) or not isinstance(epsilon, Real):
-        raise OptionError(f"epsilon = {epsilon!r:.60} is neither a positive number nor a name")
-    width = float(epsilon)
-    if not (width > 0.0 and math.isfinite(width)):
+        raise OptionError(f"epsilon = {shown(epsilon)} is neither a positive number nor a name")
+    width = finite_real("epsilon", epsilon, wanted="a positive and finite one")
+    if not width > 0.0:
         raise OptionError(f"epsilon = {width:g} must be positive and finite")
     return Number(width)
 

@@ -153,7 +153,7 @@ def _list(name: str, values: Any) -> Floats:
     """A number or a list of numbers, all of them finite."""
     try:
         array = np.atleast_1d(np.asarray(values, dtype=float))
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise OptionError(f"{name} = {values!r:.60}: give a number or a list of numbers") from None
     if array.ndim != 1 or array.size == 0:
         raise OptionError(

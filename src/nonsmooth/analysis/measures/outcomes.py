@@ -102,7 +102,7 @@ def _check_labels(leave_out: Any) -> tuple[int, ...]:
     try:
         out = tuple(int(label) for label in leave_out)
         whole = all(a == b for a, b in zip(out, leave_out, strict=True))
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         whole = False
     if not whole:
         raise OptionError(f"leave_out = {leave_out!r:.60}: give labels, such as (0, -2)")

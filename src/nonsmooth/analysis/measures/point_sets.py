@@ -38,7 +38,7 @@ def points_of(
         values = data.values if isinstance(data, xr.DataArray) else data
     try:
         numbers = np.asarray(values, dtype=float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise OptionError(f"points = {data!r:.60}: give a dataset or an array (K, n)") from None
     if numbers.ndim == 1:
         numbers = numbers[:, None]

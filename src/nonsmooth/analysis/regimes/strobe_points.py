@@ -68,7 +68,7 @@ def _of_array(data: Any, variables: Any) -> StrobePoints:
         raise OptionError(f"variables = {variables!r:.60}: data without names; leave it out")
     try:
         values = np.asarray(data, dtype=float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise OptionError(f"data = {data!r:.60}: give a run, or an array of points") from None
     if values.ndim not in (1, 2):
         raise OptionError(

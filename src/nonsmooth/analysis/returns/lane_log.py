@@ -148,8 +148,6 @@ def _call(
             engine.segment, tangent, records, modes, first, count, *end, passed, statuses,
             tolerance,
         )  # fmt: skip
-        if first < count:
-            modes[first] = GOES_ON
     return statuses
 
 

@@ -83,11 +83,9 @@ class Tangents:
             engine.sizes, np.array([end.number]), np.array([end.phase]), rows + 1 if at_rows else 0
         )
         far = Instant(end.number + 1, 0.0) if at_rows else end
-        status = Status.PAUSED
         rates, scratch = self.derivatives.rates, self.derivatives.scratch
         lane = (engine.tables, rates, scratch, anchor, engine.segment, tangent)
-        while status == Status.PAUSED:
-            status = run(lane, records, GOES_ON, far, self.imaging.tolerance)
+        status = run(lane, records, GOES_ON, far, self.imaging.tolerance)
         if not at_rows:
             return np.vstack([tangent.samples[0].T, np.zeros(n)])
         if status != Status.BUFFER_FULL:

@@ -52,7 +52,7 @@ def read_ladder(system: Any, epsilons: Any, kind: str, parameters: Any, toleranc
     exact = check_run_options(system, parameters, None, tolerance)
     try:
         widths = np.unique(np.asarray(epsilons, dtype=float))
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         widths = np.zeros(0)
     if widths.size < 2 or not np.all(np.isfinite(widths) & (widths > 0.0)):
         raise OptionError(

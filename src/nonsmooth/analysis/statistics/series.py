@@ -105,7 +105,7 @@ def uniform_step(series: Series) -> float:
 def _numbers(values: Any) -> Vector:
     try:
         numbers = np.asarray(values, dtype=float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise OptionError(f"data = {values!r:.60}: give a run, or a list of numbers") from None
     if numbers.ndim != 1 or not np.all(np.isfinite(numbers)):
         raise OptionError("data: give numbers in one dimension, all of them finite")

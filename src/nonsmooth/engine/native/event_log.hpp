@@ -22,6 +22,7 @@ struct NewEvent {
 // counted as uncertain.
 inline Index log_event(const Records& records, const NewEvent& event) {
     const Index row = records.counters.events;
+    if (event.kind != EVENT_START) ++records.counters.happened;
     if (row >= records.rows.size()) return -1;
     records.rows[row] = {.number = event.when.number,
                          .kind = event.kind,

@@ -14,6 +14,7 @@
 #include "guard_outlook.hpp"
 #include "guard_root.hpp"
 #include "records.hpp"
+#include "work.hpp"
 
 namespace nonsmooth {
 
@@ -189,7 +190,19 @@ inline bool step_on(Search& search, double safe) {
     return search.s >= search.length;
 }
 
+// Note where the search has come to, to go on with `Pause.looks` and the slots as they are.
+inline Crossing pause(const Search& search, Index looks) {
+    Pause& pause = *search.segment.pause;
+    pause.stage = SEARCHING;
+    pause.looks = looks;
+    pause.climbs = search.climbs;
+    pause.reached = search.s;
+    return {search.s, -1, Found::paused};
+}
+
 // Search for the first guard of mode m to fall below zero within (start, length].
+//
+// A search that has paused goes on where it was.
 //
 // The segment is as left by start_segment; its orders are the known orders of zero of the guards at
 // s = 0. Behind a graze the search goes on at its s, where GuardScan.passed says how far each guard
@@ -197,9 +210,19 @@ inline bool step_on(Search& search, double safe) {
 inline Crossing first_crossing(const Tables& tables, const Segment& segment, Index m, double start,
                                double length) {
     constexpr Index most_steps = 1'000'000;
-    Search search{tables, segment, m, mode_wiring(tables, m).n_exits, length, start, 0};
-    if (start > 0.0) advance(tables, segment, m, start);
-    for (Index step = 0; step < most_steps; ++step) {
+    const int64_t work = work_of_look(tables, m);
+    Pause& paused = *segment.pause;
+    const bool resumes = paused.stage == SEARCHING;
+    const double begin = resumes ? paused.reached : start;
+    Search search{tables, segment, m, mode_wiring(tables, m).n_exits, length, begin, 0};
+    if (resumes) {
+        search.climbs = paused.climbs;
+        paused.stage = BETWEEN;
+    } else {
+        paused.looks = 0;
+        if (start > 0.0) advance(tables, segment, m, start);
+    }
+    for (Index step = paused.looks; step < most_steps; ++step) {
         Look look = look_at_guards(search);
         if (look.outlook == Outlook::touches) return {search.s, look.which, Found::graze};
         if (look.which >= 0) {
@@ -207,6 +230,8 @@ inline Crossing first_crossing(const Tables& tables, const Segment& segment, Ind
             if (crossing.found != Found::none) return crossing;
         }
         if (step_on(search, look.soonest)) return {length, -1, Found::none};
+        paused.work -= work;
+        if (paused.work <= 0) return pause(search, step + 1);
     }
     return {search.s, -1, Found::stuck};
 }

@@ -12,7 +12,7 @@ namespace nonsmooth {
 
 // What a search has found: nothing up to the end of the segment; a root; a root, or a tangency
 // taken for one, that rounding leaves open; a tangency taken for a touch; or that it cannot go on.
-enum class Found { none, certified, uncertain, graze, stuck };
+enum class Found { none, certified, uncertain, graze, stuck, paused };
 
 // A place in a segment, the exit whose guard vanishes there (-1: none), and what was found.
 struct Crossing {

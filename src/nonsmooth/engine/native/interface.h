@@ -36,12 +36,16 @@ enum { NO_CHOICE, STAY, CROSS };
 /* orders of zero: to be worked out along the path; as at the start of a segment that no event
  * began; of a guard that stays zero */
 enum { OPEN = -1, STILL_ZERO = 98, ALWAYS_ZERO = 99 };
-/* how a run begins: in the first mode that fits; it goes on; SAME - m enters mode m in any case */
-enum { ANY = -1, GOES_ON = -2, SAME = -3 };
+/* how a run begins: in the first mode that fits; it goes on from its anchor; it goes on within the
+ * segment in which it paused; SAME - m enters mode m in any case */
+enum { ANY = -1, GOES_ON = -2, RESUMES = -3, SAME = -4 };
+/* what a run was at in its segment when it paused: nothing, the search, the samples; or that it ends
+ * where the search has come to */
+enum { BETWEEN, SEARCHING, SAMPLING, STOPPING };
 
 enum Status {
     COMPLETED, STOPPED, DIVERGED, UNDECIDED, NONUNIQUE, INADMISSIBLE, EVENT_LIMIT, STEP_LIMIT,
-    INTERRUPTED, SINGULAR, SLIDING, REFUSED, TIME_LIMIT,
+    INTERRUPTED, SINGULAR, SLIDING, REFUSED, TIME_LIMIT, WORK_LIMIT,
     /* inside the engine only */
     BUFFER_FULL = 20, NOT_FINITE = 21, NOT_CONVERGED = 23, PAUSED = 24
 };
@@ -136,11 +140,19 @@ typedef struct EventRow {
 } EventRow;
 /* samples written, events logged, events in this window, uncertain ones, events in a row between
  * which time did not advance, segments of this call, impacts in a row of one exit, and which exit
- * that is, steps in a row that lead nowhere */
+ * that is, steps in a row that lead nowhere, events since the run began, logged or not */
 typedef struct Counters {
     int64_t samples, events, window_events, uncertain, stalled, segments, rebounds, last_exit,
-        creeping;
+        creeping, happened;
 } Counters;
+/* where a run has paused within its segment: what it was at, looks behind it, steps of the ladder in
+ * a row, exit and kind of the crossing that is found, work left in this call, whether the segment is
+ * a free flight; time since the segment began that the search or the samples have come to, time of
+ * the crossing, and length */
+typedef struct Pause {
+    int64_t stage, looks, climbs, exit, found, work, flies;
+    double reached, crossing, length;
+} Pause;
 
 /* ------------------------------------------------------------------ records */
 
@@ -224,6 +236,7 @@ typedef struct Segment {
     Array(double, 2) chain_noise; /* their rounding margins */
     Array(int64_t, 1) order;      /* (e,): known order of zero of each guard at the start */
     double *to_knot;              /* time to the next knot of a signal, inf without signals */
+    Pause *pause;
     StateSet *left_out;           /* the states that a start leaves to their equations */
     Array(double, 1) extent;      /* (N,) size of each coordinate at an event */
     Array(double, 1) mark;        /* (N,) states from which exits are passed at one instant */
@@ -367,13 +380,16 @@ typedef struct Visits {
  * tables, of which the last one ends at the instant given; passed (1 + k,) has the number of windows
  * behind the lane, from where it goes on, and the samples by the end of each. */
 typedef struct LaneTask {
-    Array(int64_t, 1) modes; /* (lanes,): ANY, GOES_ON, a mode, or SAME minus a mode */
+    /* (lanes,): ANY, GOES_ON, RESUMES, a mode, or SAME minus a mode; afterwards how each goes on */
+    Array(int64_t, 1) modes;
     int64_t first, end;
     int64_t end_number;
     double end_phase;
     Array(int64_t, 1) passed;
     Array(int64_t, 1) statuses; /* (lanes,) output */
     double tolerance;
+    int64_t work;        /* that a call may do before it pauses, see work.hpp */
+    int64_t most_events; /* after which a run ends with WORK_LIMIT */
 } LaneTask;
 
 /* The legs of a word: L modes, exits at their ends (L, PATH_LENGTH) in order with -1 for none, states

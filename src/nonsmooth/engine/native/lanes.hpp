@@ -38,7 +38,8 @@ inline Status run_windows(const TableStack& stack, const Shared& shared, const A
         const Tables tables = tables_at(stack, k);
         const WindowPhase end{number, left > 0 ? 0.0 : task.end_phase};
         status = run_lane({tables, shared.rates, shared.scratch, anchor, shared.segment, tangent,
-                           records, mode, end, task.tolerance});
+                           records, mode, end, task.tolerance, task.most_events});
+        mode = status == PAUSED && shared.segment.pause->stage != BETWEEN ? RESUMES : GOES_ON;
         task.passed[1 + k] = records.counters.samples;
         if (status != COMPLETED || left == 0) break;
         mode = begin_window(anchor, records, number);
@@ -54,6 +55,7 @@ inline Status run_windows(const TableStack& stack, const Shared& shared, const A
 inline Index run_lanes(const TableStack& stack, const Shared& shared, const Anchors& anchors,
                        const Tangents& tangents, const RecordsOfLanes& records,
                        const LaneTask& task) {
+    shared.segment.pause->work = task.work;
     for (Index lane = task.first; lane < task.end; ++lane) {
         task.statuses[lane] =
             run_windows(stack, shared, anchor_at(anchors, lane), tangent_at(tangents, lane),

@@ -9,6 +9,7 @@
 
 #include "first_crossing.hpp"
 #include "flow.hpp"
+#include "free_flight.hpp"
 #include "guard_values.hpp"
 #include "linearisation.hpp"
 #include "pass_event.hpp"
@@ -19,6 +20,7 @@
 #include "surfaces.hpp"
 #include "tangent.hpp"
 #include "transitions.hpp"
+#include "work.hpp"
 
 namespace nonsmooth {
 
@@ -85,7 +87,11 @@ inline bool creeps(const Run& run, const SegmentTimes& times) {
 // when the run goes on.
 inline Crossing search_segment(const Run& run, const SegmentTimes& times) {
     const Index m = run.anchor.place.mode;
-    for (GuardScan& guard : run.segment.scan) guard.passed = 0.0;
+    if (run.segment.pause->flies != 0) return {times.length, -1, Found::none};
+    const bool resumes = run.segment.pause->stage == SEARCHING;
+    if (!resumes) {
+        for (GuardScan& guard : run.segment.scan) guard.passed = 0.0;
+    }
     double s = 0.0;
     while (true) {
         const Crossing crossing = first_crossing(run.tables, run.segment, m, s, times.length);
@@ -104,7 +110,7 @@ inline Crossing search_segment(const Run& run, const SegmentTimes& times) {
 inline Status complete_run(const Run& run, double end) {
     const Index m = run.anchor.place.mode;
     const Records& records = run.records;
-    advance(run.tables, run.segment, m, end);
+    go_to(run, run.end, end);
     state_at(run.tables, run.segment, m, records.end_state.data);
     records.since = {static_cast<double>(run.end.number), run.end.phase};
     if (is_bounded(records.end_state, run.tables.drifting)) return COMPLETED;
@@ -172,19 +178,53 @@ inline SegmentEnd go_on_behind(const Run& run, const SegmentTimes& times) {
     return {jumps ? Behind::event : Behind::segment, COMPLETED, {0.0, -1, Found::certified}};
 }
 
-// Pass the segment from the anchor on, to an event, to the next segment or to the end of the run.
+// Crossing of a segment whose samples a pause has cut short, or none up to where the run ends in it.
+inline Crossing crossing_before_pause(const Pause& pause) {
+    if (pause.stage == STOPPING) return {pause.reached, -1, Found::none};
+    return {pause.crossing, static_cast<Index>(pause.exit), static_cast<Found>(pause.found)};
+}
+
+// Pause among the samples of a segment, whose crossing is known.
+inline SegmentEnd pause_at_samples(const Run& run, const Crossing& crossing) {
+    Pause& pause = *run.segment.pause;
+    pause.stage = SAMPLING;
+    pause.crossing = crossing.s;
+    pause.exit = crossing.exit;
+    pause.found = static_cast<int64_t>(crossing.found);
+    return ends_with(PAUSED);
+}
+
+// Pass the segment from the anchor on, to an event, to the next segment or to the end of the run;
+// or go on with it, where it has paused.
 inline SegmentEnd pass_segment(const Run& run) {
     const Anchor& anchor = run.anchor;
     const Index m = anchor.place.mode;
+    Pause& pause = *run.segment.pause;
     SegmentTimes times;
     times.whole = static_cast<double>(WINDOWS) * run.tables.clock.window - anchor.phase;
     times.longest = std::min(times.whole, *run.segment.to_knot);
     times.end = time_to(run, static_cast<double>(run.end.number), run.end.phase);
-    copy(anchor.order, run.segment.order);
-    times.length = start_segment(run.tables, run.rates, run.segment, m, times.longest);
-    if (step_fails(run, times)) return ends_with(at_two_fold(run, m) ? NONUNIQUE : SINGULAR);
-    const Crossing crossing = search_segment(run, times);
-    write_samples(run, std::min(crossing.s, times.end));
+    if (pause.stage == BETWEEN) {
+        pause.work -= work_of_segment(run.tables, run.tangent, m);
+        copy(anchor.order, run.segment.order);
+        pause.flies = may_fly(run.tables, run.tangent, m) && start_flight(run.tables, run.segment, m);
+        pause.length = pause.flies != 0 ? farthest_flight
+                                        : start_segment(run.tables, run.rates, run.segment, m,
+                                                        times.longest);
+    }
+    times.length = pause.length;
+    if (step_fails(run, times)) {
+        write_samples(run, 0.0);
+        return ends_with(at_two_fold(run, m) ? NONUNIQUE : SINGULAR);
+    }
+    const bool is_known = pause.stage == SAMPLING || pause.stage == STOPPING;
+    const Crossing crossing =
+        is_known ? crossing_before_pause(pause) : search_segment(run, times);
+    if (crossing.found == Found::paused) return ends_with(PAUSED);
+    if (!write_samples(run, std::min(crossing.s, times.end))) {
+        return pause_at_samples(run, crossing);
+    }
+    pause.stage = BETWEEN;
     if (times.end <= crossing.s) return ends_with(complete_run(run, times.end));
     if (crossing.found == Found::stuck) return ends_with(status_of_stuck(run, crossing.s));
     if (!take_state(run, crossing.s)) {
@@ -195,15 +235,15 @@ inline SegmentEnd pass_segment(const Run& run) {
     return go_on_behind(run, times);
 }
 
-// Why the run has to be interrupted before the next segment, BUFFER_FULL or PAUSED, or COMPLETED.
-inline Status interruption(const Records& records) {
-    constexpr Index most_segments = 100'000;  // in one call, so that a run can be interrupted
+// Why the run has to be interrupted before the next segment, WORK_LIMIT, BUFFER_FULL or PAUSED, or
+// COMPLETED.
+inline Status interruption(const Run& run) {
+    const Records& records = run.records;
     Counters& counters = records.counters;
+    if (run.segment.pause->stage != BETWEEN) return COMPLETED;
+    if (counters.happened >= run.most_events) return WORK_LIMIT;
     if (records.room() > 0 && counters.events >= records.room() - 1) return BUFFER_FULL;
-    if (counters.segments > most_segments) {
-        counters.segments = 0;
-        return PAUSED;
-    }
+    if (run.segment.pause->work <= 0) return PAUSED;
     ++counters.segments;
     return COMPLETED;
 }
@@ -247,22 +287,26 @@ inline bool take_up(const Run& run, bool begins) {
 
 // Run from a start or an anchor to a time given as window number and phase.
 //
-// GOES_ON goes on from the anchor. Other modes make a start there, with columns of derivatives that
+// GOES_ON goes on from the anchor, RESUMES within the segment in which the run paused, whose scratch
+// is as it was left. Other modes make a start there, with columns of derivatives that
 // begin there too: ANY takes the first mode that fits, a number that one if it does. SAME - m
 // enters mode m after parameters have changed, whether it fits or not, and derivatives go on.
 //
 // Returns COMPLETED, STOPPED, DIVERGED, UNDECIDED, INADMISSIBLE when no mode fits, NONUNIQUE when
-// cells on both sides of a surface do, EVENT_LIMIT, STEP_LIMIT, SINGULAR, SLIDING, BUFFER_FULL
-// (call again with GOES_ON after emptying the event buffer) or PAUSED (call again).
+// cells on both sides of a surface do, EVENT_LIMIT, STEP_LIMIT, SINGULAR, SLIDING, WORK_LIMIT,
+// BUFFER_FULL (call again with GOES_ON after emptying the event buffer) or PAUSED (call again, with
+// RESUMES if it paused within a segment).
 inline Status run_lane(const Run& run) {
     const Anchor& anchor = run.anchor;
-    bool begins = run.mode != GOES_ON;
-    if (!take_up(run, begins)) return INADMISSIBLE;
+    const bool resumes = run.mode == RESUMES;
+    bool begins = run.mode != GOES_ON && !resumes;
+    if (!resumes) run.segment.pause->stage = BETWEEN;
+    if (!resumes && !take_up(run, begins)) return INADMISSIBLE;
     while (true) {
         const Index before = anchor.place.mode;
         Crossing crossing{0.0, -1, Found::certified};
         if (!begins) {
-            const Status why = interruption(run.records);
+            const Status why = interruption(run);
             if (why != COMPLETED) return why;
             const SegmentEnd end = pass_segment(run);
             if (end.behind == Behind::end) return end.status;
@@ -270,11 +314,17 @@ inline Status run_lane(const Run& run) {
             crossing = end.crossing;
         }
         const Status status = pass_event(run, crossing, begins);
-        if (status != COMPLETED) return status;
+        if (status != COMPLETED) {
+            if (begins) write_samples(run, 0.0);
+            return status;
+        }
         // a start may lie, and a slide may end, where both sides of a surface lead away from it
         const bool slid = mode_wiring(run.tables, before).kind == SLIDES && !begins;
         if ((begins && run.mode == ANY) || slid) {
-            if (!choose_side(run)) return NONUNIQUE;
+            if (!choose_side(run)) {
+                if (begins) write_samples(run, 0.0);
+                return NONUNIQUE;
+            }
         }
         begins = false;
     }

@@ -20,9 +20,10 @@ struct Run {
     const Segment& segment;
     const Tangent& tangent;
     const Records& records;
-    Index mode;  // ANY, GOES_ON, a mode, or SAME minus a mode
+    Index mode;  // ANY, GOES_ON, RESUMES, a mode, or SAME minus a mode
     WindowPhase end;
     double tolerance;
+    int64_t most_events;
 };
 
 // Time from the anchor to an instant.

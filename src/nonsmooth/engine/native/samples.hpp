@@ -2,9 +2,11 @@
 #pragma once
 
 #include "flow.hpp"
+#include "free_flight.hpp"
 #include "records.hpp"
 #include "run.hpp"
 #include "tangent.hpp"
+#include "work.hpp"
 
 namespace nonsmooth {
 
@@ -21,21 +23,40 @@ inline void write_columns(const Run& run, double s, Index k) {
     }
 }
 
-// Samples of this segment up to and including the time until.
+// Go to an instant of the segment, which is s after its start.
+inline void go_to(const Run& run, WindowPhase when, double s) {
+    const Place& start = run.anchor.place;
+    if (run.segment.pause->flies != 0) {
+        const double windows = static_cast<double>(when.number - start.number);
+        fly(run.tables, run.segment, start.mode, windows, when.phase - start.phase);
+    } else {
+        advance(run.tables, run.segment, start.mode, s);
+    }
+}
+
+// Samples of this segment up to and including the time until; false where there was too much work
+// for one call, and some are left.
 //
 // The slots at the end of the segment are put back bit by bit: the last step to an event is rounded
 // differently from a direct evaluation.
-inline void write_samples(const Run& run, double until) {
+inline bool write_samples(const Run& run, double until) {
     const Segment& segment = run.segment;
     const Records& records = run.records;
     const Index m = run.anchor.place.mode;
     bool kept = false;
     double point = 0.0;
+    const int64_t work = work_of_sample(run.tables, run.tangent, m);
+    Pause& pause = *segment.pause;
+    bool complete = true;
     Index k = records.counters.samples;
     for (; k < records.sample_phase.size(); ++k) {
         const double number = static_cast<double>(records.sample_number[k]);
         const double s = time_to(run, number, records.sample_phase[k]);
         if (s > until) break;
+        complete = !kept || pause.work > 0;  // one sample at least in a call
+        if (!complete) break;
+        pause.work -= work;
+        pause.reached = s;
         if (!kept) {
             copy(segment.now, segment.kept);
             point = *segment.point;
@@ -45,7 +66,7 @@ inline void write_samples(const Run& run, double until) {
         if (s == 0.0) {  // the state as it was given, not as it comes back from modal coordinates
             copy(run.anchor.state.data, state, run.tables.n());
         } else {
-            advance(run.tables, segment, m, s);
+            go_to(run, {records.sample_number[k], records.sample_phase[k]}, s);
             state_at(run.tables, segment, m, state);
         }
         if (run.tangent.carries()) write_columns(run, s, k);
@@ -56,6 +77,7 @@ inline void write_samples(const Run& run, double until) {
         copy(segment.kept, segment.now);
         *segment.point = point;
     }
+    return complete;
 }
 
 }  // namespace nonsmooth

@@ -28,7 +28,7 @@ def square_matrix(name: str, given: Any, size: int | None = None) -> np.ndarray:
         if matrix.dtype.kind not in "iuf":
             raise TypeError
         matrix = matrix.astype(float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise ModelError(f"{name}: a matrix has real numbers in rows of one length") from None
     if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1] or not matrix.size:
         raise ModelError(

@@ -11,17 +11,18 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import ModelError, OptionError
+from nonsmooth.real_numbers import finite_real
 
 __all__ = ["check_data", "finite_values", "one_number"]
 
 
 def one_number(name: str, value: Any, *, positive: bool = False, most: float = math.inf) -> float:
     """One finite number, positive if it must be, or an error that names the argument."""
-    number = _float(value)
-    if not math.isfinite(number) or (positive and number <= 0.0) or number > most:
+    number = finite_real(name, value)
+    if (positive and number <= 0.0) or number > most:
         kind = "positive number" if positive else "finite number"
         limit = f" of at most {most:g}" if math.isfinite(most) else ""
-        raise OptionError(f"{name} = {value!r:.60} must be a {kind}{limit}")
+        raise OptionError(f"{name} = {number:g} must be a {kind}{limit}")
     return number
 
 
@@ -31,23 +32,13 @@ def finite_values(name: str, values: Any) -> npt.NDArray[np.float64]:
         given = np.asarray(values)
         # text and truth values would be turned into numbers
         numbers = given.astype(float) if given.dtype.kind in "iufO" else None
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         numbers = None
     if numbers is None:
         raise OptionError(f"{name} = {values!r:.60} is no number, nor are its parts")
     if not np.all(np.isfinite(numbers)):
         raise OptionError(f"{name} = {values!r:.60} must be finite")
     return numbers
-
-
-def _float(value: Any) -> float:
-    """A number as a float; nan for all else, text and truth values included."""
-    if isinstance(value, (bool, np.bool_, str, bytes)):
-        return math.nan
-    try:
-        return float(value)
-    except (TypeError, ValueError):
-        return math.nan
 
 
 def check_data(rig: Any, positive: Mapping[str, str], not_negative: Mapping[str, str]) -> None:
@@ -60,10 +51,7 @@ def check_data(rig: Any, positive: Mapping[str, str], not_negative: Mapping[str,
         value = getattr(rig, item.name)
         if value is None and item.default is None:
             continue  # left out
-        number = _float(value)
-        if not math.isfinite(number):
-            raise ModelError(f"{item.name} = {value!r:.60} is not a finite number")
-        object.__setattr__(rig, item.name, number)
+        object.__setattr__(rig, item.name, finite_real(item.name, value, ModelError))
     for name, reason in positive.items():
         if getattr(rig, name) is not None and getattr(rig, name) <= 0.0:
             raise ModelError(f"{name} = {getattr(rig, name):g} must be positive: {reason}")

@@ -1,0 +1,77 @@
+"""Numbers that users pass, as floating-point numbers, or an error that says what is wrong.
+
+Whatever is an argument somewhere comes through here: a whole number too large for a double, an
+infinity or a text is refused with the name of the argument, never with a bare OverflowError.
+"""
+
+from __future__ import annotations
+
+import math
+from numbers import Complex, Real
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.errors import NonsmoothError, OptionError
+
+__all__ = ["finite_numbers", "finite_real", "shown"]
+
+_WIDTH = 60  # characters of a value that a message repeats
+
+
+def shown(value: Any) -> str:
+    """A value as messages repeat it: short, also where Python refuses to write it out."""
+    try:
+        text = repr(value)
+    except ValueError:  # a whole number of thousands of digits
+        text = f"a whole number of {int(math.log10(2) * value.bit_length()) + 1} digits"
+    return text if len(text) <= _WIDTH else f"{text[: _WIDTH - 3]}..."
+
+
+def finite_real(
+    where: str,
+    value: Any,
+    error: type[NonsmoothError] = OptionError,
+    wanted: str = "a finite real number",
+) -> float:
+    """A finite real number as a float; ``where`` names the argument, ``wanted`` what it may be.
+
+    Booleans, texts and complex numbers are none; an array without axes stands for its element.
+    """
+    given = value
+    if not isinstance(value, Real) and getattr(value, "ndim", None) == 0:
+        value = value.item()
+    if isinstance(value, bool | np.bool_):
+        raise error(f"{where} = {given} is a truth value, which is not a number; give {wanted}")
+    if not isinstance(value, Real):
+        kind = "a complex number" if isinstance(value, Complex) else "not a number"
+        raise error(f"{where} = {shown(given)} is {kind}; give {wanted}")
+    try:
+        number = float(value)
+    except OverflowError:
+        raise error(
+            f"{where} = {shown(given)} is too large for a double, which reaches 1.8e308; give"
+            f" {wanted}"
+        ) from None
+    if not math.isfinite(number):
+        raise error(f"{where} = {number} is not a finite number; give {wanted}")
+    return number
+
+
+def finite_numbers(
+    where: str, value: Any, error: type[NonsmoothError] = OptionError
+) -> npt.NDArray[np.float64]:
+    """An array of finite real numbers; what is not one is refused as in `finite_real`."""
+    try:
+        array = np.asarray(value)
+    except (TypeError, ValueError):
+        raise error(f"{where} = {shown(value)}: give a list of numbers") from None
+    if array.dtype.kind not in "iuf":
+        found = [finite_real(where, each, error) for each in array.ravel().tolist()]
+        return np.array(found, dtype=float).reshape(array.shape)
+    numbers = array.astype(float)
+    wrong = numbers[~np.isfinite(numbers)]
+    if wrong.size:
+        raise error(f"{where} = {wrong[0]} is not a finite number; give numbers that are")
+    return numbers
