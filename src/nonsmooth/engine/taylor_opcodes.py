@@ -3,11 +3,11 @@
 An instruction is a row (opcode, target, a, b, c): registers, but for the instructions whose
 operand b is a slot of the parameter tape, and for COMBINE, which adds terms a ... c - 1 and then
 products of two registers, terms c ... b - 1. A term is a row (register, slot, other) and stands for
-the product of register and slot, and in products of two for that of all three. Register i < N holds
-augmented coordinate i; so register n (the coordinate 1) times a slot is a constant. Each register is
-written once, after what it needs, with three exceptions that the recurrences allow: SIN and COS
-(SINH and COSH) name each other as b and stand next to each other, and the f of TAN and TANH follows
-them.
+the product of register and slot, and in products of two for that of all three. Register i < N
+holds augmented coordinate i; so register n (the coordinate 1) times a slot is a constant. Each
+register is written once, after what it needs, with three exceptions that the recurrences allow:
+SIN and COS (SINH and COSH) name each other as b and stand next to each other, and the f of TAN
+and TANH follows them.
 """
 
 from __future__ import annotations

@@ -23,8 +23,11 @@ def fuse_products(code: TaylorCode) -> TaylorCode:
     kept = [i for i in range(len(instructions)) if i not in fused]
     numbers = {old: new for new, old in enumerate(kept)}
 
-    def renumbered(operand: Operand | None) -> Operand | None:
+    def renumbered(operand: Operand) -> Operand:
         return numbers[operand] if isinstance(operand, int) else operand
+
+    def if_any(operand: Operand | None) -> Operand | None:
+        return None if operand is None else renumbered(operand)
 
     def rewritten(each: Instruction) -> Instruction:
         terms = [term for term in each.terms if term[0] not in fused]
@@ -35,9 +38,9 @@ def fuse_products(code: TaylorCode) -> TaylorCode:
         ]
         return replace(
             each,
-            a=renumbered(each.a),
-            b=renumbered(each.b),
-            c=renumbered(each.c),
+            a=if_any(each.a),
+            b=if_any(each.b),
+            c=if_any(each.c),
             terms=tuple((renumbered(x), weight) for x, weight in terms),
             products=tuple((renumbered(x), renumbered(y), w) for x, y, w in products),
         )

@@ -55,7 +55,7 @@ class TaylorRows:
         terms = [(self._register(x), 0, factor) for x, factor in each.terms]
         self.terms += sorted(terms, key=itemgetter(0))
         middle = len(self.terms)
-        products = [(self._register(x), self._register(y), factor) for x, y, factor in each.products]
+        products = [(self._register(x), self._register(y), c) for x, y, c in each.products]
         self.terms += sorted(products, key=lambda row: max(row[:2]))
         return first, middle, len(self.terms)
 
