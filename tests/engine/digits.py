@@ -26,6 +26,17 @@ PENDULUM = ns.System(
         )
     },
 )
+FUNCTIONS = ns.System(  # each kernel of Taylor series once
+    states=["x", "v"],
+    period="2*pi",
+    equations={
+        "x": "v",
+        "v": "exp(-x**2)*cos(t) - x - tanh(v)/3 - atan(x)/9 - v*x**2/7 - sqrt(9 + x*v)/5"
+        " - log(9 + v)/8 - sinh(x)/9 - cosh(x)/9 - sin(x) - x**3/(1 + x**2) - tan(x/9)"
+        " - (2 + cos(x))**0.3*v/4 - asin(v/20) + acos(x/20)/9 - atan2(x, 9 + v)/3"
+        " - (x - v)*(x + 2*v)*v/9",
+    },
+)
 RIG = Path(__file__).parents[2] / "examples" / "fatigue_rig.toml"
 
 
@@ -45,6 +56,7 @@ RUNS = {
     "fatigue_rig.toml": lambda: ns.simulate(ns.System.from_toml(RIG), periods=20),
     "relaxing": relaxing,
     "pendulum": lambda: ns.simulate(PENDULUM, {"x": 0.4}, periods=20, tangent=["F", "c"]),
+    "functions": lambda: ns.simulate(FUNCTIONS, {"x": 0.4}, periods=20, tangent=[]),
     "parameters": lambda: ns.simulate(
         models.soft_impact(), periods=20, tangent=["omega", "beta", "e"]
     ),

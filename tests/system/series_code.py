@@ -73,8 +73,11 @@ class Series:
     def coefficient(self, code, k, target, a, b, c):
         r, y = self.registers, self.registers[target]
         if code == op.COMBINE:
-            terms = self.program.terms[a:b]
-            return sum(self.slots[slot] * r[i][k] for i, slot in terms)
+            terms, products = self.program.terms[a:c], self.program.terms[c:b]
+            total = sum(self.slots[slot] * r[i][k] for i, slot, _ in terms)
+            for i, slot, other in products:
+                total += self.slots[slot] * sum(r[i][j] * r[other][k - j] for j in range(k + 1))
+            return total
         x = r[a]
         slot = self.slots[b] if code == op.POWER else 0.0
         if code in (op.MULTIPLY, op.SQUARE):

@@ -147,7 +147,22 @@ def test_shared_parts_are_written_once():
     # written out, d8 has more than 2^8 parts
     chain = {f"d{i}": f"d{i - 1}*d{i - 1} + d{i - 1}" for i in range(1, 9)}
     system = system_of("d8", definitions={"d0": "x*v", **chain})
-    assert len(system.compiled.program.code) == 1 + 2 * 8  # x*v is the rate of v as well
+    program = system.compiled.program
+    # x*v, which is the rate of v as well; then a sum of a square and a term for each
+    assert program.code["opcode"].tolist() == [op.MULTIPLY, *[op.COMBINE] * 8]
+    assert len(program.terms) == 2 * 8
+
+
+def test_products_that_are_read_twice_stay_instructions():
+    guard = {"exits": [Exit("9 - x*v", to="stop"), Exit("9 + v**2 - x", to="stop")]}
+    program = system_of("3*x*v - 2*v**2", mode=guard).compiled.program
+    # the rate of v and the guards share x*v and v^2 with the rate of x
+    assert sorted(program.code["opcode"]) == [*[op.COMBINE] * 3, op.MULTIPLY, op.SQUARE]
+    alone = system_of("3*x*v - 2*v**2 + x**2*v").compiled.program
+    # x*v is the rate of v; v^2 and x^2*v stand in the sum only, x^2 in a product
+    assert sorted(alone.code["opcode"]) == [op.COMBINE, op.MULTIPLY, op.SQUARE]
+    first, last, middle = (int(alone.code[-1][name]) for name in ("a", "b", "c"))
+    assert (middle - first, last - middle) == (1, 2)
 
 
 def test_phases_and_frequencies():

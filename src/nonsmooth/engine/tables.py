@@ -41,6 +41,7 @@ __all__ = [
     "allocate_stack",
     "allocate_tables",
     "bits_of_path",
+    "choose_kernels",
     "exits_of_path",
     "fill_set",
     "members",
@@ -134,6 +135,8 @@ class Program(Record):
     families: Integers
     code: Rows
     terms: Rows
+    calls: Rows
+    places: Rows
     code_rows: Rows
     outlets: Integers
     rest_slots: Integers
@@ -190,6 +193,8 @@ class Tables(Record):
     weights: Floats
     code: Rows
     terms: Rows
+    calls: Rows
+    places: Rows
     code_rows: Rows
     outlets: Integers
     rest_slots: Integers
@@ -220,7 +225,7 @@ class Tables(Record):
 # fields of tables that are those of the program, whatever the parameter values
 _SHARED = (
     "sizes", "products", "product_rows", "modes", "exits", "drifting", "kinds", "families", "code",
-    "terms", "code_rows", "outlets", "rest_slots", "signals", "knots",
+    "terms", "calls", "places", "code_rows", "outlets", "rest_slots", "signals", "knots",
 )  # fmt: skip
 
 
@@ -254,6 +259,18 @@ def allocate_stack(program: Program, count: int) -> Tables:
     }
     own = zeros(Tables.struct, **{name: (count, *shape) for name, shape in shapes.items()})
     return Tables(**own, **{name: getattr(program, name) for name in _SHARED})
+
+
+def choose_kernels(code: Rows, terms: Rows) -> dict[str, Rows]:
+    """Instructions and their terms once more, as the kernels that compute them read them."""
+    chosen = zeros("Program", calls=code.shape, places=terms.shape)
+    engine.nonsmooth_choose_kernels(
+        array_pointer("Instruction", code),
+        array_pointer("Term", terms),
+        array_pointer("KernelCall", chosen["calls"]),
+        array_pointer("TermPlaces", chosen["places"]),
+    )
+    return chosen
 
 
 def set_up(program: Program, parameters: Floats, stack: Tables) -> tuple[Status, int, int]:

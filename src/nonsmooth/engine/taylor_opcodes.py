@@ -1,12 +1,13 @@
 """Instructions on Taylor series, of which the code of a Taylor mode consists.
 
 An instruction is a row (opcode, target, a, b, c): registers, but for the instructions whose
-operand b is a slot of the parameter tape, and for COMBINE, whose operands a and b are the first
-term of a sum and the one after its last. A term is a row (register, slot) and stands for their
-product. Register i < N holds augmented coordinate i; so register n (the coordinate 1) times a
-slot is a constant. Each register is written once, after
-what it needs, with three exceptions that the recurrences allow: SIN and COS (SINH and COSH)
-name each other as b and stand next to each other, and the f of TAN and TANH follows them.
+operand b is a slot of the parameter tape, and for COMBINE, which adds terms a ... c - 1 and then
+products of two registers, terms c ... b - 1. A term is a row (register, slot, other) and stands for
+the product of register and slot, and in products of two for that of all three. Register i < N
+holds augmented coordinate i; so register n (the coordinate 1) times a slot is a constant. Each
+register is written once, after what it needs, with three exceptions that the recurrences allow:
+SIN and COS (SINH and COSH) name each other as b and stand next to each other, and the f of TAN
+and TANH follows them.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ __all__ = [
     "POWER", "SIN", "SINH", "SQRT", "SQUARE", "TAN", "TANH",
 ]  # fmt: skip
 
-# sum of the terms a, a + 1, ..., b - 1
+# sum of the terms a ... c - 1 and the products c ... b - 1
 COMBINE = 0
 # a * b, a^2, a / b, sqrt(a), a ** slot b for a > 0, log(a)
 MULTIPLY, SQUARE, DIVIDE, SQRT, POWER, LOG = 10, 11, 12, 13, 14, 15

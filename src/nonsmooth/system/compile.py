@@ -14,7 +14,7 @@ from functools import lru_cache
 import numpy as np
 
 from nonsmooth.engine.record import Rows, rows_of, zeros
-from nonsmooth.engine.tables import EXACT, TAYLOR, Program, Sizes, fill_set
+from nonsmooth.engine.tables import EXACT, TAYLOR, Program, Sizes, choose_kernels, fill_set
 from nonsmooth.system.expressions import Expression, Number
 from nonsmooth.system.linear import Basis, Harmonic, Input, LinearForm, Power, State
 from nonsmooth.system.mode_forms import Forms
@@ -155,6 +155,7 @@ def compile_structure(structure: Structure) -> Compiled:
         kinds=np.array([EXACT if mode.linear else TAYLOR for mode in modes], np.int64),
         code=code,
         terms=terms,
+        **choose_kernels(code, terms),
         code_rows=taylor.code_rows,
         outlets=taylor.outlets,
         rest_slots=rest_slots,

@@ -26,7 +26,8 @@ from nonsmooth.system.resolve import Resolver
 from nonsmooth.system.slow import read_slow
 from nonsmooth.system.surfaces import Declared, Surface
 from nonsmooth.system.switching import switching_function
-from nonsmooth.system.taylor_code import TaylorCode, write_code
+from nonsmooth.system.taylor_code import write_code
+from nonsmooth.system.taylor_instructions import TaylorCode
 from nonsmooth.system.value_tape import ValueTape
 
 if TYPE_CHECKING:

@@ -7,54 +7,21 @@ gets a slot of the parameter tape later; harmonics are read from their coordinat
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
 
 from nonsmooth.engine import taylor_opcodes as op
 from nonsmooth.system.evaluate import constant_value
 from nonsmooth.system.expressions import ZERO, Call, Expression, Name, names_in
 from nonsmooth.system.frequencies import canonical_frequency
+from nonsmooth.system.fused_code import fuse_products
 from nonsmooth.system.graph import Graph
-from nonsmooth.system.linear import Basis, Harmonic, Input, Power, State
+from nonsmooth.system.linear import Harmonic, Input, Power, State
 from nonsmooth.system.mode_forms import Forms
+from nonsmooth.system.taylor_instructions import Instruction, Operand, TaylorCode
 
-__all__ = ["Instruction", "Operand", "TaylorCode", "write_code"]
+__all__ = ["write_code"]
 
-# an instruction's own result by number, or a coordinate
-Operand = int | Basis
 _ONE: Operand = Power(0)
 _TIME: Operand = Power(1)
-
-
-@dataclass(slots=True)
-class Instruction:
-    """One row: ``a``, ``b`` and ``c`` are operands, ``slot`` an expression of parameters.
-
-    A sum has terms instead: operands with their constant factors.
-    """
-
-    opcode: int
-    a: Operand | None = None
-    b: Operand | None = None
-    c: Operand | None = None
-    slot: Expression | None = None
-    terms: tuple[tuple[Operand, Expression], ...] = ()
-
-
-@dataclass(slots=True)
-class TaylorCode:
-    """Instructions of one mode and where its results are found."""
-
-    instructions: list[Instruction] = field(default_factory=list)
-    middle: int = 0  # resets follow
-    results: dict[tuple[object, ...], Operand] = field(default_factory=dict)
-    frequencies: dict[Expression, None] = field(default_factory=dict)
-    constants: list[tuple[str, Expression]] = field(default_factory=list)  # with their places
-    grows: str = ""  # place where plain time stands
-
-    @property
-    def uses_time(self) -> bool:
-        """Whether time itself is a coordinate."""
-        return bool(self.grows)
 
 
 def write_code(graph: Graph, forms: Forms[Expression], mode: str) -> TaylorCode:
@@ -84,7 +51,7 @@ def write_code(graph: Graph, forms: Forms[Expression], mode: str) -> TaylorCode:
         for state, node in way.reset.items():
             writer.place = f"the reset of {state!r} by {way.name!r} in mode {mode!r}"
             results["reset", e, state] = writer.operand(node)
-    return writer.code
+    return fuse_products(writer.code)
 
 
 class _Writer:

@@ -11,7 +11,7 @@ from nonsmooth.engine.record import Rows, rows_of, zeros
 from nonsmooth.system.expressions import Expression
 from nonsmooth.system.linear import Basis
 from nonsmooth.system.parameter_tape import ParameterTape
-from nonsmooth.system.taylor_code import Operand, TaylorCode
+from nonsmooth.system.taylor_instructions import Instruction, Operand, TaylorCode
 
 __all__ = ["TaylorRows"]
 
@@ -25,7 +25,7 @@ class TaylorRows:
         self.most = most
         self.n_registers = 0
         self.rows: list[tuple[int, int, int, int | Expression, int]] = []
-        self.terms: list[tuple[int, Expression]] = []
+        self.terms: list[tuple[int, int, Expression]] = []
         self.code_rows = zeros("Program", code_rows=(n_modes,))["code_rows"]
         self.outlets = np.full((n_modes, 2 * n + most + most * n), -1, np.int64)
 
@@ -33,7 +33,7 @@ class TaylorRows:
     def constants(self) -> list[Expression]:
         """Expressions that need a slot."""
         of_rows = [row[3] for row in self.rows if not isinstance(row[3], int)]
-        return [*of_rows, *(factor for _, factor in self.terms)]
+        return [*of_rows, *(factor for *_, factor in self.terms)]
 
     def put(self, i_mode: int, code: TaylorCode, states: tuple[str, ...]) -> None:
         """Enter the code of a mode."""
@@ -41,21 +41,27 @@ class TaylorRows:
         for i, each in enumerate(code.instructions):
             a, c = self._register(each.a), self._register(each.c)
             b = self._register(each.b) if each.slot is None else each.slot
-            if each.terms:
-                a = len(self.terms)
-                # what is computed last is added last, for it is waited for
-                terms = [(self._register(x), factor) for x, factor in each.terms]
-                self.terms += sorted(terms, key=itemgetter(0))
-                b = len(self.terms)
+            if each.terms or each.products:
+                a, c, b = self._put_terms(each)
             self.rows.append((each.opcode, width + i, a, b, c))
         self.code_rows[i_mode] = first, first + code.middle, len(self.rows)
         self.n_registers = max(self.n_registers, width + len(code.instructions))
         for (kind, *place), operand in code.results.items():
             self.outlets[i_mode, self._outlet(kind, place, states)] = self._register(operand)
 
+    def _put_terms(self, each: Instruction) -> tuple[int, int, int]:
+        """First term, first product and end of a sum; what is computed last is added last."""
+        first = len(self.terms)
+        terms = [(self._register(x), 0, factor) for x, factor in each.terms]
+        self.terms += sorted(terms, key=itemgetter(0))
+        middle = len(self.terms)
+        products = [(self._register(x), self._register(y), c) for x, y, c in each.products]
+        self.terms += sorted(products, key=lambda row: max(row[:2]))
+        return first, middle, len(self.terms)
+
     def array_of_terms(self, tape: ParameterTape) -> Rows:
-        """Rows (register, slot)."""
-        rows = [(register, tape.slot(factor)) for register, factor in self.terms]
+        """Rows (register, slot, other register)."""
+        rows = [(register, tape.slot(factor), other) for register, other, factor in self.terms]
         return rows_of("Term", rows)
 
     def array(self, tape: ParameterTape) -> Rows:

@@ -10,6 +10,7 @@
 
 #include "dual_series.hpp"
 #include "records.hpp"
+#include "step_sums.hpp"
 #include "taylor_series.hpp"
 
 namespace nonsmooth {
@@ -26,11 +27,9 @@ inline void place_columns(const View<double, 2>& columns, const View<Lanes, 3>& 
 // Series of the motion from a point of the step on.
 inline void fill_piece(const Tables& tables, const View<Series, 1>& whole, Index m, double passed,
                        const View<Series, 1>& piece) {
+    const TimePowers time(passed);
     for (Index i = 0; i < tables.size(); ++i) {
-        const double* a = whole[i].c;
-        double total = a[ORDER];
-        for (Index k = ORDER - 1; k >= 0; --k) total = total * passed + a[k];
-        piece[i].c[0] = total;
+        piece[i].c[0] = value_after(whole[i].c, time);
     }
     fill_series(tables, m, tables.code_rows[m].middle, piece, 0, ORDER);
 }

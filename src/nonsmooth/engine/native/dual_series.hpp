@@ -57,7 +57,17 @@ inline void add_lane_product(double scale, const Series& a, const Lanes* b, Inde
     add_products(scale, a, b, k, target);
 }
 
-// A sum of terms, whose weights depend on the parameters.
+// Coefficient k of what a weight of a sum stands before: a series or the product of two.
+inline double weighted_part(const Term& term, bool is_product, const Series* series, Index k) {
+    const double* a = series[term.reg].c;
+    if (!is_product) return a[k];
+    const double* b = series[term.other].c;
+    double total = 0.0;
+    for (Index j = 0; j <= k; ++j) total += a[j] * b[k - j];
+    return total;
+}
+
+// A sum of terms and products, whose weights depend on the parameters.
 inline void combine_duals(const Tables& tables, const Rates& rates,
                           const Instruction& instruction, const Series* series,
                           const DualBlock& dual, Index k) {
@@ -65,14 +75,25 @@ inline void combine_duals(const Tables& tables, const Rates& rates,
     const double* weights = tables.weights.data;
     Lanes& target = dual[instruction.target][k];
     LaneTotal total;
-    for (Index i = instruction.a; i < instruction.b; ++i) {
+    for (Index i = instruction.a; i < instruction.c; ++i) {
         total.add(weights[i], dual[terms[i].reg][k]);
     }
     total.set(target);
+    for (Index i = instruction.c; i < instruction.b; ++i) {
+        const Index u = terms[i].reg, v = terms[i].other;
+        if (u == v) {
+            add_lane_product(2.0 * weights[i], series[u], dual[u], k, target);
+        } else {
+            add_lane_product(weights[i], series[v], dual[u], k, target);
+            add_lane_product(weights[i], series[u], dual[v], k, target);
+        }
+    }
     for (Index p = dual.p_low; p < dual.p_high; ++p) {
         double change = 0.0;
         for (Index i = instruction.a; i < instruction.b; ++i) {
-            change += rates.slot_rates(terms[i].slot, p) * series[terms[i].reg].c[k];
+            const double rate = rates.slot_rates(terms[i].slot, p);
+            if (rate == 0.0) continue;
+            change += rate * weighted_part(terms[i], i >= instruction.c, series, k);
         }
         target.lane[dual.start + p] += change;
     }

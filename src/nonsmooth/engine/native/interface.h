@@ -69,7 +69,11 @@ typedef struct FactorTerm { int64_t mode, factor, column, slot; } FactorTerm;
 
 typedef struct TapeRow { int64_t opcode, left, right, third; } TapeRow; /* slots */
 typedef struct Instruction { int64_t opcode, target, a, b, c; } Instruction; /* taylor_opcodes.py */
-typedef struct Term { int64_t reg, slot; } Term;                    /* their product */
+/* a register and a slot, whose product it is; another register in products of two */
+typedef struct Term { int64_t reg, slot, other; } Term;
+/* an instruction and a term once more, as kernels read them: which one, places of registers in bytes */
+typedef struct KernelCall { int64_t kernel, target, a, b, c; } KernelCall;
+typedef struct TermPlaces { int64_t reg, other; } TermPlaces;
 typedef struct CodeRows { int64_t first, middle, end; } CodeRows;   /* end of guards; of resets */
 typedef struct Product { int64_t left, right; } Product;            /* two factors */
 typedef struct ProductRows { int64_t first, end; } ProductRows;     /* products of a guard */
@@ -119,10 +123,9 @@ typedef struct GuardScan {
     double a[6], bound, margin, safe, latest, taken_off, fading, passed;
 } GuardScan;
 /* Taylor series of a register: coefficients; what a recurrence multiplies by in place of dividing;
- * those with 0 < j < k once more, settled when order k is computed; the same backwards from
- * mirror[ORDER], with zeros behind them */
+ * coefficients once more, backwards from mirror[ORDER] */
 typedef struct Series {
-    double c[21], reciprocal, unused[2], settled[24], mirror[48];
+    double c[21], reciprocal, unused[2], mirror[24];
 } Series;
 typedef struct Lanes { double lane[8]; } Lanes; /* one coefficient in several directions */
 
@@ -177,6 +180,8 @@ typedef struct Program {
     Array(int64_t, 1) families; /* (m,): cells of one declared mode have the same number */
     Array(Instruction, 1) code; /* of all modes with instructions on series */
     Array(Term, 1) terms;       /* of their sums */
+    Array(KernelCall, 1) calls; /* by nonsmooth_choose_kernels */
+    Array(TermPlaces, 1) places;
     Array(CodeRows, 1) code_rows;
     /* (m, n + e + e n + n): registers of rates or relations, guards, resets, and of what vanishes by
      * the relations that are solved for */
@@ -218,6 +223,8 @@ typedef struct TableStack {
     Array(double, 2) weights; /* (terms,): values of the slots of the terms */
     Array(Instruction, 1) code;
     Array(Term, 1) terms;
+    Array(KernelCall, 1) calls;
+    Array(TermPlaces, 1) places;
     Array(CodeRows, 1) code_rows;
     Array(int64_t, 2) outlets;
     Array(int64_t, 1) rest_slots;
@@ -438,6 +445,11 @@ const char *nonsmooth_sources(void);
 
 /* Whether the processor knows all that the build for x86-64-v3 uses. */
 int64_t nonsmooth_runs_v3(void);
+
+/* Fill the calls of kernels for instructions, and the places of the terms of their sums. */
+void nonsmooth_choose_kernels(const Array(Instruction, 1) *code, const Array(Term, 1) *terms,
+                              const Array(KernelCall, 1) *calls,
+                              const Array(TermPlaces, 1) *places);
 
 /* Fill the stack for k sets of parameter values (k, p). Returns COMPLETED, NOT_FINITE or
  * NOT_CONVERGED; place (2,) is the mode where that happened (-1: the clock), sets done before. */

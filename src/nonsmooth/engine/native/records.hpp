@@ -16,7 +16,7 @@ extern "C" {
 }
 #pragma GCC visibility pop
 
-static_assert(sizeof(Series) == 96 * sizeof(double), "rows of series are twelve long vectors");
+static_assert(sizeof(Series) == 48 * sizeof(double), "rows of series are six cache lines");
 static_assert(sizeof(GuardWeights) == (2 * TERMS + 2) * sizeof(double));
 
 // One set of parameter values of a TableStack, which has the comments on the fields.
@@ -48,6 +48,8 @@ struct Tables {
     View<double, 1> weights;
     View<Instruction, 1> code;
     View<Term, 1> terms;
+    View<KernelCall, 1> calls;
+    View<TermPlaces, 1> places;
     View<CodeRows, 1> code_rows;
     View<int64_t, 2> outlets;
     View<int64_t, 1> rest_slots;
@@ -67,8 +69,9 @@ inline Tables tables_at(const TableStack& stack, Index k) {
                   stack.product_rows, stack.ladder[k],   stack.slots[k],     stack.clusters[k],
                   stack.spans[k],     stack.modes,       stack.exits,        stack.entry_orders[k],
                   *stack.drifting,    stack.kinds,       stack.families,     stack.values[k],
-                  stack.weights[k],   stack.code,        stack.terms,        stack.code_rows,
-                  stack.outlets,      stack.rest_slots,  stack.signals,      stack.knots};
+                  stack.weights[k],   stack.code,        stack.terms,        stack.calls,
+                  stack.places,       stack.code_rows,   stack.outlets,      stack.rest_slots,
+                  stack.signals,      stack.knots};
 }
 
 // ---------------------------------------------------------------- rows of Tables

@@ -25,6 +25,22 @@ inline double doubt_of_product(const Doubt& a, const Doubt& b) {
     return a.units * b.extent + b.units * a.extent;
 }
 
+// Error of a sum but for its own rounding: what its terms hand on, and the rounding of products.
+inline double doubt_of_sum(const Tables& tables, const Instruction& instruction,
+                           const Doubt* doubt) {
+    const Term* terms = tables.terms.data;
+    const double* weights = tables.weights.data;
+    double units = 0.0;
+    for (Index i = instruction.a; i < instruction.c; ++i) {
+        units += std::fabs(weights[i]) * doubt[terms[i].reg].units;
+    }
+    for (Index i = instruction.c; i < instruction.b; ++i) {
+        const Doubt &u = doubt[terms[i].reg], &v = doubt[terms[i].other];
+        units += std::fabs(weights[i]) * (u.extent * v.extent + doubt_of_product(u, v));
+    }
+    return units;
+}
+
 // Error that a function hands on: its rate at the start of the step times that of a.
 inline double doubt_of_function(const Instruction& instruction, const double* slots,
                                 const Series* series, const Doubt* doubt) {
@@ -64,9 +80,7 @@ inline void fill_doubt(const Tables& tables, Index m, const View<Series, 1>& ser
         double units = 0.0;
         switch (operation(instruction)) {
         case TaylorOp::COMBINE:
-            for (Index i = instruction.a; i < instruction.b; ++i) {
-                units += std::fabs(tables.weights[i]) * doubt[tables.terms[i].reg].units;
-            }
+            units = doubt_of_sum(tables, instruction, doubt.data);
             break;
         case TaylorOp::MULTIPLY:
             units = doubt_of_product(doubt[instruction.a], doubt[instruction.b]);

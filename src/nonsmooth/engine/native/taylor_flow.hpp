@@ -4,7 +4,6 @@
 // long as its series allow, and samples, guards and events only read its polynomials.
 #pragma once
 
-#include <array>
 #include <cmath>
 #include <limits>
 
@@ -12,23 +11,13 @@
 #include "rounding.hpp"
 #include "solved_relations.hpp"
 #include "state_sets.hpp"
+#include "step_sums.hpp"
 #include "taylor_series.hpp"
 #include "taylor_step.hpp"
 
 namespace nonsmooth::taylor {
 
 constexpr double unit = 2.220446049250313e-16;
-
-// Binomial coefficients (k over TERMS)
-constexpr auto choices = [] {
-    std::array<double, ORDER + 1> table{};
-    for (int k = TERMS; k <= ORDER; ++k) {
-        double count = 1.0;
-        for (int i = 1; i <= TERMS; ++i) count = count * (k - TERMS + i) / i;
-        table[k] = count;
-    }
-    return table;
-}();
 
 // The length of a step as its series allow it, and the roots of the guards.
 inline double allowed_length(const Tables& tables, const Segment& segment, Index m,
@@ -52,11 +41,13 @@ inline double allowed_length(const Tables& tables, const Segment& segment, Index
 inline double length_with_doubt(const Tables& tables, const Segment& segment, Index m,
                                 double limit) {
     constexpr int most_rounds = 20;  // of a length and the errors within it, which need each other
+    const Index n_exits = mode_wiring(tables, m).n_exits;
     double length = limit;
+    if (n_exits == 0) return length;  // nothing asks for errors
     for (int count = 0; count < most_rounds; ++count) {
         fill_doubt(tables, m, segment.series, length, segment.doubt);
         const double whole = length;
-        for (Index g = 0; g < mode_wiring(tables, m).n_exits; ++g) {
+        for (Index g = 0; g < n_exits; ++g) {
             const Index guard = guard_outlet(tables, m, g);
             const double noise = unit * segment.doubt[guard].units;
             length = converging_step(segment.series[guard].c, noise, length);
@@ -69,18 +60,12 @@ inline double length_with_doubt(const Tables& tables, const Segment& segment, In
 // Margin of a guard, and bound of its sixth Taylor coefficient, over the whole step.
 inline void bound_guard(const double* a, const Doubt& doubt, double length, GuardScan& scan) {
     constexpr double margin = 8.0;  // roundings: of coefficients and of the polynomial at a point
-    double bound = 0.0, size = std::fabs(a[0]);
-    double power = 1.0, scale = 1.0;
-    for (Index k = 1; k <= ORDER; ++k) {
-        scale *= length;
-        size += std::fabs(a[k]) * scale;
-        if (k >= TERMS) {
-            bound += choices[k] * std::fabs(a[k]) * power;
-            power *= length;
-        }
-    }
-    const double remainder = (std::fabs(a[ORDER - 1]) / length + std::fabs(a[ORDER])) * scale;
-    scan.bound = bound;
+    static_assert(ORDER == 20);
+    const TimePowers time(length);
+    const double fourth = time.fourth, to_19 = fourth * fourth * (fourth * fourth) * time.first[2];
+    const double remainder = (std::fabs(a[ORDER - 1]) + std::fabs(a[ORDER]) * length) * to_19;
+    const double size = std::fabs(a[0]) + size_of_terms(a, time);
+    scan.bound = bound_of_next(a, time);
     scan.margin = margin * unit * (size + doubt.units) + remainder;
     scan.taken_off = 0.0;
     scan.fading = 0.0;
@@ -147,12 +132,8 @@ inline void read_guard(const Tables& tables, const Segment& segment, Index m, In
 
 // The first n states at a point of the step.
 inline void state_at(const Segment& segment, double s, double* out, Index n) {
-    for (Index i = 0; i < n; ++i) {
-        const double* a = segment.series[i].c;
-        double total = a[ORDER];
-        for (Index k = ORDER - 1; k >= 0; --k) total = total * s + a[k];
-        out[i] = total;
-    }
+    const TimePowers time(s);
+    for (Index i = 0; i < n; ++i) out[i] = value_after(segment.series[i].c, time);
 }
 
 }  // namespace nonsmooth::taylor

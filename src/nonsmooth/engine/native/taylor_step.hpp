@@ -2,12 +2,13 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 
+#include "convolutions.hpp"
 #include "logarithm.hpp"
 #include "records.hpp"
+#include "step_sums.hpp"
 #include "taylor_opcodes.hpp"
 
 namespace nonsmooth {
@@ -16,13 +17,6 @@ namespace nonsmooth {
 // numerical integration of ODEs by means of high-order Taylor methods, 2005): exp(-2) and some care
 constexpr double log_radius = (-2.0 - 0.7 / (ORDER - 1)) / std::numbers::ln2;
 constexpr double endless = 1000.0;  // logarithm of a step that no series limits
-
-// One over k > 0
-constexpr auto one_over = [] {
-    std::array<double, ORDER + 1> table{1.0};
-    for (int k = 1; k <= ORDER; ++k) table[k] = 1.0 / k;
-    return table;
-}();
 
 // The last order from p down to one before which all that is left is a polynomial.
 inline Index last_term(const double* a, Index p, Index first) {
@@ -34,6 +28,26 @@ inline Index last_term(const double* a, Index p, Index first) {
     return std::max(p, first);
 }
 
+// Whether a series surely converges well within a length, as the next function has it, without
+// logarithms; most series do not shorten the step that others allow.
+inline bool converges_within(const double* a, double noise, double length) {
+    constexpr double smallest = 1e-280, largest = 1e280;  // far from where digits are lost
+    constexpr double radius = 0.1304;  // 2 to the power log_radius, rounded down
+    constexpr double radius_4 = radius * radius * radius * radius;
+    constexpr double to_last = radius_4 * radius_4 * radius_4 * radius_4 * radius_4;
+    constexpr double to_other = to_last / radius;
+    const double square = length * length, fourth = square * square;
+    const double to_19 = fourth * fourth * (fourth * fourth) * (square * length);
+    const double last = std::fabs(a[ORDER]) * (to_19 * length);
+    const double other = std::fabs(a[ORDER - 1]) * to_19;
+    const double leading =
+        std::max(std::max(std::fabs(a[0]), std::fabs(a[1]) * length),
+                 std::max(std::fabs(a[2]) * square, std::fabs(a[3]) * (square * length)));
+    const bool regular = last > smallest && other > smallest && leading < largest && a[0] != 0.0;
+    return regular && last <= std::max(leading * to_last, noise) &&
+           other <= std::max(leading * to_other, noise);
+}
+
 // Step within which a series converges well, at most `longest`.
 //
 // Each of the last two coefficients times the step to its order may be the radius to the same power
@@ -41,6 +55,7 @@ inline Index last_term(const double* a, Index p, Index first) {
 inline double converging_step(const double* a, double noise, double longest) {
     constexpr double nothing_left = -960.0;  // logarithm of it; far below it digits are lost
     constexpr Index n_leading = 4;           // coefficients that tell how large a function is
+    if (converges_within(a, noise, longest)) return longest;
     Index first = 0;
     while (first < ORDER && a[first] == 0.0) ++first;
     const Index last = last_term(a, ORDER, first);
@@ -88,9 +103,7 @@ inline double positive_step(const double* a, double longest) {
     constexpr int most_halvings = 1100;
     double length = longest;
     for (int count = 0; count < most_halvings; ++count) {
-        double change = std::fabs(a[ORDER]);
-        for (Index k = ORDER - 1; k > 0; --k) change = change * length + std::fabs(a[k]);
-        change *= length;
+        const double change = size_of_terms(a, TimePowers(length));
         if (!(change > most_fall * a[0])) break;
         length *= std::max(0.5, most_fall * a[0] / change);
     }
@@ -159,6 +172,9 @@ inline double step_of_roots(const double* a, Index order, double longest, double
     constexpr double log_beyond = 0.5;  // logarithm of the step over half of a bound of all roots
     // a first root of a line at the start is of no interest
     const Index least = std::max<Index>(order + 1, 2);
+    const double first = std::fabs(a[1]) * longest;
+    const double others = size_of_terms(a, TimePowers(longest)) - first;
+    if (others <= std::max(std::fabs(a[0]), first)) return longest;  // none of them is the largest
     double length = longest;
     for (int count = 0; count < ORDER; ++count) {
         const Index top = largest_term(a, length);

@@ -1,0 +1,28 @@
+// Taylor coefficients order by order, by the instructions of a mode.
+//
+// A register holds the coefficients of a function of the time since the start of the step. The
+// instructions are passed once per order; each adds one coefficient from those there already. The
+// order and what is added are known when the engine is compiled, so that all sums are written out
+// (`convolutions`): a kernel for each order and each kind of instruction.
+#pragma once
+
+#include "records.hpp"
+
+namespace nonsmooth {
+
+// What a sweep through the instructions up to `end` of mode m reads and writes.
+struct SeriesSweep {
+    const Tables& tables;
+    Series* series;
+    const TermPlaces* places;
+    const double *weights, *slots;
+    const KernelCall* end;
+    Index m;
+    StateSet slaved;  // states that are given by expressions
+};
+
+// Coefficients of order low ... high of all that the instructions from `first` on compute, and one
+// order more of the states.
+void run_orders(const SeriesSweep& sweep, const KernelCall* first, Index low, Index high);
+
+}  // namespace nonsmooth
