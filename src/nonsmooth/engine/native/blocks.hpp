@@ -5,6 +5,9 @@
 // routine would guarantee.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+
 #include "complex.hpp"
 #include "state_sets.hpp"
 #include "views.hpp"
@@ -68,12 +71,24 @@ inline Index order_blocks(const View<double, 2>& matrix, const View<StateSet, 1>
     return n_blocks;
 }
 
-// Power of two by which a column is to be multiplied, and its row divided, to make them match.
-inline double balancing_factor(double column, double row) {
+// Power of two by which a column is to be multiplied, and its row divided, to make them match as
+// far as they are above a rate.
+inline double balancing_factor(double column, double row, double rate) {
     double factor = 1.0;
-    while (column * factor < 0.5 * row / factor && factor < 1e100) factor *= 2.0;
-    while (column * factor > 2.0 * row / factor && factor > 1e-100) factor *= 0.5;
+    const auto scaled_column = [&] { return std::max(column * factor, rate); };
+    const auto scaled_row = [&] { return std::max(row / factor, rate); };
+    while (scaled_column() < 0.5 * scaled_row() && factor < 1e100) factor *= 2.0;
+    while (scaled_column() > 2.0 * scaled_row() && factor > 1e-100) factor *= 0.5;
     return factor;
+}
+
+// Rate of a coordinate on its own, or in turn with one other: the same in all units.
+inline double rate_of_coordinate(const View<Complex, 2>& t, Index i, Index low, Index high) {
+    double rate = abs(t(i, i));
+    for (Index j = low; j < high; ++j) {
+        rate = std::max(rate, std::sqrt(abs(t(i, j))) * std::sqrt(abs(t(j, i))));
+    }
+    return rate;
 }
 
 // Scale the coordinates of a block by powers of two so that rows and columns match; t (N, N)
@@ -81,6 +96,11 @@ inline double balancing_factor(double column, double row) {
 //
 // Parlett and Reinsch (1969). Units such as newtons beside metres would otherwise spoil the small
 // entries of a block; powers of two make the scaling itself exact.
+//
+// A row or column that is below the rate of its coordinate counts as that rate. A chain x' = y,
+// y' = z that is closed by a coupling of 1e-16 would otherwise be brought to units in which all
+// three couplings are small alike, and rounding of the rates on the diagonal would drown them
+// (R. James, J. Langou and B. Lowery, On matrix balancing and eigenvector computation, 2014).
 inline void balance_block(const View<Complex, 2>& t, const View<double, 1>& scale, Index low,
                           Index high) {
     constexpr int most_rounds = 20;
@@ -95,8 +115,11 @@ inline void balance_block(const View<Complex, 2>& t, const View<double, 1>& scal
                 row += abs(t(i, j));
             }
             if (column == 0.0 || row == 0.0) continue;
-            const double factor = balancing_factor(column, row);
-            if (!(column * factor + row / factor < 0.95 * (column + row))) continue;
+            const double rate = rate_of_coordinate(t, i, low, high);
+            const double factor = balancing_factor(column, row, rate);
+            const double before = std::max(column, rate) + std::max(row, rate);
+            const double after = std::max(column * factor, rate) + std::max(row / factor, rate);
+            if (!(after < 0.95 * before)) continue;
             changed = true;
             scale[i] *= factor;
             for (Index j = 0; j < n; ++j) t(j, i) *= factor;
