@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "deep_zeros.hpp"
 #include "flow.hpp"
 #include "guard_outlook.hpp"
 #include "guard_root.hpp"
@@ -40,6 +41,17 @@ struct Look {
     Outlook outlook;  // of that guard
 };
 
+// Leave a zero of higher order than the coefficients of a look tell, at the start of a segment.
+inline Outlook leave_deep_zero(const Search& search, Index g, double reach) {
+    GuardScan& guard = search.segment.scan[g];
+    const DeepStart start = look_deep(search.tables, search.segment, search.m, g, reach);
+    guard.safe = reach;
+    if (start.order == most_deep) return Outlook::open;  // it stays zero
+    guard.safe = start.safe;
+    if (start.rises) return start.is_exact ? Outlook::open : Outlook::touches;
+    return start.is_exact ? Outlook::falls : Outlook::uncertain;
+}
+
 // Look at one guard: fills its scan. Order is that of its zero at s = 0, which is known there only;
 // a guard that is identically zero may stay so.
 inline Outlook look_at_guard(const Search& search, Index g, double reach, double farthest) {
@@ -53,6 +65,8 @@ inline Outlook look_at_guard(const Search& search, Index g, double reach, double
     Outlook outlook = Outlook::open;
     if (still > 0.0) {
         guard.safe = still;
+    } else if (begins && order == ALWAYS_ZERO) {
+        outlook = leave_deep_zero(search, g, reach);
     } else if (begins && order > 0 && order != STILL_ZERO) {
         const double landing = order == 1 ? end_of_low_flight(guard, reach) : 0.0;
         if (landing > 0.0) {
@@ -63,14 +77,13 @@ inline Outlook look_at_guard(const Search& search, Index g, double reach, double
         }
     } else {
         outlook = look_ahead(guard, reach, farthest);
-        if (outlook == Outlook::touches) {
-            // passed by this guard alone: the others may fall before
-            const double least = 4.0 * relative_rounding * search.length;
-            guard.passed = search.s + std::max(guard.safe, least);
-            return outlook;
-        }
     }
     if (order >= STILL_ZERO && still == 0.0) order = 0;
+    if (outlook == Outlook::touches) {
+        // passed by this guard alone: the others may fall before
+        const double least = 4.0 * relative_rounding * search.length;
+        guard.passed = search.s + std::max(guard.safe, least);
+    }
     return outlook;
 }
 
@@ -148,6 +161,7 @@ inline Crossing follow_guard(Search& search, Look& look) {
         advance(tables, segment, m, s);
         return {s, which, Found::uncertain};
     }
+    if (look.outlook == Outlook::falls) return {search.s, which, Found::certified};
     if (look.outlook == Outlook::lands && falls_before_others(search, which, search.length)) {
         const double s = guard.latest;
         guard.a[1] = rate_of_polynomial(guard, s);

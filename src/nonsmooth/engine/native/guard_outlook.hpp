@@ -16,9 +16,9 @@ constexpr double one_rounding = 1.0 / 32.0;  // as a part of a rounding margin
 constexpr double no_root_known = 1e300;
 
 // What a guard does at the end of its safe step: nothing that is known, or a fall to a root; the
-// end of a low flight, which is known already; a tangency that rounding leaves open, taken for a
-// crossing or for a touch.
-enum class Outlook { open, lands, uncertain, touches };
+// end of a low flight, which is known already; a fall from zero at once; a tangency that rounding
+// leaves open, taken for a crossing or for a touch.
+enum class Outlook { open, lands, falls, uncertain, touches };
 
 // Safe step from a zero of known order; the zero itself is divided out.
 inline double leave(const GuardScan& guard, Index order, double reach) {
