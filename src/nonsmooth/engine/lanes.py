@@ -67,7 +67,7 @@ class Anchor(Record):
     struct: ClassVar[str] = "Anchors"
     in_lanes: ClassVar[tuple[str, ...]] = ("place", "state", "order")
 
-    place: Rows  # (): number, mode, phase
+    place: Rows  # (): number, mode, phase, whether errors of series were estimated
     state: Floats  # (n,)
     order: Integers  # (e,)
 
@@ -144,6 +144,8 @@ class Segment(Record):
     point: Floats
     series: Rows
     doubt: Rows
+    majorants: Rows
+    is_estimated: Integers
     dual: Rows
 
 
@@ -222,7 +224,8 @@ def allocate_segment(sizes: Sizes, n_rates: int = 0) -> Segment:
         order=(sizes.exits,), pause=(), extent=(big_n,), mark=(big_n,), visited=(sizes.modes,),
         newton=(3, big_n), factors=(sizes.factors + 1,), scan=(sizes.exits,), scale=(big_n,),
         basis=(2, big_n, big_n), series=(registers,), doubt=(registers,),
-        dual=(registers, blocks, _TERMS), left_out=(1,),
+        majorants=(registers,), dual=(registers, blocks, _TERMS), left_out=(1,),
+        is_estimated=(1,),
     )  # fmt: skip
     return Segment(**made, to_knot=np.full(1, np.inf), point=np.zeros(1))
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from enum import IntEnum
 
-__all__ = ["CURES", "SETUP_ERRORS", "EventKind", "Status"]
+__all__ = ["CURES", "SETUP_ERRORS", "Certificate", "EventKind", "Status"]
 
 
 class Status(IntEnum):
@@ -54,6 +54,14 @@ class EventKind(IntEnum):
     def word(self) -> str:
         """Word for results."""
         return self.name.lower()
+
+
+class Certificate(IntEnum):
+    """What is known of an event: open by rounding, proven up to it, or resting on an estimate."""
+
+    UNCERTAIN = 0
+    CERTIFIED = 1
+    ESTIMATED = 2
 
 
 CURES: dict[Status, str] = {

@@ -39,7 +39,7 @@ def section_dataset(
     if protocol["section_kind"] == "crossing":
         words = {"long_name": "1 where the section grows, -1 where it falls"}
         variables["direction"] = ("point", points.direction.astype("int8"), words)
-    words = {"long_name": "whether rounding leaves no doubt about the point"}
+    words = {"long_name": "whether neither rounding nor an estimate leaves a doubt about the point"}
     variables["certified"] = ("point", points.certified, words)
     coords: dict[str, Any] = {"time": ("point", clock.time, labels.attributes("time"))}
     if system.period_value is not None:
@@ -60,9 +60,10 @@ def _attributes(
         "nonsmooth_version": __version__,
         "status": _status(found),
         "message": _message(found, protocol, end),
-        "certified": int(found.n_uncertain == 0),
+        "certified": int(found.n_uncertain == found.n_estimated == 0),
         "n_points": found.n_points,
         "n_uncertain": found.n_uncertain,
+        "n_estimated": found.n_estimated,
         "n_grazes": found.n_grazes,
         "end_time": end,
     }

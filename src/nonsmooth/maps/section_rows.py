@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.engine.record import Rows, columns
-from nonsmooth.engine.status import EventKind
+from nonsmooth.engine.status import Certificate, EventKind
 from nonsmooth.engine.tables import Tables, exits_of_path
 from nonsmooth.maps.section_search import Pick, Points, some_points
 from nonsmooth.simulation.clock import Instant
@@ -205,5 +205,5 @@ def _points(
         origin[columns(rows, "from_mode", "to_mode").T],
         states[here].transpose(1, 0, 2).copy(),
         direction.copy(),
-        rows["is_certified"].astype(bool),
+        rows["certificate"] == Certificate.CERTIFIED,
     )

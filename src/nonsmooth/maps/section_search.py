@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.engine.record import Rows
-from nonsmooth.engine.status import Status
+from nonsmooth.engine.status import Certificate, Status
 from nonsmooth.engine.tables import Tables
 from nonsmooth.simulation.clock import Instant, Plan
 from nonsmooth.simulation.progress import Progress
@@ -74,6 +74,7 @@ class Search:
     status: Status = Status.COMPLETED
     n_points: int = 0
     n_uncertain: int = 0
+    n_estimated: int = 0
     n_grazes: int = 0
     gave_up: bool = False
     at_rest: bool = False  # on the section, within rounding
@@ -98,6 +99,7 @@ def search(tables: Tables, start: Start, limits: Limits, tolerance: float, pick:
         outcome = to_begin(tables, start, limits.begin, tolerance)
         found.status, found.instant = outcome.status, outcome.end
         found.n_uncertain = outcome.n_uncertain
+        found.n_estimated = outcome.n_estimated
         waited = windows = n_events = 0
         length = FIRST_PART
         with Progress("section", limits.record) as progress:
@@ -127,17 +129,18 @@ def _take(found: Search, outcome: Outcome, record: int, pick: Pick) -> int:
     rows = outcome.events[1:]
     points, grazes = pick(rows, outcome.event_states[1:])
     wanted = record - found.n_points
+    found.n_estimated += outcome.n_estimated
     found.status, found.instant = outcome.status, outcome.end
     if points.number.size < wanted:
         found.n_uncertain += outcome.n_uncertain
         if outcome.status in _STUCK and len(rows):
-            found.at_rest = pick.is_own(rows[-1]) and not rows["is_certified"][-1]
+            found.at_rest = pick.is_own(rows[-1]) and rows["certificate"][-1] == Certificate.UNCERTAIN
     else:  # what lies behind the last point is not looked at, however far the part went
         points = some_points(points, slice(wanted))
         last = int(points.row[-1]) + 1
         found.status = Status.COMPLETED
         found.instant = Instant(int(points.number[-1]), float(points.phase[-1]))
-        found.n_uncertain += int(np.sum(rows["is_certified"][:last] == 0))
+        found.n_uncertain += int(np.sum(rows["certificate"][:last] == Certificate.UNCERTAIN))
         grazes = grazes[:last]
     found.parts.append(points)
     found.n_points += points.number.size

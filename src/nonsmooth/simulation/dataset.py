@@ -112,11 +112,12 @@ def _attributes(system: System, labels: Labels, outcome: Outcome) -> dict[str, A
         "nonsmooth_version": __version__,
         "status": outcome.status.word,
         "message": _message(labels, outcome),
-        "certified": int(outcome.n_uncertain == 0),
+        "certified": int(outcome.n_uncertain == outcome.n_estimated == 0),
         "n_samples": outcome.n_samples,
         "n_rows": len(outcome.events) if outcome.keeps_events else 0,
         "n_events": outcome.n_events,
         "n_uncertain": outcome.n_uncertain,
+        "n_estimated": outcome.n_estimated,
         "phase_word": last_period_word(system, outcome),
         "window": outcome.tables.window,
         "end_number": outcome.end.number,
@@ -124,6 +125,7 @@ def _attributes(system: System, labels: Labels, outcome: Outcome) -> dict[str, A
         "anchor_number": anchor.number,
         "anchor_phase": anchor.phase,
         "anchor_mode": anchor.mode,
+        "anchor_is_estimated": int(anchor.place["is_estimated"]),
         "anchor_order": " ".join(str(order) for order in anchor.order),
     }
     if system.period_value is not None:

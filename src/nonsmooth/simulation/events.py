@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.engine.record import Rows, columns
-from nonsmooth.engine.status import EventKind
+from nonsmooth.engine.status import Certificate, EventKind
 from nonsmooth.engine.tables import PATH_LENGTH
 from nonsmooth.simulation.after_chatter import states_after
 from nonsmooth.simulation.assemble import Columns
@@ -48,8 +48,12 @@ def event_variables(labels: Labels, outcome: Outcome) -> Columns:
             "rate of the guard that fired, just before the event",
         ),
         "certified": (
-            rows["is_certified"].astype(bool),
-            "whether rounding leaves no doubt about the event",
+            rows["certificate"] == Certificate.CERTIFIED,
+            "whether neither rounding nor an estimate leaves a doubt about the event",
+        ),
+        "estimated": (
+            rows["certificate"] == Certificate.ESTIMATED,
+            "whether the event rests on an estimate of the errors of Taylor series",
         ),
         "state_before": (before, "states just before the event"),
         "state_after": (states_after(outcome), "states just after the event"),

@@ -34,7 +34,7 @@ from nonsmooth.engine.lanes import (
     run_some,
 )
 from nonsmooth.engine.record import Rows
-from nonsmooth.engine.status import SETUP_ERRORS, EventKind, Status
+from nonsmooth.engine.status import SETUP_ERRORS, Certificate, EventKind, Status
 from nonsmooth.engine.tables import MAX_AUGMENTED, Tables, allocate_tables, set_up
 from nonsmooth.errors import ModelError
 from nonsmooth.simulation.clock import Instant, Plan
@@ -87,6 +87,7 @@ class Outcome:
     keeps_events: bool
     n_events: int
     n_uncertain: int
+    n_estimated: int
     end: Instant
     history: History | None = None  # periods of a run with slow parameters
 
@@ -236,6 +237,7 @@ def run_plan(
         keeps_events=keep_events,
         n_events=log.n_left_out + len(rows) - 1,  # the first row is the start
         n_uncertain=int(records.counters["uncertain"]),
+        n_estimated=int(records.counters["estimated"]),
         end=end,
     )
 
@@ -330,7 +332,7 @@ def log_going_on(
         ("from_mode", anchor.mode),
         ("to_mode", anchor.mode),
         ("exit", -1),
-        ("is_certified", 1),
+        ("certificate", Certificate.CERTIFIED),
         ("count", 1),
         ("phase", begin.phase),
     ):

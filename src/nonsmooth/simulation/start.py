@@ -205,6 +205,7 @@ def _from_run(
     anchor = allocate_anchor(tables.sizes)
     anchor.move_to((int(run.attrs["anchor_number"]), float(run.attrs["anchor_phase"])))
     anchor.place["mode"] = run.attrs["anchor_mode"]
+    anchor.place["is_estimated"] = run.attrs.get("anchor_is_estimated", 0)
     anchor.state[:] = run["anchor_state"].values
     anchor.order[:] = np.array(run.attrs["anchor_order"].split(), np.int64)
     return Start(run["end_state"].values.copy(), end, anchor=anchor)

@@ -12,7 +12,7 @@ from nonsmooth.analysis.returns.family import Starts
 from nonsmooth.analysis.returns.lane_log import LaneLog, Settled, settle
 from nonsmooth.engine.lanes import ANY
 from nonsmooth.engine.record import Rows, columns
-from nonsmooth.engine.status import EventKind, Status
+from nonsmooth.engine.status import Certificate, EventKind, Status
 from nonsmooth.maps.poincare import PoincareMap
 from nonsmooth.maps.rates import Rates
 from nonsmooth.maps.section_rows import AT_ONCE, Crossings, NamedEvents
@@ -127,7 +127,7 @@ class Imaging(ABC):
         mode[lanes[early]] = entered[early]  # the last one, as rows are in order
         words, exits = self._texts(lanes[counts], entered[counts], rows[counts], mode)
         there = log.status == Status.COMPLETED
-        doubtful = (rows["is_certified"] == 0) & (here <= way.last[lanes])
+        doubtful = (rows["certificate"] != Certificate.CERTIFIED) & (here <= way.last[lanes])
         return Images(
             np.where(there[:, None], way.states, np.nan),
             np.where(there, way.number, -1),

@@ -12,7 +12,7 @@ struct NewEvent {
     WindowPhase when;
     EventKind kind;
     Index m, e;
-    bool certified;
+    Certificate certificate;
     double rate;  // of the guard
 };
 
@@ -31,7 +31,7 @@ inline Index log_event(const Records& records, const NewEvent& event) {
                          .exit = event.e,
                          .path = event.e + 1,
                          .passes = event.e >= 0 ? 1 : 0,
-                         .is_certified = event.certified ? 1 : 0,
+                         .certificate = event.certificate,
                          .count = 1,
                          .phase = event.when.phase,
                          .guard_rate = event.rate,

@@ -17,6 +17,7 @@ namespace nonsmooth {
 inline double start_segment(const Tables& tables, const Rates& rates, const Segment& segment,
                             Index m, double longest) {
     if (tables.kinds[m] == TAYLOR) return taylor::start_step(tables, rates, segment, m, longest);
+    *segment.is_estimated = 0;
     const double length = std::min(longest, tables.spans[m].longest);
     linear::start_segment(tables, segment, m, length);
     return length;

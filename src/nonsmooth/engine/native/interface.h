@@ -129,24 +129,34 @@ typedef struct Series {
 } Series;
 typedef struct Lanes { double lane[8]; } Lanes; /* one coefficient in several directions */
 
-/* where a run goes on: window, mode, time within the window */
-typedef struct Place { int64_t number, mode; double phase; } Place;
+/* a register over a step: sizes of its terms at the end, of all terms from each on, of what its
+ * recurrence has left out, and bound of what the function is off the polynomial by */
+typedef struct Majorant { double size[21], tail[21], cut, remainder; } Majorant;
+
+/* where a run goes on: window, mode, time within the window; whether errors of series since the last
+ * event were estimated, not bounded */
+typedef struct Place { int64_t number, mode; double phase; int64_t is_estimated; } Place;
 /* up to where tangencies are logged; the number of the window may be infinite */
 typedef struct Instant { double number, phase; } Instant;
 
+/* what is known of an event: rounding leaves it open; it is proven up to rounding; it rests on an
+ * estimate of the errors of Taylor series */
+enum Certificate { UNCERTAIN, CERTIFIED, ESTIMATED };
+
 /* window and kind of an event; modes before and after it; the exit that fired, the exits passed and
- * their number; whether rounding leaves no doubt about it; impacts that the row stands for; time
+ * their number; its certificate; impacts that the row stands for; time
  * within the window, rate of the guard, time until rebounds are over */
 typedef struct EventRow {
-    int64_t number, kind, from_mode, to_mode, exit, path, passes, is_certified, count;
+    int64_t number, kind, from_mode, to_mode, exit, path, passes, certificate, count;
     double phase, guard_rate, wait;
 } EventRow;
 /* samples written, events logged, events in this window, uncertain ones, events in a row between
  * which time did not advance, segments of this call, impacts in a row of one exit, and which exit
- * that is, steps in a row that lead nowhere, events since the run began, logged or not */
+ * that is, steps in a row that lead nowhere, events since the run began, logged or not, steps of
+ * Taylor series whose errors were estimated */
 typedef struct Counters {
     int64_t samples, events, window_events, uncertain, stalled, segments, rebounds, last_exit,
-        creeping, happened;
+        creeping, happened, estimated;
 } Counters;
 /* where a run has paused within its segment: what it was at, looks behind it, steps of the ladder in
  * a row, exit and kind of the crossing that is found, work left in this call, whether the segment is
@@ -257,6 +267,8 @@ typedef struct Segment {
     double *point;            /* current point of the step */
     Array(Series, 1) series;  /* (registers,) at the start of the step */
     Array(Doubt, 1) doubt;
+    Array(Majorant, 1) majorants;
+    int64_t *is_estimated; /* whether the errors of the series are estimated, not bounded */
     Array(Lanes, 3) dual; /* (registers, blocks of N and more, TERMS): derivatives at an instant */
 } Segment;
 

@@ -149,7 +149,8 @@ inline void move_anchor(const Run& run, const SegmentTimes& times) {
     WindowPhase when{anchor.place.number + WINDOWS, 0.0};
     if (times.length < times.whole) when = instant_at(run, times.length);
     if (when.number > anchor.place.number) run.records.counters.window_events = 0;
-    anchor.place = {when.number, anchor.place.mode, when.phase};
+    const int64_t is_estimated = anchor.place.is_estimated | *run.segment.is_estimated;
+    anchor.place = {when.number, anchor.place.mode, when.phase, is_estimated};
     // behind a knot a guard that has been zero may leave it
     const bool smooth = run.tables.signals.size() == 0;
     for (Index g = 0; g < anchor.order.size(); ++g) {
@@ -211,6 +212,8 @@ inline SegmentEnd pass_segment(const Run& run) {
         pause.length = pause.flies != 0 ? farthest_flight
                                         : start_segment(run.tables, run.rates, run.segment, m,
                                                         times.longest);
+        if (pause.flies != 0) *run.segment.is_estimated = 0;
+        run.records.counters.estimated += *run.segment.is_estimated;
     }
     times.length = pause.length;
     if (step_fails(run, times)) {

@@ -17,14 +17,22 @@ inline WindowPhase instant_at(const Run& run, double s) {
     return normal_phase(run.anchor.place.number, run.anchor.phase + s, run.tables.clock.window);
 }
 
+// What is known of a crossing of the segment, by how it was found and by the series that have led
+// there.
+inline Certificate certificate_of(const Run& run, Found found) {
+    if (found != Found::certified) return UNCERTAIN;
+    const bool is_estimated = run.anchor.place.is_estimated != 0 || *run.segment.is_estimated != 0;
+    return is_estimated ? ESTIMATED : CERTIFIED;
+}
+
 // Log an event of the segment with the state before it; returns its row.
 inline Index log_crossing(const Run& run, const Crossing& crossing, EventKind kind) {
     const Index e = crossing.exit, m = run.anchor.place.mode;
-    const bool certified = crossing.found == Found::certified;
+    const Certificate certificate = certificate_of(run, crossing.found);
     const double rate = e >= 0 ? run.segment.scan[e].a[1] : 0.0;
     const Records& records = run.records;
     const Index row =
-        log_event(records, {instant_at(run, crossing.s), kind, m, e, certified, rate});
+        log_event(records, {instant_at(run, crossing.s), kind, m, e, certificate, rate});
     if (row < 0) return row;
     if (e >= 0) {
         state_at(run.tables, run.segment, m, records.state_before(row));
@@ -39,7 +47,7 @@ inline Index log_crossing(const Run& run, const Crossing& crossing, EventKind ki
 inline Index log_start(const Run& run, EventKind kind, Index passes) {
     if (kind != EVENT_START && passes == 0) return -1;
     const Index m = run.anchor.place.mode;
-    const Index row = log_event(run.records, {time_of_anchor(run), kind, m, -1, true, 0.0});
+    const Index row = log_event(run.records, {time_of_anchor(run), kind, m, -1, CERTIFIED, 0.0});
     if (row >= 0) copy(run.anchor.state.data, run.records.state_before(row), run.tables.n());
     return row;
 }
@@ -82,7 +90,7 @@ inline void log_passage(const Run& run, Index row, EventKind kind, const Passage
 // Set the anchor behind an event.
 inline void set_anchor(const Run& run, WindowPhase when, Index m) {
     const Anchor& anchor = run.anchor;
-    anchor.place = {when.number, m, when.phase};
+    anchor.place = {when.number, m, when.phase, 0};
     copy(run.segment.z.data, anchor.state.data, run.tables.n());
     copy(run.segment.z.data, run.records.end_state.data, run.tables.n());
     copy(run.segment.order, anchor.order);

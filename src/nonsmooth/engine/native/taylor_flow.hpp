@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "records.hpp"
+#include "remainders.hpp"
 #include "rounding.hpp"
 #include "solved_relations.hpp"
 #include "state_sets.hpp"
@@ -57,18 +58,71 @@ inline double length_with_doubt(const Tables& tables, const Segment& segment, In
     return length;
 }
 
-// Margin of a guard, and bound of its sixth Taylor coefficient, over the whole step.
-inline void bound_guard(const double* a, const Doubt& doubt, double length, GuardScan& scan) {
-    constexpr double margin = 8.0;  // roundings: of coefficients and of the polynomial at a point
+// Roundings of coefficients and of the polynomial at a point.
+constexpr double roundings = 8.0;
+
+// Margin of a guard, and bound of its sixth Taylor coefficient, over the whole step; remainder is
+// nan where none is known.
+inline void bound_guard(const double* a, const Doubt& doubt, double length, double remainder,
+                        GuardScan& scan) {
     static_assert(ORDER == 20);
     const TimePowers time(length);
-    const double fourth = time.fourth, to_19 = fourth * fourth * (fourth * fourth) * time.first[2];
-    const double remainder = (std::fabs(a[ORDER - 1]) + std::fabs(a[ORDER]) * length) * to_19;
+    if (!(remainder >= 0.0)) {  // as large as the last two terms
+        const double fourth = time.fourth;
+        const double to_19 = fourth * fourth * (fourth * fourth) * time.first[2];
+        remainder = (std::fabs(a[ORDER - 1]) + std::fabs(a[ORDER]) * length) * to_19;
+    }
     const double size = std::fabs(a[0]) + size_of_terms(a, time);
     scan.bound = bound_of_next(a, time);
-    scan.margin = margin * unit * (size + doubt.units) + remainder;
+    scan.margin = roundings * unit * (size + doubt.units) + remainder;
     scan.taken_off = 0.0;
     scan.fading = 0.0;
+}
+
+// By how much the remainders of states and guards are larger than the rounding of their terms.
+inline double excess_of_remainders(const Tables& tables, const Segment& segment, Index m,
+                                   double length) {
+    const View<Majorant, 1>& majorants = segment.majorants;
+    double excess = 0.0;
+    for (Index i = 0; i < tables.n(); ++i) {
+        const double terms =
+            extent_of(majorants[i]) + length * segment.doubt[rate_outlet(tables, m, i)].units;
+        if (majorants[i].remainder == 0.0) continue;
+        excess = std::max(excess, majorants[i].remainder / (roundings * unit * terms));
+    }
+    for (Index g = 0; g < mode_wiring(tables, m).n_exits; ++g) {
+        const Index guard = guard_outlet(tables, m, g);
+        if (majorants[guard].remainder == 0.0) continue;
+        const double terms = extent_of(majorants[guard]) + segment.doubt[guard].units;
+        excess = std::max(excess, majorants[guard].remainder / (roundings * unit * terms));
+    }
+    return excess;
+}
+
+// The length, at most that given, within which the errors of the series are surely below rounding;
+// where there is none, the length given, and segment.is_estimated says so.
+inline double bounded_length(const Tables& tables, const Segment& segment, Index m,
+                             double limit) {
+    constexpr int most_rounds = 12;
+    constexpr double care = 0.95;  // of a length in its next trial
+    double length = limit;
+    for (int round = 0; round < most_rounds; ++round) {
+        double shorter = 0.5;
+        if (bound_remainders(tables, segment, m, length)) {
+            const double excess = excess_of_remainders(tables, segment, m, length);
+            if (excess <= 1.0) {
+                *segment.is_estimated = 0;
+                return length;
+            }
+            shorter = std::min(0.5, care * rough_exp2(-rough_log2(excess) / next_order));
+            if (excess < 1e6) shorter = care * rough_exp2(-rough_log2(excess) / next_order);
+        }
+        length *= shorter;
+        fill_doubt(tables, m, segment.series, length, segment.doubt);
+    }
+    fill_doubt(tables, m, segment.series, limit, segment.doubt);
+    *segment.is_estimated = 1;
+    return limit;
 }
 
 // Whether the series of all states and guards are numbers.
@@ -95,6 +149,9 @@ inline double start_step(const Tables& tables, const Rates& rates, const Segment
     fill_series(tables, m, tables.code_rows[m].middle, series, 0, ORDER);
     double length = allowed_length(tables, segment, m, limit);
     length = length_with_doubt(tables, segment, m, length);
+    *segment.is_estimated = 1;
+    if (!is_finite(tables, segment, m)) return nan;
+    length = bounded_length(tables, segment, m, length);
     Spans& spans = tables.spans[m];
     spans.rung = no_rung;
     spans.reach = length;
@@ -102,9 +159,11 @@ inline double start_step(const Tables& tables, const Rates& rates, const Segment
     *segment.point = 0.0;
     for (Index g = 0; g < mode_wiring(tables, m).n_exits; ++g) {
         const Index guard = guard_outlet(tables, m, g);
-        bound_guard(series[guard].c, segment.doubt[guard], length, segment.scan[g]);
+        const double remainder =
+            *segment.is_estimated != 0 ? nan : segment.majorants[guard].remainder;
+        bound_guard(series[guard].c, segment.doubt[guard], length, remainder, segment.scan[g]);
     }
-    return is_finite(tables, segment, m) ? length : nan;
+    return length;
 }
 
 // Taylor coefficients of a guard at the current point; bound and margin hold all along.

@@ -1,0 +1,94 @@
+// Sizes of the terms of a series over a whole step, and of what its recurrence has left out.
+//
+// A product of two polynomials of order ORDER has terms up to twice that order. The recurrences drop
+// those above ORDER, but their sizes are known: sums of products of sizes that are there.
+#pragma once
+
+#include <cmath>
+#include <limits>
+
+#include "records.hpp"
+#include "taylor_opcodes.hpp"
+
+namespace nonsmooth {
+
+constexpr double next_order = static_cast<double>(ORDER + 1);
+constexpr double unbounded = std::numeric_limits<double>::infinity();
+
+// Sizes of the terms of a series at the end of a step, given the powers of its length.
+inline void fill_majorant(const double* c, const double* powers, Majorant& majorant) {
+    for (Index k = 0; k <= ORDER; ++k) majorant.size[k] = std::fabs(c[k]) * powers[k];
+    double tail = 0.0;
+    for (Index k = ORDER; k >= 0; --k) {
+        tail += majorant.size[k];
+        majorant.tail[k] = tail;
+    }
+}
+
+// The largest that a polynomial gets within the step, and the farthest from its start.
+inline double extent_of(const Majorant& u) { return u.tail[0]; }
+inline double change_of(const Majorant& u) { return u.tail[1]; }
+
+// The largest rate of a polynomial within the step, times its length.
+inline double rise_of(const Majorant& u) {
+    double total = 0.0;
+    for (Index k = 1; k <= ORDER; ++k) total += u.tail[k];
+    return total;
+}
+
+// What the terms above ORDER of the product u v come to.
+inline double cut_of_product(const Majorant& u, const Majorant& v) {
+    double total = 0.0;
+    for (Index i = 1; i <= ORDER; ++i) total += u.size[i] * v.tail[ORDER + 1 - i];
+    return total;
+}
+
+// What the terms from ORDER on of the product u' v come to when they are integrated.
+inline double cut_of_rate(const Majorant& u, const Majorant& v) {
+    double total = 0.0;
+    for (Index i = 1; i <= ORDER; ++i) {
+        total += static_cast<double>(i) * u.size[i] * v.tail[ORDER + 1 - i];
+    }
+    return total / next_order;
+}
+
+// What the recurrence of an instruction has left out: the defect of its polynomials in the equation
+// that they solve to order ORDER, integrated where that is a differential equation.
+inline double cut_of_instruction(const Instruction& instruction, const double* slots,
+                                 const Majorant* majorants) {
+    using enum TaylorOp;
+    const TaylorOp function = operation(instruction);
+    if (function == COMBINE) return 0.0;
+    const Majorant &u = majorants[instruction.a], &y = majorants[instruction.target];
+    if (function == SQUARE) return cut_of_product(u, u);
+    if (function == SQRT) return cut_of_product(y, y);
+    if (function == LOG) return cut_of_rate(y, u);
+    if (function == EXP) return cut_of_rate(u, y);
+    if (function == POWER) {
+        return std::fabs(slots[instruction.b]) * cut_of_rate(u, y) + cut_of_rate(y, u);
+    }
+    const Majorant& v = majorants[instruction.b];
+    switch (function) {
+    case MULTIPLY: return cut_of_product(u, v);
+    case DIVIDE: return cut_of_product(y, v);
+    case SIN:
+    case COS:
+    case SINH:
+    case COSH: return cut_of_rate(u, v) + cut_of_rate(u, y);
+    case TAN:
+    case TANH: return cut_of_rate(u, v) + rise_of(u) * cut_of_product(y, y) / (next_order + 1.0);
+    case ATAN2: {
+        // in the angle: the defect over w, and what the polynomial of w is off u u + v v by
+        const Majorant& w = majorants[instruction.c];
+        const double least = w.size[0] - change_of(w);
+        if (!(least > 0.0)) return unbounded;
+        const double turned = rise_of(u) * extent_of(v) + rise_of(v) * extent_of(u);
+        const double off = cut_of_product(u, u) + cut_of_product(v, v);
+        const double defect = cut_of_rate(u, v) + cut_of_rate(v, u) + cut_of_rate(y, w);
+        return (defect + turned * off / least / (next_order + 1.0)) / least;
+    }
+    default: return cut_of_rate(u, v);  // ATAN, ASIN, ACOS
+    }
+}
+
+}  // namespace nonsmooth

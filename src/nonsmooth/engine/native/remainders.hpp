@@ -1,0 +1,196 @@
+// How far the functions of a step may be from their polynomials: bounds, not estimates.
+//
+// A Taylor model (K. Makino and M. Berz, Taylor models and other validated functional inclusion
+// methods, 2003): each register is its polynomial p and a bound R with |f(s) - p(s)| <= R (s/h)^21
+// over a step of length h. What a recurrence has left out is known (majorants.hpp), and what
+// errors of its operands make of a function follows from its slope. For the states, whose errors
+// are integrals of those of their rates, some R is tried: where the integrals do not leave it, the
+// motion does not leave it either (Picard, by Schauder's theorem). All this is true for exact numbers;
+// rounding is what the margins are for.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "majorants.hpp"
+#include "records.hpp"
+#include "taylor_opcodes.hpp"
+
+namespace nonsmooth {
+
+// At least exp(x) for x >= 0; cheap where x is small.
+inline double growth_by(double x) { return x < 0.25 ? 1.0 / (1.0 - x) : std::exp(x); }
+
+// u ** c where the argument keeps away from zero; u_0 is its value at the start.
+inline double remainder_of_power(const Majorant& u, const Majorant& y, double c) {
+    const double least = u.size[0] - change_of(u) - u.remainder;
+    if (!(least > 0.0)) return unbounded;
+    const double largest = u.size[0] + change_of(u) + u.remainder;
+    const double ratio = std::pow(largest / least, std::fabs(c));
+    return ratio * (y.cut + std::fabs(c) * y.size[0] * u.remainder) / least;
+}
+
+// exp: where it is zero to the last digit its polynomial is zero, and it is below its largest value.
+inline double remainder_of_exponential(const Majorant& u, const Majorant& y, double start) {
+    const double change = change_of(u) + u.remainder;
+    if (y.size[0] == 0.0) return std::exp(start + change);
+    const double grown = y.size[0] * growth_by(change) * u.remainder;
+    return (y.cut == 0.0 ? 0.0 : growth_by(2.0 * change) * y.cut) + grown;
+}
+
+// tan: the polynomial is the tangent of an argument that is off by no more than `off`.
+inline double remainder_of_tangent(const Majorant& u, const Majorant& y) {
+    const double off = y.cut + u.remainder, largest = extent_of(y);
+    const double tried = 2.0 * off * (1.0 + largest * largest);
+    const double reached = off * (1.0 + (largest + tried) * (largest + tried));
+    return reached <= tried ? reached : unbounded;
+}
+
+// asin and acos, whose slope is the register f.
+inline double remainder_of_arc(const Majorant& u, const Majorant& f, const Majorant& y) {
+    const double farthest = u.size[0] + change_of(u) + u.remainder;
+    if (!(farthest < 1.0)) return unbounded;
+    const double slope = 1.0 / std::sqrt(1.0 - farthest * farthest);
+    const double bend = farthest * slope * slope * slope;
+    return y.cut + change_of(u) * (f.remainder + bend * u.remainder) + slope * u.remainder;
+}
+
+// Bound of what a function is off its polynomial by, given those of its operands.
+inline double remainder_of_function(const Instruction& instruction, const double* slots,
+                                    const Series* series, const Majorant* majorants) {
+    using enum TaylorOp;
+    const Majorant &u = majorants[instruction.a], &y = majorants[instruction.target];
+    const Majorant& v = majorants[operation(instruction) == POWER ? 0 : instruction.b];
+    switch (operation(instruction)) {
+    case DIVIDE: {
+        const double least = v.size[0] - change_of(v) - v.remainder;
+        if (!(least > 0.0)) return unbounded;
+        return (y.cut + u.remainder + extent_of(y) * v.remainder) / least;
+    }
+    case SQRT: {
+        const double least = y.size[0] - change_of(y);
+        const double off = (y.cut + u.remainder) / least;
+        return least > 0.0 && off < least ? off : unbounded;
+    }
+    case POWER: return remainder_of_power(u, y, slots[instruction.b]);
+    case LOG: {
+        const double least = u.size[0] - change_of(u) - u.remainder;
+        return least > 0.0 ? (y.cut + u.remainder) / least : unbounded;
+    }
+    case EXP: return remainder_of_exponential(u, y, series[instruction.a].c[0]);
+    case SIN:
+    case COS: return y.cut + u.remainder;
+    case SINH:
+    case COSH: {
+        const double change = change_of(u) + u.remainder;
+        return growth_by(2.0 * change) * (y.cut + (y.size[0] + v.size[0]) * u.remainder);
+    }
+    case TAN: return remainder_of_tangent(u, y);
+    case TANH: {
+        const double exponent = change_of(u) * (1.0 + extent_of(y));
+        return (y.cut == 0.0 ? 0.0 : growth_by(exponent) * y.cut) + u.remainder;
+    }
+    case ATAN: return y.cut + change_of(u) * (v.remainder + u.remainder) + u.remainder;
+    case ATAN2: {
+        const Majorant& w = majorants[instruction.c];
+        const double least = w.size[0] - change_of(w) - w.remainder;
+        if (!(least > 0.0)) return unbounded;
+        return y.cut + 2.0 * (u.remainder + v.remainder) / std::sqrt(least);
+    }
+    default: return remainder_of_arc(u, v, y);  // ASIN, ACOS
+    }
+}
+
+// Remainders of all registers from those of the coordinates.
+inline void pass_remainders(const Tables& tables, Index m, const Series* series,
+                            Majorant* majorants) {
+    const CodeRows& rows = tables.code_rows[m];
+    for (Index row = rows.first; row < rows.middle; ++row) {
+        const Instruction& instruction = tables.code[row];
+        Majorant& y = majorants[instruction.target];
+        const TaylorOp function = operation(instruction);
+        if (function == TaylorOp::COMBINE) {
+            double total = 0.0;
+            for (Index i = instruction.a; i < instruction.b; ++i) {
+                total += std::fabs(tables.weights[i]) * majorants[tables.terms[i].reg].remainder;
+            }
+            y.remainder = total;
+        } else if (function == TaylorOp::MULTIPLY || function == TaylorOp::SQUARE) {
+            const Majorant& u = majorants[instruction.a];
+            const Majorant& v = function == TaylorOp::SQUARE ? u : majorants[instruction.b];
+            y.remainder = y.cut + extent_of(u) * v.remainder + extent_of(v) * u.remainder +
+                          u.remainder * v.remainder;
+        } else {
+            y.remainder = remainder_of_function(instruction, tables.values.data, series, majorants);
+        }
+    }
+}
+
+// Remainders of powers of time, harmonics and signals, which are known.
+inline void fill_remainders_of_time(const Tables& tables, double length, Majorant* majorants) {
+    const Index n = tables.n(), powers = tables.sizes.powers;
+    for (Index i = n; i < tables.size(); ++i) {
+        majorants[i].remainder = i <= n + ORDER || i > n + powers ? 0.0 : unbounded;
+    }
+    for (Index k = 0; k < tables.sizes.frequencies; ++k) {
+        const double angle = std::fabs(tables.harmonics(0, k)) * length;
+        double term = 1.0;
+        for (Index i = 1; i <= ORDER + 1; ++i) term *= angle / static_cast<double>(i);
+        const double rest = 1.0 - angle / (next_order + 1.0);
+        const double remainder = rest > 0.0 ? term / rest : unbounded;
+        majorants[n + 1 + powers + 2 * k].remainder = remainder;
+        majorants[n + 2 + powers + 2 * k].remainder = remainder;
+    }
+}
+
+// What the error of state i comes to by that of its rate.
+inline double integrated_remainder(const Tables& tables, Index m, Index i, double length,
+                                   const Majorant* majorants) {
+    const Majorant& rate = majorants[rate_outlet(tables, m, i)];
+    return length * (rate.size[ORDER] / next_order + rate.remainder / (next_order + 1.0));
+}
+
+// Fill the sizes of all registers over a step, and what their recurrences have left out.
+inline void fill_majorants(const Tables& tables, const Segment& segment, Index m, double length) {
+    const CodeRows& rows = tables.code_rows[m];
+    Majorant* majorants = segment.majorants.data;
+    double powers[ORDER + 1] = {1.0};
+    for (Index k = 1; k <= ORDER; ++k) powers[k] = powers[k - 1] * length;
+    const Index n_registers = tables.size() + rows.middle - rows.first;
+    for (Index i = 0; i < n_registers; ++i) {
+        fill_majorant(segment.series[i].c, powers, majorants[i]);
+    }
+    for (Index row = rows.first; row < rows.middle; ++row) {
+        const Instruction& instruction = tables.code[row];
+        majorants[instruction.target].cut =
+            cut_of_instruction(instruction, tables.values.data, majorants);
+    }
+}
+
+// Bound the remainders of all registers of mode m over a step; false where no bound is found.
+inline bool bound_remainders(const Tables& tables, const Segment& segment, Index m,
+                             double length) {
+    constexpr int most_passes = 6;
+    constexpr double spare = 2.0;  // by which what is tried is larger than what it comes to
+    const Index slaved = explicitly_slaved(tables, m);
+    Majorant* majorants = segment.majorants.data;
+    fill_majorants(tables, segment, m, length);
+    fill_remainders_of_time(tables, length, majorants);
+    for (Index i = 0; i < tables.n(); ++i) majorants[i].remainder = 0.0;
+    for (int pass = 0; pass < most_passes; ++pass) {
+        pass_remainders(tables, m, segment.series.data, majorants);
+        bool holds = true;
+        for (Index i = 0; i < tables.n(); ++i) {
+            if (has_bit(slaved, i)) continue;
+            const double reached = integrated_remainder(tables, m, i, length, majorants);
+            if (!std::isfinite(reached)) return false;
+            if (reached <= majorants[i].remainder) continue;
+            holds = false;
+            majorants[i].remainder = spare * reached;
+        }
+        if (holds) return true;
+    }
+    return false;
+}
+
+}  // namespace nonsmooth
