@@ -41,44 +41,62 @@ struct Look {
     Outlook outlook;  // of that guard
 };
 
-// Leave a zero of higher order than the coefficients of a look tell, at the start of a segment.
-inline Outlook leave_deep_zero(const Search& search, Index g, double reach) {
-    GuardScan& guard = search.segment.scan[g];
-    const DeepStart start = look_deep(search.tables, search.segment, search.m, g, reach);
-    guard.safe = reach;
-    if (start.order == most_deep) return Outlook::open;  // it stays zero
+// What a guard does that leaves a zero at the start of a segment with a coefficient that no look
+// reads, or within the margin.
+inline Outlook leave_deep_zero(GuardScan& guard, const DeepStart& start) {
     guard.safe = start.safe;
     if (start.rises) return start.is_exact ? Outlook::open : Outlook::touches;
     return start.is_exact ? Outlook::falls : Outlook::uncertain;
 }
 
-// Look at one guard: fills its scan. Order is that of its zero at s = 0, which is known there only;
-// a guard that is identically zero may stay so.
+// Look at one guard at the start of a segment, where the order of its zero is known; a guard that is
+// identically zero may stay so.
+inline Outlook look_from_start(const Search& search, Index g, double reach, double farthest) {
+    GuardScan& guard = search.segment.scan[g];
+    int64_t& order = search.segment.order[g];
+    if (order >= STILL_ZERO) {
+        const double still = while_zero(guard, reach);
+        const DeepStart start = still < reach
+                                    ? look_deep(search.tables, search.segment, search.m, g, reach)
+                                    : DeepStart{most_deep, true, false, 0.0};
+        if (start.order < most_deep) {
+            order = 0;
+            return leave_deep_zero(guard, start);
+        }
+        guard.safe = still > 0.0 ? still : reach;
+        return Outlook::open;
+    }
+    if (order > 0) {
+        const double landing = order == 1 ? end_of_low_flight(guard, reach) : 0.0;
+        guard.safe = landing > 0.0 ? landing : leave(guard, order, reach);
+        if (landing > 0.0) guard.latest = landing;
+        return landing > 0.0 ? Outlook::lands : Outlook::open;
+    }
+    const Outlook outlook = look_ahead(guard, reach, farthest);
+    if (outlook != Outlook::uncertain || guard.a[2] != 0.0) return outlook;
+    const DeepStart start = look_deep(search.tables, search.segment, search.m, g, reach);
+    return 0 < start.order && start.order < most_deep ? leave_deep_zero(guard, start) : outlook;
+}
+
+// Look at one guard: fills its scan.
 inline Outlook look_at_guard(const Search& search, Index g, double reach, double farthest) {
     GuardScan& guard = search.segment.scan[g];
     int64_t& order = search.segment.order[g];
     const bool begins = search.s == 0.0;
-    const Index known = begins && order < TERMS ? order : 0;
-    read_guard(search.tables, search.segment, search.m, g, known);
+    read_guard(search.tables, search.segment, search.m, g, begins && order < TERMS ? order : 0);
     guard.latest = no_root_known;
-    const double still = order >= STILL_ZERO ? while_zero(guard, reach) : 0.0;
     Outlook outlook = Outlook::open;
-    if (still > 0.0) {
-        guard.safe = still;
-    } else if (begins && order == ALWAYS_ZERO) {
-        outlook = leave_deep_zero(search, g, reach);
-    } else if (begins && order > 0 && order != STILL_ZERO) {
-        const double landing = order == 1 ? end_of_low_flight(guard, reach) : 0.0;
-        if (landing > 0.0) {
-            outlook = Outlook::lands;
-            guard.safe = guard.latest = landing;
-        } else {
-            guard.safe = leave(guard, order, reach);
-        }
+    if (begins) {
+        outlook = look_from_start(search, g, reach, farthest);
     } else {
-        outlook = look_ahead(guard, reach, farthest);
+        const double still = order >= STILL_ZERO ? while_zero(guard, reach) : 0.0;
+        if (still > 0.0) {
+            guard.safe = still;
+        } else {
+            if (order >= STILL_ZERO) order = 0;
+            outlook = look_ahead(guard, reach, farthest);
+        }
     }
-    if (order >= STILL_ZERO && still == 0.0) order = 0;
     if (outlook == Outlook::touches) {
         // passed by this guard alone: the others may fall before
         const double least = 4.0 * relative_rounding * search.length;

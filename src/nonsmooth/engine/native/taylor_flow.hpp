@@ -79,22 +79,28 @@ inline void bound_guard(const double* a, const Doubt& doubt, double length, doub
     scan.fading = 0.0;
 }
 
-// By how much the remainders of states and guards are larger than the rounding of their terms.
+// By how much the remainder of a register is larger than the rounding of its terms.
+//
+// Where there are no terms, as those of t^25 at zero, it has to be next to nothing.
+inline double excess_of_remainder(const Majorant& majorant, double terms) {
+    constexpr double nothing_left = 1e-290;
+    return majorant.remainder / std::max(roundings * unit * terms, nothing_left);
+}
+
+// The largest excess of the remainders of states and guards.
 inline double excess_of_remainders(const Tables& tables, const Segment& segment, Index m,
                                    double length) {
     const View<Majorant, 1>& majorants = segment.majorants;
     double excess = 0.0;
     for (Index i = 0; i < tables.n(); ++i) {
-        const double terms =
-            extent_of(majorants[i]) + length * segment.doubt[rate_outlet(tables, m, i)].units;
-        if (majorants[i].remainder == 0.0) continue;
-        excess = std::max(excess, majorants[i].remainder / (roundings * unit * terms));
+        const double turned_over = length * segment.doubt[rate_outlet(tables, m, i)].units;
+        const double terms = extent_of(majorants[i]) + turned_over;
+        excess = std::max(excess, excess_of_remainder(majorants[i], terms));
     }
     for (Index g = 0; g < mode_wiring(tables, m).n_exits; ++g) {
         const Index guard = guard_outlet(tables, m, g);
-        if (majorants[guard].remainder == 0.0) continue;
         const double terms = extent_of(majorants[guard]) + segment.doubt[guard].units;
-        excess = std::max(excess, majorants[guard].remainder / (roundings * unit * terms));
+        excess = std::max(excess, excess_of_remainder(majorants[guard], terms));
     }
     return excess;
 }
@@ -103,21 +109,24 @@ inline double excess_of_remainders(const Tables& tables, const Segment& segment,
 // where there is none, the length given, and segment.is_estimated says so.
 inline double bounded_length(const Tables& tables, const Segment& segment, Index m,
                              double limit) {
-    constexpr int most_rounds = 12;
-    constexpr double care = 0.95;  // of a length in its next trial
+    constexpr int most_rounds = 64, most_failures = 12;
+    constexpr double care = 0.95;      // of a length in its next trial
+    constexpr double shortest = 0.25;  // part: remainders may fall faster than their least power
     double length = limit;
-    for (int round = 0; round < most_rounds; ++round) {
-        double shorter = 0.5;
+    int failures = 0;
+    for (int round = 0; round < most_rounds && failures < most_failures; ++round) {
         if (bound_remainders(tables, segment, m, length)) {
             const double excess = excess_of_remainders(tables, segment, m, length);
             if (excess <= 1.0) {
                 *segment.is_estimated = 0;
                 return length;
             }
-            shorter = std::min(0.5, care * rough_exp2(-rough_log2(excess) / next_order));
-            if (excess < 1e6) shorter = care * rough_exp2(-rough_log2(excess) / next_order);
+            const double part = care * rough_exp2(-rough_log2(excess) / next_order);
+            length *= std::max(part, shortest);
+        } else {
+            ++failures;
+            length *= 0.5;
         }
-        length *= shorter;
         fill_doubt(tables, m, segment.series, length, segment.doubt);
     }
     fill_doubt(tables, m, segment.series, limit, segment.doubt);

@@ -61,9 +61,12 @@ inline double converging_step(const double* a, double noise, double longest) {
     const Index last = last_term(a, ORDER, first);
     if (last == first) return longest;
     const Index other = last_term(a, last - 1, first);
-    const double size = rough_log2(std::fabs(a[last])) - static_cast<double>(last) * log_radius;
+    // a function that begins with a high power is told from nothing by the terms behind it alone
+    const Index known = std::max<Index>(first - n_leading, 0);
+    const double size =
+        rough_log2(std::fabs(a[last])) - static_cast<double>(last - known) * log_radius;
     const double other_size =
-        rough_log2(std::fabs(a[other])) - static_cast<double>(other) * log_radius;
+        rough_log2(std::fabs(a[other])) - static_cast<double>(other - known) * log_radius;
     double limit = (nothing_left - size) * one_over[last];
     double other_limit =
         other > first ? (nothing_left - other_size) * one_over[other] : endless;
