@@ -79,28 +79,27 @@ inline void bound_guard(const double* a, const Doubt& doubt, double length, doub
     scan.fading = 0.0;
 }
 
-// By how much the remainder of a register is larger than the rounding of its terms.
-//
-// Where there are no terms, as those of t^25 at zero, it has to be next to nothing.
-inline double excess_of_remainder(const Majorant& majorant, double terms) {
-    constexpr double nothing_left = 1e-290;
-    return majorant.remainder / std::max(roundings * unit * terms, nothing_left);
+// By how much the remainder of a register is larger than the rounding of its terms, or than what is
+// nothing in any case.
+inline double excess_of_remainder(const Majorant& majorant, double terms, double nothing) {
+    if (majorant.remainder <= nothing) return 0.0;
+    return majorant.remainder / std::max(roundings * unit * terms, nothing);
 }
 
 // The largest excess of the remainders of states and guards.
 inline double excess_of_remainders(const Tables& tables, const Segment& segment, Index m,
-                                   double length) {
+                                   double length, double nothing) {
     const View<Majorant, 1>& majorants = segment.majorants;
     double excess = 0.0;
     for (Index i = 0; i < tables.n(); ++i) {
         const double turned_over = length * segment.doubt[rate_outlet(tables, m, i)].units;
         const double terms = extent_of(majorants[i]) + turned_over;
-        excess = std::max(excess, excess_of_remainder(majorants[i], terms));
+        excess = std::max(excess, excess_of_remainder(majorants[i], terms, nothing));
     }
     for (Index g = 0; g < mode_wiring(tables, m).n_exits; ++g) {
         const Index guard = guard_outlet(tables, m, g);
         const double terms = extent_of(majorants[guard]) + segment.doubt[guard].units;
-        excess = std::max(excess, excess_of_remainder(majorants[guard], terms));
+        excess = std::max(excess, excess_of_remainder(majorants[guard], terms, nothing));
     }
     return excess;
 }
@@ -110,15 +109,18 @@ inline double excess_of_remainders(const Tables& tables, const Segment& segment,
 inline double bounded_length(const Tables& tables, const Segment& segment, Index m,
                              double limit) {
     constexpr int most_rounds = 64, most_failures = 12;
+    // t^25 at zero has no term of its series: its step is so short, and what it does is estimated
+    constexpr double nothing = 1e-200;
     constexpr double care = 0.95;      // of a length in its next trial
     constexpr double shortest = 0.25;  // part: remainders may fall faster than their least power
     double length = limit;
     int failures = 0;
     for (int round = 0; round < most_rounds && failures < most_failures; ++round) {
         if (bound_remainders(tables, segment, m, length)) {
-            const double excess = excess_of_remainders(tables, segment, m, length);
+            const double excess = excess_of_remainders(tables, segment, m, length, nothing);
             if (excess <= 1.0) {
-                *segment.is_estimated = 0;
+                *segment.is_estimated =
+                    excess_of_remainders(tables, segment, m, length, 0.0) <= 1.0 ? 0 : 1;
                 return length;
             }
             const double part = care * rough_exp2(-rough_log2(excess) / next_order);
