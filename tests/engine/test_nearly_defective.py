@@ -1,8 +1,8 @@
-"""Chains of equal rates that a coupling eps closes: defective where eps is zero, and nearly so beside.
+"""Chains of equal rates that a coupling eps closes: defective where eps is zero, or nearly so.
 
 Their eigenvalues lie eps ** (1 / n) apart, and the motion does not care: |error| <= 1e-12
-max(|y|, kappa) as in `test_flow_accuracy`, with the componentwise condition kappa of `conditioning`. The
-truth is that of ball arithmetic, checked against mpmath with 40 digits.
+max(|y|, kappa) as in `test_flow_accuracy`, with the componentwise condition kappa of
+`conditioning`. The truth is that of ball arithmetic, checked against mpmath with 40 digits.
 """
 
 import mpmath

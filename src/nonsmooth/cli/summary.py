@@ -22,16 +22,20 @@ def summary(run: xr.Dataset) -> str:
     """Status, events, last period, end and progression of a run."""
     attrs = run.attrs
     rows = [("status", f"{attrs['message']}"), *_length(run)]
-    uncertain = attrs["n_uncertain"]
-    rows.append(
-        ("certified", f"no, {uncertain} within rounding of a tangency" if uncertain else "yes")
-    )
+    rows.append(("certified", _certified(attrs["n_uncertain"], attrs["n_estimated"])))
     word = "phase word, last period" if "period" in attrs else "phase word"
     rows.append((word, _short(attrs["phase_word"])))
     states = zip(run["state"].values, run["end_state"].values, strict=True)
     rows.append(("end state", ", ".join(f"{name} = {value:.7g}" for name, value in states)))
     rows += _progression(run)
     return table(attrs["system_name"], rows)
+
+
+def _certified(uncertain: int, estimated: int) -> str:
+    """Whether a run is certified, or what stands against it."""
+    if uncertain:
+        return f"no, {uncertain} within rounding of a tangency"
+    return f"no, the error of {estimated} steps is estimated" if estimated else "yes"
 
 
 def _short(word: str) -> str:

@@ -134,7 +134,9 @@ def _take(found: Search, outcome: Outcome, record: int, pick: Pick) -> int:
     if points.number.size < wanted:
         found.n_uncertain += outcome.n_uncertain
         if outcome.status in _STUCK and len(rows):
-            found.at_rest = pick.is_own(rows[-1]) and rows["certificate"][-1] == Certificate.UNCERTAIN
+            found.at_rest = (
+                pick.is_own(rows[-1]) and rows["certificate"][-1] == Certificate.UNCERTAIN
+            )
     else:  # what lies behind the last point is not looked at, however far the part went
         points = some_points(points, slice(wanted))
         last = int(points.row[-1]) + 1

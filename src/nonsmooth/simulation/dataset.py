@@ -141,7 +141,8 @@ def _message(labels: Labels, outcome: Outcome) -> str:
     status = outcome.status
     if status == Status.COMPLETED:
         if not outcome.n_uncertain:
-            return "completed"
+            steps = outcome.n_estimated
+            return f"completed; the error of {steps} steps is estimated" if steps else "completed"
         text = f"completed; {outcome.n_uncertain} tangency or tangencies lie within rounding"
         return text + (", see certified over event" if outcome.keeps_events else "")
     text = f"{status.word} at t = {outcome.end_time:.9g}: {CURES[status]}"

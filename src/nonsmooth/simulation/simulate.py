@@ -112,15 +112,15 @@ def simulate(
         ``event``, one row per instant: ``event_time``, ``event_name``, ``event_kind``
         (start, switch, impact, corner, graze, slide_entry, slide_exit, stick, chatter,
         release), ``event_from``, ``event_to``, ``event_path``, ``event_count``,
-        ``guard_rate``, ``certified``, ``state_before`` and ``state_after``; nothing over
-        ``event`` with ``events=False``. With ``tangent``:
+        ``guard_rate``, ``certified``, ``estimated``, ``state_before`` and ``state_after``;
+        nothing over ``event`` with ``events=False``. With ``tangent``:
         ``tangent (time, state, state_0)``, the derivatives by the initial states, and
         ``sensitivity (time, state, parameter_0)``, those by parameters, both at a fixed
         time and just before an event that falls on a sample. Attributes: ``status``
         (completed, stopped, diverged, undecided, nonunique, inadmissible, event_limit,
         step_limit, work_limit, singular, sliding, refused, interrupted) with its ``message``,
-        ``phase_word`` of the last period, ``n_events``, ``n_uncertain``, the system as TOML
-        and the options.
+        ``phase_word`` of the last period, ``n_events``, ``n_uncertain``, ``n_estimated``, the
+        system as TOML and the options.
 
     Raises
     ------
@@ -147,12 +147,12 @@ def simulate(
     Cost in a linear mode with exits: about a microsecond per event and as much per sample. In
     a mode that is not linear the cost is that of the steps of its Taylor series of order 20, each
     about as long as the fastest motion takes, so stiff ones are slow. Guarantees are up to
-    rounding, and in a Taylor mode up to what the last terms of the series tell of the
-    next: a tangency that they leave open is decided by the best guess, flagged in
-    ``certified`` and counted in ``n_uncertain``. Where there is no Taylor series, at the
-    zero of a root for one, the run ends with status ``singular``; where impacts accumulate
-    and no exit sticks, with ``event_limit``; where switching surfaces meet and no motion
-    along them is known, with ``sliding``.
+    rounding: a tangency that it leaves open is decided by the best guess, flagged in
+    ``certified`` and counted in ``n_uncertain``. Where no bound of the error of a series is
+    found, it is estimated: flagged in ``estimated``, counted in ``n_estimated``. Where there
+    is no Taylor series, at the zero of a root for one, the run ends with status
+    ``singular``; where impacts accumulate and no exit sticks, with ``event_limit``; where
+    switching surfaces meet and no motion along them is known, with ``sliding``.
 
     Parameters in the system's ``slow`` keep their value for a whole period; a sample at the
     end of a period is that before they change. Segments also end at the knots of signals,

@@ -4,6 +4,7 @@
 // those above ORDER, but their sizes are known: sums of products of sizes that are there.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -15,40 +16,52 @@ namespace nonsmooth {
 constexpr double next_order = static_cast<double>(ORDER + 1);
 constexpr double unbounded = std::numeric_limits<double>::infinity();
 
+// 0, 1, ..., with zeros behind ORDER
+constexpr auto orders = [] {
+    std::array<double, MAJORANT> table{};
+    for (int k = 0; k <= ORDER; ++k) table[k] = k;
+    return table;
+}();
+
 // Sizes of the terms of a series at the end of a step, given the powers of its length.
 inline void fill_majorant(const double* c, const double* powers, Majorant& majorant) {
     for (Index k = 0; k <= ORDER; ++k) majorant.size[k] = std::fabs(c[k]) * powers[k];
     double tail = 0.0;
-    for (Index k = ORDER; k >= 0; --k) {
-        tail += majorant.size[k];
-        majorant.tail[k] = tail;
+    for (Index k = 0; k <= ORDER; ++k) {
+        majorant.tails[k] = tail;
+        tail += majorant.size[ORDER - k];
     }
+    majorant.tails[ORDER + 1] = tail;
 }
 
 // The largest that a polynomial gets within the step, and the farthest from its start.
-inline double extent_of(const Majorant& u) { return u.tail[0]; }
-inline double change_of(const Majorant& u) { return u.tail[1]; }
+inline double extent_of(const Majorant& u) { return u.tails[ORDER + 1]; }
+inline double change_of(const Majorant& u) { return u.tails[ORDER]; }
+
+// The sum of some numbers in lanes of a vector register, whose order never changes.
+template <class Term>
+inline double sum_of_terms_in_lanes(Term term) {
+    double lane[4] = {0.0, 0.0, 0.0, 0.0};
+    for (Index i = 0; i < MAJORANT; i += 4) {
+        for (Index l = 0; l < 4; ++l) lane[l] += term(i + l);
+    }
+    return (lane[0] + lane[2]) + (lane[1] + lane[3]);
+}
 
 // The largest rate of a polynomial within the step, times its length.
 inline double rise_of(const Majorant& u) {
-    double total = 0.0;
-    for (Index k = 1; k <= ORDER; ++k) total += u.tail[k];
-    return total;
+    return sum_of_terms_in_lanes([&](Index i) { return orders[i] * u.size[i]; });
 }
 
 // What the terms above ORDER of the product u v come to.
 inline double cut_of_product(const Majorant& u, const Majorant& v) {
-    double total = 0.0;
-    for (Index i = 1; i <= ORDER; ++i) total += u.size[i] * v.tail[ORDER + 1 - i];
-    return total;
+    return sum_of_terms_in_lanes([&](Index i) { return u.size[i] * v.tails[i]; });
 }
 
 // What the terms from ORDER on of the product u' v come to when they are integrated.
 inline double cut_of_rate(const Majorant& u, const Majorant& v) {
-    double total = 0.0;
-    for (Index i = 1; i <= ORDER; ++i) {
-        total += static_cast<double>(i) * u.size[i] * v.tail[ORDER + 1 - i];
-    }
+    const double total =
+        sum_of_terms_in_lanes([&](Index i) { return orders[i] * u.size[i] * v.tails[i]; });
     return total / next_order;
 }
 
