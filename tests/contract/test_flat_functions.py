@@ -6,7 +6,6 @@ condition of the root; where a start has no term of its series at all, `estimate
 """
 
 import mpmath
-import numpy as np
 import pytest
 
 import nonsmooth as ns
@@ -49,9 +48,10 @@ def test_a_start_without_any_term_is_estimated(power):
     falls = ns.simulate(stopping({"x": "1"}, f"-x**{power}"), {"x": 0.0}, t_end=2.0)
     assert falls.attrs["status"] == "stopped" and not certified(falls)
     assert falls["event_time"].values[-1] <= 0.01  # it falls at once, where x**power is 1e-200
-    assert falls.attrs["n_estimated"] > 0 and bool(falls["estimated"][-1])
+    assert falls.attrs["n_estimated"] > 0
     rises = ns.simulate(stopping({"x": "1"}, f"x**{power}"), {"x": 0.0}, t_end=2.0)
     assert rises.attrs["status"] == "completed" and not certified(rises)
+    assert rises.attrs["n_estimated"] > 0
 
 
 @pytest.mark.parametrize("more", [{}, {"z": "sin(z)"}], ids=["linear", "taylor"])
@@ -85,4 +85,3 @@ def test_certificate_goes_along_where_a_run_is_cut():
     first = ns.simulate(system, {"x": 0.0}, t_end=1e-9)
     later = ns.simulate(system, first, t_end=1.0)
     assert first.attrs["certified"] == later.attrs["certified"] == 0
-    assert not np.any(later["estimated"][1:])

@@ -45,8 +45,10 @@ struct Look {
 // reads, or within the margin.
 inline Outlook leave_deep_zero(GuardScan& guard, const DeepStart& start) {
     guard.safe = start.safe;
-    if (start.rises) return start.is_exact ? Outlook::open : Outlook::touches;
-    return start.is_exact ? Outlook::falls : Outlook::uncertain;
+    // what the tolerance has declared zero is none of the coefficients that a look reads
+    const bool is_clear = start.is_exact && start.order >= TERMS;
+    if (start.rises) return is_clear || start.order == 0 ? Outlook::open : Outlook::touches;
+    return is_clear ? Outlook::falls : Outlook::uncertain;
 }
 
 // Look at one guard at the start of a segment, where the order of its zero is known; a guard that is

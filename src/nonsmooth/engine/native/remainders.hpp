@@ -126,11 +126,25 @@ inline void pass_remainders(const Tables& tables, Index m, const Series* series,
     }
 }
 
+// What the terms above ORDER of a power of time come to.
+inline double remainder_of_time(Index power, double time, double length) {
+    double total = 0.0, choices = 1.0;  // of k in power
+    for (Index k = 1; k <= power; ++k) {
+        choices *= static_cast<double>(power - k + 1) / static_cast<double>(k);
+        if (k <= ORDER) continue;
+        const double later = static_cast<double>(k), before = static_cast<double>(power - k);
+        total += choices * std::pow(length, later) * std::pow(std::fabs(time), before);
+    }
+    return total;
+}
+
 // Remainders of powers of time, harmonics and signals, which are known.
-inline void fill_remainders_of_time(const Tables& tables, double length, Majorant* majorants) {
+inline void fill_remainders_of_time(const Tables& tables, const Segment& segment, double length) {
     const Index n = tables.n(), powers = tables.sizes.powers;
-    for (Index i = n; i < tables.size(); ++i) {
-        majorants[i].remainder = i <= n + ORDER || i > n + powers ? 0.0 : unbounded;
+    Majorant* majorants = segment.majorants.data;
+    for (Index i = n; i < tables.size(); ++i) majorants[i].remainder = 0.0;
+    for (Index power = ORDER + 1; power <= powers; ++power) {
+        majorants[n + power].remainder = remainder_of_time(power, segment.z[n + 1], length);
     }
     for (Index k = 0; k < tables.sizes.frequencies; ++k) {
         const double angle = std::fabs(tables.harmonics(0, k)) * length;
@@ -175,7 +189,7 @@ inline bool bound_remainders(const Tables& tables, const Segment& segment, Index
     const Index slaved = explicitly_slaved(tables, m);
     Majorant* majorants = segment.majorants.data;
     fill_majorants(tables, segment, m, length);
-    fill_remainders_of_time(tables, length, majorants);
+    fill_remainders_of_time(tables, segment, length);
     for (Index i = 0; i < tables.n(); ++i) majorants[i].remainder = 0.0;
     for (int pass = 0; pass < most_passes; ++pass) {
         pass_remainders(tables, m, segment.series.data, majorants);

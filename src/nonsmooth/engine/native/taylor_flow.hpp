@@ -79,27 +79,23 @@ inline void bound_guard(const double* a, const Doubt& doubt, double length, doub
     scan.fading = 0.0;
 }
 
-// By how much the remainder of a register is larger than the rounding of its terms, or than what is
-// nothing in any case.
-inline double excess_of_remainder(const Majorant& majorant, double terms, double nothing) {
-    if (majorant.remainder <= nothing) return 0.0;
-    return majorant.remainder / std::max(roundings * unit * terms, nothing);
-}
-
-// The largest excess of the remainders of states and guards.
+// The largest remainder of a state or a guard beside a part of its terms, or beside what is nothing
+// in any case.
 inline double excess_of_remainders(const Tables& tables, const Segment& segment, Index m,
-                                   double length, double nothing) {
+                                   double length, double part, double nothing) {
     const View<Majorant, 1>& majorants = segment.majorants;
     double excess = 0.0;
+    const auto compare = [&](const Majorant& majorant, double turned_over) {
+        const double allowed = part * (extent_of(majorant) + turned_over);
+        if (majorant.remainder <= std::max(allowed, nothing)) return;
+        excess = std::max(excess, majorant.remainder / std::max(allowed, nothing));
+    };
     for (Index i = 0; i < tables.n(); ++i) {
-        const double turned_over = length * segment.doubt[rate_outlet(tables, m, i)].units;
-        const double terms = extent_of(majorants[i]) + turned_over;
-        excess = std::max(excess, excess_of_remainder(majorants[i], terms, nothing));
+        compare(majorants[i], length * segment.doubt[rate_outlet(tables, m, i)].units);
     }
     for (Index g = 0; g < mode_wiring(tables, m).n_exits; ++g) {
         const Index guard = guard_outlet(tables, m, g);
-        const double terms = extent_of(majorants[guard]) + segment.doubt[guard].units;
-        excess = std::max(excess, excess_of_remainder(majorants[guard], terms, nothing));
+        compare(majorants[guard], segment.doubt[guard].units);
     }
     return excess;
 }
@@ -117,10 +113,11 @@ inline double bounded_length(const Tables& tables, const Segment& segment, Index
     int failures = 0;
     for (int round = 0; round < most_rounds && failures < most_failures; ++round) {
         if (bound_remainders(tables, segment, m, length)) {
-            const double excess = excess_of_remainders(tables, segment, m, length, nothing);
-            if (excess <= 1.0) {
-                *segment.is_estimated =
-                    excess_of_remainders(tables, segment, m, length, 0.0) <= 1.0 ? 0 : 1;
+            const double excess =
+                excess_of_remainders(tables, segment, m, length, roundings * unit, nothing);
+            if (excess == 0.0) {
+                const double unknown = excess_of_remainders(tables, segment, m, length, 1.0, 0.0);
+                *segment.is_estimated = unknown > 0.0 ? 1 : 0;
                 return length;
             }
             const double part = care * rough_exp2(-rough_log2(excess) / next_order);
