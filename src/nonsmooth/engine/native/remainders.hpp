@@ -14,6 +14,7 @@
 
 #include "majorants.hpp"
 #include "records.hpp"
+#include "state_sets.hpp"
 #include "taylor_opcodes.hpp"
 
 namespace nonsmooth {
@@ -186,7 +187,7 @@ inline bool bound_remainders(const Tables& tables, const Segment& segment, Index
                              double length) {
     constexpr int most_passes = 6;
     constexpr double spare = 2.0;  // by which what is tried is larger than what it comes to
-    const Index slaved = explicitly_slaved(tables, m);
+    const StateSet slaved = explicitly_slaved(tables, m);
     Majorant* majorants = segment.majorants.data;
     fill_majorants(tables, segment, m, length);
     fill_remainders_of_time(tables, segment, length);
