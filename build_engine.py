@@ -32,6 +32,7 @@ DECLARATIONS = ENGINE / "_declarations.py"
 FLAGS = [
     "-std=c++20", "-O3", "-fPIC", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math",
     "-fno-exceptions", "-fno-rtti", "-fvisibility=hidden", "-Wall", "-Wextra",
+    "-Wno-psabi",  # vectors are passed between functions of this library alone
 ]  # fmt: skip
 
 
@@ -96,8 +97,8 @@ def compiler(aim: Platform = PLATFORMS[""]) -> list[str]:
 
 
 def sources_hash() -> str:
-    """Hash of the sources and of the flags that they are compiled with."""
-    digest = hashlib.sha256(" ".join(FLAGS).encode())
+    """Hash of the sources and of this file, which has the flags that they are compiled with."""
+    digest = hashlib.sha256(Path(__file__).read_bytes())
     for path in sorted(SOURCES.iterdir()):
         if path.suffix in (".h", ".hpp", ".cpp"):
             digest.update(path.name.encode() + path.read_bytes())
