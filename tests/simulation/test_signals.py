@@ -308,7 +308,6 @@ def test_signals_that_cannot_be(times, values, method, words):
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"period": 2.0}, ["'base' is not periodic", "period="]),
         ({"signals": {"base": [1, 2]}}, ["signals['base']", "Signal(times, values)"]),
         ({"signals": {"x": measured()}}, ["'x' is declared already in states"]),
         ({"signals": {"t": measured()}}, ["fixed meaning"]),

@@ -330,7 +330,6 @@ def test_periods_that_are_right(period):
         ({"period": "1/(w - 2)"}, ["period"]),
         ({"period": "x"}, ["only parameters"]),
         ({"period": "2*t"}, ["only parameters"]),
-        ({"period": "2*pi", "modes": one_mode({"x": "v", "v": "t"})}, ["grows with t"]),
         ({"initial": {"x": "t"}}, ["initial['x']", "only parameters"]),
         ({"initial": {"x": "1/(w - 2)"}}, ["initial['x']"]),
     ],

@@ -60,7 +60,13 @@ def map_of(
 
 
 def _told(chosen: Map, verb: str) -> Map:
-    """The map, with a warning where its points do not say all."""
+    """The map, with a warning where its points do not say all; refused where time decides."""
+    if isinstance(chosen, StroboscopicMap) and chosen.system.unrepeated:
+        raise OptionError(
+            f"{verb}: {chosen.system.name!r} has {chosen.system.unrepeated}, which does not repeat,"
+            " so a state at a strobe does not say what follows; leave it out, or look at runs from"
+            " one time with simulate or ensemble"
+        )
     if isinstance(chosen, StroboscopicMap) and chosen.hides_phase:
         # told where the user calls the verb
         warnings.warn(

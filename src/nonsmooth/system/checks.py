@@ -43,6 +43,7 @@ __all__ = [
     "period_value",
     "refuse_unsupported",
     "rest_state",
+    "unrepeated",
 ]
 
 # names with a fixed meaning in the grammar, and the dimensions of every result
@@ -149,11 +150,6 @@ def _check_signals(system: System) -> None:
                 f"signals[{name!r}] is {signal!r:.60}; write Signal(times, values), a list of times"
                 " and one of values"
             )
-        if system.period is not None:
-            raise ModelError(
-                f"period: the signal {name!r} is not periodic, so the system has no period; leave"
-                " period= out"
-            )
 
 
 def _check_slow(system: System) -> None:
@@ -168,7 +164,8 @@ def _check_slow(system: System) -> None:
         if system.period is None:
             raise ModelError(
                 f"slow: {name!r} changes from period to period, and the system has no period;"
-                " declare period=, or write the change as a definition in t"
+                " declare period=, which where nothing drives the system may be any time for which"
+                " the parameter is to be kept, or write the change as a definition in t"
             )
 
 
@@ -446,6 +443,13 @@ def _check_period(system: System, period: float) -> None:
                 f" turns {turns:.6g} times in it; give a common period as an expression such as"
                 " '2*pi/omega', or none"
             )
+
+
+def unrepeated(system: System) -> str:
+    """What in the equations does not repeat after any time, in words; empty without it."""
+    structure = system.structure
+    for name in system.signals:
+        return f"the signal {name!r}"
     for name, forms in structure.modes.items():
         grows = structure.codes[name].grows if name in structure.codes else ""
         if forms.linear is not None:
@@ -453,6 +457,5 @@ def _check_period(system: System, period: float) -> None:
                 if any(isinstance(basis, Power) and basis.order > 0 for basis in form.terms):
                     grows = where
         if grows:
-            raise ModelError(
-                f"period: {grows} grows with t, so the system has no period; leave it out"
-            )
+            return f"t by itself in {grows}"
+    return ""

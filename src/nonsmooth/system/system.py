@@ -61,7 +61,9 @@ class System:
     outputs : mapping of str to str, optional
         Quantities recorded beside the states, usable in every equation too.
     period : str or float, optional
-        Period of the forcing; checked against the equations.
+        Period of the forcing; checked against the harmonics in the equations. Where a signal or
+        ``t`` by itself stands in them as well, it is the time between strobes and no more: runs
+        and their strobes are as ever, and what needs a motion that repeats says so.
     drift : sequence of str or mapping of str to str, optional
         States on which nothing depends; a mapping gives the period of an angle, which
         analyses use and a trajectory does not.
@@ -83,7 +85,7 @@ class System:
         Parameters that vary slowly: texts of ``t`` and of parameters that do not vary. A
         parameter takes the value of its text at the beginning of each period and keeps it
         for the period, also where it changes the period itself; the phase of the forcing
-        is continuous. Needs ``period``.
+        is continuous. Needs ``period``, which may be any time where nothing drives the system.
     surfaces : mapping of str to Surface, optional
         Switching surfaces with a name, which stands for their function in all texts. Those that
         are not declared are found in the texts all the same.
@@ -198,6 +200,11 @@ class System:
     def period_value(self) -> float | None:
         """Period of the forcing for the present parameters, or None."""
         return checks.period_value(self)
+
+    @cached_property
+    def unrepeated(self) -> str:
+        """What in the equations does not repeat after any time, in words; empty without it."""
+        return checks.unrepeated(self)
 
     @property
     def mode_names(self) -> tuple[str, ...]:

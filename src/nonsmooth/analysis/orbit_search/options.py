@@ -53,8 +53,8 @@ def read_wanted(
             " nothing drives it, its cycle is found from an event to its return"
         )
     system = check_run_options(system, parameters, mode, tolerance)
-    if system.slow or system.signals:
-        what = "slow=" if system.slow else "signals="
+    if system.slow or system.unrepeated:
+        what = "slow=" if system.slow else system.unrepeated
         raise OptionError(
             f"{system.name}: with {what} no motion repeats exactly; leave it out and give fixed"
             " values"
