@@ -7,7 +7,7 @@ infinity or a text is refused with the name of the argument, never with a bare O
 from __future__ import annotations
 
 import math
-from numbers import Complex, Real
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -42,10 +42,8 @@ def finite_real(
     given = value
     if not isinstance(value, Real) and getattr(value, "ndim", None) == 0:
         value = value.item()
-    if isinstance(value, bool | np.bool_):
-        raise error(f"{where} = {given} is a truth value, which is not a number; give {wanted}")
-    if not isinstance(value, Real):
-        kind = "a complex number" if isinstance(value, Complex) else "not a number"
+    if isinstance(value, bool | np.bool_) or not isinstance(value, Real):
+        kind = "a complex number" if isinstance(value, complex) else "not a number"
         raise error(f"{where} = {shown(given)} is {kind}; give {wanted}")
     try:
         number = float(value)

@@ -18,10 +18,10 @@ __all__ = ["check_data", "finite_values", "one_number"]
 
 def one_number(name: str, value: Any, *, positive: bool = False, most: float = math.inf) -> float:
     """One finite number, positive if it must be, or an error that names the argument."""
-    number = finite_real(name, value)
+    kind = "positive number" if positive else "finite number"
+    limit = f" of at most {most:g}" if math.isfinite(most) else ""
+    number = finite_real(name, value, wanted=f"a {kind}{limit}")
     if (positive and number <= 0.0) or number > most:
-        kind = "positive number" if positive else "finite number"
-        limit = f" of at most {most:g}" if math.isfinite(most) else ""
         raise OptionError(f"{name} = {number:g} must be a {kind}{limit}")
     return number
 
