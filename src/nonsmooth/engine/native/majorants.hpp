@@ -65,13 +65,24 @@ inline double cut_of_rate(const Majorant& u, const Majorant& v) {
     return total / next_order;
 }
 
+// What the products of a sum have left out.
+inline double cut_of_sum(const Tables& tables, const Instruction& instruction,
+                         const Majorant* majorants) {
+    double total = 0.0;
+    for (Index i = instruction.c; i < instruction.b; ++i) {
+        const Term& term = tables.terms[i];
+        const double cut = cut_of_product(majorants[term.reg], majorants[term.other]);
+        total += std::fabs(tables.weights[i]) * cut;
+    }
+    return total;
+}
+
 // What the recurrence of an instruction has left out: the defect of its polynomials in the equation
 // that they solve to order ORDER, integrated where that is a differential equation.
-inline double cut_of_instruction(const Instruction& instruction, const double* slots,
-                                 const Majorant* majorants) {
+inline double cut_of_function(const Instruction& instruction, const double* slots,
+                              const Majorant* majorants) {
     using enum TaylorOp;
     const TaylorOp function = operation(instruction);
-    if (function == COMBINE) return 0.0;
     const Majorant &u = majorants[instruction.a], &y = majorants[instruction.target];
     if (function == SQUARE) return cut_of_product(u, u);
     if (function == SQRT) return cut_of_product(y, y);

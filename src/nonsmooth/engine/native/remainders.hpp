@@ -22,6 +22,27 @@ namespace nonsmooth {
 // At least exp(x) for x >= 0; cheap where x is small.
 inline double growth_by(double x) { return x < 0.25 ? 1.0 / (1.0 - x) : std::exp(x); }
 
+// What the remainders of two factors make of their product.
+inline double remainder_of_product(const Majorant& u, const Majorant& v) {
+    return extent_of(u) * v.remainder + (extent_of(v) + v.remainder) * u.remainder;
+}
+
+// What those of terms and of products make of a sum.
+inline double remainder_of_sum(const Tables& tables, const Instruction& instruction,
+                               const Majorant* majorants) {
+    const double* weights = tables.weights.data;
+    double total = 0.0;
+    for (Index i = instruction.a; i < instruction.c; ++i) {
+        total += std::fabs(weights[i]) * majorants[tables.terms[i].reg].remainder;
+    }
+    for (Index i = instruction.c; i < instruction.b; ++i) {
+        const Term& term = tables.terms[i];
+        total += std::fabs(weights[i]) *
+                 remainder_of_product(majorants[term.reg], majorants[term.other]);
+    }
+    return total;
+}
+
 // u ** c where the argument keeps away from zero; u_0 is its value at the start.
 inline double remainder_of_power(const Majorant& u, const Majorant& y, double c) {
     const double least = u.size[0] - change_of(u) - u.remainder;
@@ -111,16 +132,11 @@ inline void pass_remainders(const Tables& tables, Index m, const Series* series,
         Majorant& y = majorants[instruction.target];
         const TaylorOp function = operation(instruction);
         if (function == TaylorOp::COMBINE) {
-            double total = 0.0;
-            for (Index i = instruction.a; i < instruction.b; ++i) {
-                total += std::fabs(tables.weights[i]) * majorants[tables.terms[i].reg].remainder;
-            }
-            y.remainder = total;
+            y.remainder = y.cut + remainder_of_sum(tables, instruction, majorants);
         } else if (function == TaylorOp::MULTIPLY || function == TaylorOp::SQUARE) {
             const Majorant& u = majorants[instruction.a];
             const Majorant& v = function == TaylorOp::SQUARE ? u : majorants[instruction.b];
-            y.remainder = y.cut + extent_of(u) * v.remainder + extent_of(v) * u.remainder +
-                          u.remainder * v.remainder;
+            y.remainder = y.cut + remainder_of_product(u, v);
         } else {
             y.remainder = remainder_of_function(instruction, tables.values.data, series, majorants);
         }
@@ -178,7 +194,9 @@ inline void fill_majorants(const Tables& tables, const Segment& segment, Index m
     for (Index row = rows.first; row < rows.middle; ++row) {
         const Instruction& instruction = tables.code[row];
         majorants[instruction.target].cut =
-            cut_of_instruction(instruction, tables.values.data, majorants);
+            operation(instruction) == TaylorOp::COMBINE
+                ? cut_of_sum(tables, instruction, majorants)
+                : cut_of_function(instruction, tables.values.data, majorants);
     }
 }
 
