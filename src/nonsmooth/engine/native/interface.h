@@ -19,7 +19,6 @@ enum {
     MAX_AUGMENTED = 512, /* coordinates: the bits of a set */
     WINDOWS = 2,     /* that a segment may last */
     ORDER = 20,      /* of Taylor series of the motion; near the best for double precision */
-    MAJORANT = 24,   /* numbers of the sizes of a series: its terms, and zeros to fill vectors */
     LANES = 8,       /* directions of derivatives side by side: the numbers of a long vector */
     RUNGS = 8,       /* of the ladder of steps for which rotations are computed beforehand */
     CHAIN = 4,       /* coordinates of a signal: value, rate, second and third derivative */
@@ -130,9 +129,13 @@ typedef struct Series {
 } Series;
 typedef struct Lanes { double lane[8]; } Lanes; /* one coefficient in several directions */
 
-/* a register over a step: sizes of its terms at the end, of the last k terms together, of what its
- * recurrence has left out, and bound of what the function is off the polynomial by */
-typedef struct Majorant { double size[24], tails[24], cut, remainder; } Majorant;
+/* a register over a step: sizes of its terms at the end, of the last k terms together, of all terms
+ * but the first one and of all, of what its recurrence has left out, bound of what the function is off
+ * the polynomial by; whether tails are there */
+typedef struct Majorant {
+    double size[24], tails[24], change, extent, cut, remainder;
+    int64_t has_tails;
+} Majorant;
 
 /* where a run goes on: window, mode, time within the window; whether errors of series since the last
  * event were estimated, not bounded */

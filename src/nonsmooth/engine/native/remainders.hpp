@@ -24,7 +24,7 @@ inline double growth_by(double x) { return x < 0.25 ? 1.0 / (1.0 - x) : std::exp
 
 // What the remainders of two factors make of their product.
 inline double remainder_of_product(const Majorant& u, const Majorant& v) {
-    return extent_of(u) * v.remainder + (extent_of(v) + v.remainder) * u.remainder;
+    return u.extent * v.remainder + (v.extent + v.remainder) * u.remainder;
 }
 
 // What those of terms and of products make of a sum.
@@ -45,16 +45,16 @@ inline double remainder_of_sum(const Tables& tables, const Instruction& instruct
 
 // u ** c where the argument keeps away from zero; u_0 is its value at the start.
 inline double remainder_of_power(const Majorant& u, const Majorant& y, double c) {
-    const double least = u.size[0] - change_of(u) - u.remainder;
+    const double least = u.size[0] - u.change - u.remainder;
     if (!(least > 0.0)) return unbounded;
-    const double largest = u.size[0] + change_of(u) + u.remainder;
+    const double largest = u.size[0] + u.change + u.remainder;
     const double ratio = std::pow(largest / least, std::fabs(c));
     return ratio * (y.cut + std::fabs(c) * y.size[0] * u.remainder) / least;
 }
 
 // exp: where it is zero to the last digit its polynomial is zero, and it is below its largest value.
 inline double remainder_of_exponential(const Majorant& u, const Majorant& y, double start) {
-    const double change = change_of(u) + u.remainder;
+    const double change = u.change + u.remainder;
     if (y.size[0] == 0.0) return std::exp(start + change);
     const double grown = y.size[0] * growth_by(change) * u.remainder;
     return (y.cut == 0.0 ? 0.0 : growth_by(2.0 * change) * y.cut) + grown;
@@ -62,7 +62,7 @@ inline double remainder_of_exponential(const Majorant& u, const Majorant& y, dou
 
 // tan: the polynomial is the tangent of an argument that is off by no more than `off`.
 inline double remainder_of_tangent(const Majorant& u, const Majorant& y) {
-    const double off = y.cut + u.remainder, largest = extent_of(y);
+    const double off = y.cut + u.remainder, largest = y.extent;
     const double tried = 2.0 * off * (1.0 + largest * largest);
     const double reached = off * (1.0 + (largest + tried) * (largest + tried));
     return reached <= tried ? reached : unbounded;
@@ -70,11 +70,11 @@ inline double remainder_of_tangent(const Majorant& u, const Majorant& y) {
 
 // asin and acos, whose slope is the register f.
 inline double remainder_of_arc(const Majorant& u, const Majorant& f, const Majorant& y) {
-    const double farthest = u.size[0] + change_of(u) + u.remainder;
+    const double farthest = u.size[0] + u.change + u.remainder;
     if (!(farthest < 1.0)) return unbounded;
     const double slope = 1.0 / std::sqrt(1.0 - farthest * farthest);
     const double bend = farthest * slope * slope * slope;
-    return y.cut + change_of(u) * (f.remainder + bend * u.remainder) + slope * u.remainder;
+    return y.cut + u.change * (f.remainder + bend * u.remainder) + slope * u.remainder;
 }
 
 // Bound of what a function is off its polynomial by, given those of its operands.
@@ -85,18 +85,18 @@ inline double remainder_of_function(const Instruction& instruction, const double
     const Majorant& v = majorants[operation(instruction) == POWER ? 0 : instruction.b];
     switch (operation(instruction)) {
     case DIVIDE: {
-        const double least = v.size[0] - change_of(v) - v.remainder;
+        const double least = v.size[0] - v.change - v.remainder;
         if (!(least > 0.0)) return unbounded;
-        return (y.cut + u.remainder + extent_of(y) * v.remainder) / least;
+        return (y.cut + u.remainder + y.extent * v.remainder) / least;
     }
     case SQRT: {
-        const double least = y.size[0] - change_of(y);
+        const double least = y.size[0] - y.change;
         const double off = (y.cut + u.remainder) / least;
         return least > 0.0 && off < least ? off : unbounded;
     }
     case POWER: return remainder_of_power(u, y, slots[instruction.b]);
     case LOG: {
-        const double least = u.size[0] - change_of(u) - u.remainder;
+        const double least = u.size[0] - u.change - u.remainder;
         return least > 0.0 ? (y.cut + u.remainder) / least : unbounded;
     }
     case EXP: return remainder_of_exponential(u, y, series[instruction.a].c[0]);
@@ -104,18 +104,18 @@ inline double remainder_of_function(const Instruction& instruction, const double
     case COS: return y.cut + u.remainder;
     case SINH:
     case COSH: {
-        const double change = change_of(u) + u.remainder;
+        const double change = u.change + u.remainder;
         return growth_by(2.0 * change) * (y.cut + (y.size[0] + v.size[0]) * u.remainder);
     }
     case TAN: return remainder_of_tangent(u, y);
     case TANH: {
-        const double exponent = change_of(u) * (1.0 + extent_of(y));
+        const double exponent = u.change * (1.0 + y.extent);
         return (y.cut == 0.0 ? 0.0 : growth_by(exponent) * y.cut) + u.remainder;
     }
-    case ATAN: return y.cut + change_of(u) * (v.remainder + u.remainder) + u.remainder;
+    case ATAN: return y.cut + u.change * (v.remainder + u.remainder) + u.remainder;
     case ATAN2: {
         const Majorant& w = majorants[instruction.c];
-        const double least = w.size[0] - change_of(w) - w.remainder;
+        const double least = w.size[0] - w.change - w.remainder;
         if (!(least > 0.0)) return unbounded;
         return y.cut + 2.0 * (u.remainder + v.remainder) / std::sqrt(least);
     }
@@ -157,6 +157,8 @@ inline double remainder_of_time(Index power, double time, double length) {
 
 // Remainders of powers of time, harmonics and signals, which are known.
 inline void fill_remainders_of_time(const Tables& tables, const Segment& segment, double length) {
+    static_assert(ORDER == 20);
+    constexpr double factorial = 51090942171709440000.0;  // of 21
     const Index n = tables.n(), powers = tables.sizes.powers;
     Majorant* majorants = segment.majorants.data;
     for (Index i = n; i < tables.size(); ++i) majorants[i].remainder = 0.0;
@@ -165,8 +167,8 @@ inline void fill_remainders_of_time(const Tables& tables, const Segment& segment
     }
     for (Index k = 0; k < tables.sizes.frequencies; ++k) {
         const double angle = std::fabs(tables.harmonics(0, k)) * length;
-        double term = 1.0;
-        for (Index i = 1; i <= ORDER + 1; ++i) term *= angle / static_cast<double>(i);
+        const double fourth = (angle * angle) * (angle * angle), eighth = fourth * fourth;
+        const double term = eighth * eighth * fourth * angle / factorial;
         const double rest = 1.0 - angle / (next_order + 1.0);
         const double remainder = rest > 0.0 ? term / rest : unbounded;
         majorants[n + 1 + powers + 2 * k].remainder = remainder;
@@ -185,8 +187,7 @@ inline double integrated_remainder(const Tables& tables, Index m, Index i, doubl
 inline void fill_majorants(const Tables& tables, const Segment& segment, Index m, double length) {
     const CodeRows& rows = tables.code_rows[m];
     Majorant* majorants = segment.majorants.data;
-    double powers[ORDER + 1] = {1.0};
-    for (Index k = 1; k <= ORDER; ++k) powers[k] = powers[k - 1] * length;
+    const LengthPowers powers(length);
     const Index n_registers = tables.size() + rows.middle - rows.first;
     for (Index i = 0; i < n_registers; ++i) {
         fill_majorant(segment.series[i].c, powers, majorants[i]);
@@ -198,23 +199,35 @@ inline void fill_majorants(const Tables& tables, const Segment& segment, Index m
                 ? cut_of_sum(tables, instruction, majorants)
                 : cut_of_function(instruction, tables.values.data, majorants);
     }
+    fill_remainders_of_time(tables, segment, length);
 }
 
-// Bound the remainders of all registers of mode m over a step; false where no bound is found.
-inline bool bound_remainders(const Tables& tables, const Segment& segment, Index m,
+// What the error of a state is compared with: its terms, and those that are turned over in its rate.
+inline double terms_of_state(const Tables& tables, const Segment& segment, Index m, Index i,
                              double length) {
-    constexpr int most_passes = 6;
+    const double turned_over = length * segment.doubt[rate_outlet(tables, m, i)].units;
+    return segment.majorants[i].extent + turned_over;
+}
+
+// Bound the remainders of all registers of mode m over a step of which the majorants are there; false
+// where no bound is found. What is tried first is a part of the terms of each state.
+inline bool bound_remainders(const Tables& tables, const Segment& segment, Index m,
+                             double length, double part) {
+    constexpr int most_passes = 7;
     constexpr double spare = 2.0;  // by which what is tried is larger than what it comes to
     const StateSet slaved = explicitly_slaved(tables, m);
     Majorant* majorants = segment.majorants.data;
-    fill_majorants(tables, segment, m, length);
-    fill_remainders_of_time(tables, segment, length);
-    for (Index i = 0; i < tables.n(); ++i) majorants[i].remainder = 0.0;
+    for (Index i = 0; i < tables.n(); ++i) {
+        majorants[i].remainder = part * terms_of_state(tables, segment, m, i, length);
+    }
     for (int pass = 0; pass < most_passes; ++pass) {
         pass_remainders(tables, m, segment.series.data, majorants);
         bool holds = true;
         for (Index i = 0; i < tables.n(); ++i) {
-            if (has_bit(slaved, i)) continue;
+            if (has_bit(slaved, i)) {
+                majorants[i].remainder = majorants[rate_outlet(tables, m, i)].remainder;
+                continue;
+            }
             const double reached = integrated_remainder(tables, m, i, length, majorants);
             if (!std::isfinite(reached)) return false;
             if (reached <= majorants[i].remainder) continue;

@@ -85,17 +85,34 @@ inline double excess_of_remainders(const Tables& tables, const Segment& segment,
                                    double length, double part, double nothing) {
     const View<Majorant, 1>& majorants = segment.majorants;
     double excess = 0.0;
-    const auto compare = [&](const Majorant& majorant, double turned_over) {
-        const double allowed = part * (extent_of(majorant) + turned_over);
+    const auto compare = [&](const Majorant& majorant, double terms) {
+        const double allowed = part * terms;
         if (majorant.remainder <= std::max(allowed, nothing)) return;
         excess = std::max(excess, majorant.remainder / std::max(allowed, nothing));
     };
     for (Index i = 0; i < tables.n(); ++i) {
-        compare(majorants[i], length * segment.doubt[rate_outlet(tables, m, i)].units);
+        compare(majorants[i], terms_of_state(tables, segment, m, i, length));
     }
     for (Index g = 0; g < mode_wiring(tables, m).n_exits; ++g) {
         const Index guard = guard_outlet(tables, m, g);
-        compare(majorants[guard], segment.doubt[guard].units);
+        compare(majorants[guard], majorants[guard].extent + segment.doubt[guard].units);
+    }
+    return excess;
+}
+
+// The excess of remainders over rounding within a length, 0 where there is none; infinite where no
+// bound is found.
+//
+// What is tried first mostly holds, and nothing else has to be worked out.
+inline double excess_within(const Tables& tables, const Segment& segment, Index m, double length,
+                            double nothing) {
+    constexpr double tried = 0.5 * unit;  // part of the terms of a state
+    double excess = unbounded;
+    fill_majorants(tables, segment, m, length);
+    for (const double part : {tried, 0.0}) {
+        if (!bound_remainders(tables, segment, m, length, part)) continue;
+        excess = excess_of_remainders(tables, segment, m, length, roundings * unit, nothing);
+        if (excess == 0.0) break;
     }
     return excess;
 }
@@ -112,20 +129,16 @@ inline double bounded_length(const Tables& tables, const Segment& segment, Index
     double length = limit;
     int failures = 0;
     for (int round = 0; round < most_rounds && failures < most_failures; ++round) {
-        if (bound_remainders(tables, segment, m, length)) {
-            const double excess =
-                excess_of_remainders(tables, segment, m, length, roundings * unit, nothing);
-            if (excess == 0.0) {
-                const double unknown = excess_of_remainders(tables, segment, m, length, 1.0, 0.0);
-                *segment.is_estimated = unknown > 0.0 ? 1 : 0;
-                return length;
-            }
-            const double part = care * rough_exp2(-rough_log2(excess) / next_order);
-            length *= std::max(part, shortest);
-        } else {
-            ++failures;
-            length *= 0.5;
+        const double excess = excess_within(tables, segment, m, length, nothing);
+        if (excess == 0.0) {
+            const double unknown = excess_of_remainders(tables, segment, m, length, 1.0, 0.0);
+            *segment.is_estimated = unknown > 0.0 ? 1 : 0;
+            return length;
         }
+        const bool fails = excess == unbounded;
+        failures += fails ? 1 : 0;
+        const double part = care * rough_exp2(-rough_log2(excess) / next_order);
+        length *= fails ? 0.5 : std::max(part, shortest);
         fill_doubt(tables, m, segment.series, length, segment.doubt);
     }
     fill_doubt(tables, m, segment.series, limit, segment.doubt);
