@@ -85,3 +85,43 @@ def test_certificate_goes_along_where_a_run_is_cut():
     first = ns.simulate(system, {"x": 0.0}, t_end=1e-9)
     later = ns.simulate(system, first, t_end=1.0)
     assert first.attrs["certified"] == later.attrs["certified"] == 0
+
+
+@pytest.mark.parametrize("width", [0.1, 1e-2, 1e-3, 1e-4, 1e-5])
+def test_two_crossings_beside_a_flat_minimum(width):
+    """(x - c)**4 - w**4 has terms of 1e4 at the start, and is 1e-20 deep between its zeros.
+
+    x is known to a rounding of 10, and so is the root.
+    """
+    flow, centre = {"x": "1"}, 10.123
+    guard = f"(x - {centre})**4 - {width}**4"
+    modes = {
+        "before": ns.Mode(flow, exits=[ns.Exit(guard, to="within")]),
+        "within": ns.Mode(flow, exits=[ns.Exit(f"-({guard})", to="behind")]),
+        "behind": ns.Mode(flow),
+    }
+    run = ns.simulate(ns.System(states=["x"], modes=modes), {"x": 0.0}, t_end=20.0)
+    assert run["event_time"].values[1:] == pytest.approx(
+        [centre - width, centre + width], abs=1e-14
+    )
+    assert certified(run)
+
+
+def test_no_crossing_above_a_flat_minimum():
+    for depth in (1e-8, 1e-12, 1e-16, 1e-20):
+        system = stopping({"x": "1"}, f"(x - 10.123)**4 + {depth}")
+        run = ns.simulate(system, {"x": 0.0}, t_end=20.0)
+        assert run.attrs["status"] == "completed" and certified(run)
+
+
+@pytest.mark.parametrize("more", [{}, {"z": "sin(z)"}], ids=["linear", "taylor"])
+def test_a_fall_through_a_triple_zero(more):
+    """-(t - 1)**3: what rounding hides lasts (margin)**(1/3), and so is the time known.
+
+    The margin is some 100 units of the terms of size 3.
+    """
+    system = stopping({"x": "3*(t - 1)**2"} | more, "-x")
+    run = ns.simulate(system, {"x": -1.0} | dict.fromkeys(more, 0.0), t_end=3.0)
+    assert run.attrs["status"] == "stopped" and certified(run)
+    resolution = (100 * 2.0**-52 * 8) ** (1 / 3)
+    assert run["event_time"].values[-1] == pytest.approx(1.0, abs=resolution)

@@ -51,11 +51,28 @@ inline Outlook leave_deep_zero(GuardScan& guard, const DeepStart& start) {
     return is_clear ? Outlook::falls : Outlook::uncertain;
 }
 
+// Whether rounding hides the first coefficient of a guard that is not zero by construction, at the
+// start of a segment.
+inline bool rounding_hides(const Search& search, Index g, Index order) {
+    const Tables& tables = search.tables;
+    const Index m = search.m;
+    const double coefficient = std::fabs(search.segment.scan[g].a[order]);
+    if (tables.kinds[m] == TAYLOR) {
+        const double units = search.segment.doubt[guard_outlet(tables, m, g)].units;
+        double margin = taylor::roundings * taylor::unit * units;
+        for (Index k = 0; k < order; ++k) margin /= search.length;
+        return coefficient <= margin;
+    }
+    if (tables.products.size() > 0 && tables.product_rows(m, g).end > 0) return false;
+    return coefficient <= linear::margin_of_coefficient(tables, search.segment, m, g, order);
+}
+
 // Look at one guard at the start of a segment, where the order of its zero is known; a guard that is
 // identically zero may stay so.
 inline Outlook look_from_start(const Search& search, Index g, double reach, double farthest) {
     GuardScan& guard = search.segment.scan[g];
     int64_t& order = search.segment.order[g];
+    if (0 < order && order < TERMS && rounding_hides(search, g, order)) order = ALWAYS_ZERO;
     if (order >= STILL_ZERO) {
         const double still = while_zero(guard, reach);
         const DeepStart start = still < reach
@@ -97,6 +114,8 @@ inline Outlook look_at_guard(const Search& search, Index g, double reach, double
         } else {
             if (order >= STILL_ZERO) order = 0;
             outlook = look_ahead(guard, reach, farthest);
+            const bool hidden = outlook == Outlook::uncertain || outlook == Outlook::touches;
+            if (hidden && falls_through(guard, reach)) outlook = Outlook::falls;
         }
     }
     if (outlook == Outlook::touches) {
@@ -167,6 +186,26 @@ inline Crossing nearest_root(const Search& search) {
     return {best_root, best, Found::uncertain};
 }
 
+// Whether a guard in the way is seen better from a step of its own that begins here.
+//
+// The margin of a Taylor step is that of its largest terms, as those of (x - 10)^4 where x is 0. It
+// counts where it hides what the guard does, or its root.
+inline bool asks_for_restart(const Search& search, const Look& look) {
+    constexpr double least = 1e-3;     // part of a step that a shorter one has to last
+    constexpr double worth = 8.0;      // times that the margin has to become smaller
+    constexpr double precise = 1e-13;  // part of a window to which a root is known well enough
+    const Tables& tables = search.tables;
+    if (look.which < 0 || tables.kinds[search.m] != TAYLOR) return false;
+    if (!(search.s > least * search.length)) return false;
+    const GuardScan& guard = search.segment.scan[look.which];
+    const bool is_root = look.outlook == Outlook::open && guard.latest < no_root_known;
+    if (look.outlook == Outlook::open && !is_root) return false;
+    if (is_root && guard.margin <= -guard.a[1] * precise * tables.clock.window) return false;
+    const double here =
+        taylor::margin_from(tables, search.segment, search.m, look.which, search.s);
+    return guard.margin > worth * here;
+}
+
 // The crossing that a look with a guard in the way has come to, if any: otherwise the search goes
 // on as far as look.soonest says.
 inline Crossing follow_guard(Search& search, Look& look) {
@@ -181,7 +220,11 @@ inline Crossing follow_guard(Search& search, Look& look) {
         advance(tables, segment, m, s);
         return {s, which, Found::uncertain};
     }
-    if (look.outlook == Outlook::falls) return {search.s, which, Found::certified};
+    if (look.outlook == Outlook::falls) {
+        const double s = search.s + look.soonest;
+        advance(tables, segment, m, s);
+        return {s, which, Found::certified};
+    }
     if (look.outlook == Outlook::lands && falls_before_others(search, which, search.length)) {
         const double s = guard.latest;
         guard.a[1] = rate_of_polynomial(guard, s);
@@ -258,6 +301,7 @@ inline Crossing first_crossing(const Tables& tables, const Segment& segment, Ind
     }
     for (Index step = paused.looks; step < most_steps; ++step) {
         Look look = look_at_guards(search);
+        if (asks_for_restart(search, look)) return {search.s, -1, Found::restart};
         if (look.outlook == Outlook::touches) return {search.s, look.which, Found::graze};
         if (look.which >= 0) {
             const Crossing crossing = follow_guard(search, look);

@@ -16,7 +16,7 @@ constexpr double one_rounding = 1.0 / 32.0;  // as a part of a rounding margin
 constexpr double no_root_known = 1e300;
 
 // What a guard does at the end of its safe step: nothing that is known, or a fall to a root; the
-// end of a low flight, which is known already; a fall from zero at once; a tangency that rounding
+// end of a low flight, which is known already; a fall through zero, with its root; a tangency that rounding
 // leaves open, taken for a crossing or for a touch.
 enum class Outlook { open, lands, falls, uncertain, touches };
 
@@ -120,6 +120,45 @@ inline Outlook look_within_margin(GuardScan& guard, double margin, double reach)
     const double ahead = std::max(0.0, -rate / second);
     guard.safe = ahead + std::sqrt(2.0 * (4.0 * margin + std::fabs(lowest)) / second);
     return Outlook::touches;
+}
+
+// How soon a guard that rounding hides now is surely below zero, at most reach; 0 where it is not.
+inline double surely_below(const GuardScan& guard, double reach) {
+    constexpr int most_halvings = 60;
+    const auto& a = guard.a;
+    const double enough = -2.0 * margins_near_zero * guard.margin;
+    double found = 0.0, u = reach;
+    for (int halving = 0; halving < most_halvings; ++halving, u *= 0.5) {
+        const double above =
+            a[0] +
+            u * (a[1] + u * (a[2] + u * (a[3] + u * (a[4] + u * (a[5] + u * guard.bound)))));
+        if (above < enough) {
+            found = u;
+        } else if (found > 0.0) {
+            break;
+        }
+    }
+    return found;
+}
+
+// Whether a guard falls through its margin in a short while, as t^3 does at a zero of third order:
+// positive before and negative behind it, it has crossed zero, whatever it does in between. Fills the
+// root of its polynomial.
+inline bool falls_through(GuardScan& guard, double reach) {
+    constexpr double a_while = 1e-3;  // part of the farthest look
+    constexpr int halvings = 60;
+    const auto& a = guard.a;
+    double high = surely_below(guard, reach), low = 0.0;
+    if (!(0.0 < high && high <= a_while * reach)) return false;
+    for (int halving = 0; halving < halvings; ++halving) {
+        const double u = 0.5 * (low + high);
+        const double value =
+            a[0] + u * (a[1] + u * (a[2] + u * (a[3] + u * (a[4] + u * a[5]))));
+        (value > 0.0 ? low : high) = u;
+    }
+    guard.safe = high;
+    guard.a[1] = rate_of_polynomial(guard, high);
+    return true;
 }
 
 // Safe step of a guard, at most reach, and the latest place of its root where it falls alone to one

@@ -11,8 +11,9 @@
 namespace nonsmooth {
 
 // What a search has found: nothing up to the end of the segment; a root; a root, or a tangency
-// taken for one, that rounding leaves open; a tangency taken for a touch; or that it cannot go on.
-enum class Found { none, certified, uncertain, graze, stuck, paused };
+// taken for one, that rounding leaves open; a tangency taken for a touch; or that it cannot go on, has
+// paused, or is to go on in a step of its own.
+enum class Found { none, certified, uncertain, graze, stuck, paused, restart };
 
 // A place in a segment, the exit whose guard vanishes there (-1: none), and what was found.
 struct Crossing {

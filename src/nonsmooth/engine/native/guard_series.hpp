@@ -128,6 +128,22 @@ inline void read_guard(const Tables& tables, const Segment& segment, Index m, In
 
 }  // namespace linear
 
+namespace linear {
+
+// What rounding leaves in coefficient k of a guard without products.
+inline double margin_of_coefficient(const Tables& tables, const Segment& segment, Index m, Index g,
+                                    Index k) {
+    const GuardWeights* weights = &tables.series(m, g, 0);
+    double margin = 0.0;
+    for (Index j = 0; j < slot_counts(tables, m).count; ++j) {
+        const double size = std::fabs(weights[j].by_re[k]) + std::fabs(weights[j].by_im[k]);
+        margin += size * segment.now[j].noise;
+    }
+    return margin;
+}
+
+}  // namespace linear
+
 // Length up to which a_0 + ... + a_5 u^5 - bound u^6 is surely positive, at most h.
 //
 // a_0 is positive and given by itself: a[0] is not read.

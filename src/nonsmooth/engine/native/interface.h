@@ -271,6 +271,7 @@ typedef struct Segment {
     double *point;            /* current point of the step */
     Array(Series, 1) series;  /* (registers,) at the start of the step */
     Array(Doubt, 1) doubt;
+    Array(Doubt, 1) doubt_here; /* at a point of the step */
     Array(Majorant, 1) majorants;
     int64_t *is_estimated; /* whether the errors of the series are estimated, not bounded */
     Array(Lanes, 3) dual; /* (registers, blocks of N and more, TERMS): derivatives at an instant */

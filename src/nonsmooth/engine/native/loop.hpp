@@ -228,6 +228,7 @@ inline SegmentEnd pass_segment(const Run& run) {
         return pause_at_samples(run, crossing);
     }
     pause.stage = BETWEEN;
+    if (crossing.found == Found::restart) times.length = crossing.s;
     if (times.end <= crossing.s) return ends_with(complete_run(run, times.end));
     if (crossing.found == Found::stuck) return ends_with(status_of_stuck(run, crossing.s));
     if (!take_state(run, crossing.s)) {

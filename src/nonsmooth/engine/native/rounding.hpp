@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "records.hpp"
+#include "step_sums.hpp"
 #include "taylor_opcodes.hpp"
 
 namespace nonsmooth {
@@ -41,39 +42,61 @@ inline double doubt_of_sum(const Tables& tables, const Instruction& instruction,
     return units;
 }
 
-// Error that a function hands on: its rate at the start of the step times that of a.
+// Sizes of registers over a step, and their values at its start.
+struct OverStep {
+    double length;
+
+    double value(const double* a) const { return std::fabs(a[0]); }
+    double extent(const double* a) const { return extent_of_series(a, length); }
+    double units_of_coordinate(const double* a) const { return extent(a); }
+};
+
+// Sizes of registers at a point of a step, where a state is the sum of the terms of its series.
+struct AtPoint {
+    TimePowers time;
+
+    double value(const double* a) const { return std::fabs(value_after(a, time)); }
+    double extent(const double* a) const { return value(a); }
+    double units_of_coordinate(const double* a) const {
+        return std::fabs(a[0]) + size_of_terms(a, time);
+    }
+};
+
+// Error that a function hands on: its rate times that of a.
+template <class Where>
 inline double doubt_of_function(const Instruction& instruction, const double* slots,
-                                const Series* series, const Doubt* doubt) {
+                                const Series* series, const Where& where, const Doubt* doubt) {
     using enum TaylorOp;
     const Doubt& a = doubt[instruction.a];
-    const double x = std::fabs(series[instruction.a].c[0]);
-    const double value = std::fabs(series[instruction.target].c[0]);
+    const double x = where.value(series[instruction.a].c);
+    const double value = where.value(series[instruction.target].c);
     switch (operation(instruction)) {
     case DIVIDE: {
-        const double divisor = std::fabs(series[instruction.b].c[0]);
+        const double divisor = where.value(series[instruction.b].c);
         return a.units / divisor + doubt[instruction.b].units * value / divisor;
     }
     case SQRT: return a.units / (2.0 * value);
     case POWER: return std::fabs(slots[instruction.b]) * value / x * a.units;
     case LOG: return a.units / x;
     case ATAN2: {
-        const double squared_radius = std::fabs(series[instruction.c].c[0]);
+        const double squared_radius = where.value(series[instruction.c].c);
         return doubt_of_product(a, doubt[instruction.b]) / squared_radius;
     }
     case TAN:
     case TANH: return a.units * (1.0 + value * value);
     case EXP: return a.units * value;
-    default: return a.units * std::fabs(series[instruction.b].c[0]);
+    default: return a.units * where.value(series[instruction.b].c);
     }
 }
 
-// Sizes of the registers of mode m over a step, and their rounding errors in units of 2^-52.
-inline void fill_doubt(const Tables& tables, Index m, const View<Series, 1>& series,
-                       double length, const View<Doubt, 1>& doubt) {
+// Sizes of the registers of mode m over a step or at a point of it, and their rounding errors in
+// units of 2^-52.
+template <class Where>
+inline void fill_doubt_where(const Tables& tables, Index m, const View<Series, 1>& series,
+                             const Where& where, const View<Doubt, 1>& doubt) {
     const CodeRows& rows = tables.code_rows[m];
     for (Index i = 0; i < tables.size(); ++i) {
-        const double size = extent_of_series(series[i].c, length);
-        doubt[i] = {size, size};
+        doubt[i] = {where.extent(series[i].c), where.units_of_coordinate(series[i].c)};
     }
     for (Index row = rows.first; row < rows.middle; ++row) {
         const Instruction& instruction = tables.code[row];
@@ -89,11 +112,17 @@ inline void fill_doubt(const Tables& tables, Index m, const View<Series, 1>& ser
             units = doubt_of_product(doubt[instruction.a], doubt[instruction.a]);
             break;
         default:
-            units = doubt_of_function(instruction, tables.values.data, series.data, doubt.data);
+            units = doubt_of_function(instruction, tables.values.data, series.data, where,
+                                      doubt.data);
         }
-        const double size = extent_of_series(series[instruction.target].c, length);
+        const double size = where.extent(series[instruction.target].c);
         doubt[instruction.target] = {size, size + units};
     }
+}
+
+inline void fill_doubt(const Tables& tables, Index m, const View<Series, 1>& series,
+                       double length, const View<Doubt, 1>& doubt) {
+    fill_doubt_where(tables, m, series, OverStep{length}, doubt);
 }
 
 }  // namespace nonsmooth

@@ -210,6 +210,14 @@ inline void read_guard(const Tables& tables, const Segment& segment, Index m, In
     copy(shifted, scan.a, TERMS);
 }
 
+// Margin that a guard would have in a step that began at s of this one.
+inline double margin_from(const Tables& tables, const Segment& segment, Index m, Index g,
+                          double s) {
+    const AtPoint here{TimePowers(s)};
+    fill_doubt_where(tables, m, segment.series, here, segment.doubt_here);
+    return roundings * unit * segment.doubt_here[guard_outlet(tables, m, g)].units;
+}
+
 // The first n states at a point of the step.
 inline void state_at(const Segment& segment, double s, double* out, Index n) {
     const TimePowers time(s);
