@@ -69,6 +69,7 @@ class LaneTotal {
 
 // target += scale times the sum of a_(k-j) b_j over j < k, lane by lane.
 inline void add_products(double scale, const Series& a, const Lanes* b, Index k, Lanes& target) {
+    if (k == 0) return;
     const double* factors = backwards_from(a, k);
     LaneTotal total;
     for (Index j = 0; j < k; ++j) total.add(factors[j], b[j]);

@@ -78,14 +78,20 @@ template <Index k, Index number> void run_from(const SeriesSweep& sweep, const K
     if (++at != sweep.end) return kernels<k>[at->kernel](sweep, at);
 }
 
-// Coefficient k + 1 of the states from coefficient k of their rates; slaved states are given
-// themselves.
-template <Index k> inline void advance_states(const SeriesSweep& sweep) {
-    const int64_t* outlets = &sweep.tables.outlets(sweep.m, 0);
-    const Index n = sweep.tables.n();
+// Coefficient k + 1 of the states from coefficient k of their rates.
+template <Index k> inline void integrate_states(const SeriesSweep& sweep) {
+    const int64_t* outlets = sweep.outlets;
     Series* series = sweep.series;
-    for (Index i = 0; i < n; ++i) {
-        const double value = series[outlets[i]].c[k];
+    for (Index i = 0; i < sweep.n; ++i) {
+        put_coefficient(series[i], k + 1, series[outlets[i]].c[k] * one_over[k + 1]);
+    }
+}
+
+// The same where some states are slaved, which are given themselves.
+template <Index k> inline void advance_states(const SeriesSweep& sweep) {
+    Series* series = sweep.series;
+    for (Index i = 0; i < sweep.n; ++i) {
+        const double value = series[sweep.outlets[i]].c[k];
         if (has_bit(sweep.slaved, i)) {
             put_coefficient(series[i], k, value);
         } else if constexpr (k < ORDER) {
@@ -97,7 +103,8 @@ template <Index k> inline void advance_states(const SeriesSweep& sweep) {
 // Coefficient k of all that the instructions compute, and coefficient k + 1 of the states.
 template <Index k> void run_order(const SeriesSweep& sweep, const KernelCall* first) {
     if (first != sweep.end) kernels<k>[first->kernel](sweep, first);
-    advance_states<k>(sweep);
+    if (sweep.has_slaved) return advance_states<k>(sweep);
+    if constexpr (k < ORDER) integrate_states<k>(sweep);
 }
 
 template <Index... k> constexpr auto table_of_orders(std::integer_sequence<Index, k...>) {

@@ -10,15 +10,18 @@
 
 namespace nonsmooth {
 
-// What a sweep through the instructions up to `end` of mode m reads and writes.
+// What a sweep through the instructions of a mode up to `end` reads and writes: registers, terms of
+// sums, slots, and the registers of the rates of n states, or of relations where they are slaved.
 struct SeriesSweep {
     const Tables& tables;
     Series* series;
     const TermPlaces* places;
     const double *weights, *slots;
     const KernelCall* end;
-    Index m;
-    StateSet slaved;  // states that are given by expressions
+    const int64_t* outlets;
+    Index n;
+    bool has_slaved;
+    StateSet slaved;
 };
 
 // Coefficients of order low ... high of all that the instructions from `first` on compute, and one

@@ -22,6 +22,27 @@ inline void fill_harmonics(Series& cos, Series& sin, double frequency, Index hig
     }
 }
 
+// Coefficients 1 ... high of 1, t, t^2, ... up to some power, from their values.
+inline void fill_powers(Series* series, Index powers, Index high) {
+    for (Index j = 0; j <= powers; ++j) {
+        for (Index k = 1; k <= std::min(j, high); ++k) {
+            const double turn = static_cast<double>(j) * one_over[k];
+            put_coefficient(series[j], k, turn * series[j - 1].c[k - 1]);
+        }
+        for (Index k = j + 1; k <= high; ++k) put_coefficient(series[j], k, 0.0);
+    }
+}
+
+// Coefficients 1 ... high of a signal and its derivatives, from their values.
+inline void fill_signal(Series* chain, Index high) {
+    for (Index k = 1; k <= high; ++k) {
+        put_coefficient(chain[CHAIN - 1], k, 0.0);
+        for (Index i = 0; i + 1 < CHAIN; ++i) {
+            put_coefficient(chain[i], k, chain[i + 1].c[k - 1] * one_over[k]);
+        }
+    }
+}
+
 // Coefficients 1 ... high of 1, powers of time, harmonics and signals, from their values.
 inline void fill_time(const Tables& tables, Series* series, Index high) {
     const Index n = tables.n(), powers = tables.sizes.powers;
@@ -29,19 +50,9 @@ inline void fill_time(const Tables& tables, Series* series, Index high) {
         Series* pair = &series[n + 1 + powers + 2 * q];
         fill_harmonics(pair[0], pair[1], tables.harmonics(0, q), high);
     }
-    for (Index k = 1; k <= high; ++k) {
-        put_coefficient(series[n], k, 0.0);
-        for (Index j = 1; j <= powers; ++j) {
-            const double turn = static_cast<double>(j) * one_over[k];
-            put_coefficient(series[n + j], k, turn * series[n + j - 1].c[k - 1]);
-        }
-        for (Index j = 0; j < tables.sizes.signals; ++j) {
-            const Index last = first_of_signals(tables.sizes) + CHAIN * (j + 1) - 1;
-            put_coefficient(series[last], k, 0.0);
-            for (Index i = last - (CHAIN - 1); i < last; ++i) {
-                put_coefficient(series[i], k, series[i + 1].c[k - 1] * one_over[k]);
-            }
-        }
+    fill_powers(series + n, powers, high);
+    for (Index j = 0; j < tables.sizes.signals; ++j) {
+        fill_signal(series + first_of_signals(tables.sizes) + CHAIN * j, high);
     }
 }
 
@@ -54,8 +65,17 @@ inline void fill_series(const Tables& tables, Index m, Index end, const View<Ser
                         Index low, Index high) {
     fill_time(tables, series.data, std::min<Index>(high + 1, ORDER));
     const KernelCall* calls = tables.calls.data;
-    const SeriesSweep sweep{tables, series.data, tables.places.data, tables.weights.data,
-                            tables.values.data, calls + end, m, explicitly_slaved(tables, m)};
+    const StateSet slaved = explicitly_slaved(tables, m);
+    const SeriesSweep sweep{tables,
+                            series.data,
+                            tables.places.data,
+                            tables.weights.data,
+                            tables.values.data,
+                            calls + end,
+                            &tables.outlets(m, 0),
+                            tables.n(),
+                            !is_empty(slaved),
+                            slaved};
     run_orders(sweep, calls + tables.code_rows[m].first, low, high);
 }
 

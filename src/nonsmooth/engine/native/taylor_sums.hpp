@@ -43,14 +43,16 @@ template <Index k> inline double sum_of_terms(const SumOperands& sum, Index coun
 }
 
 // What product i of all terms and products adds before its newest coefficients.
-template <Index k, bool is_square> inline double settled_part(const SumOperands& sum, Index i) {
+template <Index k, bool is_square>
+[[gnu::always_inline]] inline double settled_part(const SumOperands& sum, Index i) {
     const Series& u = series_at(sum.series, sum.places[i].reg);
     if constexpr (is_square) return sum.weights[i] * inner_square<k>(u);
     return sum.weights[i] * inner<k>(u, series_at(sum.series, sum.places[i].other));
 }
 
 // And what the newest ones add.
-template <Index k, bool is_square> inline double newest_part(const SumOperands& sum, Index i) {
+template <Index k, bool is_square>
+[[gnu::always_inline]] inline double newest_part(const SumOperands& sum, Index i) {
     const Series& u = series_at(sum.series, sum.places[i].reg);
     const double factor = sum.weights[i] * u.c[0];
     if constexpr (is_square) return (k == 0 ? factor : 2.0 * factor) * u.c[k];
