@@ -95,7 +95,7 @@ def test_symmetric_in_the_plane():
     ("options", "error", "message"),
     [
         ({"delta_x": -0.1}, ModelError, "delta_x"),
-        ({"extent": 1.1}, OptionError, "not below 1.14142"),
+        ({"extent": 1.1}, OptionError, "not be below 1.14142"),
         ({"extent": np.inf}, OptionError, "finite"),
         ({"points": 2}, OptionError, "points = 2"),
         ({"points": True}, OptionError, "points = True"),

@@ -76,5 +76,5 @@ def test_bad_input():
         static_contact(delta_y=-0.1)
     with pytest.raises(ModelError, match="K = 0"):
         static_contact(K=0.0)
-    with pytest.raises(OptionError, match="must be finite"):
+    with pytest.raises(OptionError, match="not a finite number"):
         static_contact(eps_x=np.nan)

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from nonsmooth.engine.record import Rows, columns
 from nonsmooth.engine.status import Certificate, EventKind
-from nonsmooth.engine.tables import Tables, exits_of_path
+from nonsmooth.engine.tables import Tables, exits_of_path, members
 from nonsmooth.maps.section_search import Pick, Points, some_points
 from nonsmooth.simulation.clock import Instant
 from nonsmooth.simulation.labels import labels_of
@@ -101,12 +101,14 @@ class Crossings:
 
     def _states_reset(self, row: Any) -> set[str]:
         """States that jump at an event."""
-        wiring, mode, bits = self.tables.wiring, int(row["from_mode"]), 0
-        for way in exits_of_path(int(row["path"]), int(row["passes"])):
-            bits |= int(wiring.exits["resetting"][mode, way])
-            mode = int(wiring.exits["target"][mode, way])
+        wiring, mode = self.tables.wiring, int(row["from_mode"])
         states = self.section.system.states
-        return {state for i, state in enumerate(states) if (bits >> i) & 1}
+        reset: set[str] = set()
+        for way in exits_of_path(int(row["path"]), int(row["passes"])):
+            jumping = members(wiring.exits["resetting"][mode, way], len(states))
+            reset.update(state for state, jumps in zip(states, jumping, strict=True) if jumps)
+            mode = int(wiring.exits["target"][mode, way])
+        return reset
 
     def _vanish(self, rows: Rows, mode: int, states: Floats) -> Flags:
         value, size = self._values(rows, mode, states)

@@ -101,11 +101,11 @@ def _ways(wiring: Wiring, path: tuple[int, ...], m: int, before: int) -> Iterato
         return
     for e in range(int(wiring.modes["n_exits"][m])):
         onto = int(wiring.exits["onto"][m, e])
-        rebounds = bool(wiring.exits["resetting"][m, e])
+        rebounds = wiring.resets(m, e)
         back = int(wiring.exits["target"][m, e]) == before
         if onto not in (-1, e) and (before == m and path[-1] == e if rebounds else back):
             yield onto
-    if wiring.exits["resetting"][before, path[-1]]:  # it may jump over a surface that holds
+    if wiring.resets(before, path[-1]):  # it may jump over a surface that holds
         for e in range(int(wiring.modes["n_exits"][m]), int(wiring.modes["n_ways"][m])):
             if int(wiring.exits["onto"][m, e]) >= 0:
                 yield e
