@@ -68,6 +68,14 @@ def turn(angles):
     return turns
 
 
+def motion_rows(z):
+    """Bernstein rows of exp(z t), (M, 2, 16), with their sizes and what they leave out."""
+    z = np.asarray(z, complex)
+    rows, bounds = np.zeros((len(z), 2, 16)), np.zeros((len(z), 2))
+    _call("shim_motion_rows", z, rows, bounds)
+    return rows, bounds[:, 0], bounds[:, 1]
+
+
 def run_tape(parameters, rows, chosen):
     """Slots of a tape without literals, and their derivatives by the chosen parameters."""
     parameters, tape = np.array(parameters, float), rows_of("TapeRow", rows)

@@ -1,5 +1,6 @@
 // Functions of the engine that tests call by themselves and that interface.h has no room for.
 #include "linear_flow.hpp"
+#include "motion_rows.hpp"
 #include "tape_rates.hpp"
 #include "trigonometry.hpp"
 #include "variation.hpp"
@@ -12,6 +13,18 @@ extern "C" {
 // cos x + i sin x of each angle.
 void shim_turn(const View<double, 1>* angles, const View<Complex, 1>* turns) {
     for (Index i = 0; i < angles->size(); ++i) (*turns)[i] = turn((*angles)[i]);
+}
+
+// Rows (M, 2, 16) of exp(z t), real and imaginary part, with their size and what they leave out (M, 2).
+void shim_motion_rows(const View<Complex, 1>* z, const View<double, 3>* rows,
+                      const View<double, 2>* bounds) {
+    for (Index k = 0; k < z->size(); ++k) {
+        const MotionRows made = motion_rows((*z)[k]);
+        copy(made.re.c, &(*rows)(k, 0, 0), bernstein_count);
+        copy(made.im.c, &(*rows)(k, 1, 0), bernstein_count);
+        (*bounds)(k, 0) = made.size;
+        (*bounds)(k, 1) = made.left_out;
+    }
 }
 
 // Slots of a tape without literals, and their derivatives by the chosen parameters.

@@ -57,7 +57,8 @@ NO_CHOICE, STAY, CROSS = constant("NO_CHOICE"), constant("STAY"), constant("CROS
 STILL_ZERO = constant("STILL_ZERO")
 PATH_LENGTH = constant("PATH_LENGTH")
 _PATH_BITS = constant("PATH_BITS")
-_TERMS, _RUNGS = constant("TERMS"), constant("RUNGS")
+_RUNGS, _LOOKS = constant("RUNGS"), constant("LOOKS")
+_LOOK_ORDERS, _LOOK_SLOTS = constant("LOOK_ORDERS"), constant("LOOK_SLOTS")
 
 
 class Sizes(NamedTuple):
@@ -162,8 +163,8 @@ class Tables(Record):
     struct: ClassVar[str] = "TableStack"
     in_lanes: ClassVar[tuple[str, ...]] = (
         "clock", "harmonics", "generator", "affine", "spectrum", "nilpotent", "entry", "reads",
-        "states", "series", "ladder", "slots", "clusters", "spans", "entry_orders", "values",
-        "weights",
+        "states", "series", "ladder", "look_rows", "look_noise", "slots", "clusters", "spans",
+        "entry_orders", "values", "weights",
     )  # fmt: skip
 
     sizes: Sizes
@@ -180,6 +181,8 @@ class Tables(Record):
     products: Rows
     product_rows: Rows
     ladder: Rows
+    look_rows: Rows
+    look_noise: Floats
     slots: Rows
     clusters: Rows
     spans: Rows
@@ -238,6 +241,7 @@ def allocate_stack(program: Program, count: int) -> Tables:
     """Empty tables for several sets of parameter values, one after the other in each array."""
     sizes = program.sizes
     n, m, e, big_n = sizes.states, sizes.modes, sizes.exits, sizes.augmented
+    looked = min(big_n, _LOOK_SLOTS)
     shapes: dict[str, tuple[int, ...]] = {
         "clock": (),
         "harmonics": (2, sizes.frequencies),
@@ -250,6 +254,8 @@ def allocate_stack(program: Program, count: int) -> Tables:
         "states": (m, n, big_n),
         "series": (m, e + sizes.factors, big_n),
         "ladder": (m, _RUNGS, big_n),
+        "look_rows": (m, _LOOKS, looked),
+        "look_noise": (m, e, _LOOKS, _LOOK_ORDERS, looked),
         "slots": (m,),
         "clusters": (m, big_n),
         "spans": (m,),

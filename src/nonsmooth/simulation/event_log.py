@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from nonsmooth.engine.lanes import Records
-from nonsmooth.engine.record import Floats, Rows
+from nonsmooth.engine.record import Floats, Rows, zeros
 from nonsmooth.engine.status import EventKind
 
-__all__ = ["FIRST_CAPACITY", "EventLog"]
+__all__ = ["FIRST_CAPACITY", "EventLog", "LentRoom", "lent_room"]
 
 FIRST_CAPACITY = 1024  # events in the first buffer
 _LARGE = 65536
@@ -18,14 +22,51 @@ _SPARE = 1.1  # events come unevenly
 # Rows that stay where the log is not kept: as many as a phase word of the last period can
 # need, after impacts that ended the run at one instant.
 _END = 256
+# Room that a thread keeps for the log of its next run; beyond that a run asks for its own.
+_LENT_ROWS = 16384
+_LENT_STATES = 16
+_kept = threading.local()
+
+
+class LentRoom(NamedTuple):
+    """Room for an event log that outlives a run: memory that is new costs more than to fill it."""
+
+    events: Rows  # (c,)
+    numbers: Floats  # flat: states before and after each event
+
+    def put_into(self, records: Records) -> Records:
+        """Records that write their log here."""
+        n = records.end_state.size
+        if n > _LENT_STATES:
+            return records
+        states = self.numbers[: 2 * n * self.events.size].reshape(-1, 2, n)
+        return records.replace(events=self.events, event_states=states)
+
+
+@contextmanager
+def lent_room() -> Iterator[LentRoom]:
+    """Room of this thread, for one run at a time; what is to stay of its log has to be copied."""
+    room: LentRoom | None = getattr(_kept, "room", None)
+    _kept.room = None  # a run within this one gets its own
+    if room is None:
+        events = zeros(Records.struct, events=(1, _LENT_ROWS))["events"][0]
+        room = LentRoom(events, np.empty(2 * _LENT_STATES * _LENT_ROWS))
+    try:
+        yield room
+    finally:
+        _kept.room = room
 
 
 @dataclass
 class EventLog:
-    """Makes room in the event buffer; ``keep`` says whether all rows stay."""
+    """Makes room in the event buffer; ``keep`` says whether all rows stay.
+
+    With ``lent`` the rows may stay in the buffer, which somebody else copies.
+    """
 
     keep: bool
     n_left_out: int = 0
+    lent: bool = False
 
     def make_room(self, records: Records, share: float) -> Records:
         """Records to go on with when the buffer is full and a ``share`` of the run is done."""
@@ -41,7 +82,7 @@ class EventLog:
         """
         count = records.n_events
         rows, states = records.events[:count], records.event_states[:count]
-        if 2 * count < len(records.events):
+        if 2 * count < len(records.events) and not self.lent:
             return rows.copy(), states.copy()
         return rows, states
 

@@ -55,8 +55,8 @@ def event_variables(labels: Labels, outcome: Outcome) -> Columns:
             rows["certificate"] == Certificate.ESTIMATED,
             "whether the event rests on an estimate of the errors of Taylor series",
         ),
-        "state_before": (before, "states just before the event"),
-        "state_after": (states_after(outcome), "states just after the event"),
+        "state_before": (before.copy(), "states just before the event"),
+        "state_after": (states_after(outcome).copy(), "states just after the event"),
     }
     return {
         name: (

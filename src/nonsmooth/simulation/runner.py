@@ -38,7 +38,7 @@ from nonsmooth.engine.status import SETUP_ERRORS, Certificate, EventKind, Status
 from nonsmooth.engine.tables import MAX_AUGMENTED, Tables, allocate_tables, set_up
 from nonsmooth.errors import ModelError
 from nonsmooth.simulation.clock import Instant, Plan
-from nonsmooth.simulation.event_log import FIRST_CAPACITY, EventLog
+from nonsmooth.simulation.event_log import FIRST_CAPACITY, EventLog, LentRoom
 from nonsmooth.simulation.history import History
 from nonsmooth.simulation.interrupts import HeldInterrupts
 from nonsmooth.simulation.limits import UNLIMITED, Limits
@@ -186,10 +186,16 @@ def run_plan(
     keep_events: bool = True,
     derivatives: Derivatives = NO_DERIVATIVES,
     limits: Limits = UNLIMITED,
+    room: LentRoom | None = None,
 ) -> Outcome:
-    """Run a plan from an anchor, or from a state at an instant; `NoMode` when none fits."""
+    """Run a plan from an anchor, or from a state at an instant; `NoMode` when none fits.
+
+    With ``room`` the log of the outcome is there only as long as the room is.
+    """
     sizes = tables.sizes
     records = allocate_records(sizes, plan.sample_number, plan.sample_phase, FIRST_CAPACITY)
+    if room is not None:
+        records = room.put_into(records)
     segment = allocate_segment(sizes, max(0, derivatives.count))
     tangent = allocate_tangent(sizes, derivatives.count, plan.sample_phase.size)
     if anchor is None:
@@ -203,7 +209,7 @@ def run_plan(
         records.since[()] = tuple(begin)
         if state is not None:
             records.end_state[:] = state
-    log = EventLog(keep_events)
+    log = EventLog(keep_events, lent=room is not None)
     lane = (tables, derivatives.rates, derivatives.scratch, anchor, segment, tangent)
     windows = max(1, plan.end.number - anchor.number)
     try:

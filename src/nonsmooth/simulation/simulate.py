@@ -13,6 +13,7 @@ from nonsmooth.engine.status import Status
 from nonsmooth.errors import RunWarning
 from nonsmooth.simulation.clock import plan_run
 from nonsmooth.simulation.dataset import run_dataset, time_of_lost_derivatives
+from nonsmooth.simulation.event_log import LentRoom, lent_room
 from nonsmooth.simulation.first_mode import in_first_mode
 from nonsmooth.simulation.limits import Limits, limits_from
 from nonsmooth.simulation.options import (
@@ -177,14 +178,17 @@ def simulate(
     given = (initial, t_start, mode, parameters is not None)
     ends = {"periods": periods, "t_end": t_end, "times": times}
     make = _simulate_slow if system.slow else _simulate
-    outcome = make(system, given, ends, samples_per_period, tolerance, keep_events, chosen, limits)
     options: dict[str, Any] = {
         "tolerance": float(tolerance),
         "samples_per_period": int(samples_per_period),
         "events": int(keep_events),
         "changed_parameters": str(dict(parameters)) if parameters else "",
     }
-    result = run_dataset(system, outcome, options)
+    with lent_room() as room:
+        outcome = make(
+            system, given, ends, samples_per_period, tolerance, keep_events, chosen, limits, room
+        )
+        result = run_dataset(system, outcome, options)
     if outcome.status not in (Status.COMPLETED, Status.STOPPED):
         warnings.warn(f"{system.name}: {result.attrs['message']}", RunWarning, stacklevel=2)
     lost = time_of_lost_derivatives(result)
@@ -207,6 +211,7 @@ def _simulate(
     keep_events: bool,
     chosen: tuple[str, ...] | None,
     limits: Limits,
+    room: LentRoom,
 ) -> Outcome:
     tables = build_tables(system)
     start = resolve_start(system, tables, *given)
@@ -230,6 +235,7 @@ def _simulate(
             keep_events=keep_events,
             derivatives=derivatives,
             limits=limits,
+            room=room,
         )
 
     return in_first_mode(system, tables, start, run)
@@ -244,6 +250,7 @@ def _simulate_slow(
     keep_events: bool,
     chosen: tuple[str, ...] | None,
     limits: Limits,
+    _: LentRoom,
 ) -> Outcome:
     slow = SlowParameters(system)
     check_slow_tangent(slow, chosen)

@@ -33,7 +33,7 @@ inline void start_cluster(const Tables& tables, const Segment& segment, Index m,
             for (Index b = first; b < end; ++b) {
                 const Complex& weight = tables.nilpotent(m, a, b);
                 total += weight * chain(d - 1, b);
-                noise += abs(weight) * chain_noise(d - 1, b);
+                noise += taxicab(weight) * chain_noise(d - 1, b);
             }
             chain(d, a) = total / static_cast<double>(d);
             chain_noise(d, a) = noise / static_cast<double>(d);
@@ -42,7 +42,7 @@ inline void start_cluster(const Tables& tables, const Segment& segment, Index m,
     const double growth = std::exp(std::max(0.0, tables.spectrum(m, first).re) * reach);
     for (Index a = first; a < end; ++a) {
         double bound = 0.0;
-        for (Index d = cluster.degree; d >= 0; --d) bound = bound * length + abs(chain(d, a));
+        for (Index d = cluster.degree; d >= 0; --d) bound = bound * length + taxicab(chain(d, a));
         segment.origin[a].size = bound * growth;
         segment.now[a].size = bound * growth;
     }

@@ -39,6 +39,8 @@ inline Complex operator/(Complex a, Complex b) {
 inline bool operator==(Complex a, Complex b) { return a.re == b.re && a.im == b.im; }
 inline bool operator!=(Complex a, Complex b) { return !(a == b); }
 inline Complex conjugate(Complex a) { return {a.re, -a.im}; }
+// At least the modulus, at most 1.42 times that, without a root.
+inline double taxicab(Complex a) { return std::fabs(a.re) + std::fabs(a.im); }
 inline double abs(Complex a) { return std::hypot(a.re, a.im); }
 
 // The root with a real part that is not negative.

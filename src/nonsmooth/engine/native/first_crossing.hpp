@@ -1,7 +1,8 @@
 // The first root of the guards of a mode, none skipped.
 //
 // At each point looked at, the Taylor polynomial of every guard with a bound on what follows tells
-// how far it is surely positive: step there and repeat (`guard_series`). Once a guard is known to
+// how far it is surely positive: step there and repeat (`guard_series`). Where the motions allow
+// for it, signs of Bernstein coefficients are asked first (`sign_search`). Once a guard is known to
 // fall monotonically to its root, Newton's method on that polynomial and third-order steps on the
 // exact flow finish. What rounding leaves undecided, a tangency whose depth is below the rounding
 // margin, is decided by the best guess and flagged. See docs/explanation/certified-events.md.
@@ -15,23 +16,13 @@
 #include "guard_outlook.hpp"
 #include "guard_root.hpp"
 #include "records.hpp"
+#include "search.hpp"
+#include "sign_search.hpp"
 #include "work.hpp"
 
 namespace nonsmooth {
 
-// Steps of the ladder in a row: each adds up to three roundings, and the margin has 32 units.
-constexpr Index most_climbs = 8;
 constexpr double relative_rounding = 2.220446049250313e-16;
-
-// A search through a segment of mode m, now at s.
-struct Search {
-    const Tables& tables;
-    const Segment& segment;
-    const Index m, n_exits;
-    const double length;
-    double s;
-    Index climbs;  // in a row
-};
 
 // A look at all guards from the current point.
 struct Look {
@@ -273,6 +264,8 @@ inline Crossing pause(const Search& search, Index looks) {
     pause.stage = SEARCHING;
     pause.looks = looks;
     pause.climbs = search.climbs;
+    pause.level = search.level;
+    pause.wait = search.wait;
     pause.reached = search.s;
     return {search.s, -1, Found::paused};
 }
@@ -291,23 +284,30 @@ inline Crossing first_crossing(const Tables& tables, const Segment& segment, Ind
     Pause& paused = *segment.pause;
     const bool resumes = paused.stage == SEARCHING;
     const double begin = resumes ? paused.reached : start;
-    Search search{tables, segment, m, mode_wiring(tables, m).n_exits, length, begin, 0};
+    Search search{tables, segment, m, mode_wiring(tables, m).n_exits, length, begin, 0, 0, 0};
     if (resumes) {
         search.climbs = paused.climbs;
+        search.level = paused.level;
+        search.wait = paused.wait;
         paused.stage = BETWEEN;
     } else {
         paused.looks = 0;
         if (start > 0.0) advance(tables, segment, m, start);
     }
     for (Index step = paused.looks; step < most_steps; ++step) {
-        Look look = look_at_guards(search);
-        if (asks_for_restart(search, look)) return {search.s, -1, Found::restart};
-        if (look.outlook == Outlook::touches) return {search.s, look.which, Found::graze};
-        if (look.which >= 0) {
-            const Crossing crossing = follow_guard(search, look);
-            if (crossing.found != Found::none) return crossing;
+        Crossing crossing{search.s, -1, Found::none};
+        const SignOutcome signs = step_by_signs(search, crossing);
+        if (signs == SignOutcome::found) return crossing;
+        if (signs == SignOutcome::open) {
+            Look look = look_at_guards(search);
+            if (asks_for_restart(search, look)) return {search.s, -1, Found::restart};
+            if (look.outlook == Outlook::touches) return {search.s, look.which, Found::graze};
+            if (look.which >= 0) {
+                crossing = follow_guard(search, look);
+                if (crossing.found != Found::none) return crossing;
+            }
+            if (step_on(search, look.soonest)) return {length, -1, Found::none};
         }
-        if (step_on(search, look.soonest)) return {length, -1, Found::none};
         paused.work -= work;
         if (paused.work <= 0) return pause(search, step + 1);
     }

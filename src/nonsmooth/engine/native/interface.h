@@ -20,6 +20,9 @@ enum {
     WINDOWS = 2,     /* that a segment may last */
     ORDER = 20,      /* of Taylor series of the motion; near the best for double precision */
     LANES = 8,       /* directions of derivatives side by side: the numbers of a long vector */
+    LOOKS = 7,       /* levels of looks by signs, steps a power of two apart */
+    LOOK_SLOTS = 24, /* of a mode at most: more could add up more roundings than margins allow for */
+    LOOK_ORDERS = 3, /* of the zero at their left end: 0, 1, 2 */
     RUNGS = 8,       /* of the ladder of steps for which rotations are computed beforehand */
     CHAIN = 4,       /* coordinates of a signal: value, rate, second and third derivative */
     FRAMES = 6,      /* of the derivatives by parameters; more would tell little more apart */
@@ -84,14 +87,23 @@ typedef struct Knot { double time, c0, c1, c2, c3; } Knot; /* of a piece, in pow
  * eigenvalues have to be told apart */
 typedef struct Clock { double window, is_period, lasts, horizon; } Clock;
 /* longest segment for which the closed form is accurate, unit of rounding margins, largest modulus
- * of the eigenvalues, farthest look ahead where a motion grows, longest step of the ladder */
-typedef struct Spans { double longest, rounding, fastest, reach, rung; } Spans;
+ * of the eigenvalues, farthest look ahead where a motion grows, longest step of the ladder; levels of
+ * looks by signs, 0 where the mode has none, and the highest power of time in its motions */
+typedef struct Spans {
+    double longest, rounding, fastest, reach, rung;
+    int64_t looks, degree;
+} Spans;
 /* weight of an augmented coordinate in a slot, and its modulus; factor of a slot for a step of the
  * ladder, and its modulus */
-typedef struct Weight { double re, im, size; } Weight;
+typedef struct Weight { double re, im, size, unused; } Weight;
 /* what a slot adds to the Taylor coefficients of a guard by its real and its imaginary part, to the
  * bound of the next one, and to the margin */
 typedef struct GuardWeights { double by_re[6], by_im[6], by_size, by_noise; } GuardWeights;
+
+/* an exponential motion on the step of a look: Bernstein coefficients of its real and its imaginary
+ * part, value and slope in places 0 and 1 (bernstein.hpp), and by order of the zero at the left end
+ * what they make of the rounding margin of the slot */
+typedef struct LookRow { double re[16], im[16], units[4]; } LookRow;
 
 /* number of slots, ends of the constant, fading, other real, rotation and damped ones, clusters */
 typedef struct SlotCounts {
@@ -163,11 +175,11 @@ typedef struct Counters {
         creeping, happened, estimated;
 } Counters;
 /* where a run has paused within its segment: what it was at, looks behind it, steps of the ladder in
- * a row, exit and kind of the crossing that is found, work left in this call, whether the segment is
+ * a row, level of the next look by signs and looks until then, exit and kind of the crossing that is found, work left in this call, whether the segment is
  * a free flight; time since the segment began that the search or the samples have come to, time of
  * the crossing, and length */
 typedef struct Pause {
-    int64_t stage, looks, climbs, exit, found, work, flies;
+    int64_t stage, looks, climbs, level, wait, exit, found, work, flies;
     double reached, crossing, length;
 } Pause;
 
@@ -222,6 +234,9 @@ typedef struct TableStack {
     Array(Product, 1) products;
     Array(ProductRows, 2) product_rows;
     Array(Weight, 4) ladder;  /* (m, RUNGS, N): factors of the slots for a step of each rung */
+    Array(LookRow, 4) look_rows; /* (m, LOOKS, min(N, LOOK_SLOTS)) */
+    Array(double, 6) look_noise; /* (m, e, LOOKS, LOOK_ORDERS, min(N, LOOK_SLOTS)): margins of
+                                    guards from those of the slots */
     Array(SlotCounts, 2) slots;   /* (m,) */
     Array(Cluster, 3) clusters;   /* (m, N) */
     Array(Spans, 2) spans;        /* (m,) */

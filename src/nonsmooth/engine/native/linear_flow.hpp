@@ -60,14 +60,15 @@ inline Slot slot_at_start(const Tables& tables, const Segment& segment, Index m,
                           double reach) {
     // a motion that has faded so far loses its digits, and is gone
     constexpr double faded = 1e-290;
+    typedef double Four __attribute__((vector_size(32), aligned(8), may_alias));
     const Weight* weights = &tables.entry(m, j, 0);
     const double* z = segment.z.data;
-    Slot slot{0.0, 0.0, 0.0, 0.0};
+    Four sum{};
     for (Index i = tables.reads(m, j); i < segment.z.size(); ++i) {
-        slot.re += weights[i].re * z[i];
-        slot.im += weights[i].im * z[i];
-        slot.noise += weights[i].size * std::fabs(z[i]);
+        const double size = std::fabs(z[i]);
+        sum += *reinterpret_cast<const Four*>(&weights[i]) * Four{z[i], z[i], size, size};
     }
+    Slot slot{sum[0], sum[1], 0.0, sum[2]};
     slot.size = std::sqrt(slot.re * slot.re + slot.im * slot.im);
     if (slot.size < faded) slot = {0.0, 0.0, 0.0, 0.0};
     const double growth = tables.spectrum(m, j).re;
@@ -140,6 +141,22 @@ inline void advance_little(const Tables& tables, const Segment& segment, Index m
         const Complex x = tables.spectrum(m, j) * step;
         const Complex square = x * x, cube = square * x;
         turn_slot(segment.now[j], segment.now[j], 1.0 + (x + (0.5 * square + cube / 6.0)));
+    }
+    advance_clusters(tables, segment, m, s + step);
+}
+
+// Radians within which a root is known from the Taylor polynomial of a guard, to rounding.
+constexpr double little_turn = 4e-3;
+
+// The same for steps up to a little turn, by factors of sixth order.
+inline void advance_by_series(const Tables& tables, const Segment& segment, Index m, double s,
+                              double step) {
+    const SlotCounts& slots = slot_counts(tables, m);
+    for (Index j = slots.end_constant; j < slots.end_damped; ++j) {
+        const Complex x = tables.spectrum(m, j) * step, square = x * x;
+        const Complex even = 1.0 + square * (0.5 + square * (1.0 / 24.0 + square * (1.0 / 720.0)));
+        const Complex odd = 1.0 + square * (1.0 / 6.0 + square * (1.0 / 120.0));
+        turn_slot(segment.now[j], segment.now[j], even + x * odd);
     }
     advance_clusters(tables, segment, m, s + step);
 }

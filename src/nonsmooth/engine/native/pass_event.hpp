@@ -25,7 +25,8 @@ inline Certificate certificate_of(const Run& run, Found found) {
     return is_estimated ? ESTIMATED : CERTIFIED;
 }
 
-// Log an event of the segment with the state before it; returns its row.
+// Log an event of the segment with the state before it; returns its row. The state is that of the
+// anchor, but where a tangency is passed by.
 inline Index log_crossing(const Run& run, const Crossing& crossing, EventKind kind) {
     const Index e = crossing.exit, m = run.anchor.place.mode;
     const Certificate certificate = certificate_of(run, crossing.found);
@@ -34,7 +35,7 @@ inline Index log_crossing(const Run& run, const Crossing& crossing, EventKind ki
     const Index row =
         log_event(records, {instant_at(run, crossing.s), kind, m, e, certificate, rate});
     if (row < 0) return row;
-    if (e >= 0) {
+    if (kind == EVENT_GRAZE) {
         state_at(run.tables, run.segment, m, records.state_before(row));
     } else {
         copy(run.anchor.state.data, records.state_before(row), run.tables.n());

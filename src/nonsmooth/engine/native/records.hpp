@@ -35,6 +35,8 @@ struct Tables {
     View<Product, 1> products;
     View<ProductRows, 2> product_rows;
     View<Weight, 3> ladder;
+    View<LookRow, 3> look_rows;
+    View<double, 5> look_noise;
     View<SlotCounts, 1> slots;
     View<Cluster, 2> clusters;
     View<Spans, 1> spans;
@@ -63,15 +65,16 @@ struct Tables {
 };
 
 inline Tables tables_at(const TableStack& stack, Index k) {
-    return Tables{*stack.sizes,       stack.clock[k],    stack.harmonics[k], stack.generator[k],
-                  stack.affine[k],    stack.spectrum[k], stack.nilpotent[k], stack.entry[k],
-                  stack.reads[k],     stack.states[k],   stack.series[k],    stack.products,
-                  stack.product_rows, stack.ladder[k],   stack.slots[k],     stack.clusters[k],
-                  stack.spans[k],     stack.modes,       stack.exits,        stack.entry_orders[k],
-                  *stack.drifting,    stack.kinds,       stack.families,     stack.values[k],
-                  stack.weights[k],   stack.code,        stack.terms,        stack.calls,
-                  stack.places,       stack.code_rows,   stack.outlets,      stack.rest_slots,
-                  stack.signals,      stack.knots};
+    return Tables{*stack.sizes,        stack.clock[k],      stack.harmonics[k], stack.generator[k],
+                  stack.affine[k],     stack.spectrum[k],   stack.nilpotent[k], stack.entry[k],
+                  stack.reads[k],      stack.states[k],     stack.series[k],    stack.products,
+                  stack.product_rows,  stack.ladder[k],     stack.look_rows[k],
+                  stack.look_noise[k], stack.slots[k],      stack.clusters[k],  stack.spans[k],
+                  stack.modes,         stack.exits,         stack.entry_orders[k],
+                  *stack.drifting,     stack.kinds,         stack.families,     stack.values[k],
+                  stack.weights[k],    stack.code,          stack.terms,        stack.calls,
+                  stack.places,        stack.code_rows,     stack.outlets,      stack.rest_slots,
+                  stack.signals,       stack.knots};
 }
 
 // ---------------------------------------------------------------- rows of Tables

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "look_rows.hpp"
 #include "records.hpp"
 #include "refinement.hpp"
 #include "scratch.hpp"
@@ -225,6 +226,7 @@ inline void fill_slots(const Tables& tables, Index m, const ModalForm& form) {
     spans.rounding = unit_of_slots * (32.0 + 2.0 * worst);
     fill_weights(tables, m, form, order);
     fill_guard_weights(tables, m, form, order);
+    fill_looks(tables, m);
 }
 
 }  // namespace nonsmooth

@@ -28,17 +28,19 @@ inline Complex turn(double x) {
     const double turns = std::floor(x * two_over_pi + 0.5);
     const double r = (x - turns * half_pi_leading) - turns * half_pi_rest;
     const double z = r * r;
-    double sin = r + r * z * (s1 + z * (s2 + z * (s3 + z * (s4 + z * (s5 + z * s6)))));
-    const double tail = z * z * (c1 + z * (c2 + z * (c3 + z * (c4 + z * (c5 + z * c6)))));
+    // terms in pairs, which need not wait for each other
+    const double z2 = z * z;
+    const double high_s = (s3 + z * s4) + z2 * (s5 + z * s6);
+    const double sin = r + (r * z) * ((s1 + z * s2) + z2 * high_s);
+    const double high_c = (c3 + z * c4) + z2 * (c5 + z * c6);
+    const double tail = z2 * ((c1 + z * c2) + z2 * high_c);
     const double half = 0.5 * z, lead = 1.0 - half;
-    double cos = lead + (((1.0 - lead) - half) + tail);
+    const double cos = lead + (((1.0 - lead) - half) + tail);
     const int quadrant = static_cast<int>(turns) & 3;
-    if (quadrant & 1) {
-        const double kept = cos;
-        cos = -sin;
-        sin = kept;
-    }
-    return quadrant & 2 ? Complex(-cos, -sin) : Complex(cos, sin);
+    const bool odd = (quadrant & 1) != 0;
+    const double sign_c = quadrant == 1 || quadrant == 2 ? -1.0 : 1.0;
+    const double sign_s = quadrant >= 2 ? -1.0 : 1.0;
+    return {sign_c * (odd ? sin : cos), sign_s * (odd ? cos : sin)};
 }
 
 // exp(z)

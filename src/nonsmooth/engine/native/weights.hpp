@@ -38,7 +38,7 @@ inline void fill_weights(const Tables& tables, Index m, const ModalForm& form,
         tables.reads(m, slot) = form.size();
         for (Index i = form.size() - 1; i >= 0; --i) {
             const Complex weight = form.v_inverse(j, i);
-            tables.entry(m, slot, i) = {weight.re, weight.im, abs(weight)};
+            tables.entry(m, slot, i) = {weight.re, weight.im, abs(weight), 0.0};
             if (weight != 0.0) tables.reads(m, slot) = i;
         }
         for (Index i = 0; i < tables.n(); ++i) {
@@ -118,7 +118,7 @@ inline void fill_ladder(const Tables& tables, Index m, Index count) {
         for (Index slot = 0; slot < count; ++slot) {
             const double decay = std::exp(eigenvalues[slot].re * step);
             const Complex factor = decay * turn(eigenvalues[slot].im * step);
-            tables.ladder(m, rung, slot) = {factor.re, factor.im, decay};
+            tables.ladder(m, rung, slot) = {factor.re, factor.im, decay, 0.0};
         }
         step *= 0.5;
     }

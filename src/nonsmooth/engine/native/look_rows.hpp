@@ -1,0 +1,146 @@
+// Set-up of looks by signs: Bernstein rows of all motions of a mode on steps a power of two apart.
+//
+// A mode has them where every motion is an exponential, a polynomial in time, or a relaxation that
+// fades within a fraction of a step; sign_look.hpp reads them.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "motion_rows.hpp"
+#include "records.hpp"
+#include "scratch.hpp"
+#include "sign_look.hpp"
+#include "triangular.hpp"
+#include "weights.hpp"
+
+namespace nonsmooth {
+
+// Part of a slot's own margin, 32 units of rounding or more of what came in: its row and the sums
+// over slots have 32 units each.
+constexpr double margins_of_row = 3.0;
+constexpr double least_rounding = 32.0 * 2.220446049250313e-16;
+
+// Whether all motions of a mode, sorted into slots, have rows.
+inline bool has_look_rows(const Tables& tables, Index m) {
+    const SlotCounts& slots = slot_counts(tables, m);
+    if (tables.products.size() > 0 || slots.count > LOOK_SLOTS) return false;
+    for (Index j = slots.end_rotation; j < slots.end_damped; ++j) {
+        if (std::fabs(tables.spectrum(m, j).re) * tables.clock.window > lasting_exponent) return false;
+    }
+    for (Index c = 0; c < slots.n_clusters; ++c) {
+        const Cluster& cluster = cluster_at(tables, m, c);
+        if (tables.spectrum(m, cluster.first) != 0.0 || cluster.degree >= TERMS) return false;
+    }
+    return true;
+}
+
+// The mode before m and its slot with the same motion on the same steps: its rows serve m too.
+struct KnownMotion {
+    Index m, j;
+};
+
+inline KnownMotion known_motion(const Tables& tables, Index m, Complex eigenvalue) {
+    for (Index k = 0; k < m; ++k) {
+        const SlotCounts& slots = slot_counts(tables, k);
+        if (tables.spans[k].looks == 0 || tables.spans[k].rung != tables.spans[m].rung) continue;
+        for (Index j = slots.end_fading; j < slots.end_damped; ++j) {
+            if (tables.spectrum(k, j) == eigenvalue) return {k, j};
+        }
+    }
+    return {-1, -1};
+}
+
+// What the rounding margin of a slot makes of its row for a zero of order 2, 1 and 0: the row, its
+// slope beside it, its value beside both.
+inline void fill_row_units(const MotionRows& rows, LookRow& row) {
+    const double slope = std::fabs(row.re[1]) + std::fabs(row.im[1]);
+    row.units[2] = margins_of_row * rows.size + rows.left_out / least_rounding;
+    row.units[1] = row.units[2] + margins_of_row * static_cast<double>(bernstein_degree) * slope;
+    row.units[0] = row.units[1] + margins_of_row;
+}
+
+// Rows of the exponential motion of slot j on the steps of all levels.
+inline void fill_motion(const Tables& tables, Index m, Index j) {
+    const Complex eigenvalue = tables.spectrum(m, j);
+    const KnownMotion known = known_motion(tables, m, eigenvalue);
+    for (Index level = 0; level < LOOKS; ++level) {
+        LookRow& row = tables.look_rows(m, level, j);
+        if (known.m >= 0) {
+            row = tables.look_rows(known.m, level, known.j);
+            continue;
+        }
+        const MotionRows rows = motion_rows(eigenvalue * look_step(tables.spans[m].rung, level));
+        for (Index i = 0; i < bernstein_count; ++i) {
+            row.re[i] = rows.re.c[i];
+            row.im[i] = rows.im.c[i];
+        }
+        fill_row_units(rows, row);
+    }
+}
+
+// Weights of the margins of the slots of clusters in the margin of a guard: of each power of time the
+// sum of the sizes of the terms in its coefficient, for powers from the order of the zero on.
+inline void fill_cluster_noise(const Tables& tables, Index m, Index g, const View<double, 2>& sizes) {
+    const SlotCounts& slots = slot_counts(tables, m);
+    const View<double, 1> before = sizes[0], now = sizes[1];
+    const Index degree = tables.spans[m].degree;
+    for (Index j = slots.end_damped; j < slots.count; ++j) now[j] = tables.series(m, g, j).by_noise;
+    for (Index k = 0; k <= degree; ++k) {
+        for (Index level = 0; level < LOOKS; ++level) {
+            const double step = look_step(tables.spans[m].rung, level);
+            double power = margins_of_row;
+            for (Index i = 0; i < k; ++i) power *= step;
+            for (Index order = 0; order <= std::min(k, Index(LOOK_ORDERS - 1)); ++order) {
+                double* const noise = &tables.look_noise(m, g, level, order, 0);
+                for (Index j = slots.end_damped; j < slots.count; ++j) noise[j] += power * now[j];
+            }
+        }
+        copy(now, before);
+        for (Index b = slots.end_damped; b < slots.count; ++b) {
+            now[b] = 0.0;
+            for (Index a = slots.end_damped; a < slots.count; ++a) {
+                now[b] += before[a] * taxicab(tables.nilpotent(m, a, b));
+            }
+            now[b] /= static_cast<double>(k) + 1.0;
+        }
+    }
+}
+
+// Weights of the margins of all slots in the margin of a guard, for each level and order of zero.
+inline void fill_look_noise(const Tables& tables, Index m, Index g, const View<double, 2>& sizes) {
+    const SlotCounts& slots = slot_counts(tables, m);
+    const GuardWeights* weights = &tables.series(m, g, 0);
+    for (Index level = 0; level < LOOKS; ++level) {
+        for (Index order = 0; order < LOOK_ORDERS; ++order) {
+            double* const noise = &tables.look_noise(m, g, level, order, 0);
+            std::fill(noise, noise + tables.look_noise.shape[4], 0.0);
+            for (Index j = 0; order == 0 && j < slots.end_constant; ++j) {
+                noise[j] = margins_of_row * weights[j].by_noise;
+            }
+            for (Index j = slots.end_fading; j < slots.end_damped; ++j) {
+                noise[j] = weights[j].by_noise * tables.look_rows(m, level, j).units[order];
+            }
+        }
+    }
+    if (slots.count > slots.end_damped) fill_cluster_noise(tables, m, g, sizes);
+}
+
+// Rows and margins of looks by signs of mode m, where it has them; behind its slots and weights.
+inline void fill_looks(const Tables& tables, Index m) {
+    Spans& spans = tables.spans[m];
+    spans.looks = spans.degree = 0;
+    if (!has_look_rows(tables, m)) return;
+    const SlotCounts& slots = slot_counts(tables, m);
+    for (Index j = slots.end_fading; j < slots.end_damped; ++j) fill_motion(tables, m, j);
+    spans.looks = LOOKS;
+    for (Index c = 0; c < slots.n_clusters; ++c) {
+        spans.degree = std::max(spans.degree, cluster_at(tables, m, c).degree);
+    }
+    const Scratch<double, 2> sizes(2, tables.size());
+    for (Index g = 0; g < mode_wiring(tables, m).n_exits; ++g) {
+        fill_look_noise(tables, m, g, sizes.view());
+    }
+}
+
+}  // namespace nonsmooth
