@@ -225,7 +225,8 @@ def allocate_segment(sizes: Sizes, n_rates: int = 0) -> Segment:
         order=(sizes.exits,), pause=(), extent=(big_n,), mark=(big_n,), visited=(sizes.modes,),
         newton=(3, big_n), factors=(sizes.factors + 1,), scan=(sizes.exits,), scale=(big_n,),
         basis=(2, big_n, big_n), series=(registers,), doubt=(registers,),
-        doubt_here=(registers,), majorants=(registers,), dual=(registers, blocks, _TERMS), left_out=(1,),
+        doubt_here=(registers,), majorants=(registers,), dual=(registers, blocks, _TERMS),
+        left_out=(1,),
         is_estimated=(1,),
     )  # fmt: skip
     return Segment(**made, to_knot=np.full(1, np.inf), point=np.zeros(1))
