@@ -43,7 +43,7 @@ def finite_real(
     if not isinstance(value, Real) and getattr(value, "ndim", None) == 0:
         value = value.item()
     if isinstance(value, bool | np.bool_) or not isinstance(value, Real):
-        kind = "a complex number" if isinstance(value, complex) else "not a number"
+        kind = "a complex number" if isinstance(value, complex) else "not a finite number"
         raise error(f"{where} = {shown(given)} is {kind}; give {wanted}")
     try:
         number = float(value)

@@ -231,7 +231,7 @@ def test_control_c_keeps_the_points(monkeypatch, interrupts):
         ({"between": 0.5}, "lowest and the highest"),
         ({"between": (0.3, np.nan)}, "between"),
         ({"direction": "left"}, "both, up, down"),
-        ({"period": True}, "period = True is not a number"),
+        ({"period": True}, "period = True is not a finite number"),
         ({"steps": 0}, "steps"),
         ({"step": 0.2}, "in this order"),
         ({"smallest_step": 0.0}, "above 0"),

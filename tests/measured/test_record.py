@@ -72,7 +72,7 @@ def test_a_record_is_saved_whole(tmp_path):
         ({"times": None}, "either the times="),
         ({"sample_rate": 3.0}, "either the times="),
         ({"times": None, "sample_rate": -1.0}, "must be positive"),
-        ({"times": None, "sample_rate": "fast"}, "not a number"),
+        ({"times": None, "sample_rate": "fast"}, "not a finite number"),
         ({"times": TIMES[:-1]}, "4999 times came for 5000 samples"),
         ({"times": TIMES[::-1]}, "sample 1 at 1.2496 follows 1.2498"),
         ({"times": np.round(TIMES, 3)}, "rounded too coarsely"),

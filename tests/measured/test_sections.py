@@ -239,7 +239,7 @@ SCALED = ns.measured.dimensionless(RECORD, length=0.5, natural_frequency=90.0)
         (lambda m: m.velocities(RECORD, differentiator=3), "give a Differentiator"),
         (lambda m: m.velocities(RECORD, differentiator=m.Differentiator(1.0, 9)), "steps of 1"),
         (lambda m: m.dimensionless(RECORD, length=0.0, natural_frequency=1.0), "length = 0"),
-        (lambda m: m.dimensionless(RECORD, length=1.0, natural_frequency="a"), "not a number"),
+        (lambda m: m.dimensionless(RECORD, length=1.0, natural_frequency="a"), "a finite number"),
         (
             lambda m: m.dimensionless(RECORD, length=1, natural_frequency=1, origin={"q": 1}),
             "unknown displacement 'q'",

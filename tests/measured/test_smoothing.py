@@ -93,7 +93,7 @@ def test_a_run_without_its_event_log():
         (500.0, {}, r"below half the sample rate, 500: .* leave the filter out"),
         (800.0, {}, "below half the sample rate"),
         (-1.0, {}, "must be positive"),
-        ("fast", {}, "is not a number"),
+        ("fast", {}, "is not a finite number"),
         (50.0, {"order": 9}, "from 1 to 8"),
         (50.0, {"edges": "none"}, "'reflect' or 'cut'"),
         (50.0, {"variables": "y"}, "'y'"),

@@ -226,8 +226,8 @@ def test_cracks():
         ({"frequency": float("nan")}, "frequency = nan is not a finite number"),
         ({"mass": "heavy"}, "mass = 'heavy'"),
         ({"mass": None}, "mass = None"),
-        ({"mass": "8"}, "mass = '8' is not a number"),
-        ({"mass": True}, "mass = True is not a number"),
+        ({"mass": "8"}, "mass = '8' is not a finite number"),
+        ({"mass": True}, "mass = True is not a finite number"),
         ({"open_stiffness": np.True_}, "open_stiffness"),
     ],
 )

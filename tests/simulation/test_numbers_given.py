@@ -73,7 +73,7 @@ def test_what_the_message_says():
         finite_real("size", 10**400)
     with pytest.raises(OptionError, match="a whole number of 5001 digits is too large"):
         finite_real("size", 10**5000)
-    with pytest.raises(ModelError, match=r"^size = Decimal\('1'\) is not a number"):
+    with pytest.raises(ModelError, match=r"^size = Decimal\('1'\) is not a finite number"):
         finite_real("size", Decimal(1), ModelError)
     with pytest.raises(OptionError, match=r"^size = nan is not a finite number"):
         finite_numbers("size", np.array([[1.0, np.nan]]))

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import ModelError, OptionError
-from nonsmooth.real_numbers import finite_real
+from nonsmooth.real_numbers import finite_real, shown
 
 __all__ = ["check_data", "finite_values", "one_number"]
 
@@ -22,7 +22,7 @@ def one_number(name: str, value: Any, *, positive: bool = False, most: float = m
     limit = f" of at most {most:g}" if math.isfinite(most) else ""
     number = finite_real(name, value, wanted=f"a {kind}{limit}")
     if (positive and number <= 0.0) or number > most:
-        raise OptionError(f"{name} = {number:g} must be a {kind}{limit}")
+        raise OptionError(f"{name} = {shown(value)} must be a {kind}{limit}")
     return number
 
 
