@@ -33,8 +33,8 @@ def _v(s):
     return mpf(V[0]) + mpf(V[1]) * s + mpf(V[2]) * s**2
 
 
-def coefficients_of_rate(text):
-    """Coefficients 0 ... ORDER of a rate at the start, as the engine has them."""
+def first_step(text):
+    """The segment after its first step, and the register of a rate."""
     system = System(
         states=["x", "v", "y"],
         parameters=PARAMETERS,
@@ -48,8 +48,7 @@ def coefficients_of_rate(text):
     tangent = allocate_tangent(sizes, -1, 1)
     lane = (tables, no_rates(), no_scratch(), anchor, segment, tangent)
     run(lane, records, -1, (0, 1e-9), 1e-12)
-    register = system.compiled.program.outlets[0, 2]
-    return segment.series["c"][register]
+    return segment, system.compiled.program.outlets[0, 2]
 
 
 TEXTS = {
@@ -101,7 +100,8 @@ def test_all_coefficients(text):
 
     with mp.workdps(60):
         true = [float(c) for c in mpmath.taylor(along, 0, ORDER)]
-    found = coefficients_of_rate(text)
+    segment, register = first_step(text)
+    found = segment.series["c"][register]
     # The functions have their singular places farther than 0.9 from the start. On a circle of that
     # radius the k-th term has an error of some tens of roundings, each with the k or so that a
     # recurrence hands on: 20 * 20 * 1.1e-16 = 5e-14 of the largest term.
@@ -109,3 +109,11 @@ def test_all_coefficients(text):
     size = max(abs(c) * radius**k for k, c in enumerate(true))
     for k, (each, truth) in enumerate(zip(found, true, strict=True)):
         assert each * radius**k == pytest.approx(truth * radius**k, rel=1e-13, abs=5e-14 * size)
+
+
+def test_rounding_is_known_where_there_are_no_guards():
+    # the length of a step asks for it; what an earlier step has left would make a run that goes on
+    # another one than a run in one piece
+    segment, register = first_step("x*v")
+    extent, units = segment.doubt[register]
+    assert 0.0 < extent < units

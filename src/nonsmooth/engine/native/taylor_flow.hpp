@@ -44,7 +44,6 @@ inline double length_with_doubt(const Tables& tables, const Segment& segment, In
     constexpr int most_rounds = 20;  // of a length and the errors within it, which need each other
     const Index n_exits = mode_wiring(tables, m).n_exits;
     double length = limit;
-    if (n_exits == 0) return length;  // nothing asks for errors
     for (int count = 0; count < most_rounds; ++count) {
         fill_doubt(tables, m, segment.series, length, segment.doubt);
         const double whole = length;

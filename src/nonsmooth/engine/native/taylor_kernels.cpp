@@ -83,6 +83,7 @@ template <Index k> inline void integrate_states(const SeriesSweep& sweep) {
     const int64_t* outlets = sweep.outlets;
     Series* series = sweep.series;
     for (Index i = 0; i < sweep.n; ++i) {
+        asm volatile("");  // no vectors: they would gather rates that have just been stored
         put_coefficient(series[i], k + 1, series[outlets[i]].c[k] * one_over[k + 1]);
     }
 }
