@@ -53,6 +53,26 @@ def test_expressions_are_values(call, tmp_path):
         xr.testing.assert_identical(saved.load(), run)
 
 
+def test_a_run_with_bounds(call, tmp_path):
+    file = tmp_path / "run.nc"
+    options = ["--periods", "30", "--max-events", "9", "--max-seconds", "3600", "--save", file]
+    result = call("simulate", "moling", *options)
+    assert result.exit_code == 1
+    assert values(result.stdout)["status"].startswith("work_limit at t = ")
+    with xr.open_dataset(file, engine="h5netcdf") as saved:
+        rest = ns.simulate(models.moling(), saved.load(), t_end=30 * saved.attrs["period"])
+        assert saved.attrs["n_events"] == 9
+    whole = ns.simulate(models.moling(), periods=30)
+    assert rest["end_state"].identical(whole["end_state"])
+
+
+@pytest.mark.parametrize("bound", ["--max-events=0", "--max-seconds=-1", "--max-seconds=nan"])
+def test_bounds_that_make_no_sense(call, bound):
+    result = call("simulate", "moling", bound)
+    name = bound.partition("=")[0].removeprefix("--").replace("-", "_")
+    assert result.exit_code == 2 and f"{name} = " in result.stderr
+
+
 @pytest.fixture
 def drawn(monkeypatch):
     """What is asked of the plot."""
