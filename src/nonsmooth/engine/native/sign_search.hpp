@@ -22,12 +22,15 @@ namespace nonsmooth {
 // has stepped on; a crossing, or the end of the segment, is found.
 enum class SignOutcome { open, stepped, found };
 
-// Whether looks by signs serve at the current point.
+// Whether looks by signs serve at the current point: no tangency is passed by there, and no guard has
+// a zero of higher order, or of any order while motions fade that have just begun.
 inline bool signs_serve(const Search& search) {
-    const auto& order = search.segment.order;
+    const SlotCounts& slots = slot_counts(search.tables, search.m);
+    const bool fades = slots.end_fading > slots.end_constant;
+    const Index at_start = fades ? 1 : Index(LOOK_ORDERS);
+    const Index end = search.s == 0.0 ? at_start : Index(STILL_ZERO);
     for (Index g = 0; g < search.n_exits; ++g) {
-        if (search.s < search.segment.scan[g].passed) return false;  // a tangency is passed by
-        if (order[g] >= (search.s == 0.0 ? Index(LOOK_ORDERS) : Index(STILL_ZERO))) return false;
+        if (search.s < search.segment.scan[g].passed || search.segment.order[g] >= end) return false;
     }
     return true;
 }
