@@ -42,7 +42,7 @@ def line(u, p):
         ({"u": [0.0, math.nan]}, r"u\[1\] = nan is not finite"),
         ({"u": 1j}, "must be real numbers"),
         ({"p": math.inf}, "p = inf is not a finite number"),
-        ({"p": "a"}, "p = 'a' is not a number"),
+        ({"p": "a"}, "p = 'a' is not a finite number"),
     ],
 )
 def test_options(options, message):

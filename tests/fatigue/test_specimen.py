@@ -113,7 +113,7 @@ def test_cracks_that_cannot_be(method, crack, says):
         ({"width": -1.0}, "width = -1 must be positive"),
         ({"thickness": 0.0}, "thickness = 0 must be positive"),
         ({"youngs_modulus": math.nan}, "youngs_modulus = nan is not a finite number"),
-        ({"density": "heavy"}, "density = 'heavy' is not a number"),
+        ({"density": "heavy"}, "density = 'heavy' is not a finite number"),
         ({"notch": 20.0}, "notch = 20 mm.*width = 20 mm"),
         ({"poissons_ratio": 0.6}, "poissons_ratio = 0.6"),
     ],

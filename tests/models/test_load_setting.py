@@ -95,11 +95,11 @@ def test_a_motion_that_does_not_repeat_is_told():
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        ({"load": -1.0}, "load = -1 must"),
+        ({"load": -1.0}, "load = -1.0"),
         ({"load": float("nan")}, "load = nan"),
-        ({"load": 100.0, "largest": 0.0}, "largest = 0 must"),
+        ({"load": 100.0, "largest": 0.0}, "largest = 0.0"),
         ({"load": 100.0, "gain": 0.0}, "gain"),
-        ({"load": 100.0, "tolerance": -1.0}, "tolerance = -1 must be a positive"),
+        ({"load": 100.0, "tolerance": -1.0}, "tolerance = -1.0 must be a positive"),
         ({"load": 100.0, "tolerance": float("nan")}, "tolerance = nan"),
         ({"load": 100.0, "tolerance": 2.0}, "at most 0.1"),
         ({"load": "100"}, "load = '100'"),

@@ -122,7 +122,7 @@ def test_si_dataset_can_be_saved(tmp_path):
         ("gap", -1e-5, "inside the slider"),
         ("dynamic_force", -5.0, "amplitude"),
         ("mass", float("nan"), "not a finite number"),
-        ("phase", "pi/2", "is not a number"),
+        ("phase", "pi/2", "not a finite number"),
     ],
 )
 def test_data_that_no_rig_has(name, value, message):

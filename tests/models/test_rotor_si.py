@@ -243,9 +243,9 @@ def test_from_si_undoes_to_si():
         ("speed", 0.0, "the rotor must turn"),
         ("unbalance_mass", -0.01, "turn the phase"),
         ("rotor_stiffness", float("inf"), "not a finite number"),
-        ("phase", "pi", "is not a number"),
-        ("gap", "0.4", "gap = '0.4' is not a number"),
-        ("mass", True, "mass = True is not a number"),
+        ("phase", "pi", "not a finite number"),
+        ("gap", "0.4", "gap = '0.4' is not a finite number"),
+        ("mass", True, "mass = True is not a finite number"),
     ],
 )
 def test_data_that_no_rig_has(name, value, message):

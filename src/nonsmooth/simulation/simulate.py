@@ -178,16 +178,16 @@ def simulate(
     given = (initial, t_start, mode, parameters is not None)
     ends = {"periods": periods, "t_end": t_end, "times": times}
     make = _simulate_slow if system.slow else _simulate
-    options: dict[str, Any] = {
-        "tolerance": float(tolerance),
-        "samples_per_period": int(samples_per_period),
-        "events": int(keep_events),
-        "changed_parameters": str(dict(parameters)) if parameters else "",
-    }
     with lent_room() as room:
         outcome = make(
             system, given, ends, samples_per_period, tolerance, keep_events, chosen, limits, room
         )
+        options: dict[str, Any] = {
+            "tolerance": float(tolerance),
+            "samples_per_period": int(samples_per_period),
+            "events": int(keep_events),
+            "changed_parameters": str(dict(parameters)) if parameters else "",
+        }
         result = run_dataset(system, outcome, options)
     if outcome.status not in (Status.COMPLETED, Status.STOPPED):
         warnings.warn(f"{system.name}: {result.attrs['message']}", RunWarning, stacklevel=2)
