@@ -116,12 +116,12 @@ def test_no_crossing_above_a_flat_minimum():
 
 @pytest.mark.parametrize("more", [{}, {"z": "sin(z)"}], ids=["linear", "taylor"])
 def test_a_fall_through_a_triple_zero(more):
-    """-(t - 1)**3: what rounding hides lasts (margin)**(1/3), and so is the time known.
+    """-(t - 1)**3: what rounding hides lasts (margin)**(1/3), and so is the time known, flagged.
 
-    The margin is some 100 units of the terms of size 3.
+    The margin is some 100 units of the terms, which add up to 8.
     """
     system = stopping({"x": "3*(t - 1)**2"} | more, "-x")
     run = ns.simulate(system, {"x": -1.0} | dict.fromkeys(more, 0.0), t_end=3.0)
-    assert run.attrs["status"] == "stopped" and certified(run)
+    assert run.attrs["status"] == "stopped" and run.attrs["n_uncertain"] > 0
     resolution = (100 * 2.0**-52 * 8) ** (1 / 3)
     assert run["event_time"].values[-1] == pytest.approx(1.0, abs=resolution)

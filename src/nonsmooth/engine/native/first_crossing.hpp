@@ -106,7 +106,7 @@ inline Outlook look_at_guard(const Search& search, Index g, double reach, double
             if (order >= STILL_ZERO) order = 0;
             outlook = look_ahead(guard, reach, farthest);
             const bool hidden = outlook == Outlook::uncertain || outlook == Outlook::touches;
-            if (hidden && falls_through(guard, reach)) outlook = Outlook::falls;
+            if (hidden && falls_through(guard, reach)) outlook = Outlook::uncertain;
         }
     }
     if (outlook == Outlook::touches) {

@@ -16,7 +16,7 @@ constexpr double one_rounding = 1.0 / 32.0;  // as a part of a rounding margin
 constexpr double no_root_known = 1e300;
 
 // What a guard does at the end of its safe step: nothing that is known, or a fall to a root; the
-// end of a low flight, which is known already; a fall through zero, with its root; a tangency that rounding
+// end of a low flight, which is known already; a fall from zero at once; a tangency that rounding
 // leaves open, taken for a crossing or for a touch.
 enum class Outlook { open, lands, falls, uncertain, touches };
 
@@ -141,9 +141,9 @@ inline double surely_below(const GuardScan& guard, double reach) {
     return found;
 }
 
-// Whether a guard falls through its margin in a short while, as t^3 does at a zero of third order:
-// positive before and negative behind it, it has crossed zero, whatever it does in between. Fills the
-// root of its polynomial.
+// Whether a guard falls through its margin in a short while, as -t^3 does: positive before and
+// negative behind it, it crosses zero, where is open. Its safe step becomes the root of its polynomial,
+// the best guess.
 inline bool falls_through(GuardScan& guard, double reach) {
     constexpr double a_while = 1e-3;  // part of the farthest look
     constexpr int halvings = 60;

@@ -51,14 +51,16 @@ struct OverStep {
     double units_of_coordinate(const double* a) const { return extent(a); }
 };
 
-// Sizes of registers at a point of a step, where a state is the sum of the terms of its series.
+// Sizes of registers at a point of a step, where a state is the sum of the terms of its series, or is
+// taken as it is.
 struct AtPoint {
     TimePowers time;
+    bool is_sum;
 
     double value(const double* a) const { return std::fabs(value_after(a, time)); }
     double extent(const double* a) const { return value(a); }
     double units_of_coordinate(const double* a) const {
-        return std::fabs(a[0]) + size_of_terms(a, time);
+        return is_sum ? std::fabs(a[0]) + size_of_terms(a, time) : value(a);
     }
 };
 

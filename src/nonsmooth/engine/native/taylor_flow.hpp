@@ -209,12 +209,19 @@ inline void read_guard(const Tables& tables, const Segment& segment, Index m, In
     copy(shifted, scan.a, TERMS);
 }
 
-// Margin that a guard would have in a step that began at s of this one.
+// Margin that a guard would have in a step that began at s of this one; infinite where such a step
+// would not know that the state there is a sum of larger terms.
 inline double margin_from(const Tables& tables, const Segment& segment, Index m, Index g,
                           double s) {
-    const AtPoint here{TimePowers(s)};
-    fill_doubt_where(tables, m, segment.series, here, segment.doubt_here);
-    return roundings * unit * segment.doubt_here[guard_outlet(tables, m, g)].units;
+    constexpr double alike = 4.0;
+    const Index guard = guard_outlet(tables, m, g);
+    double units[2];
+    for (const bool is_sum : {false, true}) {
+        const AtPoint here{TimePowers(s), is_sum};
+        fill_doubt_where(tables, m, segment.series, here, segment.doubt_here);
+        units[is_sum ? 1 : 0] = segment.doubt_here[guard].units;
+    }
+    return units[1] <= alike * units[0] ? roundings * unit * units[1] : unbounded;
 }
 
 // The first n states at a point of the step.
