@@ -47,14 +47,10 @@ inline Outlook leave_deep_zero(GuardScan& guard, const DeepStart& start) {
 inline bool rounding_hides(const Search& search, Index g, Index order) {
     const Tables& tables = search.tables;
     const Index m = search.m;
-    const double coefficient = std::fabs(search.segment.scan[g].a[order]);
     if (tables.kinds[m] == TAYLOR) {
-        const double units = search.segment.doubt[guard_outlet(tables, m, g)].units;
-        double margin = taylor::roundings * taylor::unit * units;
-        for (Index k = 0; k < order; ++k) margin /= search.length;
-        return coefficient <= margin;
+        return taylor::hides_term(search.segment, guard_outlet(tables, m, g), order, search.length);
     }
-    if (tables.products.size() > 0 && tables.product_rows(m, g).end > 0) return false;
+    const double coefficient = std::fabs(search.segment.scan[g].a[order]);
     return coefficient <= linear::margin_of_coefficient(tables, search.segment, m, g, order);
 }
 

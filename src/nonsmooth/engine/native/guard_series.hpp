@@ -130,7 +130,7 @@ inline void read_guard(const Tables& tables, const Segment& segment, Index m, In
 
 namespace linear {
 
-// What rounding leaves in coefficient k of a guard without products.
+// What rounding leaves in coefficient k of the guard that was read last.
 inline double margin_of_coefficient(const Tables& tables, const Segment& segment, Index m, Index g,
                                     Index k) {
     const GuardWeights* weights = &tables.series(m, g, 0);
@@ -139,6 +139,7 @@ inline double margin_of_coefficient(const Tables& tables, const Segment& segment
         const double size = std::fabs(weights[j].by_re[k]) + std::fabs(weights[j].by_im[k]);
         margin += size * segment.now[j].noise;
     }
+    if (tables.products.size() > 0) margin += margin_of_products(tables, segment, m, g, k);
     return margin;
 }
 

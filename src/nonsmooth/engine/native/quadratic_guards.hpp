@@ -124,4 +124,22 @@ inline void read_products(const Tables& tables, const Segment& segment, Index m,
     }
 }
 
+// What rounding leaves in coefficient k of the products of the guard that was read last.
+inline double margin_of_products(const Tables& tables, const Segment& segment, Index m, Index g,
+                                 Index k) {
+    constexpr double unit = 8.0 * 2.220446049250313e-16;
+    const ProductRows& rows = tables.product_rows(m, g);
+    double margin = 0.0;
+    for (Index row = rows.first; row < rows.end; ++row) {
+        const FactorSeries& f = segment.factors[tables.products[row].left];
+        const FactorSeries& h = segment.factors[tables.products[row].right];
+        for (Index i = 0; i <= k; ++i) {
+            const double left = std::fabs(whole_coefficient(f, i));
+            const double right = std::fabs(whole_coefficient(h, k - i));
+            margin += left * (h.doubt + unit * right) + right * f.doubt;
+        }
+    }
+    return margin;
+}
+
 }  // namespace nonsmooth

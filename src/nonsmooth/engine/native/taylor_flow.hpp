@@ -20,6 +20,16 @@ namespace nonsmooth::taylor {
 
 constexpr double unit = 2.220446049250313e-16;
 
+// Roundings of coefficients and of the polynomial at a point.
+constexpr double roundings = 8.0;
+
+// Whether rounding hides a term of a guard over the whole of a step, with the errors within it.
+inline bool hides_term(const Segment& segment, Index guard, Index order, double length) {
+    double term = std::fabs(segment.series[guard].c[order]);
+    for (Index k = 0; k < order; ++k) term *= length;
+    return term <= roundings * unit * segment.doubt[guard].units;
+}
+
 // The length of a step as its series allow it, and the roots of the guards.
 inline double allowed_length(const Tables& tables, const Segment& segment, Index m,
                              double limit) {
@@ -56,9 +66,6 @@ inline double length_with_doubt(const Tables& tables, const Segment& segment, In
     }
     return length;
 }
-
-// Roundings of coefficients and of the polynomial at a point.
-constexpr double roundings = 8.0;
 
 // Margin of a guard, and bound of its sixth Taylor coefficient, over the whole step; remainder is
 // nan where none is known.
