@@ -74,9 +74,9 @@ def test_the_seed_is_what_it_depends_on():
 @pytest.mark.parametrize(("omega", "chaotic"), [(0.905, True), (0.8, False)])
 def test_soft_impact(omega, chaotic):
     system = ns.models.soft_impact(omega=omega, zeta=0.02 if not chaotic else 0.01)
-    run = ns.simulate(system, periods=3000, samples_per_period=2, events=False)
+    run = ns.simulate(system, periods=6000, samples_per_period=2, events=False)
     test = ns.zero_one_test(run, "x", transient=1000)
-    assert test.attrs["n_points"] == 2001 and test.attrs["system_name"] == "soft_impact"
+    assert test.attrs["n_points"] == 5001 and test.attrs["system_name"] == "soft_impact"
     assert (float(test["K"]) > 0.6) == chaotic and (abs(float(test["K"])) < 0.1) != chaotic
 
 

@@ -1,5 +1,6 @@
 """The friction oscillator against its free decay, Den Hartog's motion and hand-written modes."""
 
+from fractions import Fraction
 from itertools import groupby
 
 import numpy as np
@@ -22,9 +23,11 @@ def kinds(run) -> list[str]:
 
 @pytest.mark.parametrize(("f", "x"), [(0.1, 1.05), (0.3, 10.0), (0.01, 3.017), (0.2, 0.1)])
 def test_free_decay_loses_twice_the_limit_per_half_cycle_and_stops(f, x):
-    turns = [x]
-    while abs(turns[-1]) > f:
-        turns.append(-np.sign(turns[-1]) * (abs(turns[-1]) - 2 * f))
+    limit, exact = Fraction(f), [Fraction(x)]
+    while abs(exact[-1]) > limit:
+        left = abs(exact[-1]) - 2 * limit
+        exact.append(-left if exact[-1] > 0 else left)
+    turns = [float(each) for each in exact]
     count = len(turns) - 1
     run = ns.simulate(friction_oscillator(f=f, a=0), {"x": x}, t_end=(count + 3) * np.pi)
     assert kinds(run) == (["start"] + ["switch"] * (count - 1) + ["slide_entry"])[: count + 1]
