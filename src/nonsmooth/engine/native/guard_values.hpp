@@ -4,6 +4,7 @@
 // motion that has led there.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "records.hpp"
@@ -99,6 +100,18 @@ inline bool some_zero(const Tables& tables, Index m, const double* z, const doub
     return false;
 }
 
+// What rounding leaves of a guard with products that the motion keeps, and by how much that grows from
+// one derivative to the next; zero where rows are exact.
+struct Leftover {
+    double size, rate;
+};
+
+inline Leftover leftover_of(const Tables& tables, Index m, double size) {
+    constexpr double rounding = 32.0 * 2.220446049250313e-16;
+    if (tables.kinds[m] == TAYLOR || !is_curved(tables, m)) return {0.0, 0.0};
+    return {rounding * size, 2.0 * tables.spans[m].fastest};  // of a product of two motions
+}
+
 // Whether a guard is negative in the sense of its first derivative that is not zero.
 //
 // The order counts the zeros known by construction on entry; those that the tolerance declares to
@@ -106,9 +119,13 @@ inline bool some_zero(const Tables& tables, Index m, const double* z, const doub
 inline bool must_fire(const Tables& tables, Index m, Index g, const double* z,
                       const double* extent, int64_t& order, double tolerance) {
     if (order == ALWAYS_ZERO) return false;
-    for (Index r = order; r < DERIVATIVES; ++r) {
+    const Leftover leftover =
+        leftover_of(tables, m, guard_terms(tables, m, g, 0, z, extent).size);
+    double hidden = leftover.size;
+    for (Index r = 0; r < order; ++r) hidden *= leftover.rate;
+    for (Index r = order; r < DERIVATIVES; ++r, hidden *= leftover.rate) {
         const TermSum guard = guard_terms(tables, m, g, r, z, extent);
-        if (std::fabs(guard.value) > tolerance * guard.size) {
+        if (std::fabs(guard.value) > std::max(tolerance * guard.size, hidden)) {
             order = r;
             return guard.value < 0.0;
         }
