@@ -222,7 +222,7 @@ def test_a_run_that_goes_on_and_does_not_come_far(monkeypatch, counted_clock):
     assert same_ends(ns.simulate(fast(), run, t_end=6.0), ns.simulate(fast(), first, t_end=6.0))
 
 
-def test_control_c_is_answered_by_the_next_call(monkeypatch):
+def test_control_c_is_answered_by_the_next_call(monkeypatch, interrupts):
     """However long a flight is searched: a call of the engine does a bounded amount of work."""
     calls, original = [], runner.run_some
 
