@@ -45,7 +45,9 @@ def chain(
     the system refuses, it begins anew. Without the name of a parameter none is changed.
     """
     lanes: Lanes | None = None
-    columns = ColumnStarts(chosen, parameter, values, runner, start) if parameter else None
+    columns = None
+    if parameter:
+        columns = ColumnStarts(chosen, parameter, values, runner.tables, start)
     for i in range(len(values)):
         try:
             if columns is None:
@@ -53,7 +55,10 @@ def chain(
                 state, mode = start(chosen.system, runner.tables)
                 length = chosen.length
             else:
-                state, mode, length = columns.set_up(runner, i)
+                column = columns.column(i)
+                runner.set_up(column.values)
+                begun, length = column.start, column.length
+                state, mode = begun(runner.tables) if callable(begun) else begun
         except ModelError:
             lanes = None
             yield None

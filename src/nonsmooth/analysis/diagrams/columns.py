@@ -8,18 +8,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.analysis.diagrams.chain import chain
 from nonsmooth.analysis.diagrams.column_starts import Start
+from nonsmooth.analysis.diagrams.motions import Motions, Recording
 from nonsmooth.analysis.statistics.periodicity import primitive_period, scales
 from nonsmooth.engine.record import Rows
 from nonsmooth.engine.status import EventKind, Status
 from nonsmooth.engine.tables import Tables
 from nonsmooth.maps.of_system import Map
 from nonsmooth.maps.stroboscopic import StroboscopicMap
-from nonsmooth.simulation.clock import Instant
-from nonsmooth.simulation.lane_runner import LaneRunner, Lanes
 from nonsmooth.simulation.outputs import Clock, SweptClock, output_values
-from nonsmooth.simulation.stroboscopic import strobes
+from nonsmooth.simulation.sweep_runner import Motion, SweepRunner
 from nonsmooth.simulation.words import word_of_modes
 from nonsmooth.system.system import System
 
@@ -83,29 +81,26 @@ class Look:
 
 def run_chain(
     protocol: Protocol,
-    runner: LaneRunner,
+    runner: SweepRunner,
     stop: threading.Event,
     values: list[float],
     start: Start,
     follow: bool,
 ) -> list[Look]:
-    """Motions at several values of the parameter, see `chain`."""
-    looks: list[Look] = []
-    windows = np.full(len(values), np.nan)
-    begun = chain(
-        protocol.strobed, protocol.parameter, protocol.drifting, runner, values, start, follow
-    )
-    for i, one in enumerate(begun):
-        if one is None:
-            looks.append(nothing(Status.REFUSED, len(protocol.system.states), np.nan))
-            continue
-        windows[i] = runner.window
-        looks.append(_look(protocol, one.length, runner, one.lanes, one.begin, stop))
-    return _with_outputs(protocol, values, windows, looks) if protocol.outputs else looks
+    """Motions at several values of the parameter, see `Motions`."""
+    motions = Motions(
+        protocol.strobed, protocol.parameter, runner, start,
+        Recording(protocol.transient, protocol.record), follow=follow,
+    )  # fmt: skip
+    found = list(motions.run(values, stop))
+    looks = [_look(protocol, motion) for motion in found]
+    if not protocol.outputs:
+        return looks
+    return _with_outputs(protocol, values, [motion.window for motion in found], looks)
 
 
 def _with_outputs(
-    protocol: Protocol, values: list[float], windows: Floats, looks: list[Look]
+    protocol: Protocol, values: list[float], windows: list[float], looks: list[Look]
 ) -> list[Look]:
     """Looks with the outputs at their points as further columns, all worked out together."""
     counts = [len(look.points) for look in looks]
@@ -120,31 +115,12 @@ def _with_outputs(
     return [replace(look, points=part) for look, part in zip(looks, parts, strict=True)]
 
 
-def _look(
-    protocol: Protocol,
-    length: float | None,
-    runner: LaneRunner,
-    lanes: Lanes,
-    begin: Instant,
-    stop: threading.Event,
-) -> Look:
-    """Let a motion settle and record it."""
-    n, window = lanes.end_state.shape[1], runner.window
-    every = protocol.strobed.every
-    numbers, phases = strobes(
-        window, begin, length, protocol.strobed.phase,
-        protocol.transient * every, protocol.record * every + 1,
-    )  # fmt: skip
-    numbers, phases = numbers[::every].copy(), phases[::every].copy()
-    if protocol.transient > 0:
-        settled = Instant(int(numbers[0]), float(phases[0]))
-        runner.run(lanes, settled, np.zeros(0, np.int64), np.zeros(0), stop)
-    if lanes.status[0] != Status.COMPLETED:
-        return nothing(Status(int(lanes.status[0])), n, window)
-    points, modes, rows, states = runner.record(lanes, 0, numbers, phases)
-    status = Status(int(lanes.status[0]))
-    if status != Status.COMPLETED:
-        return nothing(status, n, window)
+def _look(protocol: Protocol, motion: Motion) -> Look:
+    """What is seen of the record of a motion."""
+    if motion.status != Status.COMPLETED:
+        return nothing(motion.status, motion.end_state.size, motion.window)
+    points, modes, numbers, phases = motion.states, motion.modes, motion.numbers, motion.phases
+    rows, window = motion.rows, motion.window
     scale = scales(points, protocol.drifting)
     period = primitive_period(points, protocol.drifting, scale, protocol.match)
     word = ""
@@ -160,11 +136,10 @@ def _look(
         # the last strobe closes the recorded time and belongs to the next period
         taken = points[:-1], numbers[:-1], phases[:-1], modes[:-1]
     else:
-        taken = _at_events(protocol, rows, states)
+        taken = _at_events(protocol, rows, motion.event_states)
     return Look(
-        status, *taken, period, word, events, impacts, drift,
-        int(lanes.uncertain[0]), lasts,
-    )  # fmt: skip
+        motion.status, *taken, period, word, events, impacts, drift, motion.uncertain, lasts
+    )
 
 
 def _at_events(

@@ -14,8 +14,8 @@ from nonsmooth.engine.tables import Tables
 from nonsmooth.maps.of_system import Map
 from nonsmooth.maps.poincare import PoincareMap
 from nonsmooth.maps.section_runner import SectionRunner
-from nonsmooth.simulation.lane_runner import LaneRunner
 from nonsmooth.simulation.start import resolve_start
+from nonsmooth.simulation.sweep_runner import SweepRunner
 from nonsmooth.system.system import System
 
 __all__ = ["chains", "diagram_tasks", "make_worker"]
@@ -57,11 +57,11 @@ def _task(
     return run
 
 
-def make_worker(chosen: Map, tolerance: float) -> LaneRunner | SectionRunner:
+def make_worker(chosen: Map, tolerance: float) -> SweepRunner | SectionRunner:
     """What one thread runs motions with."""
     if isinstance(chosen, PoincareMap):
         return chosen.runner(tolerance)
-    return LaneRunner(chosen.system, tolerance)
+    return SweepRunner(chosen.system, tolerance)
 
 
 def chains(grid: npt.NDArray[np.float64], start: str) -> list[list[int]]:

@@ -45,6 +45,8 @@ enum { ANY = -1, GOES_ON = -2, RESUMES = -3, SAME = -4 };
 /* what a run was at in its segment when it paused: nothing, the search, the samples; or that it ends
  * where the search has come to */
 enum { BETWEEN, SEARCHING, SAMPLING, STOPPING };
+/* how far a motion of a sweep is */
+enum { BEGINNING, SETTLING_DOWN, RECORDING };
 
 enum Status {
     COMPLETED, STOPPED, DIVERGED, UNDECIDED, NONUNIQUE, INADMISSIBLE, EVENT_LIMIT, STEP_LIMIT,
@@ -431,6 +433,31 @@ typedef struct LaneTask {
     int64_t most_events; /* after which a run ends with WORK_LIMIT */
 } LaneTask;
 
+/* Motions at K sets of parameter values, one after the other: each begins at its anchor, settles
+ * until its first sample, and is recorded up to its end. Motions that follow begin where the one
+ * before has ended, at the instants of `begins`, but for states that drift. */
+typedef struct SweepTask {
+    Array(int64_t, 1) modes;         /* (K,): ANY, a mode, or SAME minus a mode */
+    Array(Instant, 1) begins;        /* (K,) of motions that follow; none where all start anew */
+    Array(Instant, 1) ends;          /* (K,) */
+    Array(int64_t, 2) sample_number; /* (K, s) window of each sample, in order of time */
+    Array(double, 2) sample_phase;   /* (K, s) */
+    Array(double, 3) sample_state;   /* (K, s, n) output, as all that comes next */
+    Array(int64_t, 2) sample_mode;   /* (K, s) */
+    Array(EventRow, 1) events;       /* (c,): logs one after the other; c = 0 where there is none */
+    Array(double, 3) event_states;   /* (c, 2, n): before and after */
+    Array(int64_t, 1) logs;          /* (K + 1,): first row of each log, and the end of the last */
+    Array(Counters, 1) settling;     /* (K,) until the first sample */
+    Array(Counters, 1) recording;    /* (K,) from there on */
+    Array(double, 2) end_state;      /* (K, n) */
+    Array(Instant, 1) since;         /* (K,) */
+    Array(int64_t, 1) statuses;      /* (K,): of the motions; those that are not COMPLETED are left out */
+    int64_t next;                    /* the motion that is next, or under way ... */
+    int64_t stage;                   /* ... and where in it: BEGINNING, SETTLING_DOWN, RECORDING */
+    double tolerance;
+    int64_t work; /* that a call may do before it pauses, see work.hpp */
+} SweepTask;
+
 /* The legs of a word: L modes, exits at their ends (L, PATH_LENGTH) in order with -1 for none, states
  * (L, n) at the starts, instants at which legs begin and end. */
 typedef struct WordLegs {
@@ -497,6 +524,12 @@ int64_t nonsmooth_set_up_rates(const Program *program, const Array(double, 1) *p
 int64_t nonsmooth_run_lanes(const TableStack *stack, const Rates *rates, const Columns *scratch,
                             const Anchors *anchors, const Segment *segment, const Tangents *tangents,
                             const RecordsOfLanes *records, const LaneTask *task);
+
+/* Run motions of a sweep, each with its own table of the stack, see SweepTask. Returns COMPLETED,
+ * PAUSED, or BUFFER_FULL where the log needs room; called again it goes on. */
+int64_t nonsmooth_run_sweep(const TableStack *stack, const Rates *rates, const Columns *scratch,
+                            const Anchors *anchors, const Segment *segment, const Tangents *tangents,
+                            SweepTask *task);
 
 /* Pass each leg from its own start, and the exits at its end; the tangent has C columns. Returns the
  * number of legs passed, fewer than all where one of them fails. */

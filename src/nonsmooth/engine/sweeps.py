@@ -1,0 +1,117 @@
+"""Motions at many sets of parameter values: each settles, and is recorded, in one call for all."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from nonsmooth.engine.derivatives import Columns, Rates
+from nonsmooth.engine.lanes import WORK, Anchor, Segment, Tangent
+from nonsmooth.engine.library import engine
+from nonsmooth.engine.record import Floats, Integers, Record, Rows, zeros
+from nonsmooth.engine.status import Status
+from nonsmooth.engine.tables import Sizes, Tables
+
+__all__ = ["Sweep", "allocate_sweep", "run_sweep"]
+
+
+@dataclass(frozen=True, eq=False)
+class Sweep(Record):
+    """What motions of a sweep are told, and what they leave; K motions with s samples each."""
+
+    struct: ClassVar[str] = "SweepTask"
+
+    modes: Integers  # (K,) of the starts
+    begins: Rows  # (K,) instants of motions that follow, none where all start anew
+    ends: Rows  # (K,)
+    sample_number: Integers  # (K, s)
+    sample_phase: Floats  # (K, s)
+    sample_state: Floats  # (K, s, n)
+    sample_mode: Integers  # (K, s)
+    events: Rows  # (c,): the logs, one after the other
+    event_states: Floats  # (c, 2, n): before and after each event
+    logs: Integers  # (K + 1,): first row of each log
+    settling: Rows  # (K,): counters until the first sample
+    recording: Rows  # (K,): counters from there on
+    end_state: Floats  # (K, n)
+    since: Rows  # (K,)
+    statuses: Integers  # (K,): those that are not COMPLETED at the start are left out
+    next: int
+    stage: int
+    tolerance: float
+    work: int
+
+    def enlarged(self) -> Sweep:
+        """The same sweep, wherever it is, with twice the room for its logs."""
+        under_way = self.pointer
+        count, states = self.events.size, self.event_states
+        events = np.empty(2 * count, self.events.dtype)
+        event_states = np.empty((2 * count, *states.shape[1:]))
+        events[:count], event_states[:count] = self.events, states
+        return self.replace(
+            events=events, event_states=event_states, next=under_way.next, stage=under_way.stage
+        )
+
+
+def allocate_sweep(
+    sizes: Sizes,
+    modes: Integers,
+    sample_number: Integers,
+    sample_phase: Floats,
+    *,
+    room: int,
+    tolerance: float,
+    follows: bool = False,
+) -> Sweep:
+    """A sweep that ends at its last samples, with room for so many events, or for none.
+
+    shapes: modes (K,), sample_number and sample_phase (K, s)
+    """
+    count, n = modes.size, sizes.states
+    own = zeros(
+        Sweep.struct,
+        begins=(count if follows else 0,), ends=(count,), logs=(count + 1,), settling=(count,),
+        recording=(count,), since=(count,), statuses=(count,),
+    )  # fmt: skip
+    own["since"]["number"] = own["since"]["phase"] = -np.inf
+    own["ends"]["number"] = sample_number[:, -1]
+    own["ends"]["phase"] = sample_phase[:, -1]
+    own["statuses"][:] = Status.COMPLETED
+    return Sweep(
+        **own,
+        modes=modes,
+        sample_number=sample_number,
+        sample_phase=sample_phase,
+        sample_state=np.full((*sample_number.shape, n), np.nan),
+        sample_mode=np.full(sample_number.shape, -1, np.int64),
+        events=zeros(Sweep.struct, events=(room,))["events"],
+        event_states=np.empty((room, 2, n)),
+        end_state=np.full((count, n), np.nan),
+        next=0,
+        stage=0,
+        tolerance=tolerance,
+        work=WORK,
+    )
+
+
+def run_sweep(
+    stack: Tables,
+    rates: Rates,
+    scratch: Columns,
+    anchors: Anchor,
+    segment: Segment,
+    tangents: Tangent,
+    sweep: Sweep,
+) -> Status:
+    """Run the motions of a sweep, each with its own tables of the stack.
+
+    returns: COMPLETED, PAUSED (call again) or BUFFER_FULL (call again with an enlarged sweep)
+    """
+    return Status(
+        engine.nonsmooth_run_sweep(
+            stack.pointer, rates.pointer, scratch.pointer, anchors.pointer, segment.pointer,
+            tangents.pointer, sweep.pointer,
+        )
+    )  # fmt: skip

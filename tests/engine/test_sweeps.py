@@ -1,0 +1,92 @@
+"""Motions of a sweep are those that single runs make, however often the engine pauses."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import nonsmooth as ns
+from nonsmooth.engine import sweeps
+from nonsmooth.engine.lanes import ANY
+from nonsmooth.engine.status import Status
+from nonsmooth.simulation import sweep_runner
+from nonsmooth.simulation.sweep_runner import Motion, Starts, SweepRunner, Times
+
+_OMEGAS = (0.72, 0.8, 0.86, 0.93)
+_TRANSIENT, _RECORDED = 20, 30
+
+
+def _sweep(system: ns.System, omegas: tuple[float, ...], follows: bool = False) -> list[Motion]:
+    """Motions from rest for some frequencies, strobed once per period."""
+    runner = SweepRunner(system, 1e-12)
+    values = [list((system.parameter_values | {"omega": omega}).values()) for omega in omegas]
+    usable = runner.set_up(np.array(values))
+    count = len(omegas)
+    starts = Starts(
+        np.zeros((count, 2)), np.full(count, ANY), np.zeros(count, np.int64), np.zeros(count)
+    )
+    numbers = np.tile(np.arange(_TRANSIENT, _TRANSIENT + _RECORDED + 1), (count, 1))
+    times = Times(numbers, np.zeros(numbers.shape))
+    at_once = Times(np.zeros((count, 1), np.int64), np.zeros((count, 1)))
+    return runner.run(starts, times, usable, follows=at_once if follows else None)
+
+
+def _same(motion: Motion, run: Any) -> None:
+    """A motion has the samples and the events of a run from the same start, to the last digit."""
+    assert motion.status == Status.COMPLETED
+    for k, name in enumerate(("x", "v")):
+        np.testing.assert_array_equal(motion.states[:, k], run[name].values[_TRANSIENT:])
+    recorded = run["event_time"].values > _TRANSIENT * run.attrs["period"]
+    time = motion.rows["number"] * motion.window + motion.rows["phase"]
+    np.testing.assert_array_equal(time, run["event_time"].values[recorded])
+    after = run["state_after"].values[recorded]
+    np.testing.assert_array_equal(motion.event_states[:, 1], after)
+
+
+def _run(system: ns.System, omega: float, start: dict[str, float]) -> Any:
+    return ns.simulate(
+        system.with_parameters(omega=omega), start,
+        periods=_TRANSIENT + _RECORDED, samples_per_period=1,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(("work", "room"), [(sweeps.WORK, 4096), (3000, 2), (50_000, 64)])
+def test_each_motion_is_a_run(monkeypatch: pytest.MonkeyPatch, work: int, room: int) -> None:
+    """Pauses, and logs that have to grow, change no digit."""
+    monkeypatch.setattr(sweeps, "WORK", work)
+    monkeypatch.setattr(sweep_runner, "_FIRST_EVENTS", room)
+    system = ns.models.soft_impact()
+    for omega, motion in zip(_OMEGAS, _sweep(system, _OMEGAS), strict=True):
+        _same(motion, _run(system, omega, {"x": 0.0, "v": 0.0}))
+
+
+def test_a_motion_that_follows_begins_where_the_last_one_ended() -> None:
+    system = ns.models.soft_impact()
+    start = {"x": 0.0, "v": 0.0}
+    for omega, motion in zip(_OMEGAS, _sweep(system, _OMEGAS, follows=True), strict=True):
+        run = _run(system, omega, start)
+        _same(motion, run)
+        start = {name: float(run[name][-1]) for name in start}
+
+
+def test_values_without_tables_are_refused_and_not_followed() -> None:
+    """omega = 0 has no period; the motion behind it begins anew."""
+    system = ns.models.soft_impact()
+    first, refused, last = _sweep(system, (0.8, 0.0, 0.86), follows=True)
+    assert refused.status == Status.REFUSED
+    assert np.isnan(refused.window) and refused.states.size == refused.rows.size == 0
+    _same(first, _run(system, 0.8, {"x": 0.0, "v": 0.0}))
+    _same(last, _run(system, 0.86, {"x": 0.0, "v": 0.0}))
+
+
+def test_a_motion_that_ends_early_says_so() -> None:
+    """x'' = 0.12 x grows beyond 1e30 at about t = 200, in the 26th period."""
+    system = ns.System(
+        name="growing", states=["x", "v"], period="2*pi/omega", parameters={"omega": 0.8},
+        modes={"only": ns.Mode({"x": "v", "v": "0.12*x + sin(omega*t)"})},
+    )  # fmt: skip
+    (motion,) = _sweep(system, (0.8,))
+    assert motion.status == Status.DIVERGED
+    assert 4 <= len(motion.states) <= 8
