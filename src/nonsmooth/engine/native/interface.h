@@ -90,10 +90,12 @@ typedef struct Knot { double time, c0, c1, c2, c3; } Knot; /* of a piece, in pow
 typedef struct Clock { double window, is_period, lasts, horizon; } Clock;
 /* longest segment for which the closed form is accurate, unit of rounding margins, largest modulus
  * of the eigenvalues, farthest look ahead where a motion grows, longest step of the ladder; levels of
- * looks by signs, 0 where the mode has none, and the highest power of time in its motions */
+ * looks by signs, 0 where the mode has none, and the highest power of time in its motions; rungs of the
+ * ladder and levels of looks that are made already, a bit each: a run makes what it uses */
 typedef struct Spans {
     double longest, rounding, fastest, reach, rung;
     int64_t looks, degree;
+    int64_t made_rungs, made_levels;
 } Spans;
 /* weight of an augmented coordinate in a slot, and its modulus; factor of a slot for a step of the
  * ladder, and its modulus */

@@ -10,6 +10,7 @@
 #include <cmath>
 
 #include "clusters.hpp"
+#include "ladder.hpp"
 #include "records.hpp"
 #include "trigonometry.hpp"
 
@@ -117,11 +118,11 @@ inline void advance(const Tables& tables, const Segment& segment, Index m, doubl
 
 // Slots at s, one step of the ladder after the current point.
 //
-// The factors of a step were computed in the set-up, so this costs no transcendental function; its
+// The factors of a step are computed once, so this costs no transcendental function; its
 // rounding adds up, and after some tens of steps `advance` has to be called.
 inline void climb(const Tables& tables, const Segment& segment, Index m, Index rung, double s) {
     const SlotCounts& slots = slot_counts(tables, m);
-    const Weight* factors = &tables.ladder(m, rung, 0);
+    const Weight* factors = rung_of_ladder(tables, m, rung);
     for (Index j = slots.end_constant; j < slots.end_damped; ++j) {
         Slot& slot = segment.now[j];
         turn_slot(slot, slot, Complex(factors[j].re, factors[j].im));

@@ -1,7 +1,8 @@
-// Set-up of looks by signs: Bernstein rows of all motions of a mode on steps a power of two apart.
+// The rows of looks by signs: Bernstein form of all motions of a mode on steps a power of two apart.
 //
 // A mode has them where every motion is an exponential, a polynomial in time, or a relaxation that
-// fades within a fraction of a step; sign_look.hpp reads them.
+// fades within a fraction of a step; sign_look.hpp reads them. The rows of a level are made when a
+// search first looks that far.
 #pragma once
 
 #include <algorithm>
@@ -35,20 +36,21 @@ inline bool has_look_rows(const Tables& tables, Index m) {
     return true;
 }
 
-// The mode before m and its slot with the same motion on the same steps: its rows serve m too.
-struct KnownMotion {
-    Index m, j;
-};
+inline bool has_level(const Spans& spans, Index level) {
+    return ((spans.made_levels >> level) & 1) != 0;
+}
 
-inline KnownMotion known_motion(const Tables& tables, Index m, Complex eigenvalue) {
-    for (Index k = 0; k < m; ++k) {
+// The row of another mode with the same motion on the same step, if it is made: it serves m too.
+inline const LookRow* known_row(const Tables& tables, Index m, Index level, Complex eigenvalue) {
+    for (Index k = 0; k < tables.n_modes(); ++k) {
+        const Spans& spans = tables.spans[k];
         const SlotCounts& slots = slot_counts(tables, k);
-        if (tables.spans[k].looks == 0 || tables.spans[k].rung != tables.spans[m].rung) continue;
+        if (!has_level(spans, level) || spans.rung != tables.spans[m].rung) continue;
         for (Index j = slots.end_fading; j < slots.end_damped; ++j) {
-            if (tables.spectrum(k, j) == eigenvalue) return {k, j};
+            if (tables.spectrum(k, j) == eigenvalue) return &tables.look_rows(k, level, j);
         }
     }
-    return {-1, -1};
+    return nullptr;
 }
 
 // What the rounding margin of a slot makes of its row for a zero of order 2, 1 and 0: the row, its
@@ -60,42 +62,37 @@ inline void fill_row_units(const MotionRows& rows, LookRow& row) {
     row.units[0] = row.units[1] + margins_of_row;
 }
 
-// Rows of the exponential motion of slot j on the steps of all levels.
-inline void fill_motion(const Tables& tables, Index m, Index j) {
+// Row of the exponential motion of slot j on the step of a level.
+inline void fill_row(const Tables& tables, Index m, Index level, Index j) {
     const Complex eigenvalue = tables.spectrum(m, j);
-    const KnownMotion known = known_motion(tables, m, eigenvalue);
-    for (Index level = 0; level < LOOKS; ++level) {
-        LookRow& row = tables.look_rows(m, level, j);
-        if (known.m >= 0) {
-            row = tables.look_rows(known.m, level, known.j);
-            continue;
-        }
-        const MotionRows rows = motion_rows(eigenvalue * look_step(tables.spans[m].rung, level));
-        for (Index i = 0; i < bernstein_count; ++i) {
-            row.re[i] = rows.re.c[i];
-            row.im[i] = rows.im.c[i];
-        }
-        fill_row_units(rows, row);
+    LookRow& row = tables.look_rows(m, level, j);
+    if (const LookRow* known = known_row(tables, m, level, eigenvalue)) {
+        row = *known;
+        return;
     }
+    const MotionRows rows = motion_rows(eigenvalue * look_step(tables.spans[m].rung, level));
+    for (Index i = 0; i < bernstein_count; ++i) {
+        row.re[i] = rows.re.c[i];
+        row.im[i] = rows.im.c[i];
+    }
+    fill_row_units(rows, row);
 }
 
 // Weights of the margins of the slots of clusters in the margin of a guard: of each power of time the
 // sum of the sizes of the terms in its coefficient, for powers from the order of the zero on.
-inline void fill_cluster_noise(const Tables& tables, Index m, Index g, const View<double, 2>& sizes) {
+inline void fill_cluster_noise(const Tables& tables, Index m, Index g, Index level) {
     const SlotCounts& slots = slot_counts(tables, m);
-    const View<double, 1> before = sizes[0], now = sizes[1];
-    const Index degree = tables.spans[m].degree;
+    const Scratch<double, 2> sizes(2, tables.size());
+    const View<double, 1> before = sizes.view()[0], now = sizes.view()[1];
+    const double step = look_step(tables.spans[m].rung, level);
+    double power = margins_of_row;
     for (Index j = slots.end_damped; j < slots.count; ++j) now[j] = tables.series(m, g, j).by_noise;
-    for (Index k = 0; k <= degree; ++k) {
-        for (Index level = 0; level < LOOKS; ++level) {
-            const double step = look_step(tables.spans[m].rung, level);
-            double power = margins_of_row;
-            for (Index i = 0; i < k; ++i) power *= step;
-            for (Index order = 0; order <= std::min(k, Index(LOOK_ORDERS - 1)); ++order) {
-                double* const noise = &tables.look_noise(m, g, level, order, 0);
-                for (Index j = slots.end_damped; j < slots.count; ++j) noise[j] += power * now[j];
-            }
+    for (Index k = 0; k <= tables.spans[m].degree; ++k) {
+        for (Index order = 0; order <= std::min(k, Index(LOOK_ORDERS - 1)); ++order) {
+            double* const noise = &tables.look_noise(m, g, level, order, 0);
+            for (Index j = slots.end_damped; j < slots.count; ++j) noise[j] += power * now[j];
         }
+        power *= step;
         copy(now, before);
         for (Index b = slots.end_damped; b < slots.count; ++b) {
             now[b] = 0.0;
@@ -107,39 +104,41 @@ inline void fill_cluster_noise(const Tables& tables, Index m, Index g, const Vie
     }
 }
 
-// Weights of the margins of all slots in the margin of a guard, for each level and order of zero.
-inline void fill_look_noise(const Tables& tables, Index m, Index g, const View<double, 2>& sizes) {
+// Weights of the margins of all slots in the margin of a guard, for each order of zero.
+inline void fill_look_noise(const Tables& tables, Index m, Index g, Index level) {
     const SlotCounts& slots = slot_counts(tables, m);
     const GuardWeights* weights = &tables.series(m, g, 0);
-    for (Index level = 0; level < LOOKS; ++level) {
-        for (Index order = 0; order < LOOK_ORDERS; ++order) {
-            double* const noise = &tables.look_noise(m, g, level, order, 0);
-            std::fill(noise, noise + tables.look_noise.shape[4], 0.0);
-            for (Index j = 0; order == 0 && j < slots.end_constant; ++j) {
-                noise[j] = margins_of_row * weights[j].by_noise;
-            }
-            for (Index j = slots.end_fading; j < slots.end_damped; ++j) {
-                noise[j] = weights[j].by_noise * tables.look_rows(m, level, j).units[order];
-            }
+    for (Index order = 0; order < LOOK_ORDERS; ++order) {
+        double* const noise = &tables.look_noise(m, g, level, order, 0);
+        std::fill(noise, noise + tables.look_noise.shape[4], 0.0);
+        for (Index j = 0; order == 0 && j < slots.end_constant; ++j) {
+            noise[j] = margins_of_row * weights[j].by_noise;
+        }
+        for (Index j = slots.end_fading; j < slots.end_damped; ++j) {
+            noise[j] = weights[j].by_noise * tables.look_rows(m, level, j).units[order];
         }
     }
-    if (slots.count > slots.end_damped) fill_cluster_noise(tables, m, g, sizes);
+    if (slots.count > slots.end_damped) fill_cluster_noise(tables, m, g, level);
 }
 
-// Rows and margins of looks by signs of mode m, where it has them; behind its slots and weights.
-inline void fill_looks(const Tables& tables, Index m) {
+// Rows and margins of the looks of a level, unless they are made.
+inline void make_level(const Tables& tables, Index m, Index level) {
     Spans& spans = tables.spans[m];
-    spans.looks = spans.degree = 0;
-    if (!has_look_rows(tables, m)) return;
+    if (has_level(spans, level)) return;
     const SlotCounts& slots = slot_counts(tables, m);
-    for (Index j = slots.end_fading; j < slots.end_damped; ++j) fill_motion(tables, m, j);
-    spans.looks = LOOKS;
-    for (Index c = 0; c < slots.n_clusters; ++c) {
+    for (Index j = slots.end_fading; j < slots.end_damped; ++j) fill_row(tables, m, level, j);
+    for (Index g = 0; g < mode_wiring(tables, m).n_exits; ++g) fill_look_noise(tables, m, g, level);
+    spans.made_levels |= int64_t(1) << level;
+}
+
+// Say whether mode m has looks by signs, behind its slots and weights.
+inline void allow_looks(const Tables& tables, Index m) {
+    Spans& spans = tables.spans[m];
+    spans.made_levels = spans.degree = 0;
+    spans.looks = has_look_rows(tables, m) ? LOOKS : 0;
+    const SlotCounts& slots = slot_counts(tables, m);
+    for (Index c = 0; spans.looks > 0 && c < slots.n_clusters; ++c) {
         spans.degree = std::max(spans.degree, cluster_at(tables, m, c).degree);
-    }
-    const Scratch<double, 2> sizes(2, tables.size());
-    for (Index g = 0; g < mode_wiring(tables, m).n_exits; ++g) {
-        fill_look_noise(tables, m, g, sizes.view());
     }
 }
 

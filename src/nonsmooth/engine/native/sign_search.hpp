@@ -53,6 +53,7 @@ struct SignsOfAll {
 // Look at all guards; the look at the one that falls is left in `fallen`.
 inline SignsOfAll look_at_all_by_signs(const Search& search, const LookedAt& at, Index level,
                                        SignLook& fallen) {
+    make_level(search.tables, search.m, level);
     SignLook look;
     SignsOfAll all{false, -1, bernstein_count};
     for (Index g = 0; g < search.n_exits; ++g) {

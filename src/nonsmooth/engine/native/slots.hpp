@@ -216,7 +216,8 @@ inline void fill_slots(const Tables& tables, Index m, const ModalForm& form) {
     const double worst = fill_spectrum(tables, m, form, kind, order);
     const View<Complex, 1> eigenvalues = tables.spectrum[m];
     limit_growth(eigenvalues, order.count, spans);
-    fill_ladder(tables, m, order.count);
+    spans.rung = longest_rung(tables, m, order.count);
+    spans.made_rungs = 0;
     spans.fastest = 0.0;
     for (Index slot = 0; slot < order.count; ++slot) {
         spans.fastest = std::max(spans.fastest, abs(eigenvalues[slot]));
@@ -226,7 +227,7 @@ inline void fill_slots(const Tables& tables, Index m, const ModalForm& form) {
     spans.rounding = unit_of_slots * (32.0 + 2.0 * worst);
     fill_weights(tables, m, form, order);
     fill_guard_weights(tables, m, form, order);
-    fill_looks(tables, m);
+    allow_looks(tables, m);
 }
 
 }  // namespace nonsmooth

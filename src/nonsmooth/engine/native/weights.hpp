@@ -1,4 +1,4 @@
-// Weights of the slots in everything read from them: states, guards, and the ladder of steps.
+// Weights of the slots in everything read from them: states and guards.
 #pragma once
 
 #include <algorithm>
@@ -97,12 +97,10 @@ inline void fill_guard_weights(const Tables& tables, Index m, const ModalForm& f
     }
 }
 
-// Factors of the slots for steps of some lengths, a power of two apart.
-//
-// The longest step turns the fastest lasting motion by a few radians: that far a Taylor polynomial
-// is of use.
-inline void fill_ladder(const Tables& tables, Index m, Index count) {
-    constexpr double longest_turn = 4.0;  // radians of the longest step of the ladder
+// Longest step of the ladder: it turns the fastest lasting motion by a few radians, as far as a
+// Taylor polynomial is of use.
+inline double longest_rung(const Tables& tables, Index m, Index count) {
+    constexpr double longest_turn = 4.0;  // radians
     const View<Complex, 1> eigenvalues = tables.spectrum[m];
     const double window = tables.clock.window;
     double fastest = 0.0;
@@ -113,15 +111,7 @@ inline void fill_ladder(const Tables& tables, Index m, Index count) {
     }
     double step = window;
     while (step * fastest > longest_turn) step *= 0.5;
-    tables.spans[m].rung = step;
-    for (Index rung = 0; rung < RUNGS; ++rung) {
-        for (Index slot = 0; slot < count; ++slot) {
-            const double decay = std::exp(eigenvalues[slot].re * step);
-            const Complex factor = decay * turn(eigenvalues[slot].im * step);
-            tables.ladder(m, rung, slot) = {factor.re, factor.im, decay, 0.0};
-        }
-        step *= 0.5;
-    }
+    return step;
 }
 
 }  // namespace nonsmooth
