@@ -7,7 +7,16 @@ import numpy as np
 import pytest
 
 from engine.native_shim import build_engine
-from nonsmooth.engine import attractors, derivatives, lanes, opcodes, orbits, tables, taylor_opcodes
+from nonsmooth.engine import (
+    attractors,
+    derivatives,
+    lanes,
+    opcodes,
+    orbits,
+    sweeps,
+    tables,
+    taylor_opcodes,
+)
 from nonsmooth.engine.attractors import Visits
 from nonsmooth.engine.library import ffi
 from nonsmooth.engine.orbits import WordLegs
@@ -15,7 +24,7 @@ from nonsmooth.engine.record import Record, array_pointer
 from nonsmooth.engine.status import EventKind, Status
 from nonsmooth.engine.tables import Sizes
 
-MODULES = (attractors, derivatives, lanes, orbits, tables)
+MODULES = (attractors, derivatives, lanes, orbits, sweeps, tables)
 RECORDS = [
     thing
     for module in MODULES

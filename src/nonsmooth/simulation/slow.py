@@ -95,7 +95,7 @@ def run_slow(
     try:
         with HeldInterrupts() as held, Progress("simulating", plan.total) as progress:
             while status == Status.COMPLETED:
-                part = plan.part(run.history.periods[-1], run.history.windows[-1])
+                part = plan.part(run.history.last, run.history.last_window)
                 status, end = run.pass_period(part, held.check), part.end
                 if status == Status.INADMISSIBLE and run.records.n_events == 0:
                     raise NoMode(run.segment.z.copy())
@@ -105,7 +105,7 @@ def run_slow(
                     status = Status.WORK_LIMIT
                     break
                 status = run.pass_ahead(plan, held.check)
-                progress.update(plan.done(run.history.periods[-1]))
+                progress.update(plan.done(run.history.last))
                 if status == Status.COMPLETED:
                     status = run.next_period()
                 held.check()
@@ -118,7 +118,7 @@ def _outcome(
     run: SlowRun, status: Status, end: Instant | None, times: npt.NDArray[np.float64] | None
 ) -> Outcome:
     if status == Status.REFUSED:
-        end = Instant(run.history.periods[-1].number + 1, 0.0)
+        end = Instant(run.history.last.number + 1, 0.0)
     elif end is None or status != Status.COMPLETED:
         end = last_instant(run.anchor, run.records)
     arrays = [_joined(run, i) for i in range(5)]

@@ -28,7 +28,7 @@ Array = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
 
 _AHEAD = 5000  # periods in one call at most: a tenth of a second for a beam
-_TOGETHER = 2**25  # bytes of their tables
+_TOGETHER = 2**24  # bytes of their tables
 
 
 def tables_of(slow: SlowParameters, values: Mapping[str, float]) -> Tables:
@@ -63,6 +63,7 @@ class SlowRun:
     pieces: list[tuple[Any, ...]] = field(default_factory=list)
     tables: Any = None
     derivatives: Any = None
+    _lent: Tables | None = None
 
     def enter(self, period: Frozen, tables: Tables) -> None:
         """Set up a period."""
@@ -77,7 +78,7 @@ class SlowRun:
 
         ``check`` raises KeyboardInterrupt where the run shall stop.
         """
-        number = self.history.periods[-1].number
+        number = self.history.last.number
         end = part.end or Instant(number + 1, 0.0)
         carried = self.tangent.columns.shape[0]
         # derivatives are known at samples only, so there is one more at the end of the period
@@ -92,14 +93,14 @@ class SlowRun:
             limits=self.limits,
         )  # fmt: skip
         self.mode = GOES_ON
-        self.history.samples[-1] = self._keep_samples(part)
+        self.history.note_samples(self._keep_samples(part))
         if extra and status == Status.COMPLETED:
             self.tangent.columns[:, : self.records.end_state.size] = self.tangent.samples[-1]
         return status
 
     def next_period(self) -> Status:
         """Enter the next period; REFUSED where the system refuses its values."""
-        last, begins = self.history.periods[-1], self.history.end
+        last, begins = self.history.last, self.history.end
         period = Frozen(last.number + 1, begins, self.slow.at(begins))
         fault = self.slow.fault(period.values)
         if not fault:
@@ -133,38 +134,42 @@ class SlowRun:
         """
         if self.chosen is not None or self.slow.changes_clock:
             return Status.COMPLETED
-        last, window = self.history.periods[-1], self.history.windows[-1]
-        room = max(1, _TOGETHER // self.tables.n_bytes)
-        origins = np.add.accumulate(np.array([last.origin, *[window] * min(_AHEAD, room)]))[1:]
+        last, window = self.history.last, self.history.last_window
+        room = int(np.clip(_TOGETHER // self.tables.n_bytes, 1, _AHEAD))
+        origins = np.add.accumulate(np.array([last.origin, *[window] * room]))[1:]
         origins = origins[: plan.whole(last.number + 1, origins, window)]
         values = self.slow.at_times(origins)
         refused = np.flatnonzero(~self.slow.admissible(values))
         origins = origins[: refused[0]] if refused.size else origins
         if origins.size == 0 or not np.all(np.diff(origins, prepend=last.origin) > 0.0):
             return Status.COMPLETED
+        stack = self._stack(room)
         program = self.slow.system.compiled.program
-        stack = allocate_stack(program, origins.size)
         _, _, count = set_up(program, self.slow.rows(values)[: origins.size], stack)
         if count == 0:  # the next period is refused in so many words
             return Status.COMPLETED
         part = plan.parts(last.number + 1, origins[:count], window)
         self._expect(part)
-        stack = stack.part(slice(count))
-        status, samples = self._pass_stack(stack, origins, plan, check)
-        for k, written in enumerate(np.diff(samples, prepend=0).tolist()):
-            frozen = {name: float(values[name][k]) for name in self.slow.names}
-            self.history.add(Frozen(last.number + 1 + k, float(origins[k]), frozen), window)
-            self.history.samples[-1] = written
-        self.tables = stack.part(samples.size - 1)
+        status, samples = self._pass_stack(stack.part(slice(count)), origins, plan, check)
+        begun, written = samples.size, np.diff(samples, prepend=0)
+        frozen = {name: values[name][:begun] for name in self.slow.names}
+        self.history.add_stretch(origins[:begun], window, frozen, written)
+        self.tables = stack.part(begun - 1).copied()
         self._keep_samples(part)
         return status
+
+    def _stack(self, room: int) -> Tables:
+        """Tables for so many periods, the same memory every time: new memory costs more."""
+        if self._lent is None:
+            self._lent = allocate_stack(self.slow.system.compiled.program, room)
+        return self._lent
 
     def _pass_stack(
         self, stack: Tables, origins: Array, plan: SlowPlan, check: Callable[[], None]
     ) -> tuple[Status, Integers]:
         """Run through the periods of a stack; samples by the end of each that was begun."""
         count = stack.clock.shape[0]
-        first = self.history.periods[-1].number + 1
+        first = self.history.last.number + 1
         self._begin(first)
         modes, statuses = np.array([self.mode]), np.empty(1, np.int64)
         passed, status = np.zeros(1 + count, np.int64), Status.PAUSED
