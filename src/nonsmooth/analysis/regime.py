@@ -85,13 +85,14 @@ def regime(
     -------
     xarray.Dataset
         Scalars: ``regime``, ``period`` (in strobes, 0 where none was found), ``word`` (modes of one
-        period), ``events`` and ``impacts`` per strobe interval, ``residual`` (what is left between
-        strobes a period apart, as a part of the size of the states; the least where there is no
-        period), ``exponent`` with ``exponent_error``, ``K``, ``transient_used`` (in strobes),
-        ``n_uncertain``, and for every drifting state its change per period and per unit time, as
-        in ``v_per_period``. Over ``multiplier``: ``multiplier_real``, ``multiplier_imag`` and
-        ``multiplier_modulus`` of a motion that repeats, the largest first. nan is what was not
-        needed for the label. The attribute ``message`` tells the reason for the label.
+        period), ``events`` and ``impacts`` (as in `bifurcation_diagram`) per strobe interval,
+        ``residual`` (what is left between strobes a period apart, as a part of the size of the
+        states; the least where there is no period), ``exponent`` with ``exponent_error``, ``K``,
+        ``transient_used`` (in strobes), ``n_uncertain``, and for every drifting state its change
+        per period and per unit time, as in ``v_per_period``. Over ``multiplier``:
+        ``multiplier_real``, ``multiplier_imag`` and ``multiplier_modulus`` of a motion that
+        repeats, the largest first. nan is what was not needed for the label. The attribute
+        ``message`` tells the reason for the label.
 
     Raises
     ------

@@ -90,7 +90,7 @@ def _length(attrs: dict[Any, Any]) -> str:
     text = f"time {attrs['duration']:.7g}"
     if "period" in attrs:
         text += f", {attrs['duration'] / attrs['period']:.7g} periods"
-    return f"{text}, {attrs['n_events']} events, {attrs['n_impacts']} of them impacts"
+    return f"{text}, {attrs['n_events']} events, {attrs['n_impacts']} impacts"
 
 
 def _plot(result: xr.Dataset, path: Path) -> None:

@@ -31,6 +31,7 @@ from nonsmooth.engine.status import EventKind, Status
 from nonsmooth.engine.tables import ORDER, STILL_ZERO, TAYLOR, Tables
 from nonsmooth.simulation.clock import Instant
 from nonsmooth.simulation.event_log import FIRST_CAPACITY
+from nonsmooth.simulation.impacts import Impacts, happened
 from nonsmooth.simulation.runner import Derivatives, NoMode
 
 __all__ = ["Saved", "TangentFlow"]
@@ -57,7 +58,15 @@ class TangentFlow:
     Columns are rows of arrays here, as in the engine: ``columns[c]`` is a vector of n states.
     """
 
-    def __init__(self, tables: Tables, derivatives: Derivatives, count: int, tolerance: float):
+    def __init__(
+        self,
+        tables: Tables,
+        derivatives: Derivatives,
+        count: int,
+        tolerance: float,
+        impacts: Impacts | None = None,
+    ):
+        self.impacts = impacts  # None: they are not counted
         self.tables, self.derivatives, self.tolerance = tables, derivatives, tolerance
         self.window = tables.window
         self.n = tables.sizes.states
@@ -86,8 +95,8 @@ class TangentFlow:
         status = self._run(begin, mode, whole, one_event=False)
         if status == Status.INADMISSIBLE and self._many.counters["events"] == 0:
             raise NoMode(self.segment.z.copy())
-        self.passed_at_start = self.n_events > 0 and bool(self.last_event["passes"] > 0)
-        self.n_events = self.n_impacts = 0  # the start is none
+        self.passed_at_start = bool(self.last_event["passes"] > 0)
+        self.n_events = self.n_impacts = 0  # what happens at the start is none
         self.first_columns = whole.columns[:, : self.n].copy()
         return status
 
@@ -264,6 +273,7 @@ class TangentFlow:
         passed = rows[rows["kind"] != EventKind.GRAZE]
         if len(passed):
             self.last_event = passed[-1].copy()
-        self.n_events += len(passed)
-        self.n_impacts += int(np.count_nonzero(passed["kind"] == EventKind.IMPACT))
+        self.n_events += int(np.count_nonzero(happened(rows)))
+        if self.impacts is not None:
+            self.n_impacts += self.impacts.count(rows)
         self.n_uncertain += int(records.counters["uncertain"])

@@ -10,13 +10,14 @@ import numpy.typing as npt
 
 from nonsmooth.analysis.diagrams.chain import chain
 from nonsmooth.analysis.diagrams.column_starts import Start
-from nonsmooth.analysis.statistics.periodicity import primitive_period, scales
+from nonsmooth.analysis.statistics.periodicity import primitive_period, scales, whole_periods
 from nonsmooth.engine.record import Rows
-from nonsmooth.engine.status import EventKind, Status
+from nonsmooth.engine.status import Status
 from nonsmooth.engine.tables import Tables
 from nonsmooth.maps.of_system import Map
 from nonsmooth.maps.stroboscopic import StroboscopicMap
 from nonsmooth.simulation.clock import Instant
+from nonsmooth.simulation.impacts import happened, impacts_of
 from nonsmooth.simulation.lane_runner import LaneRunner, Lanes
 from nonsmooth.simulation.outputs import Clock, SweptClock, output_values
 from nonsmooth.simulation.stroboscopic import strobes
@@ -75,7 +76,7 @@ class Look:
     period: int  # in iterates of the map; 0 where none was found
     word: str
     events: float  # per iterate
-    impacts: float  # of these, with a reset
+    impacts: float  # see `Impacts`
     drift: Floats  # (n,): change of each state per iterate
     uncertain: int
     window: float  # mean time of an iterate
@@ -149,22 +150,29 @@ def _look(
     period = primitive_period(points, protocol.drifting, scale, protocol.match)
     word = ""
     if period:
-        word = _word(protocol, rows, rows["phase"], numbers, phases, modes, period, window)
-    kind = rows["kind"]
-    events = np.count_nonzero(kind != EventKind.GRAZE) / protocol.record
-    impacts = np.count_nonzero(kind == EventKind.IMPACT) / protocol.record
-    drift = (points[-1] - points[0]) / protocol.record
-    lasts = (numbers[-1] - numbers[0]) * window + (phases[-1] - phases[0])
-    lasts = float(lasts) / protocol.record
+        entered = _passed(rows, numbers, phases, -1 - period, window)["to_mode"]
+        word = word_of_modes(protocol.system, np.array([int(modes[-1 - period]), *entered]))
+    count = whole_periods(protocol.record, period)
+    first = -1 - count
+    passed = _passed(rows, numbers, phases, first, window)
+    lasts = (numbers[-1] - numbers[first]) * window + (phases[-1] - phases[first])
     if protocol.exits is None:
         # the last strobe closes the recorded time and belongs to the next period
         taken = points[:-1], numbers[:-1], phases[:-1], modes[:-1]
     else:
         taken = _at_events(protocol, rows, states)
     return Look(
-        status, *taken, period, word, events, impacts, drift,
-        int(lanes.uncertain[0]), lasts,
+        status, *taken, period, word,
+        len(passed) / count, impacts_of(protocol.system).count(passed) / count,
+        (points[-1] - points[first]) / count, int(lanes.uncertain[0]), float(lasts) / count,
     )  # fmt: skip
+
+
+def _passed(rows: Rows, numbers: Integers, phases: Floats, first: int, window: float) -> Rows:
+    """Events from one of some strobes on; one at that instant has not changed its state."""
+    since = (rows["number"] - numbers[first]) * window + (rows["phase"] - phases[first])
+    passed: Rows = rows[happened(rows) & (since >= 0.0)]
+    return passed
 
 
 def _at_events(
@@ -192,23 +200,6 @@ def with_outputs(
     """Points with the outputs as further columns."""
     found = output_values(system, Clock(numbers, phases, tables), points.T, modes)
     return np.column_stack([points, *found.values()])
-
-
-def _word(
-    protocol: Protocol,
-    rows: Rows,
-    phase: Floats,
-    numbers: Integers,
-    phases: Floats,
-    modes: Integers,
-    period: int,
-    window: float,
-) -> str:
-    """Modes of the last primitive period, in order."""
-    since = (rows["number"] - numbers[-1 - period]) * window + (phase - phases[-1 - period])
-    within = (rows["kind"] != EventKind.GRAZE) & (since > 0.0)
-    entered = [int(modes[-1 - period]), *rows["to_mode"][within]]
-    return word_of_modes(protocol.system, np.array(entered))
 
 
 def nothing(status: Status, n: int, window: float) -> Look:

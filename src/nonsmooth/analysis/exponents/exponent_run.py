@@ -14,6 +14,7 @@ from nonsmooth.engine.status import Status
 from nonsmooth.engine.tables import Tables
 from nonsmooth.simulation.clock import Instant
 from nonsmooth.simulation.first_mode import in_first_mode
+from nonsmooth.simulation.impacts import impacts_of
 from nonsmooth.simulation.progress import Progress
 from nonsmooth.simulation.runner import Derivatives
 from nonsmooth.simulation.start import Start
@@ -106,7 +107,7 @@ def _started(
     """Flow at its start, in the first of the modes that admits it."""
 
     def begin(mode: int) -> tuple[TangentFlow, Status]:
-        flow = TangentFlow(tables, derivatives, count, tolerance)
+        flow = TangentFlow(tables, derivatives, count, tolerance, impacts_of(system))
         return flow, flow.start(start.state, start.instant, mode)
 
     return in_first_mode(system, tables, start, begin)

@@ -145,7 +145,7 @@ class _Motion:
         """What strobes and events alone tell."""
         last = len(windows.points) - 1
         count = found[0] or last
-        events, impacts = windows.counts(last - count, last)
+        events, impacts = windows.counts(self.system, last - count, last)
         return Verdict(
             label=labels.UNSETTLED,
             reason="",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["REPEATS", "nearest_return", "primitive_period", "scales"]
+__all__ = ["REPEATS", "nearest_return", "primitive_period", "scales", "whole_periods"]
 
 Floats = npt.NDArray[np.float64]
 REPEATS = 2  # times that a period must be seen to be believed
@@ -62,6 +62,11 @@ def nearest_return(
             return p, residual
         least = min(least, residual)
     return 0, least
+
+
+def whole_periods(count: int, period: int) -> int:
+    """Steps in the last whole periods of so many; all of them where there is no period."""
+    return count // period * period if period else count
 
 
 def _largest_changes(relative: Floats, drifting: npt.NDArray[np.bool_], p: int) -> Floats:
