@@ -100,9 +100,10 @@ def bifurcation_diagram(
         there are no more points. Over ``parameter`` and ``lane``: ``period`` in periods of the
         forcing, or in iterates of a map (0: none up to half of ``record``), ``word`` (modes of
         that period), ``events`` and ``impacts`` per period, see notes, ``status``,
-        ``n_uncertain``, and for every drifting state its change per period and per unit time, as
-        in ``v_per_period`` (of a map, per iterate, as in ``v_per_iterate``). After an interruption
-        the columns that are done are there, the others have the status ``interrupted``.
+        ``n_uncertain``, ``n_estimated``, and for every drifting state its change per period and per
+        unit time, as in ``v_per_period`` (of a map, per iterate, as in ``v_per_iterate``). After an
+        interruption the columns that are done are there, the others have the status
+        ``interrupted``.
 
     Raises
     ------

@@ -87,7 +87,8 @@ def lyapunov_spectrum(
         first, ``standard_error``; over ``time`` too: ``running_exponent``, the average from the
         end of the transient up to that time. ``exponent_sum`` and ``kaplan_yorke_dimension``
         where all that they need is there. Attributes: ``status`` and ``message`` as for
-        `simulate`, ``n_events`` and ``n_impacts`` of the record (as in `bifurcation_diagram`)
+        `simulate`, ``certified``, ``n_uncertain`` and ``n_estimated`` likewise, ``n_events`` and
+        ``n_impacts`` of the record (as in `bifurcation_diagram`)
         and its ``duration``, ``block_length`` (in intervals), ``n_blocks``,
         ``blocks_independent``, the system as TOML and the options.
 

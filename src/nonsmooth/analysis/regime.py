@@ -13,6 +13,7 @@ from nonsmooth.analysis.regimes.regime_dataset import numbers_of, said_of_start
 from nonsmooth.analysis.regimes.regime_run import settled_regime
 from nonsmooth.analysis.regimes.verdict import Protocol, Verdict
 from nonsmooth.errors import OptionError
+from nonsmooth.simulation.certificate import with_doubts
 from nonsmooth.simulation.labels import labels_of
 from nonsmooth.simulation.lane_runner import LaneRunner
 from nonsmooth.simulation.misfit import explain_misfit
@@ -88,8 +89,8 @@ def regime(
         period), ``events`` and ``impacts`` (as in `bifurcation_diagram`) per strobe interval,
         ``residual`` (what is left between strobes a period apart, as a part of the size of the
         states; the least where there is no period), ``exponent`` with ``exponent_error``, ``K``,
-        ``transient_used`` (in strobes), ``n_uncertain``, and for every drifting state its change
-        per period and per unit time, as in ``v_per_period``. Over ``multiplier``:
+        ``transient_used`` (in strobes), ``n_uncertain``, ``n_estimated``, and for every drifting
+        state its change per period and per unit time, as in ``v_per_period``. Over ``multiplier``:
         ``multiplier_real``, ``multiplier_imag`` and ``multiplier_modulus`` of a motion that
         repeats, the largest first. nan is what was not needed for the label. The attribute
         ``message`` tells the reason for the label.
@@ -218,7 +219,10 @@ def _dataset(
         "system": labels_of(system).system,
         "nonsmooth_version": __version__,
         "status": "completed",
-        "message": f"{verdict.label}: {verdict.reason}",
+        "message": with_doubts(
+            f"{verdict.label}: {verdict.reason}", verdict.uncertain, verdict.estimated
+        ),
+        "certified": int(verdict.uncertain == verdict.estimated == 0),
         "transient": protocol.transient,
         "record": protocol.record,
         "evidence": protocol.evidence,

@@ -15,7 +15,7 @@ from nonsmooth.cli.console import (
     PARAMETERS_HELP,
     STORE_HELP,
 )
-from nonsmooth.cli.output import check_files, save_dataset
+from nonsmooth.cli.output import certified_runs, check_files, save_dataset
 from nonsmooth.errors import OptionError, unknown_name
 
 if TYPE_CHECKING:
@@ -152,7 +152,8 @@ def _summary(result: xr.Dataset) -> str:
     others = settled.size - sum(int(np.count_nonzero(settled == p)) for p in found[:8])
     if others:
         texts.append(f"{others} of longer period or none")
-    return "\n".join([*lines, "motions  " + ", ".join(texts or ["none settled"])])
+    lines.append("motions  " + ", ".join(texts or ["none settled"]))
+    return "\n".join([*lines, f"certified  {certified_runs(result)}"])
 
 
 def _plot(result: xr.Dataset, variable: str, path: Path) -> None:

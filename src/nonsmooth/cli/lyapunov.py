@@ -10,7 +10,7 @@ import typer
 
 from nonsmooth.cli.arguments import build_system, constants, names, settings
 from nonsmooth.cli.console import MODEL_HELP, PARAMETERS_HELP
-from nonsmooth.cli.output import check_files, exit_by_status, save_dataset, table
+from nonsmooth.cli.output import certified, check_files, exit_by_status, save_dataset, table
 from nonsmooth.errors import RunWarning
 
 if TYPE_CHECKING:
@@ -80,6 +80,7 @@ def _summary(result: xr.Dataset) -> str:
         if value == value:
             rows.append((label, f"{value:.9g}"))
     rows.append(("averaged over", _length(attrs)))
+    rows.append(("certified", certified(attrs["n_uncertain"], attrs["n_estimated"])))
     if not attrs["blocks_independent"]:
         rows.append(("errors", "too small, blocks are correlated or few; take a longer --record"))
     return table(attrs["system_name"], rows)

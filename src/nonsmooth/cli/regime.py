@@ -10,7 +10,7 @@ import typer
 
 from nonsmooth.cli.arguments import build_system, constants, names, settings
 from nonsmooth.cli.console import MODEL_HELP, PARAMETERS_HELP
-from nonsmooth.cli.output import check_files, save_dataset, table
+from nonsmooth.cli.output import certified, check_files, save_dataset, table
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -83,4 +83,5 @@ def _rows(found: xr.Dataset) -> Iterator[tuple[str, str]]:
     exponent, error = found["exponent"].item(), found["exponent_error"].item()
     if exponent == exponent:
         yield "exponent", f"{exponent:.6g}" + (f" +- {error:.2g}" if error == error else "")
+    yield "certified", certified(found["n_uncertain"].item(), found["n_estimated"].item())
     yield "transient", f"{found['transient_used'].item()} periods"

@@ -9,7 +9,7 @@ import typer
 
 from nonsmooth.cli.arguments import build_system, constants, names, settings, value_range
 from nonsmooth.cli.console import MODEL_HELP, PARAMETERS_HELP, STORE_HELP
-from nonsmooth.cli.output import check_files, exit_by_status, save_dataset, table
+from nonsmooth.cli.output import certified_runs, check_files, exit_by_status, save_dataset, table
 from nonsmooth.errors import OptionError
 
 if TYPE_CHECKING:
@@ -108,6 +108,7 @@ def _summary(result: xr.Dataset) -> str:
     ]
     codes, counts = np.unique(result["regime"].values, return_counts=True)
     rows += [(words[code], f"{count}") for code, count in zip(codes, counts, strict=True)]
+    rows.append(("certified", certified_runs(result)))
     return table(result.attrs["system_name"], rows)
 
 

@@ -49,7 +49,7 @@ class Saved:
     columns: Matrix
     counters: Rows
     since: Rows
-    counts: tuple[int, int, int]
+    counts: tuple[int, int, int, int]
 
 
 class TangentFlow:
@@ -80,7 +80,7 @@ class TangentFlow:
             events=self._many.events[:2].copy(),
             event_states=self._many.event_states[:2].copy(),
         )
-        self.n_events = self.n_impacts = self.n_uncertain = 0
+        self.n_events = self.n_impacts = self.n_uncertain = self.n_estimated = 0
         self.last_event = np.zeros((), self._many.events.dtype)
 
     def start(self, state: Matrix, begin: Instant, mode: int) -> Status:
@@ -111,9 +111,12 @@ class TangentFlow:
         return self.anchor.mode
 
     @property
-    def counts(self) -> tuple[int, int, int]:
-        """Events, impacts among them, and what rounding left open, up to the anchor or the end."""
-        return self.n_events, self.n_impacts, self.n_uncertain
+    def counts(self) -> tuple[int, int, int, int]:
+        """Events, impacts, events that rounding left open and steps with estimated errors.
+
+        Up to the anchor or the end.
+        """
+        return self.n_events, self.n_impacts, self.n_uncertain, self.n_estimated
 
     @property
     def columns(self) -> Matrix:
@@ -163,7 +166,7 @@ class TangentFlow:
         self.set_columns(saved.columns)
         self._many.counters[()] = saved.counters
         self._many.since[()] = saved.since
-        self.n_events, self.n_impacts, self.n_uncertain = saved.counts
+        self.n_events, self.n_impacts, self.n_uncertain, self.n_estimated = saved.counts
 
     def run_to(self, end: Instant, *, one_event: bool = False) -> Status:
         """Run on to an instant, or with ``one_event`` to just behind the next event.
@@ -257,7 +260,8 @@ class TangentFlow:
         records.sample_number[0], records.sample_phase[0] = end
         records.counters["samples"] = records.counters["segments"] = 0
         while True:
-            records.counters["events"] = records.counters["uncertain"] = 0
+            for name in ("events", "uncertain", "estimated"):
+                records.counters[name] = 0
             status = run(self._lane(tangent), records, mode, end, self.tolerance)
             self._count(records)
             mode = GOES_ON
@@ -277,3 +281,4 @@ class TangentFlow:
         if self.impacts is not None:
             self.n_impacts += self.impacts.count(rows)
         self.n_uncertain += int(records.counters["uncertain"])
+        self.n_estimated += int(records.counters["estimated"])

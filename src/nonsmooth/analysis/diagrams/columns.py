@@ -79,6 +79,7 @@ class Look:
     impacts: float  # see `Impacts`
     drift: Floats  # (n,): change of each state per iterate
     uncertain: int
+    estimated: int
     window: float  # mean time of an iterate
 
 
@@ -164,7 +165,8 @@ def _look(
     return Look(
         status, *taken, period, word,
         len(passed) / count, impacts_of(protocol.system).count(passed) / count,
-        (points[-1] - points[first]) / count, int(lanes.uncertain[0]), float(lasts) / count,
+        (points[-1] - points[first]) / count,
+        int(lanes.uncertain[0]), int(lanes.estimated[0]), float(lasts) / count,
     )  # fmt: skip
 
 
@@ -207,5 +209,5 @@ def nothing(status: Status, n: int, window: float) -> Look:
     whole = np.zeros(0, np.int64)
     return Look(
         status, np.zeros((0, n)), whole, np.zeros(0), whole, 0, "", np.nan, np.nan,
-        np.full(n, np.nan), 0, window,
+        np.full(n, np.nan), 0, 0, window,
     )  # fmt: skip

@@ -70,13 +70,14 @@ def _of_lanes(
 ) -> dict[str, Any]:
     """Variables with one value for each column and lane."""
     period = np.zeros(shape, np.int64)
-    uncertain = np.zeros(shape, np.int64)
+    uncertain, estimated = np.zeros(shape, np.int64), np.zeros(shape, np.int64)
     events, impacts, window = (np.full(shape, np.nan) for _ in range(3))
     drift = np.full((*shape, len(protocol.system.states)), np.nan)
     word = np.full(shape, "", object)
     status = np.full(shape, Status.INTERRUPTED.word, object)
     for i, j, one in _each(looks):
-        period[i, j], uncertain[i, j] = one.period, one.uncertain
+        period[i, j] = one.period
+        uncertain[i, j], estimated[i, j] = one.uncertain, one.estimated
         events[i, j], impacts[i, j] = one.events, one.impacts
         window[i, j], drift[i, j] = one.window, one.drift
         word[i, j], status[i, j] = one.word, one.status.word
@@ -87,8 +88,11 @@ def _of_lanes(
         "events": (_LANES, events, {"long_name": f"events per {protocol.unit}"}),
         "impacts": (_LANES, impacts, {"long_name": f"impacts per {protocol.unit}"}),
         "n_uncertain": (_LANES, uncertain, {"long_name": "events that rounding leaves open"}),
+        "n_estimated": (
+            _LANES, estimated, {"long_name": "steps the errors of which are estimated"},
+        ),
         "status": (_LANES, status.astype(str), {"long_name": "how the motion ended"}),
-    }
+    }  # fmt: skip
     for name in protocol.system.drift_states:
         k = protocol.system.states.index(name)
         label = labels_of(protocol.system).attributes(name)["long_name"]

@@ -99,6 +99,7 @@ def _look(
         impacts_of(runner.engine.system).count(passed) / count,
         (states[-1] - states[first]) / count,
         int(lanes.lanes.uncertain[0]),
+        int(lanes.lanes.estimated[0]),
         float(since[-1] - since[first]) / count,
     )
     return look, points

@@ -44,6 +44,7 @@ class ExponentRun:
     n_events: int
     n_impacts: int
     n_uncertain: int
+    n_estimated: int
     end_time: float  # of the run, which may have ended early
 
 
@@ -83,7 +84,7 @@ def run_exponents(
                 progress.update(k + 1)
     except KeyboardInterrupt:
         status = Status.INTERRUPTED
-    last, first = (counts[-1], counts[0]) if counts else ((0, 0, 0), (0, 0, 0))
+    last, first = (counts[-1], counts[0]) if counts else ((0, 0, 0, 0), (0, 0, 0, 0))
     return ExponentRun(
         status=status,
         times=np.array([end.time(flow.window) for end in ends]),
@@ -92,6 +93,7 @@ def run_exponents(
         n_events=last[0] - first[0],
         n_impacts=last[1] - first[1],
         n_uncertain=last[2] - first[2],
+        n_estimated=last[3] - first[3],
         end_time=flow.here.time(flow.window),
     )
 

@@ -158,6 +158,7 @@ class _Motion:
             impacts=impacts / count,
             residual=found[1],
             uncertain=int(self.lanes.uncertain[0]),
+            estimated=int(self.lanes.estimated[0]),
         )
 
     def _repeating(self, windows: Windows, seen: Verdict) -> Verdict:
@@ -377,6 +378,7 @@ class _Motion:
             length=self.length,
             drift=np.full(self.drifting.size, np.nan),
             uncertain=int(self.lanes.uncertain[0]),
+            estimated=int(self.lanes.estimated[0]),
         )
 
 

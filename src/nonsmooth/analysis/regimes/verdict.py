@@ -45,6 +45,7 @@ class Verdict:
     k: float = np.nan
     residual: float = np.nan
     uncertain: int = 0
+    estimated: int = 0
 
     @property
     def is_settled(self) -> bool:
