@@ -107,7 +107,7 @@ def diagram(
         _plot(result, drawn, plot)
     if result.attrs["status"] == "interrupted":
         raise typer.Exit(INTERRUPTED)
-    if result.attrs["message"] != "completed":
+    if not result.attrs["message"].startswith("completed"):
         raise typer.Exit(ENDED_EARLY)
 
 
@@ -153,7 +153,9 @@ def _summary(result: xr.Dataset) -> str:
     if others:
         texts.append(f"{others} of longer period or none")
     lines.append("motions  " + ", ".join(texts or ["none settled"]))
-    return "\n".join([*lines, f"certified  {certified_runs(result)}"])
+    lines.append(f"certified  {certified_runs(result)}")
+    _, _, doubt = result.attrs["message"].partition("; ")
+    return "\n".join([*lines, f"message  {doubt}"] if others and doubt else lines)
 
 
 def _plot(result: xr.Dataset, variable: str, path: Path) -> None:

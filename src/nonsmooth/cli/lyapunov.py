@@ -37,6 +37,9 @@ def lyapunov(
     exponents: Annotated[
         int | None, typer.Option(help="How many, from the largest on; all by default.")
     ] = None,
+    confirm: Annotated[
+        int, typer.Option(help="Periods for which a chaotic motion is run on, to see it stay so.")
+    ] = 10_000,
     start: Annotated[
         str | None, typer.Option(metavar="p=0.1,y=0", help="States at the start.")
     ] = None,
@@ -57,7 +60,12 @@ def lyapunov(
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RunWarning)  # the summary says the same
         result = lyapunov_spectrum(
-            system, initial, transient=transient, record=record, exponents=exponents
+            system,
+            initial,
+            transient=transient,
+            record=record,
+            exponents=exponents,
+            confirm=confirm,
         )
     typer.echo(harmless(_summary(result)))
     if save is not None:

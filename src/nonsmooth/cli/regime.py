@@ -34,6 +34,9 @@ def regime(
     longest: Annotated[
         int | None, typer.Option(help="Largest transient; 16 times the first by default.")
     ] = None,
+    confirm: Annotated[
+        int, typer.Option(help="Periods for which a chaotic motion is run on, to see it stay so.")
+    ] = 10_000,
     period: Annotated[
         str | None, typer.Option(help="Time between strobes, for systems without a period.")
     ] = None,
@@ -55,6 +58,7 @@ def regime(
         record=record,
         evidence=evidence,
         longest=longest,
+        confirm=confirm,
         period=period,
         mode=mode,
     )

@@ -124,6 +124,12 @@ class TangentFlow:
         return self._tangent.columns[:, : self.n]
 
     @property
+    def end_state(self) -> Matrix:
+        """State at the instant to which the last piece was asked to run."""
+        state: Matrix = self._many.end_state
+        return state
+
+    @property
     def columns_at_end(self) -> Matrix:
         """Columns at the instant to which the last piece was asked to run."""
         columns: Matrix = self._tangent.samples[0]

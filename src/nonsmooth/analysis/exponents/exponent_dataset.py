@@ -21,8 +21,13 @@ __all__ = ["exponent_dataset", "kaplan_yorke_dimension"]
 Vector = npt.NDArray[np.float64]
 
 
-def exponent_dataset(system: System, run: ExponentRun, options: dict[str, Any]) -> xr.Dataset:
-    """Exponents in order with their errors, the running estimate, sum and dimension."""
+def exponent_dataset(
+    system: System, run: ExponentRun, unsettled: str, options: dict[str, Any]
+) -> xr.Dataset:
+    """Exponents in order with their errors, the running estimate, sum and dimension.
+
+    ``unsettled``: why they are those of a transient, "" where nothing says so.
+    """
     running = _running(run)
     values = running[-1] if len(running) else np.full(run.growth.shape[1], np.nan)
     order = np.argsort(-values, kind="stable")
@@ -66,7 +71,8 @@ def exponent_dataset(system: System, run: ExponentRun, options: dict[str, Any]) 
         "system": labels_of(system).system,
         "nonsmooth_version": __version__,
         "status": run.status.word,
-        "message": _message(run),
+        "message": _message(run) + (f"; {unsettled}" if unsettled else ""),
+        "settled": int(not unsettled),
         "duration": duration,
         "n_events": run.n_events,
         "n_impacts": run.n_impacts,

@@ -46,6 +46,9 @@ class ExponentRun:
     n_uncertain: int
     n_estimated: int
     end_time: float  # of the run, which may have ended early
+    end: Instant  # of the record
+    end_state: npt.NDArray[np.float64]  # (n,)
+    end_mode: int
 
 
 def run_exponents(
@@ -95,6 +98,9 @@ def run_exponents(
         n_uncertain=last[2] - first[2],
         n_estimated=last[3] - first[3],
         end_time=flow.here.time(flow.window),
+        end=ends[-1] if ends else start.instant,
+        end_state=flow.end_state.copy(),
+        end_mode=flow.mode,
     )
 
 

@@ -22,6 +22,7 @@ class Protocol:
     record: int
     evidence: int
     longest: int
+    confirm: int  # strobes for which a chaotic motion is run on
     phase: float
     match: float
 
