@@ -12,13 +12,13 @@ from nonsmooth.engine import sweeps
 from nonsmooth.engine.lanes import ANY
 from nonsmooth.engine.status import Status
 from nonsmooth.simulation import sweep_runner
-from nonsmooth.simulation.sweep_runner import Motion, Starts, SweepRunner, Times
+from nonsmooth.simulation.sweep_runner import Recorded, Starts, SweepRunner, Times
 
 _OMEGAS = (0.72, 0.8, 0.86, 0.93)
 _TRANSIENT, _RECORDED = 20, 30
 
 
-def _sweep(system: ns.System, omegas: tuple[float, ...], follows: bool = False) -> list[Motion]:
+def _sweep(system: ns.System, omegas: tuple[float, ...], follows: bool = False) -> Recorded:
     """Motions from rest for some frequencies, strobed once per period."""
     runner = SweepRunner(system, 1e-12)
     values = [list((system.parameter_values | {"omega": omega}).values()) for omega in omegas]
@@ -33,16 +33,18 @@ def _sweep(system: ns.System, omegas: tuple[float, ...], follows: bool = False) 
     return runner.run(starts, times, usable, follows=at_once if follows else None)
 
 
-def _same(motion: Motion, run: Any) -> None:
-    """A motion has the samples and the events of a run from the same start, to the last digit."""
-    assert motion.status == Status.COMPLETED
-    for k, name in enumerate(("x", "v")):
-        np.testing.assert_array_equal(motion.states[:, k], run[name].values[_TRANSIENT:])
-    recorded = run["event_time"].values > _TRANSIENT * run.attrs["period"]
-    time = motion.rows["number"] * motion.window + motion.rows["phase"]
-    np.testing.assert_array_equal(time, run["event_time"].values[recorded])
-    after = run["state_after"].values[recorded]
-    np.testing.assert_array_equal(motion.event_states[:, 1], after)
+def _same(recorded: Recorded, k: int, run: Any) -> None:
+    """Motion k has the samples and the events of a run from the same start, to the last digit."""
+    assert recorded.statuses[k] == Status.COMPLETED
+    for i, name in enumerate(("x", "v")):
+        np.testing.assert_array_equal(recorded.states[k, :, i], run[name].values[_TRANSIENT:])
+    own = slice(recorded.logs[k], recorded.logs[k + 1])
+    rows = recorded.rows[own]
+    since = run["event_time"].values > _TRANSIENT * run.attrs["period"]
+    time = rows["number"] * recorded.windows[k] + rows["phase"]
+    np.testing.assert_array_equal(time, run["event_time"].values[since])
+    after = run["state_after"].values[since]
+    np.testing.assert_array_equal(recorded.event_states[own, 1], after)
 
 
 def _run(system: ns.System, omega: float, start: dict[str, float]) -> Any:
@@ -58,27 +60,29 @@ def test_each_motion_is_a_run(monkeypatch: pytest.MonkeyPatch, work: int, room: 
     monkeypatch.setattr(sweeps, "WORK", work)
     monkeypatch.setattr(sweep_runner, "_FIRST_EVENTS", room)
     system = ns.models.soft_impact()
-    for omega, motion in zip(_OMEGAS, _sweep(system, _OMEGAS), strict=True):
-        _same(motion, _run(system, omega, {"x": 0.0, "v": 0.0}))
+    recorded = _sweep(system, _OMEGAS)
+    for k, omega in enumerate(_OMEGAS):
+        _same(recorded, k, _run(system, omega, {"x": 0.0, "v": 0.0}))
 
 
 def test_a_motion_that_follows_begins_where_the_last_one_ended() -> None:
     system = ns.models.soft_impact()
-    start = {"x": 0.0, "v": 0.0}
-    for omega, motion in zip(_OMEGAS, _sweep(system, _OMEGAS, follows=True), strict=True):
+    start, recorded = {"x": 0.0, "v": 0.0}, _sweep(system, _OMEGAS, follows=True)
+    for k, omega in enumerate(_OMEGAS):
         run = _run(system, omega, start)
-        _same(motion, run)
+        _same(recorded, k, run)
         start = {name: float(run[name][-1]) for name in start}
 
 
 def test_values_without_tables_are_refused_and_not_followed() -> None:
     """omega = 0 has no period; the motion behind it begins anew."""
     system = ns.models.soft_impact()
-    first, refused, last = _sweep(system, (0.8, 0.0, 0.86), follows=True)
-    assert refused.status == Status.REFUSED
-    assert np.isnan(refused.window) and refused.states.size == refused.rows.size == 0
-    _same(first, _run(system, 0.8, {"x": 0.0, "v": 0.0}))
-    _same(last, _run(system, 0.86, {"x": 0.0, "v": 0.0}))
+    recorded = _sweep(system, (0.8, 0.0, 0.86), follows=True)
+    assert recorded.statuses[1] == Status.REFUSED
+    assert np.isnan(recorded.windows[1]) and np.all(np.isnan(recorded.states[1]))
+    assert recorded.logs[1] == recorded.logs[2]
+    _same(recorded, 0, _run(system, 0.8, {"x": 0.0, "v": 0.0}))
+    _same(recorded, 2, _run(system, 0.86, {"x": 0.0, "v": 0.0}))
 
 
 def test_a_motion_that_ends_early_says_so() -> None:
@@ -87,6 +91,20 @@ def test_a_motion_that_ends_early_says_so() -> None:
         name="growing", states=["x", "v"], period="2*pi/omega", parameters={"omega": 0.8},
         modes={"only": ns.Mode({"x": "v", "v": "0.12*x + sin(omega*t)"})},
     )  # fmt: skip
-    (motion,) = _sweep(system, (0.8,))
-    assert motion.status == Status.DIVERGED
-    assert 4 <= len(motion.states) <= 8
+    recorded = _sweep(system, (0.8,))
+    assert recorded.statuses[0] == Status.DIVERGED
+    assert 4 <= np.isfinite(recorded.states[0, :, 0]).sum() <= 8
+
+
+@pytest.mark.parametrize("period", [1, 3, 7, 10, 0])
+def test_periods_are_the_smallest_numbers_of_steps(period: int) -> None:
+    """Points of a known period, a drift beside them, and noise below and above what may differ."""
+    steps, match = 21, 1e-6
+    turn = 2.0 * np.pi * np.arange(steps)
+    never = np.cos(turn * (5.0**0.5 - 1.0) / 2.0)
+    wave = np.cos(turn / period) if period else never
+    noise = 0.4 * match * never  # differences below what may differ; ten times as much is not
+    points = np.stack([wave + noise, 3.0 * np.arange(steps) + 0.3 * wave], axis=1)
+    both = np.stack([points, points + np.array([1.0, 0.0]) * 10.0 * noise[:, None]])
+    found = sweeps.primitive_periods(both, np.array([False, True]), match)
+    assert found.tolist() == [period, 0]

@@ -99,10 +99,11 @@ def bifurcation_diagram(
         Over ``parameter``, ``lane`` and ``point``: states, outputs and ``mode``, nan and -1 where
         there are no more points. Over ``parameter`` and ``lane``: ``period`` in periods of the
         forcing, or in iterates of a map (0: none up to half of ``record``), ``word`` (modes of
-        that period), ``events`` and ``impacts`` (events of that kind) per period, ``status``,
-        ``n_uncertain``, and for every drifting state its change per period and per unit time, as
-        in ``v_per_period`` (of a map, per iterate, as in ``v_per_iterate``). After an interruption
-        the columns that are done are there, the others have the status ``interrupted``.
+        that period), ``events`` and ``impacts`` per period, see notes, ``status``,
+        ``n_uncertain``, ``n_estimated``, and for every drifting state its change per period and per
+        unit time, as in ``v_per_period`` (of a map, per iterate, as in ``v_per_iterate``). After an
+        interruption the columns that are done are there, the others have the status
+        ``interrupted``.
 
     Raises
     ------
@@ -121,6 +122,11 @@ def bifurcation_diagram(
     -----
     The motion of a system without a period is periodic where the points of its return map repeat,
     with the same times between them.
+
+    Events are instants at which something changes. Impacts are exits with a reset, or with the word
+    ``impact`` in their name, as in ``impact`` or ``upper_impact``; two at one instant count as two.
+    Events, impacts and drifts are means over the last whole periods of the motion in ``record``;
+    where no period was found, they are means over all of it.
 
     A value that the system refuses leaves an empty column with the status ``refused``.
 

@@ -104,7 +104,7 @@ def contact_statistics(
     See Also
     --------
     period_statistics : period by period along one run.
-    bifurcation_diagram : counts events and impacts of every kind.
+    bifurcation_diagram : counts events and impacts.
 
     Notes
     -----

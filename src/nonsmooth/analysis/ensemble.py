@@ -95,10 +95,11 @@ def ensemble(
     xarray.Dataset
         Over ``lane``, one for each run, and ``point`` (strobes, by number) or ``time``: states,
         outputs and ``mode``, nan and -1 after a run has ended. Over ``lane``: ``status``,
-        ``n_uncertain``, ``end_time``, the parameters with several values as coordinates, and with
-        ``state`` also ``initial_state`` and ``end_state``. No run raises: what ended early says
-        so in its status, a start that no mode admits is ``inadmissible``, parameters that the
-        system refuses are ``refused``, and runs that an interruption left out ``interrupted``.
+        ``n_uncertain``, ``n_estimated``, ``end_time``, the parameters with several values as
+        coordinates, and with ``state`` also ``initial_state`` and ``end_state``. No run raises:
+        what ended early says so in its status, a start that no mode admits is ``inadmissible``,
+        parameters that the system refuses are ``refused``, and runs that an interruption left out
+        ``interrupted``.
 
     Raises
     ------

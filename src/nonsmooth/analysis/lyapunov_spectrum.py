@@ -10,7 +10,8 @@ from typing import Any
 import xarray as xr
 
 from nonsmooth.analysis.exponents.exponent_dataset import exponent_dataset
-from nonsmooth.analysis.exponents.exponent_run import Protocol, run_exponents
+from nonsmooth.analysis.exponents.exponent_run import ExponentRun, Protocol, run_exponents
+from nonsmooth.analysis.exponents.settling import halves_differ, is_chaotic, said_of_later
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import OptionError, RunWarning
 from nonsmooth.maps.poincare import PoincareMap
@@ -36,6 +37,7 @@ def lyapunov_spectrum(
     record: float = 1000.0,
     exponents: int | None = None,
     interval: float | None = None,
+    confirm: int = 10_000,
     parameters: Mapping[str, float | str] | None = None,
     tolerance: float = 1e-12,
     mode: str | None = None,
@@ -69,6 +71,9 @@ def lyapunov_spectrum(
         Periods, or time, after which the growth is noted: the step of the running estimate,
         and of the block averages; one period by default. Derivatives are orthonormalised as
         often as they need it, whatever the interval.
+    confirm : int, optional
+        Periods for which a chaotic motion is run on behind the record, without derivatives, to see
+        whether it was a transient; 0 for none. Of systems with a period alone.
     parameters : mapping of str to float, optional
         Parameter values that differ from the system's.
     tolerance : float, optional
@@ -87,9 +92,10 @@ def lyapunov_spectrum(
         first, ``standard_error``; over ``time`` too: ``running_exponent``, the average from the
         end of the transient up to that time. ``exponent_sum`` and ``kaplan_yorke_dimension``
         where all that they need is there. Attributes: ``status`` and ``message`` as for
-        `simulate`, ``n_events`` and ``n_impacts`` of the record and its ``duration``,
-        ``block_length`` (in intervals), ``n_blocks``, ``blocks_independent``, the system as
-        TOML and the options.
+        `simulate`, ``certified``, ``n_uncertain`` and ``n_estimated`` likewise, ``n_events`` and
+        ``n_impacts`` of the record (as in `bifurcation_diagram`)
+        and its ``duration``, ``block_length`` (in intervals), ``n_blocks``,
+        ``blocks_independent``, the system as TOML and the options.
 
     Raises
     ------
@@ -119,7 +125,11 @@ def lyapunov_spectrum(
     Standard errors come from the averages of 32 blocks of the record, or a few more, each a
     whole number of intervals; ``blocks_independent`` says whether neighbouring blocks are
     uncorrelated, below two over the root of their number. Where they are not, take a longer
-    record. Standard errors do not see a transient that was too short.
+    record. Standard errors do not see a transient that was too short. Two checks do. The largest
+    exponents of both halves of the record are compared, and a motion with an exponent above zero
+    is run on for ``confirm`` periods. Where the halves differ, or the motion repeats or ends later,
+    the attribute ``settled`` is 0 and the message says why. No finite run tells chaos from a longer
+    transient.
 
     The Kaplan-Yorke dimension counts an exponent as zero that is below three standard errors
     or below one over the duration. For a forced system it is that of the stroboscopic map;
@@ -162,6 +172,7 @@ def lyapunov_spectrum(
             number, phase = strobes(window, Instant(0, 0.0), strobe.length, strobe.phase, 0, 1)
             start = replace(start, instant=Instant(int(number[0]), float(phase[0])))
     protocol = _protocol(transient, record, interval, unit, periodic)
+    more = 0 if confirm == 0 else whole("confirm", confirm)
     first = start.instant.time(window)
     check_signals(system, first, first + (protocol.transient + protocol.record) * window)
     derivatives = build_derivatives(system, tables, ())
@@ -170,15 +181,31 @@ def lyapunov_spectrum(
         "transient": protocol.transient * unit,
         "record": protocol.record * unit,
         "interval": protocol.interval * unit,
+        "confirm": more,
         "tolerance": float(tolerance),
         "seed": _seed(seed),
         "changed_parameters": str(dict(parameters)) if parameters else "",
         **({} if strobe is None else strobe.protocol),
     }
-    result = exponent_dataset(system, run, options)
+    length = strobe.length if strobe is not None else None
+    followed = periodic and not system.signals
+    unsettled = _unsettled(system, run, length, tolerance, more if followed else 0)
+    result = exponent_dataset(system, run, unsettled, options)
     if run.status not in (Status.COMPLETED, Status.STOPPED):
         warnings.warn(f"{system.name}: {result.attrs['message']}", RunWarning, stacklevel=2)
     return result
+
+
+def _unsettled(
+    system: System, run: ExponentRun, length: float | None, tolerance: float, confirm: int
+) -> str:
+    """Why the exponents are those of a transient, "" where nothing says so."""
+    if run.status != Status.COMPLETED:
+        return ""
+    later = ""
+    if confirm and is_chaotic(run):
+        later = said_of_later(system, run, length, tolerance, confirm)
+    return later or halves_differ(run)
 
 
 def _system_of(given: Any) -> tuple[StroboscopicMap | None, Any]:

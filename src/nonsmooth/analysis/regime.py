@@ -13,6 +13,7 @@ from nonsmooth.analysis.regimes.regime_dataset import numbers_of, said_of_start
 from nonsmooth.analysis.regimes.regime_run import settled_regime
 from nonsmooth.analysis.regimes.verdict import Protocol, Verdict
 from nonsmooth.errors import OptionError
+from nonsmooth.simulation.certificate import with_doubts
 from nonsmooth.simulation.labels import labels_of
 from nonsmooth.simulation.lane_runner import LaneRunner
 from nonsmooth.simulation.misfit import explain_misfit
@@ -35,6 +36,7 @@ def regime(
     record: int = 100,
     evidence: int = 500,
     longest: int | None = None,
+    confirm: int = 10_000,
     phase: float = 0.0,
     period: float | str | None = None,
     match: float = 1e-6,
@@ -65,6 +67,9 @@ def regime(
     longest : int, optional
         Up to where the transient is doubled, at least, while the motion has not settled; 16 times
         the transient (or the record, if that is longer) without it.
+    confirm : int, optional
+        Periods for which a chaotic motion is run on, as chaos may be a long transient; 0 to trust
+        the windows.
     phase : float, optional
         Part of the period at which strobes are taken, from 0 to less than 1.
     period : float or str, optional
@@ -85,13 +90,14 @@ def regime(
     -------
     xarray.Dataset
         Scalars: ``regime``, ``period`` (in strobes, 0 where none was found), ``word`` (modes of one
-        period), ``events`` and ``impacts`` per strobe interval, ``residual`` (what is left between
-        strobes a period apart, as a part of the size of the states; the least where there is no
-        period), ``exponent`` with ``exponent_error``, ``K``, ``transient_used`` (in strobes),
-        ``n_uncertain``, and for every drifting state its change per period and per unit time, as
-        in ``v_per_period``. Over ``multiplier``: ``multiplier_real``, ``multiplier_imag`` and
-        ``multiplier_modulus`` of a motion that repeats, the largest first. nan is what was not
-        needed for the label. The attribute ``message`` tells the reason for the label.
+        period), ``events`` and ``impacts`` (as in `bifurcation_diagram`) per strobe interval,
+        ``residual`` (what is left between strobes a period apart, as a part of the size of the
+        states; the least where there is no period), ``exponent`` with ``exponent_error``, ``K``,
+        ``transient_used`` (in strobes), ``n_uncertain``, ``n_estimated``, and for every drifting
+        state its change per period and per unit time, as in ``v_per_period``. Over ``multiplier``:
+        ``multiplier_real``, ``multiplier_imag`` and ``multiplier_modulus`` of a motion that
+        repeats, the largest first. nan is what was not needed for the label. The attribute
+        ``message`` tells the reason for the label.
 
     Raises
     ------
@@ -124,7 +130,10 @@ def regime(
     ``chaotic``
         Strobes do not repeat, the largest exponent is more than three standard errors above zero,
         and K of the 0-1 test is not below 0.2. The spread of no state grows tenfold from window
-        to window, as in a motion that runs away.
+        to window, as in a motion that runs away. The motion is then run on for ``confirm`` periods.
+        Where it repeats at their end, or has ended, the label is that of what it came to. Else the
+        message tells how many periods have passed: no finite run tells chaos from a longer
+        transient.
     ``quasi-periodic``
         Strobes do not repeat, the exponent is within three standard errors of zero and less than
         3 over the duration of a window in size, K is not above 0.5, and strobes do not nearly
@@ -178,7 +187,7 @@ def regime(
     """
     system = check_run_options(system, parameters, mode, tolerance)
     check_system(system, period, "regime")
-    protocol = make_protocol(transient, record, evidence, longest, phase, match)
+    protocol = make_protocol(transient, record, evidence, longest, confirm, phase, match)
     length = strobe_length(system, period)
     runner = LaneRunner(system, tolerance)
     start = resolve_start(system, runner.tables, initial, t_start, mode, parameters is not None)
@@ -217,11 +226,15 @@ def _dataset(
         "system": labels_of(system).system,
         "nonsmooth_version": __version__,
         "status": "completed",
-        "message": f"{verdict.label}: {verdict.reason}",
+        "message": with_doubts(
+            f"{verdict.label}: {verdict.reason}", verdict.uncertain, verdict.estimated
+        ),
+        "certified": int(verdict.uncertain == verdict.estimated == 0),
         "transient": protocol.transient,
         "record": protocol.record,
         "evidence": protocol.evidence,
         "longest": protocol.longest,
+        "confirm": protocol.confirm,
         "phase_of_period": protocol.phase,
         "strobe_period": verdict.length,
         "match": protocol.match,

@@ -39,6 +39,7 @@ def regime_map(
     record: int = 100,
     evidence: int = 500,
     longest: int | None = None,
+    confirm: int = 10_000,
     phase: float = 0.0,
     period: float | str | None = None,
     match: float = 1e-6,
@@ -69,8 +70,8 @@ def regime_map(
     ----------------
     transient, record, evidence : int, optional
         As in `regime`.
-    longest : int, optional
-        As in `regime`.
+    longest, confirm : int, optional
+        As in `regime`. A chaotic point takes most of the time; a smaller ``confirm`` saves a part.
     phase : float, optional
         As in `regime`.
     period : float or str, optional
@@ -96,9 +97,9 @@ def regime_map(
         attributes, ``period`` and ``word`` as in `regime`, and ``computed``, 0 where these were
         filled. Where computed, else nan: ``events``, ``impacts``, ``exponent``,
         ``exponent_error``, ``K``, ``residual``, ``multiplier`` (the largest modulus), changes of
-        drifting states per period and per unit time, ``transient_used``, ``n_uncertain``. A
-        variable that has the name of a parameter gets ``_of_motion`` behind its name. After an
-        interruption the points that are missing have the regime ``interrupted``.
+        drifting states per period and per unit time, ``transient_used``, ``n_uncertain``,
+        ``n_estimated``. A variable that has the name of a parameter gets ``_of_motion`` behind its
+        name. After an interruption the points that are missing have the regime ``interrupted``.
 
     Raises
     ------
@@ -141,7 +142,7 @@ def regime_map(
     check_system(system, period, "regime_map")
     names, values = _check_grid(system, over)
     levels = _check_refine(refine)
-    protocol = make_protocol(transient, record, evidence, longest, phase, match)
+    protocol = make_protocol(transient, record, evidence, longest, confirm, phase, match)
     fine = (refined_values(values[0], levels), refined_values(values[1], levels))
     if fine[0].size * fine[1].size > _MOST:
         raise OptionError(
@@ -157,6 +158,7 @@ def regime_map(
         "record": protocol.record,
         "evidence": protocol.evidence,
         "longest": protocol.longest,
+        "confirm": protocol.confirm,
         "phase_of_period": protocol.phase,
         "strobe_period": "the period of the system" if period is None else str(period),
         "match": protocol.match,

@@ -15,7 +15,7 @@ from nonsmooth.cli.console import (
     PARAMETERS_HELP,
     STORE_HELP,
 )
-from nonsmooth.cli.output import check_files, save_dataset
+from nonsmooth.cli.output import certified_runs, check_files, save_dataset
 from nonsmooth.errors import OptionError, unknown_name
 
 if TYPE_CHECKING:
@@ -107,7 +107,7 @@ def diagram(
         _plot(result, drawn, plot)
     if result.attrs["status"] == "interrupted":
         raise typer.Exit(INTERRUPTED)
-    if result.attrs["message"] != "completed":
+    if not result.attrs["message"].startswith("completed"):
         raise typer.Exit(ENDED_EARLY)
 
 
@@ -152,7 +152,10 @@ def _summary(result: xr.Dataset) -> str:
     others = settled.size - sum(int(np.count_nonzero(settled == p)) for p in found[:8])
     if others:
         texts.append(f"{others} of longer period or none")
-    return "\n".join([*lines, "motions  " + ", ".join(texts or ["none settled"])])
+    lines.append("motions  " + ", ".join(texts or ["none settled"]))
+    lines.append(f"certified  {certified_runs(result)}")
+    _, _, doubt = result.attrs["message"].partition("; ")
+    return "\n".join([*lines, f"message  {doubt}"] if others and doubt else lines)
 
 
 def _plot(result: xr.Dataset, variable: str, path: Path) -> None:

@@ -15,7 +15,7 @@ from nonsmooth.cli.console import (
     PARAMETERS_HELP,
     STORE_HELP,
 )
-from nonsmooth.cli.output import check_files, save_dataset, table
+from nonsmooth.cli.output import certified_runs, check_files, save_dataset, table
 from nonsmooth.errors import OptionError, unknown_name
 
 if TYPE_CHECKING:
@@ -114,11 +114,10 @@ def _summary(result: xr.Dataset) -> str:
 
     words, counts = np.unique(result["status"].values.astype(str), return_counts=True)
     told = ", ".join(f"{count} {word}" for word, count in zip(words, counts, strict=True))
-    uncertain = int((result["n_uncertain"].values > 0).sum())
     rows = [
         ("runs", f"{result.sizes['lane']}"),
         ("status", told),
         ("strobes", f"{result.sizes['point']} of each"),
-        ("certified", f"all but {uncertain} runs" if uncertain else "yes"),
+        ("certified", certified_runs(result)),
     ]
     return table(result.attrs["system_name"], rows)

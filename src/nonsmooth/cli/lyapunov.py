@@ -10,7 +10,7 @@ import typer
 
 from nonsmooth.cli.arguments import build_system, constants, names, settings
 from nonsmooth.cli.console import MODEL_HELP, PARAMETERS_HELP
-from nonsmooth.cli.output import check_files, exit_by_status, save_dataset, table
+from nonsmooth.cli.output import certified, check_files, exit_by_status, save_dataset, table
 from nonsmooth.errors import RunWarning
 
 if TYPE_CHECKING:
@@ -37,6 +37,9 @@ def lyapunov(
     exponents: Annotated[
         int | None, typer.Option(help="How many, from the largest on; all by default.")
     ] = None,
+    confirm: Annotated[
+        int, typer.Option(help="Periods for which a chaotic motion is run on, to see it stay so.")
+    ] = 10_000,
     start: Annotated[
         str | None, typer.Option(metavar="p=0.1,y=0", help="States at the start.")
     ] = None,
@@ -57,7 +60,12 @@ def lyapunov(
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RunWarning)  # the summary says the same
         result = lyapunov_spectrum(
-            system, initial, transient=transient, record=record, exponents=exponents
+            system,
+            initial,
+            transient=transient,
+            record=record,
+            exponents=exponents,
+            confirm=confirm,
         )
     typer.echo(harmless(_summary(result)))
     if save is not None:
@@ -80,6 +88,7 @@ def _summary(result: xr.Dataset) -> str:
         if value == value:
             rows.append((label, f"{value:.9g}"))
     rows.append(("averaged over", _length(attrs)))
+    rows.append(("certified", certified(attrs["n_uncertain"], attrs["n_estimated"])))
     if not attrs["blocks_independent"]:
         rows.append(("errors", "too small, blocks are correlated or few; take a longer --record"))
     return table(attrs["system_name"], rows)
@@ -90,7 +99,7 @@ def _length(attrs: dict[Any, Any]) -> str:
     text = f"time {attrs['duration']:.7g}"
     if "period" in attrs:
         text += f", {attrs['duration'] / attrs['period']:.7g} periods"
-    return f"{text}, {attrs['n_events']} events, {attrs['n_impacts']} of them impacts"
+    return f"{text}, {attrs['n_events']} events, {attrs['n_impacts']} impacts"
 
 
 def _plot(result: xr.Dataset, path: Path) -> None:

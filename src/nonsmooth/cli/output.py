@@ -16,7 +16,7 @@ from nonsmooth.cli.console import ENDED_EARLY, INTERRUPTED
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["check_files", "exit_by_status", "save_dataset", "table"]
+__all__ = ["certified", "certified_runs", "check_files", "exit_by_status", "save_dataset", "table"]
 
 
 def check_files(plot: Path | None, save: Path | None) -> None:
@@ -42,6 +42,26 @@ def table(title: str, rows: Sequence[tuple[str, str]]) -> str:
     """Labels with their texts below each other, under a title."""
     width = max(len(label) for label, _ in rows)
     return "\n".join([title, *(f"  {label:<{width}}  {text}" for label, text in rows)])
+
+
+def certified(uncertain: int, estimated: int) -> str:
+    """Whether a run is certified, or what stands against it."""
+    if uncertain:
+        return f"no, {uncertain} within rounding of a tangency"
+    return f"no, the error of {estimated} steps is estimated" if estimated else "yes"
+
+
+def certified_runs(result: xr.Dataset) -> str:
+    """Whether all runs of a result are certified, or how many are not."""
+    uncertain, estimated = (
+        int((result[name].values > 0).sum()) for name in ("n_uncertain", "n_estimated")
+    )
+    against = []
+    if uncertain:
+        against.append(f"{uncertain} within rounding of a tangency")
+    if estimated:
+        against.append(f"{estimated} with estimated errors of steps")
+    return "all runs but " + ", ".join(against) if against else "yes"
 
 
 def exit_by_status(status: str) -> None:

@@ -10,7 +10,7 @@ import typer
 
 from nonsmooth.cli.arguments import build_system, constants, names, settings
 from nonsmooth.cli.console import MODEL_HELP, PARAMETERS_HELP
-from nonsmooth.cli.output import check_files, save_dataset, table
+from nonsmooth.cli.output import certified, check_files, save_dataset, table
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -34,6 +34,9 @@ def regime(
     longest: Annotated[
         int | None, typer.Option(help="Largest transient; 16 times the first by default.")
     ] = None,
+    confirm: Annotated[
+        int, typer.Option(help="Periods for which a chaotic motion is run on, to see it stay so.")
+    ] = 10_000,
     period: Annotated[
         str | None, typer.Option(help="Time between strobes, for systems without a period.")
     ] = None,
@@ -55,6 +58,7 @@ def regime(
         record=record,
         evidence=evidence,
         longest=longest,
+        confirm=confirm,
         period=period,
         mode=mode,
     )
@@ -83,4 +87,5 @@ def _rows(found: xr.Dataset) -> Iterator[tuple[str, str]]:
     exponent, error = found["exponent"].item(), found["exponent_error"].item()
     if exponent == exponent:
         yield "exponent", f"{exponent:.6g}" + (f" +- {error:.2g}" if error == error else "")
+    yield "certified", certified(found["n_uncertain"].item(), found["n_estimated"].item())
     yield "transient", f"{found['transient_used'].item()} periods"

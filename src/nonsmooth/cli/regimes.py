@@ -9,7 +9,7 @@ import typer
 
 from nonsmooth.cli.arguments import build_system, constants, names, settings, value_range
 from nonsmooth.cli.console import MODEL_HELP, PARAMETERS_HELP, STORE_HELP
-from nonsmooth.cli.output import check_files, exit_by_status, save_dataset, table
+from nonsmooth.cli.output import certified_runs, check_files, exit_by_status, save_dataset, table
 from nonsmooth.errors import OptionError
 
 if TYPE_CHECKING:
@@ -44,6 +44,9 @@ def regimes(
     longest: Annotated[
         int | None, typer.Option(help="Largest transient; 16 times the first by default.")
     ] = None,
+    confirm: Annotated[
+        int, typer.Option(help="Periods for which a chaotic motion is run on, to see it stay so.")
+    ] = 10_000,
     period: Annotated[
         str | None, typer.Option(help="Time between strobes, for systems without a period.")
     ] = None,
@@ -71,6 +74,7 @@ def regimes(
         record=record,
         evidence=evidence,
         longest=longest,
+        confirm=confirm,
         period=period,
         threads=threads,
         store=store,
@@ -108,6 +112,7 @@ def _summary(result: xr.Dataset) -> str:
     ]
     codes, counts = np.unique(result["regime"].values, return_counts=True)
     rows += [(words[code], f"{count}") for code, count in zip(codes, counts, strict=True)]
+    rows.append(("certified", certified_runs(result)))
     return table(result.attrs["system_name"], rows)
 
 

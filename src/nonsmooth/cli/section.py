@@ -11,7 +11,7 @@ import typer
 
 from nonsmooth.cli.arguments import build_system, constants, names, settings
 from nonsmooth.cli.console import MODEL_HELP, PARAMETERS_HELP
-from nonsmooth.cli.output import check_files, exit_by_status, save_dataset, table
+from nonsmooth.cli.output import certified, check_files, exit_by_status, save_dataset, table
 from nonsmooth.errors import OptionError, RunWarning, unknown_name
 
 if TYPE_CHECKING:
@@ -122,8 +122,7 @@ def _rows(points: xr.Dataset) -> Iterator[tuple[str, str]]:
     attrs = points.attrs
     yield "status", attrs["message"]
     yield "points", f"{attrs['n_points']} of {attrs['record']}"
-    uncertain = attrs["n_uncertain"]
-    yield "certified", f"no, {uncertain} within rounding of a tangency" if uncertain else "yes"
+    yield "certified", certified(attrs["n_uncertain"], attrs["n_estimated"])
     if not attrs["n_points"]:
         return
     time = points["time"].values

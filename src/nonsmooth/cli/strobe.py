@@ -10,7 +10,7 @@ import typer
 
 from nonsmooth.cli import options
 from nonsmooth.cli.arguments import build_system, constants, names, settings
-from nonsmooth.cli.output import check_files, exit_by_status, save_dataset, table
+from nonsmooth.cli.output import certified, check_files, exit_by_status, save_dataset, table
 from nonsmooth.cli.points import pair_of_variables, strobe_points
 from nonsmooth.errors import OptionError
 
@@ -75,8 +75,7 @@ def _rows(system: System, points: xr.Dataset) -> Iterator[tuple[str, str]]:
     attrs, count = points.attrs, points.sizes["point"]
     yield "status", attrs["message"]
     yield "points", f"{count} of {attrs['record']}"
-    uncertain = attrs["n_uncertain"]
-    yield "certified", f"no, {uncertain} within rounding of a tangency" if uncertain else "yes"
+    yield "certified", certified(attrs["n_uncertain"], attrs["n_estimated"])
     if not count:
         return
     time = points["time"].values

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from nonsmooth.cli.output import table
+from nonsmooth.cli.output import certified, table
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -22,20 +22,13 @@ def summary(run: xr.Dataset) -> str:
     """Status, events, last period, end and progression of a run."""
     attrs = run.attrs
     rows = [("status", f"{attrs['message']}"), *_length(run)]
-    rows.append(("certified", _certified(attrs["n_uncertain"], attrs["n_estimated"])))
+    rows.append(("certified", certified(attrs["n_uncertain"], attrs["n_estimated"])))
     word = "phase word, last period" if "period" in attrs else "phase word"
     rows.append((word, _short(attrs["phase_word"])))
     states = zip(run["state"].values, run["end_state"].values, strict=True)
     rows.append(("end state", ", ".join(f"{name} = {value:.7g}" for name, value in states)))
     rows += _progression(run)
     return table(attrs["system_name"], rows)
-
-
-def _certified(uncertain: int, estimated: int) -> str:
-    """Whether a run is certified, or what stands against it."""
-    if uncertain:
-        return f"no, {uncertain} within rounding of a tangency"
-    return f"no, the error of {estimated} steps is estimated" if estimated else "yes"
 
 
 def _short(word: str) -> str:

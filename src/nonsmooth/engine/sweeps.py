@@ -1,4 +1,4 @@
-"""Motions at many sets of parameter values: each settles, and is recorded, in one call for all."""
+"""Motions at many sets of parameter values: each settles, is recorded, and repeats or not."""
 
 from __future__ import annotations
 
@@ -6,15 +6,18 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+import numpy.typing as npt
 
 from nonsmooth.engine.derivatives import Columns, Rates
 from nonsmooth.engine.lanes import WORK, Anchor, Segment, Tangent
-from nonsmooth.engine.library import engine
-from nonsmooth.engine.record import Floats, Integers, Record, Rows, zeros
+from nonsmooth.engine.library import constant, engine
+from nonsmooth.engine.record import Floats, Integers, Record, Rows, array_pointer, zeros
 from nonsmooth.engine.status import Status
 from nonsmooth.engine.tables import Sizes, Tables
 
-__all__ = ["Sweep", "allocate_sweep", "run_sweep"]
+__all__ = ["REPEATS", "Sweep", "allocate_sweep", "primitive_periods", "run_sweep", "scales"]
+
+REPEATS = constant("REPEATS")  # times that a period must be seen to be believed
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,3 +118,35 @@ def run_sweep(
             tangents.pointer, sweep.pointer,
         )
     )  # fmt: skip
+
+
+def scales(points: Floats, drifting: npt.NDArray[np.bool_]) -> Floats:
+    """What a difference of each state is compared with: its largest size, or step of a drift.
+
+    shapes: points (..., s, n), drifting (n,)
+    """
+    moving = np.abs(np.diff(points, axis=-2)).max(axis=-2, initial=0.0)
+    return np.where(drifting, moving, np.abs(points).max(axis=-2, initial=0.0))
+
+
+def primitive_periods(
+    points: Floats,
+    drifting: npt.NDArray[np.bool_],
+    match: float,
+    scale: Floats | None = None,
+) -> Integers:
+    """Smallest number of steps after which the points of each motion repeat, 0 for none.
+
+    A drifting state repeats its steps. Points repeat where all states agree to ``match`` times
+    their scale, that of `scales` without another one, and were seen to do so `REPEATS` times.
+
+    shapes: points (K, s, n), drifting (n,), scale (K, n)
+    """
+    points = np.ascontiguousarray(points)
+    periods = np.zeros(len(points), np.int64)
+    bounds = match * (scales(points, drifting) if scale is None else scale)
+    engine.nonsmooth_primitive_periods(
+        array_pointer("double", points), array_pointer("uint8_t", np.asarray(drifting, bool)),
+        array_pointer("double", np.ascontiguousarray(bounds)), array_pointer("int64_t", periods),
+    )  # fmt: skip
+    return periods

@@ -10,6 +10,7 @@ import xarray as xr
 from nonsmooth.engine.status import CURES, Status
 from nonsmooth.engine.tables import Tables
 from nonsmooth.maps.section_search import PATIENCE, Search, joined_points
+from nonsmooth.simulation.certificate import with_doubts
 from nonsmooth.simulation.labels import labels_of
 from nonsmooth.simulation.outputs import Clock, output_values
 from nonsmooth.system.system import System
@@ -90,7 +91,7 @@ def _message(found: Search, protocol: dict[str, Any], end: float) -> str:
     if status != Status.COMPLETED:
         return f"{status.word} at t = {end:.9g}, {count} of {record} points: {CURES[status]}"
     if count == record or (count and protocol["t_end"] < np.inf):
-        return "completed"
+        return with_doubts(status.word, found.n_uncertain, found.n_estimated)
     reason = f"; none came in the last {PATIENCE} periods or windows" if found.gave_up else ""
     if count:
         return f"{few}{reason}; does the motion come to rest, or leave the section?"

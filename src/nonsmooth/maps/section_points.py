@@ -106,7 +106,7 @@ def take_points(
     except NoMode:
         raise misfit(chosen, motion, tolerance) from None
     result = section_dataset(system, tables, _every(found, chosen.every), protocol)
-    if result.attrs["message"] != "completed":
+    if not result.attrs["message"].startswith("completed"):
         # told where the user calls the verb or method that calls this
         warnings.warn(f"{system.name}: {result.attrs['message']}", RunWarning, stacklevel=3)
     return result

@@ -146,7 +146,7 @@ def _over_points(system: System, run: xr.Dataset, options: dict[str, Any]) -> xr
     }
     kept = (
         "system", "system_name", "nonsmooth_version", "status", "message", "certified",
-        "n_uncertain", *options,
+        "n_uncertain", "n_estimated", *options,
     )  # fmt: skip
     attrs = {name: run.attrs[name] for name in kept if name in run.attrs}
     return assemble(variables, coords, {}, attrs)

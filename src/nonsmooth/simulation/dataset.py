@@ -10,6 +10,7 @@ from xarray.indexes import PandasIndex
 
 from nonsmooth.engine.status import CURES, Status
 from nonsmooth.simulation.assemble import Columns, assemble
+from nonsmooth.simulation.certificate import with_doubts
 from nonsmooth.simulation.events import event_variables
 from nonsmooth.simulation.labels import Labels, labels_of
 from nonsmooth.simulation.outputs import output_values, sample_clock
@@ -140,11 +141,9 @@ def _message(labels: Labels, outcome: Outcome) -> str:
     """What the status means for this run, with what to do about it."""
     status = outcome.status
     if status == Status.COMPLETED:
-        if not outcome.n_uncertain:
-            steps = outcome.n_estimated
-            return f"completed; the error of {steps} steps is estimated" if steps else "completed"
-        text = f"completed; {outcome.n_uncertain} tangency or tangencies lie within rounding"
-        return text + (", see certified over event" if outcome.keeps_events else "")
+        text = with_doubts(status.word, outcome.n_uncertain, outcome.n_estimated)
+        flagged = outcome.n_uncertain and outcome.keeps_events
+        return text + (", see certified over event" if flagged else "")
     text = f"{status.word} at t = {outcome.end_time:.9g}: {CURES[status]}"
     if status == Status.REFUSED and outcome.history is not None:
         text += f" ({outcome.history.fault})"

@@ -52,13 +52,15 @@ class Lanes(NamedTuple):
     end_state: Floats  # (L, n)
     mode: Integers  # (L,): how each goes on, see `run_lane`
     uncertain: Integers  # (L,): events that rounding leaves open
+    estimated: Integers  # (L,): steps the errors of which are estimated
     since: Rows  # (L,): window and phase up to which these are counted
 
     def select(self, chosen: Integers) -> Lanes:
         """Copy of some of the lanes."""
         return Lanes(
             self.anchors.part(chosen), self.status[chosen], self.end_state[chosen],
-            self.mode[chosen], self.uncertain[chosen], self.since[chosen],
+            self.mode[chosen], self.uncertain[chosen], self.estimated[chosen],
+            self.since[chosen],
         )  # fmt: skip
 
 
@@ -96,6 +98,7 @@ class LaneRunner:
             end_state=np.array(states, dtype=float),
             mode=np.broadcast_to(np.asarray(modes, np.int64), count).copy(),
             uncertain=np.zeros(count, np.int64),
+            estimated=np.zeros(count, np.int64),
             since=lane_records(self.sizes, *_NO_TIMES, 0, count).since,
         )
 
@@ -156,6 +159,7 @@ class LaneRunner:
         lanes.status[chosen], lanes.mode[chosen] = statuses, GOES_ON
         lanes.end_state[chosen] = records.end_state
         lanes.uncertain[chosen] += records.counters["uncertain"]
+        lanes.estimated[chosen] += records.counters["estimated"]
         lanes.since[chosen] = records.since
         return records.sample_state, records.sample_mode
 
@@ -179,6 +183,7 @@ class LaneRunner:
         lanes.status[i], lanes.mode[i] = status, GOES_ON
         lanes.end_state[i] = records.end_state
         lanes.uncertain[i] += records.counters["uncertain"]
+        lanes.estimated[i] += records.counters["estimated"]
         lanes.since[i] = records.since
         count = int(records.counters["samples"])
         return records.sample_state[:count], records.sample_mode[:count], *log.rows(records)

@@ -16,12 +16,12 @@ from nonsmooth.engine.derivatives import no_rates, no_scratch
 from nonsmooth.engine.lanes import allocate_segment, allocate_tangent, lane_anchors
 from nonsmooth.engine.record import Rows
 from nonsmooth.engine.status import Status
-from nonsmooth.engine.sweeps import Sweep, allocate_sweep, run_sweep
+from nonsmooth.engine.sweeps import allocate_sweep, run_sweep
 from nonsmooth.engine.tables import Tables, allocate_stack, set_up
 from nonsmooth.simulation.crew import Stopped
 from nonsmooth.system.system import System
 
-__all__ = ["Motion", "Starts", "SweepRunner", "Times"]
+__all__ = ["Recorded", "Starts", "SweepRunner", "Times"]
 
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
@@ -48,20 +48,22 @@ class Times(NamedTuple):
     phases: Floats  # (K, s)
 
 
-class Motion(NamedTuple):
-    """What one motion has left behind; s samples, r rows of its log."""
+class Recorded(NamedTuple):
+    """What K motions have left behind; s samples, r events in all."""
 
-    status: Status
-    window: float
-    numbers: Integers  # (s,)
-    phases: Floats  # (s,)
-    states: Floats  # (s, n)
-    modes: Integers  # (s,)
-    rows: Rows  # (r,), none for the start
+    statuses: Integers  # (K,)
+    windows: Floats  # (K,): lengths, nan of what was refused
+    numbers: Integers  # (K, s)
+    phases: Floats  # (K, s)
+    states: Floats  # (K, s, n), nan behind the end of a motion
+    modes: Integers  # (K, s), -1 there
+    rows: Rows  # (r,): the logs one after the other, no rows for the starts
     event_states: Floats  # (r, 2, n): before and after each event
-    uncertain: int  # events that rounding leaves open, from the start on
-    end_state: Floats  # (n,)
-    end_mode: int
+    logs: Integers  # (K + 1,): first row of each log, and the end of the last one
+    uncertain: Integers  # (K,): events that rounding leaves open, from the start on
+    estimated: Integers  # (K,): steps the errors of which are estimated, likewise
+    end_states: Floats  # (K, n)
+    end_modes: Integers  # (K,)
 
 
 class SweepRunner:
@@ -109,7 +111,7 @@ class SweepRunner:
         *,
         follows: Times | None = None,
         stop: threading.Event | None = None,
-    ) -> list[Motion]:
+    ) -> Recorded:
         """Run a motion for each set to its first time, and on to its last one with a log.
 
         Motions that are not ``usable``, (K,), are refused. ``follows`` has the instants (K, 1)
@@ -132,22 +134,13 @@ class SweepRunner:
             status = run_sweep(
                 self._stack, _RATES, _SCRATCH, anchors, self._segment, self._tangent, sweep
             )
-        return self._motions(sweep, anchors.place["mode"])
-
-    def _motions(self, sweep: Sweep, end_modes: Integers) -> list[Motion]:
-        """What each motion has left behind."""
-        uncertain = (sweep.settling["uncertain"] + sweep.recording["uncertain"]).tolist()
-        counts = sweep.recording["samples"].tolist()
         refused = sweep.statuses == Status.REFUSED
-        windows = np.where(refused, np.nan, self.windows).tolist()
-        logs, modes = sweep.logs.tolist(), end_modes.tolist()
-        return [
-            Motion(
-                Status(status), windows[k],
-                sweep.sample_number[k], sweep.sample_phase[k],
-                sweep.sample_state[k, : counts[k]], sweep.sample_mode[k, : counts[k]],
-                sweep.events[logs[k] : logs[k + 1]], sweep.event_states[logs[k] : logs[k + 1]],
-                uncertain[k], sweep.end_state[k], modes[k],
-            )
-            for k, status in enumerate(sweep.statuses.tolist())
-        ]  # fmt: skip
+        end = int(sweep.logs[-1])
+        uncertain, estimated = (
+            sweep.settling[name] + sweep.recording[name] for name in ("uncertain", "estimated")
+        )
+        return Recorded(
+            sweep.statuses, np.where(refused, np.nan, self.windows), *times, sweep.sample_state,
+            sweep.sample_mode, sweep.events[:end], sweep.event_states[:end], sweep.logs,
+            uncertain, estimated, sweep.end_state, anchors.place["mode"],
+        )  # fmt: skip

@@ -31,6 +31,7 @@ from nonsmooth.engine.status import EventKind, Status
 from nonsmooth.engine.tables import ORDER, STILL_ZERO, TAYLOR, Tables
 from nonsmooth.simulation.clock import Instant
 from nonsmooth.simulation.event_log import FIRST_CAPACITY
+from nonsmooth.simulation.impacts import Impacts, happened
 from nonsmooth.simulation.runner import Derivatives, NoMode
 
 __all__ = ["Saved", "TangentFlow"]
@@ -48,7 +49,7 @@ class Saved:
     columns: Matrix
     counters: Rows
     since: Rows
-    counts: tuple[int, int, int]
+    counts: tuple[int, int, int, int]
 
 
 class TangentFlow:
@@ -57,7 +58,15 @@ class TangentFlow:
     Columns are rows of arrays here, as in the engine: ``columns[c]`` is a vector of n states.
     """
 
-    def __init__(self, tables: Tables, derivatives: Derivatives, count: int, tolerance: float):
+    def __init__(
+        self,
+        tables: Tables,
+        derivatives: Derivatives,
+        count: int,
+        tolerance: float,
+        impacts: Impacts | None = None,
+    ):
+        self.impacts = impacts  # None: they are not counted
         self.tables, self.derivatives, self.tolerance = tables, derivatives, tolerance
         self.window = tables.window
         self.n = tables.sizes.states
@@ -71,7 +80,7 @@ class TangentFlow:
             events=self._many.events[:2].copy(),
             event_states=self._many.event_states[:2].copy(),
         )
-        self.n_events = self.n_impacts = self.n_uncertain = 0
+        self.n_events = self.n_impacts = self.n_uncertain = self.n_estimated = 0
         self.last_event = np.zeros((), self._many.events.dtype)
 
     def start(self, state: Matrix, begin: Instant, mode: int) -> Status:
@@ -86,8 +95,8 @@ class TangentFlow:
         status = self._run(begin, mode, whole, one_event=False)
         if status == Status.INADMISSIBLE and self._many.counters["events"] == 0:
             raise NoMode(self.segment.z.copy())
-        self.passed_at_start = self.n_events > 0 and bool(self.last_event["passes"] > 0)
-        self.n_events = self.n_impacts = 0  # the start is none
+        self.passed_at_start = bool(self.last_event["passes"] > 0)
+        self.n_events = self.n_impacts = 0  # what happens at the start is none
         self.first_columns = whole.columns[:, : self.n].copy()
         return status
 
@@ -102,14 +111,23 @@ class TangentFlow:
         return self.anchor.mode
 
     @property
-    def counts(self) -> tuple[int, int, int]:
-        """Events, impacts among them, and what rounding left open, up to the anchor or the end."""
-        return self.n_events, self.n_impacts, self.n_uncertain
+    def counts(self) -> tuple[int, int, int, int]:
+        """Events, impacts, events that rounding left open and steps with estimated errors.
+
+        Up to the anchor or the end.
+        """
+        return self.n_events, self.n_impacts, self.n_uncertain, self.n_estimated
 
     @property
     def columns(self) -> Matrix:
         """Columns at the anchor."""
         return self._tangent.columns[:, : self.n]
+
+    @property
+    def end_state(self) -> Matrix:
+        """State at the instant to which the last piece was asked to run."""
+        state: Matrix = self._many.end_state
+        return state
 
     @property
     def columns_at_end(self) -> Matrix:
@@ -154,7 +172,7 @@ class TangentFlow:
         self.set_columns(saved.columns)
         self._many.counters[()] = saved.counters
         self._many.since[()] = saved.since
-        self.n_events, self.n_impacts, self.n_uncertain = saved.counts
+        self.n_events, self.n_impacts, self.n_uncertain, self.n_estimated = saved.counts
 
     def run_to(self, end: Instant, *, one_event: bool = False) -> Status:
         """Run on to an instant, or with ``one_event`` to just behind the next event.
@@ -248,7 +266,8 @@ class TangentFlow:
         records.sample_number[0], records.sample_phase[0] = end
         records.counters["samples"] = records.counters["segments"] = 0
         while True:
-            records.counters["events"] = records.counters["uncertain"] = 0
+            for name in ("events", "uncertain", "estimated"):
+                records.counters[name] = 0
             status = run(self._lane(tangent), records, mode, end, self.tolerance)
             self._count(records)
             mode = GOES_ON
@@ -264,6 +283,8 @@ class TangentFlow:
         passed = rows[rows["kind"] != EventKind.GRAZE]
         if len(passed):
             self.last_event = passed[-1].copy()
-        self.n_events += len(passed)
-        self.n_impacts += int(np.count_nonzero(passed["kind"] == EventKind.IMPACT))
+        self.n_events += int(np.count_nonzero(happened(rows)))
+        if self.impacts is not None:
+            self.n_impacts += self.impacts.count(rows)
         self.n_uncertain += int(records.counters["uncertain"])
+        self.n_estimated += int(records.counters["estimated"])

@@ -9,6 +9,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from nonsmooth.analysis.diagrams.columns import Look, Protocol
+from nonsmooth.analysis.statistics.periodicity import REPEATS
 from nonsmooth.engine.status import Status
 from nonsmooth.simulation.labels import labels_of
 from nonsmooth.version import __version__
@@ -46,13 +47,12 @@ def diagram_dataset(
         "parameter": (("parameter",), grid, {"long_name": label}),
         "lane": (("lane",), np.arange(shape[1]), {"long_name": "initial state"}),
     }
-    ended = {one.status.word for _, _, one in _each(looks)} - {Status.COMPLETED.word}
     attrs = {
         "system_name": system.name,
         "system": labels.system,
         "nonsmooth_version": __version__,
         "status": "completed" if complete else "interrupted",
-        "message": _message(ended, complete),
+        "message": _message(protocol, [one for _, _, one in _each(looks)], complete),
         "parameter": protocol.parameter,
     }
     return xr.Dataset(variables, coords, attrs | options)
@@ -70,13 +70,14 @@ def _of_lanes(
 ) -> dict[str, Any]:
     """Variables with one value for each column and lane."""
     period = np.zeros(shape, np.int64)
-    uncertain = np.zeros(shape, np.int64)
+    uncertain, estimated = np.zeros(shape, np.int64), np.zeros(shape, np.int64)
     events, impacts, window = (np.full(shape, np.nan) for _ in range(3))
     drift = np.full((*shape, len(protocol.system.states)), np.nan)
     word = np.full(shape, "", object)
     status = np.full(shape, Status.INTERRUPTED.word, object)
     for i, j, one in _each(looks):
-        period[i, j], uncertain[i, j] = one.period, one.uncertain
+        period[i, j] = one.period
+        uncertain[i, j], estimated[i, j] = one.uncertain, one.estimated
         events[i, j], impacts[i, j] = one.events, one.impacts
         window[i, j], drift[i, j] = one.window, one.drift
         word[i, j], status[i, j] = one.word, one.status.word
@@ -87,8 +88,11 @@ def _of_lanes(
         "events": (_LANES, events, {"long_name": f"events per {protocol.unit}"}),
         "impacts": (_LANES, impacts, {"long_name": f"impacts per {protocol.unit}"}),
         "n_uncertain": (_LANES, uncertain, {"long_name": "events that rounding leaves open"}),
+        "n_estimated": (
+            _LANES, estimated, {"long_name": "steps the errors of which are estimated"},
+        ),
         "status": (_LANES, status.astype(str), {"long_name": "how the motion ended"}),
-    }
+    }  # fmt: skip
     for name in protocol.system.drift_states:
         k = protocol.system.states.index(name)
         label = labels_of(protocol.system).attributes(name)["long_name"]
@@ -101,9 +105,19 @@ def _of_lanes(
     return variables
 
 
-def _message(ended: set[str], complete: bool) -> str:
+def _message(protocol: Protocol, looks: list[Look], complete: bool) -> str:
+    """How the motions ended, and how many of them show no period."""
     if not complete:
         return "interrupted by the user; the columns that are done are kept"
+    ended = {one.status.word for one in looks} - {Status.COMPLETED.word}
     if ended:
         return "some motions ended early, see status: " + ", ".join(sorted(ended))
-    return "completed"
+    restless = sum(one.period == 0 for one in looks)
+    if not restless:
+        return "completed"
+    length = protocol.transient + protocol.record
+    return (
+        f"completed; {restless} of {len(looks)} motions have not settled to a period of at most"
+        f" {protocol.record // REPEATS} within {length} {protocol.unit}s: chaos, a longer period or"
+        " a long transient, which a longer transient= or regime tells"
+    )

@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.analysis.diagrams.columns import Look, Protocol, run_chain
+from nonsmooth.analysis.diagrams.columns import Look, Protocol
 from nonsmooth.analysis.diagrams.section_columns import run_section_chain
+from nonsmooth.analysis.diagrams.strobe_columns import run_strobe_chain
 from nonsmooth.engine.tables import Tables
 from nonsmooth.maps.of_system import Map
 from nonsmooth.maps.poincare import PoincareMap
@@ -49,7 +50,7 @@ def _task(
         found = resolve_start(system, tables, initial, None, mode, repeated=True)
         return found.state, found.modes[0]
 
-    chain: Any = run_section_chain if isinstance(protocol.chosen, PoincareMap) else run_chain
+    chain: Any = run_section_chain if isinstance(protocol.chosen, PoincareMap) else run_strobe_chain
 
     def run(runner: Any, stop: threading.Event) -> list[Look]:
         return list(chain(protocol, runner, stop, values, begin, follow=start != "restart"))

@@ -16,7 +16,7 @@ from nonsmooth.errors import ModelError
 from nonsmooth.maps.stroboscopic import StroboscopicMap
 from nonsmooth.simulation.clock import Instant
 from nonsmooth.simulation.stroboscopic import strobes
-from nonsmooth.simulation.sweep_runner import Motion, Starts, SweepRunner, Times
+from nonsmooth.simulation.sweep_runner import Recorded, Starts, SweepRunner, Times
 
 __all__ = ["Motions", "Recording"]
 
@@ -54,32 +54,34 @@ class Motions:
         self._own = list(system.parameter_values.values())
         self._drifting = np.array([name in system.drift_states for name in system.states])
 
-    def run(self, values: list[float], stop: threading.Event) -> Iterator[Motion]:
-        """Run a motion at each value; REFUSED where the system refuses the value."""
+    def run(self, values: list[float], stop: threading.Event) -> Iterator[Recorded]:
+        """Run a motion at each value; REFUSED where the system refuses the value.
+
+        They come some at a time.
+        """
         runner = self._runner
-        last: Motion | None = None
+        last: Recorded | None = None
         runner.set_up(np.array([self._own]))
         columns = ColumnStarts(self._chosen, self._parameter, values, runner.tables(0), self._start)
         for first in range(0, len(values), runner.most):
             numbers = range(first, min(first + runner.most, len(values)))
             group = [_column(columns, i) for i in numbers]
-            found = self._run_group(group, last, stop)
-            yield from found
-            last = found[-1]
+            last = self._run_group(group, last, stop)
+            yield last
 
     def _run_group(
-        self, group: list[Column | None], last: Motion | None, stop: threading.Event
-    ) -> list[Motion]:
-        """Run motions that have tables side by side; ``last`` is the one before them."""
+        self, group: list[Column | None], before: Recorded | None, stop: threading.Event
+    ) -> Recorded:
+        """Run motions that have tables side by side, behind those ``before``."""
         rows = [self._own if each is None else list(each.values.values()) for each in group]
         usable = self._runner.set_up(np.array(rows))
         usable &= np.array([each is not None for each in group])
         first, times = self._times(group)
         starts = self._starts(group, usable)
         follows = first if self._follow else None
-        if follows is not None and last is not None and last.status == Status.COMPLETED:
-            starts.states[0] = np.where(self._drifting, starts.states[0], last.end_state)
-            starts.modes[0] = SAME - last.end_mode
+        if follows and before is not None and before.statuses[-1] == Status.COMPLETED:
+            starts.states[0] = np.where(self._drifting, starts.states[0], before.end_states[-1])
+            starts.modes[0] = SAME - before.end_modes[-1]
             starts.numbers[0], starts.phases[0] = first.numbers[0, 0], first.phases[0, 0]
         return self._runner.run(starts, times, usable, follows=follows, stop=stop)
 

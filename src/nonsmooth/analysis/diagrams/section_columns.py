@@ -9,15 +9,16 @@ import numpy.typing as npt
 
 from nonsmooth.analysis.diagrams.column_starts import Start
 from nonsmooth.analysis.diagrams.columns import Look, Protocol, nothing, with_outputs
-from nonsmooth.analysis.statistics.periodicity import primitive_period, scales
+from nonsmooth.analysis.statistics.periodicity import primitive_period, scales, whole_periods
 from nonsmooth.engine.lanes import SAME
 from nonsmooth.engine.record import Rows
-from nonsmooth.engine.status import EventKind, Status
+from nonsmooth.engine.status import Status
 from nonsmooth.errors import ModelError
 from nonsmooth.maps.poincare import PoincareMap
 from nonsmooth.maps.section_runner import SectionLanes, SectionRunner
 from nonsmooth.maps.section_search import Points
 from nonsmooth.simulation.clock import Instant
+from nonsmooth.simulation.impacts import impacts_of
 from nonsmooth.simulation.words import word_of_modes
 
 __all__ = ["run_section_chain"]
@@ -36,7 +37,8 @@ def run_section_chain(
 ) -> list[Look]:
     """Motions at several values of the parameter.
 
-    The same as `run_chain` does for strobes; a motion is followed from just behind its last point.
+    The same as `run_strobe_chain` does for strobes; a motion is followed from just behind its last
+    point.
     """
     looks: list[Look] = []
     last: tuple[Floats, int, float] | None = None  # state, mode and part of the window
@@ -80,8 +82,10 @@ def _look(
     states, modes = points.states[side], points.modes[side]
     since = (points.number - points.number[0]) * window + (points.phase - points.phase[0])
     period = _period(protocol, states, since, lanes.ways[0].size)
-    kind = rows["kind"][points.row[0] + 1 : points.row[-1] + 1]
-    kind = kind[runner.is_event(rows)[points.row[0] + 1 : points.row[-1] + 1]]
+    count = whole_periods(protocol.record, period)
+    first = -1 - count
+    passed = rows[points.row[first] + 1 : points.row[-1] + 1]
+    passed = passed[runner.is_event(passed)]
     # the last point closes the recorded time and belongs to the next iterate
     taken = states[:-1], points.number[:-1], points.phase[:-1], modes[:-1]
     if protocol.outputs:
@@ -92,11 +96,12 @@ def _look(
         *taken,
         period,
         _word(runner, points, rows, period) if period else "",
-        kind.size / protocol.record,
-        np.count_nonzero(kind == EventKind.IMPACT) / protocol.record,
-        (states[-1] - states[0]) / protocol.record,
+        len(passed) / count,
+        impacts_of(runner.engine.system).count(passed) / count,
+        (states[-1] - states[first]) / count,
         int(lanes.lanes.uncertain[0]),
-        float(since[-1]) / protocol.record,
+        int(lanes.lanes.estimated[0]),
+        float(since[-1] - since[first]) / count,
     )
     return look, points
 

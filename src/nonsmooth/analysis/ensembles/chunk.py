@@ -54,6 +54,7 @@ def empty_chunk(protocol: Protocol, count: int, status: Status) -> Chunk:
         "end_time": np.full(count, np.nan),
         "status": np.full(count, int(status), np.int8),
         "uncertain": np.zeros(count, np.int64),
+        "estimated": np.zeros(count, np.int64),
     }
 
 
@@ -126,6 +127,7 @@ def _write(
     part["modes"][rows] = modes
     part["status"][rows] = lanes.status
     part["uncertain"][rows] = lanes.uncertain
+    part["estimated"][rows] = lanes.estimated
     part["end"][rows] = lanes.end_state
     ended = lanes.status != Status.COMPLETED
     numbers = np.where(ended, lanes.anchors.place["number"], plan.end.number)

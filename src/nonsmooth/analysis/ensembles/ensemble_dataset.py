@@ -21,7 +21,9 @@ from nonsmooth.simulation.store import trouble
 __all__ = ["Frame", "dataset_in_file", "dataset_in_memory"]
 
 _MARGIN, _OF_TEXT = 2**20, 64  # bytes that a file has more, in all and for each lane
-_OWN = ("mode", "status", "n_uncertain", "end_time", "initial_state", "end_state")
+_OWN = (
+    "mode", "status", "n_uncertain", "n_estimated", "end_time", "initial_state", "end_state",
+)  # fmt: skip
 _WORDS = np.array([status.word for status in Status if status < Status.BUFFER_FULL], object)
 _CODES = np.array([status for status in Status if status < Status.BUFFER_FULL], np.int64)
 
@@ -62,6 +64,7 @@ class Frame:
         for name, values, label in (
             ("status", words, "how the run ended"),
             ("n_uncertain", chunk["uncertain"], "events that rounding leaves open"),
+            ("n_estimated", chunk["estimated"], "steps the errors of which are estimated"),
             ("end_time", chunk["end_time"], "time at the end"),
         ):
             found[name] = (single, values, {"long_name": label})

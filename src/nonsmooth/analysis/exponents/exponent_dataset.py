@@ -11,6 +11,7 @@ import xarray as xr
 from nonsmooth.analysis.exponents.exponent_run import ExponentRun
 from nonsmooth.analysis.statistics.block_averages import block_averages
 from nonsmooth.engine.status import CURES, Status
+from nonsmooth.simulation.certificate import with_doubts
 from nonsmooth.simulation.labels import labels_of
 from nonsmooth.system.system import System
 from nonsmooth.version import __version__
@@ -20,8 +21,13 @@ __all__ = ["exponent_dataset", "kaplan_yorke_dimension"]
 Vector = npt.NDArray[np.float64]
 
 
-def exponent_dataset(system: System, run: ExponentRun, options: dict[str, Any]) -> xr.Dataset:
-    """Exponents in order with their errors, the running estimate, sum and dimension."""
+def exponent_dataset(
+    system: System, run: ExponentRun, unsettled: str, options: dict[str, Any]
+) -> xr.Dataset:
+    """Exponents in order with their errors, the running estimate, sum and dimension.
+
+    ``unsettled``: why they are those of a transient, "" where nothing says so.
+    """
     running = _running(run)
     values = running[-1] if len(running) else np.full(run.growth.shape[1], np.nan)
     order = np.argsort(-values, kind="stable")
@@ -65,11 +71,14 @@ def exponent_dataset(system: System, run: ExponentRun, options: dict[str, Any]) 
         "system": labels_of(system).system,
         "nonsmooth_version": __version__,
         "status": run.status.word,
-        "message": _message(run),
+        "message": _message(run) + (f"; {unsettled}" if unsettled else ""),
+        "settled": int(not unsettled),
         "duration": duration,
         "n_events": run.n_events,
         "n_impacts": run.n_impacts,
+        "certified": int(run.n_uncertain == run.n_estimated == 0),
         "n_uncertain": run.n_uncertain,
+        "n_estimated": run.n_estimated,
         "block_length": blocks.length,
         "n_blocks": blocks.n_blocks,
         "blocks_independent": int(blocks.independent),
@@ -109,8 +118,6 @@ def _running(run: ExponentRun) -> Vector:
 
 def _message(run: ExponentRun) -> str:
     if run.status == Status.COMPLETED:
-        if not run.n_uncertain:
-            return "completed"
-        return f"completed; {run.n_uncertain} tangency or tangencies lie within rounding"
+        return with_doubts(run.status.word, run.n_uncertain, run.n_estimated)
     text = f"{run.status.word} at t = {run.end_time:.9g}: {CURES[run.status]}"
     return text + ("" if len(run.growth) > 1 else "; there is no record, so no exponent")

@@ -14,6 +14,7 @@ from nonsmooth.engine.status import Status
 from nonsmooth.engine.tables import Tables
 from nonsmooth.simulation.clock import Instant
 from nonsmooth.simulation.first_mode import in_first_mode
+from nonsmooth.simulation.impacts import impacts_of
 from nonsmooth.simulation.progress import Progress
 from nonsmooth.simulation.runner import Derivatives
 from nonsmooth.simulation.start import Start
@@ -43,7 +44,11 @@ class ExponentRun:
     n_events: int
     n_impacts: int
     n_uncertain: int
+    n_estimated: int
     end_time: float  # of the run, which may have ended early
+    end: Instant  # of the record
+    end_state: npt.NDArray[np.float64]  # (n,)
+    end_mode: int
 
 
 def run_exponents(
@@ -82,7 +87,7 @@ def run_exponents(
                 progress.update(k + 1)
     except KeyboardInterrupt:
         status = Status.INTERRUPTED
-    last, first = (counts[-1], counts[0]) if counts else ((0, 0, 0), (0, 0, 0))
+    last, first = (counts[-1], counts[0]) if counts else ((0, 0, 0, 0), (0, 0, 0, 0))
     return ExponentRun(
         status=status,
         times=np.array([end.time(flow.window) for end in ends]),
@@ -91,7 +96,11 @@ def run_exponents(
         n_events=last[0] - first[0],
         n_impacts=last[1] - first[1],
         n_uncertain=last[2] - first[2],
+        n_estimated=last[3] - first[3],
         end_time=flow.here.time(flow.window),
+        end=ends[-1] if ends else start.instant,
+        end_state=flow.end_state.copy(),
+        end_mode=flow.mode,
     )
 
 
@@ -106,7 +115,7 @@ def _started(
     """Flow at its start, in the first of the modes that admits it."""
 
     def begin(mode: int) -> tuple[TangentFlow, Status]:
-        flow = TangentFlow(tables, derivatives, count, tolerance)
+        flow = TangentFlow(tables, derivatives, count, tolerance, impacts_of(system))
         return flow, flow.start(start.state, start.instant, mode)
 
     return in_first_mode(system, tables, start, begin)

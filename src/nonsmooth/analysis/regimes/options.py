@@ -19,7 +19,13 @@ _DOUBLINGS = 16  # of the transient, as a factor, where no longest one is given
 
 
 def make_protocol(
-    transient: Any, record: Any, evidence: Any, longest: Any, phase: Any, match: Any
+    transient: Any,
+    record: Any,
+    evidence: Any,
+    longest: Any,
+    confirm: Any,
+    phase: Any,
+    match: Any,
 ) -> Protocol:
     """Protocol of these options, all of them checked."""
     left_out = 0 if transient == 0 else whole_number("transient", transient)
@@ -37,11 +43,12 @@ def make_protocol(
             f"longest = {most} is less than transient = {left_out}, from which the transient is"
             " doubled"
         )
-    check_count(most + 4 * window)
+    more = 0 if confirm == 0 else whole_number("confirm", confirm)
+    check_count(most + 4 * window + more)
     number = finite_number("match", match)
     if not 0.0 < number < 1.0:
         raise OptionError(f"match = {number:g} must lie between 0 and 1; 1e-6 is usual")
-    return Protocol(left_out, kept, window, most, check_phase(phase), number)
+    return Protocol(left_out, kept, window, most, more, check_phase(phase), number)
 
 
 def check_system(system: System, period: Any, verb: str) -> None:

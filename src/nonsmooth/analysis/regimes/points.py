@@ -29,9 +29,9 @@ __all__ = ["Plane"]
 _TOGETHER = 16  # points in a task: some hundredths of a second
 _NUMBERS = (
     "transient_used", "length", "period", "events", "impacts", "exponent", "error", "k",
-    "residual", "uncertain",
+    "residual", "uncertain", "estimated",
 )  # fmt: skip
-_WHOLE = ("transient_used", "period", "uncertain")
+_WHOLE = ("transient_used", "period", "uncertain", "estimated")
 
 Places = npt.NDArray[np.int64]
 

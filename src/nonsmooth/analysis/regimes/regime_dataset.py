@@ -57,6 +57,9 @@ def numbers_of(
     variables["n_uncertain"] = variable(
         [v.uncertain if v else 0 for v in verdicts], "events that rounding leaves open"
     )
+    variables["n_estimated"] = variable(
+        [v.estimated if v else 0 for v in verdicts], "steps the errors of which are estimated"
+    )
     return variables | _drifts(system, verdicts, variable)
 
 

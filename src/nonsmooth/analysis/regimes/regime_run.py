@@ -56,7 +56,8 @@ def settled_regime(
     """Regime of the motion from a start; ``length`` between strobes, None for the period.
 
     The runner has the parameters of the system. The transient is doubled until one window of
-    strobes gives the label that the window before has given.
+    strobes gives the label that the window before has given. Chaos may be one more transient, so a
+    chaotic motion is run on.
     """
     motion = _Motion(protocol, system, runner, start, length, stop)
     first = protocol.transient
@@ -64,6 +65,8 @@ def settled_regime(
         following = 2 * max(first, protocol.record)
         verdict = motion.look(first, is_last=following > protocol.longest)
         following = max(following, motion.reached)
+        if verdict.label == labels.CHAOTIC and protocol.confirm:
+            return motion.run_on(verdict)
         if verdict.is_settled or following > protocol.longest:
             return verdict
         first = following
@@ -104,34 +107,10 @@ class _Motion:
 
     def look(self, first: int, *, is_last: bool) -> Verdict:
         """Verdict on the two windows after so many strobes."""
-        record, protocol = self.protocol.record, self.protocol
-        if self._has_ended:
+        windows = self._windows(first)
+        if windows is None:
             return self._ended(first)
-        numbers, phases = self._strobes(first, 2 * record + 1)
-        self._go_to(_instant(numbers, phases, 0))
-        if self._has_ended:
-            return self._ended(first)
-        # the states between the last two strobes tell how large they are, and whether they rest
-        between = [self._after(_instant(numbers, phases, -2), part) for part in _BETWEEN]
-        numbers = np.insert(numbers, -1, [instant.number for instant in between])
-        phases = np.insert(phases, -1, [instant.phase for instant in between])
-        states, modes, rows, _ = self.runner.record(self.lanes, 0, numbers, phases)
-        if self._has_ended:
-            return self._ended(first)
-        self.reached = first + 2 * record
-        self.sizes = np.maximum(self.sizes, np.abs(states).max(axis=0))
-        others = np.arange(-1 - len(between), -1)
-        self.between, self.modes_between = states[others], modes[others]
-        windows = Windows(
-            np.delete(states, others, axis=0),
-            np.delete(modes, others),
-            np.delete(numbers, others),
-            np.delete(phases, others),
-            rows,
-            rows["phase"],
-            self.runner.window,
-        )
-        before, now = windows.returns(self.drifting, self.sizes, protocol.match)
+        before, now = windows.returns(self.drifting, self.sizes, self.protocol.match)
         seen = self._seen(windows, first, now)
         if before[0] != now[0]:
             return seen.unsettled(f"one window has the period {before[0]}, the next {now[0]}")
@@ -141,11 +120,54 @@ class _Motion:
             return seen.unsettled("strobes come closer to each other from window to window")
         return self._not_repeating(windows, seen)
 
+    def run_on(self, chaotic: Verdict) -> Verdict:
+        """Verdict on a chaotic motion that is followed further: it may settle, or end."""
+        first = self.reached + self.protocol.confirm
+        windows = self._windows(first)
+        if windows is None:
+            return self._ended(first)
+        before, now = windows.returns(self.drifting, self.sizes, self.protocol.match)
+        if before[0] == now[0] and now[0]:
+            return self._repeating(windows, self._seen(windows, first, now))
+        return replace(
+            chaotic, reason=f"{chaotic.reason}; it has not settled within {self.reached} periods"
+        )
+
+    def _windows(self, first: int) -> Windows | None:
+        """The two windows after so many strobes; None where the motion ends before."""
+        record = self.protocol.record
+        if self._has_ended:
+            return None
+        numbers, phases = self._strobes(first, 2 * record + 1)
+        self._go_to(_instant(numbers, phases, 0))
+        if self._has_ended:
+            return None
+        # the states between the last two strobes tell how large they are, and whether they rest
+        between = [self._after(_instant(numbers, phases, -2), part) for part in _BETWEEN]
+        numbers = np.insert(numbers, -1, [instant.number for instant in between])
+        phases = np.insert(phases, -1, [instant.phase for instant in between])
+        states, modes, rows, _ = self.runner.record(self.lanes, 0, numbers, phases)
+        if self._has_ended:
+            return None
+        self.reached = first + 2 * record
+        self.sizes = np.maximum(self.sizes, np.abs(states).max(axis=0))
+        others = np.arange(-1 - len(between), -1)
+        self.between, self.modes_between = states[others], modes[others]
+        return Windows(
+            np.delete(states, others, axis=0),
+            np.delete(modes, others),
+            np.delete(numbers, others),
+            np.delete(phases, others),
+            rows,
+            rows["phase"],
+            self.runner.window,
+        )
+
     def _seen(self, windows: Windows, first: int, found: tuple[int, float]) -> Verdict:
         """What strobes and events alone tell."""
         last = len(windows.points) - 1
         count = found[0] or last
-        events, impacts = windows.counts(last - count, last)
+        events, impacts = windows.counts(self.system, last - count, last)
         return Verdict(
             label=labels.UNSETTLED,
             reason="",
@@ -158,6 +180,7 @@ class _Motion:
             impacts=impacts / count,
             residual=found[1],
             uncertain=int(self.lanes.uncertain[0]),
+            estimated=int(self.lanes.estimated[0]),
         )
 
     def _repeating(self, windows: Windows, seen: Verdict) -> Verdict:
@@ -377,6 +400,7 @@ class _Motion:
             length=self.length,
             drift=np.full(self.drifting.size, np.nan),
             uncertain=int(self.lanes.uncertain[0]),
+            estimated=int(self.lanes.estimated[0]),
         )
 
 

@@ -22,6 +22,7 @@ class Protocol:
     record: int
     evidence: int
     longest: int
+    confirm: int  # strobes for which a chaotic motion is run on
     phase: float
     match: float
 
@@ -45,6 +46,7 @@ class Verdict:
     k: float = np.nan
     residual: float = np.nan
     uncertain: int = 0
+    estimated: int = 0
 
     @property
     def is_settled(self) -> bool:

@@ -9,8 +9,8 @@ import numpy.typing as npt
 
 from nonsmooth.analysis.statistics.periodicity import nearest_return, scales
 from nonsmooth.engine.record import Rows
-from nonsmooth.engine.status import EventKind
 from nonsmooth.simulation.clock import Instant
+from nonsmooth.simulation.impacts import happened, impacts_of
 from nonsmooth.simulation.words import word_of_modes
 from nonsmooth.system.system import System
 
@@ -69,16 +69,14 @@ class Windows:
         entered = [int(self.modes[first]), *self.rows["to_mode"][within]]
         return word_of_modes(system, np.array(entered))
 
-    def counts(self, first: int, last: int) -> tuple[int, int]:
+    def counts(self, system: System, first: int, last: int) -> tuple[int, int]:
         """Events between two strobes, and the impacts among them."""
         within = self._between(first, last)
-        impacts = self.rows["kind"] == EventKind.IMPACT
-        return int(np.count_nonzero(within)), int(np.count_nonzero(within & impacts))
+        return int(np.count_nonzero(within)), impacts_of(system).count(self.rows[within])
 
     def _between(self, first: int, last: int) -> npt.NDArray[np.bool_]:
-        kinds = self.rows["kind"]
-        passed = (kinds != EventKind.GRAZE) & (kinds != EventKind.START)
-        return passed & (self._since(first) > 0.0) & (self._since(last) <= 0.0)
+        # an event at the instant of a strobe comes behind it: it has not changed its state
+        return happened(self.rows) & (self._since(first) >= 0.0) & (self._since(last) < 0.0)
 
     def _since(self, k: int) -> Floats:
         """Time of every event since a strobe."""

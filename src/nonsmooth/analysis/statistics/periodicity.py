@@ -2,22 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["REPEATS", "nearest_return", "primitive_period", "scales"]
+from nonsmooth.engine.sweeps import REPEATS, primitive_periods, scales
+
+__all__ = ["REPEATS", "nearest_return", "primitive_period", "scales", "whole_periods"]
 
 Floats = npt.NDArray[np.float64]
-REPEATS = 2  # times that a period must be seen to be believed
-
-
-def scales(points: Floats, drifting: npt.NDArray[np.bool_]) -> Floats:
-    """What a difference of each state is compared with: its largest size, or step of a drift.
-
-    shapes: points (K, n), drifting (n,)
-    """
-    moving = np.abs(np.diff(points, axis=0)).max(axis=0, initial=0.0)
-    return np.where(drifting, moving, np.abs(points).max(axis=0, initial=0.0))
 
 
 def primitive_period(
@@ -30,16 +24,7 @@ def primitive_period(
 
     shapes: points (K, n), drifting (n,), scale (n,)
     """
-    if not np.all(np.isfinite(points)):
-        return 0
-    relative = points - np.where(drifting, points[0], 0.0)
-    # most steps are ruled out by the last point alone
-    longest = (len(points) - 1) // REPEATS
-    last = np.abs(points[len(points) - 1 - longest : -1] - points[-1]) <= match * scale
-    for p in (1 + np.flatnonzero(np.all(last | drifting, axis=1)[::-1])).tolist():
-        if np.all(_largest_changes(relative, drifting, p) <= match * scale):
-            return p
-    return 0
+    return int(primitive_periods(points[None], drifting, match, scale[None])[0])
 
 
 def nearest_return(
@@ -62,6 +47,12 @@ def nearest_return(
             return p, residual
         least = min(least, residual)
     return 0, least
+
+
+def whole_periods(count: int, period: Any) -> Any:
+    """Steps in the last whole periods of so many; all of them where there is no period."""
+    unit = np.maximum(period, 1)
+    return count // unit * unit
 
 
 def _largest_changes(relative: Floats, drifting: npt.NDArray[np.bool_], p: int) -> Floats:

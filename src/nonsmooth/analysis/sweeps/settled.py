@@ -9,9 +9,10 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.engine.status import EventKind, Status
+from nonsmooth.engine.status import Status
 from nonsmooth.maps.stroboscopic import StroboscopicMap
 from nonsmooth.simulation.clock import Instant, instants
+from nonsmooth.simulation.impacts import happened
 from nonsmooth.simulation.lane_runner import LaneRunner, Lanes
 from nonsmooth.simulation.outputs import SweptClock, output_values
 from nonsmooth.simulation.stroboscopic import strobes
@@ -94,7 +95,7 @@ class Settled:
         _, _, rows, states = self.runner.record(lanes, 0, numbers, phases)
         self.status = Status(int(lanes.status[0]))
         # a run that goes on has no row for its start
-        kept = (rows["kind"] != EventKind.GRAZE) & (rows["kind"] != EventKind.START)
+        kept = happened(rows)
         rows, states = rows[kept], states[kept]
         number, phase = rows["number"].copy(), rows["phase"].copy()
         since = (number - self.begin.number) * self.runner.window + (phase - self.begin.phase)

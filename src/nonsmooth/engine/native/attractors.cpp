@@ -1,4 +1,5 @@
-// Cells and visits of attractors, for Python.
+// Cells and visits of attractors, and periods, for Python.
+#include "periodicity.hpp"
 #include "recurrences.hpp"
 
 namespace nonsmooth {
@@ -16,6 +17,11 @@ int64_t nonsmooth_fill_cells(const View<int64_t, 1>* found, int64_t label,
 void nonsmooth_visit(const View<double, 3>* images, int64_t first, const Landmarks* marks,
                      const Visits* visits) {
     visit(*images, first, *marks, *visits);
+}
+
+void nonsmooth_primitive_periods(const View<double, 3>* points, const View<uint8_t, 1>* drifting,
+                                 const View<double, 2>* bounds, const View<int64_t, 1>* periods) {
+    primitive_periods(*points, *drifting, *bounds, *periods);
 }
 
 }  // namespace nonsmooth

@@ -45,6 +45,8 @@ enum { ANY = -1, GOES_ON = -2, RESUMES = -3, SAME = -4 };
 /* what a run was at in its segment when it paused: nothing, the search, the samples; or that it ends
  * where the search has come to */
 enum { BETWEEN, SEARCHING, SAMPLING, STOPPING };
+/* times that a period must be seen to be believed */
+enum { REPEATS = 2 };
 /* how far a motion of a sweep is */
 enum { BEGINNING, SETTLING_DOWN, RECORDING };
 
@@ -532,6 +534,11 @@ int64_t nonsmooth_run_lanes(const TableStack *stack, const Rates *rates, const C
 int64_t nonsmooth_run_sweep(const TableStack *stack, const Rates *rates, const Columns *scratch,
                             const Anchors *anchors, const Segment *segment, const Tangents *tangents,
                             SweepTask *task);
+
+/* Steps after which the points (K, s, n) of each motion repeat, 0 for none: no state may change by more
+ * than its bound (K, n), a drifting one (n,) but for a step that repeats. periods (K,) is output. */
+void nonsmooth_primitive_periods(const Array(double, 3) *points, const Array(uint8_t, 1) *drifting,
+                                 const Array(double, 2) *bounds, const Array(int64_t, 1) *periods);
 
 /* Pass each leg from its own start, and the exits at its end; the tangent has C columns. Returns the
  * number of legs passed, fewer than all where one of them fails. */

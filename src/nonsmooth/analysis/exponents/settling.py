@@ -1,0 +1,91 @@
+"""Whether exponents are those of a motion that has settled, or of a transient."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.analysis.exponents.exponent_run import ExponentRun
+from nonsmooth.analysis.statistics.block_averages import block_averages
+from nonsmooth.analysis.statistics.periodicity import primitive_period, scales
+from nonsmooth.engine.lanes import SAME
+from nonsmooth.engine.status import Status
+from nonsmooth.simulation.clock import Instant
+from nonsmooth.simulation.lane_runner import LaneRunner
+from nonsmooth.simulation.stroboscopic import strobes
+from nonsmooth.system.system import System
+
+__all__ = ["halves_differ", "is_chaotic", "said_of_later"]
+
+Floats = npt.NDArray[np.float64]
+
+_ERRORS = 5.0  # standard errors between two halves of a record, or between an exponent and zero
+_LEAST = 3.0  # times one over the duration: no record tells an exponent better
+_RECORD, _MATCH = 100, 1e-6  # strobes at the end of the later motion, and how they repeat
+
+
+def is_chaotic(run: ExponentRun) -> bool:
+    """Whether the largest exponent is above zero."""
+    rate, error = _largest(_rates(run))
+    return rate > max(_ERRORS * error, _LEAST / _duration(run))
+
+
+def halves_differ(run: ExponentRun) -> str:
+    """What the largest exponent is in each half of the record, "" where both agree."""
+    parts = np.array_split(_rates(run), 2)
+    if min(len(part) for part in parts) < 2:
+        return ""
+    (first, error), (second, other) = map(_largest, parts)
+    if first == second == -np.inf:
+        return ""
+    least = 2.0 * _LEAST / _duration(run)
+    if abs(first - second) <= max(_ERRORS * float(np.hypot(error, other)), least):
+        return ""
+    return (
+        f"the motion had not settled: its largest exponent is {first:.3g} in the first half of the"
+        f" record and {second:.3g} in the second; raise transient="
+    )
+
+
+def said_of_later(
+    system: System, run: ExponentRun, length: float | None, tolerance: float, confirm: int
+) -> str:
+    """What becomes of a motion after so many more strobes, "" where it does not settle or end."""
+    runner = LaneRunner(system, tolerance)
+    lanes = runner.start(run.end_state[None], run.end, SAME - run.end_mode)
+    numbers, phases = strobes(runner.window, run.end, length, 0.0, confirm, 2 * _RECORD + 1)
+    last = Instant(int(numbers[-1]), float(phases[-1]))
+    states, _ = runner.run(lanes, last, numbers, phases)
+    status = Status(int(lanes.status[0]))
+    if status == Status.INADMISSIBLE and lanes.anchors.place["mode"][0] < 0:
+        return ""  # rounding has taken the state at the end of the record out of its mode
+    if status != Status.COMPLETED:
+        return f"the motion ends later ({status.word}): these are exponents of a transient"
+    drifting = np.array([name in system.drift_states for name in system.states])
+    period = primitive_period(states[0], drifting, scales(states[0], drifting), _MATCH)
+    if period == 0:
+        return ""
+    return (
+        f"{confirm} strobes later the motion repeats with period {period}: these are exponents of a"
+        " transient; raise transient="
+    )
+
+
+def _duration(run: ExponentRun) -> float:
+    return float(run.times[-1] - run.times[0])
+
+
+def _rates(run: ExponentRun) -> Floats:
+    """Growth per unit time in each interval, of each column; minus infinity once it is lost."""
+    with np.errstate(invalid="ignore"):  # of lost columns
+        rates = np.diff(run.growth, axis=0) / np.diff(run.times)[:, None]
+    return np.where(np.isneginf(run.growth[1:]), -np.inf, rates)
+
+
+def _largest(rates: Floats) -> tuple[float, float]:
+    """Largest mean rate of some intervals, with its standard error."""
+    means = rates.mean(axis=0) if len(rates) else np.full(rates.shape[1], -np.inf)
+    column = rates[:, int(np.argmax(means))]
+    if not np.all(np.isfinite(column)) or column.size < 2:
+        return -np.inf, 0.0
+    return float(column.mean()), float(block_averages(column[:, None]).standard_error[0])
