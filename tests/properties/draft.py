@@ -30,6 +30,8 @@ class Draft:
     features: set[str] = field(default_factory=set)
     frequency: str | None = None
     aperiodic: bool = False
+    ends: list[str] = field(default_factory=list)  # of chains
+    at_zero: set[str] = field(default_factory=set)  # states that begin there
 
     # ------------------------------------------------------------ chance
 

@@ -36,9 +36,9 @@ def draw(seed: int) -> Drawn:
         _jump(d)
     if d.chance(0.07):
         _slave(d)
-    words = _words(d)
+    words = words_of(d)
     start = _start(d, words)
-    return Drawn(seed, words, start, _length(d, words), d.switches, d.features)
+    return Drawn(seed, words, start, length_of(d, words), d.switches, d.features)
 
 
 def _states(d: Draft, main: str) -> None:
@@ -240,7 +240,8 @@ def _several_modes(d: Draft) -> None:
 # ---------------------------------------------------------------- words, start, length
 
 
-def _words(d: Draft) -> dict[str, Any]:
+def words_of(d: Draft) -> dict[str, Any]:
+    """What has been drawn as the words of a system."""
     words: dict[str, Any] = {"states": [*d.states, *(["z"] if d.slaved else [])]}
     words["parameters"] = d.parameters
     if d.surfaces:
@@ -280,7 +281,8 @@ def _start(d: Draft, words: dict[str, Any]) -> dict[str, float]:
     return start
 
 
-def _length(d: Draft, words: dict[str, Any]) -> dict[str, float]:
+def length_of(d: Draft, words: dict[str, Any]) -> dict[str, float]:
+    """A few periods, or a few units of time."""
     if "period" in words:
         return {"periods": float(d.pick([2, 3, 5]))}
     return {"t_end": float(d.pick([4.0, 8.0, 12.0]))}

@@ -12,7 +12,7 @@ from collections.abc import Callable
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from properties.judging import CLOSE, Flight
+from properties.judging import Flight, vanishes
 from properties.own_texts import Texts
 from properties.words import Drawn
 
@@ -47,11 +47,14 @@ def deviation(drawn: Drawn, texts: Texts, flight: Flight, size: float) -> list[s
         )
         field, limit = resting(texts, flight.mode, way), BY_DIFFERENCES
     try:
-        ends = [_end(field, flight, shift) for shift in (0.0, GROWTH * size)]
+        end = _end(field, flight, 0.0)
+        off = np.abs(flight.z[-1] - end).max()
+        if off <= limit * size:
+            return []
+        other = _end(field, flight, GROWTH * size)
     except TooManyCalls:
         return []
-    growth = max(1.0, np.abs(ends[1] - ends[0]).max() / (GROWTH * size))
-    off = np.abs(flight.z[-1] - ends[0]).max()
+    growth = max(1.0, np.abs(other - end).max() / (GROWTH * size))
     if not off <= limit * size * growth:
         return [
             f"off by {off:.3g} from the integrated motion ({flight.label}, growth {growth:.3g})"
@@ -80,8 +83,8 @@ def _surfaces(drawn: Drawn, texts: Texts, flight: Flight, size: float) -> list[s
     found = []
     for switch in drawn.switches:
         if switch.mode in (None, flight.mode):
-            value = np.abs(texts.value(switch.text, flight.z, flight.t)).max()
-            if value <= CLOSE * size and switch.text not in found:
+            value = texts.value(switch.text, flight.z, flight.t)
+            if switch.text not in found and vanishes(texts, flight, switch.text, value, size):
                 found.append(switch.text)
     return found
 

@@ -1,8 +1,10 @@
 """What is asked of a run of a random system, by values of its texts and nothing else.
 
-Samples lie strictly between events, fifty in each flight, up to a number of flights. All limits
-are a part of the sizes of states and of what is judged: 1e-9, far above rounding of motions that
-are followed for a few hundred events, far below any real fault.
+Samples lie strictly between events, fifty in each flight, up to a number of flights, and where a
+guard seems to have a minimum close to zero between two of them. States may be off by 1e-9 of their
+size, far above rounding of motions that are followed for a few hundred events, far below any real
+fault; guards and switching functions by what such an error makes of them at that place, whatever
+their units are and however flat they are.
 """
 
 from __future__ import annotations
@@ -20,6 +22,9 @@ PER_FLIGHT, MOST_FLIGHTS = 50, 60
 CLOSE = 1e-9
 BRIEF = 1e-7  # flights shorter than this part of the run are not sampled: rounding of times
 DIFFERENCES = 1e-7  # of rates that come from differences of texts
+TINY = 1e-200  # what is nothing in any units
+PASSED = ("switch", "impact")  # kinds of events at which an exit of its mode has fired
+NEAR = 0.5  # part of a guard that a parabola may leave of it where it is looked at again
 
 
 @dataclass
@@ -31,6 +36,7 @@ class Flight:
     resting: tuple[str, ...]
     t: np.ndarray
     z: np.ndarray
+    row: int  # of the event that ends it
 
 
 def flight_times(run) -> np.ndarray:
@@ -54,7 +60,8 @@ def flights(drawn: Drawn, texts: Texts, dense) -> Iterator[Flight]:
         if len(part):
             label = labels[int(modes[part[0]])]
             mode, resting = owner(texts, label, drawn)
-            yield Flight(label, mode, resting, times[part], values[part])
+            row = int(after[part[0]])
+            yield Flight(label, mode, resting, times[part], values[part], row)
 
 
 def owner(texts: Texts, label: str, drawn: Drawn) -> tuple[str, tuple[str, ...]]:
@@ -86,7 +93,10 @@ def complaints(drawn: Drawn, texts: Texts, dense) -> list[str]:
     for flight in flights(drawn, texts, dense):
         found += [
             f"{text} ({flight.label}, t = {flight.t[0]:.6g} to {flight.t[-1]:.6g})"
-            for text in _of_flight(drawn, texts, flight, size)
+            for text in [
+                *_of_flight(drawn, texts, flight, size),
+                *_its_end(texts, flight, dense, size),
+            ]
         ]
     return found
 
@@ -95,10 +105,9 @@ def _of_flight(drawn: Drawn, texts: Texts, flight: Flight, size: float) -> Itera
     words = texts.modes[flight.mode]
     for way in words.get("exits", []):
         guard = texts.value(way["guard"], flight.z, flight.t)
-        limit = CLOSE * (size + np.abs(guard).max())
         if way.get("sticks") in flight.resting:
-            yield from _at_rest(texts, flight, way, guard, limit)
-        elif guard.min() < -limit:
+            yield from _at_rest(texts, flight, way, guard, size)
+        elif not _stays_positive(texts, flight, way["guard"], guard, size):
             yield f"guard {way['name']} is {guard.min():.3g}"
     for state, text in texts.slaved(flight.mode).items():
         off = np.abs(texts.value(text, flight.z, flight.t)).max()
@@ -107,9 +116,42 @@ def _of_flight(drawn: Drawn, texts: Texts, flight: Flight, size: float) -> Itera
     yield from _cell(drawn, texts, flight, size)
 
 
-def _at_rest(texts: Texts, flight: Flight, way, guard: np.ndarray, limit: float) -> Iterator[str]:
+def _stays_positive(texts: Texts, flight: Flight, text: str, value: np.ndarray, size: float) -> bool:
+    """Whether values of a text, or of its opposite, are positive all through a flight.
+
+    They may fall short by what errors of the states make of them.
+    """
+    k = int(np.argmin(value))
+    lowest = float(value[k])
+    return lowest >= -TINY or lowest >= -texts.change(text, flight.z[k], flight.t[k], CLOSE * size)
+
+
+def vanishes(texts: Texts, flight: Flight, text: str, value: np.ndarray, size: float) -> bool:
+    """Whether a text is zero all through a flight, but for what errors of states make of it."""
+    k = int(np.argmax(np.abs(value)))
+    off = texts.change(text, flight.z[k], flight.t[k], CLOSE * size)
+    return bool(np.abs(value[k]) <= off + TINY)
+
+
+def _its_end(texts: Texts, flight: Flight, run, size: float) -> Iterator[str]:
+    """The guard of the exit that is passed first is zero where the log says so."""
+    k = flight.row
+    if flight.resting or k >= len(run["event_time"]) or run["event_kind"].values[k] not in PASSED:
+        return
+    name, t = str(run["event_name"].values[k]), float(run["event_time"].values[k])
+    z = run["state_before"].values[k]
+    for way in texts.modes[flight.mode].get("exits", []):
+        if way["name"] != name:
+            continue
+        guard = float(texts.value(way["guard"], z, t))
+        if abs(guard) > texts.change(way["guard"], z, t, CLOSE * size) + TINY:
+            yield f"guard {name} is {guard:.3g} where it is passed"
+
+
+def _at_rest(texts: Texts, flight: Flight, way, guard: np.ndarray, size: float) -> Iterator[str]:
     """Guard and guard rate are zero; the free motion would be pressed against the wall."""
-    if np.abs(guard).max() > limit:
+    limit = CLOSE * (size + np.abs(guard).max())
+    if not vanishes(texts, flight, way["guard"], guard, size):
         yield f"guard {way['name']} at rest is {np.abs(guard).max():.3g}"
     if flight.label.count("0"):
         return  # rates on surfaces are no texts
@@ -134,10 +176,10 @@ def _cell(drawn: Drawn, texts: Texts, flight: Flight, size: float) -> Iterator[s
         value = texts.value(switch.text, flight.z, flight.t)
         if switch.when and not (texts.value(switch.when, flight.z, flight.t) > CLOSE).all():
             continue
-        limit = CLOSE * (size + np.abs(value).max())
-        if value.min() < -limit and value.max() > limit:
+        positive = _stays_positive(texts, flight, switch.text, value, size)
+        if not positive and not _stays_positive(texts, flight, switch.text, -value, size):
             yield f"{switch.text} changes its sign: {value.min():.3g} to {value.max():.3g}"
-        zeros += bool(np.abs(value).max() <= limit)
+        zeros += vanishes(texts, flight, switch.text, value, size)
     signs = re.search(r"\[([-+0.]+)\]", flight.label)
     if signs and zeros < signs.group(1).count("0"):
         yield f"on {signs.group(1).count('0')} surfaces, and {zeros} switching functions are zero"
@@ -149,13 +191,45 @@ def _declared(drawn: Drawn, texts: Texts, flight: Flight, size: float) -> Iterat
     match = re.search(r"\[([a-z0-9,]+)\]", flight.label)
     sides = (match.group(1) if match else flight.label).split(",")
     for surface in drawn.words.get("surfaces", {}).values():
-        value = texts.value(surface["function"], flight.z, flight.t)
-        limit = CLOSE * (size + np.abs(value).max())
-        wrong = {"below": value.max() > limit, "above": value.min() < -limit}
-        wrong["on"] = bool(np.abs(value).max() > limit)
+        text = surface["function"]
+        value = texts.value(text, flight.z, flight.t)
+        wrong = {
+            "below": not _stays_positive(texts, flight, text, -value, size),
+            "above": not _stays_positive(texts, flight, text, value, size),
+            "on": not vanishes(texts, flight, text, value, size),
+        }
         for side, fails in wrong.items():
             if surface.get(side) in sides and fails:
                 yield f"{surface[side]}: {value.min():.3g} to {value.max():.3g}"
+
+
+# ---------------------------------------------------------------- between samples
+
+
+def dip_times(drawn: Drawn, texts: Texts, dense) -> np.ndarray:
+    """Times at which guards and switching functions seem to come close to zero between samples.
+
+    These are the vertices of parabolas through three samples, where they are far below the lowest.
+    """
+    found: list[float] = []
+    for flight in flights(drawn, texts, dense):
+        ways = [*texts.modes[flight.mode].get("exits", [])]
+        judged = [w["guard"] for w in ways if w.get("sticks") not in flight.resting]
+        judged += [s.text for s in drawn.switches if s.mode in (None, flight.mode)]
+        for text in judged:
+            found += _vertices(flight.t, np.abs(texts.value(text, flight.z, flight.t)))
+    return np.unique(found)
+
+
+def _vertices(t: np.ndarray, value: np.ndarray) -> list[float]:
+    """Vertices of parabolas through a lowest sample and its neighbours."""
+    before, lowest, after = value[:-2], value[1:-1], value[2:]
+    k = np.flatnonzero((lowest < before) & (lowest <= after) & (before + after > 2 * lowest))
+    slope, bend = (after - before)[k] / 2, (after + before - 2 * lowest)[k]
+    shift = -slope / bend
+    deep = lowest[k] + shift * slope / 2 < NEAR * lowest[k]
+    step = t[1] - t[0] if len(t) > 1 else 0.0
+    return list((t[k + 1] + shift * step)[deep])
 
 
 # ---------------------------------------------------------------- jumps

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from functools import reduce
 from typing import Any
 
@@ -29,6 +30,13 @@ FUNCTIONS = {
     "pi": math.pi,
     "__builtins__": {},
 }
+
+
+def elementwise(text: str) -> str:
+    """A text with its conditions joined for arrays; each comparison stands in parentheses."""
+    for word, sign in (("and", "&"), ("or", "|"), ("not", "~")):
+        text = re.sub(rf"\b{word}\b", sign, text)
+    return text
 
 
 class Texts:
@@ -58,7 +66,7 @@ class Texts:
     def _eval(self, text: str | float, names: dict[str, Any]) -> Any:
         code = self._codes.get(str(text))
         if code is None:
-            code = self._codes[str(text)] = compile(str(text), "a drawn text", "eval")
+            code = self._codes[str(text)] = compile(elementwise(str(text)), "a drawn text", "eval")
         return eval(code, names)
 
     @staticmethod
@@ -90,6 +98,16 @@ class Texts:
         up = self.value(text, z + step * rates, t + step)
         down = self.value(text, z - step * rates, t - step)
         return (up - down) / (2 * step)
+
+    def change(self, text: str, z: np.ndarray, t: float, error: float) -> float:
+        """What errors of the states at one point, and of the time, make of a text: as it stands,
+        without derivatives, for flat texts have none."""
+        moves = error * np.eye(len(self.states) + 1)
+        value, total = float(self.value(text, z, t)), np.zeros(len(moves))
+        for signed in (moves, -moves):
+            moved = self.value(text, z + signed[:, :-1], t + signed[:, -1])
+            total = np.maximum(total, np.abs(moved - value))
+        return float(total.sum())
 
     def gradient(self, text: str, z: np.ndarray, t: float, step: float = 1e-5) -> np.ndarray:
         """Derivatives of a smooth text by the states at one point."""
