@@ -7,6 +7,7 @@ import sys
 import tempfile
 from functools import cache
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -100,3 +101,26 @@ def advance_columns(tables, rates, scratch, mode, z, s, columns, out):
     """States of columns (C, N) after a time s in a mode, into out (C, n) or wider."""
     given = tables.as_lanes, rates, scratch, mode, z, float(s), columns, out
     _call("shim_advance_columns", *given)
+
+
+def remainders(tables, segment, mode, length):
+    """Bounds of what the registers of a step are off their polynomials by over a length."""
+    bounds = np.zeros(len(segment.series))
+    _call("shim_remainders", tables.as_lanes, segment, mode, float(length), bounds)
+    return bounds
+
+
+class Look(NamedTuple):
+    """What a look by signs reads: coefficients (16,), their margin, what fades, the step."""
+
+    coefficients: np.ndarray
+    margin: float
+    fading: float
+    step: float
+
+
+def look(tables, segment, guard, level, order, time):
+    """A look by signs in mode 0 at a time after the start ``segment.z`` of a segment."""
+    read = np.zeros(19)
+    _call("shim_look", tables.as_lanes, segment, 0, guard, level, order, float(time), read)
+    return Look(read[:16], *read[16:].tolist())

@@ -1,6 +1,8 @@
 // Functions of the engine that tests call by themselves and that interface.h has no room for.
 #include "linear_flow.hpp"
 #include "motion_rows.hpp"
+#include "remainders.hpp"
+#include "sign_look.hpp"
 #include "tape_rates.hpp"
 #include "trigonometry.hpp"
 #include "variation.hpp"
@@ -49,6 +51,33 @@ void shim_advance_columns(const TableStack* table, const Rates* rates, const Col
                           Index m, const View<double, 1>* z, double s,
                           const View<double, 2>* columns, const View<double, 2>* out) {
     advance_columns(tables_at(*table, 0), *rates, *scratch, m, z->data, s, *columns, *out);
+}
+
+// Bounds (registers,) of what the registers of a step are off their polynomials by over a length; they
+// are infinite where no bound is found.
+void shim_remainders(const TableStack* table, const Segment* segment, Index m, double length,
+                     const View<double, 1>* bounds) {
+    const Tables tables = tables_at(*table, 0);
+    fill_majorants(tables, *segment, m, length);
+    const bool found = bound_remainders(tables, *segment, m, length, 0.0);
+    for (Index i = 0; i < bounds->size(); ++i) {
+        (*bounds)[i] = found ? segment->majorants[i].remainder : unbounded;
+    }
+}
+
+// What a look by signs reads of guard g of a linear mode, from augmented coordinates z (N,) after a time:
+// sixteen coefficients, their margin, what fades, and the step.
+void shim_look(const TableStack* table, const Segment* segment, Index m, Index g, Index level,
+               Index order, double time, const View<double, 1>* look) {
+    const Tables tables = tables_at(*table, 0);
+    linear::start_segment(tables, *segment, m, time);
+    linear::advance(tables, *segment, m, time);
+    const LookedAt at = looked_at(tables, *segment, m);
+    const GuardWeights* weights = at.weights_of(g);
+    store(read_coefficients(at, weights, level, order), look->data);
+    (*look)[bernstein_count] = look_margin(at, g, level, order);
+    (*look)[bernstein_count + 1] = fading_size(at, weights);
+    (*look)[bernstein_count + 2] = look_step(at.rung, level);
 }
 
 }  // extern "C"

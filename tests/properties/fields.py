@@ -12,7 +12,7 @@ from collections.abc import Callable
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from properties.judging import Flight, vanishes
+from properties.judging import TINY, Flight, vanishes
 from properties.own_texts import Texts
 from properties.words import Drawn
 
@@ -90,11 +90,12 @@ def _surfaces(drawn: Drawn, texts: Texts, flight: Flight, size: float) -> list[s
 
 
 def _sides(texts: Texts, mode: str, surface: str, z: np.ndarray, t: float):
-    """Fields on both sides of a surface, and the rates of its function with them."""
+    """Fields on both sides of a surface, and the rates of the distance from it with them."""
     normal = texts.gradient(surface, z, t)
-    step = ASIDE * normal / max(float(normal @ normal), 1e-12)
+    size = max(float(np.linalg.norm(normal)), TINY)
+    step = ASIDE * normal / size
     fields = [texts.field(mode, z + side * step, t) for side in (1, -1)]
-    rates = [float(texts.along(surface, z, t, f)) for f in fields]
+    rates = [float(texts.along(surface, z, t, f)) / size for f in fields]
     return fields, rates
 
 

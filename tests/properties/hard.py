@@ -72,7 +72,9 @@ def _chain(d: Draft) -> None:
     chain = [_single(d) for _ in range(links)]
     for one, other in zip(chain, chain[1:], strict=False):
         d.add(one, other)
-    d.add(chain[-1], d.pick(["-1", "1", d.harmonic(0.5, 2.0), f"-{d.number(0.5, 2.0)}*{chain[-1]}"]))
+    d.add(
+        chain[-1], d.pick(["-1", "1", d.harmonic(0.5, 2.0), f"-{d.number(0.5, 2.0)}*{chain[-1]}"])
+    )
     d.features.add("chain")
     d.ends.append(chain[0])
     if d.chance(0.7):
@@ -171,12 +173,14 @@ def _guard(d: Draft) -> str:
     elif form == "circle":
         text = f"{a}**2 + {b}**2 - {d.number(0.05, 1.0)}"
     else:
-        text = d.pick([
-            f"sin(3*{a}) - {d.number(-1.0, 1.0)}",
-            f"exp(-{place}**2) - {d.number(0.3, 1.0)}",
-            f"tanh(5*{place}) - {d.number(-0.9, 0.9)}",
-            f"sqrt({place}**2 + {10.0 ** -int(d.rng.integers(2, 9))!r}) - {d.number(0.0, 0.5)}",
-        ])
+        text = d.pick(
+            [
+                f"sin(3*{a}) - {d.number(-1.0, 1.0)}",
+                f"exp(-{place}**2) - {d.number(0.3, 1.0)}",
+                f"tanh(5*{place}) - {d.number(-0.9, 0.9)}",
+                f"sqrt({place}**2 + {10.0 ** -int(d.rng.integers(2, 9))!r}) - {d.number(0.0, 0.5)}",
+            ]
+        )
     return _scaled(d, text)
 
 

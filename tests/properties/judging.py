@@ -116,7 +116,9 @@ def _of_flight(drawn: Drawn, texts: Texts, flight: Flight, size: float) -> Itera
     yield from _cell(drawn, texts, flight, size)
 
 
-def _stays_positive(texts: Texts, flight: Flight, text: str, value: np.ndarray, size: float) -> bool:
+def _stays_positive(
+    texts: Texts, flight: Flight, text: str, value: np.ndarray, size: float
+) -> bool:
     """Whether values of a text, or of its opposite, are positive all through a flight.
 
     They may fall short by what errors of the states make of them.
