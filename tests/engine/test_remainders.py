@@ -1,6 +1,7 @@
 """What Taylor series leave out, beside the bounds of it: every operation, against 50 digits.
 
-A register with polynomial p of degree 20 has a bound R over a length h: |f(s) - p(s)| <= R (s/h)^21.
+A register with polynomial p of degree 20 has a bound R over a length h:
+|f(s) - p(s)| <= R (s/h)^21.
 Operands are polynomials in time, which series hold exactly, or functions of these, which have a
 remainder of their own; states are solutions in closed form. Lengths go far beyond those of steps,
 where remainders would drown in rounding.
@@ -30,8 +31,8 @@ from nonsmooth.simulation.runner import build_tables
 LENGTHS = [2.0 ** (1 - k / 2) for k in range(24)]
 PARTS = (0.1, 0.4, 0.7, 1.0)
 FEW, MANY = 4, 60
-# Computed coefficients are off by up to 5e-14 of the largest term (test_taylor_series). A bound that
-# is a part of 1e-11 of that term is made of products of them, and so known to 1e-2.
+# Computed coefficients are off by up to 5e-14 of the largest term (test_taylor_series). A bound is
+# made of products of them; one that is 1e-11 of that term is so known to 1e-2.
 KNOWN, ALLOWED = 1e-11, 1e-2
 
 FUNCTIONS = {
@@ -136,7 +137,10 @@ def first_step(flow, start, parameters):
 
 
 def exceeding(tables, segment, register, function):
-    """Bounds that hold, and what is wrong with the others; inf and what is below rounding are none."""
+    """The number of bounds that are compared, and those that do not hold.
+
+    An infinite one says that none was found, and what is below rounding cannot be seen.
+    """
     with mp.workdps(50):
         coefficients = mpmath.taylor(function, 0, ORDER, chop=False)
         held, wrong = 0, []

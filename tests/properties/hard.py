@@ -1,13 +1,14 @@
 """Random systems whose guards are hard to certify: flat, nearly zero, deep in chains, badly scaled.
 
-A guard is a function of a few bounded motions. It is crossed from one mode to another and back, or
-kicks a state, or switches a term of a rate, and the run goes on behind it: a crossing that is missed,
-or one that is none, is seen by the values of the guard alone.
+A guard is a function of a few motions. It is crossed from one mode to another and back, or it
+throws the motion back to its start, or it switches a term of a rate, and the run goes on behind it:
+a crossing that is missed, or one that is none, is seen by the values of the guard alone.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -70,7 +71,7 @@ def _chain(d: Draft) -> None:
     """Integrators one behind the other, of which the last one is driven; most begin at zero."""
     links = d.pick([2, 3, 4, 5, 6, 8, 10])
     chain = [_single(d) for _ in range(links)]
-    for one, other in zip(chain, chain[1:], strict=False):
+    for one, other in pairwise(chain):
         d.add(one, other)
     d.add(
         chain[-1], d.pick(["-1", "1", d.harmonic(0.5, 2.0), f"-{d.number(0.5, 2.0)}*{chain[-1]}"])
