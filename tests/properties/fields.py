@@ -7,6 +7,7 @@ differences, so they are good to about 1e-7.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 
 import numpy as np
@@ -79,8 +80,11 @@ def _end(field: Field, flight: Flight, shift: float) -> np.ndarray:
 
 
 def _surfaces(drawn: Drawn, texts: Texts, flight: Flight, size: float) -> list[str]:
-    """Switching functions that vanish all through a flight."""
-    found = []
+    """Switching functions that vanish all through a flight on surfaces."""
+    signs = re.search(r"\[([-+0.]+)\]", flight.label)
+    if signs and "0" not in signs.group(1):
+        return []  # a function may be small all through a flight beside its surface
+    found: list[str] = []
     for switch in drawn.switches:
         if switch.mode in (None, flight.mode):
             value = texts.value(switch.text, flight.z, flight.t)

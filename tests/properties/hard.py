@@ -275,7 +275,7 @@ def _condition(d: Draft, texts: list[str]) -> None:
 
 
 def _start(d: Draft, words: dict[str, Any]) -> dict[str, float]:
-    """A place where the guards of the first mode are positive, if one is found."""
+    """A place where the guards of the first mode are positive, as far as they can, if one is found."""
     texts = Texts(words)
     ways = next(iter(texts.modes.values())).get("exits", [])
     z = np.round(d.rng.uniform(-1.0, 1.0, (60, len(texts.states))), 3)
@@ -284,10 +284,11 @@ def _start(d: Draft, words: dict[str, Any]) -> dict[str, float]:
         for state, text in relations.items():
             if "=" not in text:
                 z[:, texts.states.index(state)] = texts.value(text, z, 0.0)
-    good = np.ones(len(z), bool)
+    room = np.ones(len(z))
     for way in ways:
-        good &= texts.value(way["guard"], z, 0.0) > 0.0
-    if not good.any():
+        guard = texts.value(way["guard"], z, 0.0)
+        room = np.minimum(room, guard / max(np.abs(guard).max(), 1e-300))
+    if room.max() <= 0.0:
         d.features.add("start outside")
-    chosen = z[int(np.argmax(good))]
+    chosen = z[int(np.argmax(room))]
     return {s: float(x) for s, x in zip(texts.states, chosen, strict=True) if s != "z"}
