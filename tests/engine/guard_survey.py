@@ -50,16 +50,22 @@ def guarded(n: int, k: int, e: int) -> ns.System:
     return ns.System(states=plain.states, parameters=parameters, modes={"m": mode})
 
 
-def run(case: GuardCase, **sampling):
-    """The case by the engine; raises what it raises."""
-    n, k, e = len(case.flow.start), case.flow.frequencies.size, len(case.guards)
+def parameter_values(case: GuardCase) -> dict[str, float]:
+    """Values of the parameters of `guarded` for a case."""
+    n, k = len(case.flow.start), case.flow.frequencies.size
     values = coefficients(case.flow)
     for g, row in enumerate(case.guards):
         values |= {f"h{g}_{j}": row[j] for j in range(n)} | {f"b{g}": row[n]}
         values |= {f"hc{g}_{j}": row[n + 1 + 2 * j] for j in range(k)}
         values |= {f"hs{g}_{j}": row[n + 2 + 2 * j] for j in range(k)}
+    return {name: float(value) for name, value in values.items()}
+
+
+def run(case: GuardCase, **sampling):
+    """The case by the engine; raises what it raises."""
+    n, k, e = len(case.flow.start), case.flow.frequencies.size, len(case.guards)
     initial = {f"x{i}": float(x) for i, x in enumerate(case.flow.start)}
-    values = {name: float(value) for name, value in values.items()}
+    values = parameter_values(case)
     sampling = sampling or {"times": [0.0, case.time]}
     return ns.simulate(guarded(n, k, e), initial, parameters=values, **sampling)
 

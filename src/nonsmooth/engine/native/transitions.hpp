@@ -391,13 +391,29 @@ class Transition {
             // a start that is not held goes back to where it was looked for
             fill(segment_.visited, Index(0));
         }
-        e_ = onto_surface(tables_, segment_, m, e_, spell_);
+        go_onto_surface();
         if (passage_.passes == 0 || e_ >= mode_wiring(tables_, m).n_exits) return;
         scale_of(m);
         if (!is_nothing(tables_, m, e_, z(), scale())) return;
         passage_.corner = true;
         set_fired_zero(tables_, m, e_, z(), extent());
         if (curved_) linearise_mode(tables_, rates_, segment_, m);
+    }
+
+    // Take the exit onto the surface where the other side leads straight back.
+    //
+    // A surface on which the state is not leads nowhere back: the path has come through another one
+    // into a cell that lies elsewhere, and goes on to the one that it came from.
+    void go_onto_surface() {
+        const Index m = passage_.mode;
+        const Index onto = onto_surface(tables_, segment_, m, e_, spell_);
+        if (onto == e_) return;
+        scale_of(m);
+        if (nearly_zero(tables_, m, e_, z(), extent(), scale())) {
+            e_ = onto;
+        } else {
+            segment_.visited[exit_wiring(tables_, m, e_).target] = 0;
+        }
     }
 
     const Tables& tables_;
