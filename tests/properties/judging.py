@@ -128,6 +128,13 @@ def _stays_positive(
     return lowest >= -TINY or lowest >= -texts.change(text, flight.z[k], flight.t[k], CLOSE * size)
 
 
+def _is_positive(texts: Texts, flight: Flight, text: str, size: float) -> bool:
+    """Whether a text is positive all through a flight, whatever errors of states make of it."""
+    value = texts.value(text, flight.z, flight.t)
+    k = int(np.argmin(value))
+    return bool(value[k] > texts.change(text, flight.z[k], flight.t[k], CLOSE * size))
+
+
 def vanishes(texts: Texts, flight: Flight, text: str, value: np.ndarray, size: float) -> bool:
     """Whether a text is zero all through a flight, but for what errors of states make of it."""
     k = int(np.argmax(np.abs(value)))
@@ -176,7 +183,7 @@ def _cell(drawn: Drawn, texts: Texts, flight: Flight, size: float) -> Iterator[s
         if switch.mode not in (None, flight.mode):
             continue
         value = texts.value(switch.text, flight.z, flight.t)
-        if switch.when and not (texts.value(switch.when, flight.z, flight.t) > CLOSE).all():
+        if switch.when and not _is_positive(texts, flight, switch.when, size):
             continue
         positive = _stays_positive(texts, flight, switch.text, value, size)
         if not positive and not _stays_positive(texts, flight, switch.text, -value, size):
