@@ -275,7 +275,7 @@ def _condition(d: Draft, texts: list[str]) -> None:
 
 
 def _start(d: Draft, words: dict[str, Any]) -> dict[str, float]:
-    """A place where the guards of the first mode are positive, as far as they can, if one is found."""
+    """The one of some places that is farthest within the guards of the first mode."""
     texts = Texts(words)
     ways = next(iter(texts.modes.values())).get("exits", [])
     z = np.round(d.rng.uniform(-1.0, 1.0, (60, len(texts.states))), 3)

@@ -14,6 +14,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.interpolate import BarycentricInterpolator
 
 from properties.own_texts import Texts
 from properties.words import Drawn
@@ -24,7 +25,8 @@ BRIEF = 1e-7  # flights shorter than this part of the run are not sampled: round
 DIFFERENCES = 1e-7  # of rates that come from differences of texts
 TINY = 1e-200  # what is nothing in any units
 PASSED = ("switch", "impact")  # kinds of events at which an exit of its mode has fired
-NEAR = 0.5  # part of a guard that a parabola may leave of it where it is looked at again
+NEAR = 0.5  # part of a guard at samples to which it falls between them where it is looked at again
+NODES, ROUNDS = 7, 4  # samples through which states are interpolated; each round has a tenth left
 
 
 @dataclass
@@ -218,27 +220,37 @@ def _declared(drawn: Drawn, texts: Texts, flight: Flight, size: float) -> Iterat
 def dip_times(drawn: Drawn, texts: Texts, dense) -> np.ndarray:
     """Times at which guards and switching functions seem to come close to zero between samples.
 
-    These are the vertices of parabolas through three samples, where they are far below the lowest.
+    States are interpolated between samples, for they are smooth where guards are flat or steep; the
+    engine is asked for its own states at these times afterwards.
     """
     found: list[float] = []
     for flight in flights(drawn, texts, dense):
-        ways = [*texts.modes[flight.mode].get("exits", [])]
+        ways = texts.modes[flight.mode].get("exits", [])
         judged = [w["guard"] for w in ways if w.get("sticks") not in flight.resting]
         judged += [s.text for s in drawn.switches if s.mode in (None, flight.mode)]
         for text in judged:
-            found += _vertices(flight.t, np.abs(texts.value(text, flight.z, flight.t)))
+            value = np.abs(texts.value(text, flight.z, flight.t))
+            before, lowest, after = value[:-2], value[1:-1], value[2:]
+            for k in np.flatnonzero((lowest < before) & (lowest <= after)) + 1:
+                time, least = _least_around(texts, flight, text, int(k))
+                if least < NEAR * value[k]:
+                    found.append(time)
     return np.unique(found)
 
 
-def _vertices(t: np.ndarray, value: np.ndarray) -> list[float]:
-    """Vertices of parabolas through a lowest sample and its neighbours."""
-    before, lowest, after = value[:-2], value[1:-1], value[2:]
-    k = np.flatnonzero((lowest < before) & (lowest <= after) & (before + after > 2 * lowest))
-    slope, bend = (after - before)[k] / 2, (after + before - 2 * lowest)[k]
-    shift = -slope / bend
-    deep = lowest[k] + shift * slope / 2 < NEAR * lowest[k]
-    step = t[1] - t[0] if len(t) > 1 else 0.0
-    return list((t[k + 1] + shift * step)[deep])
+def _least_around(texts: Texts, flight: Flight, text: str, k: int) -> tuple[float, float]:
+    """Where a text comes closest to zero around a sample, and its size there."""
+    first = min(max(k - NODES // 2, 0), max(len(flight.t) - NODES, 0))
+    nodes = slice(first, first + NODES)
+    states = BarycentricInterpolator(flight.t[nodes], flight.z[nodes])
+    low, high, least = flight.t[k - 1], flight.t[k + 1], (0.0, np.inf)
+    for _ in range(ROUNDS):
+        times = np.linspace(low, high, 21)
+        value = np.abs(texts.value(text, states(times), times))
+        j = int(np.argmin(value))
+        least = float(times[j]), float(value[j])
+        low, high = times[max(j - 1, 0)], times[min(j + 1, 20)]
+    return least
 
 
 # ---------------------------------------------------------------- jumps

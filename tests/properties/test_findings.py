@@ -198,6 +198,32 @@ def test_when_rebounds_with_friction_are_over():
     assert last_row(run, "event_time") == pytest.approx(fall + flights, rel=0, abs=1e-9)
 
 
+@pytest.mark.parametrize("more", ["", " + 0*sin(y)**2"], ids=["linear", "taylor"])
+@pytest.mark.parametrize("start", [-0.5, 0.5])
+@pytest.mark.parametrize(
+    ("text", "last"),
+    [
+        ("where(y > 0 or x > 1, -1, 1)", -2.0),
+        ("where(x > 1 or y > 0, -1, 1)", -2.0),
+        ("where(not (y > 0 or x > 1), 1, -1)", -2.0),
+        ("where(y < 0 and x < 1, 1, -1)", -2.0),
+        ("where(y > 0 and x < 1, -1, 1)", 2.0),
+    ],
+)
+def test_sliding_where_a_second_condition_does_not_matter_on_one_side(text, last, start, more):
+    """On y = 0 from t = 0.5 to x = t = 1, where both sides turn one way, to t = 3.
+
+    The cell where x does not matter hands over to one in which x has the wrong sign. That was taken
+    for a meeting of the surfaces y = 0 and x = 1, which lie half a unit apart.
+    """
+    system = ns.System(states=["x", "y"], equations={"x": "1", "y": text + more})
+    run = ns.simulate(system, {"y": start}, t_end=3.0)
+    assert run.attrs["status"] == "completed" and run.attrs["certified"] == 1
+    assert run["event_time"].values.tolist() == [0.0, 0.5, 1.0]
+    assert kinds(run) == ["start", "slide_entry", "slide_exit"]
+    assert run["end_state"].values == pytest.approx([3.0, last], abs=1e-14)
+
+
 # ---------------------------------------------------------------- modes that hand over
 
 

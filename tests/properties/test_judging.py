@@ -7,7 +7,7 @@ import pytest
 
 import nonsmooth as ns
 from properties.fields import deviation
-from properties.judging import complaints, flight_times, flights
+from properties.judging import complaints, dip_times, flight_times, flights
 from properties.own_texts import Texts
 from properties.words import Drawn, Switch, make_system
 
@@ -82,11 +82,50 @@ def test_a_wrong_run_is_seen(words, place, value, says):
     assert any(says in text for text in judged(words, changed(words, place, value)))
 
 
+def one_way(guard):
+    """Words of a clock with a guard that changes from one mode to another."""
+    flow = {"x": "1"}
+    way = {"guard": guard, "to": "b", "name": "e0"}
+    return {"states": ["x"], "modes": {"a": {"flow": flow, "exits": [way]}, "b": {"flow": flow}}}
+
+
+def judged_clock(guard, other):
+    """Complaints about a run with a guard, held against another guard; with dips and without."""
+    drawn, texts = Drawn(0, one_way(other), {}, {}), Texts(one_way(other))
+    system = make_system(one_way(guard))
+    times = flight_times(ns.simulate(system, {"x": 0.0}, t_end=4.0))
+    dense = ns.simulate(system, {"x": 0.0}, times=times)
+    dips = dip_times(drawn, texts, dense)
+    found = complaints(drawn, texts, dense)
+    if len(dips):
+        found += complaints(drawn, texts, ns.simulate(system, {"x": 0.0}, times=dips))
+    return found
+
+
+@pytest.mark.parametrize("scale", ["1e-12", "1", "1e12"])
+def test_a_guard_that_fires_where_it_is_not_zero_is_seen(scale):
+    right, wrong = f"{scale}*(2.5 - x)", f"{scale}*(2.50000001 - x)"
+    assert judged_clock(right, right) == []
+    assert any("where it is passed" in text for text in judged_clock(right, wrong))
+
+
+@pytest.mark.parametrize("scale", ["1e-12", "1", "1e12"])
+@pytest.mark.parametrize("power", [2, 4, 10])
+def test_a_dip_between_samples_is_seen(power, scale):
+    """Negative for 0.002 on both sides of 1.2345, with samples 0.08 apart."""
+    dip = f"{scale}*((x - 1.2345)**{power} - 0.002**{power})"
+    miss = f"{scale}*((x - 1.2345)**{power} + 0.002**{power})"
+    assert judged_clock(miss, miss) == []
+    assert any("guard e0 is -" in text for text in judged_clock(miss, dip))
+
+
 def test_texts_have_values_of_their_own():
     texts = Texts(
         {"states": ["x", "y"], "equations": {"x": "y", "y": "-x"}, "parameters": {"k": 2}}
     )
     z = np.array([[0.5, -1.0], [-0.5, 3.0]])
+    joined = texts.value("where((x > 0) and not (y > 0) or (y > 2), 1, 2)", z, 0.0)
+    assert joined.tolist() == [1.0, 1.0]
     value = texts.value(
         "where(x > 0, k*abs(y), min(x, y)) + heaviside(-x) + clip(y, -2, 2)", z, 0.0
     )

@@ -406,13 +406,14 @@ class Transition {
     // into a cell that lies elsewhere, and goes on to the one that it came from.
     void go_onto_surface() {
         const Index m = passage_.mode;
-        const Index onto = onto_surface(tables_, segment_, m, e_, spell_);
-        if (onto == e_) return;
+        if (passage_.passes == 0 || !is_surface(tables_, m, e_)) return;
+        int64_t& visited = segment_.visited[exit_wiring(tables_, m, e_).target];
+        if (visited != spell_) return;
         scale_of(m);
         if (nearly_zero(tables_, m, e_, z(), extent(), scale())) {
-            e_ = onto;
+            e_ = onto_surface(tables_, segment_, m, e_, spell_);
         } else {
-            segment_.visited[exit_wiring(tables_, m, e_).target] = 0;
+            visited = 0;
         }
     }
 
