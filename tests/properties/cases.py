@@ -71,7 +71,9 @@ def _judge(drawn: Drawn, verdict: Verdict) -> None:
     if verdict.status == "completed":
         _judge_motion(drawn, verdict, system, run)
         return
-    verdict.complaints += unreasonable(drawn, Texts(drawn.words), run)
+    hangs_on_rounding = verdict.flagged and verdict.status in ("undecided", "inadmissible")
+    if not hangs_on_rounding:  # said so: counted, not judged
+        verdict.complaints += unreasonable(drawn, Texts(drawn.words), run)
     if len(run.attrs["message"]) < _SHORTEST_MESSAGE:
         verdict.complaints.append(f"the message says little: {run.attrs['message']}")
 

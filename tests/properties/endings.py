@@ -9,6 +9,7 @@ from properties.judging import CLOSE, owner
 from properties.own_texts import Texts
 from properties.words import Drawn
 
+_NEAR = 1e-6  # distance, beside the size of states, within which surfaces meet
 _FURTHER = 0.02  # time for which a motion goes on that was called singular
 _BRIEF = 1e-4  # flights between rebounds that accumulate
 _MOST_GROWTH = 30.0
@@ -29,6 +30,8 @@ def unreasonable(drawn: Drawn, texts: Texts, run) -> list[str]:
         return []
     if status == "undecided":
         return _decided(texts, run)
+    if status == "sliding":
+        return _not_meeting(drawn, texts, run)
     if status in ("inadmissible", "step_limit", "interrupted"):
         return [f"{status}: {run.attrs['message'][:200]}"]
     return []
@@ -57,6 +60,19 @@ def _not_singular(drawn: Drawn, texts: Texts, run) -> list[str]:
     if on.success and np.abs(on.y).max() < _MOST_GROWTH * size:
         return [f"singular at t = {t:.6g}, where the motion goes on ({label})"]
     return []
+
+
+def _not_meeting(drawn: Drawn, texts: Texts, run) -> list[str]:
+    """At most one surface is near where several are said to meet."""
+    t = run.attrs["end_number"] * run.attrs["window"] + run.attrs["end_phase"]
+    z = run["end_state"].values
+    near = {
+        switch.text
+        for switch in drawn.switches
+        if abs(float(texts.value(switch.text, z, t)))
+        <= texts.change(switch.text, z, t, _NEAR * (1 + np.abs(z).max()))
+    }
+    return [] if len(near) > 1 else [f"sliding, though {len(near)} surfaces are near"]
 
 
 def _decided(texts: Texts, run) -> list[str]:
