@@ -5,13 +5,16 @@ from __future__ import annotations
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from properties.fields import sides
 from properties.judging import CLOSE, owner
 from properties.own_texts import Texts
 from properties.words import Drawn
 
 _NEAR = 1e-6  # distance, beside the size of states, within which surfaces meet
+_TANGENT = 1e-3  # rate of the distance from a surface, beside that of the states
 _FURTHER = 0.02  # time for which a motion goes on that was called singular
 _BRIEF = 1e-4  # flights between rebounds that accumulate
+_MOST_EVENTS = 10_000  # in a period, or in what is taken for one
 _MOST_GROWTH = 30.0
 _MOST_CALLS = 5000
 _SOON = 1e-3  # time within which a wall is passed by what is pressed into it
@@ -63,16 +66,30 @@ def _not_singular(drawn: Drawn, texts: Texts, run) -> list[str]:
 
 
 def _not_meeting(drawn: Drawn, texts: Texts, run) -> list[str]:
-    """At most one surface is near where several are said to meet."""
+    """No surfaces are near each other where some are said to meet; nor is motion tangent to one.
+
+    Surfaces that are flat there, as that of ``x**5 > 1e-12``, are left out: the engine knows of no
+    sliding along them.
+    """
     t = run.attrs["end_number"] * run.attrs["window"] + run.attrs["end_phase"]
     z = run["end_state"].values
+    labels = run["mode"].attrs["flag_meanings"].split()
+    mode, _ = owner(texts, labels[int(run["event_to"].values[-1])], drawn)
     near = {
         switch.text
         for switch in drawn.switches
         if abs(float(texts.value(switch.text, z, t)))
         <= texts.change(switch.text, z, t, _NEAR * (1 + np.abs(z).max()))
     }
-    return [] if len(near) > 1 else [f"sliding, though {len(near)} surfaces are near"]
+    if len(near) > 1:
+        return []
+    for text in near:
+        fields, rates = sides(texts, mode, text, z, t)
+        by_little, by_more = (texts.change(text, z, t, error) for error in (_NEAR, 1e3 * _NEAR))
+        flat = by_more > 1.2e3 * by_little
+        if flat or np.abs(rates).min() <= _TANGENT * np.abs(fields).max():
+            return []
+    return [f"sliding, though {len(near)} surfaces are near"]
 
 
 def _decided(texts: Texts, run) -> list[str]:
@@ -100,7 +117,8 @@ def _not_accumulating(drawn: Drawn, texts: Texts, run) -> list[str]:
     if last[-1] == "...":
         return _not_pressed(texts, run, {name for name in last if name.startswith("e")})
     gaps = np.diff(run["event_time"].values)[-5:]
-    if len(gaps) == 5 and gaps.mean() > _BRIEF:
+    regular = run.attrs["n_events"] >= _MOST_EVENTS
+    if len(gaps) == 5 and gaps.mean() > _BRIEF and not regular:
         return [f"event_limit, with events {gaps.mean():.3g} apart"]
     sticking = {
         way["name"]

@@ -93,7 +93,7 @@ def _surfaces(drawn: Drawn, texts: Texts, flight: Flight, size: float) -> list[s
     return found
 
 
-def _sides(texts: Texts, mode: str, surface: str, z: np.ndarray, t: float):
+def sides(texts: Texts, mode: str, surface: str, z: np.ndarray, t: float):
     """Fields on both sides of a surface, and the rates of the distance from it with them."""
     normal = texts.gradient(surface, z, t)
     size = max(float(np.linalg.norm(normal)), TINY)
@@ -107,7 +107,7 @@ def filippov(texts: Texts, mode: str, surface: str) -> Field:
     """The combination of both sides that stays on the surface."""
 
     def field(t: float, z: np.ndarray) -> np.ndarray:
-        (up, down), (to_up, to_down) = _sides(texts, mode, surface, z, t)
+        (up, down), (to_up, to_down) = sides(texts, mode, surface, z, t)
         if abs(to_down - to_up) < 1e-12:
             return up
         u = (to_up + to_down) / (to_down - to_up)
@@ -123,7 +123,7 @@ def pushed_off(drawn: Drawn, texts: Texts, flight: Flight, surface: str) -> list
         if words["function"] == surface:
             hold = float(words.get("hold", 1.0))
     for k in (0, len(flight.t) // 2, -1):
-        _, (to_up, to_down) = _sides(texts, flight.mode, surface, flight.z[k], flight.t[k])
+        _, (to_up, to_down) = sides(texts, flight.mode, surface, flight.z[k], flight.t[k])
         width = to_down - to_up
         if width <= 1e-6:
             continue
