@@ -1,5 +1,6 @@
 // Functions of the engine that tests call by themselves and that interface.h has no room for.
 #include "linear_flow.hpp"
+#include "look_rows.hpp"
 #include "motion_rows.hpp"
 #include "remainders.hpp"
 #include "sign_look.hpp"
@@ -70,6 +71,7 @@ void shim_remainders(const TableStack* table, const Segment* segment, Index m, d
 void shim_look(const TableStack* table, const Segment* segment, Index m, Index g, Index level,
                Index order, double time, const View<double, 1>* look) {
     const Tables tables = tables_at(*table, 0);
+    make_level(tables, m, level);
     linear::start_segment(tables, *segment, m, time);
     linear::advance(tables, *segment, m, time);
     const LookedAt at = looked_at(tables, *segment, m);

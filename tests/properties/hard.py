@@ -62,7 +62,7 @@ def _oscillator(d: Draft) -> None:
 
 
 def _ramp(d: Draft) -> None:
-    """A state that goes up at a constant rate, or once to and fro."""
+    """A state that goes up at a constant rate, or swings."""
     y = _single(d)
     d.add(y, d.pick(["1", "0.25", d.number(0.2, 1.0), d.harmonic(0.5, 1.5)]))
 

@@ -141,11 +141,11 @@ inline double cut_of_function(const Instruction& instruction, const double* slot
         // in the angle: the defect over w, and what the polynomial of w is off u u + v v by
         Majorant& w = majorants[instruction.c];
         const double least = w.size[0] - w.change;
-        if (!(least > 0.0)) return unbounded;
-        const double turned = rise_of(u) * v.extent + rise_of(v) * u.extent;
         const double off = cut_of_product(u, u) + cut_of_product(v, v);
+        if (!(least > off)) return unbounded;
+        const double turned = rise_of(u) * v.extent + rise_of(v) * u.extent;
         const double defect = cut_of_rate(u, v) + cut_of_rate(v, u) + cut_of_rate(y, w);
-        return (defect + turned * off / least / (next_order + 1.0)) / least;
+        return (defect + turned * off / (least - off) / (next_order + 1.0)) / least;
     }
     default: return cut_of_rate(u, v);  // ATAN, ASIN, ACOS
     }
