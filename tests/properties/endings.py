@@ -104,7 +104,8 @@ def _decided(texts: Texts, run) -> list[str]:
             continue
         mode, way = ways[name]
         rate = float(texts.along(way["guard"], z, t, texts.field(mode, z, t)))
-        if rate > 0.0 or float(texts.value(way["guard"], z, t)) > CLOSE * (1 + np.abs(z).max()):
+        off = texts.change(way["guard"], z, t, CLOSE * (1 + np.abs(z).max()))
+        if rate > 0.0 or float(texts.value(way["guard"], z, t)) > off:
             return [f"undecided, though {name} does not fire"]
         behind = {k: float(texts.value(text, z, t)) for k, text in way.get("reset", {}).items()}
         for state, value in behind.items():

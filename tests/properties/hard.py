@@ -200,6 +200,8 @@ def _scaled(d: Draft, text: str) -> str:
 def _use(d: Draft) -> None:
     """Guards between two modes, guards that kick, and conditions in rates."""
     kind = d.pick(["modes", "modes", "kick", "terms", "conditions"])
+    if kind == "kick" and "stiff" in d.features:
+        kind = "modes"  # thrown back, what relaxes fast would be back in no time, again and again
     d.features.add(kind)
     if kind == "modes":
         _two_modes(d, _guard(d))
