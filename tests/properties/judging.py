@@ -185,12 +185,12 @@ def _cell(drawn: Drawn, texts: Texts, flight: Flight, size: float) -> Iterator[s
         if switch.mode not in (None, flight.mode):
             continue
         value = texts.value(switch.text, flight.z, flight.t)
+        zeros += vanishes(texts, flight, switch.text, value, size)
         if switch.when and not _is_positive(texts, flight, switch.when, size):
             continue
         positive = _stays_positive(texts, flight, switch.text, value, size)
         if not positive and not _stays_positive(texts, flight, switch.text, -value, size):
             yield f"{switch.text} changes its sign: {value.min():.3g} to {value.max():.3g}"
-        zeros += vanishes(texts, flight, switch.text, value, size)
     signs = re.search(r"\[([-+0.]+)\]", flight.label)
     if signs and zeros < signs.group(1).count("0"):
         yield f"on {signs.group(1).count('0')} surfaces, and {zeros} switching functions are zero"
