@@ -210,9 +210,7 @@ def test_too_many_cells():
     with pytest.raises(ModelError, match="more than 64 cells"):
         system_of(many)
     bands = " + ".join(f"abs(x - {i})" for i in range(7))  # 8 of x, and 4 of v
-    four = {
-        f"m{i}": Mode({"x": bands, "v": "sign(v) + abs(v - 9) + abs(v - 8)"}) for i in range(4)
-    }
+    four = {f"m{i}": Mode({"x": bands, "v": "sign(v) + abs(v - 9) + abs(v - 8)"}) for i in range(4)}
     with pytest.raises(ModelError, match="there are 128 modes; at most 120"):
         System(states=["x", "v"], modes=four)
 
