@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from textwrap import fill
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
 
 __all__ = ["draw_quantity", "edges"]
 
+_WIDEST = 34  # letters in a line of the label
 _DENSE = 10_000  # cells; more become an image within a PDF
 
 Floats = npt.NDArray[np.float64]
@@ -45,7 +47,9 @@ def draw_quantity(grid: xr.Dataset, quantity: str, ax: Axes, legend: bool) -> Ax
         figure = ax.get_figure(root=True)
         assert figure is not None
         bar = figure.colorbar(mesh, ax=ax)
-        bar.set_label(axis_label(grid[quantity]))
+        size = float(ax.xaxis.label.get_fontsize())
+        bar.set_label(fill(axis_label(grid[quantity]), _WIDEST), fontsize=size)
+        bar.ax.tick_params(labelsize=float(ax.get_xticklabels()[0].get_fontsize()))
     return ax
 
 

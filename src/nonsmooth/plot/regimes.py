@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from textwrap import fill, wrap
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -41,6 +42,7 @@ _HATCHES = {
 _WHITE, _HATCHING = "#FFFFFF", "#666666"
 _LINE, _BELOW = 1.25, 4.0  # of the legend: a line, and the labels below the axes; in letters
 _SMALLEST = 5.5  # letters in points
+_WIDEST = 32  # letters in a line of the legend
 _DENSE = 10_000  # cells; more become an image within a PDF
 
 
@@ -186,14 +188,15 @@ def _name_colours(ax: Axes, names: list[str], colours: list[str]) -> None:
     handles = [
         Patch(
             facecolor=colour, edgecolor=_HATCHING if name in _HATCHES else "black", linewidth=0.4,
-            label=name, hatch=_HATCHES.get(name),
+            label=fill(name, _WIDEST), hatch=_HATCHES.get(name),
         )
         for name, colour in zip(names, colours, strict=True)
     ]  # fmt: skip
     place = ax.get_subplotspec()
     rows = 1 if place is None else place.get_gridspec().nrows
     height = figure.get_figheight() * 72.0 / rows
-    fitting = height / (_LINE * len(names) + _BELOW)
+    lines = sum(len(wrap(name, _WIDEST)) for name in names)
+    fitting = height / (_LINE * lines + _BELOW)
     size = max(_SMALLEST, min(float(ax.xaxis.label.get_fontsize()), fitting))
     ax.legend(
         handles=handles,
