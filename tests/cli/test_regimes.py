@@ -78,7 +78,16 @@ def test_a_followed_map_with_every_number(call, tmp_path):
     ("arguments", "message"),
     [
         (
-            "regimes soft_impact --over a=0.7:0.8:99 --over zeta=0.1:0.2:99 --follow on".split(),
+            [
+                "regimes",
+                "soft_impact",
+                "--over",
+                "a=0.7:0.8:99",
+                "--over",
+                "zeta=0.1:0.2:99",
+                "--follow",
+                "on",
+            ],
             "unknown way 'follow on'",
         ),
         (["regimes", "soft_impact"], "--over"),
