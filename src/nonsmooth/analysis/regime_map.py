@@ -154,9 +154,9 @@ def regime_map(
     if isinstance(initial, list | tuple):
         same: dict[str, Any] = {
             "start": start, "refine": refine, "fill": fill, "transient": transient,
-            "record": record, "evidence": evidence, "longest": longest, "confirm": confirm, "phase": phase,
-            "period": period, "match": match, "parameters": parameters, "tolerance": tolerance,
-            "mode": mode, "threads": threads,
+            "record": record, "evidence": evidence, "longest": longest, "confirm": confirm,
+            "phase": phase, "period": period, "match": match, "parameters": parameters,
+            "tolerance": tolerance, "mode": mode, "threads": threads,
         }  # fmt: skip
         return maps_of_starts(partial(regime_map, system, over, **same), initial, store)
     system = check_run_options(system, parameters, mode, tolerance)
