@@ -214,7 +214,7 @@ def test_a_survey_decides_by_exponents_alone():
     np.testing.assert_array_equal(survey["multiplier"], whole["multiplier"])
     one = ns.regime(ns.models.soft_impact(omega=0.905), transient=300, evidence=150)
     assert one["regime"].item() == "chaotic" and np.isnan(one["K"])
-    assert one.attrs["message"].endswith("without the 0-1 test")
+    assert "without the 0-1 test" in one.attrs["message"]
 
 
 def test_refined_cells_filled_with_motions_have_every_number():
