@@ -419,7 +419,7 @@ def test_starts_and_files(tmp_path):
     [
         ({"transient": -1}, "transient"),
         ({"record": 1}, "seen twice"),
-        ({"evidence": 100}, "200 strobes"),
+        ({"evidence": 10}, "20 strobes at least; a survey"),
         ({"longest": 10}, "less than transient"),
         ({"phase": 1.0}, "phase = 1"),
         ({"match": 1.0}, "match = 1"),

@@ -202,3 +202,103 @@ def test_a_system_without_a_period():
         ns.regime_map(ns.models.chua(), over)
     grid = ns.regime_map(ns.models.chua(), over, period=1.0)
     assert names(grid)[0, 0] in LABELS[:8]
+
+
+def test_a_survey_decides_by_exponents_alone():
+    """Below 200 strobes there is no 0-1 test; what repeats needs none."""
+    over = {"omega": [0.78, 0.86], "zeta": [0.03, 0.05]}
+    survey = ns.regime_map(ns.models.soft_impact(), over, transient=300, evidence=100)
+    whole = ns.regime_map(ns.models.soft_impact(), over, transient=300)
+    assert np.all(names(whole) == "periodic")
+    np.testing.assert_array_equal(names(survey), names(whole))
+    np.testing.assert_array_equal(survey["multiplier"], whole["multiplier"])
+    one = ns.regime(ns.models.soft_impact(omega=0.905), transient=300, evidence=150)
+    assert one["regime"].item() == "chaotic" and np.isnan(one["K"])
+    assert "without the 0-1 test" in one.attrs["message"]
+
+
+def test_refined_cells_filled_with_motions_have_every_number():
+    """As the whole grid computed at once."""
+    over = {"omega": np.linspace(0.8, 0.9, 3), "a": np.linspace(0.5, 0.9, 3)}
+    options = {"transient": 200, "record": 40, "longest": 200, "evidence": 40}
+    system = ns.models.soft_impact(zeta=0.03)
+    grid = ns.regime_map(system, over, refine=1, fill="motions", **options)
+    whole = ns.regime_map(system, {name: grid[name].values for name in over}, **options)
+    assert np.all(grid["computed"] == 1)
+    for name in ("regime", "exponent", "events", "period"):
+        np.testing.assert_array_equal(grid[name], whole[name])
+    labels = ns.regime_map(system, over, refine=1, **options)
+    assert 0 < int(labels["computed"].sum()) < grid["computed"].size
+    with pytest.raises(OptionError, match="unknown filling 'all'"):
+        ns.regime_map(system, over, fill="all")
+
+
+def bistable() -> System:
+    """Two wells of x' = x - x^3 + f + 0.01 cos(t), each until f leaves -0.385 ... 0.385."""
+    return System(
+        states=["x"],
+        parameters={"f": 0.0, "g": 0.0},
+        period="2*pi",
+        equations={"x": "x - x**3 + f + g + 0.01*cos(t)"},
+        outputs={"side": "x"},
+        initial={"x": -1.0},
+    )
+
+
+@pytest.mark.parametrize(("way", "switches"), [("follow up", 0.385), ("follow down", -0.385)])
+def test_following_stays_in_its_well(way, switches):
+    """The wells end where 3 x^2 = 1, so at f = 2/sqrt(27); the start lies in the lower one."""
+    values = np.array([-0.6, -0.3, 0.0, 0.3, 0.6])
+    grid = ns.regime_map(
+        bistable(), {"f": values, "g": [0.0]}, start=way, transient=50, record=4, evidence=40
+    )
+    assert np.all(names(grid) == "periodic")
+    root = np.where(values + 0.0 > switches, 1.0, -1.0)
+    for _ in range(60):  # Newton's method, in the well
+        root -= (root - root**3 + values) / (1.0 - 3.0 * root**2)
+    # the forcing averages out but for its square
+    expected = 2 * np.pi * (1.0 - 3.0 * root**2)
+    assert np.log(grid["multiplier"].values[0]) == pytest.approx(expected, rel=2e-3)
+
+
+def test_following_and_refining_exclude_each_other():
+    with pytest.raises(OptionError, match="refine=0"):
+        ns.regime_map(bistable(), {"f": [0.0, 1.0], "g": [0.0]}, start="follow up", refine=1)
+    with pytest.raises(OptionError, match="unknown way 'sideways'"):
+        ns.regime_map(bistable(), {"f": [0.0, 1.0], "g": [0.0]}, start="sideways")
+
+
+def test_several_starts_are_lanes(tmp_path):
+    starts = [{"x": -1.0}, {"x": 1.0}]
+    options = {"transient": 50, "record": 4, "evidence": 40}
+    over = {"f": [-0.6, 0.1, 0.6], "g": [0.0]}
+    both = ns.regime_map(bistable(), over, initial=starts, store=tmp_path / "maps", **options)
+    assert both["regime"].dims == ("lane", "g", "f")
+    for lane, initial in enumerate(starts):
+        alone = ns.regime_map(bistable(), over, initial=initial, **options)
+        np.testing.assert_array_equal(both["multiplier"][lane], alone["multiplier"])
+    apart = both["multiplier"].values[0, 0] != both["multiplier"].values[1, 0]
+    assert apart[1]  # two wells
+    assert sorted(path.name for path in (tmp_path / "maps").iterdir()) == ["lane-000", "lane-001"]
+    with pytest.raises(OptionError, match="the list is empty"):
+        ns.regime_map(bistable(), over, initial=[])
+
+
+def test_motions_that_progress_are_told_from_those_that_stand():
+    """A mass that slides by c per period, or not at all."""
+    system = System(
+        states=["x", "s"],
+        parameters={"c": 0.0, "g": 0.0},
+        period="1",
+        drift=["s"],
+        equations={"x": "-x + cos(2*pi*t)", "s": "c"},
+    )
+    grid = ns.regime_map(
+        system, {"c": [0.0, 0.2], "g": [0.0, 1.0]}, transient=40, record=4, evidence=40
+    )
+    assert grid["progresses"].values.tolist() == [[0, 1], [0, 1]]
+    assert grid["progresses"].attrs["flag_meanings"] == "stands progresses"
+    legend = ns.plot.regime_map(grid).get_legend().get_texts()
+    assert [text.get_text() for text in legend] == ["period 1, progresses", "period 1, stands"]
+    words = ns.plot.regime_map(grid, words=True).get_legend().get_texts()
+    assert words[0].get_text().startswith("period 1, progresses: ")

@@ -6,6 +6,7 @@ import xarray as xr
 
 import nonsmooth as ns
 from analysis.shafts import shaft, vectors, whirl
+from nonsmooth.simulation import crew
 
 SPEEDS = np.linspace(0.6, 2.5, 9)
 QUICK = {"transient": 150, "record": 8, "samples_per_period": 12}
@@ -143,3 +144,22 @@ def test_wrong_options(options, text):
     call = {"parameter": "w", "values": [1.0], "variable": "x"} | options
     with pytest.raises(ns.OptionError, match=text):
         ns.waterfall(shaft(), **call)
+
+
+def test_an_interruption_keeps_what_is_done_and_no_more(monkeypatch):
+    """Values that were not computed take no room."""
+    take, calls = crew.take, []
+
+    def interrupted(*arguments, **options):
+        result = take(*arguments, **options)
+        calls.append(result)
+        if len(calls) == 2:
+            raise KeyboardInterrupt
+        return result
+
+    monkeypatch.setattr(crew, "take", interrupted)
+    speeds = np.linspace(0.7, 0.9, 400)
+    found = ns.waterfall(ns.models.soft_impact(), "omega", speeds, "x", transient=200, threads=1)
+    assert found.attrs["status"] == "interrupted"
+    assert set(found["status"].values) <= {"completed"} and found.sizes["parameter"] <= 32
+    np.testing.assert_array_equal(found["parameter"], speeds[: found.sizes["parameter"]])

@@ -56,9 +56,40 @@ def test_map_file_and_picture(call, tmp_path):
     assert "5 of omega times 5 of a" in result.stdout
 
 
+def test_a_followed_map_with_every_number(call, tmp_path):
+    file = tmp_path / "m.nc"
+    line = "regimes soft_impact zeta=0.03 --over omega=0.8:0.9:3 --over a=0.5:0.9:2"
+    more = "--follow down --fill motions --transient 100 --evidence 60"
+    result = call(*line.split(), *more.split(), "--save", file)
+    assert result.exit_code == 0, result.stderr
+    expected = ns.regime_map(
+        ns.models.soft_impact(zeta=0.03),
+        {"omega": np.linspace(0.8, 0.9, 3), "a": np.linspace(0.5, 0.9, 2)},
+        start="follow down",
+        fill="motions",
+        transient=100,
+        evidence=60,
+    )
+    with xr.open_dataset(file, engine="h5netcdf") as saved:
+        xr.testing.assert_identical(saved.load(), expected)
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
+        (
+            [
+                "regimes",
+                "soft_impact",
+                "--over",
+                "a=0.7:0.8:99",
+                "--over",
+                "zeta=0.1:0.2:99",
+                "--follow",
+                "on",
+            ],
+            "unknown way 'follow on'",
+        ),
         (["regimes", "soft_impact"], "--over"),
         (["regimes", "soft_impact", "--over", "omega=0.7:0.8:3"], "two different parameters"),
         (

@@ -75,6 +75,8 @@ def test_orbit(call, tmp_path):
     ("line", "text"),
     [
         ("waterfall rotor --over eta=2:3:5 --variable z", "unknown variable 'z'"),
+        ("waterfall rotor --over eta=2:3:100000 --kind tower", "unknown kind 'tower'"),
+        ("waterfall rotor --over eta=2:3:100000 --axis time", "--axis = 'time'"),
         ("waterfall chua --over alpha=9:10:2", "no period"),
         ("contacts rotor --plot a.png", "--over"),
         ("contacts rotor --over eta=2:3:2 --variable contacts", "--plot FILE"),

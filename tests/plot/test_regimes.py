@@ -74,3 +74,15 @@ def test_what_is_no_map(broken):
         data["regime"].attrs = {}
     with pytest.raises(OptionError, match="regime"):
         ns.plot.regime_map(data)
+
+
+def test_any_quantity_can_be_drawn():
+    grid = ns.regime_map(
+        ns.models.soft_impact(), {"omega": [0.78, 0.82, 0.86], "zeta": [0.02, 0.05]},
+        transient=200, evidence=40,
+    )  # fmt: skip
+    ax = ns.plot.regime_map(grid, quantity="exponent")
+    (mesh,) = ax.collections
+    np.testing.assert_array_equal(mesh.get_array().ravel(), grid["exponent"].values.ravel())
+    with pytest.raises(ns.OptionError, match="unknown quantity 'colour'"):
+        ns.plot.regime_map(grid, quantity="colour")

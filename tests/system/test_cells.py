@@ -206,11 +206,11 @@ def test_cells_of_what_is_smooth():
 
 
 def test_too_many_cells():
-    many = " + ".join(f"abs(x - {i}*v)" for i in range(30))
+    many = " + ".join(f"abs(x - {i}*v)" for i in range(40))
     with pytest.raises(ModelError, match="more than 64 cells"):
         system_of(many)
-    four = {f"m{i}": Mode({"x": "abs(x) + abs(x - 1) + abs(x - 2)", "v": "sign(v) + abs(v - 9)"})
-             for i in range(4)}  # fmt: skip
+    bands = " + ".join(f"abs(x - {i})" for i in range(7))  # 8 of x, and 4 of v
+    four = {f"m{i}": Mode({"x": bands, "v": "sign(v) + abs(v - 9) + abs(v - 8)"}) for i in range(4)}
     with pytest.raises(ModelError, match="there are 128 modes; at most 120"):
         System(states=["x", "v"], modes=four)
 

@@ -102,7 +102,7 @@ def bifurcation_diagram(
         that period), ``events`` and ``impacts`` per period, see notes, ``status``,
         ``n_uncertain``, ``n_estimated``, and for every drifting state its change per period and per
         unit time, as in ``v_per_period`` (of a map, per iterate, as in ``v_per_iterate``). After an
-        interruption the columns that are done are there, the others have the status
+        interruption the columns that are done are there; a lane of them that is not has the status
         ``interrupted``.
 
     Raises

@@ -136,11 +136,11 @@ def contact_statistics(
     name, grid = "", np.zeros(1)
     if parameter is not None:
         name, grid = parameter, check_values(model, parameter, values)
-    found, complete = run_sweep(
+    swept = run_sweep(
         sweep, name, grid, lambda settled: contact_numbers(settled, asked),
         label="contact statistics", options=asked.options, threads=threads, store=store,
     )  # fmt: skip
-    result = contact_dataset(sweep, name, grid, asked, found, complete)
+    result = contact_dataset(sweep, name, swept, asked)
     if parameter is None:
         result = result.isel(parameter=0, drop=True)
         del result.attrs["parameter"]

@@ -62,8 +62,8 @@ def regime(
         Periods of a window in which strobes may repeat; half of it is the longest period that is
         found.
     evidence : int, optional
-        Periods of a window for exponent and 0-1 test of a motion that does not repeat, 200 at
-        least.
+        Periods of a window for exponent and 0-1 test of a motion that does not repeat. Below 200
+        the result is a survey: exponents alone decide, and ``K`` is nan; 20 at least.
     longest : int, optional
         Up to where the transient is doubled, at least, while the motion has not settled; 16 times
         the transient (or the record, if that is longer) without it.

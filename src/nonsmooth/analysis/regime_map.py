@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.analysis.diagrams.diagram_options import check_way
 from nonsmooth.analysis.regimes.border_refinement import refine_borders, refined_values
 from nonsmooth.analysis.regimes.options import check_system, make_protocol
 from nonsmooth.analysis.regimes.points import Plane
 from nonsmooth.analysis.regimes.regime_dataset import map_dataset, said_of_start
+from nonsmooth.analysis.regimes.several_starts import maps_of_starts
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.simulation.crew import check_threads
 from nonsmooth.simulation.options import check_run_options, finite_number
@@ -27,6 +30,7 @@ __all__ = ["regime_map"]
 
 _MOST = 2 * 10**6  # points; each computed one takes a kilobyte
 _LEVELS = 8
+_FILLS = ("labels", "motions")
 
 
 def regime_map(
@@ -34,7 +38,9 @@ def regime_map(
     over: Mapping[str, npt.ArrayLike],
     *,
     initial: Any = None,
+    start: str = "restart",
     refine: int = 0,
+    fill: str = "labels",
     transient: int = 200,
     record: int = 100,
     evidence: int = 500,
@@ -58,13 +64,20 @@ def regime_map(
     over : mapping of str to array_like
         Two parameters and their values, which grow: the first one is the horizontal axis of a
         picture.
-    initial : mapping or dataset, optional
-        Initial state as in `simulate`, the same everywhere. States that are not given are those at
-        rest, for each point anew.
+    initial : mapping or dataset, or a list of them, optional
+        Initial state as in `simulate`, the same everywhere; several in a list make a map each,
+        over a ``lane``. States that are not given are those at rest, for each point anew.
+    start : {"restart", "follow up", "follow down"}, optional
+        Where motions begin: at the initial state; or where the motion at the next smaller, or
+        larger, value of the first parameter has settled, so that a row stays on its attractor.
+        Drifting states begin at their initial value everywhere. Needs ``refine=0``.
     refine : int, optional
         How often cells are halved where the labels of their corners differ. What then lies among
         equal labels is filled and not computed, so an island smaller than a cell of the grid that
         is given may be missed.
+    fill : {"labels", "motions"}, optional
+        What refined cells are filled with: the label that is found all around, with nan as its
+        numbers; or motions, so that every number of the result is computed.
 
     Other Parameters
     ----------------
@@ -138,10 +151,26 @@ def regime_map(
     >>> [[names[code] for code in row] for row in grid["regime"].values]
     [['periodic', 'chaotic'], ['periodic', 'periodic']]
     """
+    if isinstance(initial, list | tuple):
+        same: dict[str, Any] = {
+            "start": start, "refine": refine, "fill": fill, "transient": transient,
+            "record": record, "evidence": evidence, "longest": longest, "confirm": confirm,
+            "phase": phase, "period": period, "match": match, "parameters": parameters,
+            "tolerance": tolerance, "mode": mode, "threads": threads,
+        }  # fmt: skip
+        return maps_of_starts(partial(regime_map, system, over, **same), initial, store)
     system = check_run_options(system, parameters, mode, tolerance)
     check_system(system, period, "regime_map")
     names, values = _check_grid(system, over)
     levels = _check_refine(refine)
+    way = check_way(start)
+    if levels and way != "restart":
+        raise OptionError(
+            f"start = {way!r} and refine = {levels}: motions follow each other along whole rows;"
+            " take more values of the first parameter, and refine=0"
+        )
+    if fill not in _FILLS:
+        raise OptionError(f"fill = {fill!r:.60}: {unknown_name('filling', str(fill), _FILLS)}")
     protocol = make_protocol(transient, record, evidence, longest, confirm, phase, match)
     fine = (refined_values(values[0], levels), refined_values(values[1], levels))
     if fine[0].size * fine[1].size > _MOST:
@@ -152,8 +181,10 @@ def regime_map(
     # refuse here what no point could begin with
     resolve_start(system, build_tables(system), initial, None, mode, repeated=True)
     options = {
+        "start": way,
         "initial": said_of_start(initial),
         "refine": levels,
+        "fill": fill,
         "transient": protocol.transient,
         "record": protocol.record,
         "evidence": protocol.evidence,
@@ -173,9 +204,13 @@ def regime_map(
     }
     plane = Plane(
         protocol, system, names, fine, initial, mode, period, tolerance, check_threads(threads),
-        store, told,
+        store, way, told,
     )  # fmt: skip
     filled = refine_borders(plane.keys, levels, plane.compute)
+    if fill == "motions":
+        # what an interruption leaves undone is missing, and not filled
+        plane.compute(filled)
+        filled = filled[:0]
     plane.fill(filled)
     return map_dataset(system, names, fine, plane.verdicts, filled, options)
 

@@ -168,25 +168,25 @@ def waterfall(
         "variable": names[0],
         "second_variable": names[1] if len(names) == 2 else "",
     }
-    found, complete = run_sweep(
+    swept = run_sweep(
         sweep, parameter, grid, reduce, label="waterfall", options=options, threads=threads,
         store=store,
     )  # fmt: skip
     number = np.arange(length // 2 + 1) if len(names) == 1 else np.arange(length) - length // 2
     rows = Rows(
         number / periods,
-        stacked(found, "amplitude", number.shape),
-        stacked(found, "density", number.shape),
-        stacked(found, "period", ()),
-        stacked(found, "phase", number.shape) if count == 1 else None,
+        stacked(swept.found, "amplitude", number.shape),
+        stacked(swept.found, "density", number.shape),
+        stacked(swept.found, "period", ()),
+        stacked(swept.found, "phase", number.shape) if count == 1 else None,
     )
-    attrs = sweep_attributes(model, found, complete, sweep.options | options)
+    attrs = sweep_attributes(model, swept.found, swept.complete, sweep.options | options)
     result = waterfall_dataset(
         rows, names, [labels_of(model).attributes(name) for name in names],
-        parameter_coordinate(model, parameter, grid),
+        parameter_coordinate(model, parameter, swept.values),
         labels_of(model).attributes("time").get("units", ""), attrs | {"parameter": parameter},
     )  # fmt: skip
-    result["status"] = statuses(found)
+    result["status"] = statuses(swept.found)
     return result
 
 

@@ -10,8 +10,7 @@ from nonsmooth.chapter.registry import figure_place, figure_summary
 
 __all__ = ["TOGETHER", "groups_of"]
 
-# Modules of claims and names of figures, those that take longest first: what is left for the
-# end is short, and no process waits long for the last one.
+# Modules of claims and names of figures, those that take longest first; all others are short.
 TOGETHER = (
     ("mole.basin_claims",),
     ("fig12",),
@@ -41,7 +40,11 @@ TOGETHER = (
 
 
 def groups_of(figures: Sequence[str], claims: Sequence[str]) -> list[list[Item]]:
-    """Items of some figures and claims in groups, the longest work first.
+    """Items of some figures and claims in groups, in the order in which they begin.
+
+    Figures come first, the shortest ones at once, so that there is soon something to see. Groups
+    with claims follow, the longest first: what is left for the end is short, and no process waits
+    long for the last one.
 
     Parameters
     ----------
@@ -55,7 +58,7 @@ def groups_of(figures: Sequence[str], claims: Sequence[str]) -> list[list[Item]]
     Examples
     --------
     >>> [[item.name for item in group] for group in groups_of(["fig8", "fig1"], ["M13", "M03"])]
-    [['M13', 'fig8'], ['M03'], ['fig1']]
+    [['fig1'], ['fig8', 'M13'], ['M03']]
     """
     wanted = {name: _figure(name) for name in figures} | {name: _claim(name) for name in claims}
     listed = {part for group in TOGETHER for part in group}
@@ -64,7 +67,15 @@ def groups_of(figures: Sequence[str], claims: Sequence[str]) -> list[list[Item]]
         [wanted[name] for part in group for name in _names(part) if name in wanted]
         for group in (*TOGETHER, *alone)
     ]
-    return [group for group in groups if group]
+    drawn = [group for group in groups if group and all(each.kind == "figure" for each in group)]
+    short = [group for group in drawn if group[0].name not in listed]
+    long = [group for group in drawn if group[0].name in listed]
+    judged = [group for group in groups if any(each.kind == "claim" for each in group)]
+    return [*short, *reversed(long), *(sorted(group, key=_is_claim) for group in judged)]
+
+
+def _is_claim(item: Item) -> bool:
+    return item.kind == "claim"
 
 
 def _names(part: str) -> list[str]:

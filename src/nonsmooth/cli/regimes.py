@@ -35,12 +35,21 @@ def regimes(
         ),
     ],
     refine: Annotated[int, typer.Option(help="Halve cells at borders so often.")] = 0,
+    fill: Annotated[
+        str, typer.Option(help="Refined cells: labels, or motions so that no number is missing.")
+    ] = "labels",
     start: Annotated[
         str | None, typer.Option(metavar="x=0.1,v=0", help="States at the start.")
     ] = None,
+    follow: Annotated[
+        str | None,
+        typer.Option(metavar="up|down", help="Begin where the neighbour below or above settled."),
+    ] = None,
     transient: Annotated[int, typer.Option(help="Periods to drop first, at least.")] = 200,
     record: Annotated[int, typer.Option(help="Periods in which strobes may repeat.")] = 100,
-    evidence: Annotated[int, typer.Option(help="Periods for exponent and 0-1 test.")] = 500,
+    evidence: Annotated[
+        int, typer.Option(help="Periods for exponent and 0-1 test; below 200 a survey.")
+    ] = 500,
     longest: Annotated[
         int | None, typer.Option(help="Largest transient; 16 times the first by default.")
     ] = None,
@@ -70,6 +79,8 @@ def regimes(
         _grid(over),
         initial=constants(settings(names(start), "--start"), "--start"),
         refine=refine,
+        fill=fill,
+        start="restart" if follow is None else f"follow {follow}",
         transient=transient,
         record=record,
         evidence=evidence,

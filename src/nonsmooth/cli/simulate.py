@@ -173,16 +173,18 @@ def _check_window(
     system: System, window: tuple[float, float] | None, length: dict[str, Any]
 ) -> None:
     """Refuse times to draw that a run of this length does not reach."""
-    end, periods = length.get("t_end"), length.get("periods")
+    begin, end, periods = 0.0, length.get("t_end"), length.get("periods")
     if "times" in length:
-        end = length["times"][-1]
+        begin, end = length["times"][0], length["times"][-1]
     elif end is None and periods is not None and system.period_value is not None:
         end = periods * system.period_value
-    if window is not None and end is not None and not window[0] < min(window[1], end):
+    if window is None or end is None:
+        return
+    if not max(window[0], begin) < window[1] or not window[0] < end:
         last = f"{window[1]:g}" if window[1] < math.inf else "the end"
         raise OptionError(
-            f"the times to draw, {window[0]:g} to {last}, must run forward and begin before"
-            f" the run ends at t = {end:g}"
+            f"the times to draw, {window[0]:g} to {last}, must run forward, end after the run"
+            f" begins at t = {begin:g} and begin before the run ends at t = {end:g}"
         )
 
 

@@ -56,9 +56,11 @@ def waterfall(
 ) -> None:
     """Spectra of settled motions for many values of a parameter."""
     from nonsmooth.analysis.waterfall import waterfall as compute
+    from nonsmooth.plot.cascades import check_drawing
     from nonsmooth.system.columns import harmless
 
     check_files(plot, save)
+    check_drawing({"--kind": kind, "--axis": axis})
     system = build_system(model, settings(parameters or [], "NAME=VALUE"))
     parameter, values = value_range(over)
     start = constants(settings(names(initial), "--initial"), "--initial")

@@ -42,6 +42,7 @@ __all__ = [
     "allocate_tangent",
     "lane_anchors",
     "lane_records",
+    "lane_tangents",
     "run",
     "run_lanes",
     "run_some",
@@ -155,7 +156,7 @@ class Tangent(Record):
     """Columns of derivatives and their scratch; C columns, none where nothing is carried."""
 
     struct: ClassVar[str] = "Tangents"
-    in_lanes: ClassVar[tuple[str, ...]] = ("columns", "samples")
+    in_lanes: ClassVar[tuple[str, ...]] = ("columns", "samples", "growth", "growth_samples")
 
     columns: Floats  # (C, N) at the anchor: by each initial state, then by each parameter
     now: Floats  # (C, N) at the current point
@@ -166,6 +167,11 @@ class Tangent(Record):
     piece: Floats
     series: Rows
     samples: Floats  # (s, C, n)
+    growth: Floats  # (C,) of columns kept orthonormal, logarithms up to the anchor; or (0,)
+    grown: Floats
+    tried: Floats
+    mirror: Floats
+    growth_samples: Floats  # (s, C)
 
 
 # all that a run needs beside its records
@@ -238,18 +244,31 @@ def allocate_tangent(sizes: Sizes, n_parameters: int, n_samples: int) -> Tangent
     return allocate_columns(sizes, count, n_samples)
 
 
-def allocate_columns(sizes: Sizes, count: int, n_samples: int) -> Tangent:
-    """Room for any number of columns."""
+def allocate_columns(
+    sizes: Sizes, count: int, n_samples: int, *, measures: bool = False
+) -> Tangent:
+    """Room for any number of columns; where their growth is measured they stay orthonormal."""
     big_n = sizes.augmented
     registers = sizes.registers if count else 0
+    n_measured = count if measures else 0
     made = zeros(
         Tangent.struct,
         columns=(count, big_n), now=(count, big_n), shifts=(count,),
         velocity=(big_n if count else 0,), dual=(registers, -(-count // LANES), ORDER + 1),
         piece=(count, big_n), series=(registers,),
+        growth=(n_measured,), grown=(n_measured,), tried=(n_measured,), mirror=(n_measured,),
+        growth_samples=(n_samples if measures else 0, n_measured),
     )  # fmt: skip
     samples = np.full((n_samples if count else 0, count, sizes.states), np.nan)
     return Tangent(**made, ready=np.zeros(1, np.int64), samples=samples)
+
+
+def lane_tangents(tangent: Tangent, count: int) -> Tangent:
+    """The columns of so many lanes, all of them zero, like those of one."""
+    arrays = {name: getattr(tangent, name) for name in tangent.in_lanes}
+    return tangent.replace(
+        **{name: np.zeros((count, *array.shape)) for name, array in arrays.items()}
+    )
 
 
 @dataclass(frozen=True, eq=False)

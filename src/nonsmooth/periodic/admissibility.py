@@ -23,6 +23,7 @@ from nonsmooth.engine.lanes import (
     allocate_tangent,
     lane_anchors,
     lane_records,
+    lane_tangents,
     run_lanes,
 )
 from nonsmooth.engine.status import EventKind, Status
@@ -169,12 +170,8 @@ def _run(legs: Legs, lanes: _Lanes, how: Integers, end: float, tolerance: float)
     """
     sizes, window = legs.tables.sizes, legs.window
     number = int(np.floor(end / window))
-    tangent = allocate_tangent(sizes, -1, 0)
     count = len(lanes.status)
-    tangent = tangent.replace(
-        columns=np.zeros((count, *tangent.columns.shape)),
-        samples=np.zeros((count, *tangent.samples.shape)),
-    )
+    tangent = lane_tangents(allocate_tangent(sizes, -1, 0), count)
     first, passed, segment = 0, np.zeros(2, np.int64), allocate_segment(sizes)
     while first < count:
         first = run_lanes(

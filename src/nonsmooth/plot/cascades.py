@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-__all__ = ["waterfall"]
+__all__ = ["check_drawing", "waterfall"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -28,6 +29,14 @@ _MOST = 50  # spectra below each other that are still told apart
 _HEIGHT = 8.0  # of the highest line, in distances of spectra
 _MOST_MARKED = 12  # orders that are marked
 _LABEL = 2.8  # width of the name of an order, in letters
+
+
+def check_drawing(chosen: Mapping[str, str]) -> None:
+    """Refuse a kind of drawing, or an axis below it, that there is none of; by their options."""
+    for (name, value), known in zip(chosen.items(), (_KINDS, _AXES), strict=True):
+        if value not in known:
+            word = name.lstrip("-")
+            raise OptionError(f"{name} = {value!r}: {unknown_name(word, str(value), known)}")
 
 
 def waterfall(
@@ -90,9 +99,7 @@ def waterfall(
             "the dataset has no amplitudes over 'parameter' and 'harmonic'; give it a result of"
             " waterfall or order_tracking"
         )
-    for name, value, known in (("kind", kind, _KINDS), ("over", over, _AXES)):
-        if value not in known:
-            raise OptionError(f"{name} = {value!r}: {unknown_name(name, str(value), known)}")
+    check_drawing({"kind": kind, "over": over})
     ax = new_axes() if ax is None else ax
     data = data.isel(parameter=np.isfinite(data["period"].values)).sortby("parameter")
     if data.sizes["parameter"] == 0:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from textwrap import fill, wrap
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from nonsmooth.errors import OptionError
 from nonsmooth.plot.figures import new_axes
+from nonsmooth.plot.regime_quantities import draw_quantity, edges
+from nonsmooth.plot.regime_shades import shades
 from nonsmooth.plot.style import axis_label, finish_axes
 
 if TYPE_CHECKING:
@@ -39,10 +42,18 @@ _HATCHES = {
 _WHITE, _HATCHING = "#FFFFFF", "#666666"
 _LINE, _BELOW = 1.25, 4.0  # of the legend: a line, and the labels below the axes; in letters
 _SMALLEST = 5.5  # letters in points
+_WIDEST = 32  # letters in a line of the legend
 _DENSE = 10_000  # cells; more become an image within a PDF
 
 
-def regime_map(grid: xr.Dataset, *, ax: Axes | None = None, legend: bool = True) -> Axes:
+def regime_map(
+    grid: xr.Dataset,
+    *,
+    ax: Axes | None = None,
+    legend: bool = True,
+    words: bool = False,
+    quantity: str | None = None,
+) -> Axes:
     """Regimes over two parameters, one colour each, and one for each period up to eight.
 
     Parameters
@@ -53,6 +64,12 @@ def regime_map(grid: xr.Dataset, *, ax: Axes | None = None, legend: bool = True)
         Where to draw; new axes of a column's width by default.
     legend : bool, optional
         Whether to name the colours beside the axes.
+    words : bool, optional
+        Whether to tell periodic motions apart by their words too, in shades of one colour.
+    quantity : str, optional
+        A variable of the map to draw in place of the regimes, such as ``"exponent"`` or
+        ``"v_per_period"``; where it is nan nothing is drawn. A map with ``fill="motions"`` has it
+        at every point.
 
     Returns
     -------
@@ -62,13 +79,15 @@ def regime_map(grid: xr.Dataset, *, ax: Axes | None = None, legend: bool = True)
     Raises
     ------
     OptionError
-        For a dataset that is no regime map.
+        For a dataset that is no regime map, and for a quantity that it does not have.
 
     Notes
     -----
     Colours are the same in every picture, and only those that occur stand in the legend. Longer
     periods share one. Motions that ended early for other reasons than absorption, and what is
-    missing, are white and hatched. A map of more than 10000 points becomes an image within a PDF.
+    missing, are white and hatched. Where some periodic motions of a system with drifting states
+    stand and others progress, they have shades of their own. A map of more than 10000 points
+    becomes an image within a PDF.
 
     Examples
     --------
@@ -82,15 +101,17 @@ def regime_map(grid: xr.Dataset, *, ax: Axes | None = None, legend: bool = True)
     """
     from matplotlib.colors import BoundaryNorm, ListedColormap
 
-    numbers, names, colours = _categories(grid)
+    numbers, names, colours = _categories(grid, words)
+    if quantity is not None:
+        return draw_quantity(grid, quantity, new_axes() if ax is None else ax, legend)
     ax = new_axes() if ax is None else ax
     second, first = grid["regime"].dims
     x, y = grid[first].values, grid[second].values
     here = np.arange(len(names) + 1) - 0.5
     dense = numbers.size > _DENSE
     ax.pcolormesh(
-        _edges(x),
-        _edges(y),
+        edges(x),
+        edges(y),
         numbers,
         cmap=ListedColormap(colours),
         norm=BoundaryNorm(here, len(names)),
@@ -99,34 +120,35 @@ def regime_map(grid: xr.Dataset, *, ax: Axes | None = None, legend: bool = True)
     )
     for number, name in enumerate(names):
         if name in _HATCHES:
-            _hatch(ax, _edges(x), _edges(y), numbers == number, name)
+            _hatch(ax, edges(x), edges(y), numbers == number, name)
     finish_axes(ax, axis_label(grid[first]), axis_label(grid[second]))
-    ax.set_xlim(*_edges(x)[[0, -1]])
-    ax.set_ylim(*_edges(y)[[0, -1]])
+    ax.set_xlim(*edges(x)[[0, -1]])
+    ax.set_ylim(*edges(y)[[0, -1]])
     if legend:
         _name_colours(ax, names, colours)
     return ax
 
 
-def _categories(grid: xr.Dataset) -> tuple[np.ndarray, list[str], list[str]]:
+def _categories(grid: xr.Dataset, words: bool) -> tuple[np.ndarray, list[str], list[str]]:
     """Number of the category of each point, and names and colours of those that occur."""
     if "regime" not in grid or grid["regime"].ndim != 2:
         raise OptionError(
             "the dataset has no variable 'regime' over two parameters; give it a regime map"
         )
-    words = grid["regime"].attrs.get("flag_meanings", "").split()
-    if not words:
+    labels = grid["regime"].attrs.get("flag_meanings", "").split()
+    if not labels:
         raise OptionError(
             "the variable 'regime' has lost its attribute 'flag_meanings', the names of the labels;"
             " keep the attributes of the map"
         )
     variable = "period" if "period" in grid.data_vars else "period_of_motion"
     codes, periods = grid["regime"].values, grid[variable].values
-    periodic = codes == words.index("periodic")
+    periodic = codes == labels.index("periodic")
     # in the order of the legend: periods, longer ones, the other labels
     order = [(f"period {n}", colour, periodic & (periods == n)) for n, colour in _PERIODS.items()]
     order.append((f"period > {len(_PERIODS)}", _LONGER, periodic & (periods > len(_PERIODS))))
-    others = np.select([codes == code for code in range(len(words))], words, "")
+    order = [part for entry in order for part in shades(grid, *entry, words=words)]
+    others = np.select([codes == code for code in range(len(labels))], labels, "")
     ended = ~np.isin(others, ["periodic", *_OTHERS, *_HATCHES])
     order += [(word, colour, others == word) for word, colour in _OTHERS.items()]
     order.append((_ENDED, _WHITE, ended))
@@ -157,15 +179,6 @@ def _hatch(ax: Axes, x: np.ndarray, y: np.ndarray, where: np.ndarray, name: str)
     )  # fmt: skip
 
 
-def _edges(values: np.ndarray) -> np.ndarray:
-    """Borders of the cells around values; of a width of one around a single value."""
-    if values.size == 1:
-        return np.array([values[0] - 0.5, values[0] + 0.5])
-    middle = 0.5 * (values[1:] + values[:-1])
-    first, last = 2.0 * values[0] - middle[0], 2.0 * values[-1] - middle[-1]
-    return np.concatenate([[first], middle, [last]])
-
-
 def _name_colours(ax: Axes, names: list[str], colours: list[str]) -> None:
     """Legend beside the axes, where it hides nothing; of many entries with smaller letters."""
     from matplotlib.patches import Patch
@@ -175,14 +188,15 @@ def _name_colours(ax: Axes, names: list[str], colours: list[str]) -> None:
     handles = [
         Patch(
             facecolor=colour, edgecolor=_HATCHING if name in _HATCHES else "black", linewidth=0.4,
-            label=name, hatch=_HATCHES.get(name),
+            label=fill(name, _WIDEST), hatch=_HATCHES.get(name),
         )
         for name, colour in zip(names, colours, strict=True)
     ]  # fmt: skip
     place = ax.get_subplotspec()
     rows = 1 if place is None else place.get_gridspec().nrows
     height = figure.get_figheight() * 72.0 / rows
-    fitting = height / (_LINE * len(names) + _BELOW)
+    lines = sum(len(wrap(name, _WIDEST)) for name in names)
+    fitting = height / (_LINE * lines + _BELOW)
     size = max(_SMALLEST, min(float(ax.xaxis.label.get_fontsize()), fitting))
     ax.legend(
         handles=handles,

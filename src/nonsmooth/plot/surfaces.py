@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from nonsmooth.errors import OptionError
 from nonsmooth.system.evaluate import evaluate
-from nonsmooth.system.expressions import Expression, names_in
+from nonsmooth.system.expressions import Expression, name_set
 from nonsmooth.system.linear import CONSTANT, LinearForm, State
 from nonsmooth.system.system import System
 
@@ -77,10 +77,10 @@ def _guards(system: System, x: str, y: str, across: Plane, up: Plane) -> Iterato
 def _names(guard: LinearForm | Expression) -> set[str]:
     """Names in a guard, ``t`` for whatever depends on time."""
     if not isinstance(guard, LinearForm):
-        return {node.name for node in names_in(guard)}
+        return name_set(guard)
     names: set[str] = set()
     for basis, coefficient in guard.terms.items():
-        names |= {node.name for node in names_in(coefficient)}
+        names |= name_set(coefficient)
         if isinstance(basis, State):
             names.add(basis.name)
         elif basis != CONSTANT:

@@ -23,6 +23,7 @@ from nonsmooth.engine.lanes import (
     allocate_tangent,
     lane_anchors,
     lane_records,
+    lane_tangents,
     run_lanes,
 )
 from nonsmooth.engine.record import Rows
@@ -190,6 +191,4 @@ class LaneRunner:
 
     def _tangents(self, count: int) -> Tangent:
         """No columns for any lane."""
-        columns = np.zeros((count, *self.tangent.columns.shape))
-        samples = np.zeros((count, *self.tangent.samples.shape))
-        return self.tangent.replace(columns=columns, samples=samples)
+        return lane_tangents(self.tangent, count)

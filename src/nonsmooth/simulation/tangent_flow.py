@@ -3,12 +3,12 @@
 A run that ends in the middle of a segment keeps its anchor at the start of that segment, so that
 going on repeats the same operations. Columns may be exchanged for other ones at the anchor, since
 the flow takes them from there linearly; the trajectory does not depend on them, so it stays that of
-a run that was never cut, bit for bit. Only where a segment is too long for its columns is the
-anchor moved into it, in the way in which the engine moves it at the end of a window.
+a run that was never cut, bit for bit.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,15 +28,13 @@ from nonsmooth.engine.lanes import (
 )
 from nonsmooth.engine.record import Rows
 from nonsmooth.engine.status import EventKind, Status
-from nonsmooth.engine.tables import ORDER, STILL_ZERO, TAYLOR, Tables
+from nonsmooth.engine.tables import Tables
 from nonsmooth.simulation.clock import Instant
 from nonsmooth.simulation.event_log import FIRST_CAPACITY
 from nonsmooth.simulation.impacts import Impacts, happened
 from nonsmooth.simulation.runner import Derivatives, NoMode
 
 __all__ = ["Saved", "TangentFlow"]
-
-_LAST_TERM = 1e-12  # of the series of the columns, beside the columns
 
 Matrix = npt.NDArray[np.float64]
 
@@ -201,55 +199,6 @@ class TangentFlow:
         status = run(self._lane(tangent), records, GOES_ON, end, self.tolerance)
         return status, records.sample_state, tangent.samples
 
-    def move_to_end(self) -> None:
-        """Move the anchor from the start of a segment to where the run ended in it.
-
-        The engine does the same at the end of a window: what is known to stay zero stays so, and
-        guards that began at a zero have left it.
-        """
-        number, phase = self._end
-        if number > self.anchor.number:
-            self._many.counters["window_events"] = 0
-        self.anchor.move_to((number, phase))
-        self.anchor.state[:] = self._many.end_state
-        smooth = self.tables.signals.shape[0] == 0
-        zero = (self.segment.order >= STILL_ZERO) & smooth
-        self.anchor.order[:] = np.where(zero, STILL_ZERO, 0)[: self.anchor.order.size]
-        self._tangent.columns[:, : self.n] = self.columns_at_end
-
-    def guard_gradient(self) -> Matrix:
-        """Gradient by the states of the guard that fired at the last event."""
-        mode, way = int(self.last_event["from_mode"]), int(self.last_event["exit"])
-        row = self.tables.guard_row(mode, max(way, 0))[: self.n]
-        return np.array(row) if way >= 0 else np.zeros(self.n)
-
-    def reach_of_series(self, mode: int) -> float:
-        """Time within which the series of the columns converge, from where the last step began.
-
-        No limit in a mode in closed form. A step is chosen by the series of the states, in which
-        a stiff direction need not show; columns along it tell at once.
-        """
-        if self.tables.kinds[mode] != TAYLOR:
-            return np.inf
-        series = np.abs(self._tangent.dual["lane"][: self.n])
-        last, size = series[:, :, ORDER].max(initial=0.0), series[:, :, 0].max(initial=0.0)
-        return float((_LAST_TERM * size / last) ** (1.0 / ORDER)) if last > 0.0 else np.inf
-
-    def probe_series(self, duration: float) -> float:
-        """The same for a step that begins at the anchor, which stays where it is."""
-        if self.tables.kinds[self.mode] != TAYLOR:
-            return np.inf
-        saved = self.save()
-        self.run_to(self.after(self.here, duration))
-        reach = self.reach_of_series(saved.anchor.mode)
-        self.restore(saved)
-        return reach
-
-    @property
-    def n_segments(self) -> int:
-        """Segments of the last piece, steps of Taylor modes included."""
-        return max(1, int(self._many.counters["segments"]))
-
     def between(self, first: Instant, last: Instant) -> float:
         """Time from one instant to another."""
         return (last.number - first.number) * self.window + (last.phase - first.phase)
@@ -260,10 +209,35 @@ class TangentFlow:
         phase = first.phase + (duration - whole * self.window)
         return Instant(first.number + int(whole), min(max(phase, 0.0), self.window))
 
+    def run_with(self, tangent: Tangent, ends: Sequence[Instant]) -> tuple[Status, int]:
+        """Run on through some instants with other columns, and how many of them are reached.
+
+        The columns have a sample for each instant.
+        """
+        count = len(ends)
+        records = self._many.replace(
+            sample_number=np.array([end.number for end in ends], np.int64),
+            sample_phase=np.array([end.phase for end in ends]),
+            sample_state=np.empty((count, self.n)),
+            sample_mode=np.empty(count, np.int64),
+        )
+        status = self._record(records, ends[-1], GOES_ON, tangent)
+        return status, int(records.counters["samples"])
+
     def _run(self, end: Instant, mode: int, tangent: Tangent, *, one_event: bool) -> Status:
-        self._end = end
         records = self._one if one_event else self._many
         records.sample_number[0], records.sample_phase[0] = end
+        return self._record(records, end, mode, tangent, one_event=one_event)
+
+    def _record(
+        self,
+        records: Records,
+        end: Instant,
+        mode: int,
+        tangent: Tangent,
+        *,
+        one_event: bool = False,
+    ) -> Status:
         records.counters["samples"] = records.counters["segments"] = 0
         while True:
             for name in ("events", "uncertain", "estimated"):

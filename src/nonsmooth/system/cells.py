@@ -2,7 +2,8 @@
 
 The signs of the switching functions decide one after the other, innermost calls first, so
 the cells of a mode are the leaves of a decision tree: a surface that stands inside one side
-of another exists on that side only. Where motion may slide, cells on the surfaces come beside
+of another exists on that side only. A sign that the others and the requirements of the system
+exclude makes no cell. Where motion may slide, cells on the surfaces come beside
 them (`sliding`).
 """
 
@@ -10,10 +11,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
+from fractions import Fraction
 from itertools import count
 
 from nonsmooth.errors import ModelError
 from nonsmooth.system.equations import Equation
+from nonsmooth.system.exclusions import Inequality, excluded
 from nonsmooth.system.expressions import Expression, to_text, written_out
 from nonsmooth.system.graph import Graph
 from nonsmooth.system.mode_equations import ExitEquations, ModeEquations
@@ -21,7 +24,7 @@ from nonsmooth.system.resolve import Resolver
 from nonsmooth.system.surfaces import Declared
 from nonsmooth.system.switching import SurfaceKey, SwitchingSurface, Undecided
 
-__all__ = ["Cell", "MakeResolver", "Signs", "SplitMode", "shown", "split"]
+__all__ = ["Cell", "MakeResolver", "Signs", "SplitMode", "shown", "sides_of", "split"]
 
 _MOST_CELLS = 64  # of one mode
 _LONGEST = 200  # nodes of a switching function that is shown in full
@@ -72,6 +75,7 @@ class SplitMode:
     names: dict[SurfaceKey, str] = field(default_factory=dict)
     nodes: dict[str, Expression] = field(default_factory=dict)
     declared: Mapping[SurfaceKey, Declared] = field(default_factory=dict)
+    facts: tuple[Inequality, ...] = ()  # that hold for all values of the parameters
     root: _Branch | Cell | None = None
     _resolvers: dict[frozenset[tuple[SurfaceKey, int]], Resolver] = field(default_factory=dict)
 
@@ -135,13 +139,17 @@ def split(
     equations: ModeEquations,
     declared: Mapping[str, Declared],
     make_resolver: MakeResolver,
+    facts: tuple[Inequality, ...] = (),
 ) -> SplitMode:
-    """Cells of a mode; parameter values play no part.
+    """Cells of a mode; parameter values play no part, but for ``facts`` that are required of them.
 
     ``declared`` surfaces have names of their own and come first; others are numbered.
     """
     found = SplitMode(
-        equations, make_resolver, declared={each.surface.key: each for each in declared.values()}
+        equations,
+        make_resolver,
+        declared={each.surface.key: each for each in declared.values()},
+        facts=facts,
     )
     found.root = _grown(found, {}, ())
     order = [key for key in found.declared if key in found.names]
@@ -172,10 +180,20 @@ def _grown(
         declared = found.declared.get(surface.key)
         name = _unused(found) if declared is None else declared.name
         found.names[surface.key], found.nodes[name] = name, surface.node
-    above, below = (
-        _grown(found, {**signs, surface.key: sign}, (*surfaces, surface)) for sign in (1, -1)
-    )
+    sides = [{**signs, surface.key: sign} for sign in (1, -1)]
+    possible = [side for side in sides if not excluded([*found.facts, *sides_of(side)])]
+    if len(possible) == 1:  # the motion is always on that side, so nothing leads through
+        return _grown(found, possible[0], surfaces)
+    above, below = (_grown(found, side, (*surfaces, surface)) for side in sides)
     return _Branch(surface, above, below)
+
+
+def sides_of(signs: Mapping[SurfaceKey, int]) -> Iterator[Inequality]:
+    """What signs say of the terms of their switching functions."""
+    for key, sign in signs.items():
+        if sign != 0:
+            terms = {factors: sign * Fraction(value) for factors, value in key}
+            yield Inequality(terms, strict=True)
 
 
 def _unused(found: SplitMode) -> str:

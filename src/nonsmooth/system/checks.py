@@ -6,6 +6,7 @@ forms), values (everything that depends on the numbers of the parameters).
 
 from __future__ import annotations
 
+import keyword
 import math
 from collections.abc import Iterator, Mapping
 from functools import lru_cache
@@ -185,13 +186,34 @@ def _check_name(kind: str, name: object) -> None:
     if not isinstance(name, str) or not is_name(name):
         raise ModelError(
             f"{kind}: {name!r:.60} is not a name; use letters, digits and _, not a reserved word"
+            f"{_why_no_name(name)}"
         )
     if name in _RESERVED:
-        raise ModelError(f"{kind}: {name!r} has a fixed meaning; choose another name")
+        raise ModelError(
+            f"{kind}: {name!r} has a fixed meaning, {_meaning(name)}; choose another name, such as"
+            f" {name}_"
+        )
     if kind in ("states", "outputs") and name in _RESULT_NAMES:
         raise ModelError(
             f"{kind}: {name!r} is the name of a variable of results; choose another name"
         )
+
+
+def _why_no_name(name: object) -> str:
+    if not isinstance(name, str) or not keyword.iskeyword(name):
+        return ""
+    return f": equations are read as Python reads them, where {name} is one; write {name}_"
+
+
+def _meaning(name: str) -> str:
+    """What a name stands for wherever it is used."""
+    known = {
+        "t": "the time",
+        "pi": "the number",
+        "rate": "the rate of change of a state or signal",
+        STOP: "the target of an exit that ends the run",
+    }
+    return known.get(name, "a function")
 
 
 def _check_mode(system: System, name: str, mode: Mode) -> None:

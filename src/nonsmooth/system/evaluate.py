@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from nonsmooth.system.expressions import Expression, Name, Number, to_text
+from nonsmooth.system.expressions import Call, Expression, Name, Number, to_text
 from nonsmooth.system.functions import lookup
 
 __all__ = ["constant_value", "evaluate", "evaluate_shared"]
@@ -17,18 +17,18 @@ __all__ = ["constant_value", "evaluate", "evaluate_shared"]
 def evaluate(expression: Expression, values: Mapping[str, Any]) -> Any:
     """Value of an expression, names taken from ``values``; arrays broadcast.
 
-    The rate of a state is asked for under the name ``rate(state)``.
+    The rate of a state is asked for under the name ``rate(state)``. Parts that the expression
+    shares are worked out once.
 
     Division by zero and the like give ``inf`` or ``nan`` as numpy does; callers that
     need a finite value check it and say which text it came from.
     """
-    if isinstance(expression, Number):
-        return expression.value
-    if isinstance(expression, Name):
-        return math.pi if expression.name == "pi" else values[expression.name]
-    if expression.function == "rate":
-        return values[to_text(expression)]
-    return _applied(expression.function, [evaluate(a, values) for a in expression.arguments])
+
+    def rate(node: Expression) -> Any:
+        is_rate = isinstance(node, Call) and node.function == "rate"
+        return values[to_text(node)] if is_rate else None
+
+    return evaluate_shared(expression, values, {}, rate)
 
 
 def _applied(function: str, arguments: list[Any]) -> Any:
@@ -49,8 +49,10 @@ def evaluate_shared(
 
     ``special`` may give the value of a node, or None.
     """
-    if isinstance(expression, Name | Number):
-        return evaluate(expression, values)
+    if isinstance(expression, Number):
+        return expression.value
+    if isinstance(expression, Name):
+        return math.pi if expression.name == "pi" else values[expression.name]
     if id(expression) not in known:
         value = special(expression)
         if value is None:

@@ -19,6 +19,7 @@ from nonsmooth.system.linear import Harmonic, State
 from nonsmooth.system.mode_equations import is_relation
 from nonsmooth.system.motions import Motion, natural_motions, reached
 from nonsmooth.system.parts import STOP, Text
+from nonsmooth.system.possible_cells import is_possible
 
 if TYPE_CHECKING:
     from nonsmooth.system.mode_forms import ModeForms
@@ -47,6 +48,10 @@ def explanation(system: System) -> str:
     for name, family in system.structure.families.items():
         mode = system.modes[family.declared]
         cells = [forms for forms in system.structure.running if forms.parent == name]
+        values = system.parameter_values
+        shown = [
+            c for c in cells if is_possible(system.structure.graph, family.split, c.cell, values)
+        ]
         exits = [
             _exit(way, equation.name)
             for i, (way, equation) in enumerate(
@@ -61,11 +66,13 @@ def explanation(system: System) -> str:
             sections = [("slaved", slaved), *_motion(system, cells[0], time_unit)]
             lines += _written([*sections, ("exits", exits)])
             continue
-        lines += ["", f"mode {name}: {len(cells)} cells"]
-        lines += _written([("slaved", slaved), *_cells(system, name, cells), ("exits", exits)])
-        for forms in cells:
-            lines += ["", f"cell {forms.name}: {_kind(forms)}"]
-            lines += _written(_motion(system, forms, time_unit))
+        without = len(cells) - len(shown)
+        left_out = f", and {without} that cannot be with these values" if without else ""
+        lines += ["", f"mode {name}: {len(shown)} cells{left_out}"]
+        lines += _written([("slaved", slaved), *_cells(system, name, shown), ("exits", exits)])
+        for (kind, *motion), names in _folded(system, shown, time_unit).items():
+            lines += ["", f"{_these(names, len(shown))}: {kind}"]
+            lines += motion
     return "\n".join(lines) + "\n"
 
 
@@ -81,6 +88,24 @@ def _kind(forms: ModeForms) -> str:
     if forms.linear is None:
         return "Taylor series"
     return "exact linear" if forms.taylor is None else "exact linear, exits by products of states"
+
+
+def _these(names: list[str], count: int) -> str:
+    """Some of so many cells."""
+    if len(names) == 1:
+        return f"cell {names[0]}"
+    return "every cell" if len(names) == count else f"cells {', '.join(names)}"
+
+
+def _folded(
+    system: System, cells: Sequence[ModeForms], time_unit: str
+) -> dict[tuple[str, ...], list[str]]:
+    """Names of cells by what is told of their motion, which several may share."""
+    found: dict[tuple[str, ...], list[str]] = {}
+    for forms in cells:
+        told = (_kind(forms), *_written(_motion(system, forms, time_unit)))
+        found.setdefault(told, []).append(forms.name)
+    return found
 
 
 def _motion(system: System, forms: ModeForms, time_unit: str) -> Iterator[_Section]:

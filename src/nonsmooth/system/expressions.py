@@ -192,23 +192,23 @@ def walk(expression: Expression) -> Iterator[Expression]:
 
 
 def names_in(expression: Expression) -> list[Name]:
-    """Return the name nodes of the tree in the order of the text."""
-    return [node for node in walk(expression) if isinstance(node, Name)]
-
-
-def name_set(expression: Expression) -> set[str]:
-    """Names in a tree, ``pi`` and ``t`` among them; parts that it shares are met once."""
-    names: set[str] = set()
+    """Return the name nodes of the tree in the order of the text; shared parts are met once."""
+    names: list[Name] = []
     seen: set[int] = set()
     stack = [expression]
     while stack:
         node = stack.pop()
         if isinstance(node, Name):
-            names.add(node.name)
+            names.append(node)
         elif isinstance(node, Call) and id(node) not in seen:
             seen.add(id(node))
-            stack.extend(node.arguments)
+            stack.extend(reversed(node.arguments))
     return names
+
+
+def name_set(expression: Expression) -> set[str]:
+    """Names in a tree, ``pi`` and ``t`` among them; parts that it shares are met once."""
+    return {node.name for node in names_in(expression)}
 
 
 def written_out(expressions: Iterable[Expression]) -> int:

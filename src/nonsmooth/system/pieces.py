@@ -15,6 +15,7 @@ from functools import cached_property
 from nonsmooth.engine.tables import CROSS, FREE, NO_CHOICE, RESTING, SLIDES, STAY
 from nonsmooth.system.cells import Cell, SplitMode, shown, split
 from nonsmooth.system.equations import Equation
+from nonsmooth.system.exclusions import Inequality
 from nonsmooth.system.expressions import Expression
 from nonsmooth.system.graph import Graph
 from nonsmooth.system.identities import substituted, vanishes
@@ -79,8 +80,12 @@ def families_of(
     graph: Graph,
     modes: list[ModeEquations],
     declared: Mapping[str, Mapping[str, Declared]],
+    facts: tuple[Inequality, ...] = (),
 ) -> dict[str, Family]:
-    """Modes and modes at rest, by name; ``declared`` surfaces by mode and name."""
+    """Modes and modes at rest, by name; ``declared`` surfaces by mode and name.
+
+    ``facts`` are what is required of the parameters.
+    """
     found: dict[str, Family] = {}
     for equations in modes:
         own = declared[equations.name]
@@ -88,7 +93,7 @@ def families_of(
         def free(signs: Mapping[SurfaceKey, int], equations: ModeEquations = equations) -> Resolver:
             return Resolver(graph, equations, signs)
 
-        mode = split(equations, own, free)
+        mode = split(equations, own, free, facts)
         found[equations.name] = Family(equations.name, mode, equations.name, mode)
     for family in list(found.values()):
         equations = family.split.equations
@@ -134,7 +139,7 @@ def _at_rest(
         equations = related(replace(mode.equations, name=name), rest.relations, "at rest")
         return Resolver(graph, equations, signs, rates=rest.rates)
 
-    found = split(replace(mode.equations, name=name), declared, resting)
+    found = split(replace(mode.equations, name=name), declared, resting, mode.facts)
     # states that follow are the same in all cells, but for texts that no machine has
     found.equations = resting(found.cells[0].signs).equations
     return found

@@ -68,8 +68,9 @@ class Slide:
 def slides_of(graph: Graph, mode: SplitMode) -> Iterator[Slide]:
     """Motion on each surface of a mode across which the field jumps."""
     for key in mode.names:
-        above = [cell for cell in mode.cells if cell.signs.get(key) == 1]
-        below = [cell for cell in mode.cells if cell.signs.get(key) == -1]
+        beside = [cell for cell in mode.cells if any(s.key == key for s in cell.surfaces)]
+        above = [cell for cell in beside if cell.signs[key] == 1]
+        below = [cell for cell in beside if cell.signs[key] == -1]
         faces: dict[int, _Faces] = {}
         for a in above:
             node = next(s.node for s in a.surfaces if s.key == key)

@@ -16,7 +16,9 @@ from typing import TYPE_CHECKING
 from nonsmooth.errors import ModelError
 from nonsmooth.system.cell_names import cell_labels
 from nonsmooth.system.equations import Equation, check_references
+from nonsmooth.system.exclusions import Inequality, inequality_of
 from nonsmooth.system.expressions import Expression
+from nonsmooth.system.grammar import parse_condition
 from nonsmooth.system.graph import Graph
 from nonsmooth.system.linear import Harmonic, LinearForm, Power
 from nonsmooth.system.mode_equations import ModeEquations, read_mode
@@ -72,7 +74,7 @@ class Structure:
         self.surfaces = {
             equations.name: self._declared(system, equations, every) for equations in modes
         }
-        self.families = families_of(self.graph, modes, self.surfaces)
+        self.families = families_of(self.graph, modes, self.surfaces, _facts(system))
         self._check_used(system.surfaces)
         self.modes = self._running(cell_labels(system.modes, self.families))
         self.slow = read_slow(
@@ -248,6 +250,13 @@ class Structure:
         return next(iter(self.modes.values()))
 
 
+def _facts(system: System) -> tuple[Inequality, ...]:
+    """What the system requires of its parameters, as far as it is a comparison of sums."""
+    conditions = [parse_condition(text, where=f"require[{text!r}]") for text in system.require]
+    found = [inequality_of(condition) for condition in conditions]
+    return tuple(each for each in found if each is not None)
+
+
 _MOST_KNOWN = 32  # structures that are remembered; one of a rotor in a ring takes a second to make
 _known: OrderedDict[Hashable, Structure] = OrderedDict()  # the one asked for last stands last
 _lock = Lock()
@@ -258,6 +267,7 @@ def structure_of(system: System) -> Structure:
     texts = (
         system.states, tuple(system.parameters), system.modes, system.definitions, system.outputs,
         system.period, system.drift, system.initial, system.equations, system.surfaces, system.slow,
+        tuple(system.require),
     )  # fmt: skip
     try:  # as texts: 1, 1.0 and True are equal, but not for who reads them
         key = repr(texts), tuple(system.signals.items())

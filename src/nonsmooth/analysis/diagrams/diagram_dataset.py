@@ -27,9 +27,16 @@ def diagram_dataset(
     options: dict[str, Any],
     complete: bool,
 ) -> xr.Dataset:
-    """Dataset of what every column and lane showed; None where it was not computed."""
+    """Dataset of what every column and lane showed; None where it was not computed.
+
+    Columns of which no lane was computed are left out, so an interrupted diagram is as large as
+    what it shows.
+    """
+    n_wanted = grid.size
+    done = [i for i, row in enumerate(looks) if any(one is not None for one in row)]
+    shape = (len(done), len(looks[0]))
+    grid, looks = grid[done], [looks[i] for i in done]
     system, labels = protocol.system, labels_of(protocol.system)
-    shape = (grid.size, len(looks[0]))
     most = max((len(one.points) for row in looks for one in row if one is not None), default=0)
     names = [*system.states, *(system.outputs if protocol.outputs else ())]
     points = np.full((*shape, most, len(names)), np.nan)
@@ -47,12 +54,15 @@ def diagram_dataset(
         "parameter": (("parameter",), grid, {"long_name": label}),
         "lane": (("lane",), np.arange(shape[1]), {"long_name": "initial state"}),
     }
+    message = f"interrupted by the user; {len(done)} of {n_wanted} columns are done and kept"
+    if complete:
+        message = _message(protocol, [one for _, _, one in _each(looks)])
     attrs = {
         "system_name": system.name,
         "system": labels.system,
         "nonsmooth_version": __version__,
         "status": "completed" if complete else "interrupted",
-        "message": _message(protocol, [one for _, _, one in _each(looks)], complete),
+        "message": message,
         "parameter": protocol.parameter,
     }
     return xr.Dataset(variables, coords, attrs | options)
@@ -105,10 +115,8 @@ def _of_lanes(
     return variables
 
 
-def _message(protocol: Protocol, looks: list[Look], complete: bool) -> str:
+def _message(protocol: Protocol, looks: list[Look]) -> str:
     """How the motions ended, and how many of them show no period."""
-    if not complete:
-        return "interrupted by the user; the columns that are done are kept"
     ended = {one.status.word for one in looks} - {Status.COMPLETED.word}
     if ended:
         return "some motions ended early, see status: " + ", ".join(sorted(ended))

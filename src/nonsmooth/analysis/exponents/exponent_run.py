@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.analysis.exponents.growth import Growth, advance
+from nonsmooth.analysis.exponents.growth import Growth
 from nonsmooth.engine.status import Status
 from nonsmooth.engine.tables import Tables
 from nonsmooth.simulation.clock import Instant
@@ -22,6 +22,8 @@ from nonsmooth.simulation.tangent_flow import TangentFlow
 from nonsmooth.system.system import System
 
 __all__ = ["ExponentRun", "Protocol", "run_exponents"]
+
+_TOGETHER = 64  # intervals that are run at once, between which the progress is told
 
 
 class Protocol(NamedTuple):
@@ -64,34 +66,27 @@ def run_exponents(
     """Run the transient and the record from a start; what an interruption leaves is kept."""
     flow, status = _started(system, tables, derivatives, start, count, tolerance)
     growth = Growth(flow, count, seed)
-    rows, ends, counts = [], [], []
     steps = _ends(flow, start.instant, protocol)
     n_transient = len(steps) - protocol.parts
-    interval = protocol.interval * flow.window
-    if n_transient == 0:
-        rows.append(growth.at_end.copy())
-        ends.append(start.instant)
-        counts.append(flow.counts)
+    rows, done = [growth.at_anchor[None]], 0
+    first = last = flow.counts
     try:
         with Progress("exponents", len(steps)) as progress:
-            for k, end in enumerate(steps):
-                if status != Status.COMPLETED:
-                    break
-                status = advance(growth, end, interval)
-                if status != Status.COMPLETED:
-                    break
-                if k + 1 >= n_transient:
-                    rows.append(growth.at_end.copy())
-                    ends.append(end)
-                    counts.append(flow.counts)
-                progress.update(k + 1)
+            while status == Status.COMPLETED and done < len(steps):
+                limit = n_transient if done < n_transient else len(steps)
+                status, part = growth.through(steps[done : min(done + _TOGETHER, limit)])
+                rows.append(part)
+                done += len(part)
+                last = flow.counts
+                first = last if done <= n_transient else first
+                progress.update(done)
     except KeyboardInterrupt:
         status = Status.INTERRUPTED
-    last, first = (counts[-1], counts[0]) if counts else ((0, 0, 0, 0), (0, 0, 0, 0))
+    ends = [start.instant, *steps][n_transient : done + 1]
     return ExponentRun(
         status=status,
         times=np.array([end.time(flow.window) for end in ends]),
-        growth=np.array(rows).reshape(-1, count),
+        growth=np.concatenate(rows)[n_transient:],
         n_states=flow.n,
         n_events=last[0] - first[0],
         n_impacts=last[1] - first[1],

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.analysis.exponents.growth import Growth, advance
+from nonsmooth.analysis.exponents.growth import Growth
 from nonsmooth.engine.status import Status
 from nonsmooth.engine.tables import Tables
 from nonsmooth.simulation.clock import Instant
@@ -86,7 +86,7 @@ def is_forgetful(
     if flow is None:
         return False
     growth = Growth(flow, flow.n, seed=0)
-    interval = flow.between(orbit.begin, orbit.end)
-    if advance(growth, orbit.end, interval) != Status.COMPLETED:
+    status, _rows = growth.through([orbit.end])
+    if status != Status.COMPLETED:
         return False
-    return len(growth.left) <= int(np.count_nonzero(drifting))
+    return growth.n_left <= int(np.count_nonzero(drifting))

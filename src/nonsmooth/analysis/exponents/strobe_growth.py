@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import threading
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.analysis.exponents.growth import Growth, advance
+from nonsmooth.analysis.exponents.growth import Growth
 from nonsmooth.engine.status import Status
 from nonsmooth.engine.tables import EXACT, Tables
 from nonsmooth.simulation.clock import Instant
@@ -76,8 +75,8 @@ def strobe_growth(neighbours: Neighbours) -> tuple[Status, Floats]:
 def _one_column(given: Neighbours) -> tuple[Status, Floats] | None:
     """One neighbour of a motion that is driven; None where its columns have to be looked after.
 
-    Modes in closed form need no look on the way. Those with series are watched during the turn,
-    which tells whether a direction is too fast for their steps.
+    A motion whose modes have series is followed through the turn first, in which its column may be
+    lost.
     """
     flow = TangentFlow(given.tables, given.derivatives, 1, given.tolerance)
     try:
@@ -85,18 +84,28 @@ def _one_column(given: Neighbours) -> tuple[Status, Floats] | None:
     except NoMode:
         return Status.COMPLETED, np.zeros(0)
     growth = Growth(flow, 1, _SEED)
-    if np.any(given.tables.kinds != EXACT):
-        for last, end in pairwise(given.ends[: given.turn + 1]):
-            given.attend()
-            if status == Status.COMPLETED:
-                status = advance(growth, end, flow.between(last, end))
-        if growth.length < np.inf or not growth.left:
+    if status == Status.COMPLETED and np.any(given.tables.kinds != EXACT):
+        status, _rows = _through(given, growth, given.ends[1 : given.turn + 1])
+        if growth.n_left == 0:
             return None
     if status != Status.COMPLETED:
         return status, np.zeros(0)
+    flow.set_columns(growth.columns)
     here = flow.here
     first = next(k for k, end in enumerate(given.ends) if flow.between(here, end) >= 0.0)
     return _sizes(given, flow, first)
+
+
+def _through(given: Neighbours, growth: Growth, ends: list[Instant]) -> tuple[Status, Floats]:
+    """Growth through some strobes, which ends where the work is no longer wanted."""
+    rows = [np.empty((0, len(growth.columns)))]
+    for k in range(0, len(ends), _TOGETHER):
+        given.attend()
+        status, part = growth.through(ends[k : k + _TOGETHER])
+        rows.append(part)
+        if status != Status.COMPLETED:
+            return status, np.concatenate(rows)
+    return Status.COMPLETED, np.concatenate(rows)
 
 
 def _sizes(given: Neighbours, flow: TangentFlow, first: int) -> tuple[Status, Floats]:
@@ -127,7 +136,7 @@ def _sizes(given: Neighbours, flow: TangentFlow, first: int) -> tuple[Status, Fl
 def _several_columns(given: Neighbours) -> tuple[Status, Floats]:
     """The largest exponent of several, those nearest zero left out for drifts and for time.
 
-    Columns are made orthonormal, and their series looked after, from interval to interval.
+    Columns are kept orthonormal.
     """
     neutral = int(np.count_nonzero(given.drifting)) + int(not is_driven(given.tables))
     count = min(given.drifting.size, neutral + 1)
@@ -136,18 +145,12 @@ def _several_columns(given: Neighbours) -> tuple[Status, Floats]:
         status = flow.start(given.state, given.begin, given.mode)
     except NoMode:
         return Status.COMPLETED, np.zeros(0)
-    growth = Growth(flow, count, _SEED)
-    rows, last = [], given.begin
-    for end in given.ends[1:]:
-        given.attend()
-        if status != Status.COMPLETED:
-            return status, np.zeros(0)
-        status = advance(growth, end, flow.between(last, end))
-        rows.append(growth.at_end.copy())
-        last = end
     if status != Status.COMPLETED:
         return status, np.zeros(0)
-    logarithms = np.array(rows)[given.turn - 1 :]
+    status, rows = _through(given, Growth(flow, count, _SEED), given.ends[1:])
+    if status != Status.COMPLETED:
+        return status, np.zeros(0)
+    logarithms = rows[given.turn - 1 :]
     with np.errstate(invalid="ignore"):  # a column that was lost from the beginning
         order = np.argsort(np.abs(logarithms[-1] - logarithms[0]), kind="stable")
         left = logarithms[:, order[neutral:]]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from nonsmooth.analysis.regimes.verdict import Protocol
+from nonsmooth.analysis.regimes.verdict import TESTED, Protocol
 from nonsmooth.errors import ModelError, OptionError
 from nonsmooth.simulation.options import check_count, finite_number, whole_number
 from nonsmooth.simulation.stroboscopic import check_phase, require_period
@@ -14,7 +14,7 @@ from nonsmooth.system.system import System
 
 __all__ = ["check_system", "make_protocol", "strobe_length"]
 
-_LEAST_EVIDENCE = 200  # values that the 0-1 test needs
+_LEAST_EVIDENCE = 20  # strobes of which averages of an exponent can be told apart
 _DOUBLINGS = 16  # of the transient, as a factor, where no longest one is given
 
 
@@ -35,7 +35,8 @@ def make_protocol(
     window = whole_number("evidence", evidence)
     if window < _LEAST_EVIDENCE:
         raise OptionError(
-            f"evidence = {window}: the 0-1 test needs {_LEAST_EVIDENCE} strobes at least"
+            f"evidence = {window}: give {_LEAST_EVIDENCE} strobes at least; a survey by exponents"
+            f" alone takes fewer than {TESTED}, and the 0-1 test joins them from there on"
         )
     most = _DOUBLINGS * max(left_out, kept) if longest is None else whole_number("longest", longest)
     if most < left_out:

@@ -17,11 +17,14 @@ from nonsmooth.analysis.regimes.options import strobe_length
 from nonsmooth.analysis.regimes.regime_run import settled_regime
 from nonsmooth.analysis.regimes.verdict import Protocol, Verdict
 from nonsmooth.analysis.regimes.window import cyclic_word
+from nonsmooth.engine.lanes import SAME
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import ModelError
+from nonsmooth.simulation.clock import Instant
 from nonsmooth.simulation.lane_runner import LaneRunner
-from nonsmooth.simulation.start import resolve_start
+from nonsmooth.simulation.start import Start, resolve_start
 from nonsmooth.simulation.stored_tasks import run_stored_tasks
+from nonsmooth.simulation.stroboscopic import strobes
 from nonsmooth.system.system import System
 
 __all__ = ["Plane"]
@@ -29,9 +32,9 @@ __all__ = ["Plane"]
 _TOGETHER = 16  # points in a task: some hundredths of a second
 _NUMBERS = (
     "transient_used", "length", "period", "events", "impacts", "exponent", "error", "k",
-    "residual", "uncertain", "estimated",
+    "residual", "uncertain", "estimated", "progresses",
 )  # fmt: skip
-_WHOLE = ("transient_used", "period", "uncertain", "estimated")
+_WHOLE = ("transient_used", "period", "uncertain", "estimated", "progresses")
 
 Places = npt.NDArray[np.int64]
 
@@ -50,6 +53,7 @@ class Plane:
     tolerance: float
     threads: int
     store: str | Path | None
+    way: str  # restart, or follow up or down the first parameter
     told: Mapping[str, Any]  # all that the results depend on, for the store
 
     def __post_init__(self) -> None:
@@ -61,8 +65,7 @@ class Plane:
 
     def compute(self, places: Places) -> bool:
         """Verdicts of some places; False where the user interrupted."""
-        # places are in order, so that equal work has equal tasks whenever it is done again
-        parts = [places[i : i + _TOGETHER] for i in range(0, len(places), _TOGETHER)]
+        parts = self._parts(places)
 
         def keep(i: int, found: list[Verdict]) -> None:
             for (row, column), verdict in zip(parts[i], found, strict=True):
@@ -90,6 +93,16 @@ class Plane:
                 self.keys[row, column] = self._known.setdefault(key, len(self._known) + 1)
         return complete
 
+    def _parts(self, places: Places) -> list[Places]:
+        """Places of each task, in an order that equal work has whenever it is done again.
+
+        Motions that follow each other are those of one row.
+        """
+        if self.way == "restart":
+            return [places[i : i + _TOGETHER] for i in range(0, len(places), _TOGETHER)]
+        rows = np.split(places, np.flatnonzero(np.diff(places[:, 0])) + 1)
+        return rows if self.way == "follow up" else [row[::-1] for row in rows]
+
     def fill(self, places: Places) -> None:
         """Give places the label that has been found all around them, and no evidence."""
         examples: dict[tuple[Any, ...], Verdict] = {}
@@ -98,7 +111,14 @@ class Plane:
                 examples.setdefault(_key(verdict), verdict)
         shared = {
             self._known[key]: Verdict(
-                like.label, "", 0, np.nan, np.full_like(like.drift, np.nan), like.period, like.word
+                like.label,
+                "",
+                0,
+                np.nan,
+                np.full_like(like.drift, np.nan),
+                like.period,
+                like.word,
+                progresses=like.progresses,
             )
             for key, like in examples.items()
         }
@@ -107,11 +127,23 @@ class Plane:
 
     def _task(self, places: Places) -> Callable[[LaneRunner, threading.Event], list[Verdict]]:
         def run(runner: LaneRunner, stop: threading.Event) -> list[Verdict]:
-            return [self._verdict(runner, stop, row, column) for row, column in places]
+            found: list[Verdict] = []
+            for row, column in places:
+                last = found[-1].last if found and self.way != "restart" else None
+                found.append(self._verdict(runner, stop, row, column, last))
+            return found
 
         return run
 
-    def _verdict(self, runner: LaneRunner, stop: threading.Event, row: int, column: int) -> Verdict:
+    def _verdict(
+        self,
+        runner: LaneRunner,
+        stop: threading.Event,
+        row: int,
+        column: int,
+        last: tuple[npt.NDArray[np.float64], int] | None,
+    ) -> Verdict:
+        """Verdict of a motion that begins at its start, or goes on from where one has been last."""
         here = dict(zip(self.names, (self.values[0][column], self.values[1][row]), strict=True))
         try:
             system = self.system.with_parameters(**{k: float(v) for k, v in here.items()})
@@ -122,7 +154,23 @@ class Plane:
             return Verdict(Status.REFUSED.word, str(fault), 0, np.nan, nothing)
         # states that are not given are those at rest, which may depend on the parameters
         start = resolve_start(system, runner.tables, self.initial, None, self.mode, repeated=True)
+        if last is not None:
+            start = self._following(runner, start, length, *last)
         return settled_regime(self.protocol, system, runner, start, length, stop)
+
+    def _following(
+        self,
+        runner: LaneRunner,
+        start: Start,
+        length: float | None,
+        state: npt.NDArray[np.float64],
+        mode: int,
+    ) -> Start:
+        """The start at a strobe of another motion; drifts begin where the start itself does."""
+        drifting = [name in self.system.drift_states for name in self.system.states]
+        number, phase = strobes(runner.window, Instant(0, 0.0), length, self.protocol.phase, 0, 1)
+        begin = Instant(int(number[0]), float(phase[0]))
+        return Start(np.where(drifting, start.state, state), begin, (SAME - mode,))
 
 
 def _key(verdict: Verdict) -> tuple[Any, ...]:
@@ -130,7 +178,8 @@ def _key(verdict: Verdict) -> tuple[Any, ...]:
     if verdict.label not in REPEATING:
         return (verdict.label,)
     count = round(verdict.impacts * verdict.period)
-    return verdict.label, verdict.period, cyclic_word(verdict.word), count
+    word = cyclic_word(verdict.word)
+    return verdict.label, verdict.period, word, count, verdict.progresses
 
 
 def _packed(found: list[Verdict]) -> dict[str, npt.NDArray[Any]]:

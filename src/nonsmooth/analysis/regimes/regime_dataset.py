@@ -36,7 +36,7 @@ def numbers_of(
 ) -> dict[str, Any]:
     """Variables with one value for each verdict; nan, 0 and "" where there is none."""
 
-    def variable(values: Any, name: str, **words: str) -> Any:
+    def variable(values: Any, name: str, **words: Any) -> Any:
         return dims, np.asarray(values).reshape(shape), {"long_name": name, **words}
 
     time = labels_of(system).attributes("time")
@@ -75,6 +75,10 @@ def _drifts(system: System, verdicts: Sequence[Verdict | None], variable: Any) -
         lengths = np.array([v.length if v else np.nan for v in verdicts])
         variables[f"{name}_per_period"] = variable(per_period, f"{label}, per period")
         variables[f"{name}_per_time"] = variable(per_period / lengths, f"{label}, per unit time")
+    if system.drift_states:
+        values = np.array([v.progresses if v else 0 for v in verdicts], np.int8)
+        words = _flags(("stands", "progresses"))
+        variables["progresses"] = variable(values, "whether the motion drifts", **words)
     return variables
 
 

@@ -168,12 +168,13 @@ class _Motion:
         last = len(windows.points) - 1
         count = found[0] or last
         events, impacts = windows.counts(self.system, last - count, last)
+        drift = (windows.points[-1] - windows.points[-1 - count]) / count
         return Verdict(
             label=labels.UNSETTLED,
             reason="",
             transient_used=first,
             length=self.length,
-            drift=(windows.points[-1] - windows.points[-1 - count]) / count,
+            drift=drift,
             period=found[0],
             word=windows.word(self.system, last - count, last) if found[0] else "",
             events=events / count,
@@ -181,7 +182,14 @@ class _Motion:
             residual=found[1],
             uncertain=int(self.lanes.uncertain[0]),
             estimated=int(self.lanes.estimated[0]),
+            progresses=self._progresses(drift),
+            last=(windows.points[-1], int(windows.modes[-1])),
         )
+
+    def _progresses(self, drift: Floats) -> int:
+        """Whether a state drifts by more than ``match`` of the size of the other states."""
+        size = float(self.sizes[~self.drifting].max(initial=0.0))
+        return int(np.any(np.abs(drift[self.drifting]) > self.protocol.match * size))
 
     def _repeating(self, windows: Windows, seen: Verdict) -> Verdict:
         """Multipliers decide whether a motion that repeats is one to settle to."""
@@ -330,11 +338,12 @@ class _Motion:
                 f" {second:.3g}, decide nothing; their errors are {first_error:.2g} and"
                 f" {second_error:.2g}"
             )
-        test, contradiction = _agreeing_test(label, self._series(states))
+        test, contradiction = _agreeing_test(label, self._series(states), self.protocol)
         seen = replace(seen, k=test.k)
         if contradiction:
             return seen.unsettled(f"{told} is {label}, but {contradiction}")
-        return _named(seen, label, f"{told}, K = {test.k:.2f}")
+        tested = "without the 0-1 test" if self.protocol.is_survey else f"K = {test.k:.2f}"
+        return _named(seen, label, f"{told}, {tested}")
 
     def _unbounded(self, label: str, seen: Verdict, looks: Floats) -> str:
         """Why two windows of states contradict a label, "" where they do not."""
@@ -420,14 +429,17 @@ def _mean_rate(growth: Floats, length: float) -> tuple[float, float]:
     return float(growth.mean()) / length, error / length
 
 
-def _agreeing_test(label: str, series: Floats) -> tuple[StrobeTest, str]:
+def _agreeing_test(label: str, series: Floats, protocol: Protocol) -> tuple[StrobeTest, str]:
     """Test of the first state that does not contradict a label, or of the last one, and why.
 
-    Short series mislead where a state hardly moves, or jumps, and others do not.
+    Short series mislead where a state hardly moves, or jumps, and others do not. In a survey K is
+    not known.
     """
     test, contradiction = StrobeTest(np.nan, np.nan), ""
     for values in series.T:
         test = strobe_test(values)
+        if protocol.is_survey:
+            test = test._replace(k=np.nan)
         contradiction = labels.contradiction(label, test.k, test.nearest)
         if not contradiction:
             break

@@ -9,7 +9,9 @@ import numpy.typing as npt
 
 from nonsmooth.analysis.regimes.labels import UNSETTLED
 
-__all__ = ["Protocol", "Verdict"]
+__all__ = ["TESTED", "Protocol", "Verdict"]
+
+TESTED = 200  # strobes of evidence from which the 0-1 test says something
 
 Floats = npt.NDArray[np.float64]
 
@@ -25,6 +27,11 @@ class Protocol:
     confirm: int  # strobes for which a chaotic motion is run on
     phase: float
     match: float
+
+    @property
+    def is_survey(self) -> bool:
+        """Whether exponents alone decide, as there are too few strobes for the 0-1 test."""
+        return self.evidence < TESTED
 
 
 @dataclass(frozen=True)
@@ -47,6 +54,8 @@ class Verdict:
     residual: float = np.nan
     uncertain: int = 0
     estimated: int = 0
+    progresses: int = 0  # whether a state drifts from period to period
+    last: tuple[Floats, int] | None = None  # state and mode at the last strobe that was looked at
 
     @property
     def is_settled(self) -> bool:

@@ -16,6 +16,7 @@ from nonsmooth.engine.lanes import (
     allocate_columns,
     lane_anchors,
     lane_records,
+    lane_tangents,
     run_lanes,
 )
 from nonsmooth.engine.record import Rows
@@ -66,7 +67,7 @@ def settle(
         some = anchors.part(left)
         some.state[:] = starts.states[left]
         records = lane_records(engine.sizes, *_NO_TIMES, _AT_START, left.size)
-        tangent = _of_lanes(many, left.size)
+        tangent = lane_tangents(many, left.size)
         found = _call(
             engine, some, records, choice[left].copy(), Instant(0, 0.0), tolerance, tangent,
             derivatives,
@@ -108,7 +109,7 @@ class LaneLog:
         for name in ("samples", "events", "segments"):
             records.counters[name] = 0
         modes = np.full(chosen.size, GOES_ON)
-        tangent = _of_lanes(allocate_columns(self.engine.sizes, 0, 1), chosen.size)
+        tangent = lane_tangents(allocate_columns(self.engine.sizes, 0, 1), chosen.size)
         found = _call(self.engine, some, records, modes, end, self.tolerance, tangent)
         self.anchors.put(chosen, some)
         self._since[chosen], self.ends[chosen] = records.since, records.end_state
@@ -149,11 +150,3 @@ def _call(
             tolerance,
         )  # fmt: skip
     return statuses
-
-
-def _of_lanes(tangent: Tangent, count: int) -> Tangent:
-    """Columns of so many lanes."""
-    return tangent.replace(
-        columns=np.zeros((count, *tangent.columns.shape)),
-        samples=np.zeros((count, *tangent.samples.shape)),
-    )

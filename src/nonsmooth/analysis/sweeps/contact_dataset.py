@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-import numpy.typing as npt
 import xarray as xr
 
 from nonsmooth.analysis.sweeps.contact_numbers import Asked
-from nonsmooth.analysis.sweeps.sweep import Sweep
+from nonsmooth.analysis.sweeps.sweep import Sweep, Swept
 from nonsmooth.analysis.sweeps.sweep_dataset import (
     parameter_coordinate,
     stacked,
@@ -32,14 +30,7 @@ _TEXTS = {
 }
 
 
-def contact_dataset(
-    sweep: Sweep,
-    parameter: str,
-    grid: npt.NDArray[np.float64],
-    asked: Asked,
-    found: list[dict[str, npt.NDArray[Any]]],
-    complete: bool,
-) -> xr.Dataset:
+def contact_dataset(sweep: Sweep, parameter: str, swept: Swept, asked: Asked) -> xr.Dataset:
     """Dataset of what was found at each value."""
     labels = labels_of(sweep.system)
     time = {key: text for key, text in labels.attributes("time").items() if key == "units"}
@@ -59,11 +50,12 @@ def contact_dataset(
         over = name.endswith("_percentile")
         dims = ("parameter", "percentile") if over else ("parameter",)
         shape = asked.percentiles.shape if over else ()
-        variables[name] = (dims, stacked(found, name, shape), attributes)
-    variables["status"] = statuses(found)
+        variables[name] = (dims, stacked(swept.found, name, shape), attributes)
+    variables["status"] = statuses(swept.found)
     coords = {
-        "parameter": parameter_coordinate(sweep.system, parameter, grid),
+        "parameter": parameter_coordinate(sweep.system, parameter, swept.values),
         "percentile": (("percentile",), asked.percentiles, {"long_name": "part of the time in %"}),
     }
     options = {"parameter": parameter} | sweep.options | asked.options
-    return xr.Dataset(variables, coords, sweep_attributes(sweep.system, found, complete, options))
+    attributes = sweep_attributes(sweep.system, swept.found, swept.complete, options)
+    return xr.Dataset(variables, coords, attributes)

@@ -29,7 +29,7 @@ from nonsmooth.simulation.start import resolve_start
 from nonsmooth.simulation.stored_tasks import run_stored_tasks
 from nonsmooth.system.system import System
 
-__all__ = ["Sweep", "make_sweep", "run_sweep"]
+__all__ = ["Sweep", "Swept", "make_sweep", "run_sweep"]
 
 Arrays = dict[str, npt.NDArray[Any]]
 Reduce = Callable[[Settled], Arrays]
@@ -65,6 +65,15 @@ class Sweep:
             "changed_parameters": str(dict(self.changed)) if self.changed else "",
             "initial": said_of_start(self.initial),
         }
+
+
+@dataclass(frozen=True)
+class Swept:
+    """What a sweep has come to: values that are done, their results, and whether these are all."""
+
+    values: npt.NDArray[np.float64]
+    found: list[Arrays]
+    complete: bool
 
 
 def make_sweep(
@@ -103,16 +112,16 @@ def run_sweep(
     options: Mapping[str, Any],
     threads: int | None,
     store: str | Path | None,
-) -> tuple[list[Arrays], bool]:
+) -> Swept:
     """What ``reduce`` makes of the motion at each value, with its ``status``.
 
-    Where a motion ended early, or was not computed, there is only the status. The second value is
-    False where the user interrupted.
+    Where a motion ended early there is only the status. Values that were not computed, as the user
+    interrupted, are left out.
     """
     system = sweep.system
     drifting = np.array([name in system.drift_states for name in system.states])
     begin = resolve_start(system, build_tables(system), sweep.initial, None, sweep.mode, True)
-    found: list[Arrays] = [_status(Status.INTERRUPTED) for _ in grid]
+    found = {} if parameter else {0: _status(Status.INTERRUPTED)}
     links = chains(grid, sweep.start)
 
     def start(changed: System, tables: Tables) -> tuple[npt.NDArray[np.float64], int]:
@@ -142,8 +151,7 @@ def run_sweep(
         return run
 
     def keep(i: int, results: list[Arrays]) -> None:
-        for place, result in zip(links[i], results, strict=True):
-            found[place] = result
+        found.update(zip(links[i], results, strict=True))
 
     complete = run_stored_tasks(
         [task(places) for places in links],
@@ -159,7 +167,8 @@ def run_sweep(
         label=label,
         keep=keep,
     )  # fmt: skip
-    return found, complete
+    done = sorted(found)
+    return Swept(grid[done], [found[i] for i in done], complete)
 
 
 def _status(status: Status) -> Arrays:

@@ -26,13 +26,15 @@ def parameter_coordinate(system: System, parameter: str, grid: npt.NDArray[np.fl
 def statuses(found: Sequence[Arrays]) -> Any:
     """How the motions ended."""
     words = [Status(int(one["status"])).word for one in found]
-    return ("parameter",), np.array(words), {"long_name": "how the motion ended"}
+    return ("parameter",), np.array(words, str), {"long_name": "how the motion ended"}
 
 
 def stacked(found: Sequence[Arrays], name: str, shape: tuple[int, ...]) -> npt.NDArray[np.float64]:
     """One array of each motion below each other; nan where a motion has none."""
-    empty = np.full(shape, np.nan)
-    return np.stack([np.asarray(one.get(name, empty), dtype=float) for one in found])
+    rows = np.full((len(found), *shape), np.nan)
+    for i, one in enumerate(found):
+        rows[i] = one.get(name, np.nan)
+    return rows
 
 
 def sweep_attributes(
@@ -42,7 +44,7 @@ def sweep_attributes(
     ended = {Status(int(one["status"])).word for one in found} - {Status.COMPLETED.word}
     message = "completed"
     if not complete:
-        message = "interrupted by the user; the values that are done are kept"
+        message = "interrupted by the user; the values that are done are kept, and no others"
     elif ended:
         message = "some motions ended early, see status: " + ", ".join(sorted(ended))
     return {

@@ -44,9 +44,10 @@ inline double largest_term_of_lane(const Lanes* a, Index lane, double s) {
     return largest;
 }
 
-// Whether the series of all columns of n states end in nothing after s.
-inline bool columns_converge(Index n, Index count, const View<Lanes, 3>& dual, double s) {
-    constexpr double converged = 0x1p-32;  // last term beside the largest; the rest is a seventh
+// Whether the last terms after s of the series of all columns of n states are nothing beside the
+// largest, up to a part `converged` of it.
+inline bool columns_converge(Index n, Index count, const View<Lanes, 3>& dual, double s,
+                             double converged) {
     double to_last = 1.0, power = s;  // to the power ORDER - 1
     for (Index left = ORDER - 1; left > 0; left /= 2) {
         if (left % 2 == 1) to_last *= power;
@@ -85,36 +86,58 @@ inline void evaluate_columns(Index count, const View<Lanes, 3>& dual, double s,
     }
 }
 
+// Fill the derivatives of the series of a step, or of a piece of it, from columns at its start.
+inline void fill_column_series(const Tables& tables, const Rates& rates, const Tangent& tangent,
+                               Index m, const View<Series, 1>& series,
+                               const View<double, 2>& columns) {
+    const View<Lanes, 3>& dual = tangent.dual;
+    place_columns(columns, dual);
+    fill_duals(tables, rates, m, tables.code_rows[m].middle, series, dual,
+               {.offset = tables.n(), .low = 0, .high = ORDER, .blocks = dual.shape[1]});
+    *tangent.ready = 1;
+}
+
+// Begin with the columns at the start of the present step.
+inline void start_pieces(const Tables& tables, const Rates& rates, const Segment& segment,
+                         const Tangent& tangent, Index m) {
+    if (*tangent.ready != 0) return;
+    fill_column_series(tables, rates, tangent, m, segment.series, tangent.columns);
+}
+
+// Go on with tangent.piece, the columns at a point of the step.
+inline void start_piece(const Tables& tables, const Rates& rates, const Segment& segment,
+                        const Tangent& tangent, Index m, double passed) {
+    fill_piece(tables, segment.series, m, passed, tangent.series);
+    fill_column_series(tables, rates, tangent, m, tangent.series, tangent.piece);
+}
+
+// The length of a piece, halved until its series converge, or until it is as short as may be.
+inline double converged_length(const Tables& tables, const Tangent& tangent, double length,
+                               double shortest, double converged) {
+    while (length > shortest &&
+           !columns_converge(tables.n(), tangent.count(), tangent.dual, length, converged)) {
+        length *= 0.5;
+    }
+    return length;
+}
+
 // Columns after s of the present step, into tangent.now; s may be negative.
 inline void carry_by_series(const Tables& tables, const Rates& rates, const Segment& segment,
                             const Tangent& tangent, Index m, double s) {
-    constexpr double shortest = 0x1p-20;  // part of a step; shorter pieces are no help
-    const Index n = tables.n(), count = tangent.count();
-    const View<Lanes, 3>& dual = tangent.dual;
-    View<Series, 1> series = segment.series;
-    View<double, 2> columns = tangent.columns;
+    constexpr double shortest = 0x1p-20;   // part of a step; shorter pieces are no help
+    constexpr double converged = 0x1p-32;  // last term beside the largest; the rest is a seventh
     const double way = s >= 0.0 ? 1.0 : -1.0, whole = s >= 0.0 ? s : -s;
     double passed = 0.0, length = whole;
-    for (;;) {
-        if (*tangent.ready == 0) {
-            place_columns(columns, dual);
-            fill_duals(tables, rates, m, tables.code_rows[m].middle, series, dual,
-                       {.offset = n, .low = 0, .high = ORDER, .blocks = dual.shape[1]});
-            *tangent.ready = 1;
-        }
-        while (length > shortest * whole && !columns_converge(n, count, dual, length)) {
-            length *= 0.5;
-        }
+    start_pieces(tables, rates, segment, tangent, m);
+    while (true) {
+        length = converged_length(tables, tangent, length, shortest * whole, converged);
         if (passed + length >= whole) break;
-        series = tangent.series;
-        columns = tangent.piece;
-        evaluate_columns(columns.shape[1], dual, way * length, columns);
+        evaluate_columns(tangent.piece.shape[1], tangent.dual, way * length, tangent.piece);
         passed += length;
-        fill_piece(tables, segment.series, m, way * passed, series);
-        *tangent.ready = 0;
+        start_piece(tables, rates, segment, tangent, m, way * passed);
         length = std::min(2.0 * length, whole - passed);
     }
-    evaluate_columns(n, dual, way * (whole - passed), tangent.now);
+    evaluate_columns(tables.n(), tangent.dual, way * (whole - passed), tangent.now);
     if (passed > 0.0) *tangent.ready = 0;  // the series are those of the last piece
 }
 

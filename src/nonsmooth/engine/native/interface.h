@@ -359,6 +359,12 @@ typedef struct Tangents {
     Array(double, 2) piece;    /* (C, N) at the start of a piece of a step */
     Array(Series, 1) series;   /* (registers,) of a piece */
     Array(double, 4) samples;  /* (s, C, n) */
+    /* of columns kept orthonormal, whose growth is measured; without entries where none is */
+    Array(double, 2) growth;       /* (C,) logarithms of their growth up to the anchor */
+    Array(double, 1) grown;        /* (C,) up to the current point */
+    Array(double, 1) tried;        /* (C,) of a piece that may turn out too long */
+    Array(double, 1) mirror;       /* (C,) what has turned them at an event */
+    Array(double, 3) growth_samples; /* (s, C) */
 } Tangents;
 
 /* Everything that runs write; sample times are the same for all lanes. */

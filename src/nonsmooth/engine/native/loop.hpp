@@ -137,6 +137,7 @@ inline bool take_state(const Run& run, double s) {
     if (tangent.carries()) {
         carry(run.tables, run.rates, run.scratch, run.segment, tangent, m, s);
         copy(tangent.now, tangent.columns);
+        take_growth(tangent);
     }
     state_at(run.tables, run.segment, m, anchor.state.data);
     copy(anchor.state, run.records.end_state);

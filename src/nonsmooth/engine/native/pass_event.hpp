@@ -4,6 +4,7 @@
 #include "event_kind.hpp"
 #include "event_log.hpp"
 #include "flow.hpp"
+#include "growth.hpp"
 #include "guard_root.hpp"
 #include "records.hpp"
 #include "run.hpp"
@@ -115,6 +116,7 @@ inline Status pass_event(const Run& run, const Crossing& crossing, bool begins) 
     if (crossing.found != Found::certified) ++counters.uncertain;
     const WindowPhase when = instant_at(run, crossing.s);
     if (!begins) come_to_event(run, crossing, when);
+    begin_event(run.tangent);
     const Passage passage = pass_exits(run.tables, run.rates, run.segment, run.tangent, before, e,
                                        crossing.s, run.tolerance);
     EventKind kind = kind_of(run.tables, before, passage);
@@ -124,6 +126,7 @@ inline Status pass_event(const Run& run, const Crossing& crossing, bool begins) 
     }
     log_passage(run, row, kind, passage, e);
     set_anchor(run, when, passage.mode);
+    settle_event(run.tables, run.tangent);
     if (begins || passage.status != COMPLETED) return passage.status;
     if (!all_finite(run.anchor.state)) return SINGULAR;  // the reset divides by zero
     return events_accumulate(counters) ? EVENT_LIMIT : COMPLETED;

@@ -178,15 +178,22 @@ struct Tangent {
     View<double, 2> piece;
     View<Series, 1> series;
     View<double, 3> samples;
+    View<double, 1> growth;
+    View<double, 1> grown;
+    View<double, 1> tried;
+    View<double, 1> mirror;
+    View<double, 2> growth_samples;
 
     Index count() const { return columns.shape[0]; }
     bool carries() const { return count() > 0; }
+    bool measures() const { return growth.size() > 0; }
 };
 
 inline Tangent tangent_at(const Tangents& tangents, Index lane) {
     return {tangents.columns[lane], tangents.now,   tangents.shifts, tangents.velocity,
             tangents.dual,          tangents.ready, tangents.piece,  tangents.series,
-            tangents.samples[lane]};
+            tangents.samples[lane], tangents.growth[lane], tangents.grown, tangents.tried,
+            tangents.mirror,        tangents.growth_samples[lane]};
 }
 
 struct Records {

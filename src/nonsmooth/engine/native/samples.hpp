@@ -17,6 +17,9 @@ inline void write_columns(const Run& run, double s, Index k) {
         const Index m = run.anchor.place.mode;
         carry(run.tables, run.rates, run.scratch, run.segment, tangent, m, s);
     }
+    if (tangent.measures()) {
+        copy(s > 0.0 ? tangent.grown : tangent.growth, tangent.growth_samples[k]);
+    }
     const auto& columns = s > 0.0 ? tangent.now : tangent.columns;
     for (Index c = 0; c < tangent.count(); ++c) {
         copy(&columns(c, 0), &tangent.samples(k, c, 0), run.tables.n());

@@ -8,6 +8,7 @@
 #pragma once
 
 #include "column_series.hpp"
+#include "growth.hpp"
 #include "records.hpp"
 #include "state_sets.hpp"
 #include "variation.hpp"
@@ -31,10 +32,17 @@ inline void complete_columns(const Tables& tables, const Rates& rates, const Tan
     *tangent.ready = 0;
 }
 
-// Columns after s of the present segment, into tangent.now.
+// Columns after s of the present segment, into tangent.now; orthonormal where growth is measured.
 inline void carry(const Tables& tables, const Rates& rates, const Columns& scratch,
                   const Segment& segment, const Tangent& tangent, Index m, double s) {
-    if (tables.kinds[m] == EXACT) {
+    const bool is_exact = tables.kinds[m] == EXACT;
+    if (tangent.measures()) {
+        if (is_exact) {
+            measure_exactly(tables, rates, scratch, segment, tangent, m, s);
+        } else {
+            measure_by_series(tables, rates, segment, tangent, m, s);
+        }
+    } else if (is_exact) {
         advance_columns(tables, rates, scratch, m, segment.z.data, s, tangent.columns, tangent.now);
     } else {
         carry_by_series(tables, rates, segment, tangent, m, s);
@@ -58,6 +66,7 @@ inline void start_saltation(const Tables& tables, const Rates& rates, const Segm
     const double* velocity = tangent.velocity.data;
     const Index row = guard_row(e, 0), size = tables.size();
     fill_velocity(tables, m, z, tangent.velocity.data);
+    if (tangent.measures()) turn_along_guard(tangent, &tables.affine(m, row, 0), tables.n());
     const double rate = product(&tables.affine(m, row, 0), velocity, size);
     for (Index c = 0; c < tangent.count(); ++c) {
         const double shift = change_of_row(tables, rates, tangent, m, row, c, z) / rate;
