@@ -30,7 +30,6 @@ if TYPE_CHECKING:
 __all__ = [
     "MOST_STATES",
     "ONE_MODE",
-    "UNSUPPORTED",
     "angle_periods",
     "check_kinds",
     "check_structure",
@@ -41,7 +40,6 @@ __all__ = [
     "modes_of",
     "parameter_values",
     "period_value",
-    "refuse_unsupported",
     "rest_state",
     "unrepeated",
 ]
@@ -58,23 +56,13 @@ _RESULT_NAMES = {
 ONE_MODE = "flow"  # of a system that is written without modes
 MOST_STATES = MAX_AUGMENTED - 1  # beside them stands the constant one
 _MOST = 60  # modes, and exits of a mode: sets of them are bits of one integer
-UNSUPPORTED = {
-    "symmetry": "leave it out; no analysis of this version uses it",
-}
-
-
-def refuse_unsupported(words: Mapping[str, Any]) -> None:
-    """Refuse what the contract names and this version does not do yet."""
-    for key, cure in UNSUPPORTED.items():
-        if words.get(key) is not None:
-            raise ModelError(f"{key}= is not supported in this version; {cure}")
 
 
 def check_kinds(system: System) -> None:
     """Mappings where mappings belong."""
     for key in (
         "modes", "parameters", "definitions", "outputs", "require", "initial", "describe",
-        "signals", "slow", "surfaces",
+        "signals", "slow", "surfaces", "symmetry",
     ):  # fmt: skip
         value = getattr(system, key)
         if not isinstance(value, Mapping):
@@ -132,6 +120,7 @@ def check_words(system: System) -> None:
     for name in system.drift:
         if not isinstance(name, str) or name not in system.states:
             raise ModelError(f"drift: {unknown_name('state', name, system.states)}")
+    _check_symmetry(system)
     for name in system.initial:
         if name not in system.states:
             raise ModelError(f"initial: {unknown_name('state', name, system.states)}")
@@ -141,6 +130,18 @@ def check_words(system: System) -> None:
         _check_text(f"describe[{name!r}]", label)
     for condition, reason in system.require.items():
         _check_text(f"require[{condition!r:.60}]", reason)
+
+
+def _check_symmetry(system: System) -> None:
+    """A symmetry maps states, and where a user says so modes."""
+    for name, image in system.symmetry.items():
+        known = [*system.states, *system.modes]
+        if name not in known:
+            raise ModelError(f"symmetry: {unknown_name('state or mode', str(name), known)}")
+        if name not in system.states and image not in system.modes:
+            raise ModelError(
+                f"symmetry[{name!r}]: {unknown_name('mode', str(image), system.modes)}"
+            )
 
 
 def _check_signals(system: System) -> None:
@@ -285,6 +286,7 @@ def check_values(system: System) -> None:
     period = system.period_value
     if period is not None:
         _check_period(system, period)
+    _ = system.mirror
 
 
 def _check_finite(system: System) -> None:

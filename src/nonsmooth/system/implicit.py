@@ -17,7 +17,7 @@ from nonsmooth.system.graph import Graph
 from nonsmooth.system.mode_equations import ModeEquations
 from nonsmooth.system.relations import Relations
 
-__all__ = ["implicit_rates"]
+__all__ = ["implicit_rates", "partials"]
 
 _Row = Sequence[Expression]
 
@@ -30,10 +30,7 @@ def implicit_rates(
 ) -> dict[str, Expression]:
     """Rates of the implicit slaved states, from the rates of all others."""
     unknowns = tuple(relations.implicit)
-    rows = [
-        [_partial(graph, relations, node, state) for state in unknowns]
-        for node in relations.implicit.values()
-    ]
+    rows = partials(graph, relations)
 
     def rate_of_others(state: str) -> Expression:
         if state in relations.implicit:
@@ -58,6 +55,17 @@ def implicit_rates(
         replaced = [[*row[:j], b, *row[j + 1 :]] for row, b in zip(rows, pushed, strict=True)]
         rates[state] = graph.call("/", determinant(graph, replaced), divisor)
     return rates
+
+
+def partials(graph: Graph, relations: Relations) -> list[list[Expression]]:
+    """Derivatives of the implicit equations, row by row, by the states for which they are solved.
+
+    States that follow from these by expressions move with them.
+    """
+    return [
+        [_partial(graph, relations, node, state) for state in relations.implicit]
+        for node in relations.implicit.values()
+    ]
 
 
 def _partial(graph: Graph, relations: Relations, node: Expression, state: str) -> Expression:

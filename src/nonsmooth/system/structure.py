@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 from nonsmooth.errors import ModelError
 from nonsmooth.system.cell_names import cell_labels
+from nonsmooth.system.cell_values import CellValues
 from nonsmooth.system.equations import Equation, check_references
 from nonsmooth.system.expressions import Expression
 from nonsmooth.system.graph import Graph
@@ -211,6 +212,11 @@ class Structure:
     def coefficient_values(self) -> ValueTape:
         """Instructions for the values of all coefficients."""
         return ValueTape(coefficient for _, coefficient in self.coefficients)
+
+    @cached_property
+    def cell_values(self) -> tuple[CellValues, ...]:
+        """All equations of each cell that runs as numbers, for questions at random points."""
+        return tuple(CellValues(self.graph, forms) for forms in self.running)
 
     @cached_property
     def frequencies(self) -> tuple[Expression, ...]:

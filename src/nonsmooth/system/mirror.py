@@ -1,0 +1,231 @@
+"""A declared symmetry, checked: which mode and which exit is the image of which.
+
+Orbits, branches and attractors ask it for their mirror images. A cell has an image where its rates,
+relations, guards and resets map onto those of another cell; guards may differ by a positive factor.
+What agrees at random points agrees everywhere, but for a set of measure zero.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from nonsmooth.errors import ModelError
+from nonsmooth.system.cell_match import CellMatch, Fault, Place, match, random_place
+from nonsmooth.system.cell_values import CellValues
+from nonsmooth.system.state_map import Floats, StateMap, read_state_map
+
+if TYPE_CHECKING:
+    from nonsmooth.system.mode_forms import ModeForms
+    from nonsmooth.system.system import System
+
+__all__ = ["Mirror", "find_mirror"]
+
+_SPAN = 5.0  # of time at which equations are compared where no period is declared
+_MOST_SHOWN = 6  # states of a point in a message
+
+_Matches = dict[tuple[int, int], CellMatch]
+_CURE = "correct the map or the equation, or leave symmetry= out"
+
+
+@dataclass(frozen=True)
+class Mirror:
+    """What a symmetry does to states, modes and exits.
+
+    A motion x(t) has the image ``states(x(t - shift))``, ``shift`` being half a period or zero.
+    """
+
+    states: StateMap
+    half_period: bool
+    modes: tuple[int, ...]  # number of the image of each mode that runs
+    exits: tuple[tuple[int, ...], ...]  # likewise of each exit of it
+
+    @property
+    def matrix(self) -> Floats:
+        """Linear part of the map of states, (n, n)."""
+        return self.states.matrix
+
+    def path(self, mode: int, path: Sequence[int], targets: Floats) -> tuple[int, ...]:
+        """Images of exits that are passed at one instant; ``targets`` by mode and exit."""
+        images = []
+        for e in path:
+            images.append(self.exits[mode][e])
+            mode = int(targets[mode, e])
+        return tuple(images)
+
+
+def find_mirror(system: System) -> Mirror | None:
+    """The symmetry of a system for its present parameter values; None where none is declared.
+
+    A system with a period that time drives has it half a period later, or, where that is not so,
+    at the same time. `ModelError` where neither holds: it says which equation breaks it.
+    """
+    if not system.symmetry:
+        return None
+    mapped = read_state_map(system)
+    fault: ModelError | None = None
+    for half in (True, False) if _has_half_period(system) else (False,):
+        try:
+            return _Images(system, mapped, half).mirror()
+        except ModelError as found:
+            fault = fault or found
+    assert fault is not None
+    raise fault
+
+
+def _has_half_period(system: System) -> bool:
+    """Whether time drives a system and all of it repeats."""
+    structure = system.structure
+    moves = bool(structure.frequencies or structure.time_order or system.signals)
+    return moves and system.period_value is not None and not system.unrepeated
+
+
+class _Images:
+    """Looks for the images of all cells, one way to shift time."""
+
+    def __init__(self, system: System, mapped: StateMap, half: bool) -> None:
+        self.system, self.mapped, self.half = system, mapped, half
+        self.cells: tuple[CellValues, ...] = system.structure.cell_values
+        self.forms: list[ModeForms] = [cell.forms for cell in self.cells]
+        period = system.period_value
+        self._shift = 0.5 * period if half and period is not None else 0.0
+        names = system.parameter_values
+        self._places: list[Place] = [
+            random_place(cell, mapped, names, self._shift, period or _SPAN) for cell in self.cells
+        ]
+
+    def mirror(self) -> Mirror:
+        """The symmetry, or an error that says where it fails."""
+        found: _Matches = {}
+        for i, place in enumerate(self._places):
+            tried = {
+                k: match(self.cells[i], self.cells[k], place, self.mapped)
+                for k in self._of_one_kind(i)
+            }
+            good = {k: each for k, each in tried.items() if not each.faults}
+            if not good:
+                raise ModelError(self._refusal(i, tried))
+            found |= {(i, k): each for k, each in good.items()}
+        self._keep_consistent(found)
+        modes = tuple(self._image(i, found) for i in range(len(self.cells)))
+        exits = tuple(self._exits(i, k, found, modes) for i, k in enumerate(modes))
+        return Mirror(self.mapped, self.half, modes, exits)
+
+    def _of_one_kind(self, i: int) -> list[int]:
+        """Cells that may be the image of one: as many exits, of the same kind, as the user says."""
+        one, told = self.forms[i], self.mapped.modes
+        return [
+            k
+            for k, other in enumerate(self.forms)
+            if other.kind == one.kind
+            and len(other.exit_names) == len(one.exit_names)
+            and other.n_searched == one.n_searched
+            and len(self._places[k].values.relations) == len(self._places[i].values.relations)
+            and told.get(one.declared, other.declared) == other.declared
+            and told.get(other.declared, one.declared) == one.declared
+        ]
+
+    def _keep_consistent(self, found: _Matches) -> None:
+        """Leave out images whose exits lead elsewhere, until all lead where they should."""
+        before = -1
+        while before != len(found):
+            before = len(found)
+            for pair in list(found):
+                if (pair[1], pair[0]) not in found or not self._leads(pair, found):
+                    del found[pair]
+
+    def _leads(self, pair: tuple[int, int], found: _Matches) -> bool:
+        """Whether each exit of a cell has an image that leads to an image of its target."""
+        i, k = pair
+        kept = [
+            [f for f in images if self._may_lead(i, e, k, f, found)]
+            for e, images in enumerate(found[pair].exits)
+        ]
+        found[pair].exits = kept
+        return all(kept)
+
+    def _may_lead(self, i: int, e: int, k: int, f: int, found: _Matches) -> bool:
+        here, there = self.forms[i].targets[e], self.forms[k].targets[f]
+        return here == there if min(here, there) < 0 else (here, there) in found
+
+    def _image(self, i: int, found: _Matches) -> int:
+        """The image of a cell, which must be one."""
+        images = [k for j, k in found if j == i]
+        if len(images) == 1:
+            return images[0]
+        name = self.forms[i].declared
+        if not images:
+            raise ModelError(
+                f"symmetry: {self._words()} takes the equations of mode {self.forms[i].name!r} to"
+                " those of another mode, but their exits do not lead to images of each other;"
+                f" {_CURE}"
+            )
+        others = list(dict.fromkeys(self.forms[k].declared for k in images))
+        raise ModelError(
+            f"symmetry: the image of mode {name!r} may be {' or '.join(map(repr, others))}, whose"
+            f" equations are the same; say which, as in symmetry={{..., {name!r}: {others[0]!r}}}"
+        )
+
+    def _exits(self, i: int, k: int, found: _Matches, modes: Sequence[int]) -> tuple[int, ...]:
+        """Images of the exits of a cell, each taken once; what lies beside one lies beside its own."""
+        ours, theirs = self.forms[i], self.forms[k]
+        images = [-1] * len(ours.exit_names)
+        for e, candidates in enumerate(found[i, k].exits):
+            target = ours.targets[e]
+            wanted = -1 if target < 0 else modes[target]
+            free = [f for f in candidates if f not in images and theirs.targets[f] == wanted]
+            beside = [f for f in free if self._lies_beside(ours, theirs, images, e, f)]
+            if not beside:
+                raise ModelError(
+                    f"symmetry: the exit {ours.exit_names[e]!r} of mode {ours.name!r} has no image"
+                    f" of its own under {self._words()}; {_CURE}"
+                )
+            images[e] = beside[0]
+        return tuple(images)
+
+    @staticmethod
+    def _lies_beside(
+        ours: ModeForms, theirs: ModeForms, images: Sequence[int], e: int, f: int
+    ) -> bool:
+        """Whether an exit onto a surface belongs to the image of the exit through it."""
+        return (theirs.onto[f] == f) == (ours.onto[e] == e) and all(
+            (theirs.onto[images[a]] == f) == (ours.onto[a] == e)
+            and (theirs.onto[f] == images[a]) == (ours.onto[e] == a)
+            for a in range(e)
+        )
+
+    # ------------------------------------------------------------ refusals
+
+    def _words(self) -> str:
+        return f"{self.mapped.text}{', half a period later' if self.half else ''}"
+
+    def _refusal(self, i: int, tried: Mapping[int, CellMatch]) -> str:
+        """Why a cell has no image, by the cell that comes nearest to one."""
+        name = self.forms[i].name
+        if not tried:
+            return (
+                f"symmetry: mode {name!r} has no image: no mode that may be one has as many exits"
+                f" and slaved states; {_CURE}"
+            )
+        nearest = min(tried, key=lambda k: (len(tried[k].faults), k != i))
+        fault = tried[nearest].faults[0]
+        return f"symmetry: {self._words()} does not hold: {self._told(i, fault)}; {_CURE}"
+
+    def _told(self, i: int, fault: Fault) -> str:
+        if not math.isfinite(fault.wanted):
+            return f"{fault.where} is missing, or has no value"
+        place, k = self._places[i], fault.point
+        states = [
+            f"{name} = {value:.6g}"
+            for name, value in zip(self.system.states, place.states[:, k], strict=True)
+        ]
+        more = [*states[:_MOST_SHOWN], *(["..."] if len(states) > _MOST_SHOWN else [])]
+        at = ", ".join([*more, f"t = {place.times[k]:.6g}"])
+        return (
+            f"at the image of {at}, {fault.where} is {fault.found:.6g} and should be"
+            f" {fault.wanted:.6g}, {np.abs(fault.found - fault.wanted):.3g} apart"
+        )
