@@ -96,6 +96,7 @@ def chua(
         "parameters": {"alpha": alpha, "beta": beta, "m0": m0, "m1": m1},
         "outputs": {"resistor_current": "f"},
         "initial": {"x": 0.1},
+        "symmetry": {"x": "-x", "y": "-y", "z": "-z"},
         "describe": {
             "x": "voltage of capacitor 1",
             "y": "voltage of capacitor 2",

@@ -83,6 +83,7 @@ def clearance_rotor(
         name="clearance_rotor",
         states=["x", "u", "y", "v"],
         period="2*pi/omega",
+        symmetry={"x": "-x", "u": "-u", "y": "-y", "v": "-v"},
         parameters={"omega": omega, "zeta": zeta, "kappa": kappa, "rho": rho},
         require={
             "omega > 0": "the rotor must turn",

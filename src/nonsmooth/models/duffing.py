@@ -74,6 +74,7 @@ def duffing(
         name="duffing",
         states=["x", "v"],
         period="2*pi/omega",
+        symmetry={"x": "-x", "v": "-v"},
         parameters={"omega": omega, "delta": delta, "alpha": alpha, "beta": beta, "gamma": gamma},
         require={
             "omega > 0": "the force needs a frequency",

@@ -122,6 +122,7 @@ def friction_oscillator(
         name="friction_oscillator",
         states=["x", "v"],
         period="2*pi/omega",
+        symmetry={} if loaded else {"x": "-x", "v": "-v"},
         parameters=parameters | ({"k": k} if loaded else {}),
         require={
             "omega > 0": "the force needs a frequency",

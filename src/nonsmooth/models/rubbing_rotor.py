@@ -133,6 +133,7 @@ def rubbing_rotor(
         name="rubbing_rotor",
         states=["x", "y", "vx", "vy"],
         period="2*pi/omega",
+        symmetry={"x": "-x", "y": "-y", "vx": "-vx", "vy": "-vy"},
         parameters={
             "omega": omega,
             "zeta": zeta,

@@ -76,6 +76,7 @@ def trilinear(
         name="trilinear",
         states=["x", "v"],
         period="2*pi/omega",
+        symmetry={"x": "-x", "v": "-v"},
         parameters={"omega": omega, "zeta": zeta, "kappa": kappa, "delta": delta, "F": F},
         require={
             "omega > 0": "the force needs a frequency",

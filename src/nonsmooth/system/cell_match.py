@@ -11,6 +11,7 @@ from zlib import crc32
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.system.cell_exits import LiveExits
 from nonsmooth.system.cell_values import CellValues, ValuesAt
 from nonsmooth.system.mode_forms import ModeForms
 from nonsmooth.system.state_map import StateMap
@@ -53,7 +54,7 @@ class Fault:
 class CellMatch:
     """What becomes of the exits of a cell in another one, and the equations that differ."""
 
-    exits: list[list[int]] = field(default_factory=list)  # candidates for each exit
+    exits: dict[int, list[int]] = field(default_factory=dict)  # candidates for each exit
     faults: list[Fault] = field(default_factory=list)
 
 
@@ -88,8 +89,14 @@ def _random(name: str) -> Floats:
     return np.random.default_rng(crc32(name.encode())).uniform(-1.0, 1.0, _SCALES.size)
 
 
-def match(cell: CellValues, other: CellValues, place: Place, mapped: StateMap) -> CellMatch:
-    """Compare the image of one cell with another cell, equation by equation."""
+def match(
+    cell: CellValues, other: CellValues, place: Place, mapped: StateMap,
+    live: tuple[LiveExits, LiveExits],
+) -> CellMatch:  # fmt: skip
+    """Compare the image of one cell with another cell, equation by equation.
+
+    ``live`` are the exits of both that can be passed.
+    """
     values, sizes = other.at(place.image, _SCALES.size)
     able = place.values.finite & values.finite
     mode = other.forms.name
@@ -107,13 +114,14 @@ def match(cell: CellValues, other: CellValues, place: Place, mapped: StateMap) -
     for gap, size, state in zip(values.relations, sizes.relations, slaved, strict=True):
         where = f"what is left of the slaved equation of {state!r} in mode {mode!r}"
         found.faults += compare.of(where, gap, np.zeros_like(gap), size)
-    for e, name in enumerate(cell.forms.exit_names):
-        candidates, fault = _images_of_exit(cell.forms, other.forms, e, compare, [
-            _Exit.of(place.values, place.sizes, e).mapped(mapped),
-            *(_Exit.of(values, sizes, k) for k in range(len(values.guards))),
-        ])  # fmt: skip
-        found.exits.append(candidates)
+    theirs = {k: _Exit.of(values, sizes, k) for k in live[1].numbers}
+    for e in live[0].numbers:
+        wanted_exit = _Exit.of(place.values, place.sizes, e).mapped(mapped)
+        alike = {k: theirs[k] for k in _of_one_sort(cell.forms, other.forms, e, live)}
+        candidates, fault = _images_of_exit(wanted_exit, alike, other.forms, compare)
+        found.exits[e] = candidates
         if fault is not None:
+            name = cell.forms.exit_names[e]
             what = f"{fault.where}, the image of {name!r} of mode {cell.forms.name!r},"
             found.faults.append(Fault(what, fault.found, fault.wanted, fault.point))
     return found
@@ -165,25 +173,21 @@ class _Exit:
 
 
 def _images_of_exit(
-    ours: ModeForms, theirs: ModeForms, e: int, compare: _Comparison, exits: list[_Exit]
+    wanted: _Exit, others: Mapping[int, _Exit], theirs: ModeForms, compare: _Comparison
 ) -> tuple[list[int], Fault | None]:
-    """Candidates for the image of an exit, or the fault of the one that comes nearest to it.
-
-    ``exits`` are the image as it should be, and those of the other cell.
-    """
-    wanted, *others = exits
+    """Exits of another cell that an exit may become, or the fault of the nearest where none may."""
     candidates: list[int] = []
     guard_fault = reset_fault = None
-    for k in _of_one_sort(ours, theirs, e):
+    for k, other in others.items():
         place = f"the exit {theirs.exit_names[k]!r} of mode {theirs.name!r}"
-        fault = compare.guards(f"the guard of {place}", others[k], wanted)
+        fault = compare.guards(f"the guard of {place}", other, wanted)
         if fault is not None:
             guard_fault = guard_fault or fault
             continue
         for i, state in enumerate(theirs.graph.states):
-            size = wanted.behind_size[i] + others[k].behind_size[i]
+            size = wanted.behind_size[i] + other.behind_size[i]
             where = f"{state!r} behind {place}"
-            fault = next(compare.of(where, others[k].behind[i], wanted.behind[i], size), None)
+            fault = next(compare.of(where, other.behind[i], wanted.behind[i], size), None)
             if fault is not None:
                 reset_fault = reset_fault or fault
                 break
@@ -195,12 +199,14 @@ def _images_of_exit(
     return [], reset_fault or guard_fault or missing
 
 
-def _of_one_sort(ours: ModeForms, theirs: ModeForms, e: int) -> list[int]:
+def _of_one_sort(
+    ours: ModeForms, theirs: ModeForms, e: int, live: tuple[LiveExits, LiveExits]
+) -> list[int]:
     """Exits of another cell that the engine treats as it does one of these."""
     return [
         k
-        for k in range(len(theirs.exit_names))
+        for k in live[1].numbers
         if (k < theirs.n_searched) == (e < ours.n_searched)
         and theirs.choices[k] == ours.choices[e]
-        and (theirs.onto[k] < 0) == (ours.onto[e] < 0)
+        and (live[1].onto[k] < 0) == (live[0].onto[e] < 0)
     ]

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nonsmooth.errors import ModelError
+from nonsmooth.system.cell_exits import is_empty, live_exits
 from nonsmooth.system.cell_match import CellMatch, Fault, Place, match, random_place
 from nonsmooth.system.cell_values import CellValues
 from nonsmooth.system.state_map import Floats, StateMap, read_state_map
@@ -41,8 +42,8 @@ class Mirror:
 
     states: StateMap
     half_period: bool
-    modes: tuple[int, ...]  # number of the image of each mode that runs
-    exits: tuple[tuple[int, ...], ...]  # likewise of each exit of it
+    modes: tuple[int, ...]  # number of the image of each mode that runs; -1 where no point lies
+    exits: tuple[tuple[int, ...], ...]  # likewise of each exit of it; -1 where none is passed
 
     @property
     def matrix(self) -> Floats:
@@ -97,13 +98,21 @@ class _Images:
         self._places: list[Place] = [
             random_place(cell, mapped, names, self._shift, period or _SPAN) for cell in self.cells
         ]
+        looked = list(zip(self.forms, self._places, strict=True))
+        self.empty = [is_empty(one, place.values, place.sizes) for one, place in looked]
+        self.live = [
+            live_exits(one, place.values, place.sizes, self.empty) for one, place in looked
+        ]
 
     def mirror(self) -> Mirror:
         """The symmetry, or an error that says where it fails."""
         found: _Matches = {}
         for i, place in enumerate(self._places):
+            if self.empty[i]:
+                continue
+            live = self.live
             tried = {
-                k: match(self.cells[i], self.cells[k], place, self.mapped)
+                k: match(self.cells[i], self.cells[k], place, self.mapped, (live[i], live[k]))
                 for k in self._of_one_kind(i)
             }
             good = {k: each for k, each in tried.items() if not each.faults}
@@ -112,7 +121,10 @@ class _Images:
             found |= {(i, k): each for k, each in good.items()}
         self._keep_consistent(found)
         modes = tuple(self._image(i, found) for i in range(len(self.cells)))
-        exits = tuple(self._exits(i, k, found, modes) for i, k in enumerate(modes))
+        exits = tuple(
+            self._exits(i, k, found, modes) if k >= 0 else (-1,) * len(self.forms[i].targets)
+            for i, k in enumerate(modes)
+        )
         return Mirror(self.mapped, self.half, modes, exits)
 
     def _of_one_kind(self, i: int) -> list[int]:
@@ -122,8 +134,8 @@ class _Images:
             k
             for k, other in enumerate(self.forms)
             if other.kind == one.kind
-            and len(other.exit_names) == len(one.exit_names)
-            and other.n_searched == one.n_searched
+            and not self.empty[k]
+            and len(self.live[k].numbers) == len(self.live[i].numbers)
             and len(self._places[k].values.relations) == len(self._places[i].values.relations)
             and told.get(one.declared, other.declared) == other.declared
             and told.get(other.declared, one.declared) == one.declared
@@ -141,12 +153,12 @@ class _Images:
     def _leads(self, pair: tuple[int, int], found: _Matches) -> bool:
         """Whether each exit of a cell has an image that leads to an image of its target."""
         i, k = pair
-        kept = [
-            [f for f in images if self._may_lead(i, e, k, f, found)]
-            for e, images in enumerate(found[pair].exits)
-        ]
+        kept = {
+            e: [f for f in images if self._may_lead(i, e, k, f, found)]
+            for e, images in found[pair].exits.items()
+        }
         found[pair].exits = kept
-        return all(kept)
+        return all(kept.values())
 
     def _may_lead(self, i: int, e: int, k: int, f: int, found: _Matches) -> bool:
         here, there = self.forms[i].targets[e], self.forms[k].targets[f]
@@ -154,6 +166,8 @@ class _Images:
 
     def _image(self, i: int, found: _Matches) -> int:
         """The image of a cell, which must be one."""
+        if self.empty[i]:
+            return -1
         images = [k for j, k in found if j == i]
         if len(images) == 1:
             return images[0]
@@ -174,11 +188,11 @@ class _Images:
         """Images of the exits of a cell, each taken once; what lies beside one lies beside its own."""
         ours, theirs = self.forms[i], self.forms[k]
         images = [-1] * len(ours.exit_names)
-        for e, candidates in enumerate(found[i, k].exits):
+        for e, candidates in found[i, k].exits.items():
             target = ours.targets[e]
             wanted = -1 if target < 0 else modes[target]
             free = [f for f in candidates if f not in images and theirs.targets[f] == wanted]
-            beside = [f for f in free if self._lies_beside(ours, theirs, images, e, f)]
+            beside = [f for f in free if self._lies_beside(i, k, images, e, f)]
             if not beside:
                 raise ModelError(
                     f"symmetry: the exit {ours.exit_names[e]!r} of mode {ours.name!r} has no image"
@@ -187,15 +201,13 @@ class _Images:
             images[e] = beside[0]
         return tuple(images)
 
-    @staticmethod
-    def _lies_beside(
-        ours: ModeForms, theirs: ModeForms, images: Sequence[int], e: int, f: int
-    ) -> bool:
+    def _lies_beside(self, i: int, k: int, images: Sequence[int], e: int, f: int) -> bool:
         """Whether an exit onto a surface belongs to the image of the exit through it."""
-        return (theirs.onto[f] == f) == (ours.onto[e] == e) and all(
-            (theirs.onto[images[a]] == f) == (ours.onto[a] == e)
-            and (theirs.onto[f] == images[a]) == (ours.onto[e] == a)
-            for a in range(e)
+        ours, theirs = self.live[i].onto, self.live[k].onto
+        return (theirs[f] == f) == (ours[e] == e) and all(
+            (theirs[b] == f) == (ours[a] == e) and (theirs[f] == b) == (ours[e] == a)
+            for a, b in enumerate(images[:e])
+            if b >= 0
         )
 
     # ------------------------------------------------------------ refusals

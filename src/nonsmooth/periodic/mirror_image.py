@@ -1,0 +1,77 @@
+"""The mirror image of an orbit under the declared symmetry of its system, leg by leg."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.periodic.equations import OrbitEquations, Turn
+from nonsmooth.periodic.guess import Guess
+from nonsmooth.periodic.word import Word
+from nonsmooth.system.mirror import Mirror
+
+__all__ = ["mirror_image", "states_along"]
+
+Floats = npt.NDArray[np.float64]
+
+
+def mirror_image(equations: OrbitEquations, turn: Turn) -> Guess | None:
+    """Legs of the mirror image; None where the word has an exit or a mode without an image.
+
+    The image of a driven orbit comes half a period later, or at the same time, and begins at the
+    section all the same. The engine has not looked at it: it is a motion where the orbit is one
+    and the symmetry holds for the parameter values of the legs.
+    """
+    mirror = equations.legs.system.mirror
+    assert mirror is not None  # the caller has asked for a system with a symmetry
+    if mirror.half_period and not equations.autonomous:
+        turn, word = _half_a_period_earlier(equations, turn)
+    else:
+        word = equations.word
+    image = _image_of_word(mirror, word, equations)
+    return None if image is None else Guess(image, Turn(mirror.states(turn.states), turn.instants))
+
+
+def states_along(equations: OrbitEquations, turn: Turn, times: Floats) -> Floats:
+    """States of an orbit at some times within its turn, (K, n)."""
+    legs = np.searchsorted(turn.instants[1:-1], times, side="right")
+    word = Word(tuple(equations.word.modes[k] for k in legs), ((),) * times.size)
+    found = equations.legs.follow_each(word, turn.states[legs], turn.instants[legs], times)
+    return found.ends.copy()
+
+
+def _image_of_word(mirror: Mirror, word: Word, equations: OrbitEquations) -> Word | None:
+    """Images of modes and exits."""
+    targets = equations.legs.tables.wiring.exits["target"]
+    modes = tuple(mirror.modes[mode] for mode in word.modes)
+    paths = tuple(
+        mirror.path(mode, path, targets) for mode, path in zip(word.modes, word.paths, strict=True)
+    )
+    if min(modes) < 0 or any(e < 0 for path in paths for e in path):
+        return None
+    return Word(modes, paths)
+
+
+def _half_a_period_earlier(equations: OrbitEquations, turn: Turn) -> tuple[Turn, Word]:
+    """The same orbit cut half a period before the end of its turn, at the times of its image."""
+    window, word = equations.legs.window, equations.word
+    first, last = turn.instants[0], turn.instants[-1]
+    cut = last - 0.5 * window
+    k = int(np.searchsorted(turn.instants[1:-1], cut, side="right"))
+    between = states_along(equations, turn, np.array([cut]))
+    # what drifts has gone on by one turn where the legs before the cut come behind the others
+    over = np.where(equations.drifting, _end(equations, turn) - turn.states[0], 0.0)
+    if len(word) == 1:
+        return Turn(between, turn.instants), word
+    # the last leg goes on as the first one: the section between them is no event of the image
+    states = np.concatenate([between, turn.states[k + 1 :], turn.states[1 : k + 1] + over])
+    ends = np.concatenate([turn.instants[k + 1 : -1] - cut, turn.instants[1 : k + 1] + last - first - cut])
+    modes = (*word.modes[k:], *word.modes[1 : k + 1])
+    paths = (*word.paths[k:-1], *word.paths[:k], ())
+    instants = np.concatenate([[first], first + ends, [last]])
+    return Turn(states, instants), Word(modes, paths)
+
+
+def _end(equations: OrbitEquations, turn: Turn) -> Floats:
+    found = equations.legs.follow(equations.word, turn.states, turn.instants)
+    return found.ends[-1].copy()
