@@ -67,6 +67,10 @@ def attractor_variables(
             [a.exponent_error for a in attractors], float, "standard error of the exponent"
         ),
     }
+    if system.symmetry:
+        variables["image"] = _each(
+            [a.image for a in attractors], np.int64, "number of the mirror image, 0 where none is known"
+        )
     for name in system.drift_states:
         k = system.states.index(name)
         label = words.attributes(name)["long_name"]
