@@ -307,7 +307,6 @@ def test_equations_are_one_mode():
         ({"equations": {"x": "-x +"}}, r"equations\['x'\]"),
         ({"equations": {"y": "-x"}}, "unknown state 'y'"),
         ({}, "at least one mode, or equations="),
-        ({"equations": {"x": "-sign(x)"}, "symmetry": {}}, "symmetry= is not supported"),
     ],
 )
 def test_equations_that_are_refused(words, message):

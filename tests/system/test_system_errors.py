@@ -142,10 +142,6 @@ def test_parts_that_are_malformed(make, words):
         assert word in str(caught.value)
 
 
-def test_words_of_the_contract_that_wait():
-    refused(["symmetry= is not supported in this version"], symmetry={"x": "v"})
-
-
 def test_missing_flow():
     refused(["state 'v' has neither a flow", 'flow["v"]'], modes=one_mode({"x": "v"}))
 

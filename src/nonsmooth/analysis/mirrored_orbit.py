@@ -66,7 +66,7 @@ def mirrored_orbit(orbit: xr.Dataset, *, tolerance: float = 1e-12) -> xr.Dataset
     >>> right["symmetric"].item(), left["admissible"].item()
     (False, True)
     >>> round(float(right["x"]), 6), round(float(left["x"]), 6)
-    (0.589199, -0.945019)
+    (0.568389, -0.945019)
     """
     system = system_of_one(orbit)
     if system.mirror is None:

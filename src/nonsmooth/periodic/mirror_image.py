@@ -18,14 +18,15 @@ Floats = npt.NDArray[np.float64]
 def mirror_image(equations: OrbitEquations, turn: Turn) -> Guess | None:
     """Legs of the mirror image; None where the word has an exit or a mode without an image.
 
-    The image of a driven orbit comes half a period later, or at the same time, and begins at the
-    section all the same. The engine has not looked at it: it is a motion where the orbit is one
-    and the symmetry holds for the parameter values of the legs.
+    The image of a driven orbit comes an odd number of half periods later, or at the same time, and
+    begins at the section all the same. After an odd number of periods that is half a turn, so that
+    the image of the image is the orbit from its start. The engine has not looked at the image: it
+    is a motion where the orbit is one and the symmetry holds for the parameter values of the legs.
     """
     mirror = equations.legs.system.mirror
     assert mirror is not None  # the caller has asked for a system with a symmetry
     if mirror.half_period and not equations.autonomous:
-        turn, word = _half_a_period_earlier(equations, turn)
+        turn, word = _begun_earlier(equations, turn)
     else:
         word = equations.word
     image = _image_of_word(mirror, word, equations)
@@ -52,11 +53,12 @@ def _image_of_word(mirror: Mirror, word: Word, equations: OrbitEquations) -> Wor
     return Word(modes, paths)
 
 
-def _half_a_period_earlier(equations: OrbitEquations, turn: Turn) -> tuple[Turn, Word]:
-    """The same orbit cut half a period before the end of its turn, at the times of its image."""
-    window, word = equations.legs.window, equations.word
+def _begun_earlier(equations: OrbitEquations, turn: Turn) -> tuple[Turn, Word]:
+    """The same orbit begun some half periods before the end of its turn, at times of its image."""
+    word, period = equations.word, equations.period
     first, last = turn.instants[0], turn.instants[-1]
-    cut = last - 0.5 * window
+    halves = period if period % 2 else 1
+    cut = last - 0.5 * halves * equations.legs.window
     k = int(np.searchsorted(turn.instants[1:-1], cut, side="right"))
     between = states_along(equations, turn, np.array([cut]))
     # what drifts has gone on by one turn where the legs before the cut come behind the others
@@ -65,10 +67,10 @@ def _half_a_period_earlier(equations: OrbitEquations, turn: Turn) -> tuple[Turn,
         return Turn(between, turn.instants), word
     # the last leg goes on as the first one: the section between them is no event of the image
     states = np.concatenate([between, turn.states[k + 1 :], turn.states[1 : k + 1] + over])
-    ends = np.concatenate([turn.instants[k + 1 : -1] - cut, turn.instants[1 : k + 1] + last - first - cut])
+    events = [turn.instants[k + 1 : -1] - cut, turn.instants[1 : k + 1] - first + (last - cut)]
     modes = (*word.modes[k:], *word.modes[1 : k + 1])
     paths = (*word.paths[k:-1], *word.paths[:k], ())
-    instants = np.concatenate([[first], first + ends, [last]])
+    instants = np.concatenate([[first], *(first + part for part in events), [last]])
     return Turn(states, instants), Word(modes, paths)
 
 

@@ -9,6 +9,7 @@ doubling in symmetric systems, Physical Review Letters 52 (1984).
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -33,9 +34,10 @@ _AT_EVENT = 1e-9  # part of the turn: half of it ends at an event
 class Reflection(NamedTuple):
     """An orbit beside its image under a symmetry.
 
-    ``later`` is the part of the turn after which it is its own image, 0.0 or 0.5, and None where
-    it is not; ``multipliers`` are those of half a turn followed by the symmetry, the largest
-    first, without that of the motion along itself.
+    ``later`` is the part of the turn after which it is its own image: half a turn, or none where
+    all of it lies in the mirror, or less than half where the turn repeats a shorter one. None
+    where it is not its own image. ``multipliers`` are those of half a turn followed by the
+    symmetry, the largest first, without that of the motion along itself.
     """
 
     later: float | None
@@ -52,11 +54,12 @@ def reflection(equations: OrbitEquations, turn: Turn) -> Reflection | None:
     mirror = equations.legs.system.mirror
     if mirror is None:
         return None
-    for later in _possible(equations, half_period=mirror.half_period):
-        if _is_own_image(equations, turn, later, mirror.matrix, mirror.states.offset):
-            values = _half_multipliers(equations, turn, mirror.matrix) if later else np.zeros(0)
-            return Reflection(later, values.astype(complex))
-    return Reflection(None, np.zeros(0, complex))
+    matrix, offset = mirror.matrix, mirror.states.offset
+    possible = _possible(equations, half_period=mirror.half_period)
+    own = (each for each in possible if _is_own_image(equations, turn, each, matrix, offset))
+    later = next(own, None)
+    halves = _half_multipliers(equations, turn, matrix) if later == 0.5 else np.zeros(0, complex)
+    return Reflection(later, halves)
 
 
 def is_antisymmetric(equations: OrbitEquations, turn: Turn, own: Reflection | None) -> bool:
@@ -68,27 +71,32 @@ def is_antisymmetric(equations: OrbitEquations, turn: Turn, own: Reflection | No
     if own is None:
         n = equations.legs.n
         return _is_own_image(equations, turn, 0.5, -np.eye(n), np.zeros(n))
-    if own.later is None:
-        return False
     if own.later == 0.0:
         return _is_odd(equations, turn)
+    if own.later != 0.5:
+        return False
     if not own.multipliers.size or not np.all(np.isfinite(own.multipliers)):
         return True  # at a graze nothing else is known
     nearest = own.multipliers[np.argmin(np.abs(own.multipliers**2 - 1.0))]
     return bool(nearest.real < 0.0)
 
 
-def _possible(equations: OrbitEquations, *, half_period: bool) -> tuple[float, ...]:
+def _possible(equations: OrbitEquations, *, half_period: bool) -> Iterator[float]:
     """Parts of a turn after which an orbit may be its own image.
 
     The image of a driven orbit is the same orbit some whole periods later; applied twice, that is
-    a whole turn.
+    a whole turn. A turn of an even number of periods may repeat a shorter one, so quarters and so
+    on count too.
     """
-    if equations.autonomous:
-        return 0.0, 0.5
-    if half_period:
-        return (0.5,) if equations.period % 2 else ()
-    return (0.0,) if equations.period % 2 else (0.0, 0.5)
+    steps = 2 * equations.period if equations.autonomous or half_period else equations.period
+    if equations.autonomous or not half_period:
+        yield 0.0
+    later = 0.5
+    while steps % 2 == 0:
+        whole_periods = half_period and not equations.autonomous and steps % 4 == 0
+        if not whole_periods:
+            yield later
+        steps, later = steps // 2, 0.5 * later
 
 
 def _is_own_image(

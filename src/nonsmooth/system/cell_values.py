@@ -38,12 +38,9 @@ class ValuesAt:
     @property
     def finite(self) -> npt.NDArray[np.bool_]:
         """Points at which all of them are numbers, shape (K,)."""
-        parts = (self.rates, self.relations, self.guards, self.behind.reshape(-1, self._count))
-        return np.logical_and.reduce([np.isfinite(part).all(axis=0) for part in parts])
-
-    @property
-    def _count(self) -> int:
-        return self.rates.shape[1]
+        behind = self.behind.reshape(-1, self.rates.shape[1])
+        rows = np.concatenate([self.rates, self.relations, self.guards, behind])
+        return np.asarray(np.isfinite(rows).all(axis=0))
 
 
 class CellValues:

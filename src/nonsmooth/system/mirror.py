@@ -185,7 +185,7 @@ class _Images:
         )
 
     def _exits(self, i: int, k: int, found: _Matches, modes: Sequence[int]) -> tuple[int, ...]:
-        """Images of the exits of a cell, each taken once; what lies beside one lies beside its own."""
+        """Images of the exits of a cell, each taken once."""
         ours, theirs = self.forms[i], self.forms[k]
         images = [-1] * len(ours.exit_names)
         for e, candidates in found[i, k].exits.items():

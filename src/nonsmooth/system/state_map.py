@@ -100,7 +100,7 @@ def _check_involution(system: System, matrix: Floats, offset: Floats) -> None:
         name = system.states[int(np.flatnonzero(away.any(axis=1))[0])]
         raise ModelError(
             f"symmetry: applied twice, the map does not give {name!r} back; a symmetry is its own"
-            " inverse, as {'x': '-x'} or {'x1': 'x2', 'x2': 'x1'} are: name every state that changes"
+            " inverse, as {'x': '-x'} and {'x1': 'x2', 'x2': 'x1'} are; name all states that change"
         )
     if np.array_equal(matrix, np.eye(n)) and not offset.any():
         raise ModelError(

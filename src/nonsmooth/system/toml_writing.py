@@ -26,7 +26,8 @@ def system_to_toml(system: System) -> str:
     elif system.drift:
         lines.append(f"drift = {_value(list(system.drift))}")
     for key in (
-        "symmetry", "parameters", "definitions", "outputs", "require", "initial", "describe", "slow",
+        "symmetry", "parameters", "definitions", "outputs", "require", "initial", "describe",
+        "slow",
     ):  # fmt: skip
         entries = getattr(system, key)
         if entries:

@@ -69,7 +69,9 @@ def attractor_variables(
     }
     if system.symmetry:
         variables["image"] = _each(
-            [a.image for a in attractors], np.int64, "number of the mirror image, 0 where none is known"
+            [a.image for a in attractors],
+            np.int64,
+            "number of the mirror image, 0 where none is known",
         )
     for name in system.drift_states:
         k = system.states.index(name)

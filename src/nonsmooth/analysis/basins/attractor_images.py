@@ -10,8 +10,8 @@ import numpy.typing as npt
 
 from nonsmooth.analysis.basins.attractor import Attractor
 from nonsmooth.engine.lanes import SAME
-from nonsmooth.maps.stroboscopic import StroboscopicMap
 from nonsmooth.maps.strobe_runner import StrobeRunner
+from nonsmooth.maps.stroboscopic import StroboscopicMap
 from nonsmooth.system.system import System
 
 __all__ = ["NO_IMAGE", "has_images", "with_images"]
@@ -61,9 +61,7 @@ def _images(chosen: StroboscopicMap, one: Attractor, tolerance: float) -> Floats
     points = one.points[:count]
     if mirror.half_period:
         length = _LATER * period
-        runner = StrobeRunner(
-            chosen.system, tolerance, phase=chosen.phase / _LATER, period=length
-        )
+        runner = StrobeRunner(chosen.system, tolerance, phase=chosen.phase / _LATER, period=length)
         points, _ = runner.last(runner.start(points, SAME - one.modes[:count].astype(np.int64)), 1)
     return mirror.states(points)
 

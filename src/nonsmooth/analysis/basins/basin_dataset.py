@@ -45,7 +45,9 @@ def basin_dataset(chosen: Any, grid: Grid, basins: Basins, options: dict[str, An
     """Labels over the states of the region, beside the attractors."""
     system = chosen.system
     order, label = renumbered(basins.attractors, basins.settled.label)
-    order = with_images(chosen, with_words(chosen, order, options["tolerance"]), options["tolerance"])
+    order = with_images(
+        chosen, with_words(chosen, order, options["tolerance"]), options["tolerance"]
+    )
     variables, coords = attractor_variables(system, order, label[label > INADMISSIBLE])
     names = grid.completion.given
     dims = tuple(reversed(names))
