@@ -130,9 +130,9 @@ def test_keys_below_a_table_belong_to_the_table():
 
 
 def test_a_symmetry_that_cannot_be_is_refused_as_in_python():
-    message = refused('symmetry = "x"\n' + TEXT)
+    message = refused('symmetry = "x"\n' + WALL)
     assert message.startswith("symmetry: the text 'x', where a table belongs")
-    assert "unknown state or mode 'y'" in refused(TEXT + '\n[symmetry]\ny = "-y"\n')
+    assert "unknown state or mode 'y'" in refused(WALL + '\n[symmetry]\ny = "-y"\n')
 
 
 def test_sticks_and_cells_that_cannot_be_are_refused_as_in_python():

@@ -29,7 +29,7 @@ def mirror_image(equations: OrbitEquations, turn: Turn) -> Guess | None:
         turn, word = _begun_earlier(equations, turn)
     else:
         word = equations.word
-    image = _image_of_word(mirror, word, equations)
+    image = _image_of_word(mirror, word)
     return None if image is None else Guess(image, Turn(mirror.states(turn.states), turn.instants))
 
 
@@ -41,16 +41,12 @@ def states_along(equations: OrbitEquations, turn: Turn, times: Floats) -> Floats
     return found.ends.copy()
 
 
-def _image_of_word(mirror: Mirror, word: Word, equations: OrbitEquations) -> Word | None:
+def _image_of_word(mirror: Mirror, word: Word) -> Word | None:
     """Images of modes and exits."""
-    targets = equations.legs.tables.wiring.exits["target"]
     modes = tuple(mirror.modes[mode] for mode in word.modes)
-    paths = tuple(
-        mirror.path(mode, path, targets) for mode, path in zip(word.modes, word.paths, strict=True)
-    )
-    if min(modes) < 0 or any(e < 0 for path in paths for e in path):
-        return None
-    return Word(modes, paths)
+    paths = [mirror.path(mode, path) for mode, path in zip(word.modes, word.paths, strict=True)]
+    known = tuple(path for path in paths if path is not None)
+    return Word(modes, known) if min(modes) >= 0 and len(known) == len(paths) else None
 
 
 def _begun_earlier(equations: OrbitEquations, turn: Turn) -> tuple[Turn, Word]:

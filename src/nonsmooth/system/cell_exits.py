@@ -49,7 +49,7 @@ def live_exits(
         if offset > 0.0 and factor >= 0.0
     }
     targets, count = forms.targets, len(forms.targets)
-    gone = behind | {e for e in range(count) if targets[e] >= 0 and empty[targets[e]]}
+    gone = behind | {e for e in range(forms.n_searched, count) if empty[targets[e]]}
     gone |= {forms.onto[e] for e in behind if forms.onto[e] >= 0}
     onto = tuple(-1 if f in gone else f for f in forms.onto)
     return LiveExits(tuple(e for e in range(count) if e not in gone), onto)

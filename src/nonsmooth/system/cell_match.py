@@ -107,15 +107,15 @@ def match(
         return CellMatch(faults=[Fault(where, np.nan, np.nan, 0)])
     compare = _Comparison(able)
     found = CellMatch()
+    slaved = [*other.relations.explicit, *other.relations.implicit]
+    for gap, size, state in zip(values.relations, sizes.relations, slaved, strict=True):
+        where = f"what is left of the slaved equation of {state!r} in mode {mode!r}"
+        found.faults += compare.of(where, gap, np.zeros_like(gap), size)
     wanted = mapped.matrix @ place.values.rates
     allowed = np.abs(mapped.matrix) @ place.sizes.rates + sizes.rates
     for i, state in enumerate(other.forms.graph.states):
         where = f"the rate of {state!r} in mode {mode!r}"
         found.faults += compare.of(where, values.rates[i], wanted[i], allowed[i])
-    slaved = [*other.relations.explicit, *other.relations.implicit]
-    for gap, size, state in zip(values.relations, sizes.relations, slaved, strict=True):
-        where = f"what is left of the slaved equation of {state!r} in mode {mode!r}"
-        found.faults += compare.of(where, gap, np.zeros_like(gap), size)
     theirs = {k: _Exit.of(values, sizes, k) for k in live[1].numbers}
     for e in live[0].numbers:
         wanted_exit = _Exit.of(place.values, place.sizes, e).mapped(mapped)

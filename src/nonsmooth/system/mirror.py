@@ -44,19 +44,50 @@ class Mirror:
     half_period: bool
     modes: tuple[int, ...]  # number of the image of each mode that runs; -1 where no point lies
     exits: tuple[tuple[int, ...], ...]  # likewise of each exit of it; -1 where none is passed
+    targets: tuple[tuple[int, ...], ...]  # modes that exits lead to, -1 where they end the run
+    settling: tuple[tuple[bool, ...], ...]  # whether an exit leads to another cell, and no more
 
     @property
     def matrix(self) -> Floats:
         """Linear part of the map of states, (n, n)."""
         return self.states.matrix
 
-    def path(self, mode: int, path: Sequence[int], targets: Floats) -> tuple[int, ...]:
-        """Images of exits that are passed at one instant; ``targets`` by mode and exit."""
-        images = []
-        for e in path:
-            images.append(self.exits[mode][e])
-            mode = int(targets[mode, e])
+    def path(self, mode: int, path: Sequence[int]) -> tuple[int, ...] | None:
+        """Image of exits that are passed at one instant, from a mode on; None where it has none.
+
+        Into which cell a mode is entered first does not matter, for cells settle at once. So the
+        way between cells is made anew, to the image of the cell in which they settle.
+        """
+        images: list[int] = []
+        place, left = self.modes[mode], list(path)
+        while left:
+            e = left.pop(0)
+            f = self.exits[mode][e]
+            if place < 0 or f < 0:
+                return None
+            images.append(f)
+            mode, place = self.targets[mode][e], self.targets[place][f]
+            while left and self.settling[mode][left[0]]:
+                mode = self.targets[mode][left.pop(0)]
+            between = self._settled(place, self.modes[mode]) if mode >= 0 else ()
+            if between is None:
+                return None
+            images += between
+            place = self.modes[mode]
         return tuple(images)
+
+    def _settled(self, begin: int, end: int) -> tuple[int, ...] | None:
+        """The shortest way from one cell of a mode to another one; None where there is none."""
+        ways: dict[int, tuple[int, ...]] = {begin: ()}
+        reached = [begin]
+        for cell in reached:
+            if cell == end:
+                return ways[cell]
+            for e, target in enumerate(self.targets[cell]):
+                if self.settling[cell][e] and target not in ways:
+                    ways[target] = (*ways[cell], e)
+                    reached.append(target)
+        return None
 
 
 def find_mirror(system: System) -> Mirror | None:
@@ -122,10 +153,20 @@ class _Images:
         self._keep_consistent(found)
         modes = tuple(self._image(i, found) for i in range(len(self.cells)))
         exits = tuple(
-            self._exits(i, k, found, modes) if k >= 0 else (-1,) * len(self.forms[i].targets)
+            self._exits(i, k, found) if k >= 0 else (-1,) * len(self.forms[i].targets)
             for i, k in enumerate(modes)
         )
-        return Mirror(self.mapped, self.half, modes, exits)
+        targets = tuple(one.targets for one in self.forms)
+        settling = tuple(
+            tuple(self._settles(one, e) for e in range(len(one.targets))) for one in self.forms
+        )
+        return Mirror(self.mapped, self.half, modes, exits, targets, settling)
+
+    def _settles(self, one: ModeForms, e: int) -> bool:
+        """Whether an exit leads to another cell of the same mode and changes no state."""
+        target = one.targets[e]
+        same = target >= 0 and self.forms[target].parent == one.parent
+        return same and e < one.n_searched and not one.equations.exits[e].reset
 
     def _of_one_kind(self, i: int) -> list[int]:
         """Cells that may be the image of one: as many exits, of the same kind, as the user says."""
@@ -161,8 +202,14 @@ class _Images:
         return all(kept.values())
 
     def _may_lead(self, i: int, e: int, k: int, f: int, found: _Matches) -> bool:
+        """Whether two exits lead to images; cells of the mode that they enter settle afterwards."""
         here, there = self.forms[i].targets[e], self.forms[k].targets[f]
-        return here == there if min(here, there) < 0 else (here, there) in found
+        if min(here, there) < 0:
+            return here == there
+        if e >= self.forms[i].n_searched:
+            return (here, there) in found
+        modes = self.forms[here].parent, self.forms[there].parent
+        return any((self.forms[a].parent, self.forms[b].parent) == modes for a, b in found)
 
     def _image(self, i: int, found: _Matches) -> int:
         """The image of a cell, which must be one."""
@@ -184,14 +231,12 @@ class _Images:
             f" equations are the same; say which, as in symmetry={{..., {name!r}: {others[0]!r}}}"
         )
 
-    def _exits(self, i: int, k: int, found: _Matches, modes: Sequence[int]) -> tuple[int, ...]:
+    def _exits(self, i: int, k: int, found: _Matches) -> tuple[int, ...]:
         """Images of the exits of a cell, each taken once."""
-        ours, theirs = self.forms[i], self.forms[k]
+        ours = self.forms[i]
         images = [-1] * len(ours.exit_names)
         for e, candidates in found[i, k].exits.items():
-            target = ours.targets[e]
-            wanted = -1 if target < 0 else modes[target]
-            free = [f for f in candidates if f not in images and theirs.targets[f] == wanted]
+            free = [f for f in candidates if f not in images]
             beside = [f for f in free if self._lies_beside(i, k, images, e, f)]
             if not beside:
                 raise ModelError(
