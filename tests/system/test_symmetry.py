@@ -286,5 +286,6 @@ def test_a_section_of_a_symmetric_system_is_taken():
 
 @pytest.mark.parametrize("kind", ["tanh", "arctan", "logistic", "sqrt"])
 def test_smoothed_systems_keep_it(kind):
-    made = ns.smoothed(forced("F*cos(w*t) - x - 0.2*sign(v) - max(x, 1) - min(x, -1)"), kind=kind)
+    given = forced("F*cos(w*t) - x - 0.2*sign(v) - max(x, 1) - min(x, -1)")
+    made = ns.smoothed(given, 0.01, kind=kind)
     assert made.mirror.half_period
