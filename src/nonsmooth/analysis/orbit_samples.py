@@ -106,7 +106,7 @@ def _dataset(
         variables[name] = (over, values, labels.attributes(name))
     exits = np.array([word.exit_text(system, k) for k in range(len(word))])
     variables |= {
-        "mode": (over, modes.astype(np.int8), labels.mode_flags("mode")),
+        "mode": (over, modes.astype(labels.mode_type), labels.mode_flags("mode")),
         "leg": (over, leg, {"long_name": "number of the leg"}),
         "leg_exit": (over, exits[leg], {"long_name": "exits at the end of the leg"}),
         "length": ((), float(orbit["length"]), dict(orbit["length"].attrs)),

@@ -166,7 +166,7 @@ def _legs(system: System, orbits: Sequence[Orbit | None], dims: tuple[str, ...],
     width = max((len(o.word) for o in orbits if o is not None), default=0)
     shape = (len(orbits), width)
     durations, times = np.full(shape, np.nan), np.full(shape, np.nan)
-    states, modes = np.full((*shape, n), np.nan), np.full(shape, -1, np.int8)
+    states, modes = np.full((*shape, n), np.nan), np.full(shape, -1, labels.mode_type)
     exits, paths = [[""] * width for _ in orbits], np.zeros(shape, np.int64)
     for k, orbit in enumerate(orbits):
         if orbit is None:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from nonsmooth.engine.tables import FREE, MAX_AUGMENTED, RESTING
 from nonsmooth.errors import ModelError, unknown_name
+from nonsmooth.system.cells import MOST_MODES
 from nonsmooth.system.equations import Equation
 from nonsmooth.system.evaluate import constant_value
 from nonsmooth.system.expressions import ONE, Expression, Name, names_in, to_text
@@ -55,7 +56,7 @@ _RESULT_NAMES = {
 }  # fmt: skip
 ONE_MODE = "flow"  # of a system that is written without modes
 MOST_STATES = MAX_AUGMENTED - 1  # beside them stands the constant one
-_MOST = 60  # modes, and exits of a mode: sets of them are bits of one integer
+_MOST_EXITS = 60  # of a mode: results have six bits for each exit of a path
 
 
 def check_kinds(system: System) -> None:
@@ -89,8 +90,8 @@ def modes_of(equations: Any, modes: Mapping[str, Mode]) -> Mapping[str, Mode]:
 def check_words(system: System) -> None:
     """Every name is well-formed, declared once and allowed where it stands."""
     _check_text("name", system.name)
-    if len(system.modes) > _MOST:
-        raise ModelError(f"modes: {len(system.modes)} modes; at most {_MOST} are supported")
+    if len(system.modes) > MOST_MODES:
+        raise ModelError(f"modes: {len(system.modes)} modes; at most {MOST_MODES} are supported")
     if len(system.states) > MOST_STATES:
         raise ModelError(
             f"states: {len(system.states)} states; at most {MOST_STATES} can run: reduce the model,"
@@ -198,8 +199,10 @@ def _check_name(kind: str, name: object) -> None:
 def _check_mode(system: System, name: str, mode: Mode) -> None:
     if not isinstance(mode, Mode):
         raise ModelError(f"modes[{name!r}] is {mode!r:.60}; write Mode(flow, exits=...)")
-    if len(mode.exits) > _MOST:
-        raise ModelError(f"modes[{name!r}]: {len(mode.exits)} exits; at most {_MOST} are supported")
+    if len(mode.exits) > _MOST_EXITS:
+        raise ModelError(
+            f"modes[{name!r}]: {len(mode.exits)} exits; at most {_MOST_EXITS} are supported"
+        )
     for state in (*mode.flow, *mode.slaved):
         if state not in system.states:
             raise ModelError(f"modes[{name!r}]: {unknown_name('state', state, system.states)}")

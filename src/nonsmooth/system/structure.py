@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 from nonsmooth.errors import ModelError
 from nonsmooth.system.cell_names import cell_labels
 from nonsmooth.system.cell_values import CellValues
+from nonsmooth.system.cells import MOST_MODES
 from nonsmooth.system.equations import Equation, check_references
 from nonsmooth.system.expressions import Expression
 from nonsmooth.system.graph import Graph
@@ -34,9 +35,8 @@ from nonsmooth.system.value_tape import ValueTape
 if TYPE_CHECKING:
     from nonsmooth.system.system import System
 
-__all__ = ["MOST_MODES", "Structure", "structure_of"]
+__all__ = ["Structure", "structure_of"]
 
-MOST_MODES = 120  # cells counted one by one: results have their numbers in one byte
 _MOST_EXITS = 60  # of a cell: results have six bits for each exit of a path
 
 
