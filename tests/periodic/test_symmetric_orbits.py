@@ -327,6 +327,22 @@ def test_images_of_orbits_through_cells(text):
         assert float(image[name]) == pytest.approx(float(there[name]), abs=1e-11)
 
 
+def test_a_centre_that_moves_with_the_parameter():
+    """The map x -> 2 c - x is that of each value of c along a branch."""
+    system = System(
+        states=["x", "v"],
+        period="2*pi",
+        parameters={"c": 0.5},
+        equations={"x": "v", "v": "cos(t) - 0.2*v - (x - c) - (x - c)**3"},
+        symmetry={"x": "2*c - x", "v": "-v"},
+    )
+    branch = ns.continue_orbit(system, "c", (0.4, 1.0), steps=5)
+    assert branch["symmetric"].values.all()
+    at = branch.isel(point=-1)
+    assert float(at["c"]) > 0.55
+    assert float(ns.mirrored_orbit(at)["x"]) == pytest.approx(float(at["x"]), abs=1e-11)
+
+
 def test_what_has_no_image_is_refused():
     plain = ns.find_orbit(ns.models.soft_impact())
     assert "symmetric" not in plain

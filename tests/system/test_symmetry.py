@@ -200,6 +200,7 @@ def test_any_odd_field_is_symmetric_and_no_other(seed):
         (lambda: forced(symmetry={"x": "1 + x"}), ["applied twice"]),
         (lambda: forced(symmetry={"x": "x"}), ["leaves every state as it is"]),
         (lambda: forced(symmetry={"x": "-x/g"}), ["symmetry['x']: a coefficient is"]),
+        (lambda: forced("log(x - 5) - log(-x - 5)"), ["mode 'flow' have no values", "checked"]),
         (lambda: forced(symmetry="x"), ["symmetry: give a mapping"]),
         (lambda: forced(symmetry=ODD | {"flow": "there"}), ["symmetry['flow']", "mode 'there'"]),
     ],

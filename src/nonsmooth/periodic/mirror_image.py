@@ -5,14 +5,31 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.errors import ModelError
 from nonsmooth.periodic.equations import OrbitEquations, Turn
 from nonsmooth.periodic.guess import Guess
+from nonsmooth.periodic.legs import Legs
 from nonsmooth.periodic.word import Word
 from nonsmooth.system.mirror import Mirror
 
-__all__ = ["mirror_image", "states_along"]
+__all__ = ["mirror_at", "mirror_image", "states_along"]
 
 Floats = npt.NDArray[np.float64]
+
+
+def mirror_at(legs: Legs) -> Mirror | None:
+    """The symmetry for the parameter values of the legs, on which its map of states may depend.
+
+    Where it does not hold at these, the map is that of the system.
+    """
+    mirror = legs.system.mirror
+    if mirror is None or not mirror.states.varies:
+        return mirror
+    values = dict(zip(legs.system.parameters, legs.values.tolist(), strict=True))
+    try:
+        return legs.system.with_parameters(**values).mirror
+    except ModelError:
+        return mirror
 
 
 def mirror_image(equations: OrbitEquations, turn: Turn) -> Guess | None:
@@ -23,7 +40,7 @@ def mirror_image(equations: OrbitEquations, turn: Turn) -> Guess | None:
     the image of the image is the orbit from its start. The engine has not looked at the image: it
     is a motion where the orbit is one and the symmetry holds for the parameter values of the legs.
     """
-    mirror = equations.legs.system.mirror
+    mirror = mirror_at(equations.legs)
     assert mirror is not None  # the caller has asked for a system with a symmetry
     if mirror.half_period and not equations.autonomous:
         turn, word = _begun_earlier(equations, turn)

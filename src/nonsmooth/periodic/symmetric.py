@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from nonsmooth.engine.orbits import LegResults
 from nonsmooth.periodic.equations import OrbitEquations, Turn
-from nonsmooth.periodic.mirror_image import states_along
+from nonsmooth.periodic.mirror_image import mirror_at, states_along
 from nonsmooth.periodic.multipliers import leg_factors
 from nonsmooth.periodic.word import Word
 
@@ -51,7 +51,7 @@ class Reflection(NamedTuple):
 
 def reflection(equations: OrbitEquations, turn: Turn) -> Reflection | None:
     """An orbit beside its image under the declared symmetry; None where none is declared."""
-    mirror = equations.legs.system.mirror
+    mirror = mirror_at(equations.legs)
     if mirror is None:
         return None
     matrix, offset = mirror.matrix, mirror.states.offset
@@ -148,7 +148,7 @@ def _half_tangent(equations: OrbitEquations, turn: Turn) -> Floats:
 
 def _is_odd(equations: OrbitEquations, turn: Turn) -> bool:
     """Whether the symmetry reverses the critical direction of an orbit that lies in its mirror."""
-    mirror = equations.legs.system.mirror
+    mirror = mirror_at(equations.legs)
     assert mirror is not None  # or the orbit would have no mirror to lie in
     factors = leg_factors(equations, _follow(equations, turn))
     stays = ~equations.drifting

@@ -13,13 +13,17 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.engine.tables import FREE
 from nonsmooth.system.cell_values import ValuesAt
 from nonsmooth.system.mode_forms import ModeForms
 
-__all__ = ["LiveExits", "is_empty", "live_exits"]
+__all__ = ["ENOUGH", "LiveExits", "is_empty", "live_exits"]
 
 Floats = npt.NDArray[np.float64]
 
+ENOUGH = (
+    4  # points with values; where a root is negative or a logarithm has no value there are none
+)
 _ROUNDING = 1e-9  # of the terms of guards
 
 
@@ -32,7 +36,13 @@ class LiveExits:
 
 
 def is_empty(forms: ModeForms, values: ValuesAt, sizes: ValuesAt) -> bool:
-    """Whether the guards of a cell contradict each other, so that no point lies in it."""
+    """Whether no point lies in a cell: its guards contradict each other, or none was found.
+
+    On meetings of surfaces the equations of slaved states may be singular; motion that comes there
+    has no image.
+    """
+    if forms.kind != FREE and np.count_nonzero(values.finite) < ENOUGH:
+        return True
     return any(
         offset < 0.0 and factor <= 0.0
         for _, _, factor, offset in _related(forms.n_searched, values, sizes)
@@ -43,6 +53,8 @@ def live_exits(
     forms: ModeForms, values: ValuesAt, sizes: ValuesAt, empty: Sequence[bool]
 ) -> LiveExits:
     """Exits of a cell without those that are never passed; ``empty`` are cells without points."""
+    if np.count_nonzero(values.finite) < ENOUGH:
+        return LiveExits((), (-1,) * len(forms.targets))
     behind = {
         i
         for i, _, factor, offset in _related(forms.n_searched, values, sizes)

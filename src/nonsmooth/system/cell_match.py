@@ -11,7 +11,7 @@ from zlib import crc32
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.system.cell_exits import LiveExits
+from nonsmooth.system.cell_exits import ENOUGH, LiveExits
 from nonsmooth.system.cell_values import CellValues, ValuesAt
 from nonsmooth.system.mode_forms import ModeForms
 from nonsmooth.system.state_map import StateMap
@@ -20,7 +20,7 @@ __all__ = ["CellMatch", "Fault", "Place", "match", "random_place"]
 
 Floats = npt.NDArray[np.float64]
 
-_ENOUGH = (
+ENOUGH = (
     4  # points with values; where a root is negative or a logarithm has no value there are none
 )
 # Sizes of the states, in turn from point to point: beside large states a small constant force would
@@ -102,8 +102,8 @@ def match(
     values, sizes = other.at(place.image, _SCALES.size)
     able = place.values.finite & values.finite
     mode = other.forms.name
-    if np.count_nonzero(able) < _ENOUGH:
-        where = f"a value of every equation of mode {mode!r} at {_ENOUGH} points"
+    if np.count_nonzero(able) < ENOUGH:
+        where = f"a value of every equation of mode {mode!r} at {ENOUGH} points"
         return CellMatch(faults=[Fault(where, np.nan, np.nan, 0)])
     compare = _Comparison(able)
     found = CellMatch()

@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from nonsmooth.engine.tables import FREE
 from nonsmooth.errors import ModelError
-from nonsmooth.system.cell_exits import is_empty, live_exits
+from nonsmooth.system.cell_exits import ENOUGH, is_empty, live_exits
 from nonsmooth.system.cell_match import CellMatch, Fault, Place, match, random_place
 from nonsmooth.system.cell_values import CellValues
 from nonsmooth.system.state_map import Floats, StateMap, read_state_map
@@ -129,11 +130,23 @@ class _Images:
         self._places: list[Place] = [
             random_place(cell, mapped, names, self._shift, period or _SPAN) for cell in self.cells
         ]
+        self._check_points()
         looked = list(zip(self.forms, self._places, strict=True))
         self.empty = [is_empty(one, place.values, place.sizes) for one, place in looked]
         self.live = [
             live_exits(one, place.values, place.sizes, self.empty) for one, place in looked
         ]
+
+    def _check_points(self) -> None:
+        """Every mode has values at some points, by which it is compared."""
+        for one, place in zip(self.forms, self._places, strict=True):
+            if one.kind == FREE and np.count_nonzero(place.values.finite) < ENOUGH:
+                raise ModelError(
+                    f"symmetry: the equations of mode {one.name!r} have no values at random points,"
+                    " so it cannot be checked: roots and logarithms of what is negative there, or"
+                    " slaved states that were not found; scale the states to sizes of about one,"
+                    " or leave symmetry= out"
+                )
 
     def mirror(self) -> Mirror:
         """The symmetry, or an error that says where it fails."""

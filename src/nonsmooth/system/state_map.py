@@ -12,6 +12,7 @@ import numpy.typing as npt
 from nonsmooth.errors import ModelError
 from nonsmooth.system.equations import Equation
 from nonsmooth.system.evaluate import constant_value
+from nonsmooth.system.expressions import name_set
 from nonsmooth.system.linear import CONSTANT, LinearForm, NotLinear, State
 
 if TYPE_CHECKING:
@@ -32,6 +33,7 @@ class StateMap:
     offset: Floats  # (n,)
     modes: Mapping[str, str]  # declared modes by name, both ways
     text: str  # the map in words
+    varies: bool  # whether it depends on parameters
 
     def __call__(self, states: Floats) -> Floats:
         """Images of some states, the last axis being that of the states."""
@@ -47,11 +49,13 @@ def read_state_map(system: System) -> StateMap:
     n, states = len(system.states), list(system.states)
     matrix, offset = np.eye(n), np.zeros(n)
     told: dict[str, str] = {}
+    varies = False
     for name, text in system.symmetry.items():
         if name not in states:
             told[name] = str(text)
             continue
         form, row = _form(system, name), states.index(name)
+        varies |= any(name_set(c) - {"pi"} for c in form.terms.values())
         coefficients = {basis: _value(system, name, c) for basis, c in form.terms.items()}
         offset[row] = coefficients.pop(CONSTANT, 0.0)
         matrix[row] = [coefficients.get(State(state), 0.0) for state in states]
@@ -59,7 +63,7 @@ def read_state_map(system: System) -> StateMap:
     _check_modes(told)
     told |= {image: name for name, image in told.items()}
     words = ", ".join(f"{name} -> {text}" for name, text in system.symmetry.items())
-    return StateMap(matrix, offset, told, words)
+    return StateMap(matrix, offset, told, words, varies)
 
 
 def _form(system: System, name: str) -> LinearForm:
