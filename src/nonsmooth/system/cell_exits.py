@@ -21,9 +21,7 @@ __all__ = ["ENOUGH", "LiveExits", "is_empty", "live_exits"]
 
 Floats = npt.NDArray[np.float64]
 
-ENOUGH = (
-    4  # points with values; where a root is negative or a logarithm has no value there are none
-)
+ENOUGH = 4  # points with values; there are none where a root is negative
 _ROUNDING = 1e-9  # of the terms of guards
 
 

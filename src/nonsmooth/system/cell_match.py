@@ -20,9 +20,6 @@ __all__ = ["CellMatch", "Fault", "Place", "match", "random_place"]
 
 Floats = npt.NDArray[np.float64]
 
-ENOUGH = (
-    4  # points with values; where a root is negative or a logarithm has no value there are none
-)
 # Sizes of the states, in turn from point to point: beside large states a small constant force would
 # be rounding, beside small ones a cubic.
 _SCALES = np.tile([1.7, 0.17, 1.7e-2, 1.7e-4, 1.7e-6, 1.7e-8], 4)
