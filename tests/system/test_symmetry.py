@@ -150,6 +150,29 @@ def test_the_full_rotor_in_its_ring():
         ring.with_parameters(eps_x=0.1)
 
 
+@pytest.mark.parametrize(
+    "make",
+    [
+        ns.models.duffing,
+        ns.models.trilinear,
+        ns.models.chua,
+        lambda: ns.models.chua(resistor="cubic"),
+        ns.models.clearance_rotor,
+        ns.models.rubbing_rotor,
+        ns.models.friction_oscillator,
+    ],
+)
+def test_models_keep_their_symmetry_for_all_parameters(make):
+    system, rng = make(), np.random.default_rng(0)
+    assert system.symmetry
+    for _ in range(5):
+        values = system.parameter_values
+        new = {name: value * rng.uniform(0.9, 1.1) for name, value in values.items()}
+        assert system.with_parameters(**new).mirror.modes == system.mirror.modes
+    turned = system.mirror.modes
+    assert [turned[k] for k in turned] == list(range(len(turned)))
+
+
 @given(st.integers(0, 2**32 - 1))
 def test_any_odd_field_is_symmetric_and_no_other(seed):
     """Polynomials with odd terms alone, in coordinates that are mixed at random."""

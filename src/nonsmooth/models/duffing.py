@@ -44,7 +44,8 @@ def duffing(
     -------
     System
         States ``x v``; one smooth mode, ``flow``, run by Taylor series; outputs
-        ``acceleration`` and ``energy``, kinetic and potential.
+        ``acceleration`` and ``energy``, kinetic and potential. Its symmetry is declared: minus a
+        motion, half a period later, is a motion.
 
     Raises
     ------

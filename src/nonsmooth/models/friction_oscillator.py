@@ -70,7 +70,8 @@ def friction_oscillator(
     System
         States ``x v``; cells ``forth`` (v > 0), ``back`` and ``stick``, with ``k`` also
         ``lifted``, all linear; outputs ``friction``, the force on the mass, and
-        ``acceleration``.
+        ``acceleration``. Without ``k`` its symmetry is declared: minus a motion, half a period
+        later, is a motion.
 
     Raises
     ------
