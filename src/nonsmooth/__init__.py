@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from nonsmooth.analysis.full_spectrum import full_spectrum
     from nonsmooth.analysis.local_regimes import local_regimes
     from nonsmooth.analysis.lyapunov_spectrum import lyapunov_spectrum
+    from nonsmooth.analysis.mirrored_orbit import mirrored_orbit
     from nonsmooth.analysis.orbit_samples import orbit_samples
     from nonsmooth.analysis.orbits import orbits
     from nonsmooth.analysis.order_tracking import order_tracking
@@ -98,6 +99,7 @@ __all__ = [
     "local_regimes",
     "lyapunov_spectrum",
     "measured",
+    "mirrored_orbit",
     "models",
     "orbit_samples",
     "orbits",
@@ -147,6 +149,7 @@ _HOME = {
     "ensemble": "nonsmooth.analysis.ensemble",
     "find_orbit": "nonsmooth.analysis.find_orbit",
     "continue_orbit": "nonsmooth.analysis.continue_orbit",
+    "mirrored_orbit": "nonsmooth.analysis.mirrored_orbit",
     "orbit_samples": "nonsmooth.analysis.orbit_samples",
     "continue_special": "nonsmooth.analysis.continue_special",
     "full_spectrum": "nonsmooth.analysis.full_spectrum",

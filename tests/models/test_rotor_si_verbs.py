@@ -202,7 +202,7 @@ RESULTS = {
 NO_RESULTS = {  # verbs, and what else there is, that give no dataset of a motion of their own
     "PoincareMap", "StroboscopicMap", "System", "Exit", "Mode", "Signal", "excitation", "fatigue",
     "continuation", "measured", "models", "plot", "phase_word", "tie_parameters", "__version__",
-    "Surface", "smoothed", "smoothing_report",
+    "Surface", "smoothed", "smoothing_report", "mirrored_orbit",
 }  # fmt: skip
 
 
@@ -233,6 +233,20 @@ def test_no_verb_is_left_out():
     errors = {name for name in ns.__all__ if name.endswith(("Error", "Warning"))}
     walked = {verb.split()[0] for verb in RESULTS}
     assert set(ns.__all__) - NO_RESULTS - errors <= walked
+
+
+def test_the_mirror_image_of_an_orbit():
+    """Of a rotor in the middle of its ring, where all springs are alike: minus the orbit."""
+    rig = dataclasses.replace(RIG, eccentricity_x=0.0)
+    images = {state: f"-{state}" for state in STATES if state != "mu"}
+    orbit = ns.find_orbit(dataclasses.replace(rig.system(), symmetry=images))
+    image = ns.mirrored_orbit(orbit)
+    assert image["symmetric"].item() == orbit["symmetric"].item()
+    si = rig.to_si(image)
+    for name in STATES:
+        factor, unit = STATES[name]
+        assert float(si[name]) == pytest.approx(factor * float(image[name]), rel=1e-13)
+        assert si[name].attrs.get("units") in ((unit,) if unit else (None, "dimensionless"))
 
 
 def test_tables_of_states():

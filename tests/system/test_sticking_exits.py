@@ -88,8 +88,42 @@ def test_every_set_of_contacts_is_a_mode():
     assert masses(1).mode_names == ("m", "rx0")
     assert masses(2).mode_names == ("m", "rx0", "rx1", "rx0+rx1")
     assert len(masses(4).mode_names) == 2**4
-    with pytest.raises(ModelError, match="5 exits stick; at most 4 are supported in one mode, for"):
+    assert len(masses(6).mode_names) == 2**6
+
+
+def test_too_many_sets_of_contacts(monkeypatch):
+    monkeypatch.setattr("nonsmooth.system.sticking.MOST_MODES", 20)
+    with pytest.raises(ModelError, match="5 exits stick, and more than 20 sets of them may be"):
         masses(5)
+
+
+def test_six_masses_come_to_rest_one_after_the_other():
+    """From a height h rebounds at half the speed end at (1 + 2*(1/2 + 1/4 + ...))*sqrt(2*h)."""
+    system, count = masses(6), 6
+    heights = [0.1 + 0.07 * k for k in (3, 0, 5, 1, 4, 2)]
+    start = {f"x{i}": height for i, height in enumerate(heights)}
+    run = ns.simulate(system, start, t_end=10.0)
+    assert run.attrs["status"] == "completed"
+    ends = np.sort(3.0 * np.sqrt(2.0 * np.array(heights)))
+    comes = run["event_kind"].values == "chatter"
+    # rebounds are summed up from where 1e-13 of the speed is left
+    np.testing.assert_allclose(run["event_time"].values[comes], ends, rtol=1e-9)
+    words = ns.phase_word(run)
+    assert words[0] == "m"
+    assert words[-1] == "+".join(f"rx{i}" for i in range(count))
+    assert [len(word.split("+")) for word in words[1:]] == [1, 2, 3, 4, 5, 6]
+
+
+def test_three_masses_between_walls_of_their_own():
+    """Each rests at one of its walls or at none: three to the power three modes."""
+    exits, flow = [], {}
+    for i in range(3):
+        back = {f"v{i}": f"-v{i}/2"}
+        exits += [Exit(f"x{i}", reset=back, sticks=f"low{i}")]
+        exits += [Exit(f"1 - x{i}", reset=back, sticks=f"high{i}")]
+        flow |= {f"x{i}": f"v{i}", f"v{i}": "-1"}
+    system = System(states=list(flow), modes={"m": Mode(flow, exits=exits)})
+    assert len(system.mode_names) == 3**3
 
 
 def test_one_mass_rests_at_one_wall_at_a_time():

@@ -129,15 +129,10 @@ def test_keys_below_a_table_belong_to_the_table():
     assert System.from_toml(fine).parameter_values == {"w": 2.8, "name": 3.0}
 
 
-UNSUPPORTED = {"symmetry": "{}"}
-
-
-@pytest.mark.parametrize("key", UNSUPPORTED)
-def test_words_of_the_contract_are_refused_as_in_python(key):
-    with pytest.raises(ModelError) as caught:
-        System(states=["x"], modes={"m": Mode({"x": "0"})}, **{key: 1})
-    assert refused(f"{key} = {UNSUPPORTED[key]}\n") == str(caught.value)
-    assert refused(changed("format = 1", f"{key} = {UNSUPPORTED[key]}")) == str(caught.value)
+def test_a_symmetry_that_cannot_be_is_refused_as_in_python():
+    message = refused('symmetry = "x"\n' + WALL)
+    assert message.startswith("symmetry: the text 'x', where a table belongs")
+    assert "unknown state or mode 'y'" in refused(WALL + '\n[symmetry]\ny = "-y"\n')
 
 
 def test_sticks_and_cells_that_cannot_be_are_refused_as_in_python():

@@ -13,6 +13,7 @@ from nonsmooth.analysis.basins.attractor_dataset import (
     common_attributes,
     search_message,
 )
+from nonsmooth.analysis.basins.attractor_images import with_images
 from nonsmooth.analysis.basins.attractor_options import read_search
 from nonsmooth.analysis.basins.attractor_search import ENDED, UNSETTLED
 from nonsmooth.analysis.basins.attractor_words import with_words
@@ -84,7 +85,10 @@ def attractors(
         either sign, else "aperiodic"), ``period`` in iterates, ``points``
         (over ``point`` and ``state``, nan behind the last one), ``multiplier_real`` and
         ``multiplier_imag``, the ``residual`` of the cycle beside the spread, ``word``, ``fraction``
-        of the starts with its standard error, drift per iterate such as ``v_per_iterate``.
+        of the starts with its standard error, drift per iterate such as ``v_per_iterate``, and,
+        where the system has a symmetry, ``image``: the number of the attractor that is its mirror
+        image, its own number where it is symmetric, 0 where the image is none of those found or
+        the map is no strobe of the forcing.
         The attributes tell how many starts were unsettled, ended early or were inadmissible.
 
     Raises
@@ -130,7 +134,7 @@ def attractors(
     how = read_search(samples, seed, cells, longest, record, match, tolerance)
     found = find_attractors(chosen, box, how)
     order, label = renumbered(found.known.attractors, found.settled.label)
-    order = with_words(chosen, order, tolerance)
+    order = with_images(chosen, with_words(chosen, order, tolerance), tolerance)
     variables, coords = attractor_variables(chosen.system, order, label)
     import xarray as xr
 

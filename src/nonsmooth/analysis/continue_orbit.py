@@ -105,8 +105,10 @@ def continue_orbit(
         A multiplier 1, where the parameter turns back; -1, where the period doubles; a pair on the
         unit circle.
     ``symmetry_breaking``, ``branch_point``
-        A multiplier 1 where branches cross: on an orbit that is its own mirror image half a turn
-        later, all states negative; on any other.
+        A multiplier 1 where branches cross: on an orbit that is its own mirror image, along a
+        direction that the symmetry reverses (one of ``half_multipliers`` is -1 there, and 1 at a
+        fold); on any other. A system without a declared symmetry is asked whether all states have
+        the other sign half a turn later.
     ``grazing``
         A guard touches zero within a leg. The orbit beyond has one excursion more or less; where
         the impact has a reset, one impact more or less. The detail tells whether the branch goes

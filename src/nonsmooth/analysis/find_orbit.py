@@ -73,7 +73,10 @@ def find_orbit(
         time, as in ``v_per_period``. ``drift`` over ``drift_state``: the change over the turn.
         ``multipliers`` (complex) over ``multiplier``, the largest first: those of drifts are left
         out, and in a system that nothing drives that of the motion along itself; directions that
-        an event or a slaved state wipes out have exactly 0. Over ``leg``: ``durations``,
+        an event or a slaved state wipes out have exactly 0. Where the system declares a symmetry,
+        ``symmetric``, whether the orbit is its own mirror image, and ``half_multipliers`` over
+        ``multiplier``: where that is so half a turn later, the multipliers of half a turn followed
+        by the symmetry, whose squares are the others; nan elsewhere. Over ``leg``: ``durations``,
         ``leg_mode``, ``leg_exit`` (exits passed at its end), ``leg_time`` (its start) and
         ``leg_states``, the state there. Attributes: ``status``, ``message``, ``period``.
 
@@ -87,6 +90,7 @@ def find_orbit(
     --------
     orbits : all orbits up to a period.
     continue_orbit : an orbit over a parameter.
+    mirrored_orbit : its image under a symmetry.
     regime : what a motion settles to.
 
     Notes

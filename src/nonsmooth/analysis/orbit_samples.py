@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from nonsmooth.analysis.orbit_search.one_orbit import system_of_one
 from nonsmooth.analysis.orbit_search.options import period_of
-from nonsmooth.errors import ModelError, OptionError
 from nonsmooth.periodic.legs import Legs
-from nonsmooth.periodic.restart import guess_of_dataset, is_orbit
+from nonsmooth.periodic.restart import guess_of_dataset
 from nonsmooth.periodic.word import Word
 from nonsmooth.simulation.labels import labels_of
 from nonsmooth.simulation.options import check_count, whole_number
@@ -64,18 +64,7 @@ def orbit_samples(orbit: xr.Dataset, *, per_leg: int | None = None) -> xr.Datase
     >>> samples.sizes["time"], float(samples["slider_force"].max()) > 1.0
     (105, True)
     """
-    if not is_orbit(orbit):
-        raise OptionError(
-            f"orbit = {type(orbit).__name__}: give a result of find_orbit, or one orbit of a"
-            " branch, as in branch.isel(point=0)"
-        )
-    if orbit["length"].ndim:
-        over = str(orbit["length"].dims[0])
-        raise OptionError(
-            f"orbit: these are {orbit.sizes[over]} orbits over {over!r}; take one, as in"
-            f" branch.isel({over}=3)"
-        )
-    system = _system_of(orbit)
+    system = system_of_one(orbit)
     word, turn = guess_of_dataset(system, orbit)
     counts = _intervals(orbit, turn.durations, per_leg)
     check_count(float(np.sum(counts + 1.0)))
@@ -99,16 +88,6 @@ def _intervals(orbit: xr.Dataset, durations: Any, per_leg: int | None) -> Any:
     return np.maximum(shares, _PER_LEG).astype(np.int64)
 
 
-def _system_of(orbit: xr.Dataset) -> System:
-    """The system of an orbit; a branch keeps the parameter of each point beside it."""
-    try:
-        system = System.from_toml(orbit.attrs["system"])
-        name = orbit.attrs.get("parameter")
-        return system.with_parameters(**{name: float(orbit[name])}) if name else system
-    except (KeyError, ModelError, TypeError, ValueError) as fault:
-        raise OptionError(f"orbit: its attributes do not give its system: {fault}") from None
-
-
 def _dataset(
     system: System, legs: Legs, orbit: Any, word: Word, leg: Any, times: Any, modes: Any,
     states: Any,
@@ -127,7 +106,7 @@ def _dataset(
         variables[name] = (over, values, labels.attributes(name))
     exits = np.array([word.exit_text(system, k) for k in range(len(word))])
     variables |= {
-        "mode": (over, modes.astype(np.int8), labels.mode_flags("mode")),
+        "mode": (over, modes.astype(labels.mode_type), labels.mode_flags("mode")),
         "leg": (over, leg, {"long_name": "number of the leg"}),
         "leg_exit": (over, exits[leg], {"long_name": "exits at the end of the leg"}),
         "length": ((), float(orbit["length"]), dict(orbit["length"].attrs)),

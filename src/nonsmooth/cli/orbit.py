@@ -122,6 +122,8 @@ def orbit_rows(found: xr.Dataset) -> Iterator[tuple[str, str]]:
     if found["multipliers"].size:
         yield "multipliers", ", ".join(complex_text(mu) for mu in found["multipliers"].values)
     yield "stable", "yes" if found["stable"].item() else "no"
+    if "symmetric" in found:
+        yield "symmetric", "yes" if found["symmetric"].item() else "no, its mirror image is another"
     if int(found["primitive_parts"]) > 1:
         yield "repeats", f"a shorter orbit {int(found['primitive_parts'])} times"
     yield "admissible", "yes" if found["admissible"].item() else "no, no motion follows it"

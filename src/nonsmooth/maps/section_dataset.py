@@ -36,7 +36,7 @@ def section_dataset(
         name: ("point", values, labels.attributes(name)) for name, values in columns.items()
     }
     words = labels.mode_flags(f"mode just {protocol['side']}")
-    variables["mode"] = ("point", modes.astype("int8"), words)
+    variables["mode"] = ("point", modes.astype(labels.mode_type), words)
     if protocol["section_kind"] == "crossing":
         words = {"long_name": "1 where the section grows, -1 where it falls"}
         variables["direction"] = ("point", points.direction.astype("int8"), words)

@@ -58,7 +58,8 @@ def chua(
     System
         States ``x y z``; modes ``inner`` (``|x|`` < 1), ``right`` and ``left``, all linear, or
         the one smooth mode ``flow`` with the cubic; output ``resistor_current``. It has no
-        period. The origin is an equilibrium, so it starts at x = 0.1.
+        period. The origin is an equilibrium, so it starts at x = 0.1. Its symmetry is
+        declared: minus a motion is a motion.
 
     Raises
     ------
@@ -96,6 +97,7 @@ def chua(
         "parameters": {"alpha": alpha, "beta": beta, "m0": m0, "m1": m1},
         "outputs": {"resistor_current": "f"},
         "initial": {"x": 0.1},
+        "symmetry": {"x": "-x", "y": "-y", "z": "-z"},
         "describe": {
             "x": "voltage of capacitor 1",
             "y": "voltage of capacitor 2",

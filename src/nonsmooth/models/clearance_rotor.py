@@ -50,7 +50,8 @@ def clearance_rotor(
     System
         States ``x u y v`` (displacements, each with its velocity); modes ``free``, whose
         guard is the polynomial 1 - x² - y², in closed form, and ``rub`` by Taylor series; outputs
-        ``radius`` and ``ring_force``.
+        ``radius`` and ``ring_force``. Its symmetry is declared: minus a motion, half a period
+        later, is a motion.
 
     Raises
     ------
@@ -83,6 +84,7 @@ def clearance_rotor(
         name="clearance_rotor",
         states=["x", "u", "y", "v"],
         period="2*pi/omega",
+        symmetry={"x": "-x", "u": "-u", "y": "-y", "v": "-v"},
         parameters={"omega": omega, "zeta": zeta, "kappa": kappa, "rho": rho},
         require={
             "omega > 0": "the rotor must turn",

@@ -44,7 +44,8 @@ def duffing(
     -------
     System
         States ``x v``; one smooth mode, ``flow``, run by Taylor series; outputs
-        ``acceleration`` and ``energy``, kinetic and potential.
+        ``acceleration`` and ``energy``, kinetic and potential. Its symmetry is declared: minus a
+        motion, half a period later, is a motion.
 
     Raises
     ------
@@ -74,6 +75,7 @@ def duffing(
         name="duffing",
         states=["x", "v"],
         period="2*pi/omega",
+        symmetry={"x": "-x", "v": "-v"},
         parameters={"omega": omega, "delta": delta, "alpha": alpha, "beta": beta, "gamma": gamma},
         require={
             "omega > 0": "the force needs a frequency",

@@ -70,7 +70,8 @@ def friction_oscillator(
     System
         States ``x v``; cells ``forth`` (v > 0), ``back`` and ``stick``, with ``k`` also
         ``lifted``, all linear; outputs ``friction``, the force on the mass, and
-        ``acceleration``.
+        ``acceleration``. Without ``k`` its symmetry is declared: minus a motion, half a period
+        later, is a motion.
 
     Raises
     ------
@@ -122,6 +123,7 @@ def friction_oscillator(
         name="friction_oscillator",
         states=["x", "v"],
         period="2*pi/omega",
+        symmetry={} if loaded else {"x": "-x", "v": "-v"},
         parameters=parameters | ({"k": k} if loaded else {}),
         require={
             "omega > 0": "the force needs a frequency",

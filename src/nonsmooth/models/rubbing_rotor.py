@@ -56,7 +56,8 @@ def rubbing_rotor(
         ``forward_slip``, as the rotation has it, ``backward_slip``, where the contact
         point of a backward whirl is faster, and ``rolling``. Outputs ``radius_of_whirl``, ``slip``,
         ``normal_force``, ``friction`` (on the rotor, positive in the sense of rotation) and
-        ``whirl`` (angular velocity of the centre).
+        ``whirl`` (angular velocity of the centre). Its symmetry is declared: minus a motion, half
+        a period later, is a motion.
 
     Raises
     ------
@@ -133,6 +134,7 @@ def rubbing_rotor(
         name="rubbing_rotor",
         states=["x", "y", "vx", "vy"],
         period="2*pi/omega",
+        symmetry={"x": "-x", "y": "-y", "vx": "-vx", "vy": "-vy"},
         parameters={
             "omega": omega,
             "zeta": zeta,

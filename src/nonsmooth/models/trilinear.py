@@ -47,7 +47,8 @@ def trilinear(
     System
         States ``x v``; modes ``free``, ``upper`` (on the stop at δ) and ``lower`` (on the
         stop at -δ), all linear; outputs ``acceleration`` and ``stop_force``. A motion
-        mirrored in x and shifted by half a period is a motion again.
+        mirrored in x and shifted by half a period is a motion again, which is declared as its
+        symmetry.
 
     Raises
     ------
@@ -76,6 +77,7 @@ def trilinear(
         name="trilinear",
         states=["x", "v"],
         period="2*pi/omega",
+        symmetry={"x": "-x", "v": "-v"},
         parameters={"omega": omega, "zeta": zeta, "kappa": kappa, "delta": delta, "F": F},
         require={
             "omega > 0": "the force needs a frequency",

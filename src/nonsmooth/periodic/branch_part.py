@@ -9,7 +9,7 @@ import numpy as np
 from nonsmooth.continuation.point import Point
 from nonsmooth.periodic.branch_tests import Looked
 from nonsmooth.periodic.stretch import Stretch
-from nonsmooth.periodic.symmetric import is_symmetric
+from nonsmooth.periodic.symmetric import is_antisymmetric
 from nonsmooth.periodic.word import Word
 
 __all__ = ["BranchPart", "Followed", "kind_of", "part_of"]
@@ -58,7 +58,9 @@ def part_of(
     if special in _OF_MULTIPLIERS and not _is_critical(looked, special):
         # a pole of the test, two real multipliers whose product is one, a graze next to it
         special = ""
-    if special == "branch_point" and is_symmetric(stretch.equations, looked.turn):
+    if special == "branch_point" and is_antisymmetric(
+        stretch.equations, looked.turn, looked.reflection
+    ):
         special = "symmetry_breaking"
     test = point.special if special else ""
     way = float(np.sign(point.tangent_p))

@@ -30,6 +30,7 @@ from nonsmooth.periodic.multipliers import Floquet, floquet
 from nonsmooth.periodic.newton import solve_orbit
 from nonsmooth.periodic.onto import crosses, is_onto, modes_along
 from nonsmooth.periodic.rebounds import with_rebounds_of_engine
+from nonsmooth.periodic.symmetric import Reflection, reflection
 from nonsmooth.periodic.word import Word
 
 __all__ = ["WORD_TESTS", "BranchTests", "Looked", "is_graze"]
@@ -63,6 +64,7 @@ class Looked:
     admissibility: Admissibility
     tests: dict[str, float]
     other: tuple[OrbitEquations, Floats] | None = None  # with the rebounds that the engine follows
+    reflection: Reflection | None = None  # under the declared symmetry
 
 
 def is_graze(word: Word, wiring: Wiring, k: int) -> bool:
@@ -152,7 +154,7 @@ class BranchTests:
             # else the word is about to change, and rounding decides what the engine finds
         looked = Looked(
             turn, end, legs.values.copy(), legs.window, residual, multipliers, admissibility, tests,
-            other,
+            other, reflection(equations, turn),
         )  # fmt: skip
         self._last = key, looked
         return looked

@@ -11,6 +11,7 @@ from nonsmooth.periodic.admissibility import Admissibility, check_admissible
 from nonsmooth.periodic.equations import OrbitEquations, Turn
 from nonsmooth.periodic.multipliers import Floquet, floquet
 from nonsmooth.periodic.newton import Solution
+from nonsmooth.periodic.symmetric import Reflection, reflection
 from nonsmooth.periodic.word import Word
 
 __all__ = ["Orbit", "make_orbit", "primitive_parts"]
@@ -40,6 +41,7 @@ class Orbit:
     primitive: int = 1  # how often the turn repeats a shorter orbit
     drifting: npt.NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, bool))
     in_family: bool = False  # whether cycles of other sizes lie beside it
+    reflection: Reflection | None = None  # under the declared symmetry
 
     @property
     def length(self) -> float:
@@ -77,6 +79,7 @@ def make_orbit(
         equations.word, turn, end, legs.values.copy(), equations.period, equations.phase,
         equations.autonomous, legs.window, solution.residual, solution.iterations, multipliers,
         admissibility, primitive_parts(equations, turn), equations.drifting,
+        reflection=reflection(equations, turn),
     )  # fmt: skip
 
 

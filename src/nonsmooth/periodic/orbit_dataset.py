@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import numpy.typing as npt
 
 from nonsmooth.periodic.orbit import Orbit
 from nonsmooth.simulation.assemble import Columns, assemble
@@ -94,6 +95,12 @@ def orbit_variables(
         ),
     }
     variables |= _multipliers(orbits, dims, shape)
+    if system.symmetry:
+        variables["symmetric"] = each(
+            number(lambda o: o.reflection is not None and o.reflection.symmetric, False),
+            "whether the orbit is its own mirror image", bool,
+        )  # fmt: skip
+        variables |= _half_multipliers(orbits, dims, shape)
     variables |= _drifts(system, orbits, dims, shape)
     return variables | _legs(system, orbits, dims, n)
 
@@ -101,14 +108,30 @@ def orbit_variables(
 def _multipliers(
     orbits: Sequence[Orbit | None], dims: tuple[str, ...], shape: tuple[int, ...]
 ) -> Columns:
-    width = max((o.multipliers.multipliers.size for o in orbits if o is not None), default=0)
-    values = np.full((len(orbits), width), np.nan, complex)
-    for row, orbit in zip(values, orbits, strict=True):
-        if orbit is not None:
-            row[: orbit.multipliers.multipliers.size] = orbit.multipliers.multipliers
+    rows = [None if o is None else o.multipliers.multipliers for o in orbits]
     words = {"long_name": "multipliers, the largest first"}
-    found: Columns = {"multipliers": ((*dims, "multiplier"), values.reshape(*shape, width), words)}
-    return found
+    return {"multipliers": ((*dims, "multiplier"), _filled(rows, shape), words)}
+
+
+def _half_multipliers(
+    orbits: Sequence[Orbit | None], dims: tuple[str, ...], shape: tuple[int, ...]
+) -> Columns:
+    rows = [None if o is None or o.reflection is None else o.reflection.multipliers for o in orbits]
+    width = max((o.multipliers.multipliers.size for o in orbits if o is not None), default=0)
+    words = {"long_name": "multipliers of half a turn followed by the symmetry"}
+    return {"half_multipliers": ((*dims, "multiplier"), _filled(rows, shape, width), words)}
+
+
+def _filled(
+    rows: Sequence[npt.NDArray[np.complex128] | None], shape: tuple[int, ...], width: int = 0
+) -> npt.NDArray[np.complex128]:
+    """Rows of multipliers as one array, filled up with nan."""
+    width = max([width, *(row.size for row in rows if row is not None)])
+    values = np.full((len(rows), width), np.nan, complex)
+    for filled, row in zip(values, rows, strict=True):
+        if row is not None:
+            filled[: row.size] = row
+    return values.reshape(*shape, width)
 
 
 def _drifts(
@@ -143,7 +166,7 @@ def _legs(system: System, orbits: Sequence[Orbit | None], dims: tuple[str, ...],
     width = max((len(o.word) for o in orbits if o is not None), default=0)
     shape = (len(orbits), width)
     durations, times = np.full(shape, np.nan), np.full(shape, np.nan)
-    states, modes = np.full((*shape, n), np.nan), np.full(shape, -1, np.int8)
+    states, modes = np.full((*shape, n), np.nan), np.full(shape, -1, labels.mode_type)
     exits, paths = [[""] * width for _ in orbits], np.zeros(shape, np.int64)
     for k, orbit in enumerate(orbits):
         if orbit is None:

@@ -70,7 +70,7 @@ def _samples(system: System, labels: Labels, outcome: Outcome) -> tuple[Columns,
         name: (over_time, values, labels.attributes(name))
         for name, values in (columns | clock.parameters).items()
     }
-    variables["mode"] = (over_time, modes.astype("int8"), labels.mode_flags("mode"))
+    variables["mode"] = (over_time, modes.astype(labels.mode_type), labels.mode_flags("mode"))
     return variables, coords
 
 

@@ -37,10 +37,13 @@ def event_variables(labels: Labels, outcome: Outcome) -> Columns:
         "event_name": (_texts(labels.names, codes), "name of the first exit passed"),
         "event_kind": (_texts(_KINDS, rows["kind"]), "kind of the event"),
         "event_from": (
-            rows["from_mode"].astype(np.int8),
+            rows["from_mode"].astype(labels.mode_type),
             labels.mode_flags("mode before the event"),
         ),
-        "event_to": (rows["to_mode"].astype(np.int8), labels.mode_flags("mode after the event")),
+        "event_to": (
+            rows["to_mode"].astype(labels.mode_type),
+            labels.mode_flags("mode after the event"),
+        ),
         "event_path": (_paths(labels, rows, codes), "exits passed at the instant"),
         "event_count": (rows["count"].copy(), "impacts that this row stands for"),
         "guard_rate": (

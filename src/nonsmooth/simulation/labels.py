@@ -38,9 +38,14 @@ class Labels:
         """``long_name`` and ``units`` of a variable from the system's descriptions."""
         return self._texts[name]
 
+    @property
+    def mode_type(self) -> type[np.signedinteger[Any]]:
+        """Integer in which results keep numbers of modes, -1 among them."""
+        return np.int8 if len(self.modes) <= np.iinfo(np.int8).max else np.int16
+
     def mode_flags(self, long_name: str) -> dict[str, Any]:
         """CF flags that say which mode an integer stands for."""
-        values = np.arange(len(self.modes), dtype=np.int8)
+        values = np.arange(len(self.modes), dtype=self.mode_type)
         return {
             "long_name": long_name,
             # netCDF does not tell one value from a list of one

@@ -24,9 +24,18 @@ from nonsmooth.system.resolve import Resolver
 from nonsmooth.system.surfaces import Declared
 from nonsmooth.system.switching import SurfaceKey, SwitchingSurface, Undecided
 
-__all__ = ["Cell", "MakeResolver", "Signs", "SplitMode", "shown", "sides_of", "split"]
+__all__ = [
+    "MOST_MODES",
+    "Cell",
+    "MakeResolver",
+    "Signs",
+    "SplitMode",
+    "shown",
+    "sides_of",
+    "split",
+]
 
-_MOST_CELLS = 64  # of one mode
+MOST_MODES = 1000  # cells counted one by one: their tables take memory, and set-up takes time
 _LONGEST = 200  # nodes of a switching function that is shown in full
 _SIGNS = {1: "+", 0: "0", -1: "-"}
 
@@ -169,10 +178,10 @@ def _grown(
     else:
         cell = Cell(signs, surfaces)
         found.cells.append(cell)
-        if len(found.cells) > _MOST_CELLS:
+        if len(found.cells) > MOST_MODES:
             raise ModelError(
                 f"modes[{found.equations.name!r}]: its piecewise texts make more than"
-                f" {_MOST_CELLS} cells; write some of its sides as modes of their own, with exits"
+                f" {MOST_MODES} cells; write some of its sides as modes of their own, with exits"
                 " between them"
             )
         return cell

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from nonsmooth.engine.tables import FREE, MAX_AUGMENTED, RESTING
 from nonsmooth.errors import ModelError, unknown_name
+from nonsmooth.system.cells import MOST_MODES
 from nonsmooth.system.equations import Equation
 from nonsmooth.system.evaluate import constant_value
 from nonsmooth.system.expressions import ONE, Expression, Name, names_in, to_text
@@ -31,7 +32,6 @@ if TYPE_CHECKING:
 __all__ = [
     "MOST_STATES",
     "ONE_MODE",
-    "UNSUPPORTED",
     "angle_periods",
     "check_kinds",
     "check_structure",
@@ -42,7 +42,6 @@ __all__ = [
     "modes_of",
     "parameter_values",
     "period_value",
-    "refuse_unsupported",
     "rest_state",
     "unrepeated",
 ]
@@ -58,24 +57,14 @@ _RESULT_NAMES = {
 }  # fmt: skip
 ONE_MODE = "flow"  # of a system that is written without modes
 MOST_STATES = MAX_AUGMENTED - 1  # beside them stands the constant one
-_MOST = 60  # modes, and exits of a mode: sets of them are bits of one integer
-UNSUPPORTED = {
-    "symmetry": "leave it out; no analysis of this version uses it",
-}
-
-
-def refuse_unsupported(words: Mapping[str, Any]) -> None:
-    """Refuse what the contract names and this version does not do yet."""
-    for key, cure in UNSUPPORTED.items():
-        if words.get(key) is not None:
-            raise ModelError(f"{key}= is not supported in this version; {cure}")
+_MOST_EXITS = 60  # of a mode: results have six bits for each exit of a path
 
 
 def check_kinds(system: System) -> None:
     """Mappings where mappings belong."""
     for key in (
         "modes", "parameters", "definitions", "outputs", "require", "initial", "describe",
-        "signals", "slow", "surfaces",
+        "signals", "slow", "surfaces", "symmetry",
     ):  # fmt: skip
         value = getattr(system, key)
         if not isinstance(value, Mapping):
@@ -102,8 +91,8 @@ def modes_of(equations: Any, modes: Mapping[str, Mode]) -> Mapping[str, Mode]:
 def check_words(system: System) -> None:
     """Every name is well-formed, declared once and allowed where it stands."""
     _check_text("name", system.name)
-    if len(system.modes) > _MOST:
-        raise ModelError(f"modes: {len(system.modes)} modes; at most {_MOST} are supported")
+    if len(system.modes) > MOST_MODES:
+        raise ModelError(f"modes: {len(system.modes)} modes; at most {MOST_MODES} are supported")
     if len(system.states) > MOST_STATES:
         raise ModelError(
             f"states: {len(system.states)} states; at most {MOST_STATES} can run: reduce the model,"
@@ -133,6 +122,7 @@ def check_words(system: System) -> None:
     for name in system.drift:
         if not isinstance(name, str) or name not in system.states:
             raise ModelError(f"drift: {unknown_name('state', name, system.states)}")
+    _check_symmetry(system)
     for name in system.initial:
         if name not in system.states:
             raise ModelError(f"initial: {unknown_name('state', name, system.states)}")
@@ -142,6 +132,18 @@ def check_words(system: System) -> None:
         _check_text(f"describe[{name!r}]", label)
     for condition, reason in system.require.items():
         _check_text(f"require[{condition!r:.60}]", reason)
+
+
+def _check_symmetry(system: System) -> None:
+    """A symmetry maps states, and where a user says so modes."""
+    for name, image in system.symmetry.items():
+        known = [*system.states, *system.modes]
+        if name not in known:
+            raise ModelError(f"symmetry: {unknown_name('state or mode', str(name), known)}")
+        if name not in system.states and image not in system.modes:
+            raise ModelError(
+                f"symmetry[{name!r}]: {unknown_name('mode', str(image), system.modes)}"
+            )
 
 
 def _check_signals(system: System) -> None:
@@ -219,8 +221,10 @@ def _meaning(name: str) -> str:
 def _check_mode(system: System, name: str, mode: Mode) -> None:
     if not isinstance(mode, Mode):
         raise ModelError(f"modes[{name!r}] is {mode!r:.60}; write Mode(flow, exits=...)")
-    if len(mode.exits) > _MOST:
-        raise ModelError(f"modes[{name!r}]: {len(mode.exits)} exits; at most {_MOST} are supported")
+    if len(mode.exits) > _MOST_EXITS:
+        raise ModelError(
+            f"modes[{name!r}]: {len(mode.exits)} exits; at most {_MOST_EXITS} are supported"
+        )
     for state in (*mode.flow, *mode.slaved):
         if state not in system.states:
             raise ModelError(f"modes[{name!r}]: {unknown_name('state', state, system.states)}")
@@ -307,6 +311,7 @@ def check_values(system: System) -> None:
     period = system.period_value
     if period is not None:
         _check_period(system, period)
+    _ = system.mirror
 
 
 def _check_finite(system: System) -> None:

@@ -22,6 +22,7 @@ from nonsmooth.system.parts import STOP, Text
 from nonsmooth.system.possible_cells import is_possible
 
 if TYPE_CHECKING:
+    from nonsmooth.system.mirror import Mirror
     from nonsmooth.system.mode_forms import ModeForms
     from nonsmooth.system.parts import Exit
     from nonsmooth.system.system import System
@@ -45,6 +46,8 @@ def explanation(system: System) -> str:
     if system.slow:
         lines += ["  slow", *aligned([(k, f"= {text}") for k, text in system.slow.items()], 4)]
     lines += aligned([_period(system, time_unit)])
+    if system.mirror is not None:
+        lines += aligned([("symmetry", _symmetry(system.mirror))])
     for name, family in system.structure.families.items():
         mode = system.modes[family.declared]
         cells = [forms for forms in system.structure.running if forms.parent == name]
@@ -149,6 +152,10 @@ def _period(system: System, time_unit: str) -> tuple[str, str]:
         return "period", "none declared"
     value = f"about {_quantity(system.period_value, time_unit)}"
     return "period", f"{system.period}, {value}" if isinstance(system.period, str) else value
+
+
+def _symmetry(mirror: Mirror) -> str:
+    return mirror.states.text + (", half a period later" if mirror.half_period else "")
 
 
 def _signals(system: System) -> Iterator[tuple[str, str, str]]:

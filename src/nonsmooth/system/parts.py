@@ -51,7 +51,7 @@ class Exit:
         Name of the mode in which the guard rests at zero: entered when rebounds accumulate, at
         a start at rest and behind a reset that takes all speed. The reaction acts along the
         jump of the reset, and the mode ends when it would have to pull. For exits that lead
-        back to their own mode; at most four of a mode.
+        back to their own mode. Every set of them that may be at rest together is a mode.
 
     Examples
     --------
@@ -101,7 +101,7 @@ class Mode:
     slaved : mapping of str to str, optional
         States given by an equation instead of a flow: by an expression, or by a relation
         with ``=``. Relations are solved together, those that are not linear by Newton's
-        method from the present values; at most six of these.
+        method from the present values; of these at most six may depend on each other.
     definitions : mapping of str to str, optional
         Intermediate expressions that differ from the system's in this mode.
     cells : mapping of str to str, optional

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 from nonsmooth.engine.tables import CROSS, FREE, NO_CHOICE, RESTING, SLIDES, STAY
 from nonsmooth.system.cells import Cell, SplitMode, shown, split
@@ -97,9 +97,8 @@ def families_of(
         found[equations.name] = Family(equations.name, mode, equations.name, mode)
     for family in list(found.values()):
         equations = family.split.equations
-        for which in contacts_at_rest(equations):
-            if len(which) > 1 and not _together(graph, family.split, which):
-                continue
+        together = partial(_together, graph, family.split)
+        for which in contacts_at_rest(equations, together):
             words = dict.fromkeys(str(equations.exits[i].sticks) for i in which)
             name = _unused("+".join(words), found)
             mode = _at_rest(graph, family.split, which, name, declared[equations.name])

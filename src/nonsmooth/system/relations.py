@@ -14,8 +14,6 @@ from nonsmooth.system.mode_equations import ModeEquations, is_relation
 
 __all__ = ["Relations", "read_relations"]
 
-_MOST_SOLVED = 6  # states that are solved for together: their rates are quotients of determinants
-
 
 @dataclass(frozen=True, slots=True)
 class Relations:
@@ -54,12 +52,6 @@ def read_relations(
     solved = solve_slaved(equations.name, equations.slaved, residuals)
     found |= {state: graph.from_form(form) for state, form in solved.items()}
     _check_circles(graph, equations, found)
-    if len(implicit) > _MOST_SOLVED:
-        raise ModelError(
-            f"modes[{equations.name!r}].slaved: {len(implicit)} equations with '=' that are not"
-            f" linear ({', '.join(implicit)}); at most {_MOST_SOLVED} are solved together: write"
-            " some of these states as expressions of the others"
-        )
     return Relations({state: found[state] for state in trees if state in found}, implicit)
 
 

@@ -167,6 +167,7 @@ def _split(system: System, names: Mapping[str, tuple[str, ...]], text: str, valu
         for side, new in enumerate(made):
             modes[new] = _half(system.modes[name], name, side, names, text, gate)
     changes = {"modes": modes, "equations": None, "outputs": {**system.outputs, value: text}}
+    changes["symmetry"] = {}  # a section has two sides, which need not be images of each other
     try:
         # the fields have types of their own, which a dictionary of them does not tell
         return replace(system, **changes)  # type: ignore[arg-type]

@@ -10,13 +10,13 @@ complete chattering, Nonlinear Dynamics 58, 2009.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import combinations
 
 import numpy as np
 
 from nonsmooth.errors import ModelError
+from nonsmooth.system.cells import MOST_MODES
 from nonsmooth.system.determinants import determinant
 from nonsmooth.system.differentiate import derivative, rate_of_change
 from nonsmooth.system.expressions import Expression, Number
@@ -28,8 +28,6 @@ from nonsmooth.system.resolve import Resolver
 from nonsmooth.system.sliding import solved_for
 
 __all__ = ["Rest", "contacts_at_rest", "leaves_at_rest", "may_rest", "rest_of"]
-
-_MOST_STICKING = 4  # exits of a mode: every set of them is a mode
 
 
 @dataclass(frozen=True)
@@ -56,17 +54,35 @@ class Rest:
     arrival: Mapping[str, Expression]
 
 
-def contacts_at_rest(equations: ModeEquations) -> list[tuple[int, ...]]:
-    """Sets of exits of a mode that may be at rest together, by number."""
+def contacts_at_rest(
+    equations: ModeEquations, together: Callable[[tuple[int, ...]], bool]
+) -> Iterator[tuple[int, ...]]:
+    """Sets of exits of a mode that may be at rest together, by number, small ones first.
+
+    ``together`` says whether two or more exits may. What two of them cannot do, no larger set with
+    these two can: two walls of one mass, for one. `ModelError` where the sets are too many.
+    """
     sticking = [i for i, way in enumerate(equations.exits) if way.sticks]
-    if len(sticking) > _MOST_STICKING:
-        raise ModelError(
-            f"modes[{equations.name!r}]: {len(sticking)} exits stick; at most {_MOST_STICKING}"
-            " are supported in one mode, for any of them may be at rest together"
-        )
-    return [
-        which for count in range(1, len(sticking) + 1) for which in combinations(sticking, count)
-    ]
+    sets: list[tuple[int, ...]] = [(i,) for i in sticking]
+    count = len(sets)
+    while sets:
+        yield from sets
+        known = set(sets)
+        sets = [
+            (*which, i)
+            for which in sets
+            for i in sticking
+            if i > which[-1]
+            and all((*which[:k], *which[k + 1 :], i) in known for k in range(len(which)))
+            and together((*which, i))
+        ]
+        count += len(sets)
+        if count > MOST_MODES:
+            raise ModelError(
+                f"modes[{equations.name!r}]: {len(sticking)} exits stick, and more than"
+                f" {MOST_MODES} sets of them may be at rest together, each of which is a mode; let"
+                " fewer of them stick"
+            )
 
 
 def may_rest(graph: Graph, equations: ModeEquations, free: Resolver, which: Sequence[int]) -> bool:

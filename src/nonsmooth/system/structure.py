@@ -15,6 +15,8 @@ from typing import TYPE_CHECKING
 
 from nonsmooth.errors import ModelError
 from nonsmooth.system.cell_names import cell_labels
+from nonsmooth.system.cell_values import CellValues
+from nonsmooth.system.cells import MOST_MODES
 from nonsmooth.system.equations import Equation, check_references
 from nonsmooth.system.exclusions import Inequality, inequality_of
 from nonsmooth.system.expressions import Expression
@@ -35,9 +37,8 @@ from nonsmooth.system.value_tape import ValueTape
 if TYPE_CHECKING:
     from nonsmooth.system.system import System
 
-__all__ = ["MOST_MODES", "Structure", "structure_of"]
+__all__ = ["Structure", "structure_of"]
 
-MOST_MODES = 120  # cells counted one by one: results have their numbers in one byte
 _MOST_EXITS = 60  # of a cell: results have six bits for each exit of a path
 
 
@@ -213,6 +214,11 @@ class Structure:
     def coefficient_values(self) -> ValueTape:
         """Instructions for the values of all coefficients."""
         return ValueTape(coefficient for _, coefficient in self.coefficients)
+
+    @cached_property
+    def cell_values(self) -> tuple[CellValues, ...]:
+        """All equations of each cell that runs as numbers, for questions at random points."""
+        return tuple(CellValues(self.graph, forms) for forms in self.running)
 
     @cached_property
     def frequencies(self) -> tuple[Expression, ...]:

@@ -21,6 +21,7 @@ from nonsmooth.system.compile import Compiled, compile_structure
 from nonsmooth.system.explain import explanation
 from nonsmooth.system.frozen import FrozenDict
 from nonsmooth.system.matrices import matrix_words
+from nonsmooth.system.mirror import Mirror, find_mirror
 from nonsmooth.system.parts import Mode, Text, items_of
 from nonsmooth.system.signals import Signal
 from nonsmooth.system.structure import Structure, structure_of
@@ -89,8 +90,14 @@ class System:
     surfaces : mapping of str to Surface, optional
         Switching surfaces with a name, which stands for their function in all texts. Those that
         are not declared are found in the texts all the same.
-    symmetry : optional
-        Not supported in this version; refused with a message.
+    symmetry : mapping of str to str, optional
+        Image of each state that a symmetry changes, ``{"x": "-x", "v": "-v"}`` or
+        ``{"x1": "x2", "x2": "x1"}``: an affine map that is its own inverse. Where time drives the
+        system, the image of a motion comes half a period later, or, where the equations ask for
+        that, at the same time. Images of modes are found; where several would do, name them, as in
+        ``{"x": "-x", "left": "right"}``. All equations are checked at random points; differences
+        below 1e-9 of their terms count as rounding. Orbits and attractors then tell their mirror
+        images, and branches the points where the symmetry breaks.
 
     Raises
     ------
@@ -140,13 +147,12 @@ class System:
     name: str = "system"
     equations: Mapping[str, Text] | None = None
     surfaces: Mapping[str, Surface] = field(default_factory=dict)
-    symmetry: Any = None
+    symmetry: Mapping[str, Text] = field(default_factory=dict)
     slow: Mapping[str, Text] = field(default_factory=dict)
     signals: Mapping[str, Signal] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        checks.refuse_unsupported(vars(self))
-        for key in ("signals", "slow", "surfaces"):
+        for key in ("signals", "slow", "surfaces", "symmetry"):
             if getattr(self, key) is None:
                 object.__setattr__(self, key, {})
         for key in ("states", "drift"):
@@ -205,6 +211,11 @@ class System:
     def unrepeated(self) -> str:
         """What in the equations does not repeat after any time, in words; empty without it."""
         return checks.unrepeated(self)
+
+    @cached_property
+    def mirror(self) -> Mirror | None:
+        """What the declared symmetry does to states, modes and exits; None without one."""
+        return find_mirror(self)
 
     @property
     def mode_names(self) -> tuple[str, ...]:

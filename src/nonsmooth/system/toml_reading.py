@@ -12,7 +12,6 @@ from collections.abc import Callable, Mapping
 from typing import Any, TypeVar
 
 from nonsmooth.errors import ModelError, unknown_name
-from nonsmooth.system import checks
 from nonsmooth.system.parts import Exit, Mode, Text
 from nonsmooth.system.signals import Signal
 from nonsmooth.system.surfaces import Surface
@@ -40,11 +39,10 @@ def read_system(make: Callable[..., T], source: str | os.PathLike[str]) -> T:
 def _system_words(document: dict[str, Any]) -> dict[str, Any]:
     """Arguments of `System`."""
     _check_format(document)
-    checks.refuse_unsupported(document)
     readers = _SYSTEM
     for key in document:
         if key != "format" and key not in readers:
-            sentence = unknown_name("key", key, ["format", *readers, *checks.UNSUPPORTED])
+            sentence = unknown_name("key", key, ["format", *readers])
             raise ModelError(f"top level: {sentence}")
     if "states" not in document:
         raise ModelError('states is missing; write states = ["x", "v"] above the first [table]')
@@ -224,6 +222,7 @@ _SYSTEM: dict[str, Callable[[Any, str], Any]] = {
     "slow": _expressions,
     "signals": _signals,
     "surfaces": _surfaces,
+    "symmetry": _expressions,
 }
 
 

@@ -25,7 +25,10 @@ def system_to_toml(system: System) -> str:
         lines += ["", *_table("drift", system.drift)]
     elif system.drift:
         lines.append(f"drift = {_value(list(system.drift))}")
-    for key in ("parameters", "definitions", "outputs", "require", "initial", "describe", "slow"):
+    for key in (
+        "symmetry", "parameters", "definitions", "outputs", "require", "initial", "describe",
+        "slow",
+    ):  # fmt: skip
         entries = getattr(system, key)
         if entries:
             lines += ["", *_table(key, entries)]

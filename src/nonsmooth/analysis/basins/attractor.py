@@ -30,6 +30,7 @@ class Attractor:
     exponent: float = np.nan  # largest, per unit time, of a set that does not repeat
     exponent_error: float = np.nan
     word: str = ""
+    image: int = 0  # number of the mirror image, from 1; 0 where none of those found is it
 
     @property
     def is_cycle(self) -> bool:

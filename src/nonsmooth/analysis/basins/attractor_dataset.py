@@ -29,7 +29,8 @@ def attractor_variables(
     n, most = len(system.states), max((len(a.points) for a in attractors), default=0)
     free = n - len(system.drift_states)
     points = np.full((len(attractors), most, n), np.nan)
-    modes = np.full((len(attractors), most), -1, np.int8)
+    words = labels_of(system)
+    modes = np.full((len(attractors), most), -1, words.mode_type)
     multipliers = np.full((len(attractors), free), np.nan + 0j)
     for i, one in enumerate(attractors):
         points[i, : len(one.points)], modes[i, : len(one.points)] = one.points, one.modes
@@ -39,7 +40,6 @@ def attractor_variables(
     share = np.full(len(attractors), np.nan)
     if labels.size:
         share[:] = [np.mean(labels == i + 1) for i in range(len(attractors))]
-    words = labels_of(system)
     variables: dict[str, Any] = {
         "points": (("attractor", "point", "state"), points, {"long_name": "points in order"}),
         "mode": (("attractor", "point"), modes, words.mode_flags("mode at the points")),
@@ -67,6 +67,12 @@ def attractor_variables(
             [a.exponent_error for a in attractors], float, "standard error of the exponent"
         ),
     }
+    if system.symmetry:
+        variables["image"] = _each(
+            [a.image for a in attractors],
+            np.int64,
+            "number of the mirror image, 0 where none is known",
+        )
     for name in system.drift_states:
         k = system.states.index(name)
         label = words.attributes(name)["long_name"]

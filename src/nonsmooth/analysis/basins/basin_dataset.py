@@ -14,6 +14,7 @@ from nonsmooth.analysis.basins.attractor_dataset import (
     common_attributes,
     search_message,
 )
+from nonsmooth.analysis.basins.attractor_images import with_images
 from nonsmooth.analysis.basins.attractor_search import ENDED, INADMISSIBLE, UNSETTLED
 from nonsmooth.analysis.basins.attractor_words import with_words
 from nonsmooth.analysis.basins.cell_labels import NOT_COMPUTED
@@ -44,7 +45,9 @@ def basin_dataset(chosen: Any, grid: Grid, basins: Basins, options: dict[str, An
     """Labels over the states of the region, beside the attractors."""
     system = chosen.system
     order, label = renumbered(basins.attractors, basins.settled.label)
-    order = with_words(chosen, order, options["tolerance"])
+    order = with_images(
+        chosen, with_words(chosen, order, options["tolerance"]), options["tolerance"]
+    )
     variables, coords = attractor_variables(system, order, label[label > INADMISSIBLE])
     names = grid.completion.given
     dims = tuple(reversed(names))

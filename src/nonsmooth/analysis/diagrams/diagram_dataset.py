@@ -40,7 +40,7 @@ def diagram_dataset(
     most = max((len(one.points) for row in looks for one in row if one is not None), default=0)
     names = [*system.states, *(system.outputs if protocol.outputs else ())]
     points = np.full((*shape, most, len(names)), np.nan)
-    modes = np.full((*shape, most), -1, np.int8)
+    modes = np.full((*shape, most), -1, labels.mode_type)
     for i, j, one in _each(looks):
         points[i, j, : len(one.points), : one.points.shape[1]] = one.points
         modes[i, j, : len(one.modes)] = one.modes

@@ -14,6 +14,7 @@ from nonsmooth.analysis.ensembles.members import Members
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import ModelError
 from nonsmooth.simulation.clock import Instant, Plan
+from nonsmooth.simulation.labels import labels_of
 from nonsmooth.simulation.lane_runner import LaneRunner, Lanes
 from nonsmooth.simulation.outputs import Clock, output_values
 from nonsmooth.system.system import System
@@ -48,7 +49,7 @@ def empty_chunk(protocol: Protocol, count: int, status: Status) -> Chunk:
     shape = (count, protocol.n_points)
     return {
         "points": np.full((*shape, n + len(protocol.system.outputs)), np.nan),
-        "modes": np.full(shape, -1, np.int8),
+        "modes": np.full(shape, -1, labels_of(protocol.system).mode_type),
         "initial": np.full((count, n), np.nan),
         "end": np.full((count, n), np.nan),
         "end_time": np.full(count, np.nan),

@@ -54,7 +54,7 @@ def _orbit(options: BranchOptions, part: BranchPart) -> Orbit:
     return Orbit(
         part.word, looked.turn, looked.end, looked.values, options.period, options.phase,
         options.autonomous, looked.window, looked.residual, 0, looked.multipliers,
-        looked.admissibility, 1, drifting,
+        looked.admissibility, 1, drifting, reflection=looked.reflection,
     )  # fmt: skip
 
 

@@ -18,7 +18,8 @@ from nonsmooth.system.system import System
 
 __all__ = ["Ties", "check_system", "units_of_ties", "with_likes"]
 
-_TEXTS = ("describe", "require")  # say the same of tied parameters in other words
+# what says the same of tied parameters in other words, and what follows from the equations
+_TEXTS = ("describe", "require", "symmetry")
 
 
 @dataclass(frozen=True)
