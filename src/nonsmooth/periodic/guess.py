@@ -67,7 +67,7 @@ def _stretch(
     """Legs of a motion, wherever they end."""
     tables = build_tables(system)
     window = tables.window
-    start = resolve_start(system, tables, initial, None, mode, False)
+    start = resolve_start(system, tables, initial, None, mode, True)
     if start.anchor is not None:
         start = start_at_end(start)
     late = start.instant.phase > phase * window * (1.0 + 1e-14)

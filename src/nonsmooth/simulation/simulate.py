@@ -69,8 +69,8 @@ def simulate(
         The system.
     initial : mapping, xarray.Dataset, optional
         Start: state names to values (names left out take their rest value), a point of a
-        result such as ``run.isel(time=5)``, or a whole run, which goes on where it ended
-        (repeat ``parameters`` if it was made with some).
+        result such as ``run.isel(time=5)``, or a whole run, which goes on where it ended. What was
+        made with other values of parameters is refused; repeat ``parameters`` then.
     periods : float, optional
         Length of the run in periods of the forcing.
     t_end : float, optional
