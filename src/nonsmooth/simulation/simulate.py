@@ -117,7 +117,9 @@ def simulate(
         nothing over ``event`` with ``events=False``. With ``tangent``:
         ``tangent (time, state, state_0)``, the derivatives by the initial states, and
         ``sensitivity (time, state, parameter_0)``, those by parameters, both at a fixed
-        time and just before an event that falls on a sample. Attributes: ``status``
+        time and just before an event that falls on a sample, and ``digits``, an estimate of
+        how many digits rounding leaves: no certificate tells that of a chaotic motion.
+        Attributes: ``status``
         (completed, stopped, diverged, undecided, nonunique, inadmissible, event_limit,
         step_limit, work_limit, singular, sliding, refused, interrupted) with its ``message``,
         ``phase_word`` of the last period, ``n_events``, ``n_uncertain``, ``n_estimated``, the
