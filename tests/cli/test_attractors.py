@@ -80,7 +80,7 @@ def test_nothing_but_early_ends(call, accumulating):
         (["--over", "x=0:1", "--direction", "1"], "--section"),
         (["--over", "x=0:1", "--section", "v", "--phase", "0.5"], "--phase"),
         (["--over", "x=0:1", "--every", "0"], "every"),
-        (["--over", "x=0:1", "--variables", "x,v"], "name it with --plot"),
+        (["--over", "x=0:1", "--variables", "x,v"], "--plot picture.png"),
         (["--over", "x=0:1", "--plot", "a.png", "--variables", "x"], "not two states"),
         (["--over", "x=0:1", "--plot", "a.png", "--variables", "x,w"], "unknown state 'w'"),
         (["--over", "x=0:1", "--plot", "a.gif"], "'.gif'"),

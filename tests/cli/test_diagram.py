@@ -40,7 +40,7 @@ def test_several_initial_states(call):
         (["--over", "omega=0.7:0.8:0"], "whole number"),
         (["--over", "q=0.7:0.8:5"], "unknown parameter 'q'"),
         (["--over", "omega=0.7:0.8:5", "--start", "follow"], "follow up"),
-        (["--over", "omega=0.7:0.8:5", "--variable", "x"], "name it with --plot"),
+        (["--over", "omega=0.7:0.8:5", "--variable", "x"], "--plot picture.png"),
         (["--over", "omega=0.7:0.8:5", "--plot", "a.png", "--variable", "w"], "unknown variable"),
         (["--over", "omega=0.7:0.8:5", "--save", "a.csv"], "'.csv'"),
         (["--over", "omega=0.7:0.8:5", "--initial", "y=1"], "unknown state 'y'"),

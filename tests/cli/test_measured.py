@@ -136,7 +136,7 @@ def test_a_dead_probe_is_told(call, tmp_path, files):
         (["--columns", "x=", "--mark", "key"], "not of the form"),
         (["--columns", "", "--mark", "key"], "columns= is empty"),
         (["--columns", "a", "--mark", "key", "--length", "2"], "together"),
-        (["--columns", "a", "--mark", "key", "--variables", "a,va"], "name it with --plot"),
+        (["--columns", "a", "--mark", "key", "--variables", "a,va"], "--plot picture.png"),
         (["--columns", "a", "--mark", "key", "--unit", "Hz"], "several files"),
         (["--columns", "a", "--mark", "key", "--plot", "a.gif"], "'.gif'"),
         (["--columns", "a", "--mark", "key", "--sensitivity", "2"], "units"),

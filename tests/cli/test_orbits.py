@@ -239,7 +239,7 @@ def test_a_long_word_is_shortened(call, asked):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["orbit", "duffing", "--variables", "x,v"], "name it with --plot"),
+        (["orbit", "duffing", "--variables", "x,v"], "--plot picture.png"),
         (["orbit", "duffing", "--multipliers", "--history", "x", "--plot", "a.png"], "one picture"),
         (["orbit", "duffing", "--plot", "a.png", "--history", "w"], "unknown variable 'w'"),
         (["orbit", "duffing", "--plot", "a.png", "--variables", "x"], "not two variables"),
@@ -248,7 +248,7 @@ def test_a_long_word_is_shortened(call, asked):
         (["continue", "duffing", "--over", "omega=1:2:3"], "not of the form name=low:high"),
         (["continue", "duffing", "--over", "omeg=1:2"], "unknown parameter 'omeg'"),
         (["continue", "duffing", "--over", "omega=2:3"], "not between 2 and 3"),
-        (["continue", "duffing", "--over", "omega=1:2", "--variable", "x"], "name it with --plot"),
+        (["continue", "duffing", "--over", "omega=1:2", "--variable", "x"], "--plot picture.png"),
         (
             ["continue", "duffing", "--over", "omega=1:2", "--plot", "a.png", "--variable", "w"],
             "unknown variable 'w'",

@@ -38,7 +38,7 @@ def test_events_of_a_model(call, accumulating):
     [
         (["--section", "w"], "unknown variable or event 'w'"),
         (["--section", "v", "--direction", "3"], "direction = 3"),
-        (["--section", "v", "--variables", "x,v"], "name it with --plot"),
+        (["--section", "v", "--variables", "x,v"], "--plot picture.png"),
         (["--section", "v", "--plot", "a.png", "--variables", "x"], "not two variables"),
         (["--section", "v", "--plot", "a.png", "--variables", "x,w"], "unknown variable 'w'"),
         (["--section", "v", "--plot", "a.gif"], "'.gif'"),

@@ -49,7 +49,7 @@ def test_an_early_end(call, accumulating):
         (["--record", "0"], "record"),
         (["--start", "w=1"], "'w'"),
         (["--period", "w"], "'w'"),
-        (["--variables", "x,v"], "name it with --plot"),
+        (["--variables", "x,v"], "--plot picture.png"),
         (["--plot", "a.png", "--variables", "x"], "not two variables"),
         (["--plot", "a.png", "--variables", "x,w"], "unknown variable 'w'"),
         (["--save", "a.csv"], "'.csv'"),

@@ -79,7 +79,7 @@ def test_orbit(call, tmp_path):
         ("waterfall rotor --over eta=2:3:100000 --axis time", "--axis = 'time'"),
         ("waterfall chua --over alpha=9:10:2", "no period"),
         ("contacts rotor --plot a.png", "--over"),
-        ("contacts rotor --over eta=2:3:2 --variable contacts", "--plot FILE"),
+        ("contacts rotor --over eta=2:3:2 --variable contacts", "--plot picture.png"),
         ("contacts moling --contact rub", "contact: unknown mode 'rub'"),
         ("simulate rotor --orbit x,y", "--orbit"),
         ("simulate rotor --orbit x,y --portrait x,vx --plot a.png", "not both"),

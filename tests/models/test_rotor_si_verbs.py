@@ -96,7 +96,8 @@ def speeds_of_orbits():
 # of each verb: a result, and of each number in it what one is worth; None for a table of states
 RESULTS = {
     "simulate": (lambda: run_of(tangent=True),
-                 MOTION | EVENTS | {"time": S, "phase": S, "tangent": None, "sensitivity": None}),
+                 MOTION | EVENTS | {"time": S, "phase": S, "tangent": None, "sensitivity": None,
+                                    "digits": ONE}),
     "simulate slowly": (run_up, MOTION | EVENTS | {"time": S, "phase": S, "eta": HERTZ}),
     "stroboscopic_map": (lambda: ns.stroboscopic_map(SYSTEM, record=5), MOTION | {"time": S}),
     "poincare_section": (lambda: ns.poincare_section(SYSTEM, section="y", record=5),

@@ -107,11 +107,12 @@ def attractors(
     (G. Datseris and A. Wagemakers, Chaos 32, 023104, 2022). Its motion is then looked at: where
     points repeat, Newton's method finds the cycle, and trial starts at radii from 0.02 of the
     spread down tell a ball around its points from which motions converge. Later lanes belong to it
-    when they enter three of these balls in order. A motion that does not repeat in ``record``
-    iterates is a set; lanes belong to it after 100 visits to its cells, of which each miss takes
-    back ten. Sets that share half of their cells are one attractor. Longer transients than
-    ``record`` are taken for attractors. A cycle with a multiplier next to the unit circle, and a
-    motion whose points still draw together in the last quarter of ``record``, are none.
+    when they enter three of these balls in order and then come nearer to it. A motion that does not
+    repeat in ``record`` iterates is a set; lanes belong to it after 100 visits to its cells, of
+    which each miss takes back ten. Sets that share half of their cells are one attractor. Longer
+    transients than ``record`` are taken for attractors. A cycle with a multiplier next to the unit
+    circle, and a motion whose points still draw together in the last quarter of ``record``, are
+    none.
 
     References
     ----------

@@ -108,12 +108,16 @@ def basins_of_attraction(
     Notes
     -----
     Centres are independent of each other: parts of the grid run side by side, and each centre is
-    left as soon as its attractor is known. In the cell mapping, cycles of cells are followed by
-    the exact map from one of their centres, which gives their attractors; chains that leave the
-    grid and do not return are followed so too. Images are those after 1, 2, 4, ... iterates, until
-    a doubling changes the label of at most 1 in 1000 cells more than three cells away from others,
-    twice: each image is rounded to a cell, and so there are fewer roundings. The generalised one
-    does the same with all its points; those that have come to an attractor go no further.
+    left as soon as its attractor is known. A centre that has come to a cycle is run on, until a
+    motion that converges must have come ten times as near, and belongs to the cycle only if it has.
+    That is left out for a cycle that needs more than 2000 iterates for it; ``unconfirmed_cells``
+    counts the cells of such cycles, and the message says so. In the cell mapping, cycles of cells
+    are followed by the exact map from one of their centres, which gives their attractors; chains
+    that leave the grid and do not return are followed so too. Images are those after 1, 2, 4, ...
+    iterates, until a doubling changes the label of at most 1 in 1000 cells more than three cells
+    away from others, twice: each image is rounded to a cell, and so there are fewer roundings. The
+    generalised one does the same with all its points; those that have come to an attractor go no
+    further.
 
     References
     ----------

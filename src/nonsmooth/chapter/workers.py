@@ -55,7 +55,8 @@ class Worker:
         if self._ask({"ready": True}, stop) is None:
             raise RunError(
                 "a process that computes could not be started: it ended with code"
-                f" {self._end()}; `python -m nonsmooth.chapter.worker_main FOLDER` shows why"
+                f" {self._end()}; `python -m nonsmooth.chapter.worker_main {self.folder}`"
+                " shows why"
             )
 
     def close(self) -> None:

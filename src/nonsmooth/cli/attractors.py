@@ -96,7 +96,7 @@ def _pair(system: System, text: str | None, plot: Path | None) -> tuple[str, str
     if text is None:
         return None
     if plot is None:
-        raise OptionError("--variables are drawn into a file: name it with --plot FILE")
+        raise OptionError("--variables are drawn into a file: name it, such as --plot picture.png")
     pair = names(text)
     if len(pair) != 2:
         raise OptionError(f"--variables: {text!r} is not two states, such as x,v")

@@ -71,7 +71,7 @@ def run(
         typer.echo(str(path))
     if all_figures and outcome.complete:
         typer.echo(str(out / "report.html"))
-    _end(outcome, f"the same command with --out {out} goes on there")
+    _end(outcome, f"what is done is kept; the same command with --out {out} goes on there")
 
 
 @app.command()
@@ -97,7 +97,11 @@ def claims(
     rows, outcome = judge_claims(names, store=store, processes=processes)
     if outcome.complete:
         _print_rows([row for row in rows if verdict in (None, row["verdict"])], as_json)
-    _end(outcome, "with --store FOLDER the same command goes on there")
+    kept = f"what is done is kept; the same command with --store {store} goes on there"
+    _end(
+        outcome,
+        kept if store else "nothing is kept; give a folder to keep it, such as --store claims",
+    )
 
 
 def _print_rows(rows: list[dict[str, Any]], as_json: bool) -> None:
@@ -109,12 +113,12 @@ def _print_rows(rows: list[dict[str, Any]], as_json: bool) -> None:
     typer.echo(", ".join(f"{counts[name]} {name}" for name in _VERDICTS))
 
 
-def _end(outcome: Any, cure: str) -> None:
+def _end(outcome: Any, kept: str) -> None:
     """Say what failed, and end with the code of that."""
     for name, message in outcome.faults.items():
         typer.echo(f"nonsmooth: {name}: {message}", err=True)
     if not outcome.complete:
-        typer.echo(f"nonsmooth: what is done is kept; {cure}", err=True)
+        typer.echo(f"nonsmooth: {kept}", err=True)
         raise KeyboardInterrupt
     if outcome.faults:
         raise typer.Exit(ENDED_EARLY)

@@ -61,9 +61,11 @@ def contacts(
 
     check_files(plot, save)
     if plot is None and variable is not None:
-        raise OptionError("--variable is drawn into a file: name it with --plot FILE")
+        raise OptionError("--variable is drawn into a file: name it, such as --plot picture.png")
     if plot is not None and over is None:
-        raise OptionError("--plot draws over a parameter: give its range with --over NAME=A:B:N")
+        raise OptionError(
+            "--plot draws over a parameter: give its range, such as --over eta=2:3:40"
+        )
     system = build_system(model, settings(parameters or [], "NAME=VALUE"))
     parameter, values = value_range(over) if over is not None else (None, None)
     start = constants(settings(names(initial), "--initial"), "--initial")

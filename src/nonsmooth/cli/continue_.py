@@ -102,8 +102,8 @@ def _check_pictures(
 ) -> None:
     if plot is None and (variable is not None or diagram is not None or multipliers):
         raise OptionError(
-            "--variable, --diagram and --multipliers are drawn into a file: name it with --plot"
-            " FILE"
+            "--variable, --diagram and --multipliers are drawn into a file: name it, such as"
+            " --plot picture.png"
         )
     if multipliers and (variable is not None or diagram is not None):
         raise OptionError("--multipliers is a picture of its own: leave out the other two")
@@ -123,7 +123,7 @@ def _range(system: System, over: str) -> tuple[str, tuple[float, float]]:
     if isinstance(value_here, int | float) and not low <= value_here <= high:
         raise OptionError(
             f"--over: the orbit is found at {name} = {value_here:g}, which is not between {low:g}"
-            f" and {high:g}; give another {name}=VALUE, or range"
+            f" and {high:g}; give another value of {name}, or another range"
         )
     return name, (low, high)
 

@@ -79,7 +79,7 @@ def diagram(
 
     check_files(plot, save)
     if plot is None and variable is not None:
-        raise OptionError("--variable is drawn into a file: name it with --plot FILE")
+        raise OptionError("--variable is drawn into a file: name it, such as --plot picture.png")
     system = build_system(model, settings(parameters or [], "NAME=VALUE"))
     parameter, values = value_range(over)
     drawn = _variable(system, variable)

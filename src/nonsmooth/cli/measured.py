@@ -94,7 +94,7 @@ def measured(
     """
     check_files(plot, save)
     if plot is None and variables is not None:
-        raise OptionError("--variables are drawn into a file: name it with --plot FILE")
+        raise OptionError("--variables are drawn into a file: name it, such as --plot picture.png")
     if unit is not None and len(files) == 1:
         raise OptionError("--unit is that of a diagram, which several files give")
     if mark is None:

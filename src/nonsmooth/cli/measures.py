@@ -26,7 +26,7 @@ _FEWEST_FOR_WADA = 3
 def measures(
     file: Annotated[
         Path,
-        typer.Argument(metavar="FILE.nc", help="Saved by: nonsmooth basins --save FILE.nc."),
+        typer.Argument(metavar="FILE.nc", help="Saved by: nonsmooth basins --save basins.nc."),
     ],
     *,
     box: Annotated[int, typer.Option(help="Cells along a side of a box of the entropy.")] = 5,

@@ -87,8 +87,8 @@ def orbit(
 def _check_pictures(plot: Path | None, chosen: list[str | bool | None]) -> None:
     if plot is None and any(option is not None for option in chosen):
         raise OptionError(
-            "--variables, --history, --multipliers and --less-drift are drawn into a file: name it"
-            " with --plot FILE"
+            "--variables, --history, --multipliers and --less-drift are drawn into a file: name it,"
+            " such as --plot picture.png"
         )
     if sum(option is not None for option in chosen[:3]) > 1:
         raise OptionError("give one of --variables, --history and --multipliers: it is one picture")

@@ -64,7 +64,9 @@ def section(
     """Points of a trajectory where an expression vanishes, or at an event."""
     check_files(plot, save)
     if plot is None and (variables is not None or modes):
-        raise OptionError("--variables and --modes are drawn into a file: name it with --plot FILE")
+        raise OptionError(
+            "--variables and --modes are drawn into a file: name it, such as --plot picture.png"
+        )
     system = build_system(model, settings(parameters or [], "NAME=VALUE"))
     pair = _pair(system, variables)
     points = _points(

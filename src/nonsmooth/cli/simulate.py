@@ -86,7 +86,9 @@ def simulate(
     option = "--portrait" if orbit is None else "--orbit"
     pair = _pair(system, option, orbit or portrait, variables, modes)
     if plot is None and (pair is not None or modes):
-        raise OptionError(f"{option} and --modes are drawn into a file: name it with --plot FILE")
+        raise OptionError(
+            f"{option} and --modes are drawn into a file: name it, such as --plot picture.png"
+        )
     length: dict[str, Any] = {"periods": periods, "t_end": t_end}
     if periods is None and t_end is None:
         length = _default_length(system, samples_per_period)

@@ -190,7 +190,7 @@ def _check_quantity(quantity: str, plot: Path | None) -> None:
     if quantity not in _LABELS:
         raise OptionError(f"--quantity: {quantity!r} is not one of {', '.join(_LABELS)}")
     if plot is None and quantity != "error":
-        raise OptionError("--quantity is drawn into a file: name it with --plot FILE")
+        raise OptionError("--quantity is drawn into a file: name it, such as --plot picture.png")
 
 
 def _rows(report: xr.Dataset) -> Iterator[tuple[str, str]]:

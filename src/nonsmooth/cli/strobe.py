@@ -49,7 +49,9 @@ def strobe(
     """Points of a motion, one per period of the forcing."""
     check_files(plot, save)
     if plot is None and (variables is not None or modes):
-        raise OptionError("--variables and --modes are drawn into a file: name it with --plot FILE")
+        raise OptionError(
+            "--variables and --modes are drawn into a file: name it, such as --plot picture.png"
+        )
     system = build_system(model, settings(parameters or [], "NAME=VALUE"))
     pair = pair_of_variables(system, variables)
     points = strobe_points(

@@ -18,7 +18,7 @@ from nonsmooth.simulation.runner import Outcome, build_tables, run_plan
 from nonsmooth.simulation.start import Start, resolve_start, start_at_end
 from nonsmooth.system.system import System
 
-__all__ = ["Guess", "driven_guess", "legs_of_outcome", "run_for_guess"]
+__all__ = ["Guess", "driven_guess", "legs_of_outcome", "run_for_guess", "strobe_of_start"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -60,6 +60,14 @@ def driven_guess(
     )
 
 
+def strobe_of_start(
+    system: System, initial: object, *, phase: float, transient: int, mode: str | None,
+    tolerance: float,
+) -> Floats:  # fmt: skip
+    """State at the section to which a start comes first, after a transient."""
+    return _stretch(system, initial, 1, phase, transient, mode, tolerance).turn.states[0]
+
+
 def _stretch(
     system: System, initial: object, period: int, phase: float, transient: int, mode: str | None,
     tolerance: float,
@@ -67,7 +75,7 @@ def _stretch(
     """Legs of a motion, wherever they end."""
     tables = build_tables(system)
     window = tables.window
-    start = resolve_start(system, tables, initial, None, mode, False)
+    start = resolve_start(system, tables, initial, None, mode, True)
     if start.anchor is not None:
         start = start_at_end(start)
     late = start.instant.phase > phase * window * (1.0 + 1e-14)

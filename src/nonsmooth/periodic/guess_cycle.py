@@ -39,7 +39,7 @@ def cycle_guesses(
     come back.
     """
     tables = build_tables(system)
-    start = resolve_start(system, tables, initial, None, mode, False)
+    start = resolve_start(system, tables, initial, None, mode, True)
     if start.anchor is not None:
         start = start_at_end(start)
     begin = start.instant.number + transient

@@ -35,7 +35,7 @@ def guesses_in_motion(
     """
     tables = build_tables(system)
     window = tables.window
-    start = resolve_start(system, tables, initial, None, None, False)
+    start = resolve_start(system, tables, initial, None, None, True)
     if start.anchor is not None:
         return
     first = start.instant.number + (start.instant.phase > phase * window)

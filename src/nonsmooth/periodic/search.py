@@ -14,7 +14,7 @@ from nonsmooth.errors import RunError
 from nonsmooth.periodic.branch_tests import is_graze
 from nonsmooth.periodic.equations import OrbitEquations, Turn
 from nonsmooth.periodic.family import member_of_family
-from nonsmooth.periodic.guess import Guess, driven_guess
+from nonsmooth.periodic.guess import Guess, driven_guess, strobe_of_start
 from nonsmooth.periodic.guess_cycle import cycle_guesses
 from nonsmooth.periodic.guess_of_word import guesses_in_motion, random_guesses
 from nonsmooth.periodic.legs import LegError, Legs
@@ -23,6 +23,7 @@ from nonsmooth.periodic.orbit import Orbit, make_orbit
 from nonsmooth.periodic.rebounds import with_rebounds_of_engine
 from nonsmooth.periodic.restart import guess_of_dataset, is_orbit
 from nonsmooth.periodic.stepwise import values_of_orbit, walk_to
+from nonsmooth.periodic.strobes import from_nearest_strobe
 from nonsmooth.periodic.word import Word
 from nonsmooth.periodic.word_change import changes_of_word
 from nonsmooth.simulation.driving import is_driven
@@ -96,10 +97,27 @@ def search_orbit(wanted: Wanted, legs: Legs) -> Found:
         for guess in _guesses(wanted, legs):
             found = solve_guess(wanted, legs, guess)
             if found.orbit is not None:
+                found = _near_start(wanted, legs, found)
                 break
     except RunError as fault:
         return known or Found(None, None, fault.status or "no_orbit", str(fault))
     return known if known is not None and found.orbit is None else found
+
+
+def _near_start(wanted: Wanted, legs: Legs, found: Found) -> Found:
+    """The orbit told from the one of its strobes that is nearest to the start."""
+    assert found.orbit is not None and found.equations is not None
+    if is_autonomous(legs) or wanted.period == 1:
+        return found
+    state = strobe_of_start(
+        wanted.system, wanted.initial, phase=wanted.phase, transient=wanted.transient,
+        mode=wanted.mode, tolerance=wanted.tolerance,
+    )  # fmt: skip
+    guess = from_nearest_strobe(found.equations, found.orbit.turn, state)
+    if guess is None:
+        return found
+    turned = solve_guess(wanted, legs, guess)
+    return turned if turned.status == found.status else found
 
 
 def _from_orbit(wanted: Wanted, legs: Legs) -> Found | None:

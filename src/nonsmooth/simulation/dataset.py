@@ -11,6 +11,7 @@ from xarray.indexes import PandasIndex
 from nonsmooth.engine.status import CURES, Status
 from nonsmooth.simulation.assemble import Columns, assemble
 from nonsmooth.simulation.certificate import with_doubts
+from nonsmooth.simulation.digits import digits_left
 from nonsmooth.simulation.events import event_variables
 from nonsmooth.simulation.labels import Labels, labels_of
 from nonsmooth.simulation.outputs import output_values, sample_clock
@@ -93,6 +94,11 @@ def _derivatives(system: System, outcome: Outcome, coords: Columns) -> Columns:
             {"long_name": "derivatives of the states by the initial states"},
         )
     }
+    states = outcome.records.sample_state[: outcome.n_samples].T
+    variables["digits"] = (
+        ("time",), digits_left(states, columns[:, :, :n]),
+        {"long_name": "estimate of the digits that rounding has left"},
+    )  # fmt: skip
     if outcome.chosen:
         coords["parameter_0"] = (
             ("parameter_0",), np.array(outcome.chosen), {"long_name": "parameter"},

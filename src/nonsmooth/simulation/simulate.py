@@ -69,8 +69,8 @@ def simulate(
         The system.
     initial : mapping, xarray.Dataset, optional
         Start: state names to values (names left out take their rest value), a point of a
-        result such as ``run.isel(time=5)``, or a whole run, which goes on where it ended
-        (repeat ``parameters`` if it was made with some).
+        result such as ``run.isel(time=5)``, or a whole run, which goes on where it ended. What was
+        made with other values of parameters is refused; repeat ``parameters`` then.
     periods : float, optional
         Length of the run in periods of the forcing.
     t_end : float, optional
@@ -117,7 +117,9 @@ def simulate(
         nothing over ``event`` with ``events=False``. With ``tangent``:
         ``tangent (time, state, state_0)``, the derivatives by the initial states, and
         ``sensitivity (time, state, parameter_0)``, those by parameters, both at a fixed
-        time and just before an event that falls on a sample. Attributes: ``status``
+        time and just before an event that falls on a sample, and ``digits``, an estimate of
+        how many digits rounding leaves: no certificate tells that of a chaotic motion.
+        Attributes: ``status``
         (completed, stopped, diverged, undecided, nonunique, inadmissible, event_limit,
         step_limit, work_limit, singular, sliding, refused, interrupted) with its ``message``,
         ``phase_word`` of the last period, ``n_events``, ``n_uncertain``, ``n_estimated``, the

@@ -23,6 +23,7 @@ from nonsmooth.engine.status import Status
 from nonsmooth.engine.tables import Tables
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.real_numbers import finite_real
+from nonsmooth.simulation.carried import refuse_other_parameters
 from nonsmooth.simulation.clock import Instant, instants
 from nonsmooth.simulation.labels import labels_of
 from nonsmooth.simulation.options import finite_number
@@ -69,7 +70,7 @@ def resolve_start(
         _check_states(system, initial)
         if "time" in initial.dims:
             return _from_run(system, tables, initial, t_start, mode, repeated)
-        return _from_point(system, tables, initial, t_start, mode)
+        return _from_point(system, tables, initial, t_start, mode, repeated)
     if initial is not None and not isinstance(initial, Mapping):
         raise OptionError(
             f"initial = {initial!r:.60}: give a mapping of state names to numbers, such as"
@@ -154,8 +155,15 @@ def _check_states(system: System, data: Any) -> None:
 
 
 def _from_point(
-    system: System, tables: Tables, data: Any, t_start: float | None, mode: str | None
+    system: System,
+    tables: Tables,
+    data: Any,
+    t_start: float | None,
+    mode: str | None,
+    repeated: bool,
 ) -> Start:
+    if not repeated:
+        refuse_other_parameters(system, data, "point")
     state = np.array([float(data[name]) for name in system.states])
     if not np.all(np.isfinite(state)):
         raise OptionError("initial: the point of the dataset has states that are not finite")
@@ -188,11 +196,8 @@ def _from_run(
         )
     if t_start is not None or mode is not None:
         raise OptionError("a run goes on where it ended: leave out t_start= and mode=")
-    if run.attrs["changed_parameters"] and not repeated:
-        raise OptionError(
-            f"initial: the run was made with parameters={run.attrs['changed_parameters']}, which"
-            " going on needs too; repeat parameters=, or pass parameters={} for the system's own"
-        )
+    if not repeated:
+        refuse_other_parameters(system, run, "run")
     end = Instant(int(run.attrs["end_number"]), float(run.attrs["end_phase"]))
     if run.attrs["system"] != labels_of(system).system:
         # another system, a changed parameter for instance: same state, same phase

@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from nonsmooth.analysis.basins.attractor import Attractor
 from nonsmooth.analysis.basins.attractor_kind import cycle_from, kind_of_set
+from nonsmooth.analysis.basins.confirmation import confirm_visits
 from nonsmooth.analysis.basins.recurrences import Known, Measure, new_visits, share_of_new
 from nonsmooth.analysis.statistics.periodicity import primitive_period
 from nonsmooth.engine.attractors import visit
@@ -118,6 +119,7 @@ class AttractorSearch:
             block = min(max(_FIRST, done), _LARGEST, self.longest - done)
             images, image_modes = self.runner.iterate(lanes, block, stop)
             visit(images, done + 1, self.known.landmarks(), visits)
+            confirm_visits(self.runner, lanes, images[:, -1], self.known.cycles(), visits)
             keys = np.stack([self.known.measure.keys(one) for one in images])
             history = np.concatenate([history, keys], axis=1)
             going_on = lanes.status == Status.COMPLETED
@@ -128,6 +130,9 @@ class AttractorSearch:
                     if is_new:
                         later = visits.part(slice(i + 1, None))
                         visit(images[i + 1 :], done + 1, self.known.landmarks(), later)
+                        rest = lanes.select(np.arange(i + 1, left.size))
+                        cycles = self.known.cycles()
+                        confirm_visits(self.runner, rest, images[i + 1 :, -1], cycles, later)
             done += block
             ended = ~going_on & (visits.label == 0)
             refused = lanes.status == Status.INADMISSIBLE
@@ -160,6 +165,7 @@ class AttractorSearch:
             if lane.status[0] != Status.COMPLETED:
                 return UNSETTLED, False
             visit(images, 1, marks, visits)
+            confirm_visits(self.runner, lane, images[:, -1], self.known.cycles(), visits)
             if visits.label[0] > 0:
                 return int(visits.label[0]), False
             points.append(images[0])

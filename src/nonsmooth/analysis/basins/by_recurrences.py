@@ -32,9 +32,18 @@ def by_recurrences(
         nothing = np.full(grid.size, NOT_COMPUTED)
         return Basins(found.known.attractors, Settled(nothing, np.zeros_like(nothing)), False)
     settled, complete = label_starts(
-        grid.states, grid.size, found.known.landmarks(), lambda: chosen.runner(how.tolerance),
-        longest=how.longest, threads=threads, store=store, protocol=protocol,
+        grid.states, grid.size, found.known.landmarks(), found.known.cycles(),
+        lambda: chosen.runner(how.tolerance), longest=how.longest, threads=threads, store=store,
+        protocol=protocol,
     )  # fmt: skip
     if complete:
         complete = look_closer(found.search, grid, settled)
-    return Basins(found.known.attractors, settled, complete)
+    resting = found.known.cycles().unconfirmed(settled.label)
+    remark = (
+        f"{resting} cells come to cycles that attract too slowly to be confirmed: they rest on"
+        " trial starts around these"
+    )
+    return Basins(
+        found.known.attractors, settled, complete, notes={"unconfirmed_cells": resting},
+        remark=remark if resting else "",
+    )  # fmt: skip

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.basins.attractor_search import ENDED, INADMISSIBLE, UNSETTLED, Settled
+from nonsmooth.analysis.basins.confirmation import Cycles, confirm_visits
 from nonsmooth.analysis.basins.recurrences import new_visits
 from nonsmooth.engine.attractors import Landmarks, visit
 from nonsmooth.engine.status import Status
@@ -32,6 +33,7 @@ def label_starts(
     states: Callable[[Integers], Floats],
     count: int,
     marks: Landmarks,
+    cycles: Cycles,
     make_runner: Callable[[], Any],
     *,
     longest: int,
@@ -51,7 +53,7 @@ def label_starts(
         label[chunks[i]], needed[chunks[i]] = settled.label, settled.needed
 
     complete = run_stored_tasks(
-        [_task(states, chunk, marks, min(longest, _PATIENCE)) for chunk in chunks],
+        [_task(states, chunk, marks, cycles, min(longest, _PATIENCE)) for chunk in chunks],
         make_runner,
         store=store,
         protocol=protocol,
@@ -65,16 +67,25 @@ def label_starts(
 
 
 def _task(
-    states: Callable[[Integers], Floats], chunk: Integers, marks: Landmarks, longest: int
+    states: Callable[[Integers], Floats],
+    chunk: Integers,
+    marks: Landmarks,
+    cycles: Cycles,
+    longest: int,
 ) -> Callable[[Any, threading.Event], Settled]:
     def run(runner: Any, stop: threading.Event) -> Settled:
-        return _label(runner, states(chunk), marks, longest, stop)
+        return _label(runner, states(chunk), marks, cycles, longest, stop)
 
     return run
 
 
 def _label(
-    runner: Any, starts: Floats, marks: Landmarks, longest: int, stop: threading.Event
+    runner: Any,
+    starts: Floats,
+    marks: Landmarks,
+    cycles: Cycles,
+    longest: int,
+    stop: threading.Event,
 ) -> Settled:
     """Labels of some starts by one runner."""
     count = len(starts)
@@ -85,6 +96,7 @@ def _label(
             raise Stopped
         images, _ = runner.iterate(lanes, min(_BLOCK, longest - done), stop)
         visit(images, done + 1, marks, visits)
+        confirm_visits(runner, lanes, images[:, -1], cycles, visits)
         arrived, ended = visits.label > 0, lanes.status != Status.COMPLETED
         label[left[arrived]] = visits.label[arrived]
         needed[left[arrived]] = visits.needed[arrived]

@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.basins.attractor import Attractor
+from nonsmooth.analysis.basins.confirmation import Cycles
 from nonsmooth.engine.attractors import Landmarks, Visits, cell_keys, fill_cells, visit
 
 __all__ = ["IN_CYCLE", "IN_SET", "Known", "Measure", "new_visits", "share_of_new"]
@@ -105,6 +106,10 @@ class Known:
             in_cycle=IN_CYCLE,
             in_set=IN_SET,
         )
+
+    def cycles(self) -> Cycles:
+        """The cycles that are known, for runs that confirm them."""
+        return Cycles.of(self.attractors, self.measure)
 
     def same_cycle(self, attractor: Attractor, close: float) -> int:
         """Number of the cycle that has the same points, 0 for none."""

@@ -86,7 +86,7 @@ def first_motion(wanted: Wanted, tables: Tables, periods: int, driven: bool) -> 
     """Motion from the start that is given, some periods after its transient."""
     system = wanted.system
     window = tables.window
-    start = resolve_start(system, tables, wanted.initial, None, wanted.mode, False)
+    start = resolve_start(system, tables, wanted.initial, None, wanted.mode, True)
     if start.anchor is not None:
         start = start_at_end(start)
     late = start.instant.phase > wanted.phase * window * (1.0 + 1e-14)

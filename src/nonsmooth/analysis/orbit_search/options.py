@@ -11,6 +11,7 @@ from nonsmooth.maps.stroboscopic import StroboscopicMap
 from nonsmooth.periodic.restart import is_orbit
 from nonsmooth.periodic.search import Wanted
 from nonsmooth.periodic.word_names import read_word, words_of_names
+from nonsmooth.simulation.carried import refuse_other_parameters
 from nonsmooth.simulation.driving import is_driven
 from nonsmooth.simulation.options import check_run_options, finite_number, whole_number
 from nonsmooth.simulation.runner import build_tables
@@ -53,6 +54,8 @@ def read_wanted(
             " nothing drives it, its cycle is found from an event to its return"
         )
     system = check_run_options(system, parameters, mode, tolerance)
+    if parameters is None and hasattr(initial, "data_vars") and not is_orbit(initial):
+        refuse_other_parameters(system, initial, "run" if "time" in initial.dims else "point")
     if system.slow or system.unrepeated:
         what = "slow=" if system.slow else system.unrepeated
         raise OptionError(

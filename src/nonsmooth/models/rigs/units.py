@@ -42,7 +42,7 @@ _NUMBERS = {
     "multiplier_real", "multiplier_imag", "multiplier_modulus", "kaplan_yorke_dimension",
     "fraction", "fraction_error", "probability", "basin_entropy", "basin_entropy_error",
     "boundary_basin_entropy", "boundary_basin_entropy_error", "uncertainty_exponent",
-    "boundary_dimension", "uncertain_fraction", "largest_distance", "fraction_within",
+    "digits", "boundary_dimension", "uncertain_fraction", "largest_distance", "fraction_within",
     "box_dimension", "correlation_dimension", "correlation_sum", "fit", "distance",
     "standard_error", "drift", "net_drift", "slope", "fixed_slope", "spread", "largest_spread",
     "exponent_per_return", "log_determinant", "arclength",
