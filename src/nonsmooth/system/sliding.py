@@ -78,9 +78,9 @@ def slides_of(graph: Graph, mode: SplitMode) -> Iterator[Slide]:
                 continue  # time passes
             if id(node) not in faces:
                 faces[id(node)] = _Faces(graph, mode, node)
-            beside = {k: sign for k, sign in a.signs.items() if k != key}
+            elsewhere = {k: sign for k, sign in a.signs.items() if k != key}
             for b in below:
-                if not b.agrees(beside):
+                if not b.agrees(elsewhere):
                     continue
                 if faces[id(node)].meet(a, b):
                     slide = _slide(faces[id(node)], key, a, b)
