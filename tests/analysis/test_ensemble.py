@@ -266,3 +266,28 @@ def test_systems_that_cannot():
     clash = System(states=["status"], period="1", equations={"status": "-status"})
     with pytest.raises(OptionError, match="'status' is a name of the result"):
         ns.ensemble(clash)
+
+
+def test_sets_with_a_lane_each_are_the_runs_of_their_parameters():
+    """Lanes that the engine sets up together have the states of single runs, to the last digit."""
+    system = ns.models.soft_impact()
+    omegas, gaps = np.linspace(0.7, 0.9, 40), np.linspace(1.0, 1.3, 40)
+    starts = np.linspace(-0.1, 0.1, 40)
+    found = ns.ensemble(
+        system, {"x": starts}, parameters={"omega": omegas, "e": gaps}, combine="pairs", record=12
+    )
+    for i in (0, 17, 39):
+        run = ns.simulate(
+            system, {"x": float(starts[i])}, periods=11, samples_per_period=1,
+            parameters={"omega": float(omegas[i]), "e": float(gaps[i])},
+        )  # fmt: skip
+        np.testing.assert_array_equal(found["x"].values[i], run["x"].values)
+        np.testing.assert_array_equal(found["stop_force"].values[i], run["stop_force"].values)
+
+
+def test_sets_that_the_system_refuses_are_told_beside_the_others():
+    found = ns.ensemble(
+        ns.models.soft_impact(), parameters={"omega": [0.8, -1.0, 0.9, 0.0]}, record=5
+    )
+    status = [str(each) for each in found["status"].values.ravel()]
+    assert status == ["completed", "refused", "completed", "refused"]

@@ -42,7 +42,7 @@ def taken(system, name, value):
     ],
 )
 def test_the_check_of_all_agrees_with_the_check_of_one(system, name):
-    found = sure_values(system, name, VALUES)
+    found = sure_values(system, {name: VALUES})
     expected = [taken(system, name, float(value)) for value in VALUES]
     assert found.tolist() == expected
     assert True in expected
@@ -50,5 +50,5 @@ def test_the_check_of_all_agrees_with_the_check_of_one(system, name):
 
 def test_a_rest_state_that_depends_on_the_parameter():
     system = forced(initial={"x": "1/k"})
-    assert not rests_alike(system, "k")
-    assert rests_alike(system, "a")
+    assert not rests_alike(system, ["a", "k"])
+    assert rests_alike(system, ["a"])

@@ -64,13 +64,14 @@ def allocate_sweep(
     sample_number: Integers,
     sample_phase: Floats,
     *,
+    ends: tuple[Integers, Floats],
     room: int,
     tolerance: float,
     follows: bool = False,
 ) -> Sweep:
-    """A sweep that ends at its last samples, with room for so many events, or for none.
+    """A sweep with room for so many events, or without a log.
 
-    shapes: modes (K,), sample_number and sample_phase (K, s)
+    shapes: modes (K,), sample_number and sample_phase (K, s), ends (K,) windows and phases
     """
     count, n = modes.size, sizes.states
     own = zeros(
@@ -79,8 +80,7 @@ def allocate_sweep(
         recording=(count,), since=(count,), statuses=(count,),
     )  # fmt: skip
     own["since"]["number"] = own["since"]["phase"] = -np.inf
-    own["ends"]["number"] = sample_number[:, -1]
-    own["ends"]["phase"] = sample_phase[:, -1]
+    own["ends"]["number"], own["ends"]["phase"] = ends
     own["statuses"][:] = Status.COMPLETED
     return Sweep(
         **own,

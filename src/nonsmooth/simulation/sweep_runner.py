@@ -47,6 +47,11 @@ class Times(NamedTuple):
     numbers: Integers  # (K, s)
     phases: Floats  # (K, s)
 
+    @property
+    def last(self) -> tuple[Integers, Floats]:
+        """The last times, (K,) each."""
+        return self.numbers[:, -1], self.phases[:, -1]
+
 
 class Recorded(NamedTuple):
     """What K motions have left behind; s samples, r events in all."""
@@ -63,7 +68,7 @@ class Recorded(NamedTuple):
     uncertain: Integers  # (K,): events that rounding leaves open, from the start on
     estimated: Integers  # (K,): steps the errors of which are estimated, likewise
     end_states: Floats  # (K, n)
-    end_modes: Integers  # (K,)
+    places: Rows  # (K,): number, mode, phase of the start of the last segment, or of an early end
 
 
 class SweepRunner:
@@ -109,18 +114,22 @@ class SweepRunner:
         times: Times,
         usable: npt.NDArray[np.bool_],
         *,
+        ends: Times | None = None,
         follows: Times | None = None,
+        log: bool = True,
         stop: threading.Event | None = None,
     ) -> Recorded:
         """Run a motion for each set to its first time, and on to its last one with a log.
 
-        Motions that are not ``usable``, (K,), are refused. ``follows`` has the instants (K, 1)
-        where motions go on that follow the one before, if that has come to its end.
+        Motions that are not ``usable``, (K,), are refused. ``ends`` (K, 1) lie at the last times
+        or behind them. ``follows`` has the instants (K, 1) where motions go on that follow the one
+        before, if that has come to its end.
         """
         anchors = lane_anchors(self._sizes, starts.numbers, starts.phases, starts.states)
+        last = (times if ends is None else ends).last
         sweep = allocate_sweep(
-            self._sizes, starts.modes, *times, room=_FIRST_EVENTS, tolerance=self.tolerance,
-            follows=follows is not None,
+            self._sizes, starts.modes, *times, ends=last, room=_FIRST_EVENTS if log else 0,
+            tolerance=self.tolerance, follows=follows is not None,
         )  # fmt: skip
         if follows is not None:
             sweep.begins["number"], sweep.begins["phase"] = (each[:, 0] for each in follows)
@@ -142,5 +151,5 @@ class SweepRunner:
         return Recorded(
             sweep.statuses, np.where(refused, np.nan, self.windows), *times, sweep.sample_state,
             sweep.sample_mode, sweep.events[:end], sweep.event_states[:end], sweep.logs,
-            uncertain, estimated, sweep.end_state, anchors.place["mode"],
+            uncertain, estimated, sweep.end_state, anchors.place,
         )  # fmt: skip

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,14 +22,14 @@ Bools = npt.NDArray[np.bool_]
 _TURN = 5e-15  # half of what the check of a system allows
 
 
-def sure_values(system: System, name: str, values: npt.NDArray[np.float64]) -> Bools:
-    """Whether `System.with_parameters` takes each value for sure, (K,).
+def sure_values(system: System, sets: Mapping[str, npt.NDArray[np.float64]]) -> Bools:
+    """Whether `System.with_parameters` takes each of K sets of values for sure, (K,) by name.
 
     The others need to be asked for one by one, which also tells what is wrong with them.
     """
-    known: dict[str, Any] = {**system.parameter_values, name: values}
+    known: dict[str, Any] = {**system.parameter_values, **sets}
     structure = system.structure
-    sure = np.ones(values.shape, bool)
+    sure = np.ones(next(iter(sets.values())).shape, bool)
 
     def number(expression: Expression) -> Any:
         return evaluate(expression, known)
@@ -57,11 +57,11 @@ def sure_values(system: System, name: str, values: npt.NDArray[np.float64]) -> B
     return sure
 
 
-def rests_alike(system: System, name: str) -> bool:
-    """Whether the rest state is the same for all values of a parameter."""
-    form = system.structure.static_form.form
+def rests_alike(system: System, names: Iterable[str]) -> bool:
+    """Whether the rest state is the same for all values of some parameters."""
+    form, chosen = system.structure.static_form.form, set(names)
     texts: Mapping[str, Any] = system.structure.initial
     return all(
-        name not in {each.name for each in names_in(form(equation).constant_part)}
+        chosen.isdisjoint(each.name for each in names_in(form(equation).constant_part))
         for equation in texts.values()
     )

@@ -47,8 +47,8 @@ class ColumnStarts:
         self._chosen, self._name, self._values, self._start = chosen, name, values, start
         self._known = chosen.system.parameter_values
         self._sure = np.zeros(len(values), bool)
-        if rests_alike(chosen.system, name) and not isinstance(chosen.period, str):
-            self._sure = sure_values(chosen.system, name, np.array(values))
+        if rests_alike(chosen.system, [name]) and not isinstance(chosen.period, str):
+            self._sure = sure_values(chosen.system, {name: np.array(values)})
             self._alike = start(chosen.system, tables)
 
     def column(self, i: int) -> Column:

@@ -81,7 +81,7 @@ class Motions:
         follows = first if self._follow else None
         if follows and before is not None and before.statuses[-1] == Status.COMPLETED:
             starts.states[0] = np.where(self._drifting, starts.states[0], before.end_states[-1])
-            starts.modes[0] = SAME - before.end_modes[-1]
+            starts.modes[0] = SAME - before.places["mode"][-1]
             starts.numbers[0], starts.phases[0] = first.numbers[0, 0], first.phases[0, 0]
         return self._runner.run(starts, times, usable, follows=follows, stop=stop)
 

@@ -7,12 +7,12 @@ from collections.abc import Callable, Collection, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from nonsmooth.analysis.ensembles.chunk import Chunk, Protocol, empty_chunk, run_chunk
+from nonsmooth.analysis.ensembles.chunk import Chunk, Protocol, empty_chunk
 from nonsmooth.analysis.ensembles.ensemble_dataset import Frame, dataset_in_file, dataset_in_memory
+from nonsmooth.analysis.ensembles.run_chunk import Runners, run_chunk
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import OptionError
 from nonsmooth.simulation.crew import run_tasks
-from nonsmooth.simulation.lane_runner import LaneRunner
 from nonsmooth.simulation.room import free_memory, size_text
 from nonsmooth.simulation.store import Store
 
@@ -66,15 +66,15 @@ class Work:
     def _run(self, keep: Callable[[int, Chunk], None], done: Collection[int]) -> bool:
         return run_tasks(
             [self._task(i) for i in range(self.n_tasks)],
-            lambda: LaneRunner(self.protocol.system, self.tolerance),
+            lambda: Runners(self.protocol.system, self.tolerance),
             threads=self.threads,
             label="ensemble",
             keep=keep,
             done=done,
         )
 
-    def _task(self, i: int) -> Callable[[LaneRunner, threading.Event], Chunk]:
-        return lambda runner, stop: run_chunk(self.protocol, *self._lanes(i), runner, stop)
+    def _task(self, i: int) -> Callable[[Runners, threading.Event], Chunk]:
+        return lambda runners, stop: run_chunk(self.protocol, *self._lanes(i), runners, stop)
 
     def _chunks(self, store: Store) -> Iterator[tuple[int, Chunk]]:
         """What a store holds, in the order of the lanes; those that were not run tell so.
