@@ -95,7 +95,7 @@ def test_amplitude_of_the_doubled_orbit_grows_as_a_root():
     for value in b:
         run = ns.simulate(
             moling(b=value), double.isel(point=int(np.abs(double["b"].values - value).argmin())),
-            periods=4000, samples_per_period=1, events=False,
+            periods=4000, samples_per_period=1, events=False, parameters={},
         )  # fmt: skip
         apart.append(abs(float(run["y"][-1] - run["y"][-2])))
     assert apart[0] / apart[1] == pytest.approx(2.0, rel=0.05)

@@ -110,7 +110,7 @@ def test_toml(call, friction, tmp_path, width, text):
         ("FILE --epsilons 0.1,0.01 --over mu=0.5", 2, "not of the form name=low:high"),
         ("FILE --epsilons 0.1,0.01 --over mu=0:1 --over omega=0:1", 2, "over one parameter"),
         ("FILE --epsilons 0.1,0.01 --periods 3 --t-end 3", 2, "either --periods or --t-end"),
-        ("FILE --epsilons 0.1,0.01 --quantity creep", 2, "--plot FILE"),
+        ("FILE --epsilons 0.1,0.01 --quantity creep", 2, "name it, such as --plot"),
         ("FILE --epsilons 0.1,0.01 --quantity width --plot a.png", 2, "is not one of error,"),
         ("bouncing_ball --epsilons 0.1,0.01", 2, "cannot be smoothed"),
         ("duffing --epsilons 0.1,0.01", 2, "nothing to smooth"),

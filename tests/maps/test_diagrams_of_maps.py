@@ -23,7 +23,7 @@ def test_period_doublings_of_the_logistic_map(start, section, options):
     found = ns.bifurcation_diagram(
         logistic(section, **options), "a", grid, transient=2000, record=60, start=start
     )
-    assert found.attrs["message"] == "completed"
+    assert found.attrs["message"].startswith("completed; 1 of 6 motions")  # chaos at 3.95
     assert found["period"].values.ravel().tolist() == [1, 2, 2, 4, 3, 0]
     assert np.all(found["impacts"] == 1.0) and np.all(found["events"] == 1.0)
 

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from nonsmooth.engine.status import CURES, EventKind, Status
 from nonsmooth.engine.tables import Tables
-from nonsmooth.errors import RunError
+from nonsmooth.errors import OptionError, RunError
 from nonsmooth.periodic.equations import Turn
 from nonsmooth.periodic.word import Word, path_of_bits
 from nonsmooth.simulation.clock import Instant, Plan
@@ -50,6 +50,8 @@ def driven_guess(
     for later in range(_LATER):
         guess = _stretch(system, initial, period, phase, transient + later, mode, tolerance)
         closed = _closed(guess)
+        if closed is None and transient + later == 0:
+            closed = _from_last_cell(system, initial, period, phase, tolerance, guess)
         if closed is not None:
             return closed
     raise RunError(
@@ -58,6 +60,23 @@ def driven_guess(
         " period=, or transient= for a motion that has settled",
         status="no_orbit",
     )
+
+
+def _from_last_cell(
+    system: System, initial: object, period: int, phase: float, tolerance: float, guess: Guess
+) -> Guess | None:
+    """The same stretch begun in the cell in which it ends, if the start lies there too.
+
+    What has decayed lies on a border of cells, and in any of them.
+    """
+    running = system.structure.running
+    first, last = (running[guess.word.modes[k]] for k in (0, -1))
+    if first.parent != last.parent:
+        return None
+    try:
+        return _closed(_stretch(system, initial, period, phase, 0, last.name, tolerance))
+    except (OptionError, RunError):
+        return None
 
 
 def strobe_of_start(

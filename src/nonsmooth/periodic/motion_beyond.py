@@ -38,11 +38,21 @@ _FARTHER = (1e-3, 2e-3, 5e-3, 1e-2, 2e-2)  # of the range of the parameter
 
 
 def motion_at(stretch: Stretch, looked: Looked, value: float) -> Guess | None:
-    """Legs of the motion from an orbit; None where nothing drives the system."""
-    return _motion_from(stretch, looked.turn.states[0], value, 0)
+    """Legs of the motion from an orbit; None where nothing drives the system.
+
+    It begins in the cell of the orbit where that admits it: a state that has decayed to a border
+    of cells lies in several of them.
+    """
+    running = stretch.options.system.structure.running
+    cell = running[stretch.equations.word.modes[0]].name
+    first = looked.turn.states[0]
+    found = _motion_from(stretch, first, value, 0, cell)
+    return found or _motion_from(stretch, first, value, 0)
 
 
-def _motion_from(stretch: Stretch, first: Floats, value: float, turns: int) -> Guess | None:
+def _motion_from(
+    stretch: Stretch, first: Floats, value: float, turns: int, mode: str | None = None
+) -> Guess | None:
     """Legs of the motion from a state, after some turns."""
     options = stretch.options
     low, high = options.bounds
@@ -55,7 +65,7 @@ def _motion_from(stretch: Stretch, first: Floats, value: float, turns: int) -> G
         there = options.system.with_parameters(**values | {options.parameter: value})
         return driven_guess(
             there, state, period=options.period, phase=options.phase,
-            transient=turns * options.period, mode=None, tolerance=options.tolerance,
+            transient=turns * options.period, mode=mode, tolerance=options.tolerance,
         )  # fmt: skip
     except (RunError, ValueError):
         return None

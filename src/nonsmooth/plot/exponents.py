@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 __all__ = ["exponents"]
 
+_ROUNDING = 1e-12  # part of the largest exponent
 _ERRORS = 2.0  # standard errors on either side of the final value
 
 
@@ -54,7 +55,7 @@ def exponents(spectrum: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     ax = new_axes() if ax is None else ax
     times = spectrum["time"].values
     for i in range(spectrum.sizes["exponent"]):
-        value = float(spectrum["lyapunov_exponent"][i])
+        value = _without_rounding(spectrum, i)
         error = float(spectrum["standard_error"][i])
         style = LINES[i % len(LINES)]
         if not np.isfinite(value):
@@ -71,3 +72,11 @@ def exponents(spectrum: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     finish_axes(ax, axis_label(spectrum["time"]), axis_label(spectrum["lyapunov_exponent"]))
     place_legend(ax)
     return ax
+
+
+def _without_rounding(spectrum: xr.Dataset, i: int) -> float:
+    """Exponent i, zero where it is no more than the rounding of the others."""
+    values = spectrum["lyapunov_exponent"].values
+    largest = np.abs(values[np.isfinite(values)]).max(initial=0.0)
+    value = float(values[i])
+    return 0.0 if abs(value) <= _ROUNDING * largest else value
