@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import nonsmooth as ns
+from properties.cases import drawn_of, judge
 
 
 def kinds(run):
@@ -251,3 +252,15 @@ def test_a_mode_puts_the_mass_behind_a_wall():
     assert run.attrs["status"] == "event_limit"
     assert last_row(run, "event_time") == 2.0
     assert last_row(run, "event_path").startswith("into>wall>wall")
+
+
+def test_cells_that_never_meet_make_no_motion_where_surfaces_do():
+    """Where v0 = -0.181 the mode has no cell with v0 > 0.369: such a corner belongs to no meeting.
+
+    Three cells had one name, and exits led to modes that did not exist.
+    """
+    system = drawn_of(2195).system()
+    exits = system.compiled.program.wiring.exits
+    named = {mode.name for mode in system.structure.running}
+    assert len(named) == len(system.mode_names) > exits["target"].max()
+    assert not judge(2195).complaints

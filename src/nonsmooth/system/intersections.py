@@ -51,13 +51,18 @@ def _others(cell: Cell, keys: tuple[SurfaceKey, ...]) -> dict[SurfaceKey, int]:
 
 
 def _corners(mode: SplitMode, keys: tuple[SurfaceKey, ...], first: Cell) -> list[Cell] | None:
-    """The four cells around a meeting, one of which is given; None where one does not exist."""
+    """The four cells around a meeting, one of which is given; None where one does not exist.
+
+    What the signs of one corner allow elsewhere may be impossible in another one: they do not meet.
+    """
     if any(key not in first.signs for key in keys):
         return None
-    found = []
+    found, elsewhere = [], _others(first, keys)
     for signs in _CORNERS:
         corner = mode.leaf({**first.signs, **dict(zip(keys, signs, strict=True))})
         if any(corner.signs.get(k) != s for k, s in zip(keys, signs, strict=True)):
+            return None
+        if not corner.agrees(elsewhere):
             return None
         found.append(corner)
     return found

@@ -149,6 +149,7 @@ class Structure:
         running = {}
         for piece in pieces:
             name = piece.family.split.name_of(piece.cell)
+            assert name not in running, f"two cells are called {name}"  # targets are numbers
             if len(piece.equations.exits) > _MOST_EXITS:
                 raise ModelError(
                     f"modes: {name} has {len(piece.equations.exits)} exits with those through its"
