@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError
-from nonsmooth.plot.attractor_key import attractor_entry, make_room, place_key
+from nonsmooth.plot.attractor_key import attractor_entry
 from nonsmooth.plot.attractor_style import (
     ENDED_EARLY,
     INADMISSIBLE,
@@ -22,6 +22,7 @@ from nonsmooth.plot.attractor_style import (
     state_label,
 )
 from nonsmooth.plot.figures import new_axes
+from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.style import finish_axes
 
 if TYPE_CHECKING:
@@ -100,9 +101,8 @@ def basins(
     numbers = sorted({int(k) for k in np.unique(labels) if k > 0} | _known(data))
     styles = attractor_styles(data, numbers)
     entries = _entries(styles, labels) if legend else []
-    if ax is None:
-        ax = new_axes()
-        make_room(ax, entries)
+    own = ax is None
+    ax = new_axes() if ax is None else ax
     colours = {k: colour for k, (colour, _) in _OTHERS.items()}
     colours |= {number: style.basin for number, style in styles.items()}
     _draw_cells(ax, labels, colours, _edges(data, across), _edges(data, up))
@@ -110,7 +110,7 @@ def basins(
         for number, style in styles.items():
             draw_points(ax, *attractor_points(data, number, across, up), style)
     finish_axes(ax, state_label(data, across), state_label(data, up))
-    place_key(ax, entries)
+    place_legend(ax, entries, may_grow=own)
     return ax
 
 
