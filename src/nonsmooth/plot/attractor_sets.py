@@ -9,7 +9,7 @@ from nonsmooth.plot.attractor_style import (
     attractor_points,
     attractor_styles,
     check_states,
-    draw_points,
+    draw_attractors,
     state_label,
 )
 from nonsmooth.plot.figures import new_axes
@@ -77,8 +77,8 @@ def attractors(
     entries = [attractor_entry(style, basin=False) for style in styles.values()] if legend else []
     own = ax is None
     ax = new_axes() if ax is None else ax
-    for number, style in styles.items():
-        draw_points(ax, *attractor_points(data, number, across, up), style, label=style.text)
+    points = {number: attractor_points(data, number, across, up) for number in numbers}
+    draw_attractors(ax, points, styles)
     finish_axes(ax, state_label(data, across), state_label(data, up))
     place_legend(ax, entries, may_grow=own)
     return ax

@@ -15,6 +15,7 @@ __all__ = ["place_legend"]
 # widths in letters: lines of the legend, from them to the texts, between columns
 _HANDLE, _SPACE, _GAP = 2.0, 0.8, 1.2
 _ROW = 1.35  # height of an entry, in letters
+_LETTER = 0.55  # width of one, over their size
 _SHARE = 0.36  # of the height of the axes, which the legend may take from them
 _SMALLEST, _STEP = 5.5, 0.5  # letters in points
 _FREE_ROWS, _MOST_ROWS = 2, 12  # for which a figure is as high as without; that it grows for
@@ -71,28 +72,26 @@ def place_legend(
 
 
 def _layout(ax: Axes, labels: list[str], may_grow: bool) -> tuple[_Layout, list[str]]:
-    """The largest letters with which all entries have room; labels too long for that wrapped."""
+    """The largest letters with which all entries have room; texts too long for that wrapped."""
     figure = ax.get_figure(root=True)
     assert figure is not None
     box = ax.get_window_extent()
     width, height = (length / figure.dpi * 72.0 for length in (box.width, box.height))
     size = float(ax.xaxis.label.get_fontsize())  # those of the caller may be larger than ours
+    widths = [_width(label) for label in labels]
     while True:
-        columns = _columns([_width(label) for label in labels], width / size)
-        allowed = _MOST_ROWS if may_grow else max(1, int(_SHARE * height / (_ROW * size)))
+        columns = _columns(widths, width / size)
+        most = _MOST_ROWS if may_grow else max(1, int(_SHARE * height / (_ROW * size)))
         rows = -(-len(labels) // columns)
-        if rows <= allowed:
-            shown = len(labels)
-            break
-        if size - _STEP < _SMALLEST:
-            rows = min(rows, allowed)
-            shown = columns * rows - 1
+        if rows <= most or size - _STEP < _SMALLEST:
             break
         size -= _STEP
-    letters = max(8, int((width / size - _HANDLE - _SPACE) / 0.55))
     if columns == 1:
+        letters = max(8, int((width / size - _HANDLE - _SPACE) / _LETTER))
         labels = [label if "$" in label else fill(label, letters) for label in labels]
-    return _Layout(size, columns, rows, shown), labels
+        most = max(1, most // max(label.count("\n") + 1 for label in labels))
+    shown = len(labels) if rows <= most else columns * most - 1
+    return _Layout(size, columns, min(rows, most), shown), labels
 
 
 def _columns(widths: list[float], available: float) -> int:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.plot.crowding import depths, uncrowded
 from nonsmooth.plot.style import PALETTE
 
 if TYPE_CHECKING:
@@ -39,6 +40,9 @@ _MARKS: dict[str, tuple[str, str]] = {
     "end": ("x", "black"),
 }
 _OTHER = ("d", "white")
+_SIZE, _LEAST = 4.5, 2.8  # diameters of marks in points; where they are crowded
+_ARMS, _LINE = 1.8, 1.3  # size of marks that are mere lines, over that of others
+_NESTED = 0.65  # size of a mark over that of the one below it
 _SAME = 1e-9  # part of the way between two points within which a special point is one of them
 
 
@@ -97,10 +101,16 @@ def mark_special_points(ax: Axes, kinds: list[str], x: Floats, y: Floats) -> Non
     """One set of marks for each kind, labelled by it once on the axes."""
     known = ax.get_legend_handles_labels()[1]
     order = [*_MARKS, *sorted(set(kinds) - set(_MARKS))]
-    for kind in order:
-        here = np.array([name == kind for name in kinds], bool) & np.isfinite(x) & np.isfinite(y)
-        if not np.any(here):
-            continue
+    there = sorted(
+        np.flatnonzero(np.isfinite(x) & np.isfinite(y)), key=lambda k: order.index(kinds[k])
+    )
+    kinds, x, y = [kinds[k] for k in there], x[there], y[there]
+    ax.autoscale_view()
+    size = uncrowded(ax, x, y, _SIZE, _LEAST)
+    below = depths(ax, x, y)
+    for kind in dict.fromkeys(kinds):
+        here = np.array([name == kind for name in kinds], bool)
+        smaller = _NESTED ** int(below[here].max())  # so that those below look out
         marker, colour = _MARKS.get(kind, _OTHER)
         line, arms = marker in "|x", marker in "1234"
         label = kind.replace("_", " ")
@@ -109,7 +119,7 @@ def mark_special_points(ax: Axes, kinds: list[str], x: Floats, y: Floats) -> Non
             y[here],
             linestyle="none",
             marker=marker,
-            markersize=8.0 if arms else (6.0 if line else 4.5),
+            markersize=size * smaller * (_ARMS if arms else (_LINE if line else 1.0)),
             markerfacecolor=colour,
             markeredgecolor=colour if arms else "black",
             markeredgewidth=1.4 if arms else (1.0 if line else 0.6),
