@@ -125,13 +125,14 @@ def test_a_power_of_ten_is_written_once_and_follows_the_range():
 
 def test_attractors_outside_the_picture_are_noted():
     points = np.array([[[2.0, 4.0], [90.0, 4.0]], [[50.0, 4.0], [60.0, 4.0]]])
-    assert [
-        text.partition(" %, ")[2] for text in legend_texts(ns.plot.basins(basins(2, points)))
-    ] == [
-        "partly outside",
-        "outside",
-    ]
+    texts = [text.replace("\n", " ") for text in legend_texts(ns.plot.basins(basins(2, points)))]
+    assert [text.partition(" %, ")[2] for text in texts] == ["partly outside", "outside"]
     assert not any("outside" in text for text in legend_texts(ns.plot.basins(basins())))
+
+
+def test_a_shape_means_one_period():
+    lines = ns.plot.basins(basins(12)).lines
+    assert len({str(line.get_marker()) for line in lines}) == 12
 
 
 def test_marks_close_to_each_other_are_smaller():
@@ -147,6 +148,17 @@ def test_special_points_in_one_place_are_all_seen():
     ax = ns.plot.branch(both, "x")
     sizes = [line.get_markersize() for line in ax.lines if "special" in str(line.get_gid())]
     assert sizes[1] < 0.8 * sizes[0]
+
+
+def test_folds_of_constructions_that_are_no_motions_do_not_look_real():
+    some = orbits(kinds=["fold", "fold"])
+    some["admissible"] = some["p"] < 0.5
+    ax = ns.plot.branch(some, "x")
+    marks = {str(line.get_gid()): line for line in ax.lines if "special" in str(line.get_gid())}
+    assert list(marks) == ["special fold", "special fold, inadmissible"]
+    faces = [line.get_markerfacecolor() for line in marks.values()]
+    assert faces[1] == "white" != faces[0]
+    assert "fold, inadmissible" in legend_texts(ax)
 
 
 def test_regimes_are_told_apart_with_every_kind_of_colour_vision():

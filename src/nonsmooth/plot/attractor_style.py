@@ -37,7 +37,10 @@ UNSETTLED, ENDED_EARLY, INADMISSIBLE, NOT_COMPUTED = "#FFFFFF", "#5A5A5A", "#D4D
 # Twentieths of white in a basin and of black in its points, for the first seven attractors, the
 # next seven, ...; further ones begin anew.
 _SHADES = ((11, 8), (5, 13), (15, 2))
-_SHAPES = "osD^v<>pPX"
+_SHAPES = "osD^v<>pPX"  # of the first periods; longer ones are stars
+_STARS = 5  # with three points and more
+
+Marker = str | tuple[int, int, int]
 _SAME = 1e-9  # of the largest spread, within which a state is constant
 _MARK, _LEAST = 4.0, 2.6  # diameters of marks in points; where they are crowded
 _DENSE = 20_000  # points that are drawn as curves in a PDF
@@ -48,7 +51,7 @@ class AttractorStyle(NamedTuple):
 
     basin: str
     points: str
-    marker: str
+    marker: Marker
     size: float
     text: str
 
@@ -62,7 +65,7 @@ def attractor_styles(data: xr.Dataset, numbers: Sequence[int]) -> dict[int, Attr
         white, black = _SHADES[round_ % len(_SHADES)]
         period = _one(data, "period", number)
         periodic = period is not None and int(period) > 0
-        shape = _SHAPES[(int(period) - 1) % len(_SHAPES)] if periodic else "."
+        shape = _shape(int(period)) if periodic else "."
         styles[number] = AttractorStyle(
             mixed(hues[hue], 255, white),
             mixed(hues[hue], 0, black),
@@ -71,6 +74,10 @@ def attractor_styles(data: xr.Dataset, numbers: Sequence[int]) -> dict[int, Attr
             _text(data, number, int(period) if periodic else None),
         )
     return styles
+
+
+def _shape(period: int) -> Marker:
+    return _SHAPES[period - 1] if period <= len(_SHAPES) else (3 + period % _STARS, 1, 0)
 
 
 def attractor_points(data: xr.Dataset, number: int, x: str, y: str) -> tuple[Any, Any]:

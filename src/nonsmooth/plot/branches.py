@@ -153,7 +153,7 @@ def branch(
         curve = branch_curve(one, (across, up), points, places)
         _draw(curve, ax, colours[name], f"branch {drawn + k}")
         labels.append((x_label, y_label))
-        marks.append((points.kind, *places))
+        marks.append((points.kinds_shown(one), *places))
     _explain(ax, colours)
     top = np.inf
     if y == "multipliers":
@@ -199,12 +199,14 @@ def _draw(curve: Curve, ax: Axes, colour: str, gid: str) -> None:
 
 
 def _explain(ax: Axes, colours: Mapping[str, str]) -> None:
-    """Entries of the legend: kinds of orbits in black, and branches by colour."""
+    """Entries of the legend: kinds of orbits without a colour, and branches by colour."""
     known = ax.get_legend_handles_labels()[1]
     drawn = {line.get_label() for line in ax.lines if _is_branch(line)}
+    # black may be the colour of a branch
+    neutral = "0.5" if len(colours) > 1 else "black"
     for name, style in _STYLES.values():
         if f"_{name}" in drawn and name not in known:
-            ax.plot([], [], color="black", **style, label=name)
+            ax.plot([], [], color=neutral, **style, label=name)
     for name, colour in colours.items():
         if name and name not in known:
             ax.plot([], [], color=colour, linewidth=3.0, label=name)

@@ -15,6 +15,7 @@ __all__ = ["place_legend"]
 # widths in letters: lines of the legend, from them to the texts, between columns
 _HANDLE, _SPACE, _GAP = 2.0, 0.8, 1.2
 _ROW = 1.35  # height of an entry, in letters
+_TITLE = 1.9  # height of a title with its distance from the axes, over its letters
 _LETTER = 0.55  # width of one, over their size
 _SHARE = 0.36  # of the height of the axes, which the legend may take from them
 _SMALLEST, _STEP = 5.5, 0.5  # letters in points
@@ -54,13 +55,18 @@ def place_legend(
         handles, labels = list(entries), [str(entry.get_label()) for entry in entries]
     if not handles:
         return
+    from matplotlib.transforms import ScaledTranslation
+
+    figure = ax.get_figure(root=True)
+    assert figure is not None
+    above = ScaledTranslation(0.0, _title_height(ax) / 72.0, figure.dpi_scale_trans)
     layout, labels = _layout(ax, labels, may_grow)
     if layout.shown < len(labels):
         labels = [*labels[: layout.shown], f"and {len(labels) - layout.shown} more"]
         handles = [*handles[: layout.shown], Patch(alpha=0.0)]
     box = ax.legend(
         handles, labels, fontsize=layout.size, ncols=layout.columns, loc="lower left",
-        bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2, borderpad=0.2, frameon=False,
+        bbox_to_anchor=(0.0, 1.0), bbox_transform=ax.transAxes + above, borderaxespad=0.2, borderpad=0.2, frameon=False,
         labelspacing=0.3, handlelength=_HANDLE, handletextpad=_SPACE, columnspacing=_GAP,
     )  # fmt: skip
     for handle in box.legend_handles:
@@ -113,6 +119,13 @@ def _width(label: str) -> float:
 
     size = 100.0  # large, so that hinting does not count
     return float(TextPath((0.0, 0.0), label, size=size).get_extents().width) / size if label else 0
+
+
+def _title_height(ax: Axes) -> float:
+    """Height, in points, of the titles below the legend."""
+    places: tuple[Any, ...] = ("left", "center", "right")
+    size = float(ax.title.get_fontsize())
+    return _TITLE * size * any(ax.get_title(loc=place) for place in places)
 
 
 def _let_see(handle: Any) -> None:

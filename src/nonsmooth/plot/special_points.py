@@ -40,6 +40,7 @@ _MARKS: dict[str, tuple[str, str]] = {
     "end": ("x", "black"),
 }
 _OTHER = ("d", "white")
+_NO_MOTION = ", inadmissible"
 _SIZE, _LEAST = 4.5, 2.8  # diameters of marks in points; where they are crowded
 _ARMS, _LINE = 1.8, 1.3  # size of marks that are mere lines, over that of others
 _NESTED = 0.65  # size of a mark over that of the one below it
@@ -61,6 +62,15 @@ class SpecialPoints(NamedTuple):
         # at the ends themselves, where the other one may be no number
         inside = np.where(self.share == 0.0, values[self.before], inside)
         return np.where(self.share == 1.0, values[after], inside)
+
+    def kinds_shown(self, branch: xr.Dataset) -> list[str]:
+        """Kinds, with a word at points between constructions that are no motions."""
+        if "admissible" not in branch:
+            return self.kind
+        real = branch["admissible"].values.astype(bool)
+        after = np.minimum(self.before + 1, real.size - 1)
+        known = real[self.before] | real[after]
+        return [k if here else k + _NO_MOTION for k, here in zip(self.kind, known, strict=True)]
 
 
 def special_points(branch: xr.Dataset) -> SpecialPoints:
@@ -111,7 +121,9 @@ def mark_special_points(ax: Axes, kinds: list[str], x: Floats, y: Floats) -> Non
     for kind in dict.fromkeys(kinds):
         here = np.array([name == kind for name in kinds], bool)
         smaller = _NESTED ** int(below[here].max())  # so that those below look out
-        marker, colour = _MARKS.get(kind, _OTHER)
+        marker, colour = _MARKS.get(kind.removesuffix(_NO_MOTION), _OTHER)
+        real = not kind.endswith(_NO_MOTION)
+        colour, edge = (colour, "black") if real else ("white", "0.5")
         line, arms = marker in "|x", marker in "1234"
         label = kind.replace("_", " ")
         ax.plot(
@@ -121,7 +133,7 @@ def mark_special_points(ax: Axes, kinds: list[str], x: Floats, y: Floats) -> Non
             marker=marker,
             markersize=size * smaller * (_ARMS if arms else (_LINE if line else 1.0)),
             markerfacecolor=colour,
-            markeredgecolor=colour if arms else "black",
+            markeredgecolor=colour if arms and real else edge,
             markeredgewidth=1.4 if arms else (1.0 if line else 0.6),
             zorder=4,
             gid=f"special {kind}",

@@ -212,7 +212,7 @@ def _forces_on_ring(ax: Axes) -> None:
     longer, shorter = 1.0, 0.35  # the springs in front press more
     for name, way, length, offset in (
         ("1", (0, 1), longer, (5, -8)), ("2", (0, -1), shorter, (6, -6)),
-        ("3", (1, 0), longer, (-8, 6)), ("4", (-1, 0), shorter, (-9, 4)),
+        ("3", (1, 0), longer, (-8, 6)), ("4", (-1, 0), shorter, (-18, -3)),
     ):  # fmt: skip
         foot = ring + outer * np.array(way, float)
         tail = foot + length * np.array(way, float)
