@@ -120,7 +120,10 @@ def _curve(data: xr.Dataset) -> Figure:
         )  # fmt: skip
         spans = (f"{name} {low:.2f} to {high:.2f}" for name, (low, high) in
                  (("u", inset.get_xlim()), ("v", inset.get_ylim())))  # fmt: skip
-        inset.set_xlabel("\n".join(spans), fontsize=6, color="0.35", labelpad=2.0)
+        inset.set_xlabel(
+            "\n".join(spans), fontsize=6, color="0.35", labelpad=2.0,
+            bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5},
+        )  # fmt: skip
     return figure
 
 

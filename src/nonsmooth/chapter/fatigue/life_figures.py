@@ -56,7 +56,7 @@ def fig18() -> tuple[Figure, xr.Dataset]:
         End points of Table 3 and model curves; the measured curves are not available.
     data : xarray.Dataset
         ``time`` of the fitted law and ``time_49`` of Eq. (49), in s, over ``test`` and ``crack``;
-        ``life`` measured.
+        ``life`` measured; ``scatter``, the factor between lives and their fits.
 
     Examples
     --------
@@ -195,7 +195,9 @@ def _drawn(data: xr.Dataset, tests: xr.Dataset, title: str) -> Figure:
         measured = float(data["life"][k])
         ax.plot(data["time"][k], data["crack"], color=colour, linewidth=1.4)
         ends = float(data["time"][k, -1]) * factor ** np.array([-1.0, 0.0, 1.0])
-        ax.plot(ends, np.full(3, _SCATTER_AT), "|-", color=colour, linewidth=0.8, markersize=4)
+        ax.plot(
+            ends, np.full(3, _SCATTER_AT - 0.5 * k), "|-", color=colour, linewidth=0.8, markersize=4
+        )
         ax.plot(data["time_49"][k], data["crack"], color=colour, linewidth=1.1, linestyle="--")
         label = f"({'abcd'[k]}) mean {mean:g} N, amplitude {size:g} N: {measured:g} s"
         ax.plot(measured, _LAST, "o", color=colour, markersize=6, label=label, clip_on=False)

@@ -108,9 +108,8 @@ def _test_history(b: float, xi: float, omega: float) -> tuple[Figure, xr.Dataset
     run = simulate(moling(a=0.5, b=b, xi=xi, omega=omega), periods=10)
     figure, (ax,) = print_figure(width=12.0, height=6.5)
     _draw(run, ax, None)
-    figure.suptitle(
-        rf"$a = 0.5$, $b = {b:g}$, $\xi = {xi:g}$, $\omega = {omega:g}$", fontsize=_TEXT
-    )
+    given = rf"$a = 0.5$, $b = {b:g}$, $\xi = {xi:g}$, $\omega = {omega:g}$"
+    figure.suptitle(given, fontsize=_TEXT)
     return figure, run
 
 

@@ -242,7 +242,7 @@ def fig38(transient: int = 1000, periods: int = 12) -> tuple[Figure, xr.Dataset]
 
 
 def _enlarge_jump(ax: Axes, run: xr.Dataset) -> None:
-    """The largest jump at the end of a spring, in an inset: too small to be seen beside the rest."""
+    """Inset with the largest jump at the end of a spring, too small to be seen beside the rest."""
     places = np.flatnonzero(run["after"].values)
     jumps = [
         (abs(jump["jump"]), jump["sx"], int(k))
@@ -262,7 +262,7 @@ def _enlarge_jump(ax: Axes, run: xr.Dataset) -> None:
                    linewidth=0.8)  # fmt: skip
     inset.axvline(side, color=PALETTE["blue"], linewidth=0.8, linestyle=":", zorder=0)
     inset.tick_params(labelsize=6, width=0.5, length=2.0)
-    inset.locator_params(nbins=3)
+    inset.set_xticks([side])
     ax.indicate_inset_zoom(inset, edgecolor="0.5", linewidth=0.6)
 
 
