@@ -67,7 +67,8 @@ def place_legend(
     box = ax.legend(
         handles, labels, fontsize=layout.size, ncols=layout.columns, loc="lower left",
         bbox_to_anchor=(0.0, 1.0), bbox_transform=ax.transAxes + above, borderaxespad=0.2,
-        borderpad=0.2, frameon=False, labelspacing=0.3, handlelength=_HANDLE, handletextpad=_SPACE, columnspacing=_GAP,
+        borderpad=0.2, frameon=False, labelspacing=0.3, handlelength=_HANDLE, handletextpad=_SPACE,
+        columnspacing=_GAP,
     )  # fmt: skip
     for handle in box.legend_handles:
         _let_see(handle)
