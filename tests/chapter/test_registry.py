@@ -34,6 +34,8 @@ OF_MODEL = {  # quick ones without a run of the mole
     "fig18": {"time", "time_49", "life", "crack"},
     "fig19": {"time", "time_49", "life", "crack"},
     "fig20": {"time", "time_49", "life", "crack"},
+    "fig23": {"value"},
+    "fig26": {"value"},
     "fig24": {"X1", "X3", "X4", "mode", "steady_X1"},
     "fig25": {"X1", "X3", "X4", "base", "acceleration1", "mode"},
     "fig27": {"force", "stiffness_open", "crack", "deflection"},

@@ -157,7 +157,7 @@ def test_folds_of_constructions_that_are_no_motions_do_not_look_real():
     marks = {str(line.get_gid()): line for line in ax.lines if "special" in str(line.get_gid())}
     assert list(marks) == ["special fold", "special fold, inadmissible"]
     faces = [line.get_markerfacecolor() for line in marks.values()]
-    assert faces[1] == "white" != faces[0]
+    assert faces[1] == "0.85" != faces[0]
     assert "fold, inadmissible" in legend_texts(ax)
 
 

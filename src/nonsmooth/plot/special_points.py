@@ -40,7 +40,7 @@ _MARKS: dict[str, tuple[str, str]] = {
     "end": ("x", "black"),
 }
 _OTHER = ("d", "white")
-_NO_MOTION = ", inadmissible"
+_NO_MOTION, _PALE = ", inadmissible", "0.85"
 _SIZE, _LEAST = 4.5, 2.8  # diameters of marks in points; where they are crowded
 _ARMS, _LINE = 1.8, 1.3  # size of marks that are mere lines, over that of others
 _NESTED = 0.65  # size of a mark over that of the one below it
@@ -123,7 +123,7 @@ def mark_special_points(ax: Axes, kinds: list[str], x: Floats, y: Floats) -> Non
         smaller = _NESTED ** int(below[here].max())  # so that those below look out
         marker, colour = _MARKS.get(kind.removesuffix(_NO_MOTION), _OTHER)
         real = not kind.endswith(_NO_MOTION)
-        colour, edge = (colour, "black") if real else ("white", "0.5")
+        colour, edge = (colour, "black") if real else (_PALE, "0.5")
         line, arms = marker in "|x", marker in "1234"
         label = kind.replace("_", " ")
         ax.plot(

@@ -58,13 +58,13 @@ class _PowerInLabel(ScalarFormatter):
 
     def _labelled(self) -> list[Axis]:
         """Axes with these numbers that have a label."""
-        name = getattr(self.axis, "axis_name", "")
+        own: Any = self.axis
+        name = getattr(own, "axis_name", "")
         if name not in ("x", "y"):
             return []
-        axes: Any = self.axis.axes
-        shared = getattr(axes, f"get_shared_{name}_axes")().get_siblings(axes)
+        shared = getattr(own.axes, f"get_shared_{name}_axes")().get_siblings(own.axes)
         found = [getattr(each, f"{name}axis") for each in shared]
-        return [axis for axis in found if axis.major is self.axis.major and axis.label.get_text()]
+        return [axis for axis in found if axis.major is own.major and axis.label.get_text()]
 
 
 def _with_power(label: str, offset: str) -> str:
@@ -98,7 +98,9 @@ class _FittingLocator(AutoLocator):
         if not isinstance(formatter, ScalarFormatter) or shown.size < 2 or vmax == vmin:
             return True
         size = float(axis.get_tick_params().get("labelsize", axis.label.get_fontsize()))
-        texts = [re.sub(r"[^\d.,\N{MINUS SIGN}-]", "", t) for t in formatter.format_ticks(shown)]
+        texts = [
+            re.sub(r"[^\d.,\N{MINUS SIGN}-]", "", t) for t in formatter.format_ticks(shown.tolist())
+        ]
         widths = size * _LETTER * np.array([len(text) for text in texts])
         figure = axis.get_figure(root=True)
         length = axis.axes.get_window_extent().width / figure.dpi * 72.0
