@@ -40,7 +40,7 @@ _SHADES = ((11, 8), (5, 13), (15, 2))
 _SHAPES = "osD^v<>pPX"  # of the first periods; longer ones are stars
 _STARS = 5  # with three points and more
 
-Marker = str | tuple[int, int, int]
+Marker = Any  # a letter, or a tuple for a star
 _SAME = 1e-9  # of the largest spread, within which a state is constant
 _MARK, _LEAST = 4.0, 2.6  # diameters of marks in points; where they are crowded
 _DENSE = 20_000  # points that are drawn as curves in a PDF

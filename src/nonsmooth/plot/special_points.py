@@ -40,6 +40,7 @@ _MARKS: dict[str, tuple[str, str]] = {
     "end": ("x", "black"),
 }
 _OTHER = ("d", "white")
+_ENDS = ("bound", "end")  # of the branch, whatever its orbits are
 _NO_MOTION, _PALE = ", inadmissible", "0.85"
 _SIZE, _LEAST = 4.5, 2.8  # diameters of marks in points; where they are crowded
 _ARMS, _LINE = 1.8, 1.3  # size of marks that are mere lines, over that of others
@@ -69,7 +70,7 @@ class SpecialPoints(NamedTuple):
             return self.kind
         real = branch["admissible"].values.astype(bool)
         after = np.minimum(self.before + 1, real.size - 1)
-        known = real[self.before] | real[after]
+        known = real[self.before] | real[after] | np.isin(self.kind, _ENDS)
         return [k if here else k + _NO_MOTION for k, here in zip(self.kind, known, strict=True)]
 
 

@@ -122,7 +122,7 @@ def _box(ax: Axes, corner: Any, size: Any, name: str, colour: str) -> None:
 
 
 def _name(ax: Axes, at: Any, text: str, colour: str = "black") -> None:
-    ax.text(*at, text, ha="center", va="center", fontsize=_TEXT, color=colour)
+    ax.text(at[0], at[1], text, ha="center", va="center", fontsize=_TEXT, color=colour)
 
 
 def _parameters(system: System) -> xr.Dataset:
