@@ -54,7 +54,8 @@ LABELLED = {
     "fig8": "y", "fig10": "a_simulated", "fig12": "label", "fig16": "base", "fig17": "base",
     "fig18": "time",
     "fig19": "time", "fig20": "time", "fig21": "crack", "fig22": "crack", "fig24": "X1",
-    "fig23": "value", "fig26": "value", "fig25": "X1", "fig27": "force", "fig28": "u", "fig29": "u", "fig30": "u",
+    "fig23": "value", "fig26": "value",
+    "fig25": "X1", "fig27": "force", "fig28": "u", "fig29": "u", "fig30": "u",
     "fig33": "F1", "fig37": "eta", "fig38": "sx",
 }  # fmt: skip
 
