@@ -138,7 +138,7 @@ def test_newton_does_not_close_what_is_no_cycle():
 
 
 def test_numbers_belong_to_kinds():
-    """Chaos is 2, period four 1, others 3 and 12 by size, and a second chaos goes on."""
+    """Chaos is 16, period four 8, others 10 and 12 by size, and a second chaos goes on."""
     data = xr.Dataset(
         {
             "label": (("y", "p"), np.array([[1, 2, 3], [4, 5, 0]])),
@@ -148,8 +148,8 @@ def test_numbers_belong_to_kinds():
         {"attractor": [1, 2, 3, 4, 5]},
     )
     found = _numbered_by_kind(data)
-    assert found["attractor"].values.tolist() == [12, 2, 1, 3, 13]
-    assert found["label"].values.tolist() == [[12, 2, 1], [3, 13, 0]]
+    assert found["attractor"].values.tolist() == [12, 16, 8, 10, 17]
+    assert found["label"].values.tolist() == [[12, 16, 8], [10, 17, 0]]
 
 
 @pytest.mark.slow
@@ -161,10 +161,10 @@ def test_figure_on_a_small_grid():
         entries = [text.get_text().partition(",")[0] for text in ax.get_legend().get_texts()]
         expected = [f"period {n}" if n else "chaotic" for n in PERIODS[omega]]
         assert sorted(entries) == sorted(expected)
-    assert data["attractor"].values.tolist() == [1, 2, 3, 12]
-    assert data["period"].sel(attractor=2).values.tolist() == [0] * 6
-    assert data["period"].sel(attractor=1).values.tolist() == [4, 4, 4, -1, -1, -1]
-    assert set(np.unique(data["label"].values)) <= {1, 2, 3, 12}
+    assert data["attractor"].values.tolist() == [8, 10, 12, 16]
+    assert data["period"].sel(attractor=16).values.tolist() == [0] * 6
+    assert data["period"].sel(attractor=8).values.tolist() == [4, 4, 4, -1, -1, -1]
+    assert set(np.unique(data["label"].values)) <= {8, 10, 12, 16}
 
 
 @pytest.mark.slow

@@ -34,6 +34,8 @@ OF_MODEL = {  # quick ones without a run of the mole
     "fig18": {"time", "time_49", "life", "crack"},
     "fig19": {"time", "time_49", "life", "crack"},
     "fig20": {"time", "time_49", "life", "crack"},
+    "fig23": {"value"},
+    "fig26": {"value"},
     "fig24": {"X1", "X3", "X4", "mode", "steady_X1"},
     "fig25": {"X1", "X3", "X4", "base", "acceleration1", "mode"},
     "fig27": {"force", "stiffness_open", "crack", "deflection"},
@@ -52,6 +54,7 @@ LABELLED = {
     "fig8": "y", "fig10": "a_simulated", "fig12": "label", "fig16": "base", "fig17": "base",
     "fig18": "time",
     "fig19": "time", "fig20": "time", "fig21": "crack", "fig22": "crack", "fig24": "X1",
+    "fig23": "value", "fig26": "value",
     "fig25": "X1", "fig27": "force", "fig28": "u", "fig29": "u", "fig30": "u",
     "fig33": "F1", "fig37": "eta", "fig38": "sx",
 }  # fmt: skip

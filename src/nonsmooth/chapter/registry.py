@@ -86,12 +86,14 @@ _FIGURES = {
         "fatigue.life_figures", "fig21", "harmonic and chaotic shaking of equal power, mean load 0"
     ),
     "fig22": _Entry("fatigue.life_figures", "fig22", "the same at a mean load of 150 N"),
+    "fig23": _Entry("fatigue.schematics", "fig23", "model of the rig with two masses"),
     "fig24": _Entry(
         "fatigue.rig_figures", "fig24", "two masses and the specimen: four phases from zero, steady"
     ),
     "fig25": _Entry(
         "fatigue.rig_figures", "fig25", "theoretical histories of the rig, dimensionless and in SI"
     ),
+    "fig26": _Entry("fatigue.schematics", "fig26", "model of the rig with one mass"),
     "fig27": _Entry(
         "fatigue.stiffness", "fig27", "restoring force of a specimen with a breathing crack"
     ),

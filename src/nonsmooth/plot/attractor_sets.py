@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from nonsmooth.plot.attractor_key import attractor_entry, make_room, place_key
+from nonsmooth.plot.attractor_key import attractor_entry
 from nonsmooth.plot.attractor_style import (
     attractor_points,
     attractor_styles,
     check_states,
-    draw_points,
+    draw_attractors,
     state_label,
 )
 from nonsmooth.plot.figures import new_axes
+from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.style import finish_axes
 
 if TYPE_CHECKING:
@@ -74,11 +75,10 @@ def attractors(
     numbers = [int(k) for k in data["attractor"].values]
     styles = attractor_styles(data, numbers)
     entries = [attractor_entry(style, basin=False) for style in styles.values()] if legend else []
-    if ax is None:
-        ax = new_axes()
-        make_room(ax, entries)
-    for number, style in styles.items():
-        draw_points(ax, *attractor_points(data, number, across, up), style, label=style.text)
+    own = ax is None
+    ax = new_axes() if ax is None else ax
+    points = {number: attractor_points(data, number, across, up) for number in numbers}
+    draw_attractors(ax, points, styles)
     finish_axes(ax, state_label(data, across), state_label(data, up))
-    place_key(ax, entries)
+    place_legend(ax, entries, may_grow=own)
     return ax

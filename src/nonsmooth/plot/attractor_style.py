@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.plot.crowding import uncrowded
 from nonsmooth.plot.style import PALETTE, axis_label, mixed
 from nonsmooth.simulation.labels import labels_of
 from nonsmooth.system.system import System
@@ -15,6 +16,7 @@ from nonsmooth.system.system import System
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
+    from matplotlib.lines import Line2D
 
 __all__ = [
     "ENDED_EARLY",
@@ -25,7 +27,7 @@ __all__ = [
     "attractor_points",
     "attractor_styles",
     "check_states",
-    "draw_points",
+    "draw_attractors",
     "percent",
     "state_label",
 ]
@@ -35,8 +37,12 @@ UNSETTLED, ENDED_EARLY, INADMISSIBLE, NOT_COMPUTED = "#FFFFFF", "#5A5A5A", "#D4D
 # Twentieths of white in a basin and of black in its points, for the first seven attractors, the
 # next seven, ...; further ones begin anew.
 _SHADES = ((11, 8), (5, 13), (15, 2))
-_SHAPES = "osD^v<>pPX"
+_SHAPES = "osD^v<>pPX"  # of the first periods; longer ones are stars
+_STARS = 5  # with three points and more
+
+Marker = Any  # a letter, or a tuple for a star
 _SAME = 1e-9  # of the largest spread, within which a state is constant
+_MARK, _LEAST = 4.0, 2.6  # diameters of marks in points; where they are crowded
 _DENSE = 20_000  # points that are drawn as curves in a PDF
 
 
@@ -45,7 +51,7 @@ class AttractorStyle(NamedTuple):
 
     basin: str
     points: str
-    marker: str
+    marker: Marker
     size: float
     text: str
 
@@ -59,15 +65,19 @@ def attractor_styles(data: xr.Dataset, numbers: Sequence[int]) -> dict[int, Attr
         white, black = _SHADES[round_ % len(_SHADES)]
         period = _one(data, "period", number)
         periodic = period is not None and int(period) > 0
-        shape = _SHAPES[(int(period) - 1) % len(_SHAPES)] if periodic else "."
+        shape = _shape(int(period)) if periodic else "."
         styles[number] = AttractorStyle(
             mixed(hues[hue], 255, white),
             mixed(hues[hue], 0, black),
             shape,
-            4.0 if periodic else 1.6,
+            _MARK if periodic else 1.6,
             _text(data, number, int(period) if periodic else None),
         )
     return styles
+
+
+def _shape(period: int) -> Marker:
+    return _SHAPES[period - 1] if period <= len(_SHAPES) else (3 + period % _STARS, 1, 0)
 
 
 def attractor_points(data: xr.Dataset, number: int, x: str, y: str) -> tuple[Any, Any]:
@@ -83,10 +93,26 @@ def attractor_points(data: xr.Dataset, number: int, x: str, y: str) -> tuple[Any
     return across[there], up[there]
 
 
-def draw_points(ax: Axes, across: Any, up: Any, style: AttractorStyle, **options: Any) -> None:
-    """Draw points so that they stand out before any basin."""
+def draw_attractors(
+    ax: Axes, points: Mapping[int, tuple[Any, Any]], styles: Mapping[int, AttractorStyle]
+) -> None:
+    """Draw the points of attractors so that they stand out before any basin.
+
+    Marks are as large as they can be without lying on each other.
+    """
+    lines = {k: _draw_points(ax, *points[k], style) for k, style in styles.items()}
+    ax.autoscale_view()
+    marked = [k for k, style in styles.items() if style.marker != "."]
+    if marked:
+        across, up = (np.concatenate([points[k][axis] for k in marked]) for axis in (0, 1))
+        size = uncrowded(ax, across, up, _MARK, _LEAST)
+        for k in marked:
+            lines[k].set_markersize(size)
+
+
+def _draw_points(ax: Axes, across: Any, up: Any, style: AttractorStyle) -> Line2D:
     dots = style.marker == "."
-    ax.plot(
+    (line,) = ax.plot(
         across,
         up,
         linestyle="none",
@@ -96,8 +122,10 @@ def draw_points(ax: Axes, across: Any, up: Any, style: AttractorStyle, **options
         markeredgecolor=style.points if dots else "white",
         markeredgewidth=0.0 if dots else 0.5,
         rasterized=len(across) > _DENSE,
-        **{"zorder": 3} | options,
+        zorder=3,
+        label=style.text,
     )
+    return line
 
 
 def state_label(data: xr.Dataset, name: str) -> str:

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError
-from nonsmooth.plot.attractor_key import attractor_entry, make_room, place_key
+from nonsmooth.plot.attractor_key import attractor_entry
 from nonsmooth.plot.attractor_style import (
     ENDED_EARLY,
     INADMISSIBLE,
@@ -17,11 +17,12 @@ from nonsmooth.plot.attractor_style import (
     AttractorStyle,
     attractor_points,
     attractor_styles,
-    draw_points,
+    draw_attractors,
     percent,
     state_label,
 )
 from nonsmooth.plot.figures import new_axes
+from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.style import finish_axes
 
 if TYPE_CHECKING:
@@ -36,6 +37,8 @@ _OTHERS = {
     -2: (INADMISSIBLE, "inadmissible"),
     -3: (NOT_COMPUTED, "not computed"),
 }
+Points = tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]
+
 _EVEN = 1e-6  # of a step, between cells that count as equally wide
 
 
@@ -47,6 +50,8 @@ def basins(
     legend: bool = True,
 ) -> Axes:
     """Basins of attraction in pale colours, the attractors in them in dark ones.
+
+    The legend says of which attractors points lie outside the picture.
 
     Parameters
     ----------
@@ -99,18 +104,20 @@ def basins(
     data = _with_fractions(data, labels)
     numbers = sorted({int(k) for k in np.unique(labels) if k > 0} | _known(data))
     styles = attractor_styles(data, numbers)
+    points = {number: attractor_points(data, number, across, up) for number in numbers}
+    borders = _edges(data, across), _edges(data, up)
+    if attractors:
+        styles = {k: _telling_outside(style, points[k], borders) for k, style in styles.items()}
     entries = _entries(styles, labels) if legend else []
-    if ax is None:
-        ax = new_axes()
-        make_room(ax, entries)
+    own = ax is None
+    ax = new_axes() if ax is None else ax
     colours = {k: colour for k, (colour, _) in _OTHERS.items()}
     colours |= {number: style.basin for number, style in styles.items()}
-    _draw_cells(ax, labels, colours, _edges(data, across), _edges(data, up))
+    _draw_cells(ax, labels, colours, *borders)
     if attractors:
-        for number, style in styles.items():
-            draw_points(ax, *attractor_points(data, number, across, up), style)
+        draw_attractors(ax, points, styles)
     finish_axes(ax, state_label(data, across), state_label(data, up))
-    place_key(ax, entries)
+    place_legend(ax, entries, may_grow=own)
     return ax
 
 
@@ -178,6 +185,16 @@ def _edges(data: xr.Dataset, name: str) -> npt.NDArray[np.float64]:
 def _even(edges: npt.NDArray[np.float64]) -> bool:
     steps = np.diff(edges)
     return bool(np.ptp(steps) <= _EVEN * abs(steps.mean()))
+
+
+def _telling_outside(style: AttractorStyle, points: Points, borders: Points) -> AttractorStyle:
+    """Style of an attractor whose text says if points of it are outside the picture."""
+    inside = np.ones(len(points[0]), bool)
+    for values, edges in zip(points, borders, strict=True):
+        inside &= (values >= edges[0]) & (values <= edges[-1])
+    if inside.all():
+        return style
+    return style._replace(text=f"{style.text}, {'partly ' if inside.any() else ''}outside")
 
 
 def _entries(styles: dict[int, AttractorStyle], labels: npt.NDArray[np.int_]) -> list[Any]:

@@ -18,9 +18,10 @@ from nonsmooth.plot.branch_curves import (
     quantity,
 )
 from nonsmooth.plot.figures import new_axes
+from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.legible import cut_axis
 from nonsmooth.plot.special_points import mark_special_points, special_points
-from nonsmooth.plot.style import LINES, PALETTE, axis_label, finish_axes, place_legend, wrapped
+from nonsmooth.plot.style import LINES, PALETTE, axis_label, finish_axes, wrapped
 from nonsmooth.plot.trace import DENSE, broken
 
 if TYPE_CHECKING:
@@ -39,10 +40,9 @@ _STYLES: dict[int, tuple[str, dict[str, Any]]] = {
 # dark, so that they stand out before the dots of a diagram
 _COLOURS = (
     *(LINES[0]["color"], PALETTE["blue"], PALETTE["vermilion"], LINES[2]["color"]),
-    LINES[3]["color"],
+    *(LINES[3]["color"], PALETTE["orange"], PALETTE["sky"]),
 )
 _DOTS, _BEHIND = "0.6", "brute force"  # a diagram behind: its grey, its name
-_MOST_ROWS = 8  # of the legend; kinds of points that it leaves out would be a riddle
 _BELOW = 0.97  # of an axis that is cut: where marks of points beyond it are
 _MANY = 3_000  # dots that are drawn small
 
@@ -133,6 +133,7 @@ def branch(
     ['stable', 'unstable', 'flip']
     """
     named = _named(branches)
+    own = ax is None
     ax = new_axes() if ax is None else ax
     if diagram is not None:
         _draw_diagram(diagram, next(iter(named.values())), x, y, ax)
@@ -152,7 +153,7 @@ def branch(
         curve = branch_curve(one, (across, up), points, places)
         _draw(curve, ax, colours[name], f"branch {drawn + k}")
         labels.append((x_label, y_label))
-        marks.append((points.kind, *places))
+        marks.append((points.kinds_shown(one), *places))
     _explain(ax, colours)
     top = np.inf
     if y == "multipliers":
@@ -162,8 +163,7 @@ def branch(
         mark_special_points(ax, kinds, at_x, np.minimum(at_y, _BELOW * top))
     finish_axes(ax, *labels[0])
     if legend:
-        place_legend(ax, _MOST_ROWS)
-        _enlarge_dots(ax)
+        place_legend(ax, may_grow=own)
     return ax
 
 
@@ -199,25 +199,17 @@ def _draw(curve: Curve, ax: Axes, colour: str, gid: str) -> None:
 
 
 def _explain(ax: Axes, colours: Mapping[str, str]) -> None:
-    """Entries of the legend: kinds of orbits in black, and branches by colour."""
+    """Entries of the legend: kinds of orbits without a colour, and branches by colour."""
     known = ax.get_legend_handles_labels()[1]
     drawn = {line.get_label() for line in ax.lines if _is_branch(line)}
+    # black may be the colour of a branch
+    neutral = "0.5" if len(colours) > 1 else "black"
     for name, style in _STYLES.values():
         if f"_{name}" in drawn and name not in known:
-            ax.plot([], [], color="black", **style, label=name)
+            ax.plot([], [], color=neutral, **style, label=name)
     for name, colour in colours.items():
         if name and name not in known:
             ax.plot([], [], color=colour, linewidth=3.0, label=name)
-
-
-def _enlarge_dots(ax: Axes) -> None:
-    """Let the dots of a diagram be seen in the legend."""
-    from matplotlib.lines import Line2D
-
-    box = ax.get_legend()
-    for handle in box.legend_handles if box else ():
-        if isinstance(handle, Line2D) and handle.get_label() == _BEHIND:
-            handle.set_markersize(5.0)
 
 
 def check_diagram(diagram: xr.Dataset, parameter: str, y: str, x: str | None = None) -> None:

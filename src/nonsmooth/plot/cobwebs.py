@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from nonsmooth.errors import OptionError
 from nonsmooth.plot.figures import new_axes
+from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.map_graph import (
     curves,
     draw_diagonal,
@@ -18,7 +19,7 @@ from nonsmooth.plot.map_graph import (
     require_map,
     turn_of,
 )
-from nonsmooth.plot.style import PALETTE, place_legend
+from nonsmooth.plot.style import PALETTE
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -8,8 +8,9 @@ import numpy as np
 
 from nonsmooth.errors import OptionError
 from nonsmooth.plot.figures import new_axes
+from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.point_names import named_points, write_names
-from nonsmooth.plot.style import PALETTE, axis_label, finish_axes, place_legend
+from nonsmooth.plot.style import PALETTE, axis_label, finish_axes
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -9,7 +9,8 @@ import numpy.typing as npt
 
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.plot.figures import new_axes
-from nonsmooth.plot.style import LINES, PALETTE, axis_label, finish_axes, place_legend
+from nonsmooth.plot.legends import place_legend
+from nonsmooth.plot.style import LINES, PALETTE, axis_label, finish_axes
 from nonsmooth.plot.trace import DENSE, curve
 
 if TYPE_CHECKING:

@@ -8,7 +8,8 @@ import numpy as np
 
 from nonsmooth.errors import OptionError
 from nonsmooth.plot.figures import new_axes
-from nonsmooth.plot.style import LINES, axis_label, finish_axes, place_legend
+from nonsmooth.plot.legends import place_legend
+from nonsmooth.plot.style import LINES, axis_label, finish_axes
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -93,6 +93,10 @@ def new_axes(projection: str | None = None) -> Any:
 def _set_ticks(ax: Axes) -> None:
     # matplotlib makes ticks when it draws, long after the style's context was left
     ax.tick_params(labelsize=_SMALL, width=0.6, length=2.5)
+    if ax.name == "rectilinear":
+        from nonsmooth.plot.ticks import set_numbers
+
+        set_numbers(ax)
 
 
 def save_figure(figure: Figure, path: str | Path, *, dpi: float = 300.0) -> Path:

@@ -9,7 +9,8 @@ import numpy as np
 from nonsmooth.errors import OptionError
 from nonsmooth.fatigue.crack_curve import CrackCurve
 from nonsmooth.plot.figures import new_axes
-from nonsmooth.plot.style import LINES, axis_label, finish_axes, place_legend
+from nonsmooth.plot.legends import place_legend
+from nonsmooth.plot.style import LINES, axis_label, finish_axes
 
 if TYPE_CHECKING:
     import numpy.typing as npt

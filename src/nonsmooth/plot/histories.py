@@ -6,8 +6,9 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from nonsmooth.plot.figures import new_axes
+from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.markers import event_markers
-from nonsmooth.plot.style import LINES, axis_label, finish_axes, place_legend
+from nonsmooth.plot.style import LINES, axis_label, finish_axes
 from nonsmooth.plot.trace import check_range, check_variables, curve, thinned
 
 if TYPE_CHECKING:

@@ -10,7 +10,8 @@ import numpy.typing as npt
 
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.histories import common_label, draw_lines
-from nonsmooth.plot.style import axis_label, finish_axes, mode_colours, mode_numbers, place_legend
+from nonsmooth.plot.legends import place_legend
+from nonsmooth.plot.style import axis_label, finish_axes, mode_colours, mode_numbers
 from nonsmooth.plot.trace import DENSE, check_log, check_range, check_variables
 
 if TYPE_CHECKING:

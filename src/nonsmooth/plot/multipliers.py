@@ -11,9 +11,10 @@ from nonsmooth.errors import OptionError
 from nonsmooth.plot.branch_curves import check_branch
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.growth_colours import colour_bar, growing_colours
+from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.multiplier_paths import NO_BOUND, path_pieces
 from nonsmooth.plot.special_points import mark_special_points
-from nonsmooth.plot.style import PALETTE, axis_label, finish_axes, place_legend
+from nonsmooth.plot.style import PALETTE, axis_label, finish_axes
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nonsmooth.errors import OptionError
+from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.portrait import phase_portrait
-from nonsmooth.plot.style import LINES, axis_label, place_legend, wrapped
+from nonsmooth.plot.style import LINES, axis_label, wrapped
 from nonsmooth.plot.trace import DENSE, check_range, check_variables, curve
 
 if TYPE_CHECKING:

@@ -10,10 +10,10 @@ import numpy as np
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.plot.histories import common_label
 from nonsmooth.plot.leg_samples import as_run, over_time
+from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.markers import EVENT_MARK, EVENT_SHAPES, event_markers
 from nonsmooth.plot.mode_spans import phases
 from nonsmooth.plot.portrait import phase_portrait
-from nonsmooth.plot.style import place_legend
 from nonsmooth.plot.trace import DENSE, broken, curve
 
 if TYPE_CHECKING:
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 
 __all__ = ["orbit_history", "periodic_orbit"]
 
-_MOST_ROWS = 6  # of a legend: modes, events and the section
 _DOTTED: Any = (0, (1.0, 1.2))
 _VISIBLE = 1e-3  # of the range of a curve: smaller jumps are rounding, or cannot be seen
 _SECTION: dict[str, Any] = {
@@ -110,7 +109,7 @@ def periodic_orbit(
         _mark_events(run, x, y, ax, turns)
     ax.plot(run[x].values[:1], run[y].values[:1], **_SECTION)
     if legend:
-        place_legend(ax, _MOST_ROWS)
+        place_legend(ax)
     return ax
 
 
@@ -194,7 +193,7 @@ def orbit_history(
         style = _SECTION | ({"label": "_section"} if k else {})
         ax.plot(run["time"].values[:1], run[name].values[:1], clip_on=False, **style)
     if legend:
-        place_legend(ax, _MOST_ROWS)
+        place_legend(ax)
     return ax
 
 

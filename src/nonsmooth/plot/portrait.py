@@ -7,15 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nonsmooth.plot.figures import new_axes
+from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.mode_spans import mode_label
-from nonsmooth.plot.style import (
-    LINES,
-    axis_label,
-    finish_axes,
-    mode_colours,
-    mode_numbers,
-    place_legend,
-)
+from nonsmooth.plot.style import LINES, axis_label, finish_axes, mode_colours, mode_numbers
 from nonsmooth.plot.surfaces import draw_surfaces
 from nonsmooth.plot.trace import (
     DENSE,

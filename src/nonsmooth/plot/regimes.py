@@ -9,6 +9,7 @@ import numpy as np
 
 from nonsmooth.errors import OptionError
 from nonsmooth.plot.figures import new_axes
+from nonsmooth.plot.regime_colours import LONGER, OTHER_REGIMES, PERIODS
 from nonsmooth.plot.regime_quantities import draw_quantity, edges
 from nonsmooth.plot.regime_shades import shades
 from nonsmooth.plot.style import axis_label, finish_axes
@@ -19,22 +20,6 @@ if TYPE_CHECKING:
 
 __all__ = ["regime_map"]
 
-# P. Tol, Colour schemes, SRON/EPS/TN/09-002: the scheme "muted", told apart with every kind of
-# colour vision. Ordered so that periods that often meet, n and 2n, differ most.
-_PERIODS = {
-    1: "#88CCEE", 2: "#332288", 3: "#DDCC77", 4: "#CC6677", 5: "#117733", 6: "#882255",
-    7: "#44AA99", 8: "#999933",
-}  # fmt: skip
-_LONGER = "#AA4499"
-_OTHERS = {
-    "equilibrium": "#EEEEBB",
-    "locked": "#661100",
-    "limit-cycle": "#6699CC",
-    "quasi-periodic": "#888888",
-    "chaotic": "#000000",
-    "absorbed": "#DDDDDD",
-    "unsettled": "#FFFFFF",
-}
 _ENDED = "ended early"  # for other reasons than those of the words below
 _HATCHES = {
     _ENDED: "//////", "inadmissible": "......", "refused": "xxxxx", "interrupted": "-----"
@@ -145,12 +130,12 @@ def _categories(grid: xr.Dataset, words: bool) -> tuple[np.ndarray, list[str], l
     codes, periods = grid["regime"].values, grid[variable].values
     periodic = codes == labels.index("periodic")
     # in the order of the legend: periods, longer ones, the other labels
-    order = [(f"period {n}", colour, periodic & (periods == n)) for n, colour in _PERIODS.items()]
-    order.append((f"period > {len(_PERIODS)}", _LONGER, periodic & (periods > len(_PERIODS))))
+    order = [(f"period {n}", colour, periodic & (periods == n)) for n, colour in PERIODS.items()]
+    order.append((f"period > {len(PERIODS)}", LONGER, periodic & (periods > len(PERIODS))))
     order = [part for entry in order for part in shades(grid, *entry, words=words)]
     others = np.select([codes == code for code in range(len(labels))], labels, "")
-    ended = ~np.isin(others, ["periodic", *_OTHERS, *_HATCHES])
-    order += [(word, colour, others == word) for word, colour in _OTHERS.items()]
+    ended = ~np.isin(others, ["periodic", *OTHER_REGIMES, *_HATCHES])
+    order += [(word, colour, others == word) for word, colour in OTHER_REGIMES.items()]
     order.append((_ENDED, _WHITE, ended))
     order += [(word, _WHITE, others == word) for word in _HATCHES if word != _ENDED]
     present = [entry for entry in order if np.any(entry[2])]

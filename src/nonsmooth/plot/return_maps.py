@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nonsmooth.plot.figures import new_axes
+from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.map_graph import curves, draw_diagonal, finish_map, of_motion, require_map
-from nonsmooth.plot.style import PALETTE, place_legend
+from nonsmooth.plot.style import PALETTE
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -18,7 +19,6 @@ __all__ = ["return_map"]
 
 _COLOURS = [colour for name, colour in PALETTE.items() if name != "yellow"]  # faint as a line
 _DASHES = ("-", "--", ":", "-.")
-_IN_LEGEND = 6.0  # points; of dots
 _LONGEST = 44  # letters of a label
 
 
@@ -64,8 +64,6 @@ def return_map(
     >>> len(ax.lines) > 1
     True
     """
-    from matplotlib.lines import Line2D
-
     require_map(data)
     ax = new_axes() if ax is None else ax
     image = data["image"].values
@@ -104,10 +102,6 @@ def return_map(
     finish_map(ax, data)
     if legend:
         place_legend(ax)
-        box = ax.get_legend()
-        for handle in box.legend_handles if box and of_motion(data) else ():
-            if isinstance(handle, Line2D):
-                handle.set_markersize(_IN_LEGEND)
     return ax
 
 

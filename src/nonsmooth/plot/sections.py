@@ -9,15 +9,9 @@ import numpy.typing as npt
 
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.plot.figures import new_axes
+from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.mode_spans import mode_label
-from nonsmooth.plot.style import (
-    LINES,
-    axis_label,
-    finish_axes,
-    mode_colours,
-    mode_numbers,
-    place_legend,
-)
+from nonsmooth.plot.style import LINES, axis_label, finish_axes, mode_colours, mode_numbers
 from nonsmooth.plot.trace import DENSE
 
 if TYPE_CHECKING:
@@ -30,7 +24,6 @@ __all__ = ["diameter_of", "section"]
 # gaps between them
 _SIZES = ((200, 3.0), (2_000, 1.6), (DENSE, 0.9), (200_000, 0.5))
 _SMALLEST = 0.3  # a little more than a pixel of a print at 300 dots per inch
-_IN_LEGEND = 3.0
 _PLACES = 1_000  # per side
 
 
@@ -116,13 +109,7 @@ def section(
         )
     finish_axes(ax, axis_label(points[x]), axis_label(points[y]))
     if phases and legend:
-        from matplotlib.lines import Line2D
-
         place_legend(ax)
-        box = ax.get_legend()
-        for handle in box.legend_handles if box else ():
-            if isinstance(handle, Line2D):
-                handle.set_markersize(_IN_LEGEND)
     return ax
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.plot.crowding import depths, uncrowded
 from nonsmooth.plot.style import PALETTE
 
 if TYPE_CHECKING:
@@ -39,6 +40,11 @@ _MARKS: dict[str, tuple[str, str]] = {
     "end": ("x", "black"),
 }
 _OTHER = ("d", "white")
+_ENDS = ("bound", "end")  # of the branch, whatever its orbits are
+_NO_MOTION, _PALE = ", inadmissible", "0.85"
+_SIZE, _LEAST = 4.5, 2.8  # diameters of marks in points; where they are crowded
+_ARMS, _LINE = 1.8, 1.3  # size of marks that are mere lines, over that of others
+_NESTED = 0.65  # size of a mark over that of the one below it
 _SAME = 1e-9  # part of the way between two points within which a special point is one of them
 
 
@@ -57,6 +63,15 @@ class SpecialPoints(NamedTuple):
         # at the ends themselves, where the other one may be no number
         inside = np.where(self.share == 0.0, values[self.before], inside)
         return np.where(self.share == 1.0, values[after], inside)
+
+    def kinds_shown(self, branch: xr.Dataset) -> list[str]:
+        """Kinds, with a word at points between constructions that are no motions."""
+        if "admissible" not in branch:
+            return self.kind
+        real = branch["admissible"].values.astype(bool)
+        after = np.minimum(self.before + 1, real.size - 1)
+        known = real[self.before] | real[after] | np.isin(self.kind, _ENDS)
+        return [k if here else k + _NO_MOTION for k, here in zip(self.kind, known, strict=True)]
 
 
 def special_points(branch: xr.Dataset) -> SpecialPoints:
@@ -97,11 +112,19 @@ def mark_special_points(ax: Axes, kinds: list[str], x: Floats, y: Floats) -> Non
     """One set of marks for each kind, labelled by it once on the axes."""
     known = ax.get_legend_handles_labels()[1]
     order = [*_MARKS, *sorted(set(kinds) - set(_MARKS))]
-    for kind in order:
-        here = np.array([name == kind for name in kinds], bool) & np.isfinite(x) & np.isfinite(y)
-        if not np.any(here):
-            continue
-        marker, colour = _MARKS.get(kind, _OTHER)
+    there = sorted(
+        np.flatnonzero(np.isfinite(x) & np.isfinite(y)), key=lambda k: order.index(kinds[k])
+    )
+    kinds, x, y = [kinds[k] for k in there], x[there], y[there]
+    ax.autoscale_view()
+    size = uncrowded(ax, x, y, _SIZE, _LEAST)
+    below = depths(ax, x, y)
+    for kind in dict.fromkeys(kinds):
+        here = np.array([name == kind for name in kinds], bool)
+        smaller = _NESTED ** int(below[here].max())  # so that those below look out
+        marker, colour = _MARKS.get(kind.removesuffix(_NO_MOTION), _OTHER)
+        real = not kind.endswith(_NO_MOTION)
+        colour, edge = (colour, "black") if real else (_PALE, "0.5")
         line, arms = marker in "|x", marker in "1234"
         label = kind.replace("_", " ")
         ax.plot(
@@ -109,9 +132,9 @@ def mark_special_points(ax: Axes, kinds: list[str], x: Floats, y: Floats) -> Non
             y[here],
             linestyle="none",
             marker=marker,
-            markersize=8.0 if arms else (6.0 if line else 4.5),
+            markersize=size * smaller * (_ARMS if arms else (_LINE if line else 1.0)),
             markerfacecolor=colour,
-            markeredgecolor=colour if arms else "black",
+            markeredgecolor=colour if arms and real else edge,
             markeredgewidth=1.4 if arms else (1.0 if line else 0.6),
             zorder=4,
             gid=f"special {kind}",

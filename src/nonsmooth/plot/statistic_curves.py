@@ -8,7 +8,8 @@ import numpy as np
 
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.plot.figures import new_axes
-from nonsmooth.plot.style import LINES, PALETTE, axis_label, finish_axes, place_legend
+from nonsmooth.plot.legends import place_legend
+from nonsmooth.plot.style import LINES, PALETTE, axis_label, finish_axes
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -1,4 +1,4 @@
-"""How pictures look: colours, line styles, labels with units, legends."""
+"""How pictures look: colours, line styles, labels with units."""
 
 from __future__ import annotations
 
@@ -19,7 +19,6 @@ __all__ = [
     "mixed",
     "mode_colours",
     "mode_numbers",
-    "place_legend",
     "wrapped",
 ]
 
@@ -45,10 +44,7 @@ LINES: tuple[dict[str, Any], ...] = (
 )
 
 _SHADES = ((0, 0), (0, 9), (255, 10), (0, 14))  # black or white, and twentieths of it
-_HANDLE, _GAP = 2.2, 1.2  # of a legend: length of its lines, space between columns; in letters
 _LABEL_WIDTH = 34  # characters; at 8 points this is the height of a column-wide picture
-_SMALLEST = 6.5  # letters of a legend that has many entries, in points
-_MOST_ROWS = 4  # of a legend; more would take the height of the axes
 
 
 def axis_label(variable: xr.DataArray) -> str:
@@ -133,59 +129,3 @@ def finish_axes(ax: Axes, x_label: str, y_label: str) -> None:
         ax.set_xlabel(wrapped(x_label))
     if not ax.get_ylabel():
         ax.set_ylabel(wrapped(y_label))
-
-
-def place_legend(ax: Axes, most_rows: int = _MOST_ROWS) -> None:
-    """Put the legend above the axes, where it hides no curve; nothing without labels.
-
-    Of more entries than so many rows hold, the last ones are counted only.
-    """
-    from matplotlib.patches import Patch
-
-    handles, labels = ax.get_legend_handles_labels()
-    if not handles:
-        return
-    size = float(
-        ax.xaxis.label.get_fontsize()
-    )  # axes of the caller may have larger texts than ours
-    columns = _legend_columns(ax, labels, size)
-    if len(labels) > columns * _MOST_ROWS and size > _SMALLEST:
-        size = max(_SMALLEST, size - 1.0)
-        columns = _legend_columns(ax, labels, size)
-    if len(labels) > columns * most_rows:
-        kept = columns * most_rows - 1
-        labels = [*labels[:kept], f"and {len(labels) - kept} more"]
-        handles = [*handles[:kept], Patch(alpha=0.0)]
-    ax.legend(
-        handles,
-        labels,
-        fontsize=size,
-        ncols=columns,
-        loc="lower left",
-        bbox_to_anchor=(0.0, 1.0),
-        borderaxespad=0.2,
-        borderpad=0.2,
-        frameon=False,
-        labelspacing=0.3,
-        handlelength=_HANDLE,
-        columnspacing=_GAP,
-    )
-    # the power of ten of the axis stands beside it, above its numbers
-    ax.yaxis.get_offset_text().set_horizontalalignment("right")
-
-
-def _legend_columns(ax: Axes, labels: list[str], size: float) -> int:
-    """Columns that fit the width of the axes; a wider legend would squeeze them."""
-    figure = ax.get_figure(root=True)
-    assert figure is not None
-    available = ax.get_window_extent().width / figure.dpi * 72.0  # points
-    for columns in range(len(labels), 1, -1):
-        letters = 0  # of the longest labels of all columns, which are filled one after the other
-        for k in range(columns):
-            count, more = divmod(len(labels), columns)
-            first = k * count + min(k, more)
-            letters += max(len(label) for label in labels[first : first + count + (k < more)])
-        width = columns * (_HANDLE + 0.8 + _GAP) - _GAP + 0.57 * letters
-        if size * width <= available:
-            return columns
-    return 1

@@ -10,7 +10,7 @@ from nonsmooth.analysis.spectra.transforms import Lines
 
 __all__ = ["FREQUENCY", "HARMONIC", "spectrum_dataset", "spectrum_labels"]
 
-FREQUENCY = "frequency in cycles"
+FREQUENCY = "frequency in cycles per unit of time"
 HARMONIC = "frequency over that of the forcing"
 
 
@@ -19,7 +19,9 @@ def spectrum_labels(
 ) -> tuple[dict[str, str], dict[str, str], dict[str, str]]:
     """Attributes of amplitude, power density and frequency of something with a unit."""
     per_density = {"units": f"({unit})^2 {time_unit}".strip()} if unit else {}
-    frequency = {"long_name": FREQUENCY} | ({"units": f"1/{time_unit}"} if time_unit else {})
+    frequency = {"long_name": FREQUENCY}
+    if time_unit:
+        frequency = {"long_name": "frequency in cycles", "units": f"1/{time_unit}"}
     if time_unit == "s":
         square = f"({unit})^2" if "/" in unit else f"{unit}^2"
         per_density = {"units": f"{square}/Hz"} if unit else {}

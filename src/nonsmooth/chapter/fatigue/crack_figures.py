@@ -118,8 +118,12 @@ def _curve(data: xr.Dataset) -> Figure:
             f"{crack:g} mm: {words}\nchapter: {_CHAPTER[crack]}", fontsize=6.5, pad=2.5,
             bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.0},
         )  # fmt: skip
-        inset.text(0.97, 0.03, "v over u", transform=inset.transAxes, ha="right", va="bottom",
-                   fontsize=6, color="0.35")  # fmt: skip
+        spans = (f"{name} {low:.2f} to {high:.2f}" for name, (low, high) in
+                 (("u", inset.get_xlim()), ("v", inset.get_ylim())))  # fmt: skip
+        inset.set_xlabel(
+            "\n".join(spans), fontsize=6, color="0.35", labelpad=2.0,
+            bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5},
+        )  # fmt: skip
     return figure
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,6 +23,7 @@ from nonsmooth.fatigue import CrackCurve, LoadBlock, Specimen, chapter_tests, li
 from nonsmooth.plot import PALETTE, print_figure
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 __all__ = ["fig18", "fig19", "fig20", "fig21", "fig22"]
@@ -29,6 +31,8 @@ __all__ = ["fig18", "fig19", "fig20", "fig21", "fig22"]
 _TEXT = 8
 _FIRST, _LAST = 6.4, 19.0  # mm; the last is ours, 1 mm short of the width
 _POINTS = 400
+_FREE = 3  # constants of the fitted law
+_SCATTER_AT = 18.0  # mm; the bars beside each curve stand below the dots
 _COLOURS = ("black", "blue", "vermilion", "green")
 _TESTS = {
     "fig18": ("hl0(100)", "hl100(100)", "hl150(100)", "hl200(100)"),
@@ -52,7 +56,7 @@ def fig18() -> tuple[Figure, xr.Dataset]:
         End points of Table 3 and model curves; the measured curves are not available.
     data : xarray.Dataset
         ``time`` of the fitted law and ``time_49`` of Eq. (49), in s, over ``test`` and ``crack``;
-        ``life`` measured.
+        ``life`` measured; ``scatter``, the factor between lives and their fits.
 
     Examples
     --------
@@ -108,12 +112,68 @@ def _table_3(name: str, title: str) -> tuple[Figure, xr.Dataset]:
             "time_49": (("test", "crack"), np.pad(by_49, ((0, 0), (1, 0))),
                         {"long_name": "time by Eq. (49)", "units": "s"}),
             "life": tests["life"],
+            "scatter": ((), fit_scatter(), {"long_name": "factor of one standard deviation"}),
         },
         {"test": list(_TESTS[name]),
          "crack": ("crack", cracks, {"long_name": "crack length", "units": "mm"})},
         {"law": repr(fitted_law()), "note": _NOTE},
     )  # fmt: skip
     return _drawn(data, tests, title), data
+
+
+@lru_cache(maxsize=1)
+def fit_scatter() -> float:
+    """Factor by which measured and fitted lives differ: one standard deviation, eight tests.
+
+    Returns
+    -------
+    float
+
+    Examples
+    --------
+    >>> round(fit_scatter(), 1)
+    1.5
+    """
+    tests = chapter_tests()
+    ratios = [
+        float(measured) / fitted_life(float(mean), float(size))
+        for mean, size, measured in zip(
+            tests["mean_load"].values, tests["load_amplitude"].values, tests["life"].values,
+            strict=True,
+        )
+    ]  # fmt: skip
+    degrees = len(ratios) - _FREE
+    return float(np.exp(np.sqrt(np.sum(np.log(ratios) ** 2) / degrees)))
+
+
+def fitted_life(mean: float, size: float) -> float:
+    """Time in s to the last length by the fitted law.
+
+    Parameters
+    ----------
+    mean, size : float
+        Mean load and amplitude, in N.
+
+    Returns
+    -------
+    float
+
+    Examples
+    --------
+    >>> fitted_life(0.0, 100.0) > fitted_life(100.0, 100.0)
+    True
+    """
+    load = LoadBlock.constant_amplitude(mean, size, 20.0)
+    grown = life(Specimen().stress_intensity, fitted_law(), load, initial=_FIRST, final=_LAST)
+    return float(grown["time"].values[-1])
+
+
+def _explain_lines(ax: Axes) -> None:
+    """Entries of the legend for the kinds of lines, whatever their colour."""
+    grey: dict[str, Any] = {"color": "0.4"}
+    ax.plot([], [], **grey, linewidth=1.4, label="Walker's law, fitted")
+    ax.plot([], [], **grey, linewidth=1.1, linestyle="--", label="Eq. (49) to the measured life")
+    ax.plot([], [], "|-", **grey, linewidth=0.8, markersize=4, label="scatter of the eight fits")
 
 
 def _curve_49(measured: float) -> CrackCurve:
@@ -128,11 +188,16 @@ def _curve_49(measured: float) -> CrackCurve:
 
 def _drawn(data: xr.Dataset, tests: xr.Dataset, title: str) -> Figure:
     figure, (ax,) = print_figure(1, 1, width=16.0, height=9.5)
+    factor = float(data["scatter"])
     for k in range(data.sizes["test"]):
         colour = PALETTE.get(_COLOURS[k], _COLOURS[k])
         mean, size = (float(tests[n][k]) for n in ("mean_load", "load_amplitude"))
         measured = float(data["life"][k])
         ax.plot(data["time"][k], data["crack"], color=colour, linewidth=1.4)
+        ends = float(data["time"][k, -1]) * factor ** np.array([-1.0, 0.0, 1.0])
+        ax.plot(
+            ends, np.full(3, _SCATTER_AT - 0.5 * k), "|-", color=colour, linewidth=0.8, markersize=4
+        )
         ax.plot(data["time_49"][k], data["crack"], color=colour, linewidth=1.1, linestyle="--")
         label = f"({'abcd'[k]}) mean {mean:g} N, amplitude {size:g} N: {measured:g} s"
         ax.plot(measured, _LAST, "o", color=colour, markersize=6, label=label, clip_on=False)
@@ -147,6 +212,7 @@ def _drawn(data: xr.Dataset, tests: xr.Dataset, title: str) -> Figure:
     ax.set_xlabel("time [s]")
     ax.set_ylabel("crack length [mm]")
     ax.set_title(title, loc="left", fontsize=_TEXT)
+    _explain_lines(ax)
     figure.legend(*ax.get_legend_handles_labels(), frameon=False, fontsize=7, ncols=2,
                   loc="outside upper center")  # fmt: skip
     figure.supxlabel(_NOTE, fontsize=7, ha="left", x=0.01)

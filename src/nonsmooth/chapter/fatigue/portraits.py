@@ -141,6 +141,7 @@ def fig28() -> tuple[Figure, xr.Dataset]:
         for line, colour in zip(deep.lines, _COLOURS, strict=False):  # the shadows stay grey
             line.set_color(colour)
         _small_texts(deep)
+        deep.set_box_aspect((3.0, 4.0, 3.0), zoom=1.15)
         _plane(axes[2 * row + 1], orbits[law])
         for ax, letter in ((deep, "ac"[row]), (axes[2 * row + 1], "bd"[row])):
             ax.set_title(f"({letter}) {_TITLES[law]}", loc="left", fontsize=_TEXT)
@@ -162,9 +163,8 @@ def _plane(ax: Axes, orbits: dict[float, xr.Dataset]) -> None:
         words = f"period {period}" if period else "no period"
         ax.plot(orbit["u"], orbit["v"], color=colour, linewidth=0.9, label=f"{ratio:g}, {words}")
     ax.axvline(0.0, color="0.7", linewidth=0.6, zorder=0)
-    low, high = ax.get_xlim()
-    ax.set_xlim(low, high + 0.35 * (high - low))  # room for the legend
-    ax.legend(frameon=False, loc="lower right", fontsize=6.5, title="crack ratio", title_fontsize=7)
+    ax.legend(frameon=False, loc="upper center", bbox_to_anchor=(0.5, -0.22), ncols=2, fontsize=6.5,
+              title="crack ratio and motion", title_fontsize=7)  # fmt: skip
     ax.set_xlabel("deflection $u$ [$A_b$], open where positive")
     ax.set_ylabel(r"velocity $v$ [$A_b \omega_M$]")
 

@@ -26,7 +26,8 @@ OMEGAS = (1.4, 1.45, 1.56, 1.58, 1.6, 1.7)
 WINDOW = {"p": (-3.0, 1.0), "y": (-1.0, 1.0)}
 SECTION = {"q": "max(0, p - g)"}
 # Numbers, and so colours, that a motion keeps in all panels.
-_CHAOS, _PERIOD_FOUR, _OTHERS = 2, 1, (3, 12)  # the last a full purple: that basin is thin
+# Chaos is pale, and the others, whose basins are thin, have full colours.
+_CHAOS, _PERIOD_FOUR, _OTHERS = 16, 8, (10, 12)
 _KINDS = (_PERIOD_FOUR, _CHAOS, *_OTHERS)
 _TEXT = 8  # points, as in the rest of the figure
 
@@ -102,11 +103,11 @@ def fig12(cells: int = 300, samples: int = 1000) -> tuple[Figure, xr.Dataset]:
     Returns
     -------
     figure : matplotlib.figure.Figure
-        Panels (a) to (f). A colour means one kind of motion in all of them: orange chaos, blue
-        period four, green and purple another period.
+        Panels (a) to (f). A colour means one kind of motion in all of them: pale orange chaos,
+        blue period four, green and purple another period.
     data : xarray.Dataset
         Over ``omega``: ``label`` (over ``y`` and ``p``), and ``period``, ``kind``, ``fraction`` and
-        ``points`` over ``attractor``, whose numbers are 2 for chaos, 1 for period four, 3 and 12
+        ``points`` over ``attractor``, whose numbers are 16 for chaos, 8 for period four, 10 and 12
         for others, the larger basin first; period -1 where a panel has no such motion.
 
     Examples

@@ -16,6 +16,7 @@ from nonsmooth.chapter.mole.orbit_branches import branches_of_panel, near_observ
 from nonsmooth.models import moling
 from nonsmooth.plot import branch as draw_branch
 from nonsmooth.plot import print_figure
+from nonsmooth.plot.legends import place_legend
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -122,7 +123,7 @@ def _draw(panel: Panel, branches: list[xr.Dataset], motions: list[xr.Dataset], a
     ax.set_ylabel("progression per period")
     ax.set_xlim(*panel.between)
     ax.set_ylim(bottom=0.0)
-    ax.legend(fontsize=6.5, frameon=False, ncols=2)
+    place_legend(ax)
 
 
 def _explain_dots(figure: Figure) -> None:

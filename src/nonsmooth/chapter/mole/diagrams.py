@@ -148,9 +148,9 @@ def _draw_velocity(data: xr.Dataset, ax: Axes) -> None:
             part = part.isel(column=_elsewhere(data, start))
         y = part["y"].values
         ax.plot(
-            np.repeat(part["b"].values, y.shape[1]), y.ravel(), linestyle="none", marker=".",
-            markersize=0.9 if start == "restart" else 2.2, markeredgewidth=0.0,
-            color=_MARKS[start][0], rasterized=True,
+            np.repeat(part["b"].values, y.shape[1]), y.ravel(), linestyle="none",
+            marker=_MARKS[start][1], markersize=0.9 if start == "restart" else 2.0,
+            markeredgewidth=0.0, color=_MARKS[start][0], rasterized=True,
         )  # fmt: skip
     ax.set_ylabel("velocity, y")
 
@@ -163,7 +163,7 @@ def _draw_progression(data: xr.Dataset, ax: Axes) -> None:
         colour, shape = _MARKS[start]
         ax.plot(
             part["b"], 50.0 * part["per_period"], linestyle="none", marker=shape, markersize=3.0,
-            markerfacecolor="none", markeredgewidth=0.6, markeredgecolor=colour,
+            markeredgewidth=0.0, color=colour,
         )  # fmt: skip
     ax.set_ylabel("progression in 50 periods")
 
@@ -171,14 +171,17 @@ def _draw_progression(data: xr.Dataset, ax: Axes) -> None:
 def _place_legend(figure: Figure) -> None:
     from matplotlib.lines import Line2D
 
-    names = ("each column from rest", "other motion, b followed up", "b followed down")
+    names = ("each column from rest", "another motion as b rises", "another as b falls")
     handles = [
         Line2D([], [], linestyle="none", marker=shape, color=colour, markersize=4.0, label=name,
-               markerfacecolor=colour if shape == "." else "none")
+               markeredgewidth=0.0)
         for name, (colour, shape) in zip(names, _MARKS.values(), strict=True)
     ]  # fmt: skip
     handles.append(
         Line2D([], [], color="0.45", linewidth=0.7, linestyle=(0, (4, 3)),
                label="widest periodic window")
     )  # fmt: skip
-    figure.legend(handles=handles, loc="outside upper center", ncols=4, frameon=False, fontsize=7)
+    figure.legend(
+        handles=handles, loc="outside upper center", ncols=4, frameon=False, fontsize=7,
+        title=rf"$\xi = {_XI:g}$, $\omega = {_OMEGA:g}$", title_fontsize=7,
+    )  # fmt: skip

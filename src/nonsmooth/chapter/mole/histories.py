@@ -108,6 +108,8 @@ def _test_history(b: float, xi: float, omega: float) -> tuple[Figure, xr.Dataset
     run = simulate(moling(a=0.5, b=b, xi=xi, omega=omega), periods=10)
     figure, (ax,) = print_figure(width=12.0, height=6.5)
     _draw(run, ax, None)
+    given = rf"$a = 0.5$, $b = {b:g}$, $\xi = {xi:g}$, $\omega = {omega:g}$"
+    figure.suptitle(given, fontsize=_TEXT)
     return figure, run
 
 
@@ -133,7 +135,14 @@ def _six_forces(began: float, ended: float) -> tuple[Figure, xr.Dataset]:
         kept.append(part.assign({name: run.attrs[name] for name in ("system", "status")}))
     handles, labels = axes[0].get_legend_handles_labels()
     figure.legend(
-        handles, labels, loc="outside upper center", ncols=2, frameon=False, fontsize=_TEXT
+        handles,
+        labels,
+        loc="outside upper center",
+        ncols=2,
+        frameon=False,
+        fontsize=_TEXT,
+        title=r"$a = 0.3$, $\xi = 0.05$, $\omega = 0.1$",
+        title_fontsize=_TEXT,
     )
     data = xr.concat(kept, "parameter")
     return figure, data.assign_coords(b=("parameter", list(_FORCES)))

@@ -19,11 +19,13 @@ _DELTA = 0.3
 _SMALL = 7
 _CONDITIONS = {
     "I": r"$D<\gamma$",
-    "II": "$|x_s|\\leq\\Delta_x$\n$|y_s|\\leq\\Delta_y$",
+    "II": "$|x_s|\\leq\\Delta_x$, $|y_s|\\leq\\Delta_y$",
     "III": "$|x_s|>\\Delta_x$\n$|y_s|\\leq\\Delta_y$",
     "IV": "$|x_s|\\leq\\Delta_x$, $|y_s|>\\Delta_y$",  # low region: in one line
     "V": "$|x_s|>\\Delta_x$\n$|y_s|>\\Delta_y$",
 }
+
+_WITHIN = (-1.09, 0.0)  # the narrow second region, where there is no name
 
 
 def fig34(delta: float = _DELTA) -> tuple[Figure, xr.Dataset]:
@@ -78,19 +80,12 @@ def fig35(delta: float = _DELTA) -> tuple[Figure, xr.Dataset]:
 
 def _conditions(ax: Axes) -> None:
     """What holds in each region, under its name in the first quadrant, as the chapter has it."""
-    named = {
-        text.get_text(): text for text in ax.texts if min(text.get_position()) >= 0.0
-    }  # the second region has no room for more than its name
+    named = {text.get_text(): text for text in ax.texts if min(text.get_position()) >= 0.0}
     for name, told in _CONDITIONS.items():
         if name in named and name != "II":
             ax.annotate(told, named[name].get_position(), (0, -7), textcoords="offset points",
                         ha="center", va="top", fontsize=_SMALL)  # fmt: skip
-    if "II" in named:
-        ax.annotate(
-            _CONDITIONS["II"], named["II"].get_position(), (0.0, 0.3), ha="center", va="bottom",
-            fontsize=_SMALL,
-            arrowprops={"arrowstyle": "-", "linewidth": 0.6, "shrinkA": 1.0, "shrinkB": 5.0},
-        )  # fmt: skip
+    ax.text(*_WITHIN, _CONDITIONS["II"], rotation=90, ha="center", va="center", fontsize=_SMALL)
 
 
 def _regions(

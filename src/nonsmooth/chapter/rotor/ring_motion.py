@@ -15,6 +15,7 @@ from nonsmooth.errors import RunError, RunWarning
 from nonsmooth.plot import PALETTE, print_figure
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 __all__ = ["PANELS", "fig38", "in_contact", "panel_system", "ring_jumps", "ring_run"]
@@ -213,6 +214,8 @@ def fig38(transient: int = 1000, periods: int = 12) -> tuple[Figure, xr.Dataset]
         ends = [np.stack([y[at - 1], y[at], np.full(at.size, np.nan)], axis=1) for y in
                 (sx, velocity)]  # fmt: skip
         ax.plot(*(end.ravel() for end in ends), **_JUMPS)
+        if panel == "d":
+            _enlarge_jump(ax, run)
         for side in (end for end in (-delta, delta) if end and sx.min() <= end <= sx.max()):
             ax.axvline(side, color=PALETTE["blue"], linewidth=0.8, linestyle=":", zorder=0)
         ax.set_title(
@@ -238,6 +241,31 @@ def fig38(transient: int = 1000, periods: int = 12) -> tuple[Figure, xr.Dataset]
     return figure, _dataset(runs)
 
 
+def _enlarge_jump(ax: Axes, run: xr.Dataset) -> None:
+    """Inset with the largest jump at the end of a spring, too small to be seen beside the rest."""
+    places = np.flatnonzero(run["after"].values)
+    jumps = [
+        (abs(jump["jump"]), jump["sx"], int(k))
+        for k, jump in zip(places, ring_jumps(run), strict=True)
+        if jump["name"] == "spring"
+    ]
+    if not jumps:
+        return
+    size, side, k = max(jumps)
+    middle, tall = 0.5 * float(run["ring_vx"][k] + run["ring_vx"][k - 1]), 2.5 * size
+    inset = ax.inset_axes(
+        (0.3, 0.38, 0.3, 0.3), xlim=(side - _BESIDE, side + _BESIDE),
+        ylim=(middle - tall, middle + tall),
+    )  # fmt: skip
+    for line in ax.lines:
+        inset.plot(*line.get_data(), color=line.get_color(), linestyle=line.get_linestyle(),
+                   linewidth=0.8)  # fmt: skip
+    inset.axvline(side, color=PALETTE["blue"], linewidth=0.8, linestyle=":", zorder=0)
+    inset.tick_params(labelsize=6, width=0.5, length=2.0)
+    inset.set_xticks([side])
+    ax.indicate_inset_zoom(inset, edgecolor="0.5", linewidth=0.6)
+
+
 def _dataset(runs: list[xr.Dataset]) -> xr.Dataset:
     longest = max(run.sizes["time"] for run in runs)
     names = {
@@ -256,4 +284,5 @@ def _dataset(runs: list[xr.Dataset]) -> xr.Dataset:
     return data
 
 
+_BESIDE = 0.004  # displacement on either side of the jump in the inset
 _JUMPS: dict[str, Any] = {"color": PALETTE["vermilion"], "linewidth": 0.6, "linestyle": (0, (4, 2))}

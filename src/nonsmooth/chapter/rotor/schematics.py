@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
+from nonsmooth.chapter.drawing import arrow, bare, damper, spring
 from nonsmooth.models import snubber_ring
 from nonsmooth.plot import PALETTE, print_figure
 
@@ -77,14 +78,14 @@ def fig32() -> tuple[Figure, xr.Dataset]:
     _circle(ax, rotor, _SIZE, _ROTOR)
     touch = ring + normal * (1.0 + _SIZE)
     ax.plot(*zip(ring, touch, strict=True), color="0.6", linewidth=0.6, linestyle="--")
-    _arrow(ax, touch, touch + 0.9 * normal, "black", r"$\mathbf{n}$")
-    _arrow(ax, touch, touch + force, _FORCE, r"$\mathbf{F}_s$")
+    arrow(ax, touch, touch + 0.9 * normal, "black", r"$\mathbf{n}$")
+    arrow(ax, touch, touch + force, _FORCE, r"$\mathbf{F}_s$")
     ax.plot([touch[0], touch[0] + 1.0], [touch[1]] * 2, color="0.6", linewidth=0.6)
     for vector, radius, name in ((normal, 0.45, r"$\psi$"), (force, 0.75, r"$\varphi$")):
         _angle(ax, touch, vector, radius, name)
     _point(ax, ring, r"$O_s$", _RING)
     _point(ax, rotor, r"$O_r$", _ROTOR)
-    _bare(ax, (-1.7, 2.6), (-1.6, 2.6))
+    bare(ax, (-1.7, 2.6), (-1.6, 2.6))
     return figure, data
 
 
@@ -154,8 +155,8 @@ def _physical_model(ax: Axes) -> None:
                           (3, r"$\Delta_y$")):  # fmt: skip
         way = np.array([(1, 0), (0, 1), (-1, 0), (0, -1)][turn], float)
         side = np.array([-way[1], way[0]])
-        _spring(ax, way * outer + 0.22 * side, way * 2.35 + 0.22 * side)
-        _damper(ax, way * outer - 0.22 * side, way * 2.35 - 0.22 * side)
+        spring(ax, way * outer + 0.22 * side, way * 2.35 + 0.22 * side)
+        damper(ax, way * outer - 0.22 * side, way * 2.35 - 0.22 * side)
         ends = np.stack([way * 2.35 - 0.5 * side, way * 2.35 + 0.5 * side])
         ax.plot(*ends.T, color="black", linewidth=1.6)
         at = way * 2.0 + (0.62 + 0.2 * (turn % 2)) * side
@@ -167,7 +168,7 @@ def _physical_model(ax: Axes) -> None:
         fontsize=_TEXT, arrowprops={"arrowstyle": "-", "linewidth": 0.5},
     )  # fmt: skip
     ax.annotate(r"gap $\gamma$", (-0.85, 0.35), ha="center", fontsize=_TEXT)
-    _bare(ax, (-2.7, 2.7), (-2.7, 2.7))
+    bare(ax, (-2.7, 2.7), (-2.7, 2.7))
 
 
 def _coordinates(ax: Axes, data: xr.Dataset) -> None:
@@ -179,10 +180,10 @@ def _coordinates(ax: Axes, data: xr.Dataset) -> None:
     _circle(ax, ring, 1.0 + _SIZE, _RING)
     _circle(ax, rotor, _SIZE, _ROTOR)
     for way, name in (((2.3, 0.0), "$x$"), ((0.0, 2.3), "$y$")):
-        _arrow(ax, origin, np.array(way), "0.4", name, width=0.6)
-    _arrow(ax, origin, rotor, _ROTOR, "")
-    _arrow(ax, origin, ring, _RING, "")
-    _arrow(ax, origin, rest, PALETTE["green"], "")
+        arrow(ax, origin, np.array(way), "0.4", name, width=0.6)
+    arrow(ax, origin, rotor, _ROTOR, "")
+    arrow(ax, origin, ring, _RING, "")
+    arrow(ax, origin, rest, PALETTE["green"], "")
     ax.annotate(
         r"$\mathbf{R}_r$", tuple(0.72 * rotor - (0.12, -0.16)), color=_ROTOR, fontsize=_TEXT
     )
@@ -198,7 +199,7 @@ def _coordinates(ax: Axes, data: xr.Dataset) -> None:
     _point(ax, rest, r"$O_{r,0}$", "0.4", (4, -9))
     _point(ax, ring, "", _RING)
     _point(ax, rotor, r"$O_r$", _ROTOR)
-    _bare(ax, (-2.0, 2.6), (-2.0, 2.6))
+    bare(ax, (-2.0, 2.6), (-2.0, 2.6))
 
 
 def _forces_on_ring(ax: Axes) -> None:
@@ -206,20 +207,20 @@ def _forces_on_ring(ax: Axes) -> None:
     outer = 1.0 + _SIZE
     _circle(ax, (0.0, 0.0), outer, "0.7", dashed=True)
     _circle(ax, ring, outer, _RING)
-    _arrow(ax, (0.0, 0.0), 1.0 * ring, _RING, "")
+    arrow(ax, (0.0, 0.0), 1.0 * ring, _RING, "")
     _point(ax, (0.0, 0.0), r"$O_{s,0}$", "0.4", (-22, -10))
     _point(ax, ring, r"$O_s$", _RING)
     longer, shorter = 1.0, 0.35  # the springs in front press more
     for name, way, length, offset in (
         ("1", (0, 1), longer, (5, -8)), ("2", (0, -1), shorter, (6, -6)),
-        ("3", (1, 0), longer, (-8, 6)), ("4", (-1, 0), shorter, (-9, 4)),
+        ("3", (1, 0), longer, (-8, 6)), ("4", (-1, 0), shorter, (-18, -3)),
     ):  # fmt: skip
         foot = ring + outer * np.array(way, float)
         tail = foot + length * np.array(way, float)
-        _arrow(ax, tail, foot, _FORCE, "")
+        arrow(ax, tail, foot, _FORCE, "")
         ax.annotate(rf"$\mathbf{{F}}_{name}$", tuple(tail), offset, textcoords="offset points",
                     fontsize=_TEXT, color=_FORCE)  # fmt: skip
-    _bare(ax, (-2.2, 3.3), (-2.2, 3.1))
+    bare(ax, (-2.2, 3.3), (-2.2, 3.1))
 
 
 def _circle(
@@ -233,18 +234,6 @@ def _circle(
             linewidth=0.8 if dashed else 1.2, linestyle="--" if dashed else "-",
         )
     )  # fmt: skip
-
-
-def _arrow(ax: Axes, tail: Any, head: Any, colour: str, name: str, width: float = 1.2) -> None:
-    ax.annotate(
-        "", tuple(head), tuple(tail),
-        arrowprops={"arrowstyle": "-|>", "color": colour, "linewidth": width, "shrinkA": 0,
-                    "shrinkB": 0, "mutation_scale": 8},
-    )  # fmt: skip
-    if name:
-        ax.annotate(
-            name, tuple(head), (3, 2), textcoords="offset points", color=colour, fontsize=_TEXT
-        )
 
 
 def _angle(ax: Axes, centre: np.ndarray, vector: np.ndarray, radius: float, name: str) -> None:
@@ -263,31 +252,3 @@ def _point(
 ) -> None:
     ax.plot(*at, "o", color=colour, markersize=3.0)
     ax.annotate(name, tuple(at), offset, textcoords="offset points", color=colour, fontsize=_TEXT)
-
-
-def _spring(ax: Axes, begin: np.ndarray, end: np.ndarray) -> None:
-    along = np.array([0.0, 0.2, *np.linspace(0.25, 0.75, 8), 0.8, 1.0])
-    across = np.array([0.0, 0.0, *(0.1 * (-1.0) ** np.arange(8)), 0.0, 0.0])
-    way = end - begin
-    side = np.array([-way[1], way[0]]) / np.hypot(*way)
-    ax.plot(*(begin[:, None] + way[:, None] * along + side[:, None] * across), color="black",
-            linewidth=0.8)  # fmt: skip
-
-
-def _damper(ax: Axes, begin: np.ndarray, end: np.ndarray) -> None:
-    way = end - begin
-    side = 0.1 * np.array([-way[1], way[0]]) / np.hypot(*way)
-    at = [begin + part * way for part in (0.35, 0.55, 0.65)]
-    parts = [
-        (begin, at[1]), (at[1] - 0.8 * side, at[1] + 0.8 * side), (at[2], end),
-        (at[2] - side, at[2] + side), (at[0] + side, at[2] + side), (at[0] - side, at[2] - side),
-    ]  # fmt: skip
-    for part in parts:
-        ax.plot(*np.stack(part).T, color="black", linewidth=0.8)
-
-
-def _bare(ax: Axes, across: tuple[float, float], up: tuple[float, float]) -> None:
-    ax.set_xlim(*across)
-    ax.set_ylim(*up)
-    ax.set_aspect("equal")
-    ax.set_axis_off()

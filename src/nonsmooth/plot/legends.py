@@ -1,0 +1,146 @@
+"""The legend above the axes: it hides no curve, is not cut, and leaves the axes their room."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from textwrap import fill
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+if TYPE_CHECKING:
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
+
+__all__ = ["place_legend"]
+
+# widths in letters: lines of the legend, from them to the texts, between columns
+_HANDLE, _SPACE, _GAP = 2.0, 0.8, 1.2
+_ROW = 1.35  # height of an entry, in letters
+_TITLE = 1.9  # height of a title with its distance from the axes, over its letters
+_LETTER = 0.55  # width of one, over their size
+_SHARE = 0.36  # of the height of the axes, which the legend may take from them
+_SMALLEST, _STEP = 5.5, 0.5  # letters in points
+_FREE_ROWS, _MOST_ROWS = 2, 12  # for which a figure is as high as without; that it grows for
+_SEEN = {".": 5.0}  # diameters from which marks are seen in a legend, in points
+_SEEN_ELSE = 3.0
+
+
+class _Layout(NamedTuple):
+    size: float  # of the letters, in points
+    columns: int
+    rows: int
+    shown: int  # entries; those after them are counted only
+
+
+def place_legend(
+    ax: Axes, entries: Sequence[Artist] | None = None, *, may_grow: bool = False
+) -> None:
+    """Put the legend above the axes; nothing without entries.
+
+    Letters are as large as those of the labels, or so much smaller that the legend takes a third
+    of the height of the axes at most. What has no room then is counted only.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes
+        The axes, with all that the legend explains.
+    entries : sequence of matplotlib.artist.Artist, optional
+        What the legend shows with its label, in place of all that the axes have labels for.
+    may_grow : bool, optional
+        Whether the figure is made taller for a long legend: one of our own with single axes.
+    """
+    from matplotlib.patches import Patch
+
+    handles, labels = ax.get_legend_handles_labels()
+    if entries is not None:
+        handles, labels = list(entries), [str(entry.get_label()) for entry in entries]
+    if not handles:
+        return
+    from matplotlib.transforms import ScaledTranslation
+
+    figure = ax.get_figure(root=True)
+    assert figure is not None
+    above = ScaledTranslation(0.0, _title_height(ax) / 72.0, figure.dpi_scale_trans)
+    layout, labels = _layout(ax, labels, may_grow)
+    if layout.shown < len(labels):
+        labels = [*labels[: layout.shown], f"and {len(labels) - layout.shown} more"]
+        handles = [*handles[: layout.shown], Patch(alpha=0.0)]
+    box = ax.legend(
+        handles, labels, fontsize=layout.size, ncols=layout.columns, loc="lower left",
+        bbox_to_anchor=(0.0, 1.0), bbox_transform=ax.transAxes + above, borderaxespad=0.2,
+        borderpad=0.2, frameon=False, labelspacing=0.3, handlelength=_HANDLE, handletextpad=_SPACE,
+        columnspacing=_GAP,
+    )  # fmt: skip
+    for handle in box.legend_handles:
+        _let_see(handle)
+    if may_grow:
+        _grow(ax, layout)
+    # the power of ten of the axis stands beside it, above its numbers
+    ax.yaxis.get_offset_text().set_horizontalalignment("right")
+
+
+def _layout(ax: Axes, labels: list[str], may_grow: bool) -> tuple[_Layout, list[str]]:
+    """The largest letters with which all entries have room; texts too long for that wrapped."""
+    figure = ax.get_figure(root=True)
+    assert figure is not None
+    box = ax.get_window_extent()
+    width, height = (length / figure.dpi * 72.0 for length in (box.width, box.height))
+    size = float(ax.xaxis.label.get_fontsize())  # those of the caller may be larger than ours
+    widths = [_width(label) for label in labels]
+    while True:
+        columns = _columns(widths, width / size)
+        most = _MOST_ROWS if may_grow else max(1, int(_SHARE * height / (_ROW * size)))
+        rows = -(-len(labels) // columns)
+        if rows <= most or size - _STEP < _SMALLEST:
+            break
+        size -= _STEP
+    if columns == 1:
+        letters = max(8, int((width / size - _HANDLE - _SPACE) / _LETTER))
+        labels = [label if "$" in label else fill(label, letters) for label in labels]
+        most = max(1, most // max(label.count("\n") + 1 for label in labels))
+    shown = len(labels) if rows <= most else columns * most - 1
+    return _Layout(size, columns, min(rows, most), shown), labels
+
+
+def _columns(widths: list[float], available: float) -> int:
+    """Columns that fit; entries fill one after the other. All lengths are in letters."""
+    for columns in range(len(widths), 1, -1):
+        total = columns * (_HANDLE + _SPACE + _GAP) - _GAP
+        count, more = divmod(len(widths), columns)
+        for k in range(columns):
+            first = k * count + min(k, more)
+            total += max(widths[first : first + count + (k < more)])
+        if total <= available:
+            return columns
+    return 1
+
+
+def _width(label: str) -> float:
+    """Width of a text, in the size of its letters."""
+    from matplotlib.textpath import TextPath
+
+    size = 100.0  # large, so that hinting does not count
+    return float(TextPath((0.0, 0.0), label, size=size).get_extents().width) / size if label else 0
+
+
+def _title_height(ax: Axes) -> float:
+    """Height, in points, of the titles below the legend."""
+    places: tuple[Any, ...] = ("left", "center", "right")
+    size = float(ax.title.get_fontsize())
+    return _TITLE * size * any(ax.get_title(loc=place) for place in places)
+
+
+def _let_see(handle: Any) -> None:
+    """Let the dots of a cloud be seen in the legend."""
+    from matplotlib.lines import Line2D
+
+    if isinstance(handle, Line2D) and handle.get_linestyle() == "None":
+        least = _SEEN.get(str(handle.get_marker()), _SEEN_ELSE)
+        handle.set_markersize(max(least, handle.get_markersize()))
+
+
+def _grow(ax: Axes, layout: _Layout) -> None:
+    """Make the figure so much taller that the legend does not squeeze the axes."""
+    figure = ax.get_figure(root=True)
+    assert figure is not None
+    more = max(0, layout.rows - _FREE_ROWS) * _ROW * layout.size / 72.0
+    figure.set_figheight(figure.get_figheight() + more)

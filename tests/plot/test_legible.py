@@ -1,0 +1,187 @@
+"""Pictures can be read at print size: legends, numbers along the axes, marks, colours."""
+
+from itertools import combinations, pairwise
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import nonsmooth as ns
+from nonsmooth.plot.regime_colours import REGIME_COLOURS
+
+KINDS = ["fold", "flip", "torus", "symmetry_breaking", "branch_point", "grazing", "corner"]
+
+# G. M. Machado et al., A physiologically-based model for simulation of color vision deficiency,
+# 2009: linear red, green and blue as they are seen without one kind of cones
+SIGHTS = (
+    np.eye(3),
+    [[0.152, 1.053, -0.205], [0.115, 0.786, 0.099], [-0.004, -0.048, 1.052]],
+    [[0.367, 0.861, -0.228], [0.280, 0.673, 0.047], [-0.012, 0.043, 0.969]],
+    [[1.256, -0.077, -0.179], [-0.078, 0.931, 0.148], [0.005, 0.691, 0.304]],
+)
+
+
+def orbits(shift=0.0, kinds=KINDS):
+    """A branch with special points of many kinds."""
+    p = np.linspace(0.0, 1.0, 101)
+    at = np.linspace(0.1, 0.9, len(kinds))
+    return xr.Dataset(
+        {
+            "p": ("point", p),
+            "x": ("point", np.sin(3.0 * p) + shift),
+            "stable": ("point", p < 0.5),
+            "special_kind": ("special", kinds),
+            "special_value": ("special", at),
+            "special_point": ("special", (100 * at).astype(int)),
+        },
+        attrs={"parameter": "p"},
+    )
+
+
+def portrait(unit, scale=1.0):
+    angle = np.linspace(0.0, 6.0, 50)
+    attrs = {"units": unit}
+    return xr.Dataset(
+        {
+            "x": ("time", scale * np.cos(angle), {"long_name": "displacement"} | attrs),
+            "v": ("time", scale * np.sin(angle), {"long_name": "velocity"} | attrs),
+        }
+    )
+
+
+def basins(count=2, points=None):
+    """Basins in stripes, with one point of each attractor in its stripe."""
+    label = np.repeat(np.arange(1, count + 1), 4) * np.ones((8, 1), int)
+    if points is None:
+        points = np.stack([2.0 + 4.0 * np.arange(count), np.full(count, 4.0)], axis=1)[:, None]
+    return xr.Dataset(
+        {
+            "label": (("y", "p"), label),
+            "points": (("attractor", "point", "state"), points),
+            "period": ("attractor", np.arange(count) + 1),
+        },
+        {
+            "p": np.arange(4.0 * count), "y": np.arange(8.0), "attractor": np.arange(count) + 1,
+            "state": ["p", "y"],
+        },
+    )  # fmt: skip
+
+
+def legend_texts(ax):
+    return [text.get_text() for text in ax.get_legend().get_texts()]
+
+
+@pytest.mark.parametrize(("rows", "columns", "width"), [(1, 1, 8.5), (2, 2, 17.0), (2, 2, 8.5)])
+def test_long_legends_leave_room_and_stay_inside(rows, columns, width):
+    figure, axes = ns.plot.print_figure(rows, columns, width=width)
+    for ax in axes:
+        ns.plot.branch({f"period {k}": orbits(k) for k in range(1, 7)}, "x", ax=ax)
+    figure.draw_without_rendering()
+    for ax in axes:
+        legend, inside = ax.get_legend().get_window_extent(), ax.get_window_extent()
+        assert legend.y0 >= inside.y1 - 1.0 and legend.y1 <= figure.bbox.y1 + 1.0
+        assert legend.x1 <= inside.x1 + 0.05 * inside.width
+        assert inside.height > legend.height
+
+
+def test_a_figure_of_our_own_grows_for_all_entries():
+    ax = ns.plot.branch({f"period {k}, with {k} impacts": orbits(k) for k in range(1, 8)}, "x")
+    ax.figure.draw_without_rendering()
+    assert len(legend_texts(ax)) == 2 + 7 + len(KINDS)
+    assert ax.get_window_extent().height > ax.get_legend().get_window_extent().height
+    ax = ns.plot.basins(basins(12))
+    assert len(legend_texts(ax)) == 12
+
+
+@pytest.mark.parametrize("scale", [1.0, 0.0123, 1.23e-4, 1.23e-6, 12345.0, 1e9])
+@pytest.mark.parametrize("width", [4.5, 8.5, 17.0])
+def test_numbers_along_axes_do_not_touch_each_other_or_the_label(scale, width):
+    figure, (ax,) = ns.plot.print_figure(width=width, height=5.0)
+    ns.plot.section(portrait("m", scale), "x", "v", ax=ax)
+    figure.draw_without_rendering()
+    low, high = ax.get_xlim()
+    shown = [t for t in ax.xaxis.get_major_ticks() if low <= t.get_loc() <= high]
+    boxes = [tick.label1.get_window_extent() for tick in shown]
+    assert len(boxes) >= 2
+    assert all(a.x1 < b.x0 for a, b in pairwise(boxes))
+    assert all(len(tick.label1.get_text()) <= 6 for tick in shown)
+    assert ax.xaxis.get_offset_text().get_text() == ""
+
+
+def test_a_power_of_ten_is_written_once_and_follows_the_range():
+    figure, (ax,) = ns.plot.print_figure()
+    ns.plot.section(portrait("m", 1e-6), "x", "v", ax=ax)
+    for _ in range(2):
+        figure.draw_without_rendering()
+    assert ax.get_xlabel() == "displacement [$10^{-6}$ m]"
+    ax.set_xlim(0.0, 1.0)
+    figure.draw_without_rendering()
+    assert ax.get_xlabel() == "displacement [m]"
+    ax.set_xlabel("x")
+    ax.set_xlim(0.0, 1e-9)
+    figure.draw_without_rendering()
+    assert ax.get_xlabel() == "x [$10^{-9}$]"
+
+
+def test_attractors_outside_the_picture_are_noted():
+    points = np.array([[[2.0, 4.0], [90.0, 4.0]], [[50.0, 4.0], [60.0, 4.0]]])
+    texts = [text.replace("\n", " ") for text in legend_texts(ns.plot.basins(basins(2, points)))]
+    assert [text.partition(" %, ")[2] for text in texts] == ["partly outside", "outside"]
+    assert not any("outside" in text for text in legend_texts(ns.plot.basins(basins())))
+
+
+def test_a_shape_means_one_period():
+    lines = ns.plot.basins(basins(12)).lines
+    assert len({str(line.get_marker()) for line in lines}) == 12
+
+
+def test_marks_close_to_each_other_are_smaller():
+    far = ns.plot.basins(basins()).lines[0].get_markersize()
+    points = np.array([[[4.0, 4.0]], [[4.1, 4.0]]])
+    near = ns.plot.basins(basins(2, points)).lines[0].get_markersize()
+    assert 2.0 < near < far
+
+
+def test_special_points_in_one_place_are_all_seen():
+    both = orbits(kinds=["fold", "grazing"])
+    both["special_value"][:], both["special_point"][:] = 0.5, 50
+    ax = ns.plot.branch(both, "x")
+    sizes = [line.get_markersize() for line in ax.lines if "special" in str(line.get_gid())]
+    assert sizes[1] < 0.8 * sizes[0]
+
+
+def test_folds_of_constructions_that_are_no_motions_do_not_look_real():
+    some = orbits(kinds=["fold", "fold"])
+    some["admissible"] = some["p"] < 0.5
+    ax = ns.plot.branch(some, "x")
+    marks = {str(line.get_gid()): line for line in ax.lines if "special" in str(line.get_gid())}
+    assert list(marks) == ["special fold", "special fold, inadmissible"]
+    faces = [line.get_markerfacecolor() for line in marks.values()]
+    assert faces[1] == "0.85" != faces[0]
+    assert "fold, inadmissible" in legend_texts(ax)
+
+
+def test_regimes_are_told_apart_with_every_kind_of_colour_vision():
+    """Chaos from all others, and periods n and 2n; distances in the colour space OKLab."""
+    periods = [f"period {n}" for n in range(1, 9)]
+    doubled = {frozenset((f"period {n}", f"period {2 * n}")) for n in range(1, 5)}
+    for one, other in combinations(REGIME_COLOURS, 2):
+        apart = min(
+            np.linalg.norm(oklab(REGIME_COLOURS[one], sight) - oklab(REGIME_COLOURS[other], sight))
+            for sight in SIGHTS
+        )
+        if "chaotic" in (one, other):
+            assert apart > 0.38, (one, other)
+        elif {one, other} in doubled:
+            assert apart > 0.14, (one, other)
+        elif one in periods and other in periods:
+            assert apart > 0.065, (one, other)
+
+
+def oklab(colour, sight):
+    """B. Ottosson, A perceptual color space for image processing, 2020."""
+    rgb = np.array([int(colour[i : i + 2], 16) / 255.0 for i in (1, 3, 5)])
+    linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
+    cones = np.array([[0.412, 0.536, 0.051], [0.212, 0.681, 0.107], [0.088, 0.282, 0.630]])
+    axes = [[0.210, 0.794, -0.004], [1.978, -2.429, 0.451], [0.026, 0.783, -0.809]]
+    return axes @ np.cbrt(cones @ np.clip(sight @ linear, 0.0, 1.0))
