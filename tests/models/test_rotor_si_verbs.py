@@ -36,7 +36,7 @@ REGIME = {
     "events": ONE, "impacts": ONE, "exponent": PER_S, "exponent_error": PER_S, "K": ONE,
     "residual": ONE,
 }  # fmt: skip
-# cycles per unit of time are by RATE itself, while the speed is in radians per unit of time
+# cycles per unit time are by RATE itself, while the speed is in radians per unit of time
 FREQUENCY = {"frequency": (RATE, "Hz"), "harmonic": ONE}
 PLANE = {"amplitude": MM, "power_density": (0.25 / RATE, "mm^2/Hz")}
 WATERFALL = FREQUENCY | PLANE | {"phase": RAD, "period": S, "parameter": HERTZ}

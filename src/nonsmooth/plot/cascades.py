@@ -61,7 +61,7 @@ def waterfall(
         Lines, each raised to its value of the parameter, whose heights are proportional to the
         amplitude; or the parameter over which colours tell the amplitude, in decades.
     over : {"frequency", "harmonic"}, optional
-        Frequency in cycles per unit of time, or over that of the forcing.
+        Frequency in cycles per unit time, or over that of the forcing.
     highest : float, optional
         Highest frequency, or harmonic, to draw; five harmonics by default.
     height : float, optional
@@ -92,7 +92,7 @@ def waterfall(
     ... )
     >>> ax = ns.plot.waterfall(spectra)
     >>> ax.get_xlabel(), ax.get_ylabel()
-    ('frequency in cycles per unit of time', 'frequency of the excitation')
+    ('frequency in cycles per unit time', 'frequency of the excitation')
     """
     if not {"parameter", "harmonic"} <= set(data.dims) or "amplitude" not in data:
         raise OptionError(

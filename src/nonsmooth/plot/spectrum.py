@@ -41,7 +41,7 @@ def spectrum(
     ax : matplotlib.axes.Axes, optional
         Where to draw; new axes of a column's width by default.
     over : {"frequency", "harmonic"}, optional
-        Frequency in cycles per unit of time, or over that of the forcing, as orders of a speed.
+        Frequency in cycles per unit time, or over that of the forcing, as orders of a speed.
     highest : float, optional
         Highest frequency, or harmonic, to draw; ten times that of the forcing by default, five of a
         full spectrum.
@@ -62,7 +62,7 @@ def spectrum(
     >>> run = ns.simulate(ns.models.soft_impact(), periods=120)
     >>> ax = ns.plot.spectrum(ns.power_spectrum(run, "x", transient=100))
     >>> ax.get_yscale(), ax.get_xlabel()
-    ('log', 'frequency in cycles per unit of time')
+    ('log', 'frequency in cycles per unit time')
     """
     if variable not in ("amplitude", "power_density") or variable not in data:
         raise OptionError(

@@ -10,7 +10,7 @@ from nonsmooth.analysis.spectra.transforms import Lines
 
 __all__ = ["FREQUENCY", "HARMONIC", "spectrum_dataset", "spectrum_labels"]
 
-FREQUENCY = "frequency in cycles per unit of time"
+FREQUENCY = "frequency in cycles per unit time"
 HARMONIC = "frequency over that of the forcing"
 
 

@@ -132,7 +132,7 @@ def fit_scatter() -> float:
     Examples
     --------
     >>> round(fit_scatter(), 1)
-    1.5
+    1.8
     """
     tests = chapter_tests()
     ratios = [

@@ -110,7 +110,7 @@ def unit_of(data: xr.Dataset, name: str, units: Units) -> tuple[Unit, str | None
         return None  # such as angles
     unit = _special(data, name, units) or _statistic(name, units) or units.of(name)
     if unit is not None:
-        # a frequency is no longer in cycles per unit of time
+        # a frequency is no longer in cycles per unit time
         return unit, "frequency" if name == "frequency" else None
     if name in _NUMBERS or name in units.quantities:
         return None
