@@ -102,8 +102,7 @@ def test_verdicts_follow_from_the_evidence(rows):
         ("M03", {"cam_frequency": 6.6}, DIFFERS, DIFFERS),  # then (a) is the one that fails
         ("M04", {"hertz_c": "9.0"}, HOLDS, DIFFERS),
         ("M16", {"forces": (0.05, 0.095)}, HOLDS, DIFFERS),
-        ("M15", {"forces": (0.15, 0.27)}, OPEN, HOLDS),
-        ("M15", {"forces": (0.095,), "span": (100.0, 300.0)}, OPEN, DIFFERS),
+        ("M15", {"forces": (0.095,), "span": (100.0, 300.0)}, HOLDS, DIFFERS),
     ],
 )
 def test_parameters_move_a_verdict(rows, name, arguments, before, after):
@@ -119,8 +118,11 @@ def test_parameters_move_a_verdict(rows, name, arguments, before, after):
         ("G1", {"engine_switches": 0}),
         ("M07", {"differences": [1e-6]}),
         ("M08", {"deviations": [1e-6]}),
-        ("M42", {"differences": [1e-12]}),
-        ("M44", {"largest_changes": [1e-6]}),
+        ("M42", {"rows": [{"b": 0.1, "apart": 1e-6, "same_switches": True}]}),
+        ("M42", {"rows": [{"b": 0.1, "apart": 0.0, "same_switches": False}]}),
+        ("M44", {"rows": [{"b": 0.1, "force": [0.0, 1.1], "change": 0.0, "stretches": 1}]}),
+        ("M44", {"rows": [{"b": 0.1, "force": [0.0, 0.9], "change": 1e-6, "stretches": 1}]}),
+        ("G2", {"rows": [{"model": "m", "kinds": {"switch": 5}, "touches": 1}]}),
         ("M45", {"rows": [{"b": 0.0, "gain": 1.0, "printed_error": 0.0, "corrected_error": 0.0}]}),
         ("M46", {"none_pulling": 0, "other_mode": 0}),
     ],
@@ -132,6 +134,13 @@ def test_evidence_turns_a_verdict_over(rows, name, change):
         evidence["largest_x"] = [1.0]
     turned = {HOLDS: DIFFERS, DIFFERS: HOLDS}[rows[name]["verdict"]]
     assert verdict(_checks()[name].judge(evidence), lacks_data=False) == turned
+
+
+def test_a_count_of_touches_that_sees_none_tells_nothing(rows):
+    """The run that was made to touch is the control of the count."""
+    evidence = rows["G2"]["evidence"]
+    assert evidence["control"] == 1
+    assert _checks()["G2"].judge(evidence | {"control": 0}).true is None
 
 
 def test_smoothing_makes_motions_of_its_own():

@@ -124,13 +124,17 @@ def orbits(periods, sizes, distance):
 def test_portraits():
     good = orbits([1, 1, 1, 1], [0.1, 0.2, 0.3, 0.4], 0.01)
     bad = orbits([1, 1, 1, 2], [0.1, 0.3, 0.2, 0.4], 0.5)
-    for name in ("F36", "F37", "F38", "F39"):
+    for name, expected in {"F36": OPEN, "F37": OPEN, "F38": HOLDS, "F39": HOLDS}.items():
         assert finding(name, good)
-        assert judged(name, good) == OPEN
+        assert judged(name, good) == expected
     for name in ("F36", "F37", "F38"):
         assert not finding(name, bad)
+    assert judged("F38", bad) == OPEN  # one path for some of what the chapter lacks
+    bad["scan"]["one_path"] = 0
+    assert judged("F38", bad) == DIFFERS
     bad["convention"]["guinea"]["rows"][1]["crosses"] = False
     assert not finding("F39", bad)
+    assert judged("F39", good | {"scan": good["scan"] | {"slope": 1.05}}) == OPEN
 
 
 def stretch(period, first, last, chaotic=False):
@@ -157,8 +161,9 @@ def test_stretches_of_a_growing_crack():
 
 def test_growing_and_fixed_cracks():
     row = {"crack": 10.0, "frozen": "period 1", "flow": "period 1", "fixed": ["period 1"],
-           "from_rest": "period 2"}  # fmt: skip
+           "from_rest": "period 1"}  # fmt: skip
     assert judged("F57", {"rows": [row]}) == HOLDS
+    assert judged("F57", {"rows": [row, row | {"from_rest": "period 2"}]}) == DIFFERS
     assert judged("F57", {"rows": [row, row | {"frozen": BETWEEN}]}) == DIFFERS
 
 
@@ -173,7 +178,11 @@ def test_onset_and_scatter():
 
 def test_monitoring_needs_a_place_a_detector_and_chaos_that_lasts():
     wrong = {"false": 0.0, "missed": 0.0}
-    alarms = [{"noise": 0.01, "periodic": 9, "chaotic": 9, "scatter": wrong, "zero_one": wrong}]
+    worse = {"false": 0.3, "missed": 0.1}
+    alarms = [
+        {"noise": 0.01, "periodic": 9, "chaotic": 9, "scatter": wrong, "zero_one": wrong,
+         "amplitude": worse}
+    ]  # fmt: skip
     evidence = {
         "onset": {"crack": 14.0}, "from_starts": {"crack": 14.0}, "share_of_time": 0.9,
         "aperiodic_behind": 0.8, "rows": [{"changed": {"eta": 1.1}, "followed": 14.1}],
@@ -185,6 +194,7 @@ def test_monitoring_needs_a_place_a_detector_and_chaos_that_lasts():
         {"aperiodic_behind": 0.1},
         {"rows": [{"changed": {"xi": 0.1}, "followed": None}]},
         {"alarms": [alarms[0] | {"scatter": {"false": 0.2, "missed": 0.0}}]},
+        {"alarms": [alarms[0] | {"amplitude": wrong}]},
         {"onset": {"crack": None}},
     ):
         assert not finding("F59", evidence | change)

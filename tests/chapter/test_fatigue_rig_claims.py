@@ -22,7 +22,7 @@ from nonsmooth.fatigue import Specimen
 ALL = [f"F{n:02d}" for n in range(1, 33)]
 SLOW_RIG = ["F13", "F14", "F16", "F17", "F18", "F19"]  # waves and many runs
 QUICK_RIG = [name for name in ALL if name not in SLOW_RIG]
-DIFFERENT, UNDECIDED = {"F11", "F15"}, {"F13", "F14", "F16", "F17", "F18", "F19", "F21", "F28"}
+DIFFERENT, UNDECIDED = {"F15", "F21"}, {"F13", "F14", "F16", "F17", "F18", "F19", "F28"}
 
 
 def judged(name, evidence):
@@ -86,18 +86,22 @@ def test_orders_of_lives_can_be_wrong(name):
     assert judged(name, computed(name, names=ORDERS[name][::-1])) == DIFFERS
 
 
-def test_rank_correlations_decide_on_the_maximum():
+def test_pairs_of_tests_decide_on_the_maximum():
     evidence = computed("F11")
-    assert judged("F11", evidence) == DIFFERS
-    assert evidence["joint"] == {"told": 16, "wrong": 0}
-    evidence["rows"][0]["correlation"] = 0.1
     assert judged("F11", evidence) == HOLDS
+    assert evidence["joint"] == {"told": 16, "wrong": 0}
+    assert judged("F11", evidence | {"joint": {"told": 16, "wrong": 1}}) == DIFFERS
+    evidence["rows"][0]["wrong"] = 0
+    assert judged("F11", evidence) == DIFFERS
 
 
-def test_a_law_without_the_load_ratio_breaks_an_order():
-    """Walker's law with gamma = 1 is that of Paris: mean loads of 100 N and more do not matter."""
-    assert judged("F12", computed("F12", exponents=(3.0,), gammas=(0.5,))) == HOLDS
-    evidence = computed("F12", exponents=(3.0,), gammas=(1.0,))
+def test_orders_follow_from_loads_that_rise():
+    """The proof for all constants; Walker's law with gamma = 1 is that of Paris, outside of it."""
+    evidence = computed("F12", far=((3.0, 0.5),))
+    assert judged("F12", evidence) == HOLDS
+    falling = [row | {"range": row["range"][::-1]} for row in evidence["loads"]]
+    assert judged("F12", evidence | {"loads": falling}) == OPEN
+    evidence = computed("F12", far=((3.0, 1.0),))
     assert {row["claim"] for row in evidence["broken"]} == {"F06"}
     assert judged("F12", evidence) == OPEN  # false, but not for every value of what is missing
 
@@ -116,9 +120,9 @@ def test_bending_frequency_by_hand():
     assert judged("F20", computed("F20", frequency=100.0)) == DIFFERS
 
 
-def test_contacts_are_much_stiffer_by_some_readings():
+def test_contacts_are_stiffer_by_less_than_ten_times():
     assert computed("F21")["ratio"] == pytest.approx(1 / (0.002012 * 7.828**2), rel=1e-12)
-    for ratio, expected in ((20.0, HOLDS), (8.0, OPEN), (3.0, DIFFERS)):
+    for ratio, expected in ((20.0, HOLDS), (8.0, DIFFERS)):
         assert judged("F21", {"ratio": ratio, "shared": 0.1}) == expected
 
 
@@ -136,7 +140,11 @@ def test_order_of_phases():
     assert passages(rows) == []
     evidence = computed("F25")
     assert evidence["steady_passages"] == 0
-    evidence["rows"] = evidence["rows"][:1]  # the start itself, whose (i) is not the shortest
+    assert judged("F25", evidence) == HOLDS
+    told = evidence["rows"][1]
+    for change in ({"before": ""}, {"mass_1": 0.4}, {"durations": [0.5, 0.3, 0.6, 0.4]}):
+        assert judged("F25", evidence | {"rows": [told | change]}) == DIFFERS
+    evidence["rows"] = evidence["rows"][:1]  # the start itself, before which nothing was hit
     assert judged("F25", evidence) == DIFFERS
     evidence = computed("F24", starts=2)
     assert judged("F24", evidence | {"start_up": evidence["steady"]}) == DIFFERS

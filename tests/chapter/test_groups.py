@@ -17,6 +17,13 @@ def test_short_figures_come_before_long_ones():
     assert names[-1] == "fig12"  # half an hour of basins
 
 
+def test_short_claims_come_before_long_ones():
+    """Arithmetic first, basins later; of the long groups the longest first."""
+    groups = [group[0].name for group in groups_of([], claim_ids())]
+    assert groups.index("M03") < groups.index("R01") < groups.index("M47")
+    assert groups.index("M47") < groups.index("R16") < groups.index("R15")
+
+
 def test_figures_come_before_the_claims_of_their_group():
     for group in groups_of(figure_ids(), claim_ids()):
         kinds = [item.kind for item in group]

@@ -10,6 +10,7 @@ from nonsmooth.chapter import claim_ids, figure_ids
 from nonsmooth.chapter.claims import claim_data
 from nonsmooth.chapter.registry import _maker, figure_summary
 from nonsmooth.chapter.report.page import write_report
+from nonsmooth.chapter.report.summary import first_words
 from nonsmooth.chapter.report.texts import (
     FIELDS,
     _texts,
@@ -107,10 +108,28 @@ def test_page_shows_how_each_figure_came_about(page):
 def test_table_of_claims(page):
     """Verdict, the chapter's words, ours and the protocol, and the counts."""
     text = "".join(page.text)
-    assert "Of 3 claims: 1 hold, 1 differ, 1 are not determinable" in text
+    assert "Of 3 claims of the chapter 1 hold, 1 differ, 1 are not determinable" in text
     assert "Section 2: 1 holds, 1 differs, 1 not determinable" in text
-    assert text.count("3 < 4 & more") == 3
+    assert text.count("3 < 4 & more") == 2 * 3  # on the opening page, and in the table
     assert claim_data("M13")["claim"] in text and claim_data("M13")["parameters"] in text
+
+
+def test_opening_page(page):
+    """Three parts in front of the figures; each claim with figure, what is missing, and rule."""
+    text = "".join(page.text)
+    titles = ["What holds (1)", "What differs, and by how much (1)", "What cannot be told"]
+    places = [text.index(title) for title in titles]
+    opening = text[places[0] : text.index("Section 1: piecewise")]
+    assert places == sorted(places)
+    assert claim_data("M47")["missing"] in opening
+    assert opening.count("from rest") == 3
+    assert {"#fig5b", "#fig7", "#fig12"} <= set(page.links)
+
+
+def test_first_words_end_with_a_clause():
+    assert first_words("short") == "short"
+    assert first_words("a clause of this length; and another one", 30) == "a clause of this length"
+    assert len(first_words("word " * 100, 50)) <= 54
 
 
 def test_every_figure_has_texts():

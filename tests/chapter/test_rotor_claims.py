@@ -95,8 +95,9 @@ def test_free_ring_beyond_its_preload():
     assert judged("R13", evidence | {"rows": evidence["rows"][:2]}) == HOLDS
 
 
-def change(last, becomes, printed="2.165", after=None):
-    row = {"start": "restart", "last": last, "first": last + 2e-4, "becomes": becomes}
+def change(last, becomes, printed="2.165", after=None, width=2e-4):
+    row = {"start": "restart", "last": last, "first": last + width, "becomes": becomes,
+           "others": []}  # fmt: skip
     branch = {"period": 1, "kind": "flip", "eta": 2.2, "multiplier": [-1.0, 0.0]}
     return {
         "printed": printed, "before": 1, "after": after, "by_protocol": [row], "branch": branch,
@@ -108,6 +109,43 @@ def test_place_and_period_decide():
     assert judged("R16", change(2.16, 3)) == DIFFERS
     assert judged("R18", change(3.803, 4, "3.803", 4)) == HOLDS
     assert judged("R18", change(3.803, 5, "3.803", 4)) == DIFFERS
+
+
+def test_orbit_decides_where_columns_are_wide_apart():
+    """It flips at 2.2: between the columns it decides, outside of them nothing does."""
+    assert judged("R16", change(2.199, 3, "2.200", width=0.0015)) == HOLDS
+    assert judged("R16", change(2.199, 3, "2.203", width=0.0015)) == DIFFERS
+    assert judged("R16", change(2.164, 3, width=0.0015)) == OPEN
+
+
+def shift(change, kinds, value=0.03):
+    return {"change": change, "route": "orbit", "shift": value, "kinds": kinds}
+
+
+def test_shifts_compare_like_with_like():
+    names = ("end of period one", "four to two", "end of period two")
+    rows = [shift(name, ["flip", "flip"]) for name in names]
+    assert judged("R24", {"rows": rows}) == HOLDS
+    assert judged("R24", {"rows": [*rows, shift(names[0], ["flip", "flip"], -0.1)]}) == DIFFERS
+    assert judged("R24", {"rows": [*rows, shift(names[0], ["flip", "fold"], -0.1)]}) == HOLDS
+    assert judged("R24", {"rows": [*rows[:2], shift(names[2], ["flip", "fold"])]}) == OPEN
+
+
+def beyond(*found):
+    rows = [
+        {"eta": 2.211 + 0.001 * k, "regime": regime, "period": n, "message": ""}
+        for k, (regime, n) in enumerate(found)
+    ]
+    branch = {"period": 1, "kind": "flip", "eta": 2.2, "multiplier": [-1.0, 0.0]}
+    return {"delta": 0.1, "end": 2.21, "rows": rows, "branch": branch, "again": []}
+
+
+def test_what_period_one_goes_to():
+    three, torus = ("periodic", 3), ("quasi-periodic", 0)
+    assert judged("R25", beyond(three, three)) == HOLDS
+    assert judged("R25", beyond(three, ("periodic", 1))) == DIFFERS
+    assert judged("R26", beyond(torus, torus)) == HOLDS
+    assert judged("R26", beyond(torus, ("chaotic", 0))) == DIFFERS
 
 
 def test_nearest_change_of_labels():
@@ -165,14 +203,17 @@ def test_contacts_forces_and_amplitudes():
 
 def test_preload_and_chaos():
     shares = [{"restart": 0.2, "follow up": 0.3}, {"restart": 0.3, "follow up": 0.2}]
-    assert judged("R54", {"shares": shares}) == HOLDS
-    assert judged("R54", {"shares": shares[::-1]}) == DIFFERS
+    assert judged("R54", {"shares": shares, "columns": 1001}) == HOLDS
+    assert judged("R54", {"shares": shares[::-1], "columns": 1001}) == DIFFERS
+    assert judged("R54", {"shares": shares, "columns": 101}) == DIFFERS  # within the sampling
     rows = [
         {"set": name, "delta": delta, "share": 0.2 + delta} for name in "AB" for delta in (0.0, 0.1)
     ]
-    assert judged("R55", {"rows": rows}) == DIFFERS
-    rows[-1]["share"] = 0.1
-    assert judged("R55", {"rows": rows}) == HOLDS
+    assert judged("R55", {"rows": rows, "columns": 101}) == DIFFERS
+    rows[-1]["share"] = 0.15
+    assert judged("R55", {"rows": rows, "columns": 101}) == DIFFERS  # within the sampling
+    rows[-1]["share"] = 0.02
+    assert judged("R55", {"rows": rows, "columns": 101}) == HOLDS
 
 
 def test_missing_measurements_leave_claims_open():

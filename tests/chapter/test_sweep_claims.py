@@ -7,10 +7,12 @@ import pytest
 from nonsmooth.chapter import evaluate_claims
 from nonsmooth.chapter.claims import _checks, _table
 from nonsmooth.chapter.judgement import DIFFERS, HOLDS, OPEN, verdict
+from nonsmooth.chapter.mole.frequency_claims import _starts
+from nonsmooth.models import moling
 
 LONG = ["M01", "M13", *(f"M{n}" for n in range(17, 30)), "M55", "M57"]
 PRINTED = {  # verdicts on the full grids
-    "M21": DIFFERS, "M23": DIFFERS, "M24": DIFFERS, "M55": OPEN,
+    "M21": DIFFERS, "M23": DIFFERS, "M24": OPEN,
 }  # fmt: skip
 
 
@@ -29,7 +31,7 @@ def row(start, low, high, a=0.9, **other):
         {"low": 0.01, "high": low - 0.01, "columns": 5, "periods": []},
         {"low": low, "high": high, "columns": 50, "periods": [1]},
     ]
-    shares = {"chaotic_share": 0.6, "periodic_share": 0.4}
+    shares = {"chaotic_share": 0.6, "periodic_share": 0.4, "least_aperiodic": [0.6, a]}
     known = {"a": a, "start": start, "step": 0.01, "stretches": parts, "main": parts[1]}
     return {**known, **shares, **other}
 
@@ -46,11 +48,11 @@ def series(count):
     ("name", "rows", "expected"),
     [
         ("M18", [row("restart", 0.2, 0.3)], HOLDS),
-        ("M18", [row("restart", 0.2, 0.3, periodic_share=0.6, chaotic_share=0.4)], DIFFERS),
+        ("M18", [row("restart", 0.2, 0.3, least_aperiodic=[0.4, 0.5])], DIFFERS),
         ("M18", [row("restart", 0.2, 0.3, chaotic_share=0.2)], DIFFERS),  # most have not settled
         (
             "M18",
-            [row("restart", 0.2, 0.3), row("follow up", 0.2, 0.3, periodic_share=0.6)],
+            [row("restart", 0.2, 0.3), row("follow up", 0.2, 0.3, least_aperiodic=[0.4, 0.9])],
             OPEN,
         ),
         ("M20", [row("restart", 0.2, 0.3, a=0.1), row("restart", 0.2, 0.4, a=0.3)], HOLDS),
@@ -105,9 +107,10 @@ def test_windows_on_a_small_grid():
 def test_rise_of_progression_on_a_small_grid():
     """It rises at first; that it falls later is seen with few columns too."""
     evidence, found = computed("M24", columns=30)
-    assert found == DIFFERS
+    assert found == OPEN  # it depends on the range of b, which is not printed
     assert 0.69 <= evidence["rises_to"] <= 0.75
     assert judged("M24", evidence | {"falls_until": None}) == HOLDS
+    assert judged("M24", evidence | {"rises_to": evidence["from"]}) == DIFFERS
 
 
 def test_best_regimes_on_a_small_grid():
@@ -137,22 +140,30 @@ def test_frequencies_on_a_small_grid():
     assert judged("M57", evidence) == DIFFERS
 
 
-def test_coexistence_is_read_in_two_ways():
-    """Several attractors at high frequency, and one at low: for one set, or for all."""
+def test_coexistence_compares_like_with_like():
+    """Several attractors at high frequency and one at low, for the set of Fig. 12."""
 
-    def rows(low, high):
-        sets = [(0.1, 0.1, 1), (0.05, 0.1, low), (0.1, 1.4, high)]
+    def rows(low, high, other=1):
+        sets = [(0.1, 0.1, low), (0.05, 0.1, other), (0.1, 1.4, high)]
         return {
-            "starts": 9,
             "rows": [
-                {"xi": xi, "b": 0.1, "omega": w, "attractors": [{"period": 1, "starts": 3}] * n}
+                {"xi": xi, "b": 0.1, "omega": w, "starts": 9,
+                 "attractors": [{"period": 1, "starts": 3}] * n}
                 for xi, w, n in sets
             ],
-        }
+        }  # fmt: skip
 
     assert judged("M55", rows(1, 2)) == HOLDS
-    assert judged("M55", rows(2, 2)) == OPEN
+    assert judged("M55", rows(1, 2, other=2)) == HOLDS
+    assert judged("M55", rows(2, 2)) == DIFFERS
     assert judged("M55", rows(1, 1)) == DIFFERS
+
+
+def test_starts_reach_beyond_the_flights():
+    """At omega = 0.1 the mass flies tens of lengths away; starts go half as far again."""
+    starts = _starts(moling(b=0.1, xi=0.1, omega=0.1))
+    assert len(starts) == 135 and starts[0]["p"] < -60.0
+    assert all(start["q"] == max(0.0, start["p"] - 0.02) for start in starts)
 
 
 @pytest.mark.slow

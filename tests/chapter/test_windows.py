@@ -5,6 +5,7 @@ import pytest
 
 import nonsmooth as ns
 from chapter.neighbours import neighbour_exponent
+from nonsmooth.chapter.judgement import agreed
 from nonsmooth.chapter.mole.frequency_claims import distinct_attractors
 from nonsmooth.chapter.mole.regime import settled_regime
 from nonsmooth.chapter.mole.static_force_sweeps import (
@@ -16,7 +17,7 @@ from nonsmooth.chapter.mole.static_force_sweeps import (
     first_fifty,
     force_sweep,
 )
-from nonsmooth.chapter.mole.windows import agreed, at_the_end, order_of_labels, stretches, widest
+from nonsmooth.chapter.mole.windows import at_the_end, order_of_labels, stretches, widest
 
 
 def labelled(*labels):

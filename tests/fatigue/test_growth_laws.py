@@ -35,11 +35,27 @@ def test_threshold_and_ranges_that_are_not_positive():
 def test_published_laws_carry_their_sources():
     laws = published_laws()
     assert all(law.source for law in laws.values())
-    assert "not compared with a copy" in laws["walker 2024-T3"].source
+    assert "digits are unverified" in laws["walker 2024-T3"].source
     # two sources, two forms of law, one alloy: alike where both were measured
     walker, forman = laws["walker 2024-T3"], laws["forman 2024-T351"]
     for size, ratio in ((8.0, 0.0), (15.0, 0.0), (10.0, 0.5)):
         assert 0.5 < float(walker.rate(size, ratio) / forman.rate(size, ratio)) < 2.0
+
+
+@pytest.mark.parametrize(
+    ("ratio", "C", "m", "between", "factors"),
+    [
+        (0.1, 1e-8, 3.645, (5.395, 22.696), (1.3, 1.5)),
+        (0.2, 1e-8, 3.7053, (4.85, 16.88), (1.3, 1.6)),
+        (0.3, 9e-9, 3.8712, (4.22, 15.9), (1.05, 1.6)),
+        (0.5, 5e-8, 2.9287, (5.535, 15.82), (1.9, 4.0)),
+    ],
+)
+def test_rates_beside_paris_lines_of_another_source(ratio, C, m, between, factors):
+    """Coefficients and ranges of doi 10.2478/fas-2022-0004, as the source of the law says."""
+    sizes = np.linspace(*between, 20)
+    beside = published_laws()["walker 2024-T3"].rate(sizes, ratio) / (C * sizes**m)
+    assert factors[0] < beside.min() and beside.max() < factors[1]
 
 
 @pytest.mark.parametrize(

@@ -42,9 +42,9 @@ TOGETHER = (
 def groups_of(figures: Sequence[str], claims: Sequence[str]) -> list[list[Item]]:
     """Items of some figures and claims in groups, in the order in which they begin.
 
-    Figures come first, the shortest ones at once, so that there is soon something to see. Groups
-    with claims follow, the longest first: what is left for the end is short, and no process waits
-    long for the last one.
+    Short figures and short claims come first, so that there is soon something to see. Long figures
+    follow, and long groups with claims, the longest first: what is left for the end is shorter, and
+    no process waits long for the last one.
 
     Parameters
     ----------
@@ -58,20 +58,20 @@ def groups_of(figures: Sequence[str], claims: Sequence[str]) -> list[list[Item]]
     Examples
     --------
     >>> [[item.name for item in group] for group in groups_of(["fig8", "fig1"], ["M13", "M03"])]
-    [['fig1'], ['fig8', 'M13'], ['M03']]
+    [['fig1'], ['M03'], ['fig8', 'M13']]
     """
     wanted = {name: _figure(name) for name in figures} | {name: _claim(name) for name in claims}
     listed = {part for group in TOGETHER for part in group}
-    alone = [(part,) for part in (*CLAIM_MODULES, *figures) if part not in listed]
-    groups = [
-        [wanted[name] for part in group for name in _names(part) if name in wanted]
-        for group in (*TOGETHER, *alone)
-    ]
-    drawn = [group for group in groups if group and all(each.kind == "figure" for each in group)]
-    short = [group for group in drawn if group[0].name not in listed]
-    long = [group for group in drawn if group[0].name in listed]
-    judged = [group for group in groups if any(each.kind == "claim" for each in group)]
-    return [*short, *reversed(long), *(sorted(group, key=_is_claim) for group in judged)]
+    alone = [(part,) for part in (*figures, *CLAIM_MODULES) if part not in listed]
+
+    def items(group: tuple[str, ...]) -> list[Item]:
+        names = [name for part in group for name in _names(part)]
+        return sorted((wanted[name] for name in names if name in wanted), key=_is_claim)
+
+    short, long = ([items(group) for group in parts] for parts in (alone, TOGETHER))
+    judged = [group for group in long if any(map(_is_claim, group))]
+    drawn = [group for group in long if group and group not in judged]
+    return [*filter(None, short), *reversed(drawn), *judged]
 
 
 def _is_claim(item: Item) -> bool:

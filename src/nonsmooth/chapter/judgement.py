@@ -6,14 +6,14 @@ the claim is true. What follows from that, with the data the chapter lacks, is d
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from decimal import Decimal
 from typing import Any
 
 from nonsmooth.errors import OptionError
 
-__all__ = ["DIFFERS", "HOLDS", "OPEN", "Check", "Finding", "agrees", "verdict"]
+__all__ = ["DIFFERS", "HOLDS", "OPEN", "Check", "Finding", "agreed", "agrees", "verdict"]
 
 HOLDS, DIFFERS, OPEN = "holds", "differs", "not determinable"
 
@@ -141,3 +141,24 @@ def agrees(value: float, printed: str, *, about: float = 0.0, step: float = 0.0)
         return abs(Decimal(repr(float(value))) - number) <= unit
     allowed = max(about * abs(float(number)), step, float(unit))
     return abs(value - float(number)) <= allowed
+
+
+def agreed(readings: Iterable[bool]) -> bool | None:
+    """What all readings say, None where they disagree.
+
+    Parameters
+    ----------
+    readings : iterable of bool
+        One for each protocol or reading.
+
+    Returns
+    -------
+    bool or None
+
+    Examples
+    --------
+    >>> agreed([True, True]), agreed([True, False])
+    (True, None)
+    """
+    found = {bool(reading) for reading in readings}
+    return found.pop() if len(found) == 1 else None

@@ -178,8 +178,9 @@ def _judge_spectra(evidence: Evidence) -> Finding:
         for row in rows
     )
     return Finding(
-        all(abs(row["dominant"] / evidence["harmonic"] - 1.0) <= _ABOUT for row in rows),
-        f"{listed}; time is scaled for it, so the claim can be met with any of them",
+        None,
+        f"{listed}; the time of each wave is scaled so that this comes out, an identity: the"
+        " parameters of the chapter's Duffing oscillator, or its record, would decide",
     )
 
 
@@ -200,5 +201,5 @@ CHECKS = (
     Check("F16", "mean 0, at two lengths of the crack, rainflow cycles by half the time between"
           f" their ends; high: above {_HIGH:g} Hz; mainly: more than half of the damage;"
           f" {_CASE}", _by_frequency, _judge_by_frequency),
-    Check("F17", f"spectra of {len(WAVES)} waves over 12 s, 2 %", _spectra, _judge_spectra),
+    Check("F17", f"spectra of {len(WAVES)} waves over 12 s", _spectra, _judge_spectra),
 )  # fmt: skip

@@ -24,7 +24,7 @@ from nonsmooth.chapter.fatigue.growth_history import (
     scanned_histories,
     separators,
 )
-from nonsmooth.chapter.judgement import Check, Evidence, Finding
+from nonsmooth.chapter.judgement import Check, Evidence, Finding, agrees
 
 __all__ = ["CHECKS"]
 
@@ -96,9 +96,15 @@ def _loss_text(value: Evidence) -> str:
     jumps = ", ".join(f"{jump:.2f}" for jump in value["jumps"])
     jumps = f", with jumps to other such motions at {jumps} mm" if jumps else ""
     return (
-        f"period one to {value['length']:.3f} mm (tau {tau_at(value['length']):.0f}), then"
-        f" {value['other']}{jumps}"
+        f"period one to {value['length']:.3f} mm (tau {tau_at(value['length']):.0f}; the printed"
+        f" {_PERIOD_ONE_TO} mm {_beside_printed(value['length'])}), then {value['other']}{jumps}"
     )
+
+
+def _beside_printed(length: float) -> str:
+    off = length - float(_PERIOD_ONE_TO)
+    agree = "agrees" if agrees(length, str(_PERIOD_ONE_TO)) else "does not agree"
+    return f"{agree} to its last digit, {off:+.3f} mm"
 
 
 def _chaos_between(row: Row) -> float:

@@ -23,7 +23,7 @@ __all__ = ["CHECKS", "ORDER", "passages"]
 ORDER = ("i", "iii", "iv", "ii")
 _SHOWN = 20  # phases of the start-up that are listed
 _RELAXED, _SHARE = 10.0, 0.1  # relaxation times, and the part of phase iv that they may take
-_NEAR = 0.1  # of the distance of the mass that is away
+_NEAR = 0.1  # of the distance of the mass that is away, and of its range
 
 
 def _words(starts: int = 40, periods: int = 60) -> Evidence:
@@ -84,14 +84,25 @@ def passages(rows: Sequence[Stay]) -> list[Sequence[Stay]]:
 
 def _order() -> Evidence:
     system = rig_system()
-    rows = [
-        {"begin": piece[0][1], "durations": [end - begin for _, begin, end in piece]}
-        for piece in passages(stays(start_up(system)))
-    ]
+    run = start_up(system)
+    whole = stays(run)
+    time, place = run["time"].values, run["X1"].values
+    rows = []
+    for piece in passages(whole):
+        before = [name for name, _, end in whole if abs(end - piece[0][1]) < 1e-12]
+        begin_iv = piece[2][1]
+        rows.append(
+            {
+                "begin": piece[0][1],
+                "before": before[0] if before else "",
+                "durations": [end - begin for _, begin, end in piece],
+                "mass_1": float(np.interp(begin_iv, time, place) / np.ptp(place)),
+            }
+        )
     late = stays(steady(system))
     return {
         "rows": rows,
-        "period": float(start_up(system).attrs["period"]),
+        "period": float(run.attrs["period"]),
         "steady_passages": len(passages(late)),
         "steady": [[name, end - begin] for name, begin, end in late[1:5]],
     }
@@ -100,19 +111,32 @@ def _order() -> Evidence:
 def _judge_order(evidence: Evidence) -> Finding:
     rows = evidence["rows"]
     period = evidence["period"]
-    shortest = [row for row in rows if row["durations"][0] == min(row["durations"])]
+    as_told = [row for row in rows if _as_told(row)]
     listed = "; ".join(
-        f"from tau = {row['begin']:.3f}: "
+        f"from tau = {row['begin']:.3f}, after {_after(row)}: "
         + ", ".join(f"({n}) {d:.3f}" for n, d in zip(ORDER, row["durations"], strict=True))
+        + f", mass 1 at {row['mass_1']:+.1%} of its range where (iv) begins"
         for row in rows
     )
     steady_text = ", ".join(f"({name}) {d:.3f}" for name, d in evidence["steady"])
     return Finding(
-        bool(shortest),
-        f"the order occurs {len(rows)} times in the start-up, with (i) the shortest in"
-        f" {len(shortest)}: {listed} (period {period:.3f}); in steady motion"
+        bool(as_told),
+        f"the order occurs {len(rows)} times in the start-up, as the text tells it in"
+        f" {len(as_told)}: {listed} (period {period:.3f}); in steady motion"
         f" {evidence['steady_passages']} times: {steady_text}",
     )
+
+
+def _as_told(row: Evidence) -> bool:
+    """Mass 1 with the specimen hits mass 2, (i) is short, mass 1 is near rest where (iv) begins."""
+    durations = row["durations"]
+    return bool(
+        row["before"] == "iii" and durations[0] == min(durations) and abs(row["mass_1"]) <= _NEAR
+    )
+
+
+def _after(row: Evidence) -> str:
+    return f"({row['before']})" if row["before"] else "the start at rest"
 
 
 def _at_rest() -> Evidence:
@@ -196,8 +220,10 @@ _ZERO = (
 )
 CHECKS = (
     Check("F24", f"{_ZERO}; the start-up decides; 40 random starts besides", _words, _judge_words),
-    Check("F25", f"{_ZERO}; the start-up decides: (i), (iii), (iv), (ii) in turn with (i) the"
-          " shortest, at one place at least", _order, _judge_order),
+    Check("F25", f"{_ZERO}; the start-up decides: at one place at least mass 1 with the specimen"
+          " hits mass 2, so (iii) comes before, then (i), (iii), (iv), (ii) in turn with (i) the"
+          f" shortest, and mass 1 within {_NEAR:.0%} of its range of zero where (iv) begins",
+          _order, _judge_order),
     Check("F26", f"{_ZERO}; rests: {_RELAXED:g} time constants are at most {_SHARE:.0%} of the"
           " shortest phase (iv), in both motions", _at_rest, _judge_at_rest),
     Check("F27", f"{_ZERO}; follows: at most {_NEAR:.0%} as far from the specimen as the other mass"

@@ -1,8 +1,13 @@
 """Claims on the phase portraits of Fig. 28, for which the chapter gives no parameters.
 
-The convention is the set of Fig. 29 with s = 1 and d = 0, from rest, and the open stiffness of Eq.
-(48), which section 3.5 gives; the cubic law of Fig. 29 stands beside it. The claims are looked at
-over a range of damping, frequency, s and d as well, with both laws, to show what depends on them.
+The caption prints a mean load of zero, so at rest the specimen is straight and d = 0. The
+convention is the set of Fig. 29 with s = 1, from rest, and the open stiffness of Eq. (48), which
+section 3.5 gives; the cubic law of Fig. 29 stands beside it. The claims are looked at over a range
+of damping, frequency and s as well, with both laws, to show what depends on them.
+
+At d = 0 every periodic motion passes the switch. Were u of one sign throughout, the equation would
+be linear, u'' + 2 xi u' + k u = eta^2 sin(eta tau) with one k > 0. Its mean over a period is
+k <u> = 0, and a u of one sign with mean zero is zero, which the forcing excludes.
 """
 
 from __future__ import annotations
@@ -15,7 +20,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from nonsmooth import ensemble
-from nonsmooth.chapter.fatigue.beam_data import D_RANGE, K_CLOSED, S_RANGE, WIDTH
+from nonsmooth.chapter.fatigue.beam_data import K_CLOSED, S_RANGE, WIDTH
 from nonsmooth.chapter.fatigue.crack_motions import period_of
 from nonsmooth.chapter.fatigue.portraits import (
     LAWS,
@@ -31,8 +36,7 @@ __all__ = ["CHECKS", "arc_distance", "orbits_of_convention", "scan_of_orbits"]
 
 STATED = "guinea"
 _XI, _ETA = (0.005, 0.014, 0.05), (0.8, 1.1475, 1.6)
-_S = tuple(np.geomspace(*S_RANGE, 5).round(6).tolist())
-_D = tuple(np.linspace(*D_RANGE, 5).tolist())
+_S = tuple(np.geomspace(*S_RANGE, 9).round(6).tolist())
 _DROPPED, _PERIODS, _SAMPLES = 1500, 8, 128  # of a scan, samples per period
 _SAME_PATH = 0.05  # of the size of the closed arcs
 _VISIBLE = 0.1  # change of slope of the restoring force
@@ -139,7 +143,7 @@ def _cases(eta: float, law: Literal["cubic", "guinea"]) -> list[tuple[np.ndarray
     cracks = [round(ratio * WIDTH, 9) for ratio in RATIOS]
     runs = ensemble(
         system, {"u": 0.0, "v": 0.0}, times=times,
-        parameters={"xi": list(_XI), "s": list(_S), "d": list(_D), "crack": cracks},
+        parameters={"xi": list(_XI), "s": list(_S), "crack": cracks},
     )  # fmt: skip
     points = np.stack([runs["u"].values, runs["v"].values], axis=-1)
     groups = points.reshape(-1, len(RATIOS), *points.shape[1:])
@@ -195,36 +199,38 @@ def _judge_path(evidence: Evidence) -> Finding:
         f"{law} {part['distance']:.1%}" for law, part in evidence["convention"].items()
     )
     scan = evidence["scan"]
-    true = evidence["convention"][STATED]["distance"] <= _SAME_PATH
+    stated = evidence["convention"][STATED]["distance"] <= _SAME_PATH
+    everywhere = scan["one_path"] == (scan["cases"] if stated else 0)
     return Finding(
-        true,
+        stated,
         f"largest distance between closed arcs beside their size: {listed}; one path"
-        f" ({_SAME_PATH:.0%}) in {scan['one_path']} of the {scan['crossing']} cases in which all"
-        f" four orbits pass the switch, least {scan['distance']:.1%}",
+        f" ({_SAME_PATH:.0%}) in {scan['one_path']} of {scan['cases']} cases, least"
+        f" {scan['distance']:.1%}",
+        for_all=f"the {scan['cases']} cases of the scan" if everywhere else "",
     )
 
 
 def _judge_slope(evidence: Evidence) -> Finding:
-    rows = evidence["convention"][STATED]["rows"]
-    true = all(row["crosses"] and row["slopes"] - 1.0 >= _VISIBLE for row in rows)
-    scan = evidence["scan"]
+    rows, scan = evidence["convention"][STATED]["rows"], evidence["scan"]
+    passes = all(row["crosses"] for row in rows) and scan["crossing"] == scan["cases"]
+    true = passes and scan["slope"] - 1.0 >= _VISIBLE
     return Finding(
         true,
-        f"restoring stiffness closed over open, {_rows(evidence, 'slopes', '.3g')}; at least"
-        f" {scan['slope']:.3f} over the range, visible ({1.0 + _VISIBLE:g}) in {scan['visible']} of"
-        f" {scan['cases']} cases, in {scan['cases'] - scan['crossing']} some orbit does not pass"
-        " the switch",
+        f"at zero mean load every periodic motion passes the switch, as the mean of a linear"
+        f" equation would be u = 0 (seen in {scan['crossing']} of {scan['cases']} cases);"
+        f" restoring stiffness closed over open, {_rows(evidence, 'slopes', '.3g')}; at least"
+        f" {scan['slope']:.3f} over the range, visible ({1.0 + _VISIBLE:g}) in {scan['visible']}",
+        for_all=f"every damping and frequency, s from {S_RANGE[0]:g} to {S_RANGE[1]:g}, both laws"
+        if true
+        else "",
     )
 
 
-_RANGE = (
-    f"xi {_XI[0]:g} to {_XI[-1]:g}, eta {_ETA[0]:g} to {_ETA[-1]:g}, s {S_RANGE[0]:g} to"
-    f" {S_RANGE[1]:g}, d {D_RANGE[0]:.2f} to {D_RANGE[1]:.2f}, from rest"
-)
 _PROTOCOL = (
-    "xi .014, eta 1.1475, s = 1, d = 0, from rest, 2000 periods dropped, both stiffness laws (Eq."
-    f" (48) decides); scan over both laws, {_RANGE}: 3 by 3 by 5 by 5 values, {_DROPPED} periods"
-    " dropped"
+    "d = 0, as the caption prints zero mean load; xi .014, eta 1.1475, s = 1, from rest, 2000"
+    " periods dropped, both stiffness laws (Eq. (48) decides); scan over both laws, xi"
+    f" {_XI[0]:g} to {_XI[-1]:g}, eta {_ETA[0]:g} to {_ETA[-1]:g}, s {S_RANGE[0]:g} to"
+    f" {S_RANGE[1]:g}: {len(_XI)} by {len(_ETA)} by {len(_S)} values, {_DROPPED} periods dropped"
 )
 
 CHECKS = (

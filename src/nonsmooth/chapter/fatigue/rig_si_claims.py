@@ -110,7 +110,9 @@ def _judge_derived(evidence: Evidence) -> Finding:
     sizes = e["stress"] < e["yield_strength"] and 1.0 < e["mass"] < 100.0
     return Finding(
         positive and consistent and sizes,
-        f"m = {e['mass']:.2f} kg, k_Ls = {e['leaf_stiffness'] / 1e3:.1f} kN/m (alone"
+        "the printed numbers fix the rig, so they cannot contradict each other (put back, the data"
+        " give them again, an identity); what could fail are signs and sizes:"
+        f" m = {e['mass']:.2f} kg, k_Ls = {e['leaf_stiffness'] / 1e3:.1f} kN/m (alone"
         f" {e['natural_frequency']:.2f} Hz), k_sc = {e['contact_stiffness'] / 1e6:.2f} MN/m, k_s ="
         f" {e['specimen_stiffness'] / 1e3:.0f} kN/m, k_p = {e['cylinder_stiffness'] / 1e3:.0f}"
         f" kN/m, P1 = {e['P1']:.0f} N, P2 = {e['P2']:.0f} N (weight of a mass {e['weight']:.0f} N);"

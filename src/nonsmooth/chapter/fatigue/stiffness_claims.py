@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from itertools import product
+
 import numpy as np
 
 from nonsmooth.chapter.fatigue.beam_data import K_CLOSED, WIDTH
-from nonsmooth.chapter.judgement import Check, Evidence, Finding, agrees
+from nonsmooth.chapter.fatigue.rig_data import SET_24, SET_25
+from nonsmooth.chapter.judgement import Check, Evidence, Finding, agreed, agrees
 from nonsmooth.fatigue import Specimen, cubic_stiffness
 
 __all__ = ["CHECKS"]
@@ -72,27 +75,44 @@ def _kept(row: Evidence) -> dict[str, float]:
 
 
 def _frequencies(ratios: tuple[float, ...] = _RATIOS) -> Evidence:
-    """Frequency of a mass on the bilinear spring over that without a crack."""
+    """Frequency on a bilinear spring over that without a crack: the specimen alone, and in rigs.
+
+    In a rig the springs of leaves and cylinders stand beside the specimen: 1 + kappa in place of
+    kappa, Eq. (46).
+    """
     specimen = Specimen()
+    springs = {"alone": 0.0} | {
+        name: (2.0 + 2.0 * data["lambda1"] ** 2) / data["theta"] ** 2
+        for name, data in {"in the rig of Fig. 24": SET_24, "in that of Fig. 25": SET_25}.items()
+    }
     rows = []
-    for ratio in ratios:
-        half = float(np.sqrt(specimen.stiffness(ratio * WIDTH) / specimen.closed_stiffness))
-        rows.append({"ratio": ratio, "bilinear": 2.0 * half / (1.0 + half), "open": half})
+    for (name, beside), ratio in product(springs.items(), ratios):
+        kept = specimen.stiffness(ratio * WIDTH) / specimen.closed_stiffness
+        half = float(np.sqrt((beside + kept) / (beside + 1.0)))
+        rows.append(
+            {"place": name, "ratio": ratio, "bilinear": 2.0 * half / (1.0 + half), "open": half}
+        )
     return {"rows": rows}
 
 
 def _judge_frequencies(evidence: Evidence) -> Finding:
     rows = evidence["rows"]
-    listed = ", ".join(
-        f"{row['ratio']:.0%}: {row['bilinear'] - 1.0:+.1%} (always open {row['open'] - 1.0:+.1%})"
-        for row in rows
-    )
-    little = [row["ratio"] for row in rows if 1.0 - row["bilinear"] <= _LITTLE_FREQUENCY]
+    listed, true = [], []
+    for place in dict.fromkeys(row["place"] for row in rows):
+        own = [row for row in rows if row["place"] == place]
+        true.append(all(1.0 - row["bilinear"] <= _LITTLE_FREQUENCY for row in own))
+        listed.append(
+            f"specimen {place} "
+            + ", ".join(
+                f"{row['ratio']:.0%} {row['bilinear'] - 1.0:+.1%} (always open"
+                f" {row['open'] - 1.0:+.1%})"
+                for row in own
+            )
+        )
     return Finding(
-        len(little) == len(rows),
-        f"bilinear frequency beside that of the whole beam, {listed}; little"
-        f" ({_LITTLE_FREQUENCY:.0%}) at {', '.join(f'{r:.0%}' for r in little) or 'none'} of the"
-        " depth",
+        agreed(true),
+        f"bilinear frequency beside that without a crack, by depth: {'; '.join(listed)}; little:"
+        f" {_LITTLE_FREQUENCY:.0%} at most at each depth",
     )
 
 
@@ -148,7 +168,8 @@ CHECKS = (
     Check("F34", "Eq. (48) over (47), and over (48) at the notch of 5 mm, at 25, 50, 75 % of the"
           f" depth; little: at most {_LITTLE_STIFFNESS:.0%} lost at each", _losses, _judge_losses),
     Check("F35", "2 w1 w2 / (w1 + w2) of one mass on the closed and the open stiffness, at 25, 50,"
-          f" 75 % of the depth; little: at most {_LITTLE_FREQUENCY:.0%} at each", _frequencies,
+          " 75 % of the depth, for the specimen alone and with the springs of both rigs beside it;"
+          f" little: at most {_LITTLE_FREQUENCY:.0%} at each", _frequencies,
           _judge_frequencies),
     Check("F40", "printed law at 5 mm; one unit of the last printed digit", _printed,
           _judge_printed),

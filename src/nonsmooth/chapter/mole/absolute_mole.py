@@ -7,6 +7,7 @@ comparisons that test both.
 from __future__ import annotations
 
 from dataclasses import asdict
+from math import pi
 from typing import TYPE_CHECKING
 
 from nonsmooth import Exit, Mode, System
@@ -14,16 +15,19 @@ from nonsmooth import Exit, Mode, System
 if TYPE_CHECKING:
     from nonsmooth.models import MolingRig
 
-__all__ = ["absolute_mole"]
+__all__ = ["absolute_mole", "unit_mole"]
 
 
-def absolute_mole(rig: MolingRig) -> System:
+def absolute_mole(rig: MolingRig, *, apart: bool = False) -> System:
     """Mole with absolute displacements in m: mass, slider top and slider bottom.
 
     Parameters
     ----------
     rig : MolingRig
         Its data.
+    apart : bool, optional
+        Whether mass and slider top are integrated apart in contact too, each by its own rate;
+        by default the mass is placed at the gap from the slider top.
 
     Returns
     -------
@@ -41,6 +45,8 @@ def absolute_mole(rig: MolingRig) -> System:
     >>> round(1e3 * float(run["X_b"][-1]))
     2457
     """
+    rate = {"X_m": "Y_m"} if apart else {}
+    place = {} if apart else {"X_m": "X_t + gap"}
     return System(
         name="mole in absolute displacements",
         states=["X_m", "Y_m", "X_t", "X_b"],
@@ -57,8 +63,8 @@ def absolute_mole(rig: MolingRig) -> System:
                 exits=[Exit("X_t + gap - X_m", to="contact", name="impact")],
             ),
             "contact": Mode(
-                {"Y_m": "(load - resistance)/mass", "X_t": "Y_m", "X_b": "0"},
-                slaved={"X_m": "X_t + gap"},
+                {**rate, "Y_m": "(load - resistance)/mass", "X_t": "Y_m", "X_b": "0"},
+                slaved=place,
                 exits=[
                     Exit("resistance", to="no_contact", name="release"),
                     Exit("friction_force - resistance", to="progression"),
@@ -66,12 +72,42 @@ def absolute_mole(rig: MolingRig) -> System:
             ),
             "progression": Mode(
                 {
+                    **rate,
                     "Y_m": "(load - friction_force)/mass",
                     "X_t": "Y_m",
                     "X_b": "Y_m - (friction_force - spring)/damping",
                 },
-                slaved={"X_m": "X_t + gap"},
+                slaved=place,
                 exits=[Exit("resistance - friction_force", to="contact")],
             ),
         },
     )
+
+
+def unit_mole(b: float, *, apart: bool = False) -> System:
+    """Mole of Fig. 7 in absolute displacements, with units in which its data are dimensionless.
+
+    Parameters
+    ----------
+    b : float
+        Static force.
+    apart : bool, optional
+        As for `absolute_mole`.
+
+    Returns
+    -------
+    System
+
+    Examples
+    --------
+    >>> import nonsmooth as ns
+    >>> round(float(ns.simulate(unit_mole(0.15), periods=50)["X_b"][-1]))
+    1554
+    """
+    from nonsmooth.models import MolingRig
+
+    rig = MolingRig(
+        mass=1.0, stiffness=1.0, damping=2.0 * 0.05, static_force=b, dynamic_force=0.3,
+        friction_force=1.0, angular_frequency=0.1, gap=0.02, phase=0.5 * pi,
+    )  # fmt: skip
+    return absolute_mole(rig, apart=apart)

@@ -19,12 +19,13 @@ Function = Callable[[float, np.ndarray], float]
 
 
 class AdaptiveRun(NamedTuple):
-    """States (time, state) at the times asked for, the switches, and the number of steps."""
+    """States (time, state) at the times asked for, the switches, and the work that it took."""
 
     states: np.ndarray
     switch_times: list[float]
     switch_modes: list[str]
     n_steps: int
+    n_evaluations: int
 
 
 def adaptive_mole_run(
@@ -46,7 +47,8 @@ def adaptive_mole_run(
     Returns
     -------
     AdaptiveRun
-        States p, y, q, v; times of the switches and the modes entered.
+        States p, y, q, v; times of the switches and the modes entered; numbers of steps and of
+        evaluations of the rates.
 
     Examples
     --------
@@ -61,7 +63,7 @@ def adaptive_mole_run(
     rates, guards = _equations(values)
     mode, state, now = "no_contact", np.zeros(4), float(times[0])
     states = np.zeros((len(times), 4))
-    run = AdaptiveRun(states, [], [], 0)
+    run = AdaptiveRun(states, [], [], 0, 0)
     while now < times[-1]:
         ahead = times[times > now]
         part = solve_ivp(
@@ -78,7 +80,10 @@ def adaptive_mole_run(
         )
         if len(part.t):
             states[np.isin(times, part.t)] = part.y.T
-        run = run._replace(n_steps=run.n_steps + len(part.sol.ts) - 1)
+        run = run._replace(
+            n_steps=run.n_steps + len(part.sol.ts) - 1,
+            n_evaluations=run.n_evaluations + part.nfev,
+        )
         if part.status != 1:
             return run
         fired = next(i for i, found in enumerate(part.t_events) if len(found))

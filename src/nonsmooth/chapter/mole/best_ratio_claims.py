@@ -9,10 +9,9 @@ import numpy as np
 import xarray as xr
 
 from nonsmooth import bifurcation_diagram, continue_orbit
-from nonsmooth.chapter.judgement import Check, Evidence, Finding
+from nonsmooth.chapter.judgement import Check, Evidence, Finding, agreed
 from nonsmooth.chapter.mole.orbit_branches import observed
 from nonsmooth.chapter.mole.static_force_sweeps import even_forces
-from nonsmooth.chapter.mole.windows import agreed
 from nonsmooth.models import moling
 
 __all__ = ["CHECKS"]

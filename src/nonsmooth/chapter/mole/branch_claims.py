@@ -13,14 +13,13 @@ import numpy as np
 import xarray as xr
 
 from nonsmooth import regime
-from nonsmooth.chapter.judgement import Check, Evidence, Finding
+from nonsmooth.chapter.judgement import Check, Evidence, Finding, agreed
 from nonsmooth.chapter.mole.orbit_branches import (
     best_stable,
     first_sheet,
     four_phase_branch,
     observed,
 )
-from nonsmooth.chapter.mole.windows import agreed
 from nonsmooth.models import moling
 
 __all__ = ["CHECKS"]
@@ -40,7 +39,7 @@ _READINGS: dict[str, Callable[[xr.Dataset], np.ndarray]] = {
 def _slopes(
     parameter: str, between: tuple[float, float], curve: str, values: Sequence[float]
 ) -> Evidence:
-    """Share of steps along each branch on which progression rises with the parameter."""
+    """Part of the range of a parameter on which progression rises along each branch."""
     rows = []
     for value in values:
         branch = first_sheet(four_phase_branch(parameter, between, **{curve: value}))
@@ -48,13 +47,17 @@ def _slopes(
         for reading, chosen in _READINGS.items():
             inside = chosen(branch)
             both = inside[1:] & inside[:-1] & (np.diff(x) != 0.0)
-            rising = np.diff(y)[both] * np.diff(x)[both] > 0.0
+            lengths = np.abs(np.diff(x)[both])
+            slopes = np.diff(y)[both] / np.diff(x)[both]
             rows.append(
                 {
                     "value": value,
                     "reading": reading,
                     "steps": int(both.sum()),
-                    "rising": float(rising.mean()) if rising.size else None,
+                    "rising": float(lengths[slopes > 0.0].sum() / lengths.sum())
+                    if slopes.size
+                    else None,
+                    "slopes": [float(slopes.min()), float(slopes.max())] if slopes.size else None,
                     "from": float(x[inside].min()) if inside.any() else None,
                     "to": float(x[inside].max()) if inside.any() else None,
                 }
@@ -70,7 +73,8 @@ def _judge_slopes(rising: bool) -> Callable[[Evidence], Finding]:
         values = sorted({row["value"] for row in rows})
         listed = "; ".join(
             f"{curve} {row['value']:g} {row['reading']} {over} {row['from']:.4g} to"
-            f" {row['to']:.4g}, {row['rising']:.0%} of steps rise"
+            f" {row['to']:.4g}: {row['slopes'][0]:.3g} to {row['slopes'][1]:.3g} per unit of"
+            f" {over}, rising on {row['rising']:.1%} of it"
             for row in rows
         )
         found = agreed(true)
@@ -212,10 +216,13 @@ def _judge_breakdown(evidence: Evidence) -> Finding:
 
 
 def _dashed(amplitudes: Sequence[float] = _BY_B, per_part: int = 4) -> Evidence:
-    """Regimes from rest and from the construction, at some places of the dashed parts."""
+    """Regimes from rest and from the construction, at some places of the dashed parts.
+
+    A curve of the figure has one value for each b, so the sheets behind folds are left out.
+    """
     rows = []
     for a in amplitudes:
-        branch = four_phase_branch("b", (0.02, a), a=a)
+        branch = first_sheet(four_phase_branch("b", (0.02, a), a=a))
         b, solid = branch["b"].values, observed(branch)
         top = float(b[solid].max())
         for part, inside in {
@@ -288,6 +295,6 @@ CHECKS = (
     Check("M39", f"{_ON}; omega .1, b from .02 to a", _maxima, _judge_maxima),
     Check("M40", f"{_ON}; omega .1, b from .02 to a; from the best stable orbit to the end of the"
           " stable part", _maxima, _judge_breakdown),
-    Check("M41", f"{_ON}; omega .1, b from .02 to a; regime from rest and from the orbit, at four"
-          " places of each dashed part", _dashed, _judge_dashed),
+    Check("M41", f"{_ON}, between folds; omega .1, b from .02 to a; regime from rest and from the"
+          " orbit, at four places of each dashed part", _dashed, _judge_dashed),
 )  # fmt: skip

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from nonsmooth import bifurcation_diagram
-from nonsmooth.chapter.judgement import Check, Evidence, Finding
+from nonsmooth.chapter.judgement import Check, Evidence, Finding, agreed
 from nonsmooth.chapter.mole.cascade_claims import cascade
 from nonsmooth.chapter.mole.static_force_sweeps import (
     AMPLITUDES,
@@ -17,7 +17,7 @@ from nonsmooth.chapter.mole.static_force_sweeps import (
     first_fifty,
     force_sweep,
 )
-from nonsmooth.chapter.mole.windows import agreed, at_the_end, stretches, widest
+from nonsmooth.chapter.mole.windows import at_the_end, stretches, widest
 from nonsmooth.models import moling
 
 __all__ = ["CHECKS"]
@@ -187,9 +187,12 @@ def _judge_rise(evidence: Evidence) -> Finding:
         return Finding(True, text)
     text += (
         f", falls to {evidence['least_after']:.0f} at b = {evidence['falls_until']:.4g} and is"
-        f" {evidence['last'][1]:.0f} at b = {evidence['last'][0]:.4g}"
+        f" {evidence['last'][1]:.0f} at b = {evidence['last'][0]:.4g}; the chapter does not print"
+        f" the range of b of Fig. 8(f): true of every range that ends below"
+        f" {evidence['rises_to']:.4g}, false of every one that ends above"
     )
-    return Finding(False, text)
+    # at once there is no range left in which it could rise
+    return Finding(None if evidence["rises_to"] > evidence["from"] else False, text)
 
 
 def _falls(amplitudes: Sequence[float] = AMPLITUDES, columns: int = _COLUMNS) -> Evidence:

@@ -7,15 +7,16 @@ from collections.abc import Sequence
 import numpy as np
 
 from nonsmooth import bifurcation_diagram
-from nonsmooth.chapter.judgement import Check, Evidence, Finding, agrees
+from nonsmooth.chapter.judgement import Check, Evidence, Finding, agreed, agrees
 from nonsmooth.chapter.mole.static_force_sweeps import (
     AMPLITUDES,
     CHAOTIC,
     PROTOCOLS,
+    Sweep,
     even_forces,
     force_sweep,
 )
-from nonsmooth.chapter.mole.windows import agreed, order_of_labels, stretches, widest
+from nonsmooth.chapter.mole.windows import order_of_labels, stretches, widest
 from nonsmooth.models import moling
 
 __all__ = ["CHECKS"]
@@ -48,10 +49,19 @@ def _windows(
                     "stretches": parts,
                     "main": widest(parts),
                     "chaotic_share": float(np.mean(sweep.labels == CHAOTIC)),
+                    "least_aperiodic": _least_share(sweep),
                     "periodic_share": float(np.mean(sweep.labels > 0)),
                 }
             )
     return {"rows": rows}
+
+
+def _least_share(sweep: Sweep, shortest: float = 0.25) -> list[float]:
+    """Least share of aperiodic columns in any range from 0 to part of the sweep, and its end."""
+    counts = np.arange(1, sweep.labels.size + 1)
+    shares = np.cumsum(sweep.labels <= CHAOTIC) / counts
+    long = counts >= shortest * counts[-1]
+    return [float(shares[long].min()), float(sweep.b[long][shares[long].argmin()])]
 
 
 def _lowest() -> Evidence:
@@ -69,15 +79,20 @@ def _listed(rows: list[Evidence], key: str) -> str:
 def _judge_chaos(evidence: Evidence) -> Finding:
     """Columns near a bifurcation may need longer than others to show that they are chaotic."""
     rows = [row | {"aperiodic_share": 1.0 - row["periodic_share"]} for row in evidence["rows"]]
+    least = ", ".join(
+        f"{row['start']} {row['least_aperiodic'][0]:.3f} (b to {row['least_aperiodic'][1]:.3g})"
+        for row in rows
+    )
     text = (
         f"share of aperiodic columns in 0 < b <= {rows[0]['a']:g}:"
         f" {_listed(rows, 'aperiodic_share')}; of those with a positive exponent:"
-        f" {_listed(rows, 'chaotic_share')}; wide means that more than half are aperiodic, and most"
-        " of these chaotic"
+        f" {_listed(rows, 'chaotic_share')}; the range of b is not printed: in any range from 0"
+        f" that ends between a/4 and a the aperiodic share is at least {least}; wide means that"
+        " more than half are aperiodic in any of them, and most of these chaotic"
     )
     return Finding(
         agreed(
-            row["aperiodic_share"] > 0.5 and row["chaotic_share"] > 0.5 * row["aperiodic_share"]
+            row["least_aperiodic"][0] > 0.5 and row["chaotic_share"] > 0.5 * row["aperiodic_share"]
             for row in rows
         ),
         text,

@@ -8,7 +8,7 @@ from itertools import groupby
 from nonsmooth.chapter.judgement import Evidence
 from nonsmooth.chapter.mole.static_force_sweeps import CHAOTIC, UNSETTLED, Sweep
 
-__all__ = ["agreed", "at_the_end", "order_of_labels", "stretches", "widest"]
+__all__ = ["at_the_end", "order_of_labels", "stretches", "widest"]
 
 
 def stretches(sweep: Sweep) -> list[Evidence]:
@@ -118,24 +118,3 @@ def at_the_end(b: float, window: Evidence, step: float) -> bool:
     (True, False)
     """
     return abs(b - window["high"]) <= max(0.02 * window["high"], step) * (1.0 + 1e-9)
-
-
-def agreed(readings: Iterable[bool]) -> bool | None:
-    """What all readings say, None where they disagree.
-
-    Parameters
-    ----------
-    readings : iterable of bool
-        One for each protocol or reading.
-
-    Returns
-    -------
-    bool or None
-
-    Examples
-    --------
-    >>> agreed([True, True]), agreed([True, False])
-    (True, None)
-    """
-    found = {bool(reading) for reading in readings}
-    return found.pop() if len(found) == 1 else None

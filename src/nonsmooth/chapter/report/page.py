@@ -15,6 +15,7 @@ from typing import Any
 from nonsmooth.chapter.code_version import code_version, library_versions
 from nonsmooth.chapter.registry import figure_summary
 from nonsmooth.chapter.report.claim_table import VERDICTS, claim_table, link_of
+from nonsmooth.chapter.report.summary import summary_page
 from nonsmooth.chapter.report.texts import (
     command_of,
     figure_text,
@@ -75,7 +76,10 @@ def write_report(
         for number, title in _TITLES.items()
         if (inside := [name for name in names if section_of(name) == number])
     ]
-    body = [_head(names, rows, outcome), *sections, claim_table(rows, list(names)), _foot()]
+    body = [
+        _head(rows, outcome), summary_page(rows, names), _contents(names), *sections,
+        claim_table(rows, list(names)), _foot(),
+    ]  # fmt: skip
     page = (
         '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
@@ -89,10 +93,31 @@ def write_report(
     return path
 
 
-def _head(names: Sequence[str], rows: Sequence[dict[str, Any]], outcome: Outcome) -> str:
+def _head(rows: Sequence[dict[str, Any]], outcome: Outcome) -> str:
     counts = Counter(str(row["verdict"]) for row in rows)
     holds, differs, left = (counts[verdict] for verdict in VERDICTS)
-    told = f"{holds} hold, {differs} differ, {left} are not determinable"
+    told = (
+        f'<a href="#holds">{holds} hold</a>, <a href="#differs">{differs} differ</a>,'
+        f' <a href="#not">{left} are not determinable</a>'
+    )
+    failed = "".join(
+        f"<li>{escape(name)}: {escape(message)}</li>" for name, message in outcome.faults.items()
+    )
+    return (
+        f'<h1 id="top">The chapter, computed anew</h1>\n<p>Figures and claims of {_SOURCE},'
+        f" computed by nonsmooth {escape(code_version())} with one command:</p>"
+        "<pre>nonsmooth chapter run --all --out DIR</pre>"
+        f"<p>Of {len(rows)} claims of the chapter {told}. Each stands below with its verdict, a"
+        ' link to its figure, and the rule that decides; the <a href="#figures">figures</a> follow.'
+        " Beside this page lie every figure as PNG and PDF, its data as netCDF, and the claims with"
+        " their evidence as JSON.</p>"
+        + f'<div class="fault"><p>Could not be made:</p><ul>{failed}</ul></div>'
+        * bool(failed)
+    )
+
+
+def _contents(names: Sequence[str]) -> str:
+    """Links to the figures, by section."""
     sections = " &middot; ".join(
         f'<a href="#section{number}">{title}</a>'
         for number, title in _TITLES.items()
@@ -103,18 +128,10 @@ def _head(names: Sequence[str], rows: Sequence[dict[str, Any]], outcome: Outcome
         f" {escape(figure_summary(name))}</li>"
         for name in names
     )
-    failed = "".join(
-        f"<li>{escape(name)}: {escape(message)}</li>" for name, message in outcome.faults.items()
-    )
     return (
-        f'<h1 id="top">The chapter, computed anew</h1>\n<p>Figures and claims of {_SOURCE},'
-        f" computed by nonsmooth {escape(code_version())} with one command:</p>"
-        "<pre>nonsmooth chapter run --all --out DIR</pre>"
-        f'<p>Of {len(rows)} <a href="#claims">claims</a>: {told}. Beside this page lie every figure'
-        " as PNG and PDF, its data as netCDF, and the claims with their evidence as JSON.</p>"
-        + (f'<div class="fault"><p>Could not be made:</p><ul>{failed}</ul></div>' * bool(failed))
-        + f'<nav aria-label="Figures"><p>{sections}</p><ul>{links}</ul></nav>'
-    )  # fmt: skip
+        f'<h2 id="figures">Figures</h2>\n<nav aria-label="Figures"><p>{sections}</p>'
+        f"<ul>{links}</ul></nav>"
+    )
 
 
 def _figure(folder: Path, name: str, rows: Sequence[dict[str, Any]], outcome: Outcome) -> str:

@@ -23,6 +23,7 @@ from nonsmooth.chapter.rotor.speed_sweeps import PROTOCOLS
 __all__ = ["CHECKS"]
 
 _QUASI = "3.107"
+_JUST_ABOVE = 0.005  # of eta
 _NEAR = 11  # columns around it
 # Period below and above as printed, and the orbit that is followed: period, first and last eta.
 _CHANGES = {
@@ -30,6 +31,8 @@ _CHANGES = {
     1: (4, 2, (2, 3.0, 2.4)),
     2: (2, 4, (2, 3.0, 4.8)),
 }
+_BRACKET = 1e-3  # of eta, one unit of the last printed digit
+_BIFURCATIONS = ("flip", "fold", "torus", "halving")
 _NAMES = {0: "end of period one", 1: "four to two", 2: "end of period two"}
 
 
@@ -51,14 +54,18 @@ def _change(delta: float, number: int) -> Evidence:
 
 
 def _judge_change(evidence: Evidence) -> Finding:
-    """The protocol that section 4.3 states decides: every column from zero."""
-    stated = evidence["by_protocol"][0]
+    """The protocol that section 4.3 states decides: every column from zero.
+
+    Columns that bracket the change less closely than the printed digits give way to the orbit,
+    where that bifurcates between them.
+    """
+    stated, branch = evidence["by_protocol"][0], evidence["branch"]
     if stated["last"] is None:
-        return Finding(False, f"no such change from zero; {_branch(evidence['branch'])}")
-    middle = 0.5 * (stated["last"] + stated["first"])
-    true = agrees(middle, evidence["printed"])
-    if evidence["after"] is not None:
-        true = true and stated["becomes"] == evidence["after"]
+        return Finding(False, f"no such change from zero; {_branch(branch)}")
+    place, means = _place(stated, branch)
+    true = None if place is None else agrees(place, evidence["printed"])
+    if evidence["after"] is not None and stated["becomes"] != evidence["after"]:
+        true = False
     listed = "; ".join(
         f"{row['start']} none"
         if row["last"] is None
@@ -66,9 +73,26 @@ def _judge_change(evidence: Evidence) -> Finding:
         f" {row['becomes'] or 'no period'} from {row['first']:.5g}"
         for row in evidence["by_protocol"]
     )
-    off = middle - float(evidence["printed"])
-    return Finding(bool(true), f"printed {evidence['printed']}, from zero off by {off:+.4f}:"
-                   f" {listed}; {_branch(evidence['branch'])}")  # fmt: skip
+    off = "" if place is None else f" off by {place - float(evidence['printed']):+.4f}"
+    again = ", ".join(
+        f"{each['last']:.5g} (then {each['becomes'] or 'no period'})" for each in stated["others"]
+    )
+    return Finding(
+        true,
+        f"printed {evidence['printed']}, {means}{off}: {listed}"
+        + f"; period {evidence['before']} comes again and ends at {again}" * bool(again)
+        + f"; {_branch(branch)}",
+    )
+
+
+def _place(stated: Evidence, branch: Evidence) -> tuple[float | None, str]:
+    """Where a change is, and what tells so."""
+    low, high = stated["last"], stated["first"]
+    if high - low <= _BRACKET:
+        return 0.5 * (low + high), "from zero"
+    if branch["kind"] in _BIFURCATIONS and low <= branch["eta"] <= high:
+        return branch["eta"], f"by the orbit, as columns from {low:.5g} to {high:.5g} tell no more,"
+    return None, f"columns from {low:.5g} to {high:.5g} tell no more, nor does the orbit"
 
 
 def _branch(branch: Evidence) -> str:
@@ -166,33 +190,48 @@ def _shifts() -> Evidence:
     for number, name in _NAMES.items():
         without, loaded = (_change(delta, number) for delta in PRINTED_36)
         for k, start in enumerate(PROTOCOLS):
-            ends = [each["by_protocol"][k]["last"] for each in (without, loaded)]
+            both = [each["by_protocol"][k] for each in (without, loaded)]
+            ends = [each["last"] for each in both]
             shift = None if None in ends else ends[1] - ends[0]
-            rows.append({"change": name, "route": start, "shift": shift})
+            kinds = [each["becomes"] for each in both]
+            rows.append({"change": name, "route": start, "shift": shift, "kinds": kinds})
         shift = loaded["branch"]["eta"] - without["branch"]["eta"]
-        same = loaded["branch"]["kind"] == without["branch"]["kind"]
-        rows.append({"change": name, "route": "orbit", "shift": shift, "same_kind": same})
+        kinds = [each["branch"]["kind"] for each in (without, loaded)]
+        rows.append({"change": name, "route": "orbit", "shift": shift, "kinds": kinds})
     return {"rows": rows}
 
 
 def _judge_shifts(evidence: Evidence) -> Finding:
-    rows = evidence["rows"]
-    # an orbit that ends in one way without preload and in another with it is not alike
-    known = [row for row in rows if row["shift"] is not None and row.get("same_kind", True)]
+    """What one period turns into must be the same with preload and without, by each route."""
+    rows = [row for row in evidence["rows"] if row["shift"] is not None]
+    alike = [row for row in rows if row["kinds"][0] == row["kinds"][1]]
     listed = "; ".join(
         f"{name}: "
-        + ", ".join(f"{row['route']} {row['shift']:+.4f}" for row in known if row["change"] == name)
+        + ", ".join(
+            f"{row['route']} {row['shift']:+.4f}"
+            + ("" if row in alike else f" (unlike: to {row['kinds'][0]} and {row['kinds'][1]})")
+            for row in rows
+            if row["change"] == name
+        )
         for name in _NAMES.values()
     )
-    stated = [row for row in rows if row["route"] == "restart"]
-    true = all(row["shift"] is not None and row["shift"] > 0.0 for row in stated)
-    return Finding(true, f"shift of eta with preload: {listed}")
+    compared = {row["change"] for row in alike} == set(_NAMES.values())
+    # a change that no route compares with its like is left open
+    true = all(row["shift"] > 0.0 for row in alike)
+    return Finding(
+        None if true and not compared else true,
+        f"shift of eta with preload: {listed} (0: no period); like with like on"
+        f" {len(alike)} of {len(evidence['rows'])} routes",
+    )
 
 
-def _beyond(delta: float, steps: Sequence[float] = (0.005, 0.01, 0.02, 0.03)) -> Evidence:
+def _beyond(
+    delta: float, steps: Sequence[float] = (0.001, 0.002, 0.003, 0.005, 0.01, 0.02, 0.03)
+) -> Evidence:
     """Motions from zero just above the end of period one, and the orbit followed."""
     change = _change(delta, 0)
-    end = change["by_protocol"][0]["last"]
+    stated = change["by_protocol"][0]
+    end = stated["first"]
     rows = []
     for step in steps:
         found = regime(set_a(delta, end + step), transient=1000)
@@ -204,7 +243,10 @@ def _beyond(delta: float, steps: Sequence[float] = (0.005, 0.01, 0.02, 0.03)) ->
                 "message": found.attrs["message"],
             }
         )
-    return {"delta": delta, "end": end, "rows": rows, "branch": change["branch"]}
+    return {
+        "delta": delta, "end": end, "rows": rows, "branch": change["branch"],
+        "again": stated["others"],
+    }  # fmt: skip
 
 
 def _beyond_text(evidence: Evidence) -> str:
@@ -212,18 +254,26 @@ def _beyond_text(evidence: Evidence) -> str:
         f"{row['eta']:.4g} {row['regime']}" + (f" {row['period']}" if row["period"] else "")
         for row in evidence["rows"]
     )
+    again = ", ".join(
+        f"from {each['from']:.5g} to {each['last']:.5g}, then period {each['becomes'] or 'none'}"
+        for each in evidence["again"]
+    )
     return (
-        f"from zero period one ends at {evidence['end']:.5g}; above it {rows}"
-        f" ({evidence['rows'][0]['message']}); {_branch(evidence['branch'])}"
+        f"from zero the first column without period one is {evidence['end']:.5g}; above it {rows}"
+        f" ({evidence['rows'][0]['message']})"
+        + f"; period one comes again {again}" * bool(again)
+        + f"; {_branch(evidence['branch'])}"
     )
 
 
 def _judge_three(evidence: Evidence) -> Finding:
-    return Finding(evidence["rows"][0]["period"] == 3, _beyond_text(evidence))
+    return Finding(all(row["period"] == 3 for row in evidence["rows"]), _beyond_text(evidence))
 
 
 def _judge_to_quasi(evidence: Evidence) -> Finding:
-    return Finding(evidence["rows"][0]["regime"] == "quasi-periodic", _beyond_text(evidence))
+    near = [row for row in evidence["rows"] if row["eta"] - evidence["end"] <= _JUST_ABOVE]
+    true = all(row["regime"] == "quasi-periodic" for row in near)
+    return Finding(true, _beyond_text(evidence))
 
 
 def _printed_order() -> Evidence:
@@ -250,8 +300,8 @@ _SWEPT = (
     "set A, eta 2 to 5; the stated protocol, every column from zero (phi_0, which is not"
     " printed, too), decides: 600 columns, 300"
     " periods dropped, 150 kept, then 20 between the two with 3000 dropped; beside it followed up"
-    " and down in 300 columns, and the orbit followed with its multipliers; one unit of the last"
-    " printed digit"
+    " and down in 300 columns, and the orbit followed with its multipliers, which decides where"
+    " the columns bracket a change less closely than that; one unit of the last printed digit"
 )
 
 
@@ -272,10 +322,12 @@ CHECKS = (
     ),
     Check("R23", "the same with Delta 0; true when the orbit is there without such a change",
           lambda: _quasi(0.0), _judge_no_quasi),
-    Check("R24", _SWEPT + "; like with like, by each route; from zero decides", _shifts,
-          _judge_shifts),
-    Check("R25", "regime from zero one step of 0.005 above the end of period one, 1000 periods"
-          " dropped; further steps beside it", lambda: _beyond(0.0), _judge_three),
-    Check("R26", "the same with Delta .1", lambda: _beyond(0.1), _judge_to_quasi),
+    Check("R24", _SWEPT + "; like with like, by each route: the same period below and the same"
+          " motion above; every route that compares so decides", _shifts, _judge_shifts),
+    Check("R25", "regime from zero at seven places up to 0.03 above the end of period one that lies"
+          " nearest to the printed one, 1000 periods dropped; true with period three at all of"
+          " them", lambda: _beyond(0.0), _judge_three),
+    Check("R26", f"the same with Delta .1; true where all up to {_JUST_ABOVE:g} above the end are"
+          " quasi-periodic", lambda: _beyond(0.1), _judge_to_quasi),
     Check("R29", "printed numbers", _printed_order, _judge_order),
 )  # fmt: skip

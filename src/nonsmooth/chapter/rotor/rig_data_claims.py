@@ -38,7 +38,9 @@ def _judge_damping(evidence: Evidence) -> Finding:
         for c, value, fit in zip(evidence["printed"], evidence["nu1"], fits, strict=True)
     )
     text = (
-        f"{listed}; set B has {evidence['nu1_printed']}, and a damping has the unit kg/s, not N/s"
+        f"{listed}; set B has {evidence['nu1_printed']}, and a damping has the unit kg/s, not N/s."
+        " One rig has one damping, so two different numbers cannot both fit: print contradicts"
+        " itself, and the computation tells which number is meant"
     )
     return Finding(all(fits), text)
 

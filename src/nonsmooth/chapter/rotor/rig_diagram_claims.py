@@ -7,11 +7,15 @@ speed decides here, as both diagrams are said to begin at 7 Hz; the others stand
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import zip_longest
 
 import numpy as np
+import xarray as xr
 
+from nonsmooth import System
 from nonsmooth.chapter.judgement import Check, Evidence, Finding, agrees
 from nonsmooth.chapter.rotor.coexistence import DROPPED, STARTS, coexisting
+from nonsmooth.chapter.rotor.crisis import meeting_with_unstable_orbits
 from nonsmooth.chapter.rotor.data import DELTA_40, DELTA_41, EPS_40, EPS_41, rig
 from nonsmooth.chapter.rotor.orbits import follow_orbit, orbit_near
 from nonsmooth.chapter.rotor.rig_sweeps import (
@@ -26,8 +30,11 @@ __all__ = ["CHECKS"]
 
 _STATED = "follow up"
 _WIDE = 0.5  # share of the columns
+_MEETS = 0.02  # of the width of the chaotic set
 _PRINTED_FLIP, _PRINTED_CRISIS = "14.74", "26.1"
 _BEFORE = 13.1  # Hz: period one of Fig. 42, below the doubling
+_UNKNOWN = "not found"  # a search that failed tells nothing of how a route goes on
+_ABOVE = (0.02, 0.005, 0.05, 0.1)  # Hz above a doubling, where the doubled orbit is looked for
 
 
 def _summary(figure: str) -> list[Evidence]:
@@ -120,9 +127,11 @@ def _doublings(eps: tuple[float, float] = EPS_41, delta: float = DELTA_41) -> Ev
     hertz, period, speed = machine.natural_frequency, 1, _BEFORE
     ends: list[Evidence] = []
     while period <= 8:
-        system = rig(eps, delta, speed).system()
-        orbit = orbit_near(system, last_strobe(system, 3000), period)
+        system, orbit = _orbit_behind(eps, delta, speed, period)
         if orbit is None:
+            ends.append(
+                {"period": period, "speed": speed, "kind": _UNKNOWN, "multiplier": [0.0, 0.0]}
+            )
             break
         end = follow_orbit(system, orbit, 50.0 / hertz)
         ends.append(
@@ -131,13 +140,28 @@ def _doublings(eps: tuple[float, float] = EPS_41, delta: float = DELTA_41) -> Ev
         )  # fmt: skip
         if end["kind"] != "flip":
             break
-        period, speed = 2 * period, hertz * end["eta"] + 0.02
+        period, speed = 2 * period, hertz * end["eta"]
     return {"eps": list(eps), "delta": delta, "ends": ends}
+
+
+def _orbit_behind(
+    eps: tuple[float, float], delta: float, speed: float, period: int
+) -> tuple[System, xr.Dataset | None]:
+    """Orbit of a period that zero leads to at a speed, or a little above it where it is born."""
+    system = rig(eps, delta, speed).system()
+    for above in (0.0,) if period == 1 else _ABOVE:
+        system = rig(eps, delta, speed + above).system()
+        orbit = orbit_near(system, last_strobe(system, 3000), period)
+        if orbit is not None:
+            return system, orbit
+    return system, None
 
 
 def _ends_text(ends: list[Evidence]) -> str:
     return ", ".join(
-        f"period {end['period']} {end['kind']} at {end['speed']:.3f} Hz" for end in ends
+        f"period {end['period']} {end['kind']} {'from' if end['kind'] == _UNKNOWN else 'at'}"
+        f" {end['speed']:.3f} Hz"
+        for end in ends
     )
 
 
@@ -187,7 +211,19 @@ def _crisis() -> Evidence:
                 {"start": row["start"], "speed": speed,
                  "periods": [each["period"] for each in found]}
             )  # fmt: skip
-    return {"rows": rows, "motions": motions}
+    return {"rows": rows, "motions": motions, "meetings": _meetings()}
+
+
+def _meetings() -> list[Evidence]:
+    """Unstable orbits that the chaotic set comes near at its last column."""
+    sweep, system = rig_sweeps("41")[_STATED], machine_of("41").system()
+    span = chaotic_span(sweep)
+    if span is None:
+        return []
+    last = sweep.data.isel(parameter=span[1], point=-1)
+    state = {name: float(last[name]) for name in system.states}
+    inside = float(sweep.eta[span[1]])
+    return meeting_with_unstable_orbits(system, state, inside, inside + sweep.step)
 
 
 def _judge_crisis(evidence: Evidence) -> Finding:
@@ -200,37 +236,59 @@ def _judge_crisis(evidence: Evidence) -> Finding:
         f"at {each['speed']:.2f} Hz periods {', '.join(map(str, each['periods']))} (0: none)"
         for each in evidence["motions"] if each["start"] == _STATED
     )  # fmt: skip
-    true = stated["to"] is not None and agrees(
+    place = stated["to"] is not None and agrees(
         stated["to"], _PRINTED_CRISIS, about=0.02, step=stated["step"]
     )
+    meetings = evidence["meetings"]
+    nearest = min((each["distance"] for each in meetings), default=np.inf)
+    met = ", ".join(f"period {each['period']} {each['distance']:.1%}" for each in meetings)
     text = (
         f"last chaotic column up to 30 Hz: {listed}; printed {_PRINTED_CRISIS} Hz, about: 2 %;"
-        f" beside the end {STARTS + 1} starts lead to: {beside}; the meeting with an unstable orbit"
-        " was not looked at, as the place decides"
+        f" beside the end {STARTS + 1} starts lead to: {beside}; distance of the set at its last"
+        " column from the unstable orbits on the branches of what is left, beside its width:"
+        f" {met or 'no such orbit found'} (a crisis: {_MEETS:.0%} at most)"
     )
-    return Finding(bool(true), text)
+    return Finding(bool(place and nearest <= _MEETS), text)
 
 
-def _only_one(speeds: Sequence[float] = tuple(np.linspace(30.0, 50.0, 6))) -> Evidence:
-    rows = [
-        {"speed": float(speed), "periods": [
-            each["period"] for each in coexisting(rig(EPS_41, DELTA_41, speed).system())
-        ]}
-        for speed in speeds
-    ]  # fmt: skip
-    return {"rows": rows}
+def _only_one(
+    speeds: Sequence[float] = tuple(np.linspace(30.0, 50.0, 21)), starts: int = 12
+) -> Evidence:
+    """Motions at speeds 1 Hz apart, and how far the orbit of period one is stable in between."""
+    rows = []
+    for speed in speeds:
+        found = coexisting(rig(EPS_41, DELTA_41, speed).system(), starts)
+        rows.append({"speed": float(speed), "motions": [_name(each) for each in found]})
+    machine = rig(EPS_41, DELTA_41, max(speeds))
+    system = machine.system()
+    orbit = orbit_near(system, last_strobe(system, 1500), 1)
+    to = min(speeds) / machine.natural_frequency
+    end = None if orbit is None else follow_orbit(system, orbit, to)
+    branch = (
+        {"kind": _UNKNOWN, "speed": float(max(speeds))}
+        if end is None
+        else {"kind": end["kind"], "speed": machine.natural_frequency * end["eta"]}
+    )
+    return {"rows": rows, "starts": starts + 1, "branch": branch}
 
 
 def _judge_only_one(evidence: Evidence) -> Finding:
-    rows = evidence["rows"]
-    other = [row for row in rows if row["periods"] != [1]]
-    listed = "; ".join(
-        f"{row['speed']:g} Hz {', '.join(map(str, row['periods']))}" for row in other
+    rows, branch = evidence["rows"], evidence["branch"]
+    # motions that have not settled tell nothing
+    other = [row for row in rows if set(row["motions"]) - {"period 1", "no period"}]
+    listed = "; ".join(f"{row['speed']:g} Hz {', '.join(row['motions'])}" for row in other)
+    stable = branch["kind"] == "none"
+    followed = (
+        "is stable throughout"
+        if stable
+        else f"could be followed to {branch['speed']:.2f} Hz ({branch['kind']})"
     )
+    searched = branch["kind"] != _UNKNOWN
     return Finding(
-        not other,
-        f"period one alone at {len(rows) - len(other)} of {len(rows)} speeds"
-        + (f"; elsewhere (0: no period): {listed}" if other else ""),
+        False if other else stable if searched else None,
+        f"from {evidence['starts']} starts other settled motions at {len(other)} of {len(rows)}"
+        f" speeds{': ' * bool(other)}{listed}; the orbit of period one, followed down from 50 Hz,"
+        f" {followed}",
     )
 
 
@@ -242,13 +300,24 @@ def _changes() -> Evidence:
     return {"rows": [{"set": name, **_doublings(*values)} for name, values in sets.items()]}
 
 
+def _unlike(first: list[str], second: list[str]) -> bool | None:
+    """Whether two routes differ; None where a search failed before they did."""
+    for one, other in zip_longest(first, second, fillvalue=""):
+        if _UNKNOWN in (one, other):
+            return None
+        if one != other:
+            return True
+    return False
+
+
 def _judge_changes(evidence: Evidence) -> Finding:
     routes = [[end["kind"] for end in row["ends"]] for row in evidence["rows"]]
     listed = "; ".join(
         f"{row['set']}: {_ends_text(row['ends']) or 'no period one'}" for row in evidence["rows"]
     )
     # the claim: by eccentricity, so it must differ with the preload of either figure
-    true = routes[0] != routes[1] and routes[2] != routes[3]
+    unlike = [_unlike(routes[0], routes[1]), _unlike(routes[2], routes[3])]
+    true = False if False in unlike else None if None in unlike else True
     return Finding(true, f"ends of period one from {_BEFORE:g} Hz upwards, and of its doublings: "
                    f"{listed}")  # fmt: skip
 
@@ -258,7 +327,22 @@ def _orbit() -> Evidence:
 
 
 def _open_motion(evidence: Evidence) -> Finding:
-    return Finding(None, _motion_text(evidence))
+    return Finding(
+        None,
+        f"{_motion_text(evidence)}; the measured strobes of Fig. 40(b), as numbers, would decide:"
+        " their set beside ours, and the largest exponent of both",
+    )
+
+
+def _judge_orbit(evidence: Evidence) -> Finding:
+    """The theoretical half can refute the claim; the other half needs the measured orbits."""
+    periodic = all(row["period"] == 1 for row in evidence["rows"])
+    return Finding(
+        periodic,
+        f"the theoretical half {'holds' if periodic else 'differs'}: {_motion_text(evidence)}; the"
+        " measured orbits would decide the other half",
+        for_all="" if periodic else "any measured orbits",
+    )
 
 
 _SWEPT = (
@@ -281,13 +365,14 @@ CHECKS = (
           _judge_route),
     Check("R43", "orbit of period one followed from 13.1 Hz to its flip", _doublings,
           _judge_flip),
-    Check("R44", _SWEPT, _crisis, _judge_crisis),
-    Check("R45", f"6 speeds from 30 to 50 Hz, {STARTS} random starts and zero, {DROPPED} periods"
-          " dropped",
+    Check("R44", _SWEPT + "; true where chaos ends at the printed place and there meets an"
+          " unstable orbit", _crisis, _judge_crisis),
+    Check("R45", f"21 speeds from 30 to 50 Hz, 12 random starts and zero, {DROPPED} periods"
+          " dropped, periods and positive exponents count; orbit of period one followed in between",
           _only_one, _judge_only_one),
     Check("R46", _AT, lambda: _motion("41", 17.6), _judge_periodic),
     Check("R47", _AT, lambda: _motion("41", 25.0), _judge_chaotic),
     Check("R48", "orbit of period one followed from 13.1 Hz for both sets and each change alone",
           _changes, _judge_changes),
-    Check("R49", _AT, _orbit, _open_motion),
+    Check("R49", _AT + "; period one by every protocol", _orbit, _judge_orbit),
 )  # fmt: skip

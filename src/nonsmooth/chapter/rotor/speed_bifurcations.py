@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from itertools import pairwise
 
 import numpy as np
 import xarray as xr
@@ -15,12 +16,14 @@ from nonsmooth.chapter.rotor.speed_sweeps import (
     even_values,
     last_strobe,
     speed_sweeps,
+    stretches,
 )
 
 __all__ = ["branch_end", "orbit_at", "sweep_of_set_a", "transition"]
 
 _COLUMNS, _FOLLOWED = 600, 300  # from 2 to 5
 _ZOOM, _LONG = 20, 3000  # columns between two, and periods left out in them
+_AGAIN = 0.2  # of eta, within which another stretch of the same period is told
 _BETWEEN = 4  # columns at most that have not settled where one period becomes another
 
 
@@ -67,13 +70,18 @@ def transition(delta: float, before: int, after: int | None, near: str, start: s
     dict
         ``last`` eta with the period below, ``first`` with the motion above, ``becomes`` (its
         period, 0 for none); for columns that restart after a zoom in with longer transients.
-        Both are None where there is no such change.
+        Both are None where there is no such change. ``others``: stretches of the period above,
+        up to where that orbit could be meant, with ``from``, ``last`` and ``becomes``.
     """
     sweep = sweep_of_set_a(delta, start)
     place = _nearest(sweep, before, after, float(near))
     if place is None:
-        return {"start": start, "last": None, "first": None, "becomes": None}
+        return {"start": start, "last": None, "first": None, "becomes": None, "others": []}
     low, high = place
+    others = [
+        each for each in _ends_of(sweep, before)
+        if sweep.eta[high] < each["last"] <= sweep.eta[high] + _AGAIN
+    ]  # fmt: skip
     if start == "restart":
         inner = even_values(float(sweep.eta[low]), float(sweep.eta[high]), _ZOOM)
         (zoom,) = speed_sweeps(set_a(delta), inner, (start,), transient=_LONG)
@@ -85,7 +93,18 @@ def transition(delta: float, before: int, after: int | None, near: str, start: s
         "last": float(sweep.eta[low]),
         "first": float(sweep.eta[high]),
         "becomes": max(int(sweep.labels[high]), 0),
+        "others": others,
     }
+
+
+def _ends_of(sweep: Sweep, period: int) -> list[Evidence]:
+    """Stretches of a period, and what the column behind each shows (0: no period)."""
+    parts = stretches(sweep)
+    return [
+        {"from": first, "last": last, "becomes": max(behind[0], 0)}
+        for (label, first, last), behind in pairwise(parts)
+        if label == period
+    ]
 
 
 def _nearest(sweep: Sweep, before: int, after: int | None, near: float) -> tuple[int, int] | None:
