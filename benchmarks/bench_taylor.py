@@ -23,9 +23,9 @@ import heyoka as hy
 import numpy as np
 
 import nonsmooth as ns
-from nonsmooth.simulation.clock import plan_run
-from nonsmooth.simulation.runner import build_derivatives, build_tables, run_plan
-from nonsmooth.simulation.start import resolve_start
+from nonsmooth.runs.clock import plan_run
+from nonsmooth.runs.runner import build_derivatives, build_tables, run_plan
+from nonsmooth.runs.start import resolve_start
 
 ROUNDS = 25
 BOUND = 1e-12  # relative difference after a period

@@ -54,10 +54,10 @@ if TYPE_CHECKING:
         RunError,
         RunWarning,
     )
-    from nonsmooth.maps.poincare import PoincareMap
-    from nonsmooth.maps.stroboscopic import StroboscopicMap
-    from nonsmooth.simulation.simulate import simulate
-    from nonsmooth.simulation.words import phase_word
+    from nonsmooth.runs.poincare_map import PoincareMap
+    from nonsmooth.runs.simulate import simulate
+    from nonsmooth.runs.stroboscopic_map import StroboscopicMap
+    from nonsmooth.runs.words import phase_word
     from nonsmooth.system.parts import Exit, Mode
     from nonsmooth.system.signals import Signal
     from nonsmooth.system.smoothed import smoothed
@@ -129,12 +129,12 @@ _HOME = {
     "ModelError": "nonsmooth.errors",
     "NonsmoothError": "nonsmooth.errors",
     "OptionError": "nonsmooth.errors",
-    "PoincareMap": "nonsmooth.maps.poincare",
+    "PoincareMap": "nonsmooth.runs.poincare_map",
     "ResultWarning": "nonsmooth.errors",
     "RunError": "nonsmooth.errors",
     "RunWarning": "nonsmooth.errors",
     "Signal": "nonsmooth.system.signals",
-    "StroboscopicMap": "nonsmooth.maps.stroboscopic",
+    "StroboscopicMap": "nonsmooth.runs.stroboscopic_map",
     "Surface": "nonsmooth.system.surfaces",
     "System": "nonsmooth.system.system",
     "attractors": "nonsmooth.analysis.attractors",
@@ -158,13 +158,13 @@ _HOME = {
     "orbits": "nonsmooth.analysis.orbits",
     "order_tracking": "nonsmooth.analysis.order_tracking",
     "period_statistics": "nonsmooth.analysis.period_statistics",
-    "phase_word": "nonsmooth.simulation.words",
+    "phase_word": "nonsmooth.runs.words",
     "poincare_section": "nonsmooth.analysis.poincare_section",
     "power_spectrum": "nonsmooth.analysis.power_spectrum",
     "regime": "nonsmooth.analysis.regime",
     "regime_map": "nonsmooth.analysis.regime_map",
     "return_map": "nonsmooth.analysis.return_map",
-    "simulate": "nonsmooth.simulation.simulate",
+    "simulate": "nonsmooth.runs.simulate",
     "smoothed": "nonsmooth.system.smoothed",
     "smoothing_report": "nonsmooth.analysis.smoothing_report",
     "stroboscopic_map": "nonsmooth.analysis.stroboscopic_map",

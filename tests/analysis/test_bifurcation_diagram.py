@@ -208,7 +208,7 @@ def test_columns_start_at_their_own_rest_state():
 
 
 def test_an_interruption_keeps_what_is_done(monkeypatch):
-    from nonsmooth.simulation import crew
+    from nonsmooth.runs import crew
 
     calls = []
     take = crew.take

@@ -12,7 +12,7 @@ from nonsmooth.analysis.basins.confirmation import Cycles
 from nonsmooth.analysis.basins.found_attractors import find_attractors
 from nonsmooth.analysis.basins.recurrences import Known
 from nonsmooth.analysis.basins.region import read_box
-from nonsmooth.maps.of_system import map_of
+from nonsmooth.runs.of_system import map_of
 
 MOLE = ns.models.moling(a=0.3, b=0.1, xi=0.1, omega=1.56)
 REGION = {"p": (-1.0, 0.0), "y": (-0.75, 0.75)}

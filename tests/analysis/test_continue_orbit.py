@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import nonsmooth as ns
-from nonsmooth.periodic import branch_run
-from periodic.kinds import rigid_wall, van_der_pol
+from nonsmooth.orbits import branch_run
+from orbits.kinds import rigid_wall, van_der_pol
 
 SOFT = {"omega": 0.85, "zeta": 0.01, "beta": 29.0, "e": 1.26}
 

@@ -10,7 +10,7 @@ import xarray as xr
 import nonsmooth as ns
 from nonsmooth import Exit, Mode, ModelError, OptionError, System
 from nonsmooth.analysis.ensembles import work
-from nonsmooth.simulation import crew
+from nonsmooth.runs import crew
 
 
 def linear():

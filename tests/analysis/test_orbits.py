@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 import nonsmooth as ns
-from nonsmooth.simulation.progress import Progress
-from periodic.references import cycles
-from periodic.references.rigid_wall import RigidWall
-from periodic.sampler import mole_penetration
-from periodic.systems import clock, rigid_wall
+from nonsmooth.runs.progress import Progress
+from orbits.references import cycles
+from orbits.references.rigid_wall import RigidWall
+from orbits.sampler import mole_penetration
+from orbits.systems import clock, rigid_wall
 
 A = Fraction(2, 5)  # peak of the tent
 UNIT = {"x": (0, 1)}

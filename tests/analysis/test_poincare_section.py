@@ -468,7 +468,7 @@ def test_more_wrong_options():
 
 
 def test_an_interruption_keeps_what_is_there(monkeypatch):
-    from nonsmooth.maps import section_search
+    from nonsmooth.runs import section_search
 
     calls = []
     run_plan = section_search.run_plan

@@ -151,7 +151,7 @@ def test_work_that_was_begun_goes_on(tmp_path, monkeypatch):
 
 
 def test_an_interruption_keeps_what_is_done(monkeypatch):
-    from nonsmooth.simulation import crew
+    from nonsmooth.runs import crew
 
     calls, take = [], crew.take
 

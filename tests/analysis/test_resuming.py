@@ -47,7 +47,7 @@ def chunks(store):
 # The process ends after three chunks as one that is killed does: nothing is tidied up.
 KILLED = """
 import os
-from nonsmooth.simulation.store import Store
+from nonsmooth.runs.store import Store
 
 def put(self, i, arrays, original=Store.put):
     original(self, i, arrays)

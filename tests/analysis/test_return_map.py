@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import nonsmooth as ns
-from maps.balls import logistic_ball, rigid_wall
+from runs.balls import logistic_ball, rigid_wall
 
 
 def table_ball(r=0.8, w=0.1):

@@ -8,10 +8,10 @@ from mpmath import mp, mpf
 
 import nonsmooth as ns
 from analysis.test_sliding_branches import belt, exact
-from periodic.references import belt as reference
-from periodic.references import chatter
-from periodic.test_sliding_orbits import belt as belt_alone
-from periodic.test_sliding_orbits import wall
+from orbits.references import belt as reference
+from orbits.references import chatter
+from orbits.test_sliding_orbits import belt as belt_alone
+from orbits.test_sliding_orbits import wall
 
 
 @pytest.fixture(autouse=True)

@@ -6,7 +6,7 @@ import xarray as xr
 
 import nonsmooth as ns
 from analysis.shafts import shaft, vectors, whirl
-from nonsmooth.simulation import crew
+from nonsmooth.runs import crew
 
 SPEEDS = np.linspace(0.6, 2.5, 9)
 QUICK = {"transient": 150, "record": 8, "samples_per_period": 12}

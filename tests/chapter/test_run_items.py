@@ -18,7 +18,7 @@ from nonsmooth.chapter.files import plain
 from nonsmooth.chapter.items import do_item
 from nonsmooth.chapter.run_items import run_items
 from nonsmooth.errors import OptionError
-from nonsmooth.simulation.store_lock import lock, unlock
+from nonsmooth.runs.store_lock import lock, unlock
 
 TESTS = Path(__file__).parents[1]
 posix = pytest.mark.skipif(os.name != "posix", reason="signals and terminals of POSIX")
@@ -147,7 +147,7 @@ main()
 INTERRUPTED = """
 import os, signal
 from queue import Empty
-from nonsmooth.simulation import crew
+from nonsmooth.runs import crew
 
 def take(results, original=crew.take):
     try:
@@ -185,7 +185,7 @@ def test_interruption_keeps_what_is_done(tmp_path):
 
 # A bar appears after a second; here it need not wait for that.
 IMPATIENT = """
-from nonsmooth.simulation import progress
+from nonsmooth.runs import progress
 progress._PATIENCE = 0.0
 """
 

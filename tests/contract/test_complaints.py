@@ -9,7 +9,7 @@ import pytest
 import nonsmooth as ns
 from contract.taylor_twin import taylor_twin
 from nonsmooth import Exit, Mode, Surface, System
-from simulation.flows import EPS, crossings
+from runs.flows import EPS, crossings
 
 on_both_flows = pytest.mark.parametrize(
     "flow",

@@ -18,7 +18,7 @@ from mpmath import mp, mpf
 import nonsmooth as ns
 from contract.taylor_twin import taylor_twin
 from nonsmooth import Exit, Mode, ModelError, OptionError, RunWarning, Surface, System
-from simulation.flows import EPS, crossings, on_both_flows
+from runs.flows import EPS, crossings, on_both_flows
 
 
 def ends_early(system, start, **words):

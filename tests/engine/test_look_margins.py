@@ -23,7 +23,7 @@ from engine.spectra import CLASSES, Case
 from engine.test_nearly_defective import chain, two_oscillators
 from nonsmooth.engine.lanes import allocate_segment
 from nonsmooth.errors import ModelError
-from nonsmooth.simulation.runner import build_tables
+from nonsmooth.runs.runner import build_tables
 
 DEGREE, LEVELS, ORDERS = 15, 7, 3
 PLACES = (0.125, 0.375, 0.625, 1.0)

@@ -26,7 +26,7 @@ from nonsmooth.engine.lanes import (
     run,
 )
 from nonsmooth.engine.tables import ORDER
-from nonsmooth.simulation.runner import build_tables
+from nonsmooth.runs.runner import build_tables
 
 LENGTHS = [2.0 ** (1 - k / 2) for k in range(24)]
 PARTS = (0.1, 0.4, 0.7, 1.0)

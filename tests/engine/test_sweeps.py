@@ -11,8 +11,8 @@ import nonsmooth as ns
 from nonsmooth.engine import sweeps
 from nonsmooth.engine.lanes import ANY
 from nonsmooth.engine.status import Status
-from nonsmooth.simulation import sweep_runner
-from nonsmooth.simulation.sweep_runner import Recorded, Starts, SweepRunner, Times
+from nonsmooth.runs import sweep_runner
+from nonsmooth.runs.sweep_runner import Recorded, Starts, SweepRunner, Times
 
 _OMEGAS = (0.72, 0.8, 0.86, 0.93)
 _TRANSIENT, _RECORDED = 20, 30

@@ -19,7 +19,7 @@ from nonsmooth.engine.lanes import (
     run,
 )
 from nonsmooth.engine.tables import ORDER
-from nonsmooth.simulation.runner import build_tables
+from nonsmooth.runs.runner import build_tables
 
 X, V = (0.7, 0.3, -0.2), (1.1, -0.4, 0.1)
 PARAMETERS = {"a": 0.7, "b": -1.3, "c": 0.4}

@@ -95,7 +95,7 @@ def test_answers_without_work_load_nothing_heavy(words):
     """For the options of a command typer loads more of its own, which differs by its version."""
     found = loaded(COMMAND.format(words=words))
     assert within(found, HEAVY) == [], "import these inside the commands that need them"
-    assert within(found, {"nonsmooth.engine", "nonsmooth.simulation", "nonsmooth.system"}) == []
+    assert within(found, {"nonsmooth.engine", "nonsmooth.runs", "nonsmooth.system"}) == []
 
 
 def test_a_list_of_models_needs_no_datasets():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import nonsmooth as ns
-from maps.balls import logistic_ball
+from runs.balls import logistic_ball
 
 BOUNCE = ns.PoincareMap(logistic_ball(a=3.2), "impact", side="after")
 END = ns.PoincareMap(ns.models.moling(), "2*xi*y + q = 1", direction=-1)

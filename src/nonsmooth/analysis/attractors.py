@@ -19,7 +19,7 @@ from nonsmooth.analysis.basins.attractor_search import ENDED, UNSETTLED
 from nonsmooth.analysis.basins.attractor_words import with_words
 from nonsmooth.analysis.basins.found_attractors import find_attractors
 from nonsmooth.analysis.basins.region import read_box
-from nonsmooth.maps.of_system import map_of
+from nonsmooth.runs.of_system import map_of
 
 if TYPE_CHECKING:
     import xarray as xr

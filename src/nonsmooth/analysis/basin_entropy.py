@@ -12,7 +12,7 @@ import xarray as xr
 from nonsmooth.analysis.measures.outcomes import LEFT_OUT, Outcomes, blocks_of, outcomes_of
 from nonsmooth.analysis.statistics.power_law import leave_one_out_error
 from nonsmooth.errors import OptionError
-from nonsmooth.simulation.options import whole_number
+from nonsmooth.runs.options import whole_number
 
 __all__ = ["basin_entropy"]
 

@@ -15,9 +15,9 @@ from nonsmooth.analysis.basins.by_cell_shares import by_cell_shares
 from nonsmooth.analysis.basins.by_recurrences import by_recurrences
 from nonsmooth.analysis.basins.region import read_grid
 from nonsmooth.errors import OptionError, unknown_name
-from nonsmooth.maps.of_system import Map, map_of
-from nonsmooth.maps.poincare import PoincareMap
-from nonsmooth.simulation.crew import check_threads
+from nonsmooth.runs.crew import check_threads
+from nonsmooth.runs.of_system import Map, map_of
+from nonsmooth.runs.poincare_map import PoincareMap
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -14,17 +14,17 @@ from nonsmooth.analysis.diagrams.diagram_options import check_values, check_way,
 from nonsmooth.analysis.diagrams.diagram_tasks import diagram_tasks, make_worker
 from nonsmooth.analysis.diagrams.look_arrays import pack_looks, unpack_looks
 from nonsmooth.errors import OptionError
-from nonsmooth.maps.of_system import map_of
-from nonsmooth.simulation.crew import check_threads
-from nonsmooth.simulation.runner import build_tables
-from nonsmooth.simulation.start import resolve_start
-from nonsmooth.simulation.stored_tasks import run_stored_tasks
+from nonsmooth.runs.crew import check_threads
+from nonsmooth.runs.of_system import map_of
+from nonsmooth.runs.runner import build_tables
+from nonsmooth.runs.start import resolve_start
+from nonsmooth.runs.stored_tasks import run_stored_tasks
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from nonsmooth.maps.poincare import PoincareMap
-    from nonsmooth.maps.stroboscopic import StroboscopicMap
+    from nonsmooth.runs.poincare_map import PoincareMap
+    from nonsmooth.runs.stroboscopic_map import StroboscopicMap
     from nonsmooth.system.system import System
 
 __all__ = ["bifurcation_diagram"]

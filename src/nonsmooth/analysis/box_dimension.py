@@ -12,7 +12,7 @@ import xarray as xr
 from nonsmooth.analysis.measures.point_sets import Points, points_of, scaled
 from nonsmooth.analysis.statistics.power_law import PowerLaw, fit_power_law
 from nonsmooth.errors import OptionError
-from nonsmooth.simulation.options import whole_number
+from nonsmooth.runs.options import whole_number
 
 __all__ = ["box_dimension"]
 

@@ -14,12 +14,12 @@ from nonsmooth.analysis.sweeps.contact_dataset import contact_dataset
 from nonsmooth.analysis.sweeps.contact_numbers import Asked, contact_numbers
 from nonsmooth.analysis.sweeps.sweep import Sweep, make_sweep, run_sweep
 from nonsmooth.errors import OptionError, unknown_name
-from nonsmooth.simulation.start import mode_numbers
+from nonsmooth.runs.start import mode_numbers
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from nonsmooth.maps.stroboscopic import StroboscopicMap
+    from nonsmooth.runs.stroboscopic_map import StroboscopicMap
     from nonsmooth.system.system import System
 
 __all__ = ["contact_statistics"]

@@ -9,7 +9,7 @@ from nonsmooth.analysis.orbit_search.branch_dataset import branch_dataset
 from nonsmooth.analysis.orbit_search.branch_options import read_branch_options
 from nonsmooth.analysis.orbit_search.branch_ways import both_ways
 from nonsmooth.analysis.orbit_search.options import said_of_options
-from nonsmooth.maps.stroboscopic import StroboscopicMap
+from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.system.system import System
 
 if TYPE_CHECKING:

@@ -14,20 +14,20 @@ from nonsmooth.analysis.ensembles.ensemble_dataset import Frame
 from nonsmooth.analysis.ensembles.members import members_of, split_parameters
 from nonsmooth.analysis.ensembles.work import Work
 from nonsmooth.errors import OptionError
-from nonsmooth.simulation.assemble import Columns
-from nonsmooth.simulation.clock import Instant, Plan, plan_run
-from nonsmooth.simulation.crew import check_threads
-from nonsmooth.simulation.labels import labels_of
-from nonsmooth.simulation.lane_runner import LaneRunner
-from nonsmooth.simulation.options import (
+from nonsmooth.runs.assemble import Columns
+from nonsmooth.runs.clock import Instant, Plan, plan_run
+from nonsmooth.runs.crew import check_threads
+from nonsmooth.runs.labels import labels_of
+from nonsmooth.runs.lane_runner import LaneRunner
+from nonsmooth.runs.options import (
     check_count,
     check_run_options,
     check_signals,
     time_grid,
     whole_number,
 )
-from nonsmooth.simulation.start import mode_numbers
-from nonsmooth.simulation.stroboscopic import check_phase, require_period, strobes
+from nonsmooth.runs.start import mode_numbers
+from nonsmooth.runs.stroboscopic import check_phase, require_period, strobes
 from nonsmooth.system.system import System
 from nonsmooth.version import __version__
 

@@ -13,7 +13,7 @@ from nonsmooth.analysis.spectra.segments import (
 from nonsmooth.analysis.spectra.spectrum_dataset import spectrum_dataset
 from nonsmooth.analysis.spectra.transforms import two_sided
 from nonsmooth.analysis.spectra.waterfall_dataset import check_plane, plane_label
-from nonsmooth.simulation.options import whole_number
+from nonsmooth.runs.options import whole_number
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -12,7 +12,7 @@ from nonsmooth.analysis.regimes.branches import LEAST_VISITS, local_periods
 from nonsmooth.analysis.regimes.stretches import period_words, stretch_columns
 from nonsmooth.analysis.regimes.strobe_points import StrobePoints, strobe_points
 from nonsmooth.errors import OptionError, unknown_name
-from nonsmooth.simulation.options import finite_number, whole_number
+from nonsmooth.runs.options import finite_number, whole_number
 from nonsmooth.version import __version__
 
 __all__ = ["local_regimes"]

@@ -14,14 +14,14 @@ from nonsmooth.analysis.exponents.exponent_run import ExponentRun, Protocol, run
 from nonsmooth.analysis.exponents.settling import halves_differ, is_chaotic, said_of_later
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import OptionError, RunWarning
-from nonsmooth.maps.poincare import PoincareMap
-from nonsmooth.maps.stroboscopic import StroboscopicMap
-from nonsmooth.simulation.clock import Instant
-from nonsmooth.simulation.options import check_run_options, check_signals, finite_number
-from nonsmooth.simulation.options import whole_number as whole
-from nonsmooth.simulation.runner import build_derivatives, build_tables
-from nonsmooth.simulation.start import resolve_start, start_at_end
-from nonsmooth.simulation.stroboscopic import strobes
+from nonsmooth.runs.clock import Instant
+from nonsmooth.runs.options import check_run_options, check_signals, finite_number
+from nonsmooth.runs.options import whole_number as whole
+from nonsmooth.runs.poincare_map import PoincareMap
+from nonsmooth.runs.runner import build_derivatives, build_tables
+from nonsmooth.runs.start import resolve_start, start_at_end
+from nonsmooth.runs.stroboscopic import strobes
+from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.system.system import System
 
 __all__ = ["lyapunov_spectrum"]

@@ -8,12 +8,12 @@ import numpy as np
 
 from nonsmooth.analysis.orbit_search.one_orbit import system_of_one
 from nonsmooth.analysis.orbit_search.options import period_of
-from nonsmooth.periodic.legs import Legs
-from nonsmooth.periodic.restart import guess_of_dataset
-from nonsmooth.periodic.word import Word
-from nonsmooth.simulation.labels import labels_of
-from nonsmooth.simulation.options import check_count, whole_number
-from nonsmooth.simulation.outputs import Clock, output_values
+from nonsmooth.orbits.legs import Legs
+from nonsmooth.orbits.restart import guess_of_dataset
+from nonsmooth.orbits.word import Word
+from nonsmooth.runs.labels import labels_of
+from nonsmooth.runs.options import check_count, whole_number
+from nonsmooth.runs.outputs import Clock, output_values
 from nonsmooth.system.system import System
 
 if TYPE_CHECKING:

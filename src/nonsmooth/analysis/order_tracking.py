@@ -13,7 +13,7 @@ from nonsmooth.analysis.spectra.transforms import about_mean, phases
 from nonsmooth.analysis.spectra.waterfall_dataset import Rows, check_plane, waterfall_dataset
 from nonsmooth.analysis.statistics.slow_values import slow_names
 from nonsmooth.errors import OptionError, unknown_name
-from nonsmooth.simulation.options import whole_number
+from nonsmooth.runs.options import whole_number
 from nonsmooth.version import __version__
 
 if TYPE_CHECKING:

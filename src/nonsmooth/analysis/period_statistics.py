@@ -12,8 +12,8 @@ from nonsmooth.analysis.spectra.segments import check_run
 from nonsmooth.analysis.statistics.slow_values import slow_names
 from nonsmooth.analysis.sweeps.visits import visits_of
 from nonsmooth.errors import OptionError, unknown_name
-from nonsmooth.simulation.options import whole_number
-from nonsmooth.simulation.start import mode_numbers
+from nonsmooth.runs.options import whole_number
+from nonsmooth.runs.start import mode_numbers
 from nonsmooth.system.system import System
 from nonsmooth.version import __version__
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from nonsmooth.maps.poincare import PoincareMap
-from nonsmooth.maps.section_points import take_points
-from nonsmooth.simulation.options import check_run_options
+from nonsmooth.runs.options import check_run_options
+from nonsmooth.runs.poincare_map import PoincareMap
+from nonsmooth.runs.section_points import take_points
 from nonsmooth.system.system import System
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from nonsmooth.analysis.spectra.segments import (
 )
 from nonsmooth.analysis.spectra.spectrum_dataset import spectrum_dataset
 from nonsmooth.analysis.spectra.transforms import one_sided
-from nonsmooth.simulation.options import whole_number
+from nonsmooth.runs.options import whole_number
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -13,12 +13,12 @@ from nonsmooth.analysis.regimes.regime_dataset import numbers_of, said_of_start
 from nonsmooth.analysis.regimes.regime_run import settled_regime
 from nonsmooth.analysis.regimes.verdict import Protocol, Verdict
 from nonsmooth.errors import OptionError
-from nonsmooth.simulation.certificate import with_doubts
-from nonsmooth.simulation.labels import labels_of
-from nonsmooth.simulation.lane_runner import LaneRunner
-from nonsmooth.simulation.misfit import explain_misfit
-from nonsmooth.simulation.options import check_run_options
-from nonsmooth.simulation.start import resolve_start, start_at_end
+from nonsmooth.runs.certificate import with_doubts
+from nonsmooth.runs.labels import labels_of
+from nonsmooth.runs.lane_runner import LaneRunner
+from nonsmooth.runs.misfit import explain_misfit
+from nonsmooth.runs.options import check_run_options
+from nonsmooth.runs.start import resolve_start, start_at_end
 from nonsmooth.system.system import System
 from nonsmooth.version import __version__
 

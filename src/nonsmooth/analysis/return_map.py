@@ -28,14 +28,14 @@ from nonsmooth.analysis.returns.return_dataset import (
 from nonsmooth.analysis.returns.spread import deviations_of_family, deviations_of_points, relative
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import OptionError, ResultWarning
-from nonsmooth.maps.of_system import Map, map_of
-from nonsmooth.maps.poincare import PoincareMap
-from nonsmooth.simulation.clock import Instant
-from nonsmooth.simulation.lane_runner import LaneRunner
-from nonsmooth.simulation.misfit import explain_misfit
-from nonsmooth.simulation.options import finite_number, whole_number
-from nonsmooth.simulation.progress import Progress
-from nonsmooth.simulation.start import Start
+from nonsmooth.runs.clock import Instant
+from nonsmooth.runs.lane_runner import LaneRunner
+from nonsmooth.runs.misfit import explain_misfit
+from nonsmooth.runs.of_system import Map, map_of
+from nonsmooth.runs.options import finite_number, whole_number
+from nonsmooth.runs.poincare_map import PoincareMap
+from nonsmooth.runs.progress import Progress
+from nonsmooth.runs.start import Start
 
 if TYPE_CHECKING:
     import xarray as xr

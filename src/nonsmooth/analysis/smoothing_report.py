@@ -22,7 +22,7 @@ from nonsmooth.analysis.smoothing.sets import (
     read_sets,
 )
 from nonsmooth.errors import OptionError
-from nonsmooth.simulation.options import finite_number
+from nonsmooth.runs.options import finite_number
 from nonsmooth.system.system import System
 
 if TYPE_CHECKING:

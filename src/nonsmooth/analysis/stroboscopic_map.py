@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from nonsmooth.maps.strobe_points import Wanted, strobe_points
-from nonsmooth.maps.stroboscopic import StroboscopicMap
-from nonsmooth.simulation.options import check_run_options, whole_number
+from nonsmooth.runs.options import check_run_options, whole_number
+from nonsmooth.runs.strobe_points import Wanted, strobe_points
+from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.system.system import System
 
 if TYPE_CHECKING:

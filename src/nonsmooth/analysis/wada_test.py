@@ -10,7 +10,7 @@ import xarray as xr
 
 from nonsmooth.analysis.measures.outcomes import LEFT_OUT, Outcomes, outcomes_of
 from nonsmooth.errors import OptionError
-from nonsmooth.simulation.options import whole_number
+from nonsmooth.runs.options import whole_number
 
 __all__ = ["wada_test"]
 

@@ -22,13 +22,13 @@ from nonsmooth.analysis.sweeps.sweep_dataset import (
     sweep_attributes,
 )
 from nonsmooth.errors import OptionError
-from nonsmooth.simulation.labels import labels_of
-from nonsmooth.simulation.options import whole_number
+from nonsmooth.runs.labels import labels_of
+from nonsmooth.runs.options import whole_number
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from nonsmooth.maps.stroboscopic import StroboscopicMap
+    from nonsmooth.runs.stroboscopic_map import StroboscopicMap
     from nonsmooth.system.system import System
 
 __all__ = ["waterfall"]

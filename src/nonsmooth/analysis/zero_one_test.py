@@ -11,7 +11,7 @@ import xarray as xr
 
 from nonsmooth.analysis.statistics.series import Series, drifts, series_of, uniform_step
 from nonsmooth.errors import OptionError, ResultWarning
-from nonsmooth.simulation.options import whole_number
+from nonsmooth.runs.options import whole_number
 
 __all__ = ["correlations_of", "zero_one_test"]
 

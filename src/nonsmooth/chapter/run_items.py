@@ -12,8 +12,8 @@ from typing import Any
 from nonsmooth.chapter.entries import ENTRIES, remove_drafts
 from nonsmooth.chapter.items import Item
 from nonsmooth.chapter.workers import Worker, Workers
-from nonsmooth.simulation.crew import check_threads, run_tasks
-from nonsmooth.simulation.store_lock import lock, unlock
+from nonsmooth.runs.crew import check_threads, run_tasks
+from nonsmooth.runs.store_lock import lock, unlock
 
 __all__ = ["Outcome", "run_items"]
 

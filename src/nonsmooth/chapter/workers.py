@@ -16,7 +16,7 @@ from typing import Any
 
 from nonsmooth.chapter.items import Item
 from nonsmooth.errors import RunError
-from nonsmooth.simulation.crew import Stopped
+from nonsmooth.runs.crew import Stopped
 
 __all__ = ["Worker", "Workers"]
 

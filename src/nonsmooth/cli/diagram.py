@@ -21,7 +21,7 @@ from nonsmooth.errors import OptionError, unknown_name
 if TYPE_CHECKING:
     import xarray as xr
 
-    from nonsmooth.maps.poincare import PoincareMap
+    from nonsmooth.runs.poincare_map import PoincareMap
     from nonsmooth.system.system import System
 
 __all__ = ["diagram"]
@@ -115,7 +115,7 @@ def _target(
     system: System, section: str | None, direction: int | None, side: str
 ) -> System | PoincareMap:
     """The system, or its map from one point of a section to the next."""
-    from nonsmooth.maps.poincare import PoincareMap
+    from nonsmooth.runs.poincare_map import PoincareMap
 
     if section is not None:
         return PoincareMap(system, section, direction=direction, side=side)

@@ -11,8 +11,8 @@ from nonsmooth.errors import OptionError, unknown_name
 if TYPE_CHECKING:
     import numpy as np
 
-    from nonsmooth.maps.poincare import PoincareMap
-    from nonsmooth.maps.stroboscopic import StroboscopicMap
+    from nonsmooth.runs.poincare_map import PoincareMap
+    from nonsmooth.runs.stroboscopic_map import StroboscopicMap
     from nonsmooth.system.system import System
 
 __all__ = ["build_map", "completion_rules", "grid_region", "range_region"]
@@ -80,7 +80,7 @@ def build_map(
     if section is None:
         if direction is not None or side is not None:
             raise OptionError("--direction and --side are those of a section: name it: --section")
-        from nonsmooth.maps.stroboscopic import StroboscopicMap
+        from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 
         if period is None and system.period is None:
             raise OptionError(
@@ -90,6 +90,6 @@ def build_map(
         return StroboscopicMap(system, phase=phase or 0.0, period=period, every=every)
     if phase is not None or period is not None:
         raise OptionError("--phase and --period are those of strobes: leave out --section, or them")
-    from nonsmooth.maps.poincare import PoincareMap
+    from nonsmooth.runs.poincare_map import PoincareMap
 
     return PoincareMap(system, section, direction=direction, side=side or "before", every=every)

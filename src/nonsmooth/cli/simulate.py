@@ -149,7 +149,7 @@ def _default_length(system: System, samples_per_period: int) -> dict[str, Any]:
     """Length of a run where none is given; without a period, by the fastest oscillation."""
     if system.period is not None:
         return {"periods": _PERIODS}
-    from nonsmooth.simulation.runner import build_tables
+    from nonsmooth.runs.runner import build_tables
 
     oscillation = build_tables(system).window / _OSCILLATIONS
     samples = math.ceil(_LENGTH * samples_per_period)
@@ -191,7 +191,7 @@ def _check_window(
 
 
 def _run(system: System, initial: dict[str, float], **options: Any) -> xr.Dataset:
-    from nonsmooth.simulation.simulate import simulate as run_system
+    from nonsmooth.runs.simulate import simulate as run_system
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RunWarning)  # the summary says the same

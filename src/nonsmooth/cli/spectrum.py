@@ -82,7 +82,7 @@ def _run(
 ) -> xr.Dataset:
     import numpy as np
 
-    from nonsmooth.simulation.simulate import simulate
+    from nonsmooth.runs.simulate import simulate
 
     if not (transient >= 0.0 and record > 0.0 and samples >= 2):
         raise OptionError("--record must be positive, --transient not negative, --samples >= 2")

@@ -11,7 +11,7 @@ from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.excitation.record import Excitation, sample_count
 from nonsmooth.fatigue.checks import finite, positive
 from nonsmooth.models.duffing import duffing as oscillator
-from nonsmooth.simulation.simulate import simulate
+from nonsmooth.runs.simulate import simulate
 from nonsmooth.system.system import System
 
 __all__ = ["duffing"]

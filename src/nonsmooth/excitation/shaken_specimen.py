@@ -12,7 +12,7 @@ import xarray as xr
 from nonsmooth.errors import ModelError, OptionError, RunError
 from nonsmooth.excitation.record import Excitation, check_excitation
 from nonsmooth.fatigue.checks import Array, finite, positive
-from nonsmooth.simulation.simulate import simulate
+from nonsmooth.runs.simulate import simulate
 from nonsmooth.system.parts import Mode
 from nonsmooth.system.system import System
 

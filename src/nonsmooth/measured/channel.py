@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError
-from nonsmooth.simulation.options import finite_number
+from nonsmooth.runs.options import finite_number
 
 __all__ = ["Channel", "channels_of", "split_units"]
 

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from nonsmooth.errors import OptionError
 from nonsmooth.measured.places import Places
-from nonsmooth.simulation.options import finite_number
+from nonsmooth.runs.options import finite_number
 
 __all__ = ["FEWEST", "Clock", "clock_of", "numbers"]
 

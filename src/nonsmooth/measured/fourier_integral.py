@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError
-from nonsmooth.simulation.options import finite_number, whole_number
+from nonsmooth.runs.options import finite_number, whole_number
 
 __all__ = ["FourierIntegral"]
 

@@ -17,7 +17,7 @@ from nonsmooth.measured.even_samples import check_even, check_variables, over_ti
 from nonsmooth.measured.fourier_integral import FourierIntegral
 from nonsmooth.measured.noise import noise_before_filters
 from nonsmooth.measured.regular_integral import RegularIntegral
-from nonsmooth.simulation.options import finite_number
+from nonsmooth.runs.options import finite_number
 
 __all__ = ["displacements"]
 

@@ -13,7 +13,7 @@ from nonsmooth.measured.interpolation import inside, interpolated
 from nonsmooth.measured.marking import check_marked
 from nonsmooth.measured.record import check_record
 from nonsmooth.measured.sections import revolutions_of
-from nonsmooth.simulation.options import whole_number
+from nonsmooth.runs.options import whole_number
 
 __all__ = ["synchronous"]
 

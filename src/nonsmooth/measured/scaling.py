@@ -10,7 +10,7 @@ import xarray as xr
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.measured.record import check_record
 from nonsmooth.measured.velocity import displacements_of
-from nonsmooth.simulation.options import finite_number
+from nonsmooth.runs.options import finite_number
 
 __all__ = ["dimensionless"]
 

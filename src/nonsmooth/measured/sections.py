@@ -14,7 +14,7 @@ from nonsmooth.measured.interpolation import inside, interpolated
 from nonsmooth.measured.marking import check_marked
 from nonsmooth.measured.record import check_record
 from nonsmooth.measured.speeds import speed_attributes
-from nonsmooth.simulation.options import finite_number
+from nonsmooth.runs.options import finite_number
 
 __all__ = ["revolutions_of", "section"]
 

@@ -12,7 +12,7 @@ import xarray as xr
 from nonsmooth.errors import OptionError
 from nonsmooth.measured.even_samples import check_even, check_variables, over_time
 from nonsmooth.measured.noise import noise_before_filters
-from nonsmooth.simulation.options import finite_number, whole_number
+from nonsmooth.runs.options import finite_number, whole_number
 
 __all__ = ["low_pass"]
 

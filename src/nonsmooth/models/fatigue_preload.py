@@ -168,7 +168,7 @@ def _steady_loss(p: dict[str, float]) -> np.ndarray:
 
 def _start_up_loss(system: System, p: dict[str, float], periods: int) -> np.ndarray:
     """Largest losses on the way from rest, at forces that keep contact for sure."""
-    from nonsmooth.simulation.simulate import simulate
+    from nonsmooth.runs.simulate import simulate
 
     # no contact force of a start-up is far beyond the push on a mass
     most = 1e3 * (1.0 + p["eta"] ** 2)
@@ -188,7 +188,7 @@ def _start_up_loss(system: System, p: dict[str, float], periods: int) -> np.ndar
 
 def _kept(system: System, motion: str, periods: int) -> Callable[[float, float], bool]:
     """Whether contact is kept at two forces."""
-    from nonsmooth.simulation.simulate import simulate
+    from nonsmooth.runs.simulate import simulate
 
     def kept(f1: float, f2: float) -> bool:
         try:

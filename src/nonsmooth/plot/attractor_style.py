@@ -10,7 +10,7 @@ import numpy as np
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.plot.crowding import uncrowded
 from nonsmooth.plot.style import PALETTE, axis_label, mixed
-from nonsmooth.simulation.labels import labels_of
+from nonsmooth.runs.labels import labels_of
 from nonsmooth.system.system import System
 
 if TYPE_CHECKING:

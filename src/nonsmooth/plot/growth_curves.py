@@ -14,7 +14,7 @@ from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.sections import section
 from nonsmooth.plot.style import LINES, axis_label, finish_axes
 from nonsmooth.plot.trace import thinned
-from nonsmooth.simulation.options import finite_number
+from nonsmooth.runs.options import finite_number
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -12,7 +12,7 @@ from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.growth_colours import growing_colours
 from nonsmooth.plot.style import axis_label
 from nonsmooth.plot.trace import DENSE, check_range, check_variables, curve
-from nonsmooth.simulation.options import finite_number
+from nonsmooth.runs.options import finite_number
 
 if TYPE_CHECKING:
     import xarray as xr

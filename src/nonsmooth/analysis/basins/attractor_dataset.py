@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.basins.attractor import Attractor
-from nonsmooth.simulation.labels import labels_of
+from nonsmooth.runs.labels import labels_of
 from nonsmooth.system.system import System
 from nonsmooth.version import __version__
 

@@ -10,8 +10,8 @@ import numpy.typing as npt
 
 from nonsmooth.analysis.basins.attractor import Attractor
 from nonsmooth.engine.lanes import SAME
-from nonsmooth.maps.strobe_runner import StrobeRunner
-from nonsmooth.maps.stroboscopic import StroboscopicMap
+from nonsmooth.runs.strobe_runner import StrobeRunner
+from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.system.system import System
 
 __all__ = ["NO_IMAGE", "has_images", "with_images"]

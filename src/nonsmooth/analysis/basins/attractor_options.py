@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from nonsmooth.errors import OptionError
-from nonsmooth.simulation.options import finite_number, whole_number
+from nonsmooth.runs.options import finite_number, whole_number
 
 __all__ = ["Search", "read_search"]
 

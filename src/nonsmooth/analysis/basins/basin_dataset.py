@@ -21,7 +21,7 @@ from nonsmooth.analysis.basins.cell_labels import NOT_COMPUTED
 from nonsmooth.analysis.basins.found_basins import Basins
 from nonsmooth.analysis.basins.region import Grid
 from nonsmooth.errors import OptionError
-from nonsmooth.simulation.labels import labels_of
+from nonsmooth.runs.labels import labels_of
 from nonsmooth.system.system import System
 
 __all__ = ["basin_dataset", "check_names"]

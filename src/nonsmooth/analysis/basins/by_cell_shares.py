@@ -23,7 +23,7 @@ from nonsmooth.analysis.basins.cell_shares import closed_classes, end_shares, tr
 from nonsmooth.analysis.basins.changed_labels import DOUBLINGS, SETTLED, Changes
 from nonsmooth.analysis.basins.found_basins import Basins, search_from
 from nonsmooth.analysis.basins.region import Grid
-from nonsmooth.simulation.progress import Progress
+from nonsmooth.runs.progress import Progress
 
 __all__ = ["by_cell_shares"]
 

@@ -15,8 +15,8 @@ from nonsmooth.analysis.basins.confirmation import Cycles, confirm_visits
 from nonsmooth.analysis.basins.recurrences import new_visits
 from nonsmooth.engine.attractors import Landmarks, visit
 from nonsmooth.engine.status import Status
-from nonsmooth.simulation.crew import Stopped
-from nonsmooth.simulation.stored_tasks import run_stored_tasks
+from nonsmooth.runs.crew import Stopped
+from nonsmooth.runs.stored_tasks import run_stored_tasks
 
 __all__ = ["NOT_COMPUTED", "label_starts"]
 

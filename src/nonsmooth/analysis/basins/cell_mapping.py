@@ -21,7 +21,7 @@ import numpy.typing as npt
 from nonsmooth.analysis.basins.region import Grid
 from nonsmooth.engine.lanes import ANY, SAME
 from nonsmooth.engine.status import Status
-from nonsmooth.simulation.crew import Stopped, run_tasks
+from nonsmooth.runs.crew import Stopped, run_tasks
 
 __all__ = ["ENDS", "NOWHERE", "REFUSED", "CellMap", "Part", "map_points"]
 

@@ -13,7 +13,7 @@ from nonsmooth.analysis.basins.attractor_search import AttractorSearch, Settled,
 from nonsmooth.analysis.basins.recurrences import Known
 from nonsmooth.analysis.basins.region import Box
 from nonsmooth.analysis.basins.starts import admissible_starts
-from nonsmooth.simulation.progress import Progress
+from nonsmooth.runs.progress import Progress
 from nonsmooth.system.system import System
 
 __all__ = ["FIRST_LOOK", "Found", "drift_mask", "find_attractors"]

@@ -21,7 +21,7 @@ from nonsmooth.analysis.basins.found_attractors import FIRST_LOOK, drift_mask
 from nonsmooth.analysis.basins.recurrences import Known
 from nonsmooth.analysis.basins.region import Grid
 from nonsmooth.errors import OptionError
-from nonsmooth.simulation.progress import Progress
+from nonsmooth.runs.progress import Progress
 
 __all__ = ["Basins", "look_closer", "search_from"]
 

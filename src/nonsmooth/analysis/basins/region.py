@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import ModelError, OptionError, unknown_name
-from nonsmooth.simulation.options import finite_number
+from nonsmooth.runs.options import finite_number
 from nonsmooth.system.evaluate import evaluate
 from nonsmooth.system.expressions import Expression, names_in, to_text
 from nonsmooth.system.grammar import parse

@@ -11,9 +11,9 @@ from scipy.stats import qmc
 from nonsmooth.analysis.basins.region import Box
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import OptionError
-from nonsmooth.simulation.clock import Instant
-from nonsmooth.simulation.runner import build_tables
-from nonsmooth.simulation.start import complete_state
+from nonsmooth.runs.clock import Instant
+from nonsmooth.runs.runner import build_tables
+from nonsmooth.runs.start import complete_state
 
 __all__ = ["admissible_starts"]
 

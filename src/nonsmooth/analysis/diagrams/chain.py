@@ -12,10 +12,10 @@ from nonsmooth.analysis.diagrams.column_starts import ColumnStarts, Start
 from nonsmooth.engine.lanes import SAME
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import ModelError
-from nonsmooth.maps.stroboscopic import StroboscopicMap
-from nonsmooth.simulation.clock import Instant
-from nonsmooth.simulation.lane_runner import LaneRunner, Lanes
-from nonsmooth.simulation.stroboscopic import strobes
+from nonsmooth.runs.clock import Instant
+from nonsmooth.runs.lane_runner import LaneRunner, Lanes
+from nonsmooth.runs.stroboscopic import strobes
+from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 
 __all__ = ["Begun", "chain"]
 

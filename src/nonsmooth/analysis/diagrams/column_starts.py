@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.engine.tables import Tables
-from nonsmooth.maps.stroboscopic import StroboscopicMap
+from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.system.sure_values import rests_alike, sure_values
 from nonsmooth.system.system import System
 

@@ -9,9 +9,9 @@ import numpy.typing as npt
 
 from nonsmooth.engine.status import Status
 from nonsmooth.engine.tables import Tables
-from nonsmooth.maps.of_system import Map
-from nonsmooth.maps.stroboscopic import StroboscopicMap
-from nonsmooth.simulation.outputs import Clock, output_values
+from nonsmooth.runs.of_system import Map
+from nonsmooth.runs.outputs import Clock, output_values
+from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.system.system import System
 
 __all__ = ["Look", "Protocol", "nothing", "with_outputs"]

@@ -11,7 +11,7 @@ import xarray as xr
 from nonsmooth.analysis.diagrams.columns import Look, Protocol
 from nonsmooth.analysis.statistics.periodicity import REPEATS
 from nonsmooth.engine.status import Status
-from nonsmooth.simulation.labels import labels_of
+from nonsmooth.runs.labels import labels_of
 from nonsmooth.version import __version__
 
 __all__ = ["diagram_dataset"]

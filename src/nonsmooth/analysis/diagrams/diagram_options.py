@@ -9,9 +9,9 @@ import numpy.typing as npt
 
 from nonsmooth.analysis.diagrams.columns import Protocol
 from nonsmooth.errors import OptionError, unknown_name
-from nonsmooth.maps.of_system import Map
-from nonsmooth.maps.poincare import PoincareMap
-from nonsmooth.simulation.options import finite_number, whole_number
+from nonsmooth.runs.of_system import Map
+from nonsmooth.runs.options import finite_number, whole_number
+from nonsmooth.runs.poincare_map import PoincareMap
 from nonsmooth.system.system import System
 
 __all__ = ["check_values", "check_way", "read_protocol"]

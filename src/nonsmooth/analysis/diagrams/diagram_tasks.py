@@ -12,11 +12,11 @@ from nonsmooth.analysis.diagrams.columns import Look, Protocol
 from nonsmooth.analysis.diagrams.section_columns import run_section_chain
 from nonsmooth.analysis.diagrams.strobe_columns import run_strobe_chain
 from nonsmooth.engine.tables import Tables
-from nonsmooth.maps.of_system import Map
-from nonsmooth.maps.poincare import PoincareMap
-from nonsmooth.maps.section_runner import SectionRunner
-from nonsmooth.simulation.start import resolve_start
-from nonsmooth.simulation.sweep_runner import SweepRunner
+from nonsmooth.runs.of_system import Map
+from nonsmooth.runs.poincare_map import PoincareMap
+from nonsmooth.runs.section_runner import SectionRunner
+from nonsmooth.runs.start import resolve_start
+from nonsmooth.runs.sweep_runner import SweepRunner
 from nonsmooth.system.system import System
 
 __all__ = ["chains", "diagram_tasks", "make_worker"]

@@ -13,10 +13,10 @@ from nonsmooth.analysis.diagrams.column_starts import Column, ColumnStarts, Star
 from nonsmooth.engine.lanes import SAME
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import ModelError
-from nonsmooth.maps.stroboscopic import StroboscopicMap
-from nonsmooth.simulation.clock import Instant
-from nonsmooth.simulation.stroboscopic import strobes
-from nonsmooth.simulation.sweep_runner import Recorded, Starts, SweepRunner, Times
+from nonsmooth.runs.clock import Instant
+from nonsmooth.runs.stroboscopic import strobes
+from nonsmooth.runs.stroboscopic_map import StroboscopicMap
+from nonsmooth.runs.sweep_runner import Recorded, Starts, SweepRunner, Times
 
 __all__ = ["Motions", "Recording"]
 

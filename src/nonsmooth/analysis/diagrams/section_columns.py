@@ -14,12 +14,12 @@ from nonsmooth.engine.lanes import SAME
 from nonsmooth.engine.record import Rows
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import ModelError
-from nonsmooth.maps.poincare import PoincareMap
-from nonsmooth.maps.section_runner import SectionLanes, SectionRunner
-from nonsmooth.maps.section_search import Points
-from nonsmooth.simulation.clock import Instant
-from nonsmooth.simulation.impacts import impacts_of
-from nonsmooth.simulation.words import word_of_modes
+from nonsmooth.runs.clock import Instant
+from nonsmooth.runs.impacts import impacts_of
+from nonsmooth.runs.poincare_map import PoincareMap
+from nonsmooth.runs.section_runner import SectionLanes, SectionRunner
+from nonsmooth.runs.section_search import Points
+from nonsmooth.runs.words import word_of_modes
 
 __all__ = ["run_section_chain"]
 

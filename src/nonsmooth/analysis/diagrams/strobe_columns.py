@@ -13,10 +13,10 @@ from nonsmooth.analysis.diagrams.motions import Motions, Recording
 from nonsmooth.analysis.statistics.periodicity import whole_periods
 from nonsmooth.engine.status import Status
 from nonsmooth.engine.sweeps import primitive_periods
-from nonsmooth.simulation.impacts import happened, impacts_of
-from nonsmooth.simulation.outputs import SweptClock, output_values
-from nonsmooth.simulation.sweep_runner import Recorded, SweepRunner
-from nonsmooth.simulation.words import word_of_modes
+from nonsmooth.runs.impacts import happened, impacts_of
+from nonsmooth.runs.outputs import SweptClock, output_values
+from nonsmooth.runs.sweep_runner import Recorded, SweepRunner
+from nonsmooth.runs.words import word_of_modes
 
 __all__ = ["run_strobe_chain"]
 

@@ -10,8 +10,8 @@ import numpy.typing as npt
 
 from nonsmooth.analysis.ensembles.members import Members
 from nonsmooth.engine.status import Status
-from nonsmooth.simulation.clock import Plan
-from nonsmooth.simulation.labels import labels_of
+from nonsmooth.runs.clock import Plan
+from nonsmooth.runs.labels import labels_of
 from nonsmooth.system.system import System
 
 __all__ = ["Chunk", "Protocol", "empty_chunk"]

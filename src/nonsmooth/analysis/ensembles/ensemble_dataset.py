@@ -13,10 +13,10 @@ from nonsmooth.analysis.ensembles.chunk import Chunk, Protocol, empty_chunk
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import OptionError
 from nonsmooth.files import replacing
-from nonsmooth.simulation.assemble import Columns
-from nonsmooth.simulation.labels import labels_of
-from nonsmooth.simulation.room import reserve
-from nonsmooth.simulation.store import trouble
+from nonsmooth.runs.assemble import Columns
+from nonsmooth.runs.labels import labels_of
+from nonsmooth.runs.room import reserve
+from nonsmooth.runs.store import trouble
 
 __all__ = ["Frame", "dataset_in_file", "dataset_in_memory"]
 

@@ -13,10 +13,10 @@ from nonsmooth.analysis.ensembles.chunk import Chunk, Protocol, empty_chunk
 from nonsmooth.analysis.ensembles.sure_sets import run_sure_sets
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import ModelError
-from nonsmooth.simulation.clock import Instant, Plan
-from nonsmooth.simulation.lane_runner import LaneRunner, Lanes
-from nonsmooth.simulation.outputs import Clock, output_values
-from nonsmooth.simulation.sweep_runner import SweepRunner
+from nonsmooth.runs.clock import Instant, Plan
+from nonsmooth.runs.lane_runner import LaneRunner, Lanes
+from nonsmooth.runs.outputs import Clock, output_values
+from nonsmooth.runs.sweep_runner import SweepRunner
 from nonsmooth.system.system import System
 
 __all__ = ["Runners", "run_chunk"]

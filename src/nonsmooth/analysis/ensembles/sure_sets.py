@@ -9,9 +9,9 @@ import numpy.typing as npt
 
 from nonsmooth.analysis.ensembles.chunk import Chunk, Protocol
 from nonsmooth.engine.status import Status
-from nonsmooth.simulation.clock import Plan
-from nonsmooth.simulation.outputs import SweptClock, output_values
-from nonsmooth.simulation.sweep_runner import Recorded, Starts, SweepRunner, Times
+from nonsmooth.runs.clock import Plan
+from nonsmooth.runs.outputs import SweptClock, output_values
+from nonsmooth.runs.sweep_runner import Recorded, Starts, SweepRunner, Times
 from nonsmooth.system.sure_values import rests_alike, sure_values
 from nonsmooth.system.system import System
 

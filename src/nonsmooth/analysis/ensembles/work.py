@@ -12,9 +12,9 @@ from nonsmooth.analysis.ensembles.ensemble_dataset import Frame, dataset_in_file
 from nonsmooth.analysis.ensembles.run_chunk import Runners, run_chunk
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import OptionError
-from nonsmooth.simulation.crew import run_tasks
-from nonsmooth.simulation.room import free_memory, size_text
-from nonsmooth.simulation.store import Store
+from nonsmooth.runs.crew import run_tasks
+from nonsmooth.runs.room import free_memory, size_text
+from nonsmooth.runs.store import Store
 
 if TYPE_CHECKING:
     import xarray as xr

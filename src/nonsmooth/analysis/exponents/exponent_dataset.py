@@ -11,8 +11,8 @@ import xarray as xr
 from nonsmooth.analysis.exponents.exponent_run import ExponentRun
 from nonsmooth.analysis.statistics.block_averages import block_averages
 from nonsmooth.engine.status import CURES, Status
-from nonsmooth.simulation.certificate import with_doubts
-from nonsmooth.simulation.labels import labels_of
+from nonsmooth.runs.certificate import with_doubts
+from nonsmooth.runs.labels import labels_of
 from nonsmooth.system.system import System
 from nonsmooth.version import __version__
 

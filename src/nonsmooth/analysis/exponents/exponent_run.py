@@ -12,13 +12,13 @@ import numpy.typing as npt
 from nonsmooth.analysis.exponents.growth import Growth
 from nonsmooth.engine.status import Status
 from nonsmooth.engine.tables import Tables
-from nonsmooth.simulation.clock import Instant
-from nonsmooth.simulation.first_mode import in_first_mode
-from nonsmooth.simulation.impacts import impacts_of
-from nonsmooth.simulation.progress import Progress
-from nonsmooth.simulation.runner import Derivatives
-from nonsmooth.simulation.start import Start
-from nonsmooth.simulation.tangent_flow import TangentFlow
+from nonsmooth.runs.clock import Instant
+from nonsmooth.runs.first_mode import in_first_mode
+from nonsmooth.runs.impacts import impacts_of
+from nonsmooth.runs.progress import Progress
+from nonsmooth.runs.runner import Derivatives
+from nonsmooth.runs.start import Start
+from nonsmooth.runs.tangent_flow import TangentFlow
 from nonsmooth.system.system import System
 
 __all__ = ["ExponentRun", "Protocol", "run_exponents"]

@@ -18,8 +18,8 @@ import numpy.typing as npt
 
 from nonsmooth.engine.lanes import allocate_columns
 from nonsmooth.engine.status import Status
-from nonsmooth.simulation.clock import Instant
-from nonsmooth.simulation.tangent_flow import Saved, TangentFlow
+from nonsmooth.runs.clock import Instant
+from nonsmooth.runs.tangent_flow import Saved, TangentFlow
 
 __all__ = ["Growth"]
 

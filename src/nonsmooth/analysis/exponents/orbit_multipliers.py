@@ -10,9 +10,9 @@ import numpy.typing as npt
 from nonsmooth.analysis.exponents.growth import Growth
 from nonsmooth.engine.status import Status
 from nonsmooth.engine.tables import Tables
-from nonsmooth.simulation.clock import Instant
-from nonsmooth.simulation.runner import Derivatives, NoMode
-from nonsmooth.simulation.tangent_flow import TangentFlow
+from nonsmooth.runs.clock import Instant
+from nonsmooth.runs.runner import Derivatives, NoMode
+from nonsmooth.runs.tangent_flow import TangentFlow
 
 __all__ = ["OrbitTangent", "is_forgetful", "orbit_multipliers"]
 

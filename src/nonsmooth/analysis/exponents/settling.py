@@ -10,9 +10,9 @@ from nonsmooth.analysis.statistics.block_averages import block_averages
 from nonsmooth.analysis.statistics.periodicity import primitive_period, scales
 from nonsmooth.engine.lanes import SAME
 from nonsmooth.engine.status import Status
-from nonsmooth.simulation.clock import Instant
-from nonsmooth.simulation.lane_runner import LaneRunner
-from nonsmooth.simulation.stroboscopic import strobes
+from nonsmooth.runs.clock import Instant
+from nonsmooth.runs.lane_runner import LaneRunner
+from nonsmooth.runs.stroboscopic import strobes
 from nonsmooth.system.system import System
 
 __all__ = ["halves_differ", "is_chaotic", "said_of_later"]

@@ -11,11 +11,11 @@ import numpy.typing as npt
 from nonsmooth.analysis.exponents.growth import Growth
 from nonsmooth.engine.status import Status
 from nonsmooth.engine.tables import EXACT, Tables
-from nonsmooth.simulation.clock import Instant
-from nonsmooth.simulation.crew import Stopped
-from nonsmooth.simulation.driving import is_driven
-from nonsmooth.simulation.runner import Derivatives, NoMode
-from nonsmooth.simulation.tangent_flow import TangentFlow
+from nonsmooth.runs.clock import Instant
+from nonsmooth.runs.crew import Stopped
+from nonsmooth.runs.driving import is_driven
+from nonsmooth.runs.runner import Derivatives, NoMode
+from nonsmooth.runs.tangent_flow import TangentFlow
 
 __all__ = ["Neighbours", "strobe_growth"]
 

@@ -10,7 +10,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from nonsmooth.errors import OptionError, unknown_name
-from nonsmooth.simulation.options import whole_number
+from nonsmooth.runs.options import whole_number
 from nonsmooth.system.system import System
 from nonsmooth.version import __version__
 

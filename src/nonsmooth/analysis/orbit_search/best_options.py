@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from nonsmooth.errors import OptionError, unknown_name
-from nonsmooth.periodic.restart import is_orbit
-from nonsmooth.simulation.options import check_flag
+from nonsmooth.orbits.restart import is_orbit
+from nonsmooth.runs.options import check_flag
 from nonsmooth.system.system import System
 
 if TYPE_CHECKING:

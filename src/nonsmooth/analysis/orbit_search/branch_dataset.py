@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from nonsmooth.periodic.branch_part import BranchPart
-from nonsmooth.periodic.orbit import Orbit
-from nonsmooth.periodic.orbit_dataset import common, orbit_variables
-from nonsmooth.periodic.stretch import BranchOptions
-from nonsmooth.simulation.assemble import Columns
+from nonsmooth.orbits.branch_part import BranchPart
+from nonsmooth.orbits.orbit import Orbit
+from nonsmooth.orbits.orbit_dataset import common, orbit_variables
+from nonsmooth.orbits.stretch import BranchOptions
+from nonsmooth.runs.assemble import Columns
 
 if TYPE_CHECKING:
     import xarray as xr

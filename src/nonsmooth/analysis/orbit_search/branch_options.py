@@ -9,12 +9,12 @@ import numpy as np
 
 from nonsmooth.analysis.orbit_search.options import period_of, read_wanted
 from nonsmooth.errors import OptionError, unknown_name
-from nonsmooth.periodic.restart import is_orbit
-from nonsmooth.periodic.search import Wanted
-from nonsmooth.periodic.stretch import BranchOptions
-from nonsmooth.simulation.driving import is_driven
-from nonsmooth.simulation.options import check_flag, finite_number, whole_number
-from nonsmooth.simulation.runner import build_tables
+from nonsmooth.orbits.restart import is_orbit
+from nonsmooth.orbits.search import Wanted
+from nonsmooth.orbits.stretch import BranchOptions
+from nonsmooth.runs.driving import is_driven
+from nonsmooth.runs.options import check_flag, finite_number, whole_number
+from nonsmooth.runs.runner import build_tables
 from nonsmooth.system.system import System
 
 __all__ = ["Beginning", "check_way", "read_bounds", "read_branch_options", "read_steps"]

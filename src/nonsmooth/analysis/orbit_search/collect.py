@@ -29,14 +29,14 @@ from nonsmooth.analysis.orbit_search.sampled_motions import (
 )
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import RunError
-from nonsmooth.periodic.guess import Guess
-from nonsmooth.periodic.guess_cycle import cycle_guesses
-from nonsmooth.periodic.legs import LegError, Legs
-from nonsmooth.periodic.newton import solve_orbit
-from nonsmooth.periodic.orbit import Orbit
-from nonsmooth.periodic.search import Wanted, equations_for, is_autonomous, solve_guess
-from nonsmooth.simulation.interrupts import HeldInterrupts
-from nonsmooth.simulation.progress import Progress
+from nonsmooth.orbits.guess import Guess
+from nonsmooth.orbits.guess_cycle import cycle_guesses
+from nonsmooth.orbits.legs import LegError, Legs
+from nonsmooth.orbits.newton import solve_orbit
+from nonsmooth.orbits.orbit import Orbit
+from nonsmooth.orbits.search import Wanted, equations_for, is_autonomous, solve_guess
+from nonsmooth.runs.interrupts import HeldInterrupts
+from nonsmooth.runs.progress import Progress
 
 __all__ = ["Collected", "HowToCollect", "collect_orbits"]
 

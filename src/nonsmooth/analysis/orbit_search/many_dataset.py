@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from nonsmooth.analysis.orbit_search.collect import Collected, HowToCollect
-from nonsmooth.periodic.orbit import Orbit
-from nonsmooth.periodic.orbit_dataset import common, orbit_variables
-from nonsmooth.simulation.assemble import Columns, assemble
-from nonsmooth.simulation.labels import labels_of
+from nonsmooth.orbits.orbit import Orbit
+from nonsmooth.orbits.orbit_dataset import common, orbit_variables
+from nonsmooth.runs.assemble import Columns, assemble
+from nonsmooth.runs.labels import labels_of
 from nonsmooth.system.system import System
 
 if TYPE_CHECKING:

@@ -11,14 +11,14 @@ import numpy.typing as npt
 from nonsmooth.engine.record import columns
 from nonsmooth.engine.status import EventKind, Status
 from nonsmooth.engine.tables import Tables
-from nonsmooth.periodic.equations import Turn
-from nonsmooth.periodic.guess import Guess
-from nonsmooth.periodic.search import Wanted
-from nonsmooth.periodic.word import Word, path_of_bits
-from nonsmooth.simulation.clock import Instant, Plan
-from nonsmooth.simulation.first_mode import in_first_mode
-from nonsmooth.simulation.runner import Outcome, run_plan
-from nonsmooth.simulation.start import resolve_start, start_at_end
+from nonsmooth.orbits.equations import Turn
+from nonsmooth.orbits.guess import Guess
+from nonsmooth.orbits.search import Wanted
+from nonsmooth.orbits.word import Word, path_of_bits
+from nonsmooth.runs.clock import Instant, Plan
+from nonsmooth.runs.first_mode import in_first_mode
+from nonsmooth.runs.runner import Outcome, run_plan
+from nonsmooth.runs.start import resolve_start, start_at_end
 
 __all__ = ["Motion", "first_motion", "motion_from"]
 

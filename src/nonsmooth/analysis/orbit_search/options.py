@@ -6,16 +6,16 @@ from collections.abc import Mapping
 from typing import Any
 
 from nonsmooth.errors import OptionError
-from nonsmooth.maps.poincare import PoincareMap
-from nonsmooth.maps.stroboscopic import StroboscopicMap
-from nonsmooth.periodic.restart import is_orbit
-from nonsmooth.periodic.search import Wanted
-from nonsmooth.periodic.word_names import read_word, words_of_names
-from nonsmooth.simulation.carried import refuse_other_parameters
-from nonsmooth.simulation.driving import is_driven
-from nonsmooth.simulation.options import check_run_options, finite_number, whole_number
-from nonsmooth.simulation.runner import build_tables
-from nonsmooth.simulation.stroboscopic import check_phase
+from nonsmooth.orbits.restart import is_orbit
+from nonsmooth.orbits.search import Wanted
+from nonsmooth.orbits.word_names import read_word, words_of_names
+from nonsmooth.runs.carried import refuse_other_parameters
+from nonsmooth.runs.driving import is_driven
+from nonsmooth.runs.options import check_run_options, finite_number, whole_number
+from nonsmooth.runs.poincare_map import PoincareMap
+from nonsmooth.runs.runner import build_tables
+from nonsmooth.runs.stroboscopic import check_phase
+from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 
 __all__ = ["period_of", "read_wanted", "said_of_options"]
 

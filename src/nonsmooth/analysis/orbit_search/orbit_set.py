@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.periodic.equations import Turn
-from nonsmooth.periodic.guess import Guess
-from nonsmooth.periodic.legs import Legs
-from nonsmooth.periodic.orbit import Orbit
-from nonsmooth.periodic.word import Word
+from nonsmooth.orbits.equations import Turn
+from nonsmooth.orbits.guess import Guess
+from nonsmooth.orbits.legs import Legs
+from nonsmooth.orbits.orbit import Orbit
+from nonsmooth.orbits.word import Word
 
 __all__ = ["OrbitSet", "primitive_guess", "turns_of"]
 

@@ -11,10 +11,10 @@ from scipy.stats import qmc
 from nonsmooth.analysis.basins.region import Box
 from nonsmooth.analysis.orbit_search.motions import Motion, motion_from
 from nonsmooth.engine.tables import Tables
-from nonsmooth.periodic.search import Wanted
-from nonsmooth.simulation.clock import Instant
-from nonsmooth.simulation.runner import NoMode
-from nonsmooth.simulation.start import complete_state
+from nonsmooth.orbits.search import Wanted
+from nonsmooth.runs.clock import Instant
+from nonsmooth.runs.runner import NoMode
+from nonsmooth.runs.start import complete_state
 from nonsmooth.system.system import System
 
 __all__ = ["drawn_states", "sampled_motions", "states_around"]

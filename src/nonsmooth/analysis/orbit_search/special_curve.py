@@ -13,14 +13,14 @@ from nonsmooth.continuation.branch import Branch
 from nonsmooth.continuation.point import Point
 from nonsmooth.continuation.two_parameter import two_parameter
 from nonsmooth.errors import NonsmoothError, OptionError
-from nonsmooth.periodic.branch_endings import ending_of_orbits
-from nonsmooth.periodic.branch_part import BranchPart, kind_of
-from nonsmooth.periodic.branch_tests import WORD_TESTS, BranchTests, Looked
-from nonsmooth.periodic.equations import OrbitEquations
-from nonsmooth.periodic.legs import LegError, Legs
-from nonsmooth.periodic.newton import scale_of
-from nonsmooth.simulation.interrupts import HeldInterrupts
-from nonsmooth.simulation.progress import Progress
+from nonsmooth.orbits.branch_endings import ending_of_orbits
+from nonsmooth.orbits.branch_part import BranchPart, kind_of
+from nonsmooth.orbits.branch_tests import WORD_TESTS, BranchTests, Looked
+from nonsmooth.orbits.equations import OrbitEquations
+from nonsmooth.orbits.legs import LegError, Legs
+from nonsmooth.orbits.newton import scale_of
+from nonsmooth.runs.interrupts import HeldInterrupts
+from nonsmooth.runs.progress import Progress
 
 __all__ = ["follow_special"]
 

@@ -7,12 +7,12 @@ from typing import Any
 
 from nonsmooth.analysis.orbit_search.branch_options import check_way, read_bounds, read_steps
 from nonsmooth.errors import ModelError, OptionError, unknown_name
-from nonsmooth.periodic.guess import Guess
-from nonsmooth.periodic.restart import guess_of_dataset
-from nonsmooth.periodic.stretch import BranchOptions
-from nonsmooth.simulation.driving import is_driven
-from nonsmooth.simulation.options import finite_number, whole_number
-from nonsmooth.simulation.runner import build_tables
+from nonsmooth.orbits.guess import Guess
+from nonsmooth.orbits.restart import guess_of_dataset
+from nonsmooth.orbits.stretch import BranchOptions
+from nonsmooth.runs.driving import is_driven
+from nonsmooth.runs.options import finite_number, whole_number
+from nonsmooth.runs.runner import build_tables
 from nonsmooth.system.system import System
 
 __all__ = ["SpecialCurve", "read_special_options"]

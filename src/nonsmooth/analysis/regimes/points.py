@@ -20,11 +20,11 @@ from nonsmooth.analysis.regimes.window import cyclic_word
 from nonsmooth.engine.lanes import SAME
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import ModelError
-from nonsmooth.simulation.clock import Instant
-from nonsmooth.simulation.lane_runner import LaneRunner
-from nonsmooth.simulation.start import Start, resolve_start
-from nonsmooth.simulation.stored_tasks import run_stored_tasks
-from nonsmooth.simulation.stroboscopic import strobes
+from nonsmooth.runs.clock import Instant
+from nonsmooth.runs.lane_runner import LaneRunner
+from nonsmooth.runs.start import Start, resolve_start
+from nonsmooth.runs.stored_tasks import run_stored_tasks
+from nonsmooth.runs.stroboscopic import strobes
 from nonsmooth.system.system import System
 
 __all__ = ["Plane"]

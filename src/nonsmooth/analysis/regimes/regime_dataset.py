@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from nonsmooth.analysis.regimes.labels import INTERRUPTED, LABELS
 from nonsmooth.analysis.regimes.verdict import Verdict
-from nonsmooth.simulation.labels import labels_of
+from nonsmooth.runs.labels import labels_of
 from nonsmooth.system.system import System
 from nonsmooth.version import __version__
 

@@ -25,12 +25,12 @@ from nonsmooth.analysis.regimes.verdict import Protocol, Verdict
 from nonsmooth.analysis.regimes.window import Windows, cyclic_word
 from nonsmooth.analysis.statistics.block_averages import block_averages
 from nonsmooth.engine.status import Status
-from nonsmooth.simulation.clock import Instant, instants
-from nonsmooth.simulation.driving import hides_phase, is_driven
-from nonsmooth.simulation.lane_runner import LaneRunner
-from nonsmooth.simulation.runner import build_derivatives
-from nonsmooth.simulation.start import Start
-from nonsmooth.simulation.stroboscopic import strobes
+from nonsmooth.runs.clock import Instant, instants
+from nonsmooth.runs.driving import hides_phase, is_driven
+from nonsmooth.runs.lane_runner import LaneRunner
+from nonsmooth.runs.runner import build_derivatives
+from nonsmooth.runs.start import Start
+from nonsmooth.runs.stroboscopic import strobes
 from nonsmooth.system.system import System
 
 __all__ = ["settled_regime"]

@@ -9,9 +9,9 @@ import numpy.typing as npt
 
 from nonsmooth.analysis.statistics.periodicity import nearest_return, scales
 from nonsmooth.engine.record import Rows
-from nonsmooth.simulation.clock import Instant
-from nonsmooth.simulation.impacts import happened, impacts_of
-from nonsmooth.simulation.words import word_of_modes
+from nonsmooth.runs.clock import Instant
+from nonsmooth.runs.impacts import happened, impacts_of
+from nonsmooth.runs.words import word_of_modes
 from nonsmooth.system.system import System
 
 __all__ = ["Windows", "cyclic_word"]

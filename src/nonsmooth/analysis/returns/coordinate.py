@@ -10,9 +10,9 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError, unknown_name
-from nonsmooth.maps.of_system import Map
-from nonsmooth.maps.poincare import PoincareMap
-from nonsmooth.simulation.labels import labels_of
+from nonsmooth.runs.labels import labels_of
+from nonsmooth.runs.of_system import Map
+from nonsmooth.runs.poincare_map import PoincareMap
 from nonsmooth.system.evaluate import constant_value
 from nonsmooth.system.grammar import parse
 from nonsmooth.system.system import System

@@ -12,9 +12,9 @@ import numpy.typing as npt
 from nonsmooth.analysis.returns.coordinate import PHASE, Coordinate
 from nonsmooth.engine.lanes import ANY
 from nonsmooth.errors import ModelError, OptionError, unknown_name
-from nonsmooth.simulation.clock import Instant
-from nonsmooth.simulation.options import finite_number
-from nonsmooth.simulation.start import mode_numbers
+from nonsmooth.runs.clock import Instant
+from nonsmooth.runs.options import finite_number
+from nonsmooth.runs.start import mode_numbers
 from nonsmooth.system.differentiate import derivative
 from nonsmooth.system.evaluate import evaluate
 from nonsmooth.system.expressions import Expression, Number, names_in, to_text

@@ -14,8 +14,8 @@ from nonsmooth.analysis.returns.reduced_map import Branch, joined
 from nonsmooth.analysis.returns.tangents import Tangents
 from nonsmooth.engine.lanes import ANY
 from nonsmooth.errors import OptionError
-from nonsmooth.simulation.clock import instants
-from nonsmooth.simulation.driving import is_driven
+from nonsmooth.runs.clock import instants
+from nonsmooth.runs.driving import is_driven
 
 __all__ = ["Motion", "map_of_points"]
 

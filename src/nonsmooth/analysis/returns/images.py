@@ -13,14 +13,14 @@ from nonsmooth.analysis.returns.lane_log import LaneLog, Settled, settle
 from nonsmooth.engine.lanes import ANY
 from nonsmooth.engine.record import Rows, columns
 from nonsmooth.engine.status import Certificate, EventKind, Status
-from nonsmooth.maps.poincare import PoincareMap
-from nonsmooth.maps.rates import Rates
-from nonsmooth.maps.section_rows import AT_ONCE, Crossings, NamedEvents
-from nonsmooth.maps.stroboscopic import StroboscopicMap
-from nonsmooth.simulation.clock import Instant
-from nonsmooth.simulation.labels import labels_of
-from nonsmooth.simulation.lane_runner import LaneRunner
-from nonsmooth.simulation.words import word_of_modes
+from nonsmooth.runs.clock import Instant
+from nonsmooth.runs.labels import labels_of
+from nonsmooth.runs.lane_runner import LaneRunner
+from nonsmooth.runs.poincare_map import PoincareMap
+from nonsmooth.runs.rates import Rates
+from nonsmooth.runs.section_rows import AT_ONCE, Crossings, NamedEvents
+from nonsmooth.runs.stroboscopic_map import StroboscopicMap
+from nonsmooth.runs.words import word_of_modes
 
 __all__ = ["Images", "Imaging", "SectionImaging", "StrobeImaging", "imaging_of"]
 

@@ -21,9 +21,9 @@ from nonsmooth.engine.lanes import (
 )
 from nonsmooth.engine.record import Rows
 from nonsmooth.engine.status import Status
-from nonsmooth.simulation.clock import Instant
-from nonsmooth.simulation.lane_runner import LaneRunner
-from nonsmooth.simulation.runner import NO_DERIVATIVES, Derivatives
+from nonsmooth.runs.clock import Instant
+from nonsmooth.runs.lane_runner import LaneRunner
+from nonsmooth.runs.runner import NO_DERIVATIVES, Derivatives
 
 __all__ = ["LaneLog", "Settled", "settle"]
 

@@ -11,8 +11,8 @@ from nonsmooth.analysis.returns.coordinate import Coordinate
 from nonsmooth.analysis.returns.images import Imaging
 from nonsmooth.analysis.returns.reduced_map import Branch
 from nonsmooth.engine.status import Status
-from nonsmooth.maps.of_system import Map
-from nonsmooth.simulation.labels import labels_of
+from nonsmooth.runs.labels import labels_of
+from nonsmooth.runs.of_system import Map
 from nonsmooth.version import __version__
 
 __all__ = [

@@ -10,9 +10,9 @@ from nonsmooth.analysis.returns.images import Images, Imaging
 from nonsmooth.analysis.returns.lane_log import settle
 from nonsmooth.engine.lanes import GOES_ON, Anchor, allocate_columns, allocate_records, run
 from nonsmooth.engine.status import Status
-from nonsmooth.maps.rates import Rates
-from nonsmooth.simulation.clock import Instant
-from nonsmooth.simulation.runner import build_derivatives
+from nonsmooth.runs.clock import Instant
+from nonsmooth.runs.rates import Rates
+from nonsmooth.runs.runner import build_derivatives
 
 __all__ = ["Tangents"]
 

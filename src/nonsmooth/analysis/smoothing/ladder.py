@@ -11,8 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError, RunError, RunWarning
-from nonsmooth.simulation.options import check_count, check_run_options, finite_number, whole_number
-from nonsmooth.simulation.simulate import simulate
+from nonsmooth.runs.options import check_count, check_run_options, finite_number, whole_number
+from nonsmooth.runs.simulate import simulate
 from nonsmooth.system.smoothed import smoothed
 from nonsmooth.system.system import System
 

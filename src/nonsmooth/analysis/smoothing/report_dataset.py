@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from nonsmooth.analysis.smoothing.ladder import Ladder
 from nonsmooth.analysis.statistics.power_law import fit_power_law
-from nonsmooth.simulation.labels import labels_of
+from nonsmooth.runs.labels import labels_of
 from nonsmooth.version import __version__
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from nonsmooth.analysis.smoothing.attractor_distances import far_from_all, point
 from nonsmooth.analysis.smoothing.ladder import Ladder
 from nonsmooth.analysis.smoothing.special_shifts import matched, specials_of
 from nonsmooth.errors import OptionError, RunWarning
-from nonsmooth.simulation.options import finite_number, whole_number
+from nonsmooth.runs.options import finite_number, whole_number
 from nonsmooth.system.system import System
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from nonsmooth.analysis.sweeps.sweep_dataset import (
     statuses,
     sweep_attributes,
 )
-from nonsmooth.simulation.labels import labels_of
+from nonsmooth.runs.labels import labels_of
 
 __all__ = ["contact_dataset"]
 

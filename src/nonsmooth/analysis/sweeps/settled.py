@@ -10,12 +10,12 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.engine.status import Status
-from nonsmooth.maps.stroboscopic import StroboscopicMap
-from nonsmooth.simulation.clock import Instant, instants
-from nonsmooth.simulation.impacts import happened
-from nonsmooth.simulation.lane_runner import LaneRunner, Lanes
-from nonsmooth.simulation.outputs import SweptClock, output_values
-from nonsmooth.simulation.stroboscopic import strobes
+from nonsmooth.runs.clock import Instant, instants
+from nonsmooth.runs.impacts import happened
+from nonsmooth.runs.lane_runner import LaneRunner, Lanes
+from nonsmooth.runs.outputs import SweptClock, output_values
+from nonsmooth.runs.stroboscopic import strobes
+from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 
 __all__ = ["Events", "Samples", "Settled", "settle"]
 

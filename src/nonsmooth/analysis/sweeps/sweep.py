@@ -19,14 +19,14 @@ from nonsmooth.analysis.sweeps.settled import Settled, settle
 from nonsmooth.engine.status import Status
 from nonsmooth.engine.tables import Tables
 from nonsmooth.errors import OptionError
-from nonsmooth.maps.of_system import map_of
-from nonsmooth.maps.stroboscopic import StroboscopicMap
-from nonsmooth.simulation.crew import check_threads
-from nonsmooth.simulation.lane_runner import LaneRunner
-from nonsmooth.simulation.options import whole_number
-from nonsmooth.simulation.runner import build_tables
-from nonsmooth.simulation.start import resolve_start
-from nonsmooth.simulation.stored_tasks import run_stored_tasks
+from nonsmooth.runs.crew import check_threads
+from nonsmooth.runs.lane_runner import LaneRunner
+from nonsmooth.runs.of_system import map_of
+from nonsmooth.runs.options import whole_number
+from nonsmooth.runs.runner import build_tables
+from nonsmooth.runs.start import resolve_start
+from nonsmooth.runs.stored_tasks import run_stored_tasks
+from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.system.system import System
 
 __all__ = ["Sweep", "Swept", "make_sweep", "run_sweep"]

@@ -15,7 +15,7 @@ import numpy as np
 import xarray as xr
 
 from nonsmooth import System, bifurcation_diagram, ensemble, lyapunov_spectrum
-from nonsmooth.simulation.crew import check_threads
+from nonsmooth.runs.crew import check_threads
 
 __all__ = [
     "CHAOTIC",

@@ -38,7 +38,7 @@ def settled_motion(
     system: System, *, tolerance: float = 1e-9, samples_per_period: int = 400
 ) -> Settled:
     """Run from rest until the strobed states repeat, then the periods of one repetition."""
-    from nonsmooth.simulation.simulate import simulate
+    from nonsmooth.runs.simulate import simulate
 
     start = None
     for _ in range(_MOST // _CHUNK):

@@ -76,7 +76,7 @@ def _factors(found: list[Unit], data: xr.Dataset) -> np.ndarray[Any, Any]:
 
 def _state_words(data: xr.Dataset, units: Units) -> dict[str, Any]:
     """Coordinates that say what the states are, for pictures of points."""
-    from nonsmooth.simulation.labels import labels_of
+    from nonsmooth.runs.labels import labels_of
 
     names = [str(name) for name in data["state"].values]
     found: dict[str, Any] = {

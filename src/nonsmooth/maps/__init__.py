@@ -1,1 +1,0 @@
-"""Maps of a system from one section to the next: once per period, or wherever a surface is met."""

@@ -1,0 +1,116 @@
+"""Tasks spread over threads; a task that waits is taken by whoever is free.
+
+Kernels let go of the interpreter lock, so threads run side by side. A task knows nothing of the
+others and its result is told by its number: the number of threads changes no digit.
+"""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Callable, Collection
+from queue import Empty, SimpleQueue
+from typing import Any, TypeVar
+
+from nonsmooth.runs.options import whole_number
+from nonsmooth.runs.progress import Progress
+
+__all__ = ["Stopped", "check_threads", "run_tasks"]
+
+T = TypeVar("T")
+_ATTENTION = 0.05  # seconds after which an interruption is noticed
+_AHEAD = 8  # tasks for each thread that are begun or have results which nobody took yet
+
+
+class Stopped(Exception):
+    """Raised in a task that was told to stop."""
+
+
+def check_threads(threads: Any) -> int:
+    """Number of threads: as given, or as many as this process may use processors."""
+    if threads is not None:
+        return whole_number("threads", threads)
+    if hasattr(os, "sched_getaffinity"):
+        return max(1, len(os.sched_getaffinity(0)))
+    return os.cpu_count() or 1
+
+
+def run_tasks(
+    tasks: list[Callable[[Any, threading.Event], T]],
+    make_worker: Callable[[], Any],
+    *,
+    threads: int,
+    label: str,
+    keep: Callable[[int, T], None],
+    done: Collection[int] = (),
+    measure: Callable[[], tuple[float, float]] | None = None,
+) -> bool:
+    """Run all tasks; ``keep`` is told the number and result of each as it comes.
+
+    The tasks whose numbers are ``done`` are left out. Every thread makes a worker of its own,
+    which its tasks get with an event that is set when they should stop. The progress bar counts
+    tasks, or shows what ``measure`` says: how much is done, of how much. Returns False where the
+    user interrupted; what was kept stays.
+    """
+    stop = threading.Event()
+    # An interruption may come between any two steps of this thread. Queues that are C throughout
+    # are whole then, while futures may be left locked, with the crew waiting for ever.
+    todo: SimpleQueue[int | None] = SimpleQueue()
+    results: SimpleQueue[tuple[int, Any, BaseException | None]] = SimpleQueue()
+
+    def work() -> None:
+        worker = None
+        while (i := todo.get()) is not None:
+            try:
+                if stop.is_set():
+                    raise Stopped
+                worker = make_worker() if worker is None else worker
+                results.put((i, tasks[i](worker, stop), None))
+            except BaseException as fault:
+                results.put((i, None, fault))
+
+    crew = [threading.Thread(target=work, daemon=True) for _ in range(threads)]
+    complete, done_so_far, under_way = True, len(done), 0
+    remaining = iter([i for i in range(len(tasks)) if i not in done])
+    with Progress(label, len(tasks) if measure is None else measure()[1]) as progress:
+        try:
+            for thread in crew:
+                thread.start()
+            while True:
+                # keep every thread busy; results that nobody has taken yet need memory
+                while under_way < _AHEAD * threads and (i := next(remaining, None)) is not None:
+                    todo.put(i)
+                    under_way += 1
+                if under_way == 0:
+                    break
+                try:
+                    i, result, fault = take(results)
+                except Empty:
+                    if measure is not None:
+                        progress.update(measure()[0])
+                    continue
+                under_way -= 1
+                if fault is not None:
+                    raise fault
+                keep(i, result)
+                done_so_far += 1
+                progress.update(done_so_far if measure is None else measure()[0])
+        except KeyboardInterrupt:
+            complete = False
+        finally:
+            stop.set()
+            for _ in crew:
+                todo.put(None)
+            for thread in crew:
+                if thread.ident is not None:
+                    thread.join()
+    while not complete and not results.empty():  # what was under way came to its end, or stopped
+        i, result, fault = results.get()
+        if fault is None:
+            keep(i, result)
+    return complete
+
+
+def take(results: SimpleQueue[T]) -> T:
+    """The next result; `Empty` where none comes in a moment."""
+    return results.get(timeout=_ATTENTION)

@@ -1,0 +1,106 @@
+"""Options of a section: what it is, which crossings count, how long to search."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from nonsmooth.engine.status import EventKind
+from nonsmooth.engine.tables import Tables
+from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.runs.clock import Instant, instants
+from nonsmooth.runs.options import check_signals, finite_number
+from nonsmooth.runs.section_rows import event_names
+from nonsmooth.runs.section_search import Limits
+from nonsmooth.system.grammar import is_name
+from nonsmooth.system.section import section_names
+from nonsmooth.system.system import System
+
+__all__ = ["check_side", "read_section", "refuse_slow", "set_limits"]
+
+_SIDES = ("before", "after")
+
+
+def refuse_slow(system: System) -> None:
+    """A section belongs to a map that does not change from period to period."""
+    if system.slow:
+        raise OptionError(
+            f"{system.name}: {', '.join(system.slow)} varies slowly, so the points would belong to"
+            " a different map in each period; leave slow= out and give a fixed value, or take"
+            " the events of a run of simulate"
+        )
+
+
+def read_section(system: System, section: Any, direction: Any) -> tuple[bool, int]:
+    """Whether a section is an expression and not an event, and the direction that counts."""
+    if not isinstance(section, str) or not section.strip():
+        raise OptionError(
+            f"section = {section!r:.60}: give an expression, such as {system.states[0]!r}, or the"
+            " name of an event"
+        )
+    events = event_names(system)
+    variables = section_names(system)
+    crossing = section in variables or section not in events
+    if crossing and is_name(section) and section not in variables:
+        known = {*variables, *events} - {"pi"}
+        if section in {kind.word for kind in EventKind}:
+            raise OptionError(
+                f"section = {section!r} is a kind of events; give the name of the exit, surface or"
+                f" mode that is meant, one of {', '.join(sorted(events))}"
+            )
+        raise OptionError(f"section: {unknown_name('variable or event', section, known)}")
+    if direction is None:
+        return crossing, int(crossing)
+    if isinstance(direction, bool) or direction not in (-1, 0, 1):
+        raise OptionError(
+            f"direction = {direction!r:.60}: give 1 where the section grows, -1 where it falls, 0"
+            " for both"
+        )
+    if direction and not crossing:
+        raise OptionError(
+            f"direction = {direction}: the event {section!r} has no direction; leave it out"
+        )
+    return crossing, int(direction)
+
+
+def check_side(side: Any) -> None:
+    """Before or after."""
+    if side not in _SIDES:
+        raise OptionError(f"side = {side!r:.60}: give 'before' or 'after'")
+
+
+def set_limits(
+    system: System, tables: Tables, start: Instant, transient: Any, record: int, t_end: Any
+) -> Limits:
+    """From when on points count, and when to end the search."""
+    window = tables.window
+    length = finite_number("transient", transient)
+    if length < 0.0:
+        raise OptionError(f"transient = {length:g} must not be negative")
+    if system.period_value is not None:
+        whole = math.floor(length)
+        begin = Instant(start.number + whole, start.phase + (length - whole) * window)
+        if begin.phase >= window:
+            begin = Instant(begin.number + 1, begin.phase - window)
+    elif length == 0.0:
+        begin = start
+    else:
+        begin = _instant(start.time(window) + length, window)
+    end = None
+    if t_end is not None:
+        end = _instant(finite_number("t_end", t_end), window)
+    elif system.signals:
+        end = _instant(min(signal.span[1] for signal in system.signals.values()), window)
+    last = begin if end is None else end
+    if end is not None and not begin < end:
+        raise OptionError(
+            f"the search ends at t = {end.time(window):g} and points count from t ="
+            f" {begin.time(window):g} on; give a later t_end= or a shorter transient="
+        )
+    check_signals(system, start.time(window), last.time(window))
+    return Limits(begin, record, end)
+
+
+def _instant(time: float, window: float) -> Instant:
+    number, phase = instants([time], window)
+    return Instant(int(number[0]), float(phase[0]))

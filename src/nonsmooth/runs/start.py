@@ -1,0 +1,222 @@
+"""Where a run starts: from names, from a point of a dataset, or from the end of a run."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.engine.derivatives import no_rates, no_scratch
+from nonsmooth.engine.lanes import (
+    Anchor,
+    allocate_anchor,
+    allocate_records,
+    allocate_segment,
+    allocate_tangent,
+    run,
+)
+from nonsmooth.engine.status import Status
+from nonsmooth.engine.tables import Tables
+from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.real_numbers import finite_real
+from nonsmooth.runs.carried import refuse_other_parameters
+from nonsmooth.runs.clock import Instant, instants
+from nonsmooth.runs.labels import labels_of
+from nonsmooth.runs.options import finite_number
+from nonsmooth.system.system import System
+
+_TOLERANCE = 1e-12
+# statuses of runs that go on where they ended
+_GOES_ON = (Status.COMPLETED.word, Status.WORK_LIMIT.word, Status.INTERRUPTED.word)
+_NO_TIMES = (np.zeros(0, np.int64), np.zeros(0))
+
+__all__ = [
+    "Start",
+    "begin",
+    "complete_state",
+    "mode_numbers",
+    "resolve_start",
+    "start_at_end",
+]
+
+
+@dataclass(frozen=True)
+class Start:
+    """State, instant and modes of a start, or the anchor of a run to go on from.
+
+    One of the ``modes`` is to admit the start; -1 stands for any.
+    """
+
+    state: npt.NDArray[np.float64]
+    instant: Instant
+    modes: tuple[int, ...] = (-1,)
+    anchor: Anchor | None = None
+
+
+def resolve_start(
+    system: System,
+    tables: Tables,
+    initial: Any,
+    t_start: float | None,
+    mode: str | None,
+    repeated: bool,
+) -> Start:
+    """Start of a run from what the user gave; ``repeated``: parameters were given again."""
+    if hasattr(initial, "data_vars"):
+        _check_states(system, initial)
+        if "time" in initial.dims:
+            return _from_run(system, tables, initial, t_start, mode, repeated)
+        return _from_point(system, tables, initial, t_start, mode, repeated)
+    if initial is not None and not isinstance(initial, Mapping):
+        raise OptionError(
+            f"initial = {initial!r:.60}: give a mapping of state names to numbers, such as"
+            f" {{{system.states[0]!r}: 0.1}}, a point of a dataset, or a run to go on from"
+        )
+    state = _from_mapping(system, initial or {})
+    instant, modes = (
+        _instant(tables, 0.0 if t_start is None else t_start),
+        mode_numbers(system, mode),
+    )
+    if np.any(np.isnan(state)):
+        state = complete_state(system, tables, state, instant, modes)
+    return Start(state, instant, modes)
+
+
+def complete_state(
+    system: System,
+    tables: Tables,
+    state: npt.NDArray[np.float64],
+    instant: Instant,
+    modes: tuple[int, ...] = (-1,),
+) -> npt.NDArray[np.float64]:
+    """State with what was left out, as nan, as the mode wants it in which a run begins there.
+
+    The run has no length. Where no mode takes the start, what was left out is at rest.
+    """
+    left_out = np.isnan(state)
+    found = np.array([system.rest_state[name] for name in system.states])
+    for mode in modes:
+        anchor = begin(tables, state, instant, mode)
+        if anchor.mode >= 0:
+            found = anchor.state
+            break
+    return np.where(left_out, found, state)
+
+
+def begin(tables: Tables, state: npt.NDArray[np.float64], instant: Instant, mode: int) -> Anchor:
+    """Anchor of a run without length; its mode is -1 where none takes the state."""
+    anchor = allocate_anchor(tables.sizes)
+    anchor.move_to(instant)
+    anchor.state[:] = state
+    records = allocate_records(tables.sizes, *_NO_TIMES, 0)
+    segment, tangent = allocate_segment(tables.sizes), allocate_tangent(tables.sizes, -1, 0)
+    lane = (tables, no_rates(), no_scratch(), anchor, segment, tangent)
+    run(lane, records, mode, instant, _TOLERANCE)
+    return anchor
+
+
+def _from_mapping(system: System, initial: Mapping[str, Any]) -> npt.NDArray[np.float64]:
+    values = dict(system.open_state)
+    for name, value in initial.items():
+        if name not in values:
+            raise OptionError(f"initial: {unknown_name('state', str(name), system.states)}")
+        values[name] = finite_real(f"initial[{name!r}]", value)
+    return np.array([values[name] for name in system.states])
+
+
+def mode_numbers(system: System, mode: str | None) -> tuple[int, ...]:
+    """Modes that a name stands for: a cell, cells of one name, or all cells of a mode."""
+    if mode is None:
+        return (-1,)
+    running = system.structure.running
+    found = tuple(i for i, m in enumerate(running) if mode in (m.name, m.label, m.parent))
+    if not found:
+        known = [*system.modes, *system.mode_names]
+        raise OptionError(f"mode: {unknown_name('mode', mode, dict.fromkeys(known))}")
+    return found
+
+
+def _instant(tables: Tables, time: float) -> Instant:
+    time = finite_number("t_start", time)
+    if time == 0.0:
+        return Instant(0, 0.0)
+    number, phase = instants([time], tables.window)
+    return Instant(int(number[0]), float(phase[0]))
+
+
+def _check_states(system: System, data: Any) -> None:
+    missing = [name for name in system.states if name not in data.data_vars]
+    if missing:
+        raise OptionError(f"initial: the dataset has no state {missing[0]!r} of {system.name!r}")
+
+
+def _from_point(
+    system: System,
+    tables: Tables,
+    data: Any,
+    t_start: float | None,
+    mode: str | None,
+    repeated: bool,
+) -> Start:
+    if not repeated:
+        refuse_other_parameters(system, data, "point")
+    state = np.array([float(data[name]) for name in system.states])
+    if not np.all(np.isfinite(state)):
+        raise OptionError("initial: the point of the dataset has states that are not finite")
+    time = t_start if t_start is not None else float(data.coords.get("time", 0.0))
+    names = data["mode"].attrs.get("flag_meanings", "").split() if "mode" in data else []
+    if mode is None and names == list(system.mode_names):
+        return Start(state, _instant(tables, time), (int(data["mode"]),))
+    return Start(state, _instant(tables, time), mode_numbers(system, mode))
+
+
+def _from_run(
+    system: System,
+    tables: Tables,
+    run: Any,
+    t_start: float | None,
+    mode: str | None,
+    repeated: bool,
+) -> Start:
+    status = run.attrs.get("status")
+    if status not in _GOES_ON or "anchor_state" not in run or "end_state" not in run:
+        raise OptionError(
+            f"initial: the run ended with status {status!r} and cannot go on; take one of its"
+            " points instead, as in run.isel(time=-1)"
+        )
+    rows = run.sizes.get("event", 0)
+    if (run.sizes["time"], rows) != (run.attrs["n_samples"], run.attrs["n_rows"]):
+        raise OptionError(
+            "initial: this is a part of a run, which cannot go on; take one of its points, as in"
+            " run.isel(time=-1), or the whole run"
+        )
+    if t_start is not None or mode is not None:
+        raise OptionError("a run goes on where it ended: leave out t_start= and mode=")
+    if not repeated:
+        refuse_other_parameters(system, run, "run")
+    end = Instant(int(run.attrs["end_number"]), float(run.attrs["end_phase"]))
+    if run.attrs["system"] != labels_of(system).system:
+        # another system, a changed parameter for instance: same state, same phase
+        window = tables.window
+        same = math.isclose(window, float(run.attrs["window"]), rel_tol=1e-15)
+        time = end.number * float(run.attrs["window"]) + end.phase
+        if "end_time" in run.attrs:  # of a run with slow parameters
+            time, same = float(run.attrs["end_time"]), False
+        return Start(run["end_state"].values.copy(), end if same else _instant(tables, time))
+    anchor = allocate_anchor(tables.sizes)
+    anchor.move_to((int(run.attrs["anchor_number"]), float(run.attrs["anchor_phase"])))
+    anchor.place["mode"] = run.attrs["anchor_mode"]
+    anchor.place["is_estimated"] = run.attrs.get("anchor_is_estimated", 0)
+    anchor.state[:] = run["anchor_state"].values
+    anchor.order[:] = np.array(run.attrs["anchor_order"].split(), np.int64)
+    return Start(run["end_state"].values.copy(), end, anchor=anchor)
+
+
+def start_at_end(start: Start) -> Start:
+    """A start at the end of a run instead of its anchor: derivatives begin at a state."""
+    assert start.anchor is not None
+    return Start(start.state, start.instant, (start.anchor.mode,))

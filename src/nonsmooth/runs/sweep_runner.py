@@ -1,0 +1,155 @@
+"""Motions at many parameter values: each begins, settles and is recorded, in one call for all.
+
+What `LaneRunner` does for many starts at one set of parameter values, this does for many sets with
+a start each. One runner belongs to one thread.
+"""
+
+from __future__ import annotations
+
+import threading
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.engine.derivatives import no_rates, no_scratch
+from nonsmooth.engine.lanes import allocate_segment, allocate_tangent, lane_anchors
+from nonsmooth.engine.record import Rows
+from nonsmooth.engine.status import Status
+from nonsmooth.engine.sweeps import allocate_sweep, run_sweep
+from nonsmooth.engine.tables import Tables, allocate_stack, set_up
+from nonsmooth.runs.crew import Stopped
+from nonsmooth.system.system import System
+
+__all__ = ["Recorded", "Starts", "SweepRunner", "Times"]
+
+Floats = npt.NDArray[np.float64]
+Integers = npt.NDArray[np.int64]
+
+_MOST = 16  # motions in one call, a few milliseconds of work
+_BYTES = 2**25  # of their tables
+_FIRST_EVENTS = 4096  # rows of the logs of all motions, to begin with
+_RATES, _SCRATCH = no_rates(), no_scratch()
+
+
+class Starts(NamedTuple):
+    """Where K motions begin."""
+
+    states: Floats  # (K, n)
+    modes: Integers  # (K,): the mode, or how it is found, see `run_lanes`
+    numbers: Integers  # (K,) window of each
+    phases: Floats  # (K,)
+
+
+class Times(NamedTuple):
+    """Windows and phases at which K motions are sampled, s times each."""
+
+    numbers: Integers  # (K, s)
+    phases: Floats  # (K, s)
+
+    @property
+    def last(self) -> tuple[Integers, Floats]:
+        """The last times, (K,) each."""
+        return self.numbers[:, -1], self.phases[:, -1]
+
+
+class Recorded(NamedTuple):
+    """What K motions have left behind; s samples, r events in all."""
+
+    statuses: Integers  # (K,)
+    windows: Floats  # (K,): lengths, nan of what was refused
+    numbers: Integers  # (K, s)
+    phases: Floats  # (K, s)
+    states: Floats  # (K, s, n), nan behind the end of a motion
+    modes: Integers  # (K, s), -1 there
+    rows: Rows  # (r,): the logs one after the other, no rows for the starts
+    event_states: Floats  # (r, 2, n): before and after each event
+    logs: Integers  # (K + 1,): first row of each log, and the end of the last one
+    uncertain: Integers  # (K,): events that rounding leaves open, from the start on
+    estimated: Integers  # (K,): steps the errors of which are estimated, likewise
+    end_states: Floats  # (K, n)
+    places: Rows  # (K,): number, mode, phase of the start of the last segment, or of an early end
+
+
+class SweepRunner:
+    """Runs motions of a system at several sets of parameter values."""
+
+    def __init__(self, system: System, tolerance: float) -> None:
+        self.system = system
+        self.tolerance = tolerance
+        self._program = system.compiled.program
+        self._sizes = self._program.sizes
+        one = allocate_stack(self._program, 1)
+        self.most = int(np.clip(_BYTES // one.n_bytes, 1, _MOST))  # sets at a time
+        self._room = one if self.most == 1 else allocate_stack(self._program, self.most)
+        self._stack = self._room
+        self._segment = allocate_segment(self._sizes)
+        self._tangent = allocate_tangent(self._sizes, -1, 0).as_lanes
+
+    def set_up(self, values: Floats) -> npt.NDArray[np.bool_]:
+        """Take sets of parameter values, (K, p); which of them have tables."""
+        count = len(values)
+        self._stack = self._room.part(slice(count))
+        done = np.zeros(count, bool)
+        first = 0
+        while first < count:
+            rest = self._stack.part(slice(first, count)) if first else self._stack
+            _, _, passed = set_up(self._program, values[first:], rest)
+            done[first : first + passed] = True
+            first += passed + 1  # the set behind those has none
+        return done
+
+    @property
+    def windows(self) -> Floats:
+        """Length of a window for each set, of no meaning where it has no tables."""
+        return np.asarray(self._stack.clock["window"])
+
+    def tables(self, i: int) -> Tables:
+        """Tables of one set."""
+        return self._stack.part(i)
+
+    def run(
+        self,
+        starts: Starts,
+        times: Times,
+        usable: npt.NDArray[np.bool_],
+        *,
+        ends: Times | None = None,
+        follows: Times | None = None,
+        log: bool = True,
+        stop: threading.Event | None = None,
+    ) -> Recorded:
+        """Run a motion for each set to its first time, and on to its last one with a log.
+
+        Motions that are not ``usable``, (K,), are refused. ``ends`` (K, 1) lie at the last times
+        or behind them. ``follows`` has the instants (K, 1) where motions go on that follow the one
+        before, if that has come to its end.
+        """
+        anchors = lane_anchors(self._sizes, starts.numbers, starts.phases, starts.states)
+        last = (times if ends is None else ends).last
+        sweep = allocate_sweep(
+            self._sizes, starts.modes, *times, ends=last, room=_FIRST_EVENTS if log else 0,
+            tolerance=self.tolerance, follows=follows is not None,
+        )  # fmt: skip
+        if follows is not None:
+            sweep.begins["number"], sweep.begins["phase"] = (each[:, 0] for each in follows)
+        sweep.statuses[~usable] = Status.REFUSED
+        status = Status.PAUSED
+        while status != Status.COMPLETED:
+            if stop is not None and stop.is_set():
+                raise Stopped
+            if status == Status.BUFFER_FULL:
+                sweep = sweep.enlarged()
+            status = run_sweep(
+                self._stack, _RATES, _SCRATCH, anchors, self._segment, self._tangent, sweep
+            )
+        refused = sweep.statuses == Status.REFUSED
+        end = int(sweep.logs[-1])
+        uncertain, estimated = (
+            sweep.settling[name] + sweep.recording[name] for name in ("uncertain", "estimated")
+        )
+        return Recorded(
+            sweep.statuses, np.where(refused, np.nan, self.windows), *times, sweep.sample_state,
+            sweep.sample_mode, sweep.events[:end], sweep.event_states[:end], sweep.logs,
+            uncertain, estimated, sweep.end_state, anchors.place,
+        )  # fmt: skip

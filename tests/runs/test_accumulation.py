@@ -1,0 +1,112 @@
+"""Impacts that accumulate: the run ends there, says so, and nothing has gone through the floor."""
+
+import numpy as np
+import pytest
+from mpmath import mp
+
+import nonsmooth as ns
+from nonsmooth import Exit, Mode, RunWarning, System
+from runs.flows import crossings, on_both_flows
+
+
+def accumulated(system, start):
+    """A run that must end at accumulating impacts, after some hundreds of them."""
+    with pytest.warns(RunWarning, match="impacts accumulate"):
+        run = ns.simulate(system, start, t_end=100.0)
+    assert run.attrs["status"] == "event_limit"
+    assert run.attrs["n_events"] < 500
+    return run
+
+
+# Heights have errors of some eps, so flights are lost below a speed of about 1e-7, when what
+# is left of the motion takes 1e-6.
+CLOSE = 1e-6
+
+
+@on_both_flows
+@pytest.mark.parametrize("r", [0.1, 0.5, 0.8])
+def test_a_ball_on_a_flat_floor(flow, r):
+    mode = Mode({"x": "v", "v": "-1"}, exits=[Exit("x", reset={"v": "-r*v"})])
+    system = System(states=["x", "v"], parameters={"r": r}, modes={"m": mode})
+    run = accumulated(flow(system), {"x": 1.0})
+    # sqrt(2 h/g) (1 + 2 (r + r^2 + ...))
+    end = np.sqrt(2.0) * (1 + 2 * r / (1 - r))
+    assert float(run["event_time"][-1]) == pytest.approx(end, abs=CLOSE)
+    assert float(run["x"].min()) >= 0.0
+    assert float(run["state_after"].sel(state="x").min()) >= 0.0
+
+
+def bounces_in_air(k, r, height, count):
+    """Times of bounces with drag k v^2, in closed form, and of their accumulation."""
+    with mp.workdps(30):
+        k, r, h, now, times = mp.mpf(k), mp.mpf(r), mp.mpf(height), mp.mpf(0), []
+        up = mp.mpf(0)
+        for _ in range(count):
+            fall = mp.acosh(mp.exp(k * h)) / mp.sqrt(k)
+            speed = mp.sqrt(-mp.expm1(-2 * k * h) / k)
+            now += up + fall
+            times.append(now)
+            speed *= r
+            up = mp.atan(speed * mp.sqrt(k)) / mp.sqrt(k)
+            h = mp.log1p(k * speed**2) / (2 * k)
+        return [float(value) for value in times]
+
+
+@pytest.mark.parametrize(("k", "r"), [(0.1, 0.5), (1.0, 0.7), (1e-6, 0.5)])
+def test_a_ball_in_air(k, r):
+    """Drag against the square of the speed, written with abs: a cell for each direction."""
+    mode = Mode(
+        {"x": "v", "v": "-1 - k*v*abs(v)"}, exits=[Exit("x", reset={"v": "-r*v"}, name="b")]
+    )
+    system = System(states=["x", "v"], parameters={"k": k, "r": r}, modes={"m": mode})
+    run = accumulated(system, {"x": 1.0})
+    times = bounces_in_air(k, r, 1.0, 200)
+    log = crossings(run)
+    bounces = log["event_time"].values[log["event_name"].values == "b"]
+    # eps over the speed of the tenth bounce, 1e-3 or more
+    assert np.allclose(bounces[:10], times[:10], rtol=0, atol=1e-12)
+    assert float(run["event_time"][-1]) == pytest.approx(times[-1], abs=CLOSE)
+    assert float(run["x"].min()) >= -1e-15
+    assert float(run["state_after"].sel(state="x").min()) >= -1e-15
+
+
+def bounces_in_a_bowl(state, r, count):
+    """Bounces of a point mass on y = x^2: flights are parabolas, so roots of quadratics."""
+    with mp.workdps(50):
+        x, y, u, v = (mp.mpf(value) for value in state)
+        now, times = mp.mpf(0), []
+        for k in range(count):
+            # y + v s - s^2/2 = (x + u s)^2; on the wire its constant term is zero
+            a, b, c = mp.mpf(1) / 2 + u * u, 2 * x * u - v, x * x - y
+            s = -b / a if k > 0 else (-b + mp.sqrt(b * b - 4 * a * c)) / (2 * a)
+            x, now = x + u * s, now + s
+            y, v = x * x, v - s
+            times.append(now)
+            size = 1 + 4 * x * x
+            normal = (v - 2 * x * u) / size
+            u, v = u + (1 + r) * 2 * x * normal, v - (1 + r) * normal
+        return [float(value) for value in times]
+
+
+@pytest.mark.parametrize("start", [(0.3, 1.0, 0.0, 0.0), (-0.5, 0.6, 0.4, 0.2)])
+def test_a_ball_on_a_curved_floor(start):
+    """Impacts accumulate on the slope, where the ball would begin to slide."""
+    r = 0.5
+    normal = "(v - 2*x*u)/(1 + 4*x**2)"
+    bounce = Exit(
+        "y - x**2",
+        reset={"u": f"u + (1 + r)*2*x*{normal}", "v": f"v - (1 + r)*{normal}"},
+        name="bounce",
+    )
+    mode = Mode({"x": "u", "y": "v", "u": "0", "v": "-1"}, exits=[bounce])
+    system = System(states=["x", "y", "u", "v"], parameters={"r": r}, modes={"m": mode})
+    run = accumulated(system, dict(zip("xyuv", start, strict=True)))
+    times = bounces_in_a_bowl(start, r, 300)
+    log = crossings(run)
+    count = 12
+    assert bool(log["certified"][:count].all())
+    assert np.allclose(log["event_time"][:count], times[:count], rtol=0, atol=1e-11)
+    assert float(log["event_time"][-1]) == pytest.approx(times[-1], abs=1e-5)
+    assert float((run["y"] - run["x"] ** 2).min()) >= -1e-15
+    after = log["state_after"]
+    assert float((after.sel(state="y") - after.sel(state="x") ** 2).min()) >= -1e-15
