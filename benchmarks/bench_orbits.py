@@ -8,7 +8,7 @@ nonsmooth, with and without its derivative; the same on a map of scipy alone, `s
 rtol 1e-10) with terminal events, restarted at each. Then 500 points of the branch over b by
 `continue_orbit`, through the fold, beside scipy's root at one b after the other on the map of
 nonsmooth, which cannot pass the fold and knows no stability. The truth has 25 digits
-(tests/orbits/references). The command fails where a result is off.
+(tests/periodic_orbits/references). The command fails where a result is off.
 """
 
 import argparse
@@ -26,7 +26,7 @@ from scipy.optimize import root
 import nonsmooth as ns
 
 TRUTH = json.loads(
-    (Path(__file__).parents[1] / "tests/orbits/references/orbits.json").read_text("utf-8")
+    (Path(__file__).parents[1] / "tests/periodic_orbits/references/orbits.json").read_text("utf-8")
 )
 VALUES = {"a": 0.3, "b": 0.15, "xi": 0.05, "omega": 0.1}
 GAP = 0.02

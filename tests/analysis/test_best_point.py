@@ -6,8 +6,8 @@ from mpmath import findroot, mp, mpf
 
 import nonsmooth as ns
 from nonsmooth.analysis.orbit_search.extremum import largest_inside
-from orbits.references.rigid_wall import RigidWall
-from orbits.systems import rigid_wall
+from periodic_orbits.references.rigid_wall import RigidWall
+from periodic_orbits.systems import rigid_wall
 
 WALL = {"zeta": 0.1, "sigma": 0.1, "r": 0.8}
 

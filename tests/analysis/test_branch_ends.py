@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import nonsmooth as ns
-from orbits.systems import rigid_wall
+from periodic_orbits.systems import rigid_wall
 
 
 def kinds(branch) -> list[str]:

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import nonsmooth as ns
-from orbits.references.table_ball import TableBall
-from orbits.systems import ball_on_table
+from periodic_orbits.references.table_ball import TableBall
+from periodic_orbits.systems import ball_on_table
 
 
 def number_of(branch, kind: str) -> int:

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from scipy.linalg import expm
 
 import nonsmooth as ns
-from orbits.kinds import KINDS, relay
+from periodic_orbits.kinds import KINDS, relay
 
 MOLE = ns.models.moling()
 SOFT = {"omega": 0.85, "zeta": 0.01, "beta": 29.0, "e": 1.26}

@@ -9,10 +9,10 @@ import pytest
 
 import nonsmooth as ns
 from nonsmooth.runs.progress import Progress
-from orbits.references import cycles
-from orbits.references.rigid_wall import RigidWall
-from orbits.sampler import mole_penetration
-from orbits.systems import clock, rigid_wall
+from periodic_orbits.references import cycles
+from periodic_orbits.references.rigid_wall import RigidWall
+from periodic_orbits.sampler import mole_penetration
+from periodic_orbits.systems import clock, rigid_wall
 
 A = Fraction(2, 5)  # peak of the tent
 UNIT = {"x": (0, 1)}

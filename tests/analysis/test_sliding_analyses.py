@@ -8,10 +8,10 @@ from mpmath import mp, mpf
 
 import nonsmooth as ns
 from analysis.test_sliding_branches import belt, exact
-from orbits.references import belt as reference
-from orbits.references import chatter
-from orbits.test_sliding_orbits import belt as belt_alone
-from orbits.test_sliding_orbits import wall
+from periodic_orbits.references import belt as reference
+from periodic_orbits.references import chatter
+from periodic_orbits.test_sliding_orbits import belt as belt_alone
+from periodic_orbits.test_sliding_orbits import wall
 
 
 @pytest.fixture(autouse=True)

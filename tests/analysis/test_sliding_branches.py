@@ -5,7 +5,7 @@ import pytest
 from mpmath import mp, mpf
 
 import nonsmooth as ns
-from orbits.references import belt as reference
+from periodic_orbits.references import belt as reference
 
 SAME = dict(rel=0.0, abs=1e-10)  # located to rounding over the rates of the tests
 

@@ -7,7 +7,7 @@ from mpmath import mp, mpf
 import nonsmooth as ns
 from models.rebounds import Instant, first_return, of_rounding, of_the_end, rebounds
 from nonsmooth.models import bouncing_ball
-from orbits.references.table_ball import TableBall
+from periodic_orbits.references.table_ball import TableBall
 
 EPS = np.finfo(float).eps
 

@@ -7,7 +7,7 @@ from mpmath import matrix, mp, mpf
 import nonsmooth as ns
 from models.rebounds import Instant, of_rounding, of_the_end, rebounds
 from nonsmooth.models import impact_oscillator
-from orbits.references.rigid_wall import RigidWall
+from periodic_orbits.references.rigid_wall import RigidWall
 
 EPS = np.finfo(float).eps
 

@@ -6,7 +6,7 @@ from mpmath import mp
 
 import nonsmooth as ns
 from nonsmooth.models import trilinear
-from orbits.systems import ORBITS
+from periodic_orbits.systems import ORBITS
 
 EPS = np.finfo(float).eps
 

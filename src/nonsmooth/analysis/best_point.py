@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from nonsmooth.analysis.orbit_search.best_along import best_along
 from nonsmooth.analysis.orbit_search.best_options import read_best
-from nonsmooth.orbits.orbit_dataset import failed_dataset
+from nonsmooth.periodic_orbits.orbit_dataset import failed_dataset
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from nonsmooth.analysis.orbit_search.options import read_wanted, said_of_options
-from nonsmooth.orbits.legs import Legs
-from nonsmooth.orbits.orbit_dataset import failed_dataset, orbit_dataset
-from nonsmooth.orbits.search import search_orbit
+from nonsmooth.periodic_orbits.legs import Legs
+from nonsmooth.periodic_orbits.orbit_dataset import failed_dataset, orbit_dataset
+from nonsmooth.periodic_orbits.search import search_orbit
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.system.system import System
 

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 from nonsmooth.analysis.orbit_search.one_orbit import system_of_one
 from nonsmooth.analysis.orbit_search.options import period_of, said_of_options
 from nonsmooth.errors import OptionError
-from nonsmooth.orbits.legs import Legs
-from nonsmooth.orbits.mirror_image import mirror_image
-from nonsmooth.orbits.orbit_dataset import failed_dataset, orbit_dataset
-from nonsmooth.orbits.restart import guess_of_dataset
-from nonsmooth.orbits.search import Wanted, equations_for, solve_guess
+from nonsmooth.periodic_orbits.legs import Legs
+from nonsmooth.periodic_orbits.mirror_image import mirror_image
+from nonsmooth.periodic_orbits.orbit_dataset import failed_dataset, orbit_dataset
+from nonsmooth.periodic_orbits.restart import guess_of_dataset
+from nonsmooth.periodic_orbits.search import Wanted, equations_for, solve_guess
 from nonsmooth.runs.options import check_run_options
 
 if TYPE_CHECKING:

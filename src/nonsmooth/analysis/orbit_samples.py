@@ -8,9 +8,9 @@ import numpy as np
 
 from nonsmooth.analysis.orbit_search.one_orbit import system_of_one
 from nonsmooth.analysis.orbit_search.options import period_of
-from nonsmooth.orbits.legs import Legs
-from nonsmooth.orbits.restart import guess_of_dataset
-from nonsmooth.orbits.word import Word
+from nonsmooth.periodic_orbits.legs import Legs
+from nonsmooth.periodic_orbits.restart import guess_of_dataset
+from nonsmooth.periodic_orbits.word import Word
 from nonsmooth.runs.labels import labels_of
 from nonsmooth.runs.options import check_count, whole_number
 from nonsmooth.runs.outputs import Clock, output_values

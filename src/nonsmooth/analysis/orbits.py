@@ -9,7 +9,7 @@ from nonsmooth.analysis.orbit_search.collect import collect_orbits
 from nonsmooth.analysis.orbit_search.many_dataset import many_dataset
 from nonsmooth.analysis.orbit_search.many_options import read_many
 from nonsmooth.analysis.orbit_search.options import said_of_options
-from nonsmooth.orbits.legs import Legs
+from nonsmooth.periodic_orbits.legs import Legs
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.system.system import System
 

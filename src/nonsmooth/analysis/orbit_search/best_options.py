@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from nonsmooth.errors import OptionError, unknown_name
-from nonsmooth.orbits.restart import is_orbit
+from nonsmooth.periodic_orbits.restart import is_orbit
 from nonsmooth.runs.options import check_flag
 from nonsmooth.system.system import System
 

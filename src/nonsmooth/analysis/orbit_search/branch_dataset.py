@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from nonsmooth.orbits.branch_part import BranchPart
-from nonsmooth.orbits.orbit import Orbit
-from nonsmooth.orbits.orbit_dataset import common, orbit_variables
-from nonsmooth.orbits.stretch import BranchOptions
+from nonsmooth.periodic_orbits.branch_part import BranchPart
+from nonsmooth.periodic_orbits.orbit import Orbit
+from nonsmooth.periodic_orbits.orbit_dataset import common, orbit_variables
+from nonsmooth.periodic_orbits.stretch import BranchOptions
 from nonsmooth.runs.assemble import Columns
 
 if TYPE_CHECKING:

@@ -9,9 +9,9 @@ import numpy as np
 
 from nonsmooth.analysis.orbit_search.options import period_of, read_wanted
 from nonsmooth.errors import OptionError, unknown_name
-from nonsmooth.orbits.restart import is_orbit
-from nonsmooth.orbits.search import Wanted
-from nonsmooth.orbits.stretch import BranchOptions
+from nonsmooth.periodic_orbits.restart import is_orbit
+from nonsmooth.periodic_orbits.search import Wanted
+from nonsmooth.periodic_orbits.stretch import BranchOptions
 from nonsmooth.runs.driving import is_driven
 from nonsmooth.runs.options import check_flag, finite_number, whole_number
 from nonsmooth.runs.runner import build_tables

@@ -10,15 +10,15 @@ import numpy as np
 from nonsmooth.analysis.orbit_search.branch_options import Beginning
 from nonsmooth.continuation.branch_directions import branch_directions
 from nonsmooth.errors import NonsmoothError, OptionError
-from nonsmooth.orbits.branch_part import BranchPart, Followed
-from nonsmooth.orbits.branch_run import follow_orbits
-from nonsmooth.orbits.branch_start import tangent_at
-from nonsmooth.orbits.doubled import doubled_start
-from nonsmooth.orbits.legs import Legs
-from nonsmooth.orbits.newton import scale_of
-from nonsmooth.orbits.restart import guess_of_dataset
-from nonsmooth.orbits.search import Wanted, search_orbit, solve_guess
-from nonsmooth.orbits.stretch import BranchOptions, BranchStart, Stretch
+from nonsmooth.periodic_orbits.branch_part import BranchPart, Followed
+from nonsmooth.periodic_orbits.branch_run import follow_orbits
+from nonsmooth.periodic_orbits.branch_start import tangent_at
+from nonsmooth.periodic_orbits.doubled import doubled_start
+from nonsmooth.periodic_orbits.legs import Legs
+from nonsmooth.periodic_orbits.newton import scale_of
+from nonsmooth.periodic_orbits.restart import guess_of_dataset
+from nonsmooth.periodic_orbits.search import Wanted, search_orbit, solve_guess
+from nonsmooth.periodic_orbits.stretch import BranchOptions, BranchStart, Stretch
 from nonsmooth.runs.interrupts import HeldInterrupts
 from nonsmooth.runs.progress import Progress
 

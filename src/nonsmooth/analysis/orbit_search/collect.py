@@ -29,12 +29,12 @@ from nonsmooth.analysis.orbit_search.sampled_motions import (
 )
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import RunError
-from nonsmooth.orbits.guess import Guess
-from nonsmooth.orbits.guess_cycle import cycle_guesses
-from nonsmooth.orbits.legs import LegError, Legs
-from nonsmooth.orbits.newton import solve_orbit
-from nonsmooth.orbits.orbit import Orbit
-from nonsmooth.orbits.search import Wanted, equations_for, is_autonomous, solve_guess
+from nonsmooth.periodic_orbits.guess import Guess
+from nonsmooth.periodic_orbits.guess_cycle import cycle_guesses
+from nonsmooth.periodic_orbits.legs import LegError, Legs
+from nonsmooth.periodic_orbits.newton import solve_orbit
+from nonsmooth.periodic_orbits.orbit import Orbit
+from nonsmooth.periodic_orbits.search import Wanted, equations_for, is_autonomous, solve_guess
 from nonsmooth.runs.interrupts import HeldInterrupts
 from nonsmooth.runs.progress import Progress
 

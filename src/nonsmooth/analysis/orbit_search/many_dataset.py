@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from nonsmooth.analysis.orbit_search.collect import Collected, HowToCollect
-from nonsmooth.orbits.orbit import Orbit
-from nonsmooth.orbits.orbit_dataset import common, orbit_variables
+from nonsmooth.periodic_orbits.orbit import Orbit
+from nonsmooth.periodic_orbits.orbit_dataset import common, orbit_variables
 from nonsmooth.runs.assemble import Columns, assemble
 from nonsmooth.runs.labels import labels_of
 from nonsmooth.system.system import System

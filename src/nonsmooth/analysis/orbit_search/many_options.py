@@ -9,7 +9,7 @@ from nonsmooth.analysis.basins.region import read_box
 from nonsmooth.analysis.orbit_search.collect import HowToCollect
 from nonsmooth.analysis.orbit_search.options import read_wanted
 from nonsmooth.errors import OptionError
-from nonsmooth.orbits.search import Wanted
+from nonsmooth.periodic_orbits.search import Wanted
 from nonsmooth.runs.options import check_flag, finite_number, whole_number
 
 __all__ = ["read_many"]

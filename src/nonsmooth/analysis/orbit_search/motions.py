@@ -11,10 +11,10 @@ import numpy.typing as npt
 from nonsmooth.engine.record import columns
 from nonsmooth.engine.status import EventKind, Status
 from nonsmooth.engine.tables import Tables
-from nonsmooth.orbits.equations import Turn
-from nonsmooth.orbits.guess import Guess
-from nonsmooth.orbits.search import Wanted
-from nonsmooth.orbits.word import Word, path_of_bits
+from nonsmooth.periodic_orbits.equations import Turn
+from nonsmooth.periodic_orbits.guess import Guess
+from nonsmooth.periodic_orbits.search import Wanted
+from nonsmooth.periodic_orbits.word import Word, path_of_bits
 from nonsmooth.runs.clock import Instant, Plan
 from nonsmooth.runs.first_mode import in_first_mode
 from nonsmooth.runs.runner import Outcome, run_plan

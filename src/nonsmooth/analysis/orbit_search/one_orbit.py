@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from nonsmooth.errors import ModelError, OptionError
-from nonsmooth.orbits.restart import is_orbit
+from nonsmooth.periodic_orbits.restart import is_orbit
 from nonsmooth.system.system import System
 
 __all__ = ["system_of_one"]

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from typing import Any
 
 from nonsmooth.errors import OptionError
-from nonsmooth.orbits.restart import is_orbit
-from nonsmooth.orbits.search import Wanted
-from nonsmooth.orbits.word_names import read_word, words_of_names
+from nonsmooth.periodic_orbits.restart import is_orbit
+from nonsmooth.periodic_orbits.search import Wanted
+from nonsmooth.periodic_orbits.word_names import read_word, words_of_names
 from nonsmooth.runs.carried import refuse_other_parameters
 from nonsmooth.runs.driving import is_driven
 from nonsmooth.runs.options import check_run_options, finite_number, whole_number

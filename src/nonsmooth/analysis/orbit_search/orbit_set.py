@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.orbits.equations import Turn
-from nonsmooth.orbits.guess import Guess
-from nonsmooth.orbits.legs import Legs
-from nonsmooth.orbits.orbit import Orbit
-from nonsmooth.orbits.word import Word
+from nonsmooth.periodic_orbits.equations import Turn
+from nonsmooth.periodic_orbits.guess import Guess
+from nonsmooth.periodic_orbits.legs import Legs
+from nonsmooth.periodic_orbits.orbit import Orbit
+from nonsmooth.periodic_orbits.word import Word
 
 __all__ = ["OrbitSet", "primitive_guess", "turns_of"]
 

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from nonsmooth.analysis.orbit_search.best_options import WantedBest
-from nonsmooth.orbits.guess import Guess
-from nonsmooth.orbits.legs import LegError, Legs
-from nonsmooth.orbits.orbit import Orbit
-from nonsmooth.orbits.orbit_dataset import orbit_dataset, orbit_variables
-from nonsmooth.orbits.restart import guess_of_dataset
-from nonsmooth.orbits.search import Wanted, fitted, solve_guess
+from nonsmooth.periodic_orbits.guess import Guess
+from nonsmooth.periodic_orbits.legs import LegError, Legs
+from nonsmooth.periodic_orbits.orbit import Orbit
+from nonsmooth.periodic_orbits.orbit_dataset import orbit_dataset, orbit_variables
+from nonsmooth.periodic_orbits.restart import guess_of_dataset
+from nonsmooth.periodic_orbits.search import Wanted, fitted, solve_guess
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -11,7 +11,7 @@ from scipy.stats import qmc
 from nonsmooth.analysis.basins.region import Box
 from nonsmooth.analysis.orbit_search.motions import Motion, motion_from
 from nonsmooth.engine.tables import Tables
-from nonsmooth.orbits.search import Wanted
+from nonsmooth.periodic_orbits.search import Wanted
 from nonsmooth.runs.clock import Instant
 from nonsmooth.runs.runner import NoMode
 from nonsmooth.runs.start import complete_state

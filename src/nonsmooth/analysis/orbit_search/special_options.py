@@ -7,9 +7,9 @@ from typing import Any
 
 from nonsmooth.analysis.orbit_search.branch_options import check_way, read_bounds, read_steps
 from nonsmooth.errors import ModelError, OptionError, unknown_name
-from nonsmooth.orbits.guess import Guess
-from nonsmooth.orbits.restart import guess_of_dataset
-from nonsmooth.orbits.stretch import BranchOptions
+from nonsmooth.periodic_orbits.guess import Guess
+from nonsmooth.periodic_orbits.restart import guess_of_dataset
+from nonsmooth.periodic_orbits.stretch import BranchOptions
 from nonsmooth.runs.driving import is_driven
 from nonsmooth.runs.options import finite_number, whole_number
 from nonsmooth.runs.runner import build_tables

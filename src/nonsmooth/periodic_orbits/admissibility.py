@@ -1,0 +1,248 @@
+"""Whether an orbit is a motion: every guard stays positive until its leg ends, by certified search.
+
+A construction of a given word goes through walls if the equations want it to. Here each of its
+events is passed by the engine itself, which begins in the middle of the leg before, so that what
+is zero behind the event is known by construction; and from there the engine looks for the first
+event to come. Legs are looked at side by side, each from the state of the construction, so nothing
+adds up along an unstable orbit.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.engine.derivatives import no_rates, no_scratch
+from nonsmooth.engine.lanes import (
+    GOES_ON,
+    Anchor,
+    Records,
+    allocate_segment,
+    allocate_tangent,
+    lane_anchors,
+    lane_records,
+    lane_tangents,
+    run_lanes,
+)
+from nonsmooth.engine.status import EventKind, Status
+from nonsmooth.periodic_orbits.equations import OrbitEquations, Turn
+from nonsmooth.periodic_orbits.legs import LegError, Legs
+from nonsmooth.periodic_orbits.word import Word, path_of_bits
+from nonsmooth.runs.labels import labels_of
+
+__all__ = ["Admissibility", "check_admissible"]
+
+Floats = npt.NDArray[np.float64]
+Integers = npt.NDArray[np.int64]
+
+_ROWS = 2  # of the event log of a lane: one event, one to spare; full after it, so it stops there
+_AT_SECTION = 1e-12  # part of the turn by which an event may lie behind the section
+_LATE = 1e-9  # part of the turn by which the engine may find an event elsewhere
+_ROUNDING = 1e-11  # of the terms of a guard, likewise, over its rate
+
+
+class Admissibility(NamedTuple):
+    """What the engine says of an orbit."""
+
+    admissible: bool
+    reason: str = ""
+    leg: int = -1  # in which the orbit is no motion
+    path: tuple[int, ...] = ()  # exits that the engine passes instead, empty where it passes none
+    instant: float = np.nan  # and when
+
+
+class _Lanes(NamedTuple):
+    anchors: Anchor
+    records: Records
+    status: Integers
+
+
+def check_admissible(equations: OrbitEquations, turn: Turn, tolerance: float) -> Admissibility:
+    """Follow an orbit that solves its equations, event by event.
+
+    The results that the equations hold are overwritten.
+    """
+    word, legs = equations.word, equations.legs
+    length = float(turn.instants[-1] - turn.instants[0])
+    least = np.zeros(len(word))
+    if word.n_events and not word.closes_at_event:  # an event may lie at the section
+        least[[0, -1]] = -_AT_SECTION * length
+    short = np.flatnonzero((turn.durations < least) | ((turn.durations <= 0.0) & (least == 0.0)))
+    if short.size:
+        k = int(short[0])
+        return Admissibility(False, f"leg {k + 1} ({_name(equations, k)}) lasts no time", k)
+    if word.n_events == 0:
+        return _check_without_events(equations, turn, tolerance)
+    allowed = _allowed(equations, turn)
+    instants = turn.instants[:-1] + 0.5 * turn.durations
+    try:
+        middles = _middles(equations, turn, instants)
+    except LegError as fault:
+        return Admissibility(False, str(fault))
+    count = word.n_events
+    if not word.closes_at_event and turn.durations[-1] > turn.durations[0]:
+        # the stay before the first event began in the turn before
+        instants[0], middles[0] = instants[-1] - length, middles[-1]
+    end = float(turn.instants[-1]) + length
+    lanes = _start(legs, middles[:count], instants[:count], 1 + _ROWS)
+    _run(legs, lanes, word.mode_array[:count].copy(), end, tolerance)
+    events = np.arange(count)
+    expected = turn.instants[1 : 1 + count]
+    if not _all_agree(equations, lanes, events, expected, allowed, 1):
+        for j in range(count):
+            found = _compare(equations, lanes, j, j, float(expected[j]), allowed[j])
+            if not found.admissible:
+                return found
+    # on from behind each event, from the state of the construction there
+    lanes = _behind(legs, lanes, turn)
+    _run(legs, lanes, np.full(count, GOES_ON), end + length, tolerance)
+    later = (events + 1) % count
+    expected = turn.instants[1 + later] + np.where(later <= events, length, 0.0)
+    if not _all_agree(equations, lanes, later, expected, allowed[later], 0):
+        for j in range(count):
+            k = int(later[j])
+            found = _compare(equations, lanes, j, k, float(expected[j]), allowed[k])
+            if not found.admissible:
+                return found
+    return Admissibility(True)
+
+
+def _check_without_events(equations: OrbitEquations, turn: Turn, tolerance: float) -> Admissibility:
+    """Follow an orbit within one mode, in which nothing may happen."""
+    lanes = _start(equations.legs, turn.states[:1], turn.instants[:1], 1 + _ROWS)
+    end = float(turn.instants[-1])
+    _run(equations.legs, lanes, equations.word.mode_array.copy(), end, tolerance)
+    row = _first_event(lanes, 0)
+    begins = lanes.records.events["passes"][0, 0] > 0
+    if lanes.status[0] == Status.COMPLETED and row < 0 and not begins:
+        return Admissibility(True)
+    return _instead(equations, lanes, 0, 0, row)
+
+
+def _allowed(equations: OrbitEquations, turn: Turn) -> Floats:
+    """How far the engine may be from the instant of each event: rounding over the guard's rate."""
+    found = equations.legs.follow(equations.word, turn.states, turn.instants)
+    length = float(turn.instants[-1] - turn.instants[0])
+    n = equations.legs.n
+    terms = (np.abs(found.guard_row[:, :n]) * np.abs(found.ends)).sum(axis=1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        slow = _ROUNDING * (terms + np.abs(found.guard)) / np.abs(found.guard_rate)
+    return _LATE * length + np.nan_to_num(slow, nan=0.0, posinf=1e-3 * length)
+
+
+def _middles(equations: OrbitEquations, turn: Turn, instants: Floats) -> Floats:
+    """States in the middle of each leg."""
+    word = equations.word
+    open_word = Word(word.modes, ((),) * len(word))
+    found = equations.legs.follow_each(open_word, turn.states, turn.instants[:-1], instants)
+    return found.ends.copy()
+
+
+def _start(legs: Legs, states: Floats, instants: Floats, rows: int) -> _Lanes:
+    """Lanes that begin at some states, with rows in their logs; one is that of the start."""
+    count, sizes = len(states), legs.tables.sizes
+    window = legs.window
+    number = np.floor(instants / window).astype(np.int64)
+    anchors = lane_anchors(sizes, number, instants - number * window, states)
+    records = lane_records(sizes, np.zeros(0, np.int64), np.zeros(0), rows, count)
+    return _Lanes(anchors, records, np.zeros(count, np.int64))
+
+
+def _behind(legs: Legs, lanes: _Lanes, turn: Turn) -> _Lanes:
+    """Lanes behind the events that they have passed, at the states of the construction.
+
+    Modes and known zeros are those that the engine has found.
+    """
+    count = len(lanes.status)
+    following = np.arange(1, count + 1) % len(turn.states)
+    new = _start(legs, turn.states[following], turn.instants[1 : 1 + count], _ROWS)
+    new.anchors.place["mode"] = lanes.anchors.place["mode"]
+    new.anchors.order[:] = lanes.anchors.order
+    return new
+
+
+def _run(legs: Legs, lanes: _Lanes, how: Integers, end: float, tolerance: float) -> None:
+    """Run each lane to its first event, or to an instant where there is none.
+
+    The log of a lane is full after its first event, so that the engine stops there.
+    """
+    sizes, window = legs.tables.sizes, legs.window
+    number = int(np.floor(end / window))
+    count = len(lanes.status)
+    tangent = lane_tangents(allocate_tangent(sizes, -1, 0), count)
+    first, passed, segment = 0, np.zeros(2, np.int64), allocate_segment(sizes)
+    while first < count:
+        first = run_lanes(
+            legs.tables.as_lanes, no_rates(), no_scratch(), lanes.anchors,
+            segment, tangent, lanes.records, how, first, count, number,
+            end - number * window, passed, lanes.status, tolerance,
+        )  # fmt: skip
+
+
+def _all_agree(
+    equations: OrbitEquations, lanes: _Lanes, legs: Integers, expected: Floats, allowed: Floats,
+    row: int,
+) -> bool:  # fmt: skip
+    """Whether every lane has passed the event that ends its leg, in that row, and no other."""
+    records = lanes.records
+    rows = records.events[:, row]
+    times = rows["number"] * equations.legs.window + records.events["phase"][:, row]
+    paths = equations.word.path_bits[legs]
+    return bool(
+        np.all(records.counters["events"] == row + 1)
+        and np.all(rows["kind"] != EventKind.GRAZE)
+        and np.all(rows["path"] == paths)
+        and np.all(np.abs(times - expected) <= allowed[: len(times)])
+    )
+
+
+def _first_event(lanes: _Lanes, j: int) -> int:
+    """Row of the first event of a lane that is no tangency, -1 where there is none."""
+    count = int(lanes.records.counters["events"][j])
+    kinds = lanes.records.events["kind"][j, :count]
+    rows = np.flatnonzero((kinds != EventKind.GRAZE) & (kinds != EventKind.START))
+    return int(rows[0]) if rows.size else -1
+
+
+def _compare(
+    equations: OrbitEquations, lanes: _Lanes, j: int, k: int, expected: float, allowed: float
+) -> Admissibility:
+    """Whether the first event of lane j is the one that ends leg k, at the expected instant."""
+    word, row = equations.word, _first_event(lanes, j)
+    if row >= 0:
+        event = lanes.records.events[j, row]
+        path = path_of_bits(int(event["path"]), int(event["passes"]))
+        instant = _instant(equations, lanes, j, row)
+        if path == word.paths[k] and abs(instant - expected) <= allowed:
+            return Admissibility(True)
+    return _instead(equations, lanes, j, k, row)
+
+
+def _instead(equations: OrbitEquations, lanes: _Lanes, j: int, k: int, row: int) -> Admissibility:
+    """What the engine finds instead of the event that ends leg k."""
+    system, name = equations.legs.system, _name(equations, k)
+    where = f"leg {k + 1} ({name})"
+    if row < 0:
+        status = Status(int(lanes.status[j]))
+        if status == Status.INADMISSIBLE:
+            return Admissibility(False, f"{where} runs where a guard of its mode is negative", k)
+        return Admissibility(False, f"in {where} the exit does not fire: {status.word}", k)
+    event = lanes.records.events[j, row]
+    path = path_of_bits(int(event["path"]), int(event["passes"])) or ()
+    instant = _instant(equations, lanes, j, row)
+    words = labels_of(system).path(
+        int(event["from_mode"]), int(event["path"]), int(event["passes"])
+    )
+    reason = f"in {where} the motion leaves by {words!r} at t = {instant:.9g}"
+    return Admissibility(False, reason, k, path, instant)
+
+
+def _instant(equations: OrbitEquations, lanes: _Lanes, j: int, row: int) -> float:
+    number = lanes.records.events["number"][j, row]
+    return float(number * equations.legs.window + lanes.records.events["phase"][j, row])
+
+
+def _name(equations: OrbitEquations, k: int) -> str:
+    return equations.legs.system.mode_names[equations.word.modes[k]]

@@ -1,0 +1,215 @@
+"""How a branch of orbits goes on where its word stops being valid, or why it ends there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from nonsmooth.continuation.point import Point
+from nonsmooth.periodic_orbits.admissibility import Admissibility
+from nonsmooth.periodic_orbits.branch_part import BranchPart, Followed, kind_of, part_of
+from nonsmooth.periodic_orbits.branch_start import begin_change
+from nonsmooth.periodic_orbits.branch_tests import BranchTests, Looked
+from nonsmooth.periodic_orbits.change import Change
+from nonsmooth.periodic_orbits.guess import Guess
+from nonsmooth.periodic_orbits.motion_beyond import (
+    differs_in_rebounds,
+    motion_at,
+    over_chatter,
+    over_last_rebounds,
+    within_chatter,
+)
+from nonsmooth.periodic_orbits.stretch import BranchStart, Stretch
+from nonsmooth.periodic_orbits.word_change import changes_at_once, changes_of_word
+
+__all__ = ["broken_test", "change_at", "end_at"]
+
+_BEYOND = 1e-6  # of the range of the parameter: where the engine is asked
+_APPEARS = 1e-6  # part of the turn that a leg lasts where a branch with it begins
+_ENDS = {
+    "shrink": "the cycle shrinks to a point",
+    "slide": "both sides of a surface point at it: beyond, the motion stays there for a while",
+    "enter": "the surface does not hold the motion any more: beyond, it leaves it at once",
+}
+_AT_BORDER = {
+    "crossing_sliding": "ends where a surface is crossed at the border of the part that slides",
+    "switching_sliding": "ends where the part of a surface that slides begins",
+}
+_MOST_TELLING = ("shrink", "slide", "short", "leg", "gain", "enter", "graze", "rate", "corner")
+_TOGETHER = 1e-8  # a test that vanishes at the same point as another one
+_NEARBY = 1e-4  # of the size of an orbit: one of another word farther away is no continuation
+
+
+def change_at(
+    stretch: Stretch, point: Point, looked: Looked, along: float
+) -> tuple[BranchStart | None, BranchPart | None]:
+    """How a branch goes on behind a change of its word, and the point there if it is special."""
+    name = point.special
+    stretch.set_parameter(point.p)
+    same = over_last_rebounds(stretch, looked, point)
+    if same is None:
+        stretch.set_parameter(point.p)
+        same = within_chatter(stretch, looked, point)
+    if same is not None:
+        return same, part_of(stretch, looked, point, along, "section", "")
+    stretch.set_parameter(point.p)
+    changes = changes_at_once(stretch.equations, looked.turn, _vanishing(looked, name))
+    changes = changes or changes_of_word(stretch.equations, looked.turn, name)
+    for change in changes:
+        start = over_chatter(stretch, looked, point) if change.kind == "section" else None
+        start = start or begin_change(stretch, change, point)
+        if start is not None:
+            if change.kind == "section":
+                return start, part_of(stretch, looked, point, along, "section", "")
+            start.detail = _detail(stretch, name, start, point)
+            if name.startswith("short"):
+                touched = _touched(stretch, start)
+                if touched:  # the graze is located from the other side
+                    start.grows, start.located = touched, True
+                    return start, None
+            return start, part_of(stretch, looked, point, along, change.kind, start.detail)
+    for change in _changes_beyond(stretch, looked, point):
+        start = begin_change(stretch, change, point)
+        if start is not None and _is_near(start, looked):
+            if name == "motion" and differs_in_rebounds(stretch, start.equations.word):
+                start.kind = "section"  # nothing happens but that another number is followed
+                return start, part_of(stretch, looked, point, along, "section", "")
+            start.detail = _detail(stretch, name, start, point)
+            # at the change itself both words stand, whatever rounding lets the engine find
+            stands = replace(looked, admissibility=Admissibility(True))
+            return start, part_of(stretch, stands, point, along, kind_of(name), start.detail)
+    detail = _ENDS.get(name.split(":")[0], "no orbit of a changed word begins there")
+    return None, part_of(stretch, looked, point, along, kind_of(name), detail)
+
+
+def _touched(stretch: Stretch, start: BranchStart) -> str:
+    """Test of the graze behind which a stretch begins; "" where none has its zero there.
+
+    Of two guards that are touched together, and of one that is touched just at the section, only
+    one or none has a lowest value within a leg.
+    """
+    stretch.set_parameter(start.value)
+    tests = BranchTests(start.equations, stretch.options.tolerance, whole=False, grows=start.grows)
+    found = tests.look(start.unknowns).tests
+    grazes = {name: value for name, value in found.items() if name.startswith("graze")}
+    if start.grows in grazes:
+        return start.grows
+    least = min(grazes, key=lambda name: grazes[name], default="")
+    return least if least and grazes[least] < 0.0 else ""
+
+
+def _vanishing(looked: Looked, name: str) -> list[str]:
+    """Tests of the kind of this one that vanish at the same point; none where it is alone."""
+    if name in ("motion", "leg:0", "leg:last") or name.startswith("corner"):
+        return []
+    kind = name.split(":")[0]
+    found = [
+        other
+        for other, value in looked.tests.items()
+        if other.split(":")[0] == kind and (other == name or abs(value) <= _TOGETHER)
+    ]
+    return found if len(found) > 1 else []
+
+
+def _is_near(start: BranchStart, looked: Looked) -> bool:
+    """Whether an orbit of another word begins where this one is, and not somewhere else."""
+    first, drifting = looked.turn.states[0], start.equations.drifting
+    other = start.equations.unpack(start.unknowns).states[0]
+    size = np.abs(looked.turn.states - np.where(drifting, first, 0.0)).max(axis=0)
+    apart = np.where(drifting, 0.0, np.abs(other - first))
+    return bool(np.all(apart <= _NEARBY * max(float(size.max()), 1e-300)))
+
+
+def _changes_beyond(stretch: Stretch, looked: Looked, point: Point) -> Iterator[Change]:
+    """What the engine finds a little beyond, as changes to try."""
+    kind = kind_of(point.special)
+    for guess in _motions_beyond(stretch, looked, point):
+        durations = guess.turn.durations
+        k, length = int(np.argmin(durations)), float(durations.sum())
+        if len(guess.word) > len(stretch.equations.word) and durations[k] < _APPEARS * length:
+            # a leg that has just appeared: that it lasts no time may solve the equations too
+            yield Change(kind, guess, "", k, _APPEARS * length)
+        yield Change(kind, guess)
+
+
+def _motions_beyond(stretch: Stretch, looked: Looked, point: Point) -> Iterator[Guess]:
+    """What the motion from the orbit does a little beyond, where there is a period to look at."""
+    low, high = stretch.options.bounds
+    onwards = float(np.sign(point.tangent_p)) or 1.0
+    for way in (onwards, -onwards):
+        guess = motion_at(stretch, looked, point.p + way * _BEYOND * (high - low))
+        if guess is not None and guess.word != stretch.equations.word:
+            yield guess
+
+
+def _detail(stretch: Stretch, name: str, start: BranchStart, point: Point) -> str:
+    """What happens in words: which guard or leg, and whether the parameter turns back."""
+    word, system = stretch.equations.word, stretch.options.system
+    kind, *numbers = name.split(":")
+    k = int(numbers[0]) if numbers and numbers[0].isdigit() else 0
+    mode = system.mode_names[word.modes[k]]
+    exits = system.compiled.exit_names
+    what = {
+        "graze": f"leg {k + 1} ({mode})",
+        "rate": f"leg {k + 1} ({mode}) touches {word.exit_text(system, k)!r} at its end",
+        "short": f"leg {k + 1} ({mode}) vanishes",
+        "leg": f"leg {k + 1} ({mode}) vanishes",
+        "gain": f"a leg appears behind leg {k + 1} ({mode})",
+        "corner": f"two guards of leg {k + 1} ({mode})",
+        "slide": f"both sides of a surface behind leg {k + 1} ({mode}) point at it",
+        "enter": f"the surface behind leg {k + 1} ({mode}) does not hold the motion",
+    }.get(kind, "the motion changes")
+    if start.kind in _AT_BORDER:
+        k -= kind == "leg" and k > 0
+        what = f"leg {k + 1} ({system.mode_names[word.modes[k]]}) {_AT_BORDER[start.kind]}"
+    elif kind in ("graze", "corner"):
+        what += f" touches {exits[word.modes[k]][int(numbers[1])]!r}"
+    turns = start.direction[1] * point.tangent_p < 0.0
+    way = "the branch turns back" if turns else "the branch goes on"
+    return f"{what}; {way} as '{start.equations.word.text(system)}'"
+
+
+def end_at(name: str, looked: Looked, stretch: Stretch) -> Followed:
+    """Why a branch ends at a change of its word behind which it does not go on."""
+    kind = name.split(":")[0]
+    if _is_held(stretch, name):
+        return Followed(
+            kind_of(name),
+            f"the branch ends ({kind_of(name)}): the surface there holds what touches it until the"
+            " force has grown, so motions beyond are another orbit; find it with find_orbit at"
+            " parameters= a little beyond",
+        )
+    if kind in _ENDS:
+        return Followed(kind_of(name), f"the branch ends: {_ENDS[kind]}")
+    reason = looked.admissibility.reason
+    return Followed(
+        kind_of(name),
+        f"the branch ends where its word stops being valid ({kind_of(name)}"
+        + (f": {reason}" if reason else "")
+        + "), and no orbit of a changed word goes on from there; inadmissible=True follows the"
+        " equations of the word beyond",
+    )
+
+
+def _is_held(stretch: Stretch, name: str) -> bool:
+    """Whether what happens is at a surface that holds more than it resists with in sliding."""
+    kind, *numbers = name.split(":")
+    if kind not in ("graze", "rate", "enter") or not numbers:
+        return False
+    word, k = stretch.equations.word, int(numbers[0])
+    e = int(numbers[1]) if kind == "graze" else word.paths[k][0]
+    return int(stretch.legs.tables.wiring.exits["onto"][word.modes[k], e]) == e
+
+
+def broken_test(looked: Looked) -> str:
+    """The test behind whose zero an orbit lies that was passed without being located.
+
+    Where an excursion vanishes the equations are nearly singular, and the search may fail there.
+    """
+    for kind in _MOST_TELLING:
+        for name, value in looked.tests.items():
+            if name.split(":")[0] == kind and value < 0.0:
+                return name
+    return "motion"

@@ -1,0 +1,80 @@
+"""A point of a branch of orbits, and why a branch ends."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from nonsmooth.continuation.point import Point
+from nonsmooth.periodic_orbits.branch_tests import Looked
+from nonsmooth.periodic_orbits.stretch import Stretch
+from nonsmooth.periodic_orbits.symmetric import is_antisymmetric
+from nonsmooth.periodic_orbits.word import Word
+
+__all__ = ["BranchPart", "Followed", "kind_of", "part_of"]
+
+_KINDS = {
+    "graze": "grazing", "short": "grazing", "rate": "grazing", "leg": "lost", "gain": "gained",
+    "slide": "sliding", "enter": "sliding", "shrink": "hopf", "motion": "word_change",
+}  # fmt: skip
+_OF_MULTIPLIERS = ("flip", "torus", "fold", "branch_point")
+_NEAR_ONE = 1e-3  # the same at a fold or a crossing, which some orbits have only to half the digits
+_CRITICAL = 1e-5  # distance from the unit circle of a multiplier that is on it
+
+
+@dataclass
+class BranchPart:
+    """A point of a branch of orbits; ``special`` says what happens there."""
+
+    word: Word
+    looked: Looked
+    value: float
+    arclength: float
+    special: str = ""
+    detail: str = ""
+    test: str = ""  # what vanishes there, as `BranchTests` names it for this word
+    way: float = 0.0  # of the parameter along the branch: its sign
+
+
+@dataclass(frozen=True)
+class Followed:
+    """Why a branch ended."""
+
+    ended: str = ""
+    message: str = ""
+
+
+def kind_of(name: str) -> str:
+    """What a test of the word is called where it ends a branch."""
+    kind = name.split(":")[0]
+    return _KINDS.get(kind, kind)
+
+
+def part_of(
+    stretch: Stretch, looked: Looked, point: Point, along: float, special: str, detail: str
+) -> BranchPart:
+    """A point with what happens there; what its test has called critical is looked at again."""
+    if special in _OF_MULTIPLIERS and not _is_critical(looked, special):
+        # a pole of the test, two real multipliers whose product is one, a graze next to it
+        special = ""
+    if special == "branch_point" and is_antisymmetric(
+        stretch.equations, looked.turn, looked.reflection
+    ):
+        special = "symmetry_breaking"
+    test = point.special if special else ""
+    way = float(np.sign(point.tangent_p))
+    return BranchPart(stretch.equations.word, looked, point.p, along, special, detail, test, way)
+
+
+def _is_critical(looked: Looked, kind: str) -> bool:
+    """Whether a multiplier is at 1 or -1, or a pair of them on the unit circle."""
+    values = looked.multipliers.multipliers
+    if not values.size or not np.all(np.isfinite(values)):
+        return kind in ("fold", "branch_point")
+    if kind in ("fold", "branch_point"):
+        return bool(np.any(np.abs(values - 1.0) <= _NEAR_ONE))
+    if kind == "flip":
+        return bool(np.any(np.abs(values + 1.0) <= _CRITICAL))
+    near = np.abs(np.abs(values) - 1.0) <= _CRITICAL
+    return bool(np.any(near & (np.abs(values.imag) > _CRITICAL)))

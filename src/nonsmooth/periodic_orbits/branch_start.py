@@ -1,0 +1,166 @@
+"""Where a stretch of a branch begins, and in which direction."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.continuation.follow import follow
+from nonsmooth.continuation.point import Point
+from nonsmooth.errors import NonsmoothError
+from nonsmooth.periodic_orbits.branch_tests import BranchTests
+from nonsmooth.periodic_orbits.change import Change
+from nonsmooth.periodic_orbits.equations import OrbitEquations
+from nonsmooth.periodic_orbits.guess import Guess
+from nonsmooth.periodic_orbits.legs import LegError, Legs
+from nonsmooth.periodic_orbits.newton import scale_of, solve_orbit
+from nonsmooth.periodic_orbits.stretch import BranchOptions, BranchStart, Stretch, scale_along
+
+__all__ = ["begin_change", "solved_start", "tangent_at"]
+
+Floats = npt.NDArray[np.float64]
+
+_SOLVED = 1e-7  # scaled residual of a start where the equations are singular
+_NEWTON = 20
+_SMALL = 1e-6  # scaled step that tells which way a test grows
+_FIRST = 0.2  # part of the first step by which a new word is tried
+
+
+def tangent_at(equations: OrbitEquations, unknowns: Floats) -> tuple[Floats, float]:
+    """Direction of the branch at an orbit, in unknowns and parameter."""
+    _, jacobian, moved = equations.evaluate(unknowns)
+    scale = scale_of(equations, unknowns)
+    size = max(1.0, abs(float(moved[:, 0] @ moved[:, 0])) ** 0.5)
+    matrix = np.column_stack([jacobian * scale, moved[:, 0] / size])
+    weights = np.abs(matrix).max(axis=1, keepdims=True)
+    direction = np.linalg.svd(matrix / np.where(weights > 0.0, weights, 1.0))[2][-1]
+    return direction[:-1] * scale, float(direction[-1]) / size
+
+
+def begin_change(stretch: Stretch, change: Change, point: Point) -> BranchStart | None:
+    """Start of the stretch behind a change; None where no motion of the new word begins there."""
+    equations = stretch.equations.of_word(change.guess.word, change.guess.turn.states[0])
+    try:
+        unknowns, value = equations.pack(change.guess.turn), point.p
+        stretch.set_parameter(value)
+        if change.opens >= 0:
+            found = _solve_opened(stretch, equations, unknowns, value, change)
+        else:
+            found = _solve(equations, unknowns, value)
+        if found is None:
+            return None
+        unknowns, value = found
+        stretch.set_parameter(value)
+        du, dp = tangent_at(equations, unknowns)
+        way = _way(stretch, equations, unknowns, value, (du, dp), change, point)
+    except LegError:
+        return None
+    start = BranchStart(equations, unknowns, value, (way * du, way * dp), change.grows, change.kind)
+    return start if _goes_on(stretch, start) else None
+
+
+def _solve(
+    equations: OrbitEquations, unknowns: Floats, value: float
+) -> tuple[Floats, float] | None:
+    """The orbit at this parameter; the guess itself where it is one and the equations singular."""
+    solution = solve_orbit(equations, unknowns)
+    if solution.status == "completed":
+        return solution.unknowns, value
+    return (solution.unknowns, value) if solution.residual <= _SOLVED else None
+
+
+def _solve_opened(
+    stretch: Stretch, equations: OrbitEquations, unknowns: Floats, value: float, change: Change
+) -> tuple[Floats, float] | None:
+    """The orbit with an excursion of the prescribed duration, at the parameter where it exists."""
+    first = len(equations.word) * stretch.legs.n - 1  # column of instant j is first + j
+    scale = scale_of(equations, unknowns)
+    n = equations.size
+    matrix, right = np.zeros((n + 1, n + 1)), np.zeros(n + 1)
+    for _ in range(_NEWTON):
+        residual, jacobian, moved = equations.evaluate(unknowns)
+        turn = equations.unpack(unknowns)
+        matrix[:n, :n], matrix[:n, n] = jacobian, moved[:, 0]
+        matrix[n] = 0.0
+        for instant, sign in ((change.opens, -1.0), (change.opens + 1, 1.0)):
+            if 1 <= instant <= equations.n_instants:
+                matrix[n, first + instant] = sign
+        right[:n], right[n] = residual, turn.durations[change.opens] - change.duration
+        try:
+            step = np.linalg.solve(matrix, -right)
+        except np.linalg.LinAlgError:
+            return None
+        if not np.all(np.isfinite(step)):
+            return None
+        unknowns, value = unknowns + step[:n], value + float(step[n])
+        stretch.set_parameter(value)
+        if float(np.abs(step[:n] / scale).max()) <= 1e-10:
+            inside = stretch.options.bounds[0] <= value <= stretch.options.bounds[1]
+            return (unknowns, value) if inside else None
+    return None
+
+
+def _way(
+    stretch: Stretch, equations: OrbitEquations, unknowns: Floats, value: float,
+    direction: tuple[Floats, float], change: Change, point: Point,
+) -> float:  # fmt: skip
+    """Sign of the direction in which the change opens up."""
+    du, dp = direction
+    if change.opens >= 0:
+        first = len(equations.word) * stretch.legs.n - 1
+        instants = np.zeros(len(equations.word) + 1)
+        instants[1 : 1 + equations.n_instants] = du[first + 1 :]
+        rate = instants[change.opens + 1] - instants[change.opens]
+        return 1.0 if rate > 0.0 else -1.0
+    if not change.grows:
+        return 1.0 if dp * point.tangent_p >= 0.0 else -1.0
+    size = float(np.sqrt(np.mean((du / scale_of(equations, unknowns)) ** 2))) + abs(dp)
+    tests = BranchTests(equations, stretch.options.tolerance, whole=False, grows=change.grows)
+    found = []
+    for way in (1.0, -1.0):
+        h = way * _SMALL / max(size, 1e-300)
+        stretch.set_parameter(value + h * dp)
+        found.append(tests.look(unknowns + h * du).tests.get(change.grows, np.nan))
+    stretch.set_parameter(value)
+    if found[0] == found[1] or not np.all(np.isfinite(found)):
+        return 1.0 if dp * point.tangent_p >= 0.0 else -1.0
+    return 1.0 if found[0] > found[1] else -1.0
+
+
+def _goes_on(stretch: Stretch, start: BranchStart) -> bool:
+    """Whether the first orbits of a new stretch are motions."""
+    trial = Stretch(stretch.options, stretch.legs, start.equations, start.grows)
+    step = _FIRST * stretch.options.step
+    trial.set_parameter(start.value)
+    try:
+        branch = follow(
+            trial.residual, start.unknowns, start.value, direction=start.direction, step=step,
+            smallest_step=stretch.options.smallest_step, largest_step=step, steps=2,
+            bounds=stretch.options.bounds, scale=scale_along(start.equations, start.unknowns),
+            parameter_scale=stretch.options.bounds[1] - stretch.options.bounds[0],
+        )  # fmt: skip
+        points = [point for point in branch if point.special in ("", "bound")]
+    except NonsmoothError:
+        return False
+    if stretch.options.inadmissible or start.kind == "section":  # where nothing happens to it
+        return len(points) > 1
+    return any(trial.look(point).admissibility.admissible for point in points[1:])
+
+
+def solved_start(
+    options: BranchOptions, legs: Legs, guess: Guess, value: float, direction: Any
+) -> BranchStart | None:
+    """Start of a branch from a guess at a value of the parameter."""
+    equations = OrbitEquations(
+        legs, guess.word, period=options.period, phase=options.phase,
+        autonomous=options.autonomous, origin=guess.turn.states[0],
+        reference=guess.turn.states[0].copy(),
+    )  # fmt: skip
+    solution = solve_orbit(equations, equations.pack(guess.turn))
+    if solution.status != "completed":
+        return None
+    tangent = tangent_at(equations, solution.unknowns)
+    way = 1.0 if tangent[1] * direction >= 0.0 else -1.0
+    return BranchStart(equations, solution.unknowns, value, (way * tangent[0], way * tangent[1]))

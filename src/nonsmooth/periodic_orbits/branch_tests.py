@@ -1,0 +1,280 @@
+"""What is watched along a branch of orbits: multipliers, and everything that keeps its word valid.
+
+Each is a number without unit whose sign changes where something happens. Names tell what:
+``flip`` and ``torus`` for multipliers; ``graze:k:g``, guard g comes down to zero within leg k;
+``corner:k:g``, it is zero at the end of leg k, where another guard is; ``short:k``, leg k is about
+to vanish in a graze; ``leg:k``, it vanishes otherwise; ``rate:k``, the exit of leg k is passed
+without a rate; ``gain:k:j``, exit j of a path is no longer passed at once; ``slide:k``, both sides
+of the surface at the end of leg k point at it; ``enter:k:g``, guard g of the cell on a surface
+that leg k ends at lets motion off it at once; ``shrink``, a cycle without events shrinks to a
+point; ``motion``, the engine finds another motion although none of these has changed its sign.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.engine.orbits import LegResults
+from nonsmooth.engine.tables import Wiring
+from nonsmooth.periodic_orbits.admissibility import Admissibility, check_admissible
+from nonsmooth.periodic_orbits.change import kind_of_excursion
+from nonsmooth.periodic_orbits.entry_guards import EntryGuards
+from nonsmooth.periodic_orbits.equations import OrbitEquations, Turn
+from nonsmooth.periodic_orbits.guard_sizes import GuardSizes, guard_sizes, largest_along
+from nonsmooth.periodic_orbits.legs import LegError
+from nonsmooth.periodic_orbits.multipliers import Floquet, floquet
+from nonsmooth.periodic_orbits.newton import solve_orbit
+from nonsmooth.periodic_orbits.onto import crosses, is_onto, modes_along
+from nonsmooth.periodic_orbits.rebounds import with_rebounds_of_engine
+from nonsmooth.periodic_orbits.symmetric import Reflection, reflection
+from nonsmooth.periodic_orbits.word import Word
+
+__all__ = ["WORD_TESTS", "BranchTests", "Looked", "is_graze"]
+
+Floats = npt.NDArray[np.float64]
+
+WORD_TESTS = (
+    "graze", "corner", "short", "leg", "rate", "gain", "slide", "enter", "shrink", "motion",
+)  # fmt: skip
+# part of the turn: a contact of this duration counts as a graze. It is as long as the root of the
+# distance from the graze, so this is 1e-10 away; shorter ones make Newton's matrix singular
+_SHORT = 1e-5
+# likewise of an excursion from a surface on which motion slides: it leaves and comes back with the
+# square of its duration as rate, so an instant is known to rounding over that
+_SHORT_OF_SLIDE = 1e-3
+_AT_CHANGE = 1e-9  # of a test: the word is about to change
+_OF_GUARDS = ("graze", "corner", "gain")  # what is a guard, and not a rate or a duration
+_ZERO = 1e-10  # a test that is never more than that is zero by construction
+
+
+@dataclass
+class Looked:
+    """An orbit on a branch, looked at."""
+
+    turn: Turn
+    end: Floats
+    values: Floats
+    window: float
+    residual: float
+    multipliers: Floquet
+    admissibility: Admissibility
+    tests: dict[str, float]
+    other: tuple[OrbitEquations, Floats] | None = None  # with the rebounds that the engine follows
+    reflection: Reflection | None = None  # under the declared symmetry
+
+
+def is_graze(word: Word, wiring: Wiring, k: int) -> bool:
+    """Whether leg k is an excursion out of a mode and back into it, that nothing remains of.
+
+    The first leg of a driven orbit is one together with the last, which the section cuts off.
+    """
+    last = k - 2 if k == 0 and not word.closes_at_event and len(word) > 2 else k - 1
+    if len(word) < 2 or not word.paths[k] or not word.paths[last % len(word)]:
+        return False
+    before, path = word.modes[last % len(word)], word.paths[last % len(word)]
+    resetting, slaved = wiring.exits["resetting"]["words"], wiring.modes["slaved"]["words"]
+    resets = any(
+        (resetting[m, e] & ~slaved[m]).any()
+        for m, e in _passed(wiring, before, path + word.paths[k])
+    )
+    return not resets and word.last_target(wiring, k) == before
+
+
+def _shortest(wiring: Wiring, mode: int, k: int, word: Word) -> float:
+    """Part of the turn below which leg k counts as an excursion that is about to vanish."""
+    last = k - 2 if k == 0 and not word.closes_at_event and len(word) > 2 else k - 1
+    kind = kind_of_excursion(wiring, word.modes[last % len(word)], mode)
+    return _SHORT_OF_SLIDE if kind == "adding_sliding" else _SHORT
+
+
+def _passed(wiring: Wiring, mode: int, path: tuple[int, ...]) -> Iterator[tuple[int, int]]:
+    """Modes and the exits passed in them."""
+    for e in path:
+        yield mode, e
+        mode = int(wiring.exits["target"][mode, e])
+
+
+class BranchTests:
+    """Looks at the orbits of one word; the last one is remembered."""
+
+    def __init__(
+        self, equations: OrbitEquations, tolerance: float, *, whole: bool = True, grows: str = ""
+    ) -> None:
+        """``grows``: the test that is zero where the stretch begins and counts all the same."""
+        self.equations, self.tolerance, self.whole = equations, tolerance, whole
+        # tests that have been more than what rounding or a decay leaves
+        self._clear = {grows}
+        self._told: set[str] | None = None
+        self._largest: Floats | None = None
+        word, wiring = equations.word, equations.legs.tables.wiring
+        self._wiring = wiring
+        self._grazing = [is_graze(word, wiring, k) for k in range(len(word))]
+        self._short = [_shortest(wiring, mode, k, word) for k, mode in enumerate(word.modes)]
+        families = equations.legs.tables.families
+        self._surface = [  # legs that end at a surface which is crossed without a reset
+            crosses(wiring, families, word.modes[k], path) for k, path in enumerate(word.paths)
+        ]
+        self._entries = EntryGuards(equations)
+        self._last: tuple[bytes, Looked] | None = None
+
+    def look(self, unknowns: Floats) -> Looked:
+        """The orbit of these unknowns, for the parameter values that the legs have."""
+        equations, legs = self.equations, self.equations.legs
+        key = unknowns.tobytes() + legs.values.tobytes()
+        if self._last is not None and self._last[0] == key:
+            return self._last[1]
+        turn = equations.unpack(unknowns)
+        entered = self._entries.values(turn)
+        found = legs.follow(equations.word, turn.states, turn.instants)
+        residual = equations.gap(turn, found)
+        turn = Turn(found.starts.copy(), turn.instants)
+        multipliers = floquet(equations, found)
+        tests = _of_multipliers(multipliers)
+        end, admissibility = found.nexts[-1].copy(), Admissibility(True)
+        kept, faded = self._of_word(turn, found, entered)
+        tests |= kept
+        other = None
+        if self.whole:
+            told = self._told_of(kept)
+            least = min(kept, key=lambda name: kept[name], default="")
+            if any(kept[name] < 0.0 for name in kept.keys() - told):
+                tests["motion"] = -1.0
+            if "motion" in tests or (least and kept[least] < -_AT_CHANGE):
+                admissibility = Admissibility(False, f"beyond {least}")
+            elif all(kept[name] > _AT_CHANGE for name in kept.keys() & told - faded):
+                admissibility = check_admissible(equations, turn, self.tolerance)
+                if not admissibility.admissible:
+                    other = self._with_other_rebounds(turn)
+                    admissibility = admissibility if other is None else Admissibility(True)
+                tests["motion"] = 1.0 if admissibility.admissible else -1.0
+            # else the word is about to change, and rounding decides what the engine finds
+        looked = Looked(
+            turn, end, legs.values.copy(), legs.window, residual, multipliers, admissibility, tests,
+            other, reflection(equations, turn),
+        )  # fmt: skip
+        self._last = key, looked
+        return looked
+
+    def _of_word(
+        self, turn: Turn, found: LegResults, entered: dict[tuple[int, int], float]
+    ) -> tuple[dict[str, float], set[str]]:
+        """What keeps the word valid, positive where it is, from the results of its legs.
+
+        And the names of those of which only rounding is left, whose sign says nothing.
+        """
+        equations, word = self.equations, self.equations.word
+        length = float(turn.instants[-1] - turn.instants[0])
+        tests: dict[str, float] = {}
+        lowest, _ = equations.legs.minima(word, turn.states, turn.instants)
+        sizes = guard_sizes(equations, turn, found, self._largest_so_far(turn))
+        for k, path in enumerate(word.paths):
+            for g in np.flatnonzero(np.isfinite(lowest[k])):
+                tests[f"graze:{k}:{g}"] = float(lowest[k, g] / sizes.value[k, g])
+            if not path:
+                continue
+            duration, e = float(turn.durations[k]), path[0]
+            cut = k == 0 and not word.closes_at_event  # by the section
+            if self._grazing[k]:
+                whole = duration + (float(turn.durations[-1]) if cut else 0.0)
+                tests[f"short:{k}"] = whole / length - self._short[k]
+            if cut or not self._grazing[k]:
+                tests[f"leg:{k}"] = duration / length
+            size = float(sizes.value[k, e])
+            tests[f"rate:{k}"] = -float(found.guard_rate[k]) * length / size
+            if self._surface[k]:
+                tests[f"slide:{k}"] = self._into_next(found, k) * length / size
+            modes = modes_along(self._wiring, word.modes[k], path)
+            for j in range(1, len(path)):
+                if not is_onto(self._wiring, modes[j], path[j]):
+                    tests[f"gain:{k}:{j}"] = -float(found.passed[k, j]) / size
+            for g in np.flatnonzero(np.isfinite(found.others[k])):
+                if g != e:
+                    tests[f"corner:{k}:{g}"] = float(found.others[k, g] / sizes.value[k, g])
+        for (k, guard), value in entered.items():
+            size = float(sizes.value[(k + 1) % len(word), guard])
+            tests[f"enter:{k}:{guard}"] = value / size
+        if word.paths[-1] == ():
+            tests["leg:last"] = float(turn.durations[-1]) / length
+        if equations.autonomous and not word.closes_at_event:
+            tests["shrink"] = equations.forwards(found)
+        return self._with_margins(tests, sizes)
+
+    def _with_margins(
+        self, tests: dict[str, float], sizes: GuardSizes
+    ) -> tuple[dict[str, float], set[str]]:
+        """Tests of guards change their sign where they come below what rounding leaves of zero.
+
+        A guard may fade along a branch, as one of a motion that decays; its sign is rounding then.
+        """
+        relative, faded = sizes.rounding / sizes.value, set()
+        for name in tests:
+            kind, *numbers = name.split(":")
+            if kind in _OF_GUARDS:
+                k, g = map(int, numbers)
+                if kind == "gain":  # it is measured by the exit before it
+                    g = self.equations.word.paths[k][0]
+                margin = float(relative[k, g])
+                # where it comes below, which is at -margin, it does say something
+                if abs(tests[name]) <= 0.5 * margin:
+                    faded.add(name)
+                tests[name] += margin
+        self._clear |= {name for name, value in tests.items() if abs(value) > _ZERO}
+        return {name: value for name, value in tests.items() if name in self._clear}, faded
+
+    def _told_of(self, kept: dict[str, float]) -> set[str]:
+        """Names of the tests that were there before, or are clear of zero.
+
+        One that is there for the first time, and negative, never changed its sign. Such is the
+        lowest value of a guard that has faded where a leg begins, and falls there.
+        """
+        # what comes behind such a change can be asked of a driven motion only
+        everything = self._told is None or self.equations.autonomous
+        new = {name for name, value in kept.items() if everything or value > _AT_CHANGE}
+        self._told = new if self._told is None else self._told | new
+        return self._told
+
+    def _largest_so_far(self, turn: Turn) -> Floats:
+        """Sizes of the states, by those of the first orbit at least: tests that scale with it."""
+        if self._largest is None:
+            self._largest = largest_along(self.equations, turn)
+        apart = turn.states - np.where(self.equations.drifting, turn.states[0], 0.0)
+        self._largest = np.maximum(self._largest, np.abs(apart).max(axis=0))
+        return self._largest
+
+    def _with_other_rebounds(self, turn: Turn) -> tuple[OrbitEquations, Floats] | None:
+        """The orbit of the word whose rebounds before rest are those of the engine."""
+        guess = with_rebounds_of_engine(self.equations, turn, self.tolerance)
+        if guess is None:
+            return None
+        equations = self.equations.of_word(guess.word, guess.turn.states[0])
+        try:
+            solution = solve_orbit(equations, equations.pack(guess.turn))
+            if solution.status != "completed":
+                return None
+            found = equations.unpack(solution.unknowns)
+            admissible = check_admissible(equations, found, self.tolerance).admissible
+        except LegError:
+            return None
+        return (equations, solution.unknowns) if admissible else None
+
+    def _into_next(self, found: LegResults, k: int) -> float:
+        """How fast the guard that ends leg k goes on falling behind the surface."""
+        n, row = self.equations.legs.n, found.guard_row[k]
+        of_time = found.guard_rate[k] - row[:n] @ found.end_rates[k]
+        behind = found.start_rates[(k + 1) % len(self.equations.word)]
+        return -float(row[:n] @ behind + of_time)
+
+
+def _of_multipliers(multipliers: Floquet) -> dict[str, float]:
+    values = multipliers.multipliers
+    if not np.all(np.isfinite(values)):
+        return {}
+    tests = {"flip": float(np.prod(values + 1.0).real)}
+    if values.size > 1:
+        i, j = np.triu_indices(values.size, 1)
+        tests["torus"] = float(np.prod(values[i] * values[j] - 1.0).real)
+    return tests

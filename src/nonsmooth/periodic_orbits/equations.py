@@ -1,0 +1,156 @@
+"""The equations of a periodic orbit of a given word, with their Jacobian.
+
+Unknowns are the states at the start of every leg and the instants of the events between them; the
+equations, that each leg leads to the start of the next one, that its guard vanishes at its end,
+and that the last leg closes the orbit, but for drifts. States at every leg as unknowns keep an
+orbit of a hundred legs, or one that is very unstable, within rounding (multiple shooting); instants
+as unknowns keep the equations smooth where an orbit grazes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.engine.orbits import Closing, LegResults, close_legs
+from nonsmooth.periodic_orbits.legs import Legs
+from nonsmooth.periodic_orbits.word import Word
+
+__all__ = ["OrbitEquations", "Turn"]
+
+Floats = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Turn:
+    """Unknowns of an orbit as they are meant: states at leg starts, and instants of their ends."""
+
+    states: Floats  # (L, n)
+    instants: Floats  # (L + 1,)
+
+    @property
+    def durations(self) -> Floats:
+        """Durations of the legs."""
+        return np.diff(self.instants)
+
+
+class OrbitEquations:
+    """Residual and Jacobian of the orbits of one word.
+
+    A driven orbit begins at ``phase`` (part of the period) and lasts ``period`` periods. One of an
+    autonomous system begins and ends at an event; where there is none, at the plane through
+    ``reference`` across the flow there. Values of drifting states at the start are those of
+    ``origin``.
+    """
+
+    def __init__(
+        self,
+        legs: Legs,
+        word: Word,
+        *,
+        period: int,
+        phase: float = 0.0,
+        autonomous: bool = False,
+        origin: Floats | None = None,
+        reference: Floats | None = None,
+    ) -> None:
+        self.legs, self.word = legs, word
+        self.period, self.phase, self.autonomous = period, phase, autonomous
+        n = legs.n
+        names = legs.system.states
+        self.drifting = np.array([name in legs.system.drift_states for name in names])
+        self.origin = np.zeros(n) if origin is None else np.asarray(origin, float)
+        self.reference = reference
+        self._count = len(word)
+        # instants that are unknown: all but the first, and the last of a driven orbit
+        self.n_instants = self._count if autonomous else self._count - 1
+        self.size = self._count * n + self.n_instants
+        self._across = np.zeros(n)  # normal of the plane at the reference
+        self._speed = 0.0  # of the flow there
+        self.results: LegResults | None = None
+
+    def of_word(self, word: Word, origin: Floats) -> OrbitEquations:
+        """The same for another word, drifts beginning at a given state."""
+        return OrbitEquations(
+            self.legs, word, period=self.period, phase=self.phase, autonomous=self.autonomous,
+            origin=origin, reference=np.array(origin),
+        )  # fmt: skip
+
+    def pack(self, turn: Turn) -> Floats:
+        """Unknowns as one vector."""
+        return np.concatenate([turn.states.ravel(), turn.instants[1 : 1 + self.n_instants]])
+
+    def unpack(self, unknowns: Floats) -> Turn:
+        """Unknowns as states and instants, for the parameter values of the legs."""
+        n, count = self.legs.n, self._count
+        states = unknowns[: count * n].reshape(count, n)
+        instants = np.zeros(count + 1)
+        if not self.autonomous:
+            instants[0] = self.phase * self.legs.window
+            instants[-1] = (self.phase + self.period) * self.legs.window
+        instants[1 : 1 + self.n_instants] = unknowns[count * n :]
+        return Turn(states, instants)
+
+    def evaluate(self, unknowns: Floats) -> tuple[Floats, Floats, Floats]:
+        """Residual, its Jacobian by the unknowns, and by the chosen parameters.
+
+        shapes: (size,), (size, size), (size, P)
+        """
+        turn = self.unpack(unknowns)
+        found = self.results = self.legs.follow(self.word, turn.states, turn.instants)
+        size, n_rates = self.size, self.legs.n_rates
+        residual, jacobian = np.empty(size), np.empty((size, size))
+        moved = np.empty((size, n_rates))
+        rates = self.legs.period_rates
+        closing = Closing(
+            turn.states, self.n_instants, not self.autonomous, self.phase * rates,
+            (self.phase + self.period) * rates, self.drifting, np.ascontiguousarray(self.origin),
+            residual, jacobian, moved,
+        )  # fmt: skip
+        close_legs(found, closing)
+        if not self.autonomous and self.word.n_events == 0:
+            self._keep_at_rest(turn, residual, jacobian, moved)
+        if self.autonomous and not self.word.closes_at_event:
+            self._close_across_flow(turn, residual, jacobian, moved)
+        return residual, jacobian, moved
+
+    def forwards(self, found: LegResults) -> float:
+        """How fast a smooth cycle passes its plane, beside how fast it did at first."""
+        speed = float(self._across @ found.start_rates[0])
+        return speed / self._speed if self._speed > 0.0 else 1.0
+
+    def gap(self, turn: Turn, found: LegResults) -> float:
+        """Largest gap between the end of a leg and the start of the next, beside the states."""
+        following = np.roll(turn.states, -1, axis=0)
+        gaps = np.abs(found.nexts - following)
+        gaps[-1, self.drifting] = 0.0
+        moving = np.where(self.drifting, turn.states - turn.states[0], turn.states)
+        size = np.abs(moving).max(axis=0)
+        size = np.where(size > 1e-6 * size.max(), size, max(float(size.max()), 1e-12))
+        return float((gaps / size).max())
+
+    def _keep_at_rest(self, turn: Turn, residual: Floats, jacobian: Floats, moved: Floats) -> None:
+        """What never moves, as a body that sticks for ever, stays at the origin.
+
+        Any place would do: they are a family of orbits, of which one is meant.
+        """
+        n = self.legs.n
+        still = ~np.any(jacobian[:n, :n] != 0.0, axis=1) & ~np.any(moved[:n] != 0.0, axis=1)
+        for i in np.flatnonzero(still & (residual[:n] == 0.0)):
+            residual[i] = turn.states[0, i] - self.origin[i]
+            jacobian[i, i] = 1.0
+
+    def _close_across_flow(
+        self, turn: Turn, residual: Floats, jacobian: Floats, moved: Floats
+    ) -> None:
+        """Without any event, the orbit begins on a plane across the flow."""
+        assert self.results is not None and self.reference is not None
+        if not self._across.any():
+            self._across = np.where(self.drifting, 0.0, self.results.start_rates[0])
+            self._speed = max(float(np.linalg.norm(self._across)), 1e-300)
+            self._across /= self._speed
+        residual[-1] = self._across @ (turn.states[0] - self.reference)
+        jacobian[-1], moved[-1] = 0.0, 0.0
+        jacobian[-1, : self.legs.n] = self._across

@@ -1,0 +1,130 @@
+"""The legs of an orbit for one set of parameter values: where they lead, and all derivatives."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.engine.derivatives import allocate_rates, allocate_scratch, set_up_rates
+from nonsmooth.engine.lanes import allocate_segment, allocate_tangent
+from nonsmooth.engine.orbits import (
+    LegResults,
+    WordLegs,
+    allocate_leg_results,
+    fill_minima,
+    pass_legs,
+)
+from nonsmooth.engine.status import Status
+from nonsmooth.engine.tables import allocate_tables, set_up
+from nonsmooth.periodic_orbits.word import Word
+from nonsmooth.system.system import System
+
+__all__ = ["LegError", "Legs"]
+
+Floats = npt.NDArray[np.float64]
+
+
+class LegError(ArithmeticError):
+    """Legs that cannot be passed: a parameter, a relation or a series fails there."""
+
+
+class Legs:
+    """Passes the legs of words of one system, with derivatives by some parameters.
+
+    Arrays are made once; what a pass returns is overwritten by the next one.
+    """
+
+    def __init__(self, system: System, chosen: Sequence[str] = ()) -> None:
+        program = system.compiled.program
+        names = list(system.parameters)
+        numbers = np.array([names.index(name) for name in chosen], np.int64)
+        self.system, self.chosen = system, tuple(chosen)
+        self.n, self.n_rates = len(system.states), len(self.chosen)
+        self.tables = allocate_tables(program)
+        self.rates = allocate_rates(program, numbers)
+        self._program, self._stack = program, self.tables.as_lanes
+        self._scratch = allocate_scratch(program, numbers)
+        self._segment = allocate_segment(program.sizes, self.n_rates)
+        self._tangent = allocate_tangent(program.sizes, self.n_rates, 1)
+        self._no_tangent = allocate_tangent(program.sizes, -1, 0)
+        self._results: dict[int, LegResults] = {}
+        self._names = names
+        self._values, self._is_set_up = np.zeros((1, len(names))), False
+
+    @property
+    def values(self) -> Floats:
+        """Values of all parameters for which the tables stand."""
+        return self._values[0]
+
+    def set_values(self, values: Mapping[str, float] | Floats) -> None:
+        """Set up the tables for other values of the parameters; `LegError` where that fails."""
+        given = values if isinstance(values, np.ndarray) else [values[name] for name in self._names]
+        new = np.asarray(given, float)[None]
+        if self._is_set_up and np.array_equal(new, self._values):
+            return
+        self._is_set_up = False
+        code, _, _ = set_up(self._program, new, self._stack)
+        if code == Status.COMPLETED:
+            code, _ = set_up_rates(self._program, new[0], self.tables, self.rates)
+        if code != Status.COMPLETED:
+            raise LegError("the coefficients are not finite for these parameters")
+        self._values[:] = new
+        self._is_set_up = True
+
+    @property
+    def window(self) -> float:
+        """Period of the forcing, or the window of a system without one."""
+        return self.tables.window
+
+    @property
+    def period_rates(self) -> Floats:
+        """Derivatives of the period by the chosen parameters, zero without a period."""
+        slot = self._program.period_slot
+        return self.rates.slot_rates[slot] if slot >= 0 else np.zeros(self.n_rates)
+
+    def follow(self, word: Word, states: Floats, instants: Floats) -> LegResults:
+        """Pass all legs of a word, each from its own start.
+
+        shapes: states (L, n), instants (L + 1,)
+        """
+        return self.follow_each(word, states, instants[:-1], instants[1:])
+
+    def follow_each(self, word: Word, states: Floats, begins: Floats, ends: Floats) -> LegResults:
+        """Pass legs that need not follow one another.
+
+        shapes: states (L, n), begins and ends (L,)
+        """
+        results = self._room(len(word))
+        passed = pass_legs(
+            self.tables, self.rates, self._scratch, self._segment, self._tangent,
+            _legs_of(word, states, begins, ends), results,
+        )  # fmt: skip
+        if passed < len(word):
+            raise LegError(f"leg {passed} of the orbit cannot be passed")
+        return results
+
+    def minima(self, word: Word, states: Floats, instants: Floats) -> tuple[Floats, Floats]:
+        """Lowest interior minimum of each guard in each leg, and the time since the leg began.
+
+        shapes: both (L, e), nan where there is none
+        """
+        shape = (len(word), self._program.sizes.exits)
+        lowest, places = np.full(shape, np.nan), np.full(shape, np.nan)
+        fill_minima(
+            self.tables, self.rates, self._segment, self._no_tangent,
+            _legs_of(word, states, instants[:-1], instants[1:]), lowest, places,
+        )  # fmt: skip
+        return lowest, places
+
+    def _room(self, count: int) -> LegResults:
+        if count not in self._results:
+            sizes = self._program.sizes
+            self._results[count] = allocate_leg_results(sizes, self.n_rates, count)
+        return self._results[count]
+
+
+def _legs_of(word: Word, states: Floats, begins: Floats, ends: Floats) -> WordLegs:
+    states, begins, ends = (np.ascontiguousarray(each, float) for each in (states, begins, ends))
+    return WordLegs(word.mode_array, word.path_array, states, begins, ends)

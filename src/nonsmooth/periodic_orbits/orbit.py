@@ -1,0 +1,126 @@
+"""A periodic orbit that was found, or why there is none."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.periodic_orbits.admissibility import Admissibility, check_admissible
+from nonsmooth.periodic_orbits.equations import OrbitEquations, Turn
+from nonsmooth.periodic_orbits.multipliers import Floquet, floquet
+from nonsmooth.periodic_orbits.newton import Solution
+from nonsmooth.periodic_orbits.symmetric import Reflection, reflection
+from nonsmooth.periodic_orbits.word import Word
+
+__all__ = ["Orbit", "make_orbit", "primitive_parts"]
+
+Floats = npt.NDArray[np.float64]
+
+_NEUTRAL = 1e-10  # distance from the unit circle that rounding may make
+_SAME = 1e-7  # part of the size of a state within which parts of an orbit are the same
+
+
+@dataclass(frozen=True)
+class Orbit:
+    """An orbit of one word for one set of parameter values."""
+
+    word: Word
+    turn: Turn
+    end: Floats  # (n,) state at the end of the turn, drifts included
+    values: Floats  # of all parameters
+    period: int
+    phase: float
+    autonomous: bool
+    window: float
+    residual: float
+    iterations: int
+    multipliers: Floquet
+    admissibility: Admissibility
+    primitive: int = 1  # how often the turn repeats a shorter orbit
+    drifting: npt.NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, bool))
+    in_family: bool = False  # whether cycles of other sizes lie beside it
+    reflection: Reflection | None = None  # under the declared symmetry
+
+    @property
+    def length(self) -> float:
+        """Time of one turn."""
+        return float(self.turn.instants[-1] - self.turn.instants[0])
+
+    @property
+    def drift(self) -> Floats:
+        """Change of each state over the turn, zero but for drifts and rounding."""
+        return np.asarray(self.end - self.turn.states[0])
+
+    @property
+    def stable(self) -> bool:
+        """Whether all multipliers lie inside the unit circle."""
+        if self.in_family:
+            return False  # one is 1, whatever rounding makes of it
+        values = self.multipliers.multipliers
+        return bool(np.all(np.isfinite(values)) and np.all(np.abs(values) < 1.0 - _NEUTRAL))
+
+
+def make_orbit(
+    equations: OrbitEquations, solution: Solution, tolerance: float, *, check: bool = True
+) -> Orbit:
+    """Orbit of a solution, with multipliers and, with ``check``, its admissibility."""
+    turn = equations.unpack(solution.unknowns.copy())
+    legs = equations.legs
+    found = legs.follow(equations.word, turn.states, turn.instants)
+    turn = Turn(found.starts.copy(), turn.instants)
+    end = found.nexts[-1].copy()
+    multipliers = floquet(equations, found)
+    admissibility = Admissibility(True)
+    if check:
+        admissibility = check_admissible(equations, turn, tolerance)
+    return Orbit(
+        equations.word, turn, end, legs.values.copy(), equations.period, equations.phase,
+        equations.autonomous, legs.window, solution.residual, solution.iterations, multipliers,
+        admissibility, primitive_parts(equations, turn), equations.drifting,
+        reflection=reflection(equations, turn),
+    )  # fmt: skip
+
+
+def primitive_parts(equations: OrbitEquations, turn: Turn) -> int:
+    """How many times a turn passes through the same shorter orbit."""
+    word, count = equations.word, equations.word.n_events
+    if not equations.autonomous:
+        parts = [d for d in range(equations.period, 1, -1) if equations.period % d == 0]
+    else:
+        parts = [d for d in range(count, 1, -1) if count % d == 0]
+    drifts = equations.drifting
+    states = np.where(drifts, 0.0, turn.states)
+    size = np.abs(states).max(axis=0)
+    size = np.maximum(size, 1e-6 * size.max(initial=1e-300))  # a state that is zero at all events
+    length = float(turn.instants[-1] - turn.instants[0])
+    first = 0 if word.closes_at_event else 1  # the leg at the section is cut by it
+    for part in parts:
+        if count % part:
+            continue
+        step = count // part
+        if count == 0:
+            if _repeats_smoothly(equations, turn, part, size):
+                return part
+            continue
+        starts = np.arange(first, first + count)
+        later = first + (starts - first + step) % count
+        if any(word.modes[i] != word.modes[k] for i, k in zip(starts, later, strict=True)):
+            continue
+        times = turn.instants[starts]
+        gaps = (turn.instants[later] - times) % length
+        near_time = np.abs(gaps - length / part) <= _SAME * length
+        near = np.abs(states[later] - states[starts]) <= _SAME * size
+        if np.all(near) and np.all(near_time):
+            return part
+    return 1
+
+
+def _repeats_smoothly(equations: OrbitEquations, turn: Turn, part: int, size: Floats) -> bool:
+    """Whether an orbit without events is back where it began after a part of its turn."""
+    begin = turn.instants[:1]
+    end = begin + (turn.instants[-1:] - begin) / part
+    found = equations.legs.follow_each(equations.word, turn.states, begin, end)
+    gap = np.where(equations.drifting, 0.0, found.ends[0] - turn.states[0])
+    return bool(np.all(np.abs(gap) <= _SAME * size))

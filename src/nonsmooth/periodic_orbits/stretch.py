@@ -1,0 +1,155 @@
+"""A stretch of a branch of orbits that has one word: what the continuation is asked with."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.continuation.branch import Branch
+from nonsmooth.continuation.follow import follow
+from nonsmooth.continuation.point import Point
+from nonsmooth.periodic_orbits.branch_tests import WORD_TESTS, BranchTests, Looked
+from nonsmooth.periodic_orbits.equations import OrbitEquations
+from nonsmooth.periodic_orbits.guard_sizes import largest_along
+from nonsmooth.periodic_orbits.legs import LegError, Legs
+from nonsmooth.periodic_orbits.newton import scale_of
+from nonsmooth.system.checks import first_unmet
+from nonsmooth.system.system import System
+
+__all__ = ["BranchOptions", "BranchStart", "Stretch", "scale_along"]
+
+Floats = npt.NDArray[np.float64]
+
+_OUTGROWN = 2.0  # times the size at the start of a stretch
+_NOTHING = 1e-5  # of the size of the first orbit
+_ALWAYS = ("leg", "short")  # changes of the word behind which its equations mean nothing
+
+
+@dataclass(frozen=True)
+class BranchOptions:
+    """How a branch is followed."""
+
+    system: System
+    parameter: str
+    bounds: tuple[float, float]
+    period: int
+    phase: float
+    autonomous: bool
+    steps: int
+    step: float
+    largest_step: float
+    smallest_step: float
+    tolerance: float
+    inadmissible: bool  # go on with the word where its orbit is no motion
+
+
+@dataclass
+class BranchStart:
+    """Where a stretch begins; ``grows`` is the test that is zero there."""
+
+    equations: OrbitEquations
+    unknowns: Floats
+    value: float
+    direction: tuple[Floats, float]
+    grows: str = ""
+    kind: str = ""
+    detail: str = ""
+    located: bool = False  # whether the change itself is located behind the start
+
+
+class Stretch:
+    """A stretch of a branch with one word."""
+
+    def __init__(
+        self, options: BranchOptions, legs: Legs, equations: OrbitEquations, grows: str = "",
+        least: Floats | None = None,
+    ) -> None:  # fmt: skip
+        """``least``: sizes of the states below which no step is measured, (n,)."""
+        self.least = np.zeros(legs.n) if least is None else least
+        self.options, self.legs, self.equations = options, legs, equations
+        self.tests = BranchTests(equations, options.tolerance, grows=grows)
+        self.scale = np.ones(equations.size)
+        self._values = legs.values.copy()
+        self._place = list(legs.system.parameters).index(options.parameter)
+
+    def set_parameter(self, p: float) -> None:
+        """Let the legs stand for a value of the parameter."""
+        values = self._values.copy()
+        values[self._place] = p
+        system = self.legs.system
+        unmet = system.require and first_unmet(
+            system.require, dict(zip(system.parameters, values.tolist(), strict=True))
+        )
+        if unmet:
+            raise LegError(unmet)
+        self.legs.set_values(values)
+
+    def residual(self, u: Floats, p: float) -> tuple[Floats, Floats, Floats]:
+        """Equations of the orbit with their derivatives by the unknowns and the parameter."""
+        self.set_parameter(p)
+        residual, jacobian, moved = self.equations.evaluate(u)
+        return residual, jacobian, moved[:, 0]
+
+    def look(self, point: Point) -> Looked:
+        """The orbit of a point, with its multipliers and tests."""
+        self.set_parameter(point.p)
+        return self.tests.look(point.u)
+
+    def asked(self, point: Point) -> Mapping[str, float]:
+        """Tests of a point; without most of those of the word where it need not be a motion."""
+        tests = self.look(point).tests
+        if not self.options.inadmissible:
+            return tests
+        kinds = {name: name.split(":")[0] for name in tests}
+        return {
+            name: value
+            for name, value in tests.items()
+            if kinds[name] in _ALWAYS or kinds[name] not in WORD_TESTS
+        }
+
+    def outgrown(self, unknowns: Floats) -> bool:
+        """Whether an orbit has another size than that by which steps are measured."""
+        n_states = len(self.equations.word) * self.legs.n
+        share = self._scale_of(unknowns)[:n_states] / self.scale[:n_states]
+        return bool(share.max() > _OUTGROWN or share.max() < 1.0 / _OUTGROWN)
+
+    def _scale_of(self, unknowns: Floats) -> Floats:
+        scale, count = scale_along(self.equations, unknowns), len(self.equations.word)
+        scale[: count * self.legs.n] = np.maximum(
+            scale[: count * self.legs.n], np.tile(self.least, count)
+        )
+        return scale
+
+    def is_nothing_beside(self, size: float) -> bool:
+        """Whether a cycle without events has shrunk to next to nothing."""
+        smooth = self.options.autonomous and not self.equations.word.closes_at_event
+        return smooth and float(self.scale[: self.legs.n].max()) <= _NOTHING * size
+
+    def branch(self, start: BranchStart, steps: int) -> Branch:
+        """The branch from a start."""
+        low, high = self.options.bounds
+        self.set_parameter(start.value)
+        self.scale = self._scale_of(start.unknowns)
+        return follow(
+            self.residual, start.unknowns, start.value, direction=start.direction,
+            step=self.options.step, smallest_step=self.options.smallest_step,
+            largest_step=self.options.largest_step, bounds=self.options.bounds, steps=steps,
+            tests=self.asked, scale=self.scale,
+            parameter_scale=high - low,
+        )  # fmt: skip
+
+
+def scale_along(equations: OrbitEquations, unknowns: Floats) -> Floats:
+    """What counts as large for each unknown, states within the legs included.
+
+    Where an orbit grazes, its velocity at the events is small and not so in between: steps of a
+    branch that were measured by it would be tiny.
+    """
+    scale, count = scale_of(equations, unknowns), len(equations.word)
+    size = largest_along(equations, equations.unpack(unknowns))
+    n_states = count * equations.legs.n
+    scale[:n_states] = np.maximum(scale[:n_states], np.tile(size, count))
+    return scale

@@ -1,0 +1,167 @@
+"""How an orbit lies to its mirror image: whether it is its own, and what half a turn does then.
+
+Along an orbit that is its own image half a turn later, the motion over half a turn followed by the
+symmetry is a map with the orbit as a fixed point, and the map over a turn is its square. Where a
+multiplier of that map is -1 the orbit loses its symmetry, where it is 1 the orbit meets a fold; the
+multiplier over a turn is 1 in both cases. See J. W. Swift and K. Wiesenfeld, Suppression of period
+doubling in symmetric systems, Physical Review Letters 52 (1984).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.engine.orbits import LegResults
+from nonsmooth.periodic_orbits.equations import OrbitEquations, Turn
+from nonsmooth.periodic_orbits.mirror_image import mirror_at, states_along
+from nonsmooth.periodic_orbits.multipliers import leg_factors
+from nonsmooth.periodic_orbits.word import Word
+
+__all__ = ["Reflection", "is_antisymmetric", "reflection"]
+
+Floats = npt.NDArray[np.float64]
+Complexes = npt.NDArray[np.complex128]
+
+_SHARES = np.array([0.0, 0.137, 0.289, 0.411])  # of the turn, where it is looked at
+_SAME = 1e-6  # of the size of each state: where branches cross, orbits are found to half the digits
+_AT_EVENT = 1e-9  # part of the turn: half of it ends at an event
+
+
+class Reflection(NamedTuple):
+    """An orbit beside its image under a symmetry.
+
+    ``later`` is the part of the turn after which it is its own image: half a turn, or none where
+    all of it lies in the mirror, or less than half where the turn repeats a shorter one. None
+    where it is not its own image. ``multipliers`` are those of half a turn followed by the
+    symmetry, the largest first, without that of the motion along itself.
+    """
+
+    later: float | None
+    multipliers: Complexes
+
+    @property
+    def symmetric(self) -> bool:
+        """Whether the orbit is its own image."""
+        return self.later is not None
+
+
+def reflection(equations: OrbitEquations, turn: Turn) -> Reflection | None:
+    """An orbit beside its image under the declared symmetry; None where none is declared."""
+    mirror = mirror_at(equations.legs)
+    if mirror is None:
+        return None
+    matrix, offset = mirror.matrix, mirror.states.offset
+    possible = _possible(equations, half_period=mirror.half_period)
+    own = (each for each in possible if _is_own_image(equations, turn, each, matrix, offset))
+    later = next(own, None)
+    halves = _half_multipliers(equations, turn, matrix) if later == 0.5 else np.zeros(0, complex)
+    return Reflection(later, halves)
+
+
+def is_antisymmetric(equations: OrbitEquations, turn: Turn, own: Reflection | None) -> bool:
+    """Whether the direction with the multiplier nearest to 1 is one that breaks the symmetry.
+
+    Without a declared symmetry this is taken to be so where all states change their signs half a
+    turn later.
+    """
+    if own is None:
+        n = equations.legs.n
+        return _is_own_image(equations, turn, 0.5, -np.eye(n), np.zeros(n))
+    if own.later == 0.0:
+        return _is_odd(equations, turn)
+    if own.later != 0.5:
+        return False
+    if not own.multipliers.size or not np.all(np.isfinite(own.multipliers)):
+        return True  # at a graze nothing else is known
+    nearest = own.multipliers[np.argmin(np.abs(own.multipliers**2 - 1.0))]
+    return bool(nearest.real < 0.0)
+
+
+def _possible(equations: OrbitEquations, *, half_period: bool) -> Iterator[float]:
+    """Parts of a turn after which an orbit may be its own image.
+
+    The image of a driven orbit is the same orbit some whole periods later; applied twice, that is
+    a whole turn. A turn of an even number of periods may repeat a shorter one, so quarters and so
+    on count too.
+    """
+    steps = 2 * equations.period if equations.autonomous or half_period else equations.period
+    if equations.autonomous or not half_period:
+        yield 0.0
+    later = 0.5
+    while steps % 2 == 0:
+        whole_periods = half_period and not equations.autonomous and steps % 4 == 0
+        if not whole_periods:
+            yield later
+        steps, later = steps // 2, 0.5 * later
+
+
+def _is_own_image(
+    equations: OrbitEquations, turn: Turn, later: float, matrix: Floats, offset: Floats
+) -> bool:
+    length = float(turn.instants[-1] - turn.instants[0])
+    now = states_along(equations, turn, turn.instants[0] + _SHARES * length)
+    then = states_along(equations, turn, turn.instants[0] + (_SHARES + later) * length)
+    keep = ~equations.drifting
+    images = now @ matrix.T + offset
+    size = np.abs(np.concatenate([images, then, turn.states])).max(axis=0)[keep]
+    return bool(keep.any() and np.all(np.abs(images - then)[:, keep] <= _SAME * (size + 1e-300)))
+
+
+def _half_multipliers(equations: OrbitEquations, turn: Turn, matrix: Floats) -> Complexes:
+    """Multipliers of half a turn followed by the symmetry; nan where an event has no rate."""
+    stays = ~equations.drifting
+    mapped = matrix[stays][:, stays]
+    product = _half_tangent(equations, turn)
+    if not np.all(np.isfinite(product)):
+        return np.full(len(mapped) - equations.autonomous, np.nan, complex)
+    values = np.linalg.eigvals(mapped @ product).astype(complex)
+    if equations.autonomous and values.size:
+        values = np.delete(values, int(np.argmin(np.abs(values - 1.0))))
+    return values[np.argsort(-np.abs(values), kind="stable")]
+
+
+def _half_tangent(equations: OrbitEquations, turn: Turn) -> Floats:
+    """What the first half of a turn does to perturbations."""
+    length = float(turn.instants[-1] - turn.instants[0])
+    half = turn.instants[0] + 0.5 * length
+    found = _follow(equations, turn)
+    factors = leg_factors(equations, found)
+    nearest = int(np.argmin(np.abs(turn.instants - half)))
+    ends_at_event = abs(turn.instants[nearest] - half) <= _AT_EVENT * length
+    whole = nearest if ends_at_event else int(np.searchsorted(turn.instants, half)) - 1
+    product = np.eye(factors.flow.shape[1])
+    for flow, event in zip(factors.flow[:whole], factors.events[:whole], strict=True):
+        product = event @ flow @ product
+    if not ends_at_event:
+        stays, n = ~equations.drifting, equations.legs.n
+        part = equations.legs.follow_each(
+            Word((equations.word.modes[whole],), ((),)), turn.states[whole : whole + 1],
+            turn.instants[whole : whole + 1], np.array([half]),
+        )  # fmt: skip
+        product = part.flow[0, :n].T[stays][:, stays] @ product
+    return product
+
+
+def _is_odd(equations: OrbitEquations, turn: Turn) -> bool:
+    """Whether the symmetry reverses the critical direction of an orbit that lies in its mirror."""
+    mirror = mirror_at(equations.legs)
+    assert mirror is not None  # or the orbit would have no mirror to lie in
+    factors = leg_factors(equations, _follow(equations, turn))
+    stays = ~equations.drifting
+    product = np.eye(factors.flow.shape[1])
+    for flow, event in zip(factors.flow, factors.events, strict=True):
+        product = event @ flow @ product
+    if not np.all(np.isfinite(product)):
+        return True
+    values, vectors = np.linalg.eig(product)
+    mapped = mirror.matrix[stays][:, stays]
+    direction = vectors[:, int(np.argmin(np.abs(values - 1.0)))]
+    return bool((direction.conj() @ mapped @ direction).real < 0.0)
+
+
+def _follow(equations: OrbitEquations, turn: Turn) -> LegResults:
+    return equations.legs.follow(equations.word, turn.states, turn.instants)

@@ -1,0 +1,269 @@
+"""How the word of an orbit can go on where it stops being valid.
+
+At a graze an excursion into another mode appears or vanishes; a leg may lose its duration, an exit
+passed at once may take time, an event may pass the section. Each change is made on the legs of the
+orbit at that point; where none is known, the engine is asked what it does a little beyond.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.engine.tables import PATH_LENGTH, Wiring
+from nonsmooth.periodic_orbits.branch_tests import is_graze
+from nonsmooth.periodic_orbits.change import Change, kind_of_excursion, kind_of_leg
+from nonsmooth.periodic_orbits.equations import OrbitEquations, Turn
+from nonsmooth.periodic_orbits.guess import Guess
+from nonsmooth.periodic_orbits.onto import joined, modes_along, onto_beyond, targets_of_cell
+from nonsmooth.periodic_orbits.sliding_change import off_surface_first, onto_surface
+from nonsmooth.periodic_orbits.word import Word
+from nonsmooth.periodic_orbits.word_names import shortest_paths
+
+__all__ = ["changes_at_once", "changes_of_word"]
+
+Floats = npt.NDArray[np.float64]
+Integers = npt.NDArray[np.int64]
+
+_GONE = 1e-7  # part of the turn that a leg lasts which vanishes with a test of the same point
+_OPENED = 1e-3  # part of the turn that an excursion lasts where a branch with it begins
+_OPENED_OF_SLIDE = 4e-3  # likewise, from a surface on which motion slides
+
+
+def changes_at_once(equations: OrbitEquations, turn: Turn, names: list[str]) -> list[Change]:
+    """One change for several tests that vanish together, as they do on a symmetric orbit.
+
+    Legs behind others are changed first, so that the numbers of those before stay what they are.
+    """
+    last: Change | None = None
+    for name in sorted(names, key=lambda each: -int(each.split(":")[1])):
+        found = changes_of_word(equations, turn, name)
+        if not found:
+            return []
+        last = found[0]
+        turn = last.guess.turn
+        equations = equations.of_word(last.guess.word, turn.states[0])
+    return [] if last is None else [last]
+
+
+def changes_of_word(equations: OrbitEquations, turn: Turn, name: str) -> list[Change]:
+    """Changes that the test of this name calls for; none where only the engine knows.
+
+    The legs of the equations stand for the parameters of the point.
+    """
+    name = _vanishing_leg(equations, turn, name)
+    kind, *numbers = name.split(":")
+    if name == "leg:last":
+        return [_section_before_last(equations, turn)]
+    k = int(numbers[0]) if numbers else -1
+    if kind == "leg" and k == 0 and not equations.word.closes_at_event:
+        return [_section_behind_first(equations, turn)]
+    if kind == "leg":
+        before = (k - 1) % len(equations.word)
+        too_long = len(equations.word.paths[before] + equations.word.paths[k]) > PATH_LENGTH
+        return [] if too_long else [_without_leg(equations, turn, k)]
+    if kind == "gain":
+        return [_with_leg_of_path(equations, turn, k, int(numbers[1]))]
+    if kind == "short":
+        return _without_excursion(equations, turn, k)
+    if kind == "rate":
+        return _without_event(equations, turn, k)
+    if kind == "graze":
+        return _with_excursion(equations, turn, k, int(numbers[1]))
+    if kind == "slide":
+        return onto_surface(equations, turn, k)
+    if kind == "enter":
+        return off_surface_first(equations, turn, k, int(numbers[1]))
+    return []
+
+
+def _vanishing_leg(equations: OrbitEquations, turn: Turn, name: str) -> str:
+    """The leg behind a surface where it vanishes together with what keeps motion on it or off."""
+    kind, *numbers = name.split(":")
+    if kind not in ("slide", "enter"):
+        return name
+    word = equations.word
+    k = (int(numbers[0]) + 1) % len(word)
+    length = float(turn.instants[-1] - turn.instants[0])
+    gone = abs(float(turn.durations[k])) <= _GONE * length and bool(word.paths[k])
+    return f"leg:{k}" if gone else name
+
+
+def _section_behind_first(equations: OrbitEquations, turn: Turn) -> Change:
+    """The first event passes the section backwards: it is then the last one of the turn."""
+    word = equations.word
+    modes = (*word.modes[1:], word.modes[1])
+    paths = (*word.paths[1:-1], word.paths[0], ())
+    ends = equations.legs.follow(word, turn.states, turn.instants).nexts[-1]
+    last = turn.states[1] + np.where(equations.drifting, ends - turn.states[0], 0.0)
+    states = np.vstack([turn.states[1:], last])
+    instants = np.concatenate([turn.instants[:1], turn.instants[2:], turn.instants[-1:]])
+    return Change("section", Guess(Word(modes, paths), Turn(states, instants)), "leg:last")
+
+
+def _section_before_last(equations: OrbitEquations, turn: Turn) -> Change:
+    """The last event passes the section forwards: it is then the first one of the turn."""
+    word = equations.word
+    modes = (word.modes[-2], *word.modes[:-1])
+    paths = (word.paths[-2], *word.paths[:-2], ())
+    found = equations.legs.follow(word, turn.states, turn.instants)
+    first = found.ends[-2] - np.where(equations.drifting, found.ends[-2] - turn.states[0], 0.0)
+    states = np.vstack([first, turn.states[:-1]])
+    instants = np.concatenate([turn.instants[:1], turn.instants[:-2], turn.instants[-1:]])
+    return Change("section", Guess(Word(modes, paths), Turn(states, instants)), "leg:0")
+
+
+def _without_leg(equations: OrbitEquations, turn: Turn, k: int) -> Change:
+    """Leg k lasts no time: its exits are passed together with those before it."""
+    word, count, wiring = equations.word, len(equations.word), equations.legs.tables.wiring
+    before = (k - 1) % count
+    paths, mode = list(word.paths), word.modes[before]
+    paths[before] = joined(wiring, mode, paths[before], paths[k])
+    keep = [i for i in range(count) if i != k]
+    new = Word(tuple(word.modes[i] for i in keep), tuple(paths[i] for i in keep))
+    instants = np.delete(turn.instants, k if k else 1)
+    place = before if before < k else before - 1
+    kind = kind_of_leg(wiring, mode, word.paths[before], word.modes[k], word.paths[k])
+    grows = f"gain:{place}:{len(word.paths[before])}"
+    if kind == "crossing_sliding" and len(paths[before]) == 1:
+        grows = f"slide:{place}"
+    elif kind == "switching_sliding":
+        grows = _entry_test(wiring, place, mode, paths[before], word.modes[k])
+    guess = Guess(new, Turn(turn.states[keep], instants))
+    return Change(kind or "lost", guess, grows)
+
+
+def _entry_test(wiring: Wiring, place: int, mode: int, path: tuple[int, ...], beyond: int) -> str:
+    """Test of the guard through which motion would leave a surface to the cell beyond it."""
+    cell = modes_along(wiring, mode, path)[-1]
+    targets = targets_of_cell(wiring, cell)
+    return f"enter:{place}:{targets.index(beyond)}" if beyond in targets else ""
+
+
+def _with_leg_of_path(equations: OrbitEquations, turn: Turn, k: int, j: int) -> Change:
+    """Exit j of the path behind leg k waits: a leg appears in the mode before it."""
+    word = equations.word
+    path = word.paths[k]
+    cut = Word(word.modes, (*word.paths[:k], path[:j], *word.paths[k + 1 :]))
+    found = equations.legs.follow(cut, turn.states, turn.instants)
+    wiring = equations.legs.tables.wiring
+    mode = cut.last_target(wiring, k)
+    modes = (*word.modes[: k + 1], mode, *word.modes[k + 1 :])
+    paths = (*word.paths[:k], path[:j], path[j:], *word.paths[k + 1 :])
+    states = np.insert(turn.states, k + 1, found.nexts[k], axis=0)
+    instants = np.insert(turn.instants, k + 1, turn.instants[k + 1])
+    new = Word(modes, paths)
+    test = "short" if is_graze(new, wiring, k + 1) else "leg"
+    kind = kind_of_leg(wiring, word.modes[k], path[:j], mode, path[j:])
+    return Change(kind or "gained", Guess(new, Turn(states, instants)), f"{test}:{k + 1}")
+
+
+def _without_excursion(equations: OrbitEquations, turn: Turn, k: int) -> list[Change]:
+    """Leg k leaves a mode and comes back at once: the legs around it are one."""
+    if k == 0 and not equations.word.closes_at_event:
+        return _without_first_and_last(equations, turn)
+    word, turn, k = _away_from_ends(equations, turn, k)
+    count = len(word)
+    if not 0 < k < count - 1:  # a cycle of two legs, of which nothing is left
+        return []
+    modes = word.modes[:k] + word.modes[k + 2 :]
+    paths = word.paths[: k - 1] + word.paths[k + 1 :]
+    keep = [i for i in range(count) if i not in (k, k + 1)]
+    instants = np.delete(turn.instants, [k, k + 1])
+    grows = f"graze:{k - 1}:{word.paths[k - 1][0]}"
+    new = Word(modes[: len(paths)], paths)
+    kind = kind_of_excursion(equations.legs.tables.wiring, word.modes[k - 1], word.modes[k])
+    return [Change(kind, Guess(new, Turn(turn.states[keep], instants)), grows)]
+
+
+def _without_first_and_last(equations: OrbitEquations, turn: Turn) -> list[Change]:
+    """The section lies within an excursion of no duration: it is left out on both sides."""
+    word, count = equations.word, len(equations.word)
+    if count < 3:
+        return []
+    new = Word(word.modes[1:-1], (*word.paths[1 : count - 2], ()))
+    instants = np.delete(turn.instants, [1, count - 1])
+    kind = kind_of_excursion(equations.legs.tables.wiring, word.modes[-2], word.modes[-1])
+    # the guard is touched on either side of the section
+    k = 0 if turn.durations[0] > turn.durations[-1] else len(new) - 1
+    grows = f"graze:{k}:{word.paths[-2][0]}"
+    return [Change(kind, Guess(new, Turn(turn.states[1:-1], instants)), grows)]
+
+
+def _away_from_ends(equations: OrbitEquations, turn: Turn, k: int) -> tuple[Word, Turn, int]:
+    """The same turn begun at another event, so that leg k has one before and one behind it."""
+    word, count = equations.word, len(equations.word)
+    if not word.closes_at_event or 0 < k < count - 1 or count < 3:
+        return word, turn, k
+    shift = k - 1
+    order = [(i + shift) % count for i in range(count)]
+    new = Word(tuple(word.modes[i] for i in order), tuple(word.paths[i] for i in order))
+    durations = turn.durations[order]
+    instants = np.concatenate([[0.0], np.cumsum(durations)])
+    return new, Turn(turn.states[order], instants), 1
+
+
+def _without_event(equations: OrbitEquations, turn: Turn, k: int) -> list[Change]:
+    """The exit of leg k is only touched: where it leads back to its mode, it is left out."""
+    word, wiring = equations.word, equations.legs.tables.wiring
+    back = word.last_target(wiring, k) == word.modes[k]
+    if not back or len(word.paths[k]) != 1 or len(word) < 2 or k == len(word) - 1:
+        return []
+    modes = word.modes[: k + 1] + word.modes[k + 2 :]
+    paths = word.paths[:k] + word.paths[k + 1 :]
+    states = np.delete(turn.states, k + 1, axis=0)
+    instants = np.delete(turn.instants, k + 1)
+    grows = f"graze:{k}:{word.paths[k][0]}"
+    return [Change("grazing", Guess(Word(modes, paths), Turn(states, instants)), grows)]
+
+
+def _with_excursion(equations: OrbitEquations, turn: Turn, k: int, g: int) -> list[Change]:
+    """Guard g is touched within leg k: its exit is passed there, and the way back is found."""
+    word, wiring, legs = equations.word, equations.legs.tables.wiring, equations.legs
+    _, places = legs.minima(word, turn.states, turn.instants)
+    instant = float(turn.instants[k] + places[k, g])
+    mode, target = word.modes[k], int(wiring.exits["target"][word.modes[k], g])
+    if target < 0 or not np.isfinite(instant):
+        return []
+    changes, onto = [], onto_beyond(wiring, mode, g)
+    for path in [(g, onto), (g,)] if onto >= 0 else [(g,)]:
+        touch = Word((mode,), (path,))
+        found = legs.follow_each(
+            touch, turn.states[k : k + 1], turn.instants[k : k + 1], np.array([instant])
+        )
+        ends, behind = found.ends[0].copy(), found.nexts[0].copy()
+        if target == mode:
+            modes = (*word.modes[: k + 1], mode, *word.modes[k + 1 :])
+            paths = (*word.paths[:k], (g,), *word.paths[k:])
+            states = np.insert(turn.states, k + 1, behind, axis=0)
+            instants = np.insert(turn.instants, k + 1, instant)
+            new = Guess(Word(modes, paths), Turn(states, instants))
+            return [Change("grazing", new, f"rate:{k}")]
+        away = modes_along(wiring, mode, path)[-1]
+        changes += [
+            _opened(equations, turn, k, instant, (path, away, back), (behind, ends))
+            for back in shortest_paths(wiring, away, mode)
+        ]
+    return changes
+
+
+def _opened(
+    equations: OrbitEquations, turn: Turn, k: int, instant: float,
+    excursion: tuple[tuple[int, ...], int, tuple[int, ...]], states_there: tuple[Floats, Floats],
+) -> Change:  # fmt: skip
+    """Leg k with an excursion at an instant: the path out, the mode there, and the path back."""
+    word = equations.word
+    path, away, back = excursion
+    behind, ends = states_there
+    length = float(turn.instants[-1] - turn.instants[0])
+    room = min(instant - turn.instants[k], turn.instants[k + 1] - instant)
+    kind = kind_of_excursion(equations.legs.tables.wiring, word.modes[k], away)
+    share = _OPENED_OF_SLIDE if kind == "adding_sliding" else _OPENED
+    duration = min(share * length, 0.5 * room)
+    modes = (*word.modes[: k + 1], away, *word.modes[k:])
+    paths = (*word.paths[:k], path, back, *word.paths[k:])
+    states = np.insert(turn.states, [k + 1, k + 1], [behind, behind], axis=0)
+    states[k + 2] = ends
+    cut = [instant - 0.5 * duration, instant + 0.5 * duration]
+    instants = np.insert(turn.instants, [k + 1, k + 1], cut)
+    return Change(kind, Guess(Word(modes, paths), Turn(states, instants)), "", k + 1, duration)
