@@ -5,7 +5,7 @@ import signal
 
 import numpy as np
 import pytest
-from nonsmooth.orbits import branch_run
+from nonsmooth.periodic_orbits import branch_run
 
 import nonsmooth as ns
 from periodic_orbits.kinds import rigid_wall, van_der_pol
