@@ -5,9 +5,9 @@ import signal
 
 import numpy as np
 import pytest
-from nonsmooth.periodic_orbits import branch_run
 
 import nonsmooth as ns
+from nonsmooth.periodic_orbits import branch_run
 from periodic_orbits.kinds import rigid_wall, van_der_pol
 
 SOFT = {"omega": 0.85, "zeta": 0.01, "beta": 29.0, "e": 1.26}

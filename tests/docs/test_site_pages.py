@@ -53,3 +53,12 @@ def test_broken_links_of_a_site_are_told(tmp_path):
     (tmp_path / "b.html").write_text('<p id="y"></p>')
     again = subprocess.run(command, capture_output=True, text=True)
     assert (again.returncode, "1 lead elsewhere" in again.stdout) == (0, True)
+
+
+@pytest.mark.parametrize("page", ["explanation/architecture.md", "../DEVELOPING.md"])
+def test_links_into_the_source_lead_to_files(page):
+    """The site takes links that leave ``docs`` for texts, so its own check does not see them."""
+    path = (DOCS / page).resolve()
+    links = re.findall(r"\]\(([^)#:]+)[^)]*\)", path.read_text(encoding="utf-8"))
+    missing = [link for link in links if not (path.parent / link).exists()]
+    assert links and not missing

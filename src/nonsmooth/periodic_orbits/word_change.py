@@ -3,6 +3,11 @@
 At a graze an excursion into another mode appears or vanishes; a leg may lose its duration, an exit
 passed at once may take time, an event may pass the section. Each change is made on the legs of the
 orbit at that point; where none is known, the engine is asked what it does a little beyond.
+
+A graze is located from its regular side, on which the lowest value of a guard within a leg is a
+smooth function of the orbit. From the other side an excursion of vanishing duration would make the
+equations singular. A branch leaves a graze towards an excursion by prescribing its duration first,
+the parameter being free.
 """
 
 from __future__ import annotations

@@ -3,6 +3,10 @@
 The folder holds ``protocol.json``, which tells what is computed and how, one file of arrays for
 each task that is done, and ``lock``. Files appear whole or not at all, so the work may be ended at
 any moment, by a full disk or by loss of power, and goes on where it was.
+
+Tasks are cut by the work alone, never by the number of threads, so a task that was done yesterday
+fits today, and digits do not depend on threads. HDF5 does not survive a full disk, so the files of
+tasks are ``.npz`` files with a checksum.
 """
 
 from __future__ import annotations

@@ -2,7 +2,9 @@
 //
 // Each coupling between different eigenvalues is eliminated (Bavely and Stewart 1979). Eigenvalues
 // too close to be told apart without loss stay together in a cluster; rigid-body chains, critical
-// damping and resonance are such clusters.
+// damping and resonance are such clusters. What an elimination loses is measured, by the ratio of the
+// motions to what they add up to at the time scale of each pair, and the closest eigenvalues are merged
+// until nothing is lost to speak of.
 #pragma once
 
 #include <algorithm>

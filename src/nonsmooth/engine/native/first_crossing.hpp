@@ -6,6 +6,9 @@
 // fall monotonically to its root, Newton's method on that polynomial and third-order steps on the
 // exact flow finish. What rounding leaves undecided, a tangency whose depth is below the rounding
 // margin, is decided by the best guess and flagged. See docs/explanation/certified-events.md.
+//
+// A look costs some tens of multiplications and neither a root nor a transcendental function. A bound
+// on the third derivative alone would need more looks, each with two roots.
 #pragma once
 
 #include <algorithm>

@@ -1,7 +1,8 @@
 // The flow of a mode, whichever kind it is: what the loop and the search ask for.
 //
 // Two kinds answer the same questions: the closed form of a linear mode (`linear_flow`,
-// `guard_series`) and the series of a Taylor mode (`taylor_flow`).
+// `guard_series`) and the series of a Taylor mode (`taylor_flow`). The kind belongs to the mode as a
+// whole. Loop, search, samples and log do not know which of them they ask, so a system may mix both.
 #pragma once
 
 #include <algorithm>

@@ -1,7 +1,9 @@
 // A look by signs: the sixteen Bernstein coefficients of a guard on a step from the current point.
 //
-// They are read from the slots by rows made in the set-up, for steps that turn the fastest motion by
-// up to eight radians, without a root or a transcendental function. All above the margin: the guard
+// They are read from the slots by rows that are made when a search first looks that far, for steps
+// that turn the fastest motion by up to eight radians, without a root or a transcendental function.
+// Value and slope at the left end are kept apart in these rows, so that a zero of order one or two is
+// taken out without a difference of rounded numbers. All above the margin: the guard
 // is positive on the whole step. A single change of sign, the others beyond the margin too: it has
 // one root in the step, by Descartes' rule, and falls through it.
 #pragma once

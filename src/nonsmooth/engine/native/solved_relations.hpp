@@ -2,6 +2,10 @@
 //
 // The equations are instructions like all others, so their gradients are there: elimination on them
 // gives the step of Newton's method, and at a solution the gradients of the slaved states.
+//
+// Between two solutions such states move by rates of their own, which follow from the equations
+// (`implicit` in the package `system`), so the series need no solver. At every start of a step and on
+// entry into a mode Newton's method puts them back onto the equations: they do not drift.
 #pragma once
 
 #include <algorithm>

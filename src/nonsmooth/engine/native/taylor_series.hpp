@@ -1,4 +1,9 @@
 // Taylor coefficients of everything a mode computes, by its instructions on series.
+//
+// Each pass gives one more coefficient of every intermediate result. An order near 20 is the best for
+// double precision: a lower one needs more steps, a higher one more work than its steps save. The
+// instructions are interpreted, so nothing is compiled for a model; harmonics come from the augmented
+// coordinates, so that their phases stay exact.
 #pragma once
 
 #include <algorithm>
