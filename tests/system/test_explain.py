@@ -43,6 +43,14 @@ def test_the_mole():
     assert "progression when 1 - F < 0 to progression" in contact
 
 
+@pytest.mark.parametrize("name", ["metal_cutting", "print_hammer", "rubbing_rotor"])
+def test_surfaces_with_sums_under_roots_or_in_quotients(name):
+    """Which cells are possible is asked of products whose factors are not as they were written."""
+    system = getattr(ns.models, name)()
+    shown = [line for line in rows(told(system)) if line.startswith("mode ") and "cells" in line]
+    assert len(shown) == len([f for f in system.structure.families.values() if f.split.nodes])
+
+
 def test_present_values_count():
     mole = ns.models.moling()
     assert told(mole) != told(mole.with_parameters(xi=0.1))

@@ -36,7 +36,8 @@ def _terms(
 ) -> dict[Hashable, Fraction] | None:
     """Products of what moves, and the number before each; None where that is no number."""
     terms: dict[Hashable, Fraction] = {}
-    for factors, number in monomials(node).items():
+    for product, number in monomials(node).items():
+        factors = [graph.imported(factor) for factor in product]  # sums in them are made anew
         moving = tuple(factor for factor in factors if graph.moves(factor))
         fixed = [constant_value(each, values) for each in factors if not graph.moves(each)]
         value = math.prod(fixed, start=number)
