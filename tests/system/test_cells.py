@@ -7,9 +7,9 @@ import nonsmooth as ns
 from nonsmooth import Exit, Mode, System
 from nonsmooth.engine.tables import FREE
 from nonsmooth.errors import ModelError, OptionError
-from nonsmooth.system.evaluate import evaluate
-from nonsmooth.system.grammar import parse
-from nonsmooth.system.linear import Power, State
+from nonsmooth.system.algebra.linear import Power, State
+from nonsmooth.system.text.evaluate import evaluate
+from nonsmooth.system.text.grammar import parse
 
 PARAMETERS = {"a": 0.7, "b": -0.4, "k": 2.5}
 
@@ -206,8 +206,8 @@ def test_cells_of_what_is_smooth():
 
 
 def test_too_many_cells(monkeypatch):
-    monkeypatch.setattr("nonsmooth.system.cells.MOST_MODES", 64)
-    monkeypatch.setattr("nonsmooth.system.structure.MOST_MODES", 120)
+    monkeypatch.setattr("nonsmooth.system.cells.cells.MOST_MODES", 64)
+    monkeypatch.setattr("nonsmooth.system.compile.structure.MOST_MODES", 120)
     many = " + ".join(f"abs(x - {i}*v)" for i in range(40))
     with pytest.raises(ModelError, match="more than 64 cells"):
         system_of(many)

@@ -7,8 +7,8 @@ import pytest
 from scipy.optimize import linprog
 
 import nonsmooth as ns
-from nonsmooth.system.exclusions import Inequality, excluded
-from nonsmooth.system.explain import explanation
+from nonsmooth.system.cells.exclusions import Inequality, excluded
+from nonsmooth.system.model.explain import explanation
 
 TWO_STOPS = {"x": "v", "v": "-x - k*max(x - e, 0) + k*max(-x - e, 0)"}
 

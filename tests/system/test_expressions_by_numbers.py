@@ -5,14 +5,13 @@ import math
 import numpy as np
 import pytest
 
-from nonsmooth.system.attraction import may_attract
-from nonsmooth.system.evaluate import evaluate
-from nonsmooth.system.grammar import parse
-from nonsmooth.system.graph import Graph
-from nonsmooth.system.identities import is_rounding, vanishes
-from nonsmooth.system.points import COUNT, Points, put_on
-from nonsmooth.system.sizes import sizes_of
-from nonsmooth.system.value_tape import ValueTape, table
+from nonsmooth.system.algebra.graph import Graph
+from nonsmooth.system.algebra.identities import is_rounding, vanishes
+from nonsmooth.system.algebra.points import COUNT, Points, put_on
+from nonsmooth.system.algebra.value_tape import ValueTape, sizes_of, table
+from nonsmooth.system.cells.attraction import may_attract
+from nonsmooth.system.text.evaluate import evaluate
+from nonsmooth.system.text.grammar import parse
 
 TEXTS = [
     "2",

@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 
 from effort import calls_at_most
 from nonsmooth.errors import ModelError
-from nonsmooth.system.evaluate import constant_value, evaluate
-from nonsmooth.system.expressions import Call, Name, Number, to_text, walk
-from nonsmooth.system.grammar import MAX_DEPTH, MAX_LENGTH, parse, parse_condition
+from nonsmooth.system.text.evaluate import constant_value, evaluate
+from nonsmooth.system.text.expressions import Call, Name, Number, to_text, walk
+from nonsmooth.system.text.grammar import MAX_DEPTH, MAX_LENGTH, parse, parse_condition
 
 VALUES = {"x": 0.7, "y": -1.3, "E": 2.5, "e": 0.4, "I": -0.6}
 SMOOTH = {

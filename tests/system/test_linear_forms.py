@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 import nonsmooth as ns
 from effort import calls_at_most
 from nonsmooth.errors import ModelError
-from nonsmooth.system.evaluate import evaluate
-from nonsmooth.system.expressions import to_text
-from nonsmooth.system.grammar import parse
-from nonsmooth.system.linear import Harmonic, Power, State
+from nonsmooth.system.algebra.linear import Harmonic, Power, State
+from nonsmooth.system.text.evaluate import evaluate
+from nonsmooth.system.text.expressions import to_text
+from nonsmooth.system.text.grammar import parse
 
 PARAMETERS = {"a": 0.7, "b": -1.3, "k": 2.5, "w": 1.9, "T": 3.7, "p": 0.4}
 

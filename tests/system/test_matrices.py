@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 import nonsmooth as ns
 from effort import calls_at_most
 from nonsmooth import Exit, Mode, ModelError, System
-from nonsmooth.system.evaluate import constant_value
-from nonsmooth.system.linear import Power, State
+from nonsmooth.system.algebra.linear import Power, State
+from nonsmooth.system.text.evaluate import constant_value
 
 A = np.array([[0.0, 1.0], [-4.0, -0.5]])
 

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from nonsmooth.system.motions import natural_motions, reached
+from nonsmooth.system.model.motions import natural_motions, reached
 
 
 def turned(matrix, seed: int = 0) -> np.ndarray:

@@ -25,7 +25,7 @@ def test_a_continuous_zigzag_has_no_cells_to_slide_in(depth):
 
 def test_the_number_of_pairs_that_are_compared(monkeypatch):
     """Six deep there are sixty cells; far fewer pairs than 60^2 / 2 need more than a look."""
-    from nonsmooth.system import sliding
+    from nonsmooth.system.cells import sliding
 
     looked_at, original = [], sliding.vanishes
     monkeypatch.setattr(
@@ -66,6 +66,6 @@ def test_jumps_of_nested_functions_are_still_slid_on():
 
 
 def test_too_deep(monkeypatch):
-    monkeypatch.setattr("nonsmooth.system.cells.MOST_MODES", 64)
+    monkeypatch.setattr("nonsmooth.system.cells.cells.MOST_MODES", 64)
     with pytest.raises(ModelError, match="more than 64 cells; write some"):
         ns.System(states=["x"], equations={"x": f"-{folded(8)}"})

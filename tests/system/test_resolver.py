@@ -2,12 +2,12 @@
 
 import pytest
 
-from nonsmooth.system.equations import Equation
-from nonsmooth.system.expressions import to_text
-from nonsmooth.system.graph import Graph
-from nonsmooth.system.mode_equations import ModeEquations
-from nonsmooth.system.resolve import Resolver
-from nonsmooth.system.switching import Undecided
+from nonsmooth.system.algebra.graph import Graph
+from nonsmooth.system.equations.equation import Equation
+from nonsmooth.system.equations.mode_equations import ModeEquations
+from nonsmooth.system.equations.resolve import Resolver
+from nonsmooth.system.equations.switching import Undecided
+from nonsmooth.system.text.expressions import to_text
 
 KNOWN = {"x", "v", "d"}
 

@@ -7,8 +7,8 @@ import pytest
 
 import nonsmooth as ns
 from nonsmooth import Exit, Mode, ModelError, Surface, System
-from nonsmooth.system.evaluate import evaluate
-from nonsmooth.system.linear import CONSTANT
+from nonsmooth.system.algebra.linear import CONSTANT
+from nonsmooth.system.text.evaluate import evaluate
 
 REBOUND = {"v": "-r*v"}
 
@@ -92,7 +92,7 @@ def test_every_set_of_contacts_is_a_mode():
 
 
 def test_too_many_sets_of_contacts(monkeypatch):
-    monkeypatch.setattr("nonsmooth.system.sticking.MOST_MODES", 20)
+    monkeypatch.setattr("nonsmooth.system.cells.sticking.MOST_MODES", 20)
     with pytest.raises(ModelError, match="5 exits stick, and more than 20 sets of them may be"):
         masses(5)
 

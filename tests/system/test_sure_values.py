@@ -5,7 +5,7 @@ import pytest
 
 import nonsmooth as ns
 from nonsmooth.errors import ModelError
-from nonsmooth.system.sure_values import rests_alike, sure_values
+from nonsmooth.system.model.value_checks import rests_alike, sure_values
 
 VALUES = np.array([-3.0, -1.0, -0.5, 0.0, 1e-9, 0.3, 0.85, 1.0, 2.0, 7.0, 1e200, -1e200])
 

@@ -258,7 +258,7 @@ def test_a_block_sticks_to_what_a_signal_moves():
 
 
 def test_too_many_cells_on_surfaces(monkeypatch):
-    monkeypatch.setattr("nonsmooth.system.structure.MOST_MODES", 120)
+    monkeypatch.setattr("nonsmooth.system.compile.structure.MOST_MODES", 120)
     names = ["a", "b", "c", "d", "e"]
     for count, modes in ((2, 9), (3, 26), (4, 72)):
         some = names[:count]

@@ -9,8 +9,8 @@ from nonsmooth import Exit, Mode, System
 from nonsmooth.engine import taylor_opcodes as op
 from nonsmooth.engine.tables import EXACT, TAYLOR
 from nonsmooth.errors import ModelError
-from nonsmooth.system.evaluate import evaluate
-from nonsmooth.system.grammar import parse
+from nonsmooth.system.text.evaluate import evaluate
+from nonsmooth.system.text.grammar import parse
 from system.series_code import Series, column_values, tape_slots
 
 PARAMETERS = {"a": 0.7, "b": -1.3, "k": 2.5, "w": 1.9, "p": 0.4}

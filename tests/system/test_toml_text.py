@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from effort import calls_at_most
 from nonsmooth import ModelError, System
-from nonsmooth.system.toml_text import MAX_CHARACTERS, parse_toml, read_source
+from nonsmooth.system.model.toml_text import MAX_CHARACTERS, parse_toml, read_source
 
 DECAY = """states = ["x"]
 [modes.decay.flow]
