@@ -34,7 +34,7 @@ _SIDES = {"+": "> 0", "0": "= 0", "-": "< 0", ".": "nowhere"}
 _NEAR = 0.05  # of the natural frequency: closer than this, or than the damping ratio, resounds
 
 
-def explanation(system: EvaluatedSystem, symmetry: str) -> str:
+def explanation(system: EvaluatedSystem, symmetry: str = "") -> str:
     """Account of a system, lines with aligned columns; ``symmetry`` is its map in words."""
     time_unit = _units(system.describe.get("time", ""))
     lines = [one_line(system.name) or "system", "  states", *aligned(list(_states(system)), 4)]

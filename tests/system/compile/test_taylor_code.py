@@ -11,7 +11,7 @@ from nonsmooth.engine.tables import EXACT, TAYLOR
 from nonsmooth.errors import ModelError
 from nonsmooth.system.text.evaluate import evaluate
 from nonsmooth.system.text.grammar import parse
-from system.series_code import Series, column_values, tape_slots
+from system.compile.series_code import Series, column_values, tape_slots
 
 PARAMETERS = {"a": 0.7, "b": -1.3, "k": 2.5, "w": 1.9, "p": 0.4}
 
