@@ -524,7 +524,7 @@ def test_what_a_surface_keeps_crosses_nothing_on_it():
 
 
 def test_too_many_cells_are_refused(monkeypatch):
-    monkeypatch.setattr("nonsmooth.system.structure.MOST_MODES", 10)
+    monkeypatch.setattr("nonsmooth.system.compile.structure.MOST_MODES", 10)
     many = " + ".join(f"abs(x - {k})" for k in range(6))
     system = ns.System(states=["x", "v"], equations={"x": "v", "v": f"-({many})"})
     with pytest.raises(ns.OptionError, match=r"section = 'v': with it, mod.*14.*at most 10"):

@@ -26,10 +26,19 @@ def callables() -> Iterator[tuple[str, Any]]:
             continue
         yield name, thing
         if inspect.isclass(thing):
-            for inner, member in vars(thing).items():
+            for inner, member in members(thing):
                 method = getattr(member, "__func__", member)
                 if isinstance(method, FunctionType) and not inner.startswith("_"):
                     yield f"{name}.{inner}", method
+
+
+def members(cls: type) -> Iterator[tuple[str, Any]]:
+    """Attributes of a class by name, those of its bases in this package included."""
+    found: dict[str, Any] = {}
+    for base in cls.__mro__:
+        if is_ours(base):
+            found = {**vars(base), **found}
+    yield from found.items()
 
 
 def is_ours(thing: Any) -> bool:

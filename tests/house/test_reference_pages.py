@@ -8,7 +8,7 @@ from types import ModuleType
 
 import pytest
 
-from house.public import exported
+from house.public import exported, members
 from house.test_exports import missing_sections
 from house.tree import ROOT
 
@@ -81,7 +81,7 @@ def test_every_public_attribute_says_what_it_is():
         f"{name}.{inner}"
         for name, thing in exported()
         if inspect.isclass(thing) and thing.__module__.startswith("nonsmooth")
-        for inner, member in vars(thing).items()
+        for inner, member in members(thing)
         if not inner.startswith("_") and needs_words(member) and not inspect.getdoc(member)
     ]
     assert not faults, f"add a docstring: {faults}"

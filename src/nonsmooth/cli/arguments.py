@@ -108,9 +108,9 @@ def settings(texts: Sequence[str], option: str) -> dict[str, str]:
 
 def constants(values: dict[str, str], option: str) -> dict[str, float]:
     """Values of constant expressions such as ``pi/2``."""
-    from nonsmooth.system.evaluate import constant_value
-    from nonsmooth.system.expressions import names_in
-    from nonsmooth.system.grammar import parse
+    from nonsmooth.system.text.evaluate import constant_value
+    from nonsmooth.system.text.expressions import names_in
+    from nonsmooth.system.text.grammar import parse
 
     numbers = {}
     for name, text in values.items():

@@ -89,7 +89,7 @@ def _state_meaning(system: System, name: str) -> str:
 
 
 def _equations(mode: Mode) -> Iterator[tuple[str, str, str]]:
-    from nonsmooth.system.mode_equations import is_relation
+    from nonsmooth.system.equations.mode_equations import is_relation
 
     for name, text in mode.definitions.items():
         yield name, f"= {text}", "in this mode"

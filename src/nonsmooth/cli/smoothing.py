@@ -125,8 +125,8 @@ def smoothing(
 
 def _print_smoothed(system: System, epsilon: str, kind: str) -> None:
     """The smoothed system as a file, with a number or the name of a new parameter as width."""
-    from nonsmooth.system.grammar import is_name
     from nonsmooth.system.smoothed import smoothed
+    from nonsmooth.system.text.grammar import is_name
 
     parts = names(epsilon)
     if len(parts) != 1:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import Literal
 
 from nonsmooth.errors import ModelError
-from nonsmooth.system.checks import parameter_values
+from nonsmooth.system.model.evaluated import parameter_values
 from nonsmooth.system.parts import Text
 from nonsmooth.system.surfaces import Surface
 from nonsmooth.system.system import System

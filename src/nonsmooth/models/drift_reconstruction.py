@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from nonsmooth.errors import OptionError
-from nonsmooth.system.checks import parameter_values
+from nonsmooth.system.model.evaluated import parameter_values
 
 if TYPE_CHECKING:
     import xarray as xr

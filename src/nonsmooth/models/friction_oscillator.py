@@ -6,7 +6,7 @@ stuck until they exceed it. That is Filippov's motion on the surface x' = 0.
 
 from __future__ import annotations
 
-from nonsmooth.system.checks import parameter_values
+from nonsmooth.system.model.evaluated import parameter_values
 from nonsmooth.system.parts import Mode, Text
 from nonsmooth.system.surfaces import Surface
 from nonsmooth.system.system import System

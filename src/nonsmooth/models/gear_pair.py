@@ -7,7 +7,7 @@ contact run by Taylor series instead of the closed form.
 
 from __future__ import annotations
 
-from nonsmooth.system.checks import parameter_values
+from nonsmooth.system.model.evaluated import parameter_values
 from nonsmooth.system.parts import Exit, Mode, Text
 from nonsmooth.system.system import System
 

@@ -10,7 +10,7 @@ from nonsmooth.periodic_orbits.equations import OrbitEquations, Turn
 from nonsmooth.periodic_orbits.guess import Guess
 from nonsmooth.periodic_orbits.legs import Legs
 from nonsmooth.periodic_orbits.word import Word
-from nonsmooth.system.mirror import Mirror
+from nonsmooth.system.symmetry.mirror import Mirror
 
 __all__ = ["mirror_at", "mirror_image", "states_along"]
 

@@ -16,7 +16,7 @@ from nonsmooth.periodic_orbits.equations import OrbitEquations
 from nonsmooth.periodic_orbits.guard_sizes import largest_along
 from nonsmooth.periodic_orbits.legs import LegError, Legs
 from nonsmooth.periodic_orbits.newton import scale_of
-from nonsmooth.system.checks import first_unmet
+from nonsmooth.system.model.value_checks import first_unmet
 from nonsmooth.system.system import System
 
 __all__ = ["BranchOptions", "BranchStart", "Stretch", "scale_along"]

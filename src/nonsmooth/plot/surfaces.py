@@ -9,10 +9,10 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError
-from nonsmooth.system.evaluate import evaluate
-from nonsmooth.system.expressions import Expression, name_set
-from nonsmooth.system.linear import CONSTANT, LinearForm, State
+from nonsmooth.system.algebra.linear import CONSTANT, LinearForm, State
 from nonsmooth.system.system import System
+from nonsmooth.system.text.evaluate import evaluate
+from nonsmooth.system.text.expressions import Expression, name_set
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -12,13 +12,13 @@ import numpy.typing as npt
 from nonsmooth.engine.tables import Tables
 from nonsmooth.runs.history import History
 from nonsmooth.runs.runner import Outcome
-from nonsmooth.system.evaluate import evaluate, evaluate_shared
-from nonsmooth.system.expressions import Call, Expression
-from nonsmooth.system.frequencies import canonical_frequency
-from nonsmooth.system.linear import Basis, Harmonic, Input, LinearForm, Power
-from nonsmooth.system.mode_forms import ModeForms
+from nonsmooth.system.algebra.frequencies import canonical_frequency
+from nonsmooth.system.algebra.linear import Basis, Harmonic, Input, LinearForm, Power
+from nonsmooth.system.compile.mode_forms import ModeForms
 from nonsmooth.system.signals import Signal, values_of
 from nonsmooth.system.system import System
+from nonsmooth.system.text.evaluate import evaluate, evaluate_shared
+from nonsmooth.system.text.expressions import Call, Expression
 
 __all__ = ["Clock", "SweptClock", "output_values", "sample_clock"]
 

@@ -12,9 +12,9 @@ from nonsmooth.runs.clock import Instant, instants
 from nonsmooth.runs.options import check_signals, finite_number
 from nonsmooth.runs.section_rows import event_names
 from nonsmooth.runs.section_search import Limits
-from nonsmooth.system.grammar import is_name
 from nonsmooth.system.section import section_names
 from nonsmooth.system.system import System
+from nonsmooth.system.text.grammar import is_name
 
 __all__ = ["check_side", "read_section", "refuse_slow", "set_limits"]
 

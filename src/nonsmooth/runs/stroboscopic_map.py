@@ -13,9 +13,9 @@ from nonsmooth.runs.runner import build_tables
 from nonsmooth.runs.strobe_points import Wanted, strobe_points, strobe_tangent
 from nonsmooth.runs.strobe_runner import StrobeRunner
 from nonsmooth.runs.stroboscopic import check_phase, require_period
-from nonsmooth.system.evaluate import constant_value
-from nonsmooth.system.grammar import parse
 from nonsmooth.system.system import System
+from nonsmooth.system.text.evaluate import constant_value
+from nonsmooth.system.text.grammar import parse
 
 if TYPE_CHECKING:
     import xarray as xr

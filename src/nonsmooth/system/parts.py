@@ -7,13 +7,30 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NoReturn, TypeVar
 
 from nonsmooth.errors import ModelError
-from nonsmooth.system.frozen import FrozenDict
-from nonsmooth.system.grammar import is_name
+from nonsmooth.system.text.grammar import is_name
 
-__all__ = ["STOP", "Exit", "Mode", "Text", "items_of"]
+__all__ = ["STOP", "Exit", "FrozenDict", "Mode", "Text", "items_of"]
+
+K = TypeVar("K")
+V = TypeVar("V")
+
+
+class FrozenDict(dict[K, V]):
+    """A dict whose methods of change raise TypeError."""
+
+    def _refuse(self, *arguments: Any, **named: Any) -> NoReturn:
+        raise TypeError("a system is a value and cannot be changed; make a new one")
+
+    __setitem__ = __delitem__ = _refuse
+    clear = pop = popitem = setdefault = update = _refuse
+    __ior__ = _refuse
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return FrozenDict, (dict(self),)
+
 
 Text = str | float | int
 STOP = "stop"

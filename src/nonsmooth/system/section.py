@@ -17,16 +17,16 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import ModelError, OptionError
-from nonsmooth.system.differentiate import rate_of_change
-from nonsmooth.system.equations import Equation
-from nonsmooth.system.graph import Graph
-from nonsmooth.system.identities import is_rounding
-from nonsmooth.system.mode_equations import is_relation
-from nonsmooth.system.mode_forms import ModeForms
+from nonsmooth.system.algebra.differentiate import rate_of_change
+from nonsmooth.system.algebra.graph import Graph
+from nonsmooth.system.algebra.identities import is_rounding
+from nonsmooth.system.compile.mode_forms import ModeForms
+from nonsmooth.system.compile.structure import Structure
+from nonsmooth.system.equations.equation import Equation
+from nonsmooth.system.equations.mode_equations import is_relation
+from nonsmooth.system.equations.resolve import Resolver
+from nonsmooth.system.equations.switching import Undecided
 from nonsmooth.system.parts import STOP, Exit, Mode
-from nonsmooth.system.resolve import Resolver
-from nonsmooth.system.structure import Structure
-from nonsmooth.system.switching import Undecided
 from nonsmooth.system.system import System
 
 __all__ = ["Section", "section_names", "with_section"]

@@ -3,60 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.errors import ModelError
-from nonsmooth.system.checks import condition_of, first_unmet
-from nonsmooth.system.equations import Equation, check_references
-from nonsmooth.system.evaluate import evaluate, evaluate_shared
-from nonsmooth.system.expressions import Expression, name_set
-from nonsmooth.system.graph import Graph
-from nonsmooth.system.mode_equations import ModeEquations
-from nonsmooth.system.parts import Text
-from nonsmooth.system.resolve import Resolver
+from nonsmooth.system.model.value_checks import condition_of, first_unmet
+from nonsmooth.system.system import System
+from nonsmooth.system.text.evaluate import evaluate, evaluate_shared
+from nonsmooth.system.text.expressions import name_set
 
-if TYPE_CHECKING:
-    from nonsmooth.system.system import System
-
-__all__ = ["SlowParameters", "read_slow"]
+__all__ = ["SlowParameters"]
 
 Array = npt.NDArray[np.float64]
-
-
-def read_slow(
-    graph: Graph,
-    equations: ModeEquations,
-    definitions: Mapping[str, Equation],
-    parameters: tuple[str, ...],
-    texts: Mapping[str, Text],
-) -> dict[str, Expression]:
-    """Nodes of the texts, in which ``t`` and parameters that do not vary may stand."""
-    known = {*parameters, *definitions, "t", "pi"}
-    resolver = Resolver(graph, replace(equations, definitions=definitions), {}, strict=False)
-    nodes = {}
-    for name, text in texts.items():
-        where = f"slow[{name!r}]"
-        equation = Equation.read(text, where, known)
-        check_references({where: equation}, ())
-        nodes[name] = resolver.tree(equation)
-        names = name_set(nodes[name])
-        for other in (*graph.states, *graph.signals):
-            if other in names:
-                raise ModelError(
-                    f"{where}: {str(text)!r:.80} depends on {other!r}; a slow parameter depends on"
-                    " t and on other parameters"
-                )
-        for other in texts:
-            if other in names:
-                raise ModelError(
-                    f"{where}: {str(text)!r:.80} depends on {other!r}, which is slow itself; write"
-                    " out what it stands for, or give the constant part a parameter of its own"
-                )
-    return nodes
 
 
 class SlowParameters:

@@ -11,8 +11,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from nonsmooth.errors import ModelError
-from nonsmooth.system.equations import Equation
-from nonsmooth.system.expressions import (
+from nonsmooth.system.equations.equation import Equation
+from nonsmooth.system.text.expressions import (
     ONE,
     ZERO,
     Call,
@@ -28,7 +28,7 @@ from nonsmooth.system.expressions import (
     to_text,
     written_out,
 )
-from nonsmooth.system.functions import COMPARISONS, lookup
+from nonsmooth.system.text.functions import COMPARISONS, lookup
 
 __all__ = ["KINDS", "Scope", "Smoother"]
 

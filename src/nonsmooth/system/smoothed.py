@@ -9,13 +9,13 @@ from typing import Any
 
 from nonsmooth.errors import ModelError, OptionError
 from nonsmooth.real_numbers import finite_real, shown
-from nonsmooth.system.equations import Equation
-from nonsmooth.system.expressions import Expression, Name, Number, to_text
-from nonsmooth.system.grammar import is_name
-from nonsmooth.system.mode_equations import ModeEquations, is_relation
+from nonsmooth.system.equations.equation import Equation
+from nonsmooth.system.equations.mode_equations import ModeEquations, is_relation
 from nonsmooth.system.parts import Exit, Mode, Text
 from nonsmooth.system.smooth_texts import KINDS, Scope, Smoother
 from nonsmooth.system.system import System
+from nonsmooth.system.text.expressions import Expression, Name, Number, to_text
+from nonsmooth.system.text.grammar import is_name
 
 __all__ = ["check_kind", "smoothed"]
 

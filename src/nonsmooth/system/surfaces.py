@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from nonsmooth.errors import ModelError
-from nonsmooth.system.expressions import Expression
-from nonsmooth.system.grammar import is_name
 from nonsmooth.system.parts import Text
-from nonsmooth.system.switching import SwitchingSurface
+from nonsmooth.system.text.grammar import is_name
 
-__all__ = ["Declared", "Surface"]
+__all__ = ["Surface"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,21 +83,3 @@ class Surface:
                 f"Surface: on_nonunique={self.on_nonunique!r:.60} is not known; give 'below' or"
                 " 'above', or leave it out"
             )
-
-
-@dataclass(frozen=True, slots=True)
-class Declared:
-    """A declared surface as its mode meets it.
-
-    ``turned`` where the declared function has the other sign than that of ``surface``.
-    """
-
-    name: str
-    surface: SwitchingSurface
-    turned: bool
-    hold: Expression | None
-    given: Surface
-
-    def label(self, sign: int) -> str | None:
-        """Name of a side, by the sign of ``surface``."""
-        return (self.given.on, self.given.above, self.given.below)[-sign if self.turned else sign]

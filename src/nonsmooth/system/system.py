@@ -1,39 +1,36 @@
 """`System`: a piecewise-smooth dynamical system as a frozen value.
 
-It holds what the user wrote, checked. What the texts mean is in `structure`, the arrays
-that the engine runs are made by `compile`; no time stepping happens here.
+`SystemData` has its fields, and `EvaluatedSystem` what follows from them: what the texts mean, and
+numbers for the present parameters. Here everything is checked, and a system is read and written.
+No time stepping happens in this folder.
 """
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
 from typing import Any, TextIO
 
 from nonsmooth.errors import ModelError, unknown_name
 from nonsmooth.files import check_target, replacing
-from nonsmooth.system import checks
-from nonsmooth.system.compile import Compiled, compile_structure
-from nonsmooth.system.explain import explanation
-from nonsmooth.system.frozen import FrozenDict
-from nonsmooth.system.matrices import matrix_words
-from nonsmooth.system.mirror import Mirror, find_mirror
-from nonsmooth.system.parts import Mode, Text, items_of
-from nonsmooth.system.signals import Signal
-from nonsmooth.system.structure import Structure, structure_of
-from nonsmooth.system.surfaces import Surface
-from nonsmooth.system.toml_reading import read_system
-from nonsmooth.system.toml_writing import system_to_toml
+from nonsmooth.system.model.evaluated import EvaluatedSystem
+from nonsmooth.system.model.explain import explanation
+from nonsmooth.system.model.matrices import matrix_words
+from nonsmooth.system.model.name_checks import check_kinds, check_words, modes_of
+from nonsmooth.system.model.toml_reading import read_system
+from nonsmooth.system.model.toml_writing import system_to_toml
+from nonsmooth.system.model.value_checks import check_structure, check_values
+from nonsmooth.system.parts import FrozenDict, Text, items_of
+from nonsmooth.system.symmetry.mirror import Mirror, find_mirror
 
 __all__ = ["System"]
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
-class System:
+class System(EvaluatedSystem):
     """A piecewise-smooth dynamical system written as text equations.
 
     A system is a set of modes, each with a flow and exits whose guards are positive inside
@@ -134,23 +131,6 @@ class System:
     ('flow[+]', 'flow[-]')
     """
 
-    states: Sequence[str]
-    modes: Mapping[str, Mode] = field(default_factory=dict)
-    parameters: Mapping[str, Text] = field(default_factory=dict)
-    definitions: Mapping[str, Text] = field(default_factory=dict)
-    outputs: Mapping[str, Text] = field(default_factory=dict)
-    period: Text | None = None
-    drift: Sequence[str] | Mapping[str, Text] = ()
-    require: Mapping[str, str] = field(default_factory=dict)
-    initial: Mapping[str, Text] = field(default_factory=dict)
-    describe: Mapping[str, str] = field(default_factory=dict)
-    name: str = "system"
-    equations: Mapping[str, Text] | None = None
-    surfaces: Mapping[str, Surface] = field(default_factory=dict)
-    symmetry: Mapping[str, Text] = field(default_factory=dict)
-    slow: Mapping[str, Text] = field(default_factory=dict)
-    signals: Mapping[str, Signal] = field(default_factory=dict)
-
     def __post_init__(self) -> None:
         for key in ("signals", "slow", "surfaces", "symmetry"):
             if getattr(self, key) is None:
@@ -160,72 +140,20 @@ class System:
             if key == "drift" and isinstance(value, Mapping):
                 continue
             object.__setattr__(self, key, items_of(value, f"{key}: give a list of names"))
-        checks.check_kinds(self)
-        object.__setattr__(self, "modes", checks.modes_of(self.equations, self.modes))
+        check_kinds(self)
+        object.__setattr__(self, "modes", modes_of(self.equations, self.modes))
         for item in fields(self):
             if isinstance(getattr(self, item.name), Mapping):
                 object.__setattr__(self, item.name, FrozenDict(getattr(self, item.name)))
-        checks.check_words(self)
-        checks.check_structure(self)
-        checks.check_values(self)
-
-    @cached_property
-    def parameter_values(self) -> dict[str, float]:
-        """Values of the parameters as numbers."""
-        return checks.parameter_values(self.parameters)
-
-    @cached_property
-    def structure(self) -> Structure:
-        """What the texts mean; shared by systems that differ in parameter values only."""
-        return structure_of(self)
-
-    @cached_property
-    def compiled(self) -> Compiled:
-        """Arrays for the engine; independent of parameter values, shared like `structure`."""
-        return compile_structure(self.structure)
-
-    @cached_property
-    def rest_state(self) -> dict[str, float]:
-        """Documented rest state with every state in it."""
-        return checks.rest_state(self)
-
-    @cached_property
-    def open_state(self) -> dict[str, float]:
-        """Rest state with nan for states that a mode may give by its equations instead.
-
-        What a start leaves out takes the rest value, or stands as the mode that it begins in
-        wants it.
-        """
-        slaved = {state for mode in self.modes.values() for state in mode.slaved}
-        return {
-            state: math.nan if state in slaved else value
-            for state, value in self.rest_state.items()
-        }
-
-    @cached_property
-    def period_value(self) -> float | None:
-        """Period of the forcing for the present parameters, or None."""
-        return checks.period_value(self)
-
-    @cached_property
-    def unrepeated(self) -> str:
-        """What in the equations does not repeat after any time, in words; empty without it."""
-        return checks.unrepeated(self)
+        check_words(self)
+        check_structure(self)
+        check_values(self)
+        _ = self.mirror  # a symmetry that does not hold is refused
 
     @cached_property
     def mirror(self) -> Mirror | None:
         """What the declared symmetry does to states, modes and exits; None without one."""
         return find_mirror(self)
-
-    @property
-    def mode_names(self) -> tuple[str, ...]:
-        """Names of the modes that run, in order: piecewise ones by their cells."""
-        return tuple(forms.label for forms in self.structure.running)
-
-    @property
-    def drift_states(self) -> tuple[str, ...]:
-        """Names of the states on which nothing depends."""
-        return tuple(self.drift)
 
     def with_parameters(self, **parameters: Text) -> System:
         """Return the same system with some parameter values changed; ``require`` is repeated.
@@ -265,7 +193,8 @@ class System:
         )
         # texts are unchanged, so the parsed structure and its arrays stay valid
         other.__dict__.update(structure=self.structure, compiled=self.compiled)
-        checks.check_values(other)
+        check_values(other)
+        _ = other.mirror
         return other
 
     @classmethod
@@ -429,7 +358,7 @@ class System:
           natural motions
             x1, x2  oscillates, natural angular frequency about 2, damping ratio about 0.1
         """
-        print(explanation(self), end="", file=file)
+        print(explanation(self, "" if self.mirror is None else self.mirror.text), end="", file=file)
 
     @cached_property
     def _identity(self) -> str:

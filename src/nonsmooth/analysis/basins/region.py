@@ -11,10 +11,10 @@ import numpy.typing as npt
 
 from nonsmooth.errors import ModelError, OptionError, unknown_name
 from nonsmooth.runs.options import finite_number
-from nonsmooth.system.evaluate import evaluate
-from nonsmooth.system.expressions import Expression, names_in, to_text
-from nonsmooth.system.grammar import parse
 from nonsmooth.system.system import System
+from nonsmooth.system.text.evaluate import evaluate
+from nonsmooth.system.text.expressions import Expression, names_in, to_text
+from nonsmooth.system.text.grammar import parse
 
 __all__ = ["Box", "Completion", "Grid", "read_box", "read_completion", "read_grid"]
 

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from nonsmooth.engine.tables import Tables
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
-from nonsmooth.system.sure_values import rests_alike, sure_values
+from nonsmooth.system.model.value_checks import rests_alike, sure_values
 from nonsmooth.system.system import System
 
 __all__ = ["Column", "ColumnStarts", "Start"]

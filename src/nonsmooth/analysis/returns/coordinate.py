@@ -13,9 +13,9 @@ from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.runs.labels import labels_of
 from nonsmooth.runs.of_system import Map
 from nonsmooth.runs.poincare_map import PoincareMap
-from nonsmooth.system.evaluate import constant_value
-from nonsmooth.system.grammar import parse
 from nonsmooth.system.system import System
+from nonsmooth.system.text.evaluate import constant_value
+from nonsmooth.system.text.grammar import parse
 
 __all__ = ["PHASE", "Coordinate", "read_coordinate"]
 

@@ -15,12 +15,12 @@ from nonsmooth.errors import ModelError, OptionError, unknown_name
 from nonsmooth.runs.clock import Instant
 from nonsmooth.runs.options import finite_number
 from nonsmooth.runs.start import mode_numbers
-from nonsmooth.system.differentiate import derivative
-from nonsmooth.system.evaluate import evaluate
-from nonsmooth.system.expressions import Expression, Number, names_in, to_text
-from nonsmooth.system.grammar import parse
-from nonsmooth.system.graph import Graph
+from nonsmooth.system.algebra.differentiate import derivative
+from nonsmooth.system.algebra.graph import Graph
 from nonsmooth.system.system import System
+from nonsmooth.system.text.evaluate import evaluate
+from nonsmooth.system.text.expressions import Expression, Number, names_in, to_text
+from nonsmooth.system.text.grammar import parse
 
 __all__ = ["Family", "Starts", "read_family"]
 

@@ -11,9 +11,9 @@ import numpy.typing as npt
 
 from nonsmooth.engine.status import EventKind
 from nonsmooth.engine.tables import SLIDES
-from nonsmooth.system.evaluate import evaluate_shared
-from nonsmooth.system.expressions import Expression
 from nonsmooth.system.system import System
+from nonsmooth.system.text.evaluate import evaluate_shared
+from nonsmooth.system.text.expressions import Expression
 
 if TYPE_CHECKING:
     import xarray as xr

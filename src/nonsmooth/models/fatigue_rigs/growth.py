@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from nonsmooth.errors import OptionError
-from nonsmooth.system.evaluate import evaluate
-from nonsmooth.system.expressions import names_in
-from nonsmooth.system.grammar import parse
+from nonsmooth.system.text.evaluate import evaluate
+from nonsmooth.system.text.expressions import names_in
+from nonsmooth.system.text.grammar import parse
 
 __all__ = ["Reached", "lengths_to_check"]
 

@@ -11,10 +11,10 @@ import numpy as np
 
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.models.rigs.units import Unit
-from nonsmooth.system.evaluate import evaluate
-from nonsmooth.system.expressions import names_in
-from nonsmooth.system.grammar import parse
 from nonsmooth.system.system import System
+from nonsmooth.system.text.evaluate import evaluate
+from nonsmooth.system.text.expressions import names_in
+from nonsmooth.system.text.grammar import parse
 
 __all__ = ["Ties", "check_system", "units_of_ties", "with_likes"]
 

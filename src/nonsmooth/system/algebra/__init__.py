@@ -1,0 +1,1 @@
+"""Expressions that share their parts: derivatives, linear forms, and comparison by numbers."""

@@ -1,0 +1,258 @@
+"""Checks of a system for the present values of its parameters, and for many values at once.
+
+`check_values` tests one set of values and says what is wrong with it. `sure_values` tests many sets
+at once, as a sweep needs it, and gives no reasons. A test that is added to one of them has to be
+added to the other.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.engine.tables import FREE, RESTING
+from nonsmooth.errors import ModelError, unknown_name
+from nonsmooth.system.algebra.linear import LinearForm, State
+from nonsmooth.system.compile.structure import Structure
+from nonsmooth.system.equations.equation import Equation
+from nonsmooth.system.model.evaluated import EvaluatedSystem, static_value
+from nonsmooth.system.parts import Text
+from nonsmooth.system.text.evaluate import constant_value, evaluate
+from nonsmooth.system.text.expressions import ONE, Expression, Name, names_in, to_text
+from nonsmooth.system.text.grammar import parse_condition
+
+__all__ = [
+    "check_structure",
+    "check_values",
+    "condition_of",
+    "first_unmet",
+    "rests_alike",
+    "sure_values",
+]
+
+Bools = npt.NDArray[np.bool_]
+_TURN = 5e-15  # half of what `check_values` allows
+
+
+def check_structure(system: EvaluatedSystem) -> None:
+    """Linear forms exist and nothing depends on a drifting state."""
+    try:
+        structure = system.structure
+    except RecursionError:
+        raise ModelError(
+            f"{system.name}: definitions build on each other too deeply; write some of them out"
+        ) from None
+    for drifting in system.drift_states:
+        for where, depends in _dependences(structure, drifting):
+            if depends:
+                raise ModelError(
+                    f"drift: {where} depends on {drifting!r}, so it cannot be a drift state;"
+                    " leave it out of drift= or rewrite the equation"
+                )
+
+
+def _dependences(structure: Structure, drifting: str) -> Iterator[tuple[str, bool]]:
+    """Everything that a drift must not enter, and whether it does."""
+    for forms in structure.modes.values():
+        if forms.taylor is not None:
+            for where, node, own in forms.taylor.with_place(forms.name):
+                yield where, forms.depends(node, drifting, own)
+        elif forms.linear is not None:
+            for where, form, own in forms.linear.with_place(forms.name):
+                yield where, _form_depends(form, drifting, own)
+
+
+def _form_depends(form: LinearForm, drifting: str, own: str) -> bool:
+    if own != drifting:
+        return State(drifting) in form.terms
+    moved = {b: c for b, c in form.terms.items() if b != State(drifting)}
+    stays = form.coefficient(State(drifting)) == ONE
+    return not stays or any(isinstance(b, State) for b in moved)
+
+
+def check_values(system: EvaluatedSystem) -> None:
+    """Everything that depends on the values of the parameters."""
+    values = system.parameter_values
+    for condition in system.require:
+        for node in _condition_names(condition):
+            if node.name not in values and node.name != "pi":
+                sentence = unknown_name("parameter", node.name, values)
+                raise ModelError(f"require[{condition!r}]: {sentence}")
+    unmet = first_unmet(system.require, values)
+    if unmet:
+        raise ModelError(unmet)
+    for name, forms in system.structure.modes.items():
+        # of a piecewise guard one side may be a constant, and so may a reaction
+        if forms.sides or forms.kind != FREE:
+            continue
+        at_rest = _moving_at_rest(system.structure, forms.declared)
+        for way, guard in zip(forms.exit_names, forms.constant_guards, strict=True):
+            if guard is not None and way not in at_rest:
+                _check_guard(f"modes[{name!r}], exit {way!r}", guard, values)
+    _check_finite(system)
+    _check_holds(system)
+    _check_angles(system)
+    _ = system.rest_state
+    period = system.period_value
+    if period is not None:
+        _check_period(system, period)
+
+
+def _check_guard(where: str, guard: Expression, values: Mapping[str, float]) -> None:
+    value = constant_value(guard, values)
+    if not value > 0.0:
+        raise ModelError(
+            f"{where}: the guard is the constant {value:g}; a guard is positive inside its mode,"
+            " so this mode could never be left or never be entered"
+        )
+
+
+def _moving_at_rest(structure: Structure, declared: str) -> set[str]:
+    """Exits of a mode whose guards change while it is at rest, such as those that read a force."""
+    return {
+        way
+        for forms in structure.running
+        if forms.declared == declared and forms.kind == RESTING
+        for way, guard in zip(forms.exit_names, forms.constant_guards, strict=True)
+        if guard is None
+    }
+
+
+def _check_finite(system: EvaluatedSystem) -> None:
+    """Every coefficient is a finite number for the present parameters."""
+    structure = system.structure
+    values = structure.coefficient_values.values(system.parameter_values)
+    for (where, coefficient), value in zip(structure.coefficients, values, strict=True):
+        if not math.isfinite(value):
+            raise ModelError(
+                f"{where}: {to_text(coefficient)} is {float(value)} for the parameters given;"
+                " change them, or forbid such values in require="
+            )
+
+
+def _check_holds(system: EvaluatedSystem) -> None:
+    """What a surface holds is no less than what it does while motion passes."""
+    for name, text, hold in _held(system):
+        value = constant_value(hold, system.parameter_values)
+        if not value >= 1.0:
+            raise ModelError(
+                f"surfaces[{name!r}].hold = {text!r} is {value:g} for the parameters given; it is"
+                " static over kinetic friction, 1 or more"
+            )
+
+
+def _held(system: EvaluatedSystem) -> Iterator[tuple[str, Text, Expression]]:
+    """Surfaces that hold: their names, the text, and its expression of parameters."""
+    found = {}
+    for surfaces in system.structure.surfaces.values():
+        for name, declared in surfaces.items():
+            if declared.hold is not None and declared.given.hold is not None:
+                found[name] = (name, declared.given.hold, declared.hold)
+    yield from found.values()
+
+
+def _check_angles(system: EvaluatedSystem) -> None:
+    """Periods of angles in ``drift`` are positive."""
+    for where, text, form in _angle_periods(system):
+        if not static_value(form, system.parameter_values, where) > 0.0:
+            raise ModelError(f"{where} = {text!r}: the period of an angle is positive")
+
+
+def _angle_periods(system: EvaluatedSystem) -> Iterator[tuple[str, Text, LinearForm]]:
+    """Where the period of each angle in ``drift`` stands, its text, and what it means."""
+    if not isinstance(system.drift, Mapping):
+        return
+    known = {*system.parameters, *system.definitions, "pi"}
+    for state, text in system.drift.items():
+        where = f"drift[{state!r}]"
+        yield where, text, system.structure.static_form.form(Equation.read(text, where, known))
+
+
+def _check_period(system: EvaluatedSystem, period: float) -> None:
+    structure = system.structure
+    for frequency in structure.frequencies:
+        turns = constant_value(frequency, system.parameter_values) * period / (2.0 * math.pi)
+        # a period computed in double precision from its frequency is off by some ulps only
+        if abs(turns - round(turns)) > 1e-14 * max(1.0, abs(turns)):
+            raise ModelError(
+                f"period = {period:g} is not a period of the equations: cos({to_text(frequency)}*t)"
+                f" turns {turns:.6g} times in it; give a common period as an expression such as"
+                " '2*pi/omega', or none"
+            )
+
+
+def first_unmet(require: Mapping[str, str], values: Mapping[str, float]) -> str:
+    """The first condition that some values do not meet, in words; empty without one."""
+    for condition, reason in require.items():
+        if not _holds(condition, values):
+            names = [n.name for n in _condition_names(condition) if n.name != "pi"]
+            given = ", ".join(f"{name} = {values[name]:g}" for name in names)
+            return f"{condition} is required, {given} was given: {reason}"
+    return ""
+
+
+def _holds(condition: str, values: Mapping[str, float]) -> bool:
+    return bool(constant_value(condition_of(condition), values))
+
+
+@lru_cache(maxsize=1024)
+def condition_of(text: str) -> Expression:
+    """Expression of a condition in ``require``."""
+    return parse_condition(text, where=f"require[{text!r}]")
+
+
+def _condition_names(text: str) -> list[Name]:
+    return list({node.name: node for node in names_in(condition_of(text))}.values())
+
+
+# ---------------------------------------------------------------- many values at once
+
+
+def sure_values(system: EvaluatedSystem, sets: Mapping[str, npt.NDArray[np.float64]]) -> Bools:
+    """Whether `System.with_parameters` takes each of K sets of values for sure, (K,) by name.
+
+    The others need to be asked for one by one, which also tells what is wrong with them.
+    """
+    known: dict[str, Any] = {**system.parameter_values, **sets}
+    structure = system.structure
+    sure = np.ones(next(iter(sets.values())).shape, bool)
+
+    def number(expression: Expression) -> Any:
+        return evaluate(expression, known)
+
+    with np.errstate(all="ignore"):
+        for condition in system.require:
+            sure &= np.asarray(number(condition_of(condition)), bool)
+        positive = [form.constant_part for _, _, form in _angle_periods(system)]
+        for forms in structure.modes.values():
+            if not forms.sides:
+                positive += [guard for guard in forms.constant_guards if guard is not None]
+        for expression in positive:
+            value = number(expression)
+            sure &= (value > 0.0) & np.isfinite(value)
+        for value in structure.coefficient_values.values(known):
+            sure &= np.isfinite(value)
+        for equation in structure.initial.values():
+            sure &= np.isfinite(number(structure.static_form.form(equation).constant_part))
+        for period in structure.period_nodes:
+            length = number(period)
+            sure &= (length > 0.0) & np.isfinite(length)
+            for frequency in structure.frequencies:
+                turns = number(frequency) * length / (2.0 * math.pi)
+                sure &= np.abs(turns - np.rint(turns)) <= _TURN * np.maximum(1.0, np.abs(turns))
+    return sure
+
+
+def rests_alike(system: EvaluatedSystem, names: Iterable[str]) -> bool:
+    """Whether the rest state is the same for all values of some parameters."""
+    form, chosen = system.structure.static_form.form, set(names)
+    texts: Mapping[str, Any] = system.structure.initial
+    return all(
+        chosen.isdisjoint(each.name for each in names_in(form(equation).constant_part))
+        for equation in texts.values()
+    )

@@ -1,0 +1,1 @@
+"""Whether a declared symmetry holds, and what it does to states, modes and exits."""

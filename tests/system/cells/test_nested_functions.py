@@ -1,0 +1,71 @@
+"""Piecewise functions inside each other: each one doubles the cells, and few of these meet."""
+
+import numpy as np
+import pytest
+
+import nonsmooth as ns
+from nonsmooth.errors import ModelError
+
+
+def folded(depth):
+    """abs(... abs(abs(x - 1/2) - 1/4) ... ), a zigzag of x with 2^depth pieces."""
+    text = "x"
+    for k in range(depth):
+        text = f"abs({text} - {0.5 ** (k + 1)!r})"
+    return text
+
+
+@pytest.mark.parametrize("depth", [2, 4, 6])
+def test_a_continuous_zigzag_has_no_cells_to_slide_in(depth):
+    """Its sides never point at each other: all cells lie between surfaces, none on one."""
+    system = ns.System(states=["x"], equations={"x": f"-{folded(depth)}"})
+    assert all(not family.split.sliding for family in system.structure.families.values())
+    assert len(system.structure.running) <= 2**depth
+
+
+def test_the_number_of_pairs_that_are_compared(monkeypatch):
+    """Six deep there are sixty cells; far fewer pairs than 60^2 / 2 need more than a look."""
+    from nonsmooth.system.cells import sliding
+
+    looked_at, original = [], sliding.vanishes
+    monkeypatch.setattr(
+        sliding, "vanishes", lambda *given, **more: looked_at.append(1) or original(*given, **more)
+    )
+    system = ns.System(states=["x"], equations={"x": f"-{folded(6)}"})
+    assert len(looked_at) <= 6 * len(system.structure.running)
+
+
+def test_motion_down_a_zigzag():
+    """x' = -||x - 1| - 1/4| from x = 2: towards x = 5/4, where the slope is one, by exp(-t)."""
+    system = ns.System(states=["x"], equations={"x": "-abs(abs(x - 1) - 0.25)"})
+    run = ns.simulate(system, {"x": 2.0}, t_end=3.0)
+    assert np.allclose(run["x"], 1.25 + 0.75 * np.exp(-run["time"]), rtol=1e-14)
+
+
+def test_motion_through_the_pieces():
+    """x' = 1 - ||x| - 1|/2 from x = -2: in pieces, each an exponential.
+
+    Below -1 the rate is (3 + x)/2, so x + 3 = exp(t/2), until t1 = 2 ln 2; then 1/2 - x/2 until 0.
+    """
+    system = ns.System(states=["x"], equations={"x": "1 - abs(abs(x) - 1)/2"})
+    run = ns.simulate(system, {"x": -2.0}, t_end=2.0)
+    t1 = 2 * np.log(2.0)
+    first = run["time"].values <= t1
+    t = run["time"].values
+    assert np.allclose(run["x"].values[first], -3 + np.exp(t[first] / 2), rtol=1e-13, atol=1e-14)
+    rest = 1 - 2 * np.exp(-(t[~first] - t1) / 2)
+    assert np.allclose(run["x"].values[~first], rest, rtol=1e-13, atol=1e-14)
+
+
+def test_jumps_of_nested_functions_are_still_slid_on():
+    """x' = -sign(|x| - 1) slides at x = 1, and x = -1 is left to both sides."""
+    system = ns.System(states=["x"], equations={"x": "-sign(abs(x) - 1)"})
+    run = ns.simulate(system, {"x": 3.0}, t_end=5.0)
+    expected = np.maximum(1.0, 3.0 - run["time"].values)
+    assert np.allclose(run["x"], expected, atol=1e-14)
+
+
+def test_too_deep(monkeypatch):
+    monkeypatch.setattr("nonsmooth.system.cells.cells.MOST_MODES", 64)
+    with pytest.raises(ModelError, match="more than 64 cells; write some"):
+        ns.System(states=["x"], equations={"x": f"-{folded(8)}"})
