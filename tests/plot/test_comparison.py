@@ -45,6 +45,79 @@ def test_histories(run, record, ax):
     np.testing.assert_array_equal(lines(ax)["rig"].get_xdata(), record["time"])
 
 
+def late_record(run, offset):
+    """A record of ten periods of a run, whose clock began at another time."""
+    part = run.isel(time=slice(3000, 4001))
+    times = part["time"].values + offset
+    marks = np.arange(30, 40) * np.pi + offset
+    record = ns.measured.from_arrays({"x": part["x"].values}, times=times, marks=marks)
+    return record.assign_coords(time=record["time"].drop_attrs())
+
+
+def test_histories_are_aligned_by_their_marks(run, ax):
+    record = late_record(run, -50.0)
+    ns.plot.comparison(run, record, "time", "x", ax=ax)
+    drawn = lines(ax)
+    rig, model = drawn["measured"], drawn["computed"]
+    here = (model.get_xdata() > rig.get_xdata()[0]) & (model.get_xdata() < rig.get_xdata()[-1])
+    assert here.sum() > 990
+    at_samples = np.interp(model.get_xdata()[here], rig.get_xdata(), rig.get_ydata())
+    np.testing.assert_allclose(model.get_ydata()[here], at_samples, atol=1e-3)
+    assert ax.get_xlabel() == "time of the record"
+    low, high = ax.get_xlim()
+    assert low >= rig.get_xdata()[0] and high <= rig.get_xdata()[-1]
+
+
+def test_histories_are_folded_by_phase(run, ax):
+    record = late_record(run, 17.0).assign_coords()
+    record["time"].attrs["units"] = "s"  # a phase has no unit of time
+    settled = run.isel(time=slice(3000, None))
+    ns.plot.comparison(settled, record, "time", "x", align="phase", ax=ax)
+    assert ax.get_xlabel() == "phase [periods since the mark]" and ax.get_xlim() == (0.0, 1.0)
+    for line in ax.lines:
+        phase, x = line.get_xdata(), line.get_ydata()
+        there = np.isfinite(phase)
+        assert (phase[there] >= 0.0).all() and (phase[there] <= 1.0).all()
+        ahead = np.diff(phase)[np.isfinite(np.diff(phase))]
+        assert (ahead >= 0.0).all()  # no line leads back from 1 to 0
+        first = settled["x"].values[:101]
+        expected = np.interp(phase[there], np.linspace(0.0, 1.0, 101), first)
+        np.testing.assert_allclose(x[there], expected, atol=1e-3)
+
+
+def test_histories_as_they_are(run, ax):
+    ns.plot.comparison(run, late_record(run, -50.0), "time", "x", align="time", ax=ax)
+    np.testing.assert_array_equal(lines(ax)["computed"].get_xdata()[-1], run["time"][-1])
+
+
+def test_what_cannot_be_aligned_is_refused(run, record, ax):
+    record = record.assign_coords(time=record["time"].drop_attrs())
+    with pytest.raises(OptionError, match=r"align = 'marks'.*mark"):
+        ns.plot.comparison(run, record, "time", "x", align="marks", ax=ax)
+    with pytest.raises(OptionError, match="give x='time'"):
+        ns.plot.comparison(run, record, "x", "vx", align="phase", ax=ax)
+    with pytest.raises(OptionError, match="measured has no marks and no period"):
+        ns.plot.comparison(run, record.drop_vars("mark_time"), "time", "x", align="phase", ax=ax)
+
+
+def test_spectra_are_compared_in_decibels(run, ax):
+    found = ns.power_spectrum(run, "x", transient=40)
+    tenth = found.assign(amplitude=found["amplitude"] / 10.0)
+    tenth = tenth.assign(amplitude=tenth["amplitude"].assign_attrs(found["amplitude"].attrs))
+    ns.plot.comparison(found, tenth, "harmonic", "amplitude", ax=ax)
+    model, rig = lines(ax)["computed"].get_ydata(), lines(ax)["measured"].get_ydata()
+    assert model.max() == pytest.approx(20.0 * np.log10(float(found["amplitude"].max())))
+    assert model.max() - rig.max() == pytest.approx(20.0)
+    assert model.max() - min(model.min(), rig.min()) <= 120.0 + 1e-9
+    assert lines(ax)["computed"].get_linestyle() == "-" and "dB re 1" in ax.get_ylabel()
+    power = found.assign(power_density=found["power_density"] / 10.0)
+    power["power_density"].attrs = found["power_density"].attrs
+    axes = ns.plot.comparison(found, power, "frequency", "power_density")
+    assert lines(axes)["computed"].get_ydata().max() - lines(axes)[
+        "measured"
+    ].get_ydata().max() == (pytest.approx(10.0))
+
+
 def test_sections(record, ax):
     points = ns.measured.section(record)
     computed = ns.stroboscopic_map(SYSTEM, record=40)

@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy.typing as npt
 
+from nonsmooth.analysis.diagrams.chain_links import End
 from nonsmooth.analysis.diagrams.columns import Look
 from nonsmooth.analysis.diagrams.diagram_dataset import diagram_dataset
 from nonsmooth.analysis.diagrams.diagram_options import check_values, check_way, read_protocol
 from nonsmooth.analysis.diagrams.diagram_tasks import diagram_tasks, make_worker
 from nonsmooth.analysis.diagrams.look_arrays import pack_looks, unpack_looks
 from nonsmooth.errors import OptionError
+from nonsmooth.runs.carried import check_carried
 from nonsmooth.runs.crew import check_threads
 from nonsmooth.runs.of_system import map_of
 from nonsmooth.runs.runner import build_tables
@@ -90,8 +92,7 @@ def bifurcation_diagram(
         Threads to use; all processors without it. The result does not depend on it.
     store : path, optional
         A folder, made where it is missing, in which columns are kept as they are done: after an
-        interruption the same call goes on there. A followed diagram goes on from whole chains, one
-        for each initial state.
+        interruption the same call goes on there, also within a followed diagram.
 
     Returns
     -------
@@ -154,14 +155,17 @@ def bifurcation_diagram(
         raise OptionError("initial= is an empty list; give at least one initial state")
     # refuse here what no column could begin with
     tables = build_tables(system)
+    for each in given:
+        check_carried(system, each, parameters, (parameter,))
     begins = [resolve_start(system, tables, each, None, mode, True) for each in given]
     looks: list[list[Look | None]] = [[None] * len(given) for _ in grid]
-    tasks, places = diagram_tasks(protocol, grid, given, mode, way)
+    work = diagram_tasks(protocol, grid, given, mode, way)
 
-    def keep(i: int, found: list[Look]) -> None:
-        lane, links = places[i]
-        for column, look in zip(links, found, strict=True):
+    def keep(i: int, found: tuple[list[Look], End | None]) -> None:
+        lane, columns = work.places[i]
+        for column, look in zip(columns, found[0], strict=True):
             looks[column][lane] = look
+        work.ends[i] = found[1]
 
     options = {
         "start": way,
@@ -175,7 +179,7 @@ def bifurcation_diagram(
         "initial": str([_said(each) for each in given]),
     }
     complete = run_stored_tasks(
-        tasks,
+        work.tasks,
         lambda: make_worker(chosen, tolerance),
         store=store,
         protocol={
@@ -190,6 +194,7 @@ def bifurcation_diagram(
         threads=check_threads(threads),
         label="bifurcation diagram",
         keep=keep,
+        after=work.after,
     )
     return diagram_dataset(protocol, grid, looks, options, complete)
 
@@ -198,4 +203,4 @@ def _said(initial: Any) -> str:
     """An initial state as the protocol tells it."""
     if initial is None:
         return "at rest"
-    return str(dict(initial)) if isinstance(initial, Mapping) else "a point of a dataset"
+    return "a point of a dataset" if hasattr(initial, "data_vars") else str(dict(initial))

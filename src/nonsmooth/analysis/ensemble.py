@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from nonsmooth.analysis.ensembles.chunk import Protocol
 from nonsmooth.analysis.ensembles.ensemble_dataset import Frame
-from nonsmooth.analysis.ensembles.members import members_of, split_parameters
+from nonsmooth.analysis.ensembles.members import mappings_of, members_of, split_parameters
 from nonsmooth.analysis.ensembles.work import Work
 from nonsmooth.errors import OptionError
 from nonsmooth.runs.assemble import Columns
@@ -60,10 +60,10 @@ def ensemble(
     ----------
     system : System
         The system; without ``times`` it needs a period.
-    initial : mapping or list of mappings, optional
+    initial : mapping or dataset, or a list of these, optional
         Numbers, or lists of numbers of one length, by the names of states: one initial state for
-        each place in the lists. Or a list with a mapping for each. States that are not given are
-        those at rest.
+        each place in the lists. Or a point of a dataset, as in `simulate`, or a list with one for
+        each. States that are not given are those at rest.
     parameters : mapping of str to float or array_like, optional
         Changed values of parameters; a list gives several.
     combine : {"grid", "pairs"}, optional
@@ -145,6 +145,7 @@ def ensemble(
             "ensemble: the parameters in slow= change from period to period; simulate the system,"
             " or leave slow= out"
         )
+    initial = mappings_of(system, initial, None if several and not single else parameters, several)
     plan, along, recorded = _plan(system, times, transient, record, phase)
     protocol = Protocol(
         system=system,

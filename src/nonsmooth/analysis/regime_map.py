@@ -17,10 +17,11 @@ from nonsmooth.analysis.regimes.points import Plane
 from nonsmooth.analysis.regimes.regime_dataset import map_dataset, said_of_start
 from nonsmooth.analysis.regimes.several_starts import maps_of_starts
 from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.runs.carried import check_carried
 from nonsmooth.runs.crew import check_threads
 from nonsmooth.runs.options import check_run_options, finite_number
 from nonsmooth.runs.runner import build_tables
-from nonsmooth.runs.start import resolve_start
+from nonsmooth.runs.start import Start, resolve_start
 from nonsmooth.system.system import System
 
 if TYPE_CHECKING:
@@ -179,7 +180,8 @@ def regime_map(
             " take fewer values, or a smaller refine="
         )
     # refuse here what no point could begin with
-    resolve_start(system, build_tables(system), initial, None, mode, repeated=True)
+    check_carried(system, initial, parameters, names)
+    begin = resolve_start(system, build_tables(system), initial, None, mode, repeated=True)
     options = {
         "start": way,
         "initial": said_of_start(initial),
@@ -200,7 +202,7 @@ def regime_map(
     told = options | {
         "system": system.to_toml(),
         "over": {name: array for name, array in zip(names, values, strict=True)},
-        "initial": _start_of(system, initial),
+        "initial": _start_of(initial, begin),
     }
     plane = Plane(
         protocol, system, names, fine, initial, mode, period, tolerance, check_threads(threads),
@@ -255,8 +257,8 @@ def _check_refine(refine: Any) -> int:
     return int(number)
 
 
-def _start_of(system: System, initial: Any) -> Any:
+def _start_of(initial: Any, begin: Start) -> Any:
     """An initial state in numbers, for comparison with that of an earlier call."""
-    if initial is None or isinstance(initial, Mapping):
-        return {str(name): float(value) for name, value in (initial or {}).items()}
-    return [float(initial[name]) for name in system.states]
+    if hasattr(initial, "data_vars"):
+        return [*begin.state, *begin.modes]
+    return {str(name): float(value) for name, value in (initial or {}).items()}

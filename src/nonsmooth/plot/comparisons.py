@@ -8,6 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.plot.alignment import folded, shift_to_marks, way_to_align
+from nonsmooth.plot.compared_spectra import decibel_label, draw_spectra, is_spectrum
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.style import LINES, PALETTE, axis_label, finish_axes
@@ -31,22 +33,33 @@ def comparison(
     x: str,
     y: str,
     *,
+    align: str | None = None,
     ax: Axes | None = None,
     labels: tuple[str, str] = ("computed", "measured"),
     legend: bool = True,
 ) -> Axes:
-    """Measured motion and computed one on the same axes: orbits, sections or diagrams.
+    """Measured motion and computed one on the same axes.
+
+    These are orbits, histories, sections, diagrams or spectra.
 
     Parameters
     ----------
     computed : xarray.Dataset
-        Result of `simulate` (curves), of `stroboscopic_map` or `poincare_section` (points), or of
-        `bifurcation_diagram` (points over the parameter).
+        Result of `simulate` (curves), of `stroboscopic_map` or `poincare_section` (points), of
+        `bifurcation_diagram` (points over the parameter), or of `power_spectrum` or
+        `full_spectrum` (curves in decibels).
     measured : xarray.Dataset
         Record, `measured.section` or `measured.diagram`, of the same kind and with the same
         units.
     x, y : str
-        Variables of both; ``x="parameter"`` for diagrams.
+        Variables of both; ``x="time"`` for histories, ``x="parameter"`` for diagrams,
+        ``x="frequency"`` or ``x="harmonic"`` for spectra.
+    align : {"mark", "phase", "time"}, optional
+        How histories are brought together. ``"mark"`` moves the computed motion in time: its last
+        period begins at the last mark of the record, and the axes show the time that both cover.
+        ``"phase"`` folds both, from 0 at each mark to 1 at the next. ``"time"`` takes both as they
+        are. By default ``"mark"`` where both have marks or a period of the forcing, else
+        ``"time"``.
     ax : matplotlib.axes.Axes, optional
         Where to draw; new axes of a column's width by default.
     labels : tuple of str, optional
@@ -62,8 +75,16 @@ def comparison(
     Raises
     ------
     OptionError
-        For a variable that one of the two has not, results of different kinds, or units that
-        differ.
+        For a variable that one of the two has not, results of different kinds, units that
+        differ, or motions that cannot be aligned as asked.
+
+    Notes
+    -----
+    A motion of several periods has several marks in each of them, so that it may be moved by whole
+    periods: leave out periods at the end of the run, as in ``run.sel(time=slice(0, 40 * period))``.
+
+    Decibels are 20 times the decimal logarithm of an amplitude over one unit, and 10 times that of
+    a power density. What lies more than 120 dB below the largest value is drawn there.
 
     Examples
     --------
@@ -82,7 +103,8 @@ def comparison(
     """
     for data, which in ((computed, "computed"), (measured, "measured")):
         _check(data, which, x, y)
-    _check_units(computed, measured, x, y)
+    way = way_to_align(align, x, computed, measured)
+    _check_units(computed, measured, (y,) if way == "phase" else (x, y))
     one, other = computed[y].dims, measured[y].dims
     if ("time" in one) != ("time" in other) or ("parameter" in one) != ("parameter" in other):
         raise OptionError(
@@ -90,26 +112,73 @@ def comparison(
             " two results of one kind"
         )
     ax = new_axes() if ax is None else ax
-    draw = _draw_curves if "time" in one else _draw_points
-    draw(computed, measured, x, y, ax, labels)
-    finish_axes(ax, axis_label(computed[x]), axis_label(computed[y]))
+    x_label, y_label = axis_label(computed[x]), axis_label(computed[y])
+    if "time" in one and x == "time":
+        x_label = _draw_histories(computed, measured, y, ax, labels, way)
+    elif "time" in one:
+        _draw_orbits(computed, measured, x, y, ax, labels)
+    elif is_spectrum(computed, y) and is_spectrum(measured, y):
+        draw_spectra(computed, measured, x, y, ax, labels)
+        y_label = decibel_label(measured[y])
+    else:
+        _draw_points(computed, measured, x, y, ax, labels)
+    finish_axes(ax, x_label, y_label)
     if legend:
         place_legend(ax)
     return ax
 
 
-def _draw_curves(
+def _looks(
+    computed: xr.Dataset, measured: xr.Dataset, labels: tuple[str, str]
+) -> tuple[tuple[xr.Dataset, dict[str, Any]], ...]:
+    """The curve of each of the two, the one below first."""
+    return (
+        (measured, {"label": labels[1], "color": PALETTE["sky"], "linewidth": 0.7}),
+        (computed, {"label": labels[0], "color": LINES[0]["color"], "linewidth": 0.7}),
+    )
+
+
+def _draw_orbits(
     computed: xr.Dataset, measured: xr.Dataset, x: str, y: str, ax: Axes, labels: tuple[str, str]
 ) -> None:
-    looks: Any = (
-        (measured, labels[1], {"color": PALETTE["sky"], "linewidth": 0.7}),
-        (computed, labels[0], {"color": LINES[0]["color"], "linewidth": 0.7}),
-    )
-    for data, label, look in looks:
+    for data, look in _looks(computed, measured, labels):
         names = [name for name in (x, y) if name != "time"]
         trace = curve(data, names)
         values = dict(zip(names, trace.values, strict=True)) | {"time": trace.time}
-        ax.plot(values[x], values[y], label=label, rasterized=trace.time.size > DENSE, **look)
+        ax.plot(values[x], values[y], rasterized=trace.time.size > DENSE, **look)
+
+
+def _draw_histories(
+    computed: xr.Dataset,
+    measured: xr.Dataset,
+    y: str,
+    ax: Axes,
+    labels: tuple[str, str],
+    way: str,
+) -> str:
+    """Both over time, aligned in one of the ways; what the axis shows."""
+    shift = shift_to_marks(computed, measured) if way == "mark" else 0.0
+    spans = []
+    for data, look in _looks(computed, measured, labels):
+        trace = curve(data, [y])
+        time, values = trace.time, trace.values[0]
+        if way == "phase":
+            time, values = folded(time, values, data)
+        elif data is computed and way == "mark":
+            time = time + shift
+            seen = (time >= float(measured["time"][0])) & (time <= float(measured["time"][-1]))
+            if np.any(seen):  # a transient before the record would set the range of the axes
+                time, values = time[seen], values[seen]
+        spans.append((float(np.nanmin(time)), float(np.nanmax(time))))
+        ax.plot(time, values, rasterized=time.size > DENSE, **look)
+    low, high = max(span[0] for span in spans), min(span[1] for span in spans)
+    if way == "phase":
+        ax.set_xlim(0.0, 1.0)
+        return "phase [periods since the mark]"
+    if way == "mark" and low < high:
+        ax.set_xlim(low, high)
+    label = axis_label(measured["time"] if measured["time"].attrs else computed["time"])
+    return label.replace("time", "time of the record", 1) if way == "mark" else label
 
 
 def _draw_points(
@@ -157,9 +226,9 @@ def _check(data: Any, which: str, x: str, y: str) -> None:
         raise OptionError(f"{which}: there is nothing to draw; see its attribute 'message'")
 
 
-def _check_units(computed: xr.Dataset, measured: xr.Dataset, x: str, y: str) -> None:
+def _check_units(computed: xr.Dataset, measured: xr.Dataset, names: tuple[str, ...]) -> None:
     """Refuse millimetres over what has no dimension."""
-    for name in (x, y):
+    for name in names:
         units = [str(data[name].attrs.get("units", "")) for data in (computed, measured)]
         if units[0] != units[1]:
             raise OptionError(

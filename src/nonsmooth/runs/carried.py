@@ -2,21 +2,43 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Mapping
 from typing import Any
 
 from nonsmooth.errors import OptionError
 from nonsmooth.runs.labels import labels_of
 from nonsmooth.system.system import System
 
-__all__ = ["refuse_other_parameters"]
+__all__ = ["check_carried", "refuse_other_parameters"]
 
 _TIMES = {"time", "phase", "period_number"}  # coordinates of any result
 
 
-def refuse_other_parameters(system: System, data: Any, what: str) -> None:
+def check_carried(
+    system: System,
+    initial: Any,
+    parameters: Mapping[str, Any] | None,
+    swept: Collection[str] = (),
+) -> None:
+    """Refuse an initial point or run of other parameters, unless ``parameters`` were given anew.
+
+    Those that are ``swept`` differ from run to run, whatever the start.
+    """
+    if parameters is None and hasattr(initial, "data_vars"):
+        what = "run" if "time" in initial.dims else "point"
+        refuse_other_parameters(system, initial, what, swept)
+
+
+def refuse_other_parameters(
+    system: System, data: Any, what: str, swept: Collection[str] = ()
+) -> None:
     """Refuse a point, or a run, that belongs to other parameters than those of the system."""
     known = system.parameter_values
-    other = {name: value for name, value in _carried(system, data).items() if value != known[name]}
+    other = {
+        name: value
+        for name, value in _carried(system, data).items()
+        if name not in swept and value != known[name]
+    }
     if not other:
         return
     raise OptionError(

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import os
 import threading
-from collections.abc import Callable, Collection
+from collections import deque
+from collections.abc import Callable, Collection, Mapping
 from queue import Empty, SimpleQueue
 from typing import Any, TypeVar
 
@@ -23,7 +24,11 @@ _AHEAD = 8  # tasks for each thread that are begun or have results which nobody 
 
 
 class Stopped(Exception):
-    """Raised in a task that was told to stop."""
+    """Raised in a task that was told to stop; ``done`` is the part of its result it had by then."""
+
+    def __init__(self, done: Any = None) -> None:
+        super().__init__()
+        self.done = done
 
 
 def check_threads(threads: Any) -> int:
@@ -43,14 +48,18 @@ def run_tasks(
     label: str,
     keep: Callable[[int, T], None],
     done: Collection[int] = (),
+    after: Mapping[int, int] | None = None,
+    keep_part: Callable[[int, T], None] | None = None,
     measure: Callable[[], tuple[float, float]] | None = None,
 ) -> bool:
     """Run all tasks; ``keep`` is told the number and result of each as it comes.
 
-    The tasks whose numbers are ``done`` are left out. Every thread makes a worker of its own,
-    which its tasks get with an event that is set when they should stop. The progress bar counts
-    tasks, or shows what ``measure`` says: how much is done, of how much. Returns False where the
-    user interrupted; what was kept stays.
+    The tasks whose numbers are ``done`` are left out. A task with a number in ``after`` begins when
+    the result of the task of that number has been kept. ``keep_part`` is told what a task had when
+    it was stopped, see `Stopped`. Every thread makes a worker of its own, which its tasks get with
+    an event that is set when they should stop. The progress bar counts tasks, or shows what
+    ``measure`` says: how much is done, of how much. Returns False where the user interrupted; what
+    was kept stays.
     """
     stop = threading.Event()
     # An interruption may come between any two steps of this thread. Queues that are C throughout
@@ -71,15 +80,15 @@ def run_tasks(
 
     crew = [threading.Thread(target=work, daemon=True) for _ in range(threads)]
     complete, done_so_far, under_way = True, len(done), 0
-    remaining = iter([i for i in range(len(tasks)) if i not in done])
+    ready, following = _in_order(len(tasks), done, after or {})
     with Progress(label, len(tasks) if measure is None else measure()[1]) as progress:
         try:
             for thread in crew:
                 thread.start()
             while True:
                 # keep every thread busy; results that nobody has taken yet need memory
-                while under_way < _AHEAD * threads and (i := next(remaining, None)) is not None:
-                    todo.put(i)
+                while under_way < _AHEAD * threads and ready:
+                    todo.put(ready.popleft())
                     under_way += 1
                 if under_way == 0:
                     break
@@ -93,6 +102,8 @@ def run_tasks(
                 if fault is not None:
                     raise fault
                 keep(i, result)
+                if i in following:
+                    ready.appendleft(following[i])
                 done_so_far += 1
                 progress.update(done_so_far if measure is None else measure()[0])
         except KeyboardInterrupt:
@@ -108,7 +119,18 @@ def run_tasks(
         i, result, fault = results.get()
         if fault is None:
             keep(i, result)
+        elif keep_part and isinstance(fault, Stopped) and fault.done is not None:
+            keep_part(i, fault.done)
     return complete
+
+
+def _in_order(
+    count: int, done: Collection[int], after: Mapping[int, int]
+) -> tuple[deque[int], dict[int, int]]:
+    """Tasks that may begin at once, and which task follows one that is kept."""
+    left = [i for i in range(count) if i not in done]
+    ready = deque(i for i in left if i not in after or after[i] in done)
+    return ready, {after[i]: i for i in left if i in after and after[i] not in done}
 
 
 def take(results: SimpleQueue[T]) -> T:

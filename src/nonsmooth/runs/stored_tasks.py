@@ -28,14 +28,21 @@ def run_stored_tasks(
     threads: int,
     label: str,
     keep: Callable[[int, T], None],
+    after: Mapping[int, int] | None = None,
+    parts: bool = False,
 ) -> bool:
     """Run tasks as `run_tasks` does, those that the folder ``store`` has not done already.
 
     ``protocol`` is all that the results depend on, see `Store.open`. ``pack`` makes arrays of a
-    result, and ``unpack`` the same result of them. ``keep`` is told every result, former or new.
+    result, and ``unpack`` the same result of them. ``keep`` is told every result, former or new,
+    and where there are ``parts`` also those of tasks that were stopped: these are not stored.
     """
+    keep_part = keep if parts else None
     if store is None:
-        return run_tasks(tasks, make_worker, threads=threads, label=label, keep=keep)
+        return run_tasks(
+            tasks, make_worker, threads=threads, label=label, keep=keep, after=after,
+            keep_part=keep_part,
+        )  # fmt: skip
     with Store.open(store, protocol, len(tasks)) as folder:
         done = frozenset(folder.done)
         for i in sorted(done):
@@ -46,5 +53,6 @@ def run_stored_tasks(
             keep(i, result)
 
         return run_tasks(
-            tasks, make_worker, threads=threads, label=label, keep=keep_both, done=done
-        )
+            tasks, make_worker, threads=threads, label=label, keep=keep_both, done=done,
+            after=after, keep_part=keep_part,
+        )  # fmt: skip

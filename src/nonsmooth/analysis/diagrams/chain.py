@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.analysis.diagrams.chain_links import End
 from nonsmooth.analysis.diagrams.column_starts import ColumnStarts, Start
 from nonsmooth.engine.lanes import SAME
 from nonsmooth.engine.status import Status
@@ -17,7 +18,7 @@ from nonsmooth.runs.lane_runner import LaneRunner, Lanes
 from nonsmooth.runs.stroboscopic import strobes
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 
-__all__ = ["Begun", "chain"]
+__all__ = ["Begun", "chain", "end_of_lanes"]
 
 
 class Begun(NamedTuple):
@@ -36,13 +37,15 @@ def chain(
     values: list[float],
     start: Start,
     follow: bool,
+    behind: End | None = None,
 ) -> Iterator[Begun | None]:
     """Set the runner to each value in turn and begin a motion; None where the system refuses it.
 
     ``start`` gives the initial state and the mode, see `run_lane`, for a value. A motion that is to
     ``follow`` begins where whoever iterates has left the lanes of the last one; drifting states
     begin at their initial value everywhere. After a value at which the motion ended early, or that
-    the system refuses, it begins anew. Without the name of a parameter none is changed.
+    the system refuses, it begins anew. The first motion follows what has ended ``behind`` it.
+    Without the name of a parameter none is changed.
     """
     lanes: Lanes | None = None
     columns = None
@@ -60,14 +63,22 @@ def chain(
                 begun, length = column.start, column.length
                 state, mode = begun(runner.tables) if callable(begun) else begun
         except ModelError:
-            lanes = None
+            lanes, behind = None, None
             yield None
             continue
         begin = Instant(0, 0.0)
-        if follow and lanes is not None and lanes.status[0] == Status.COMPLETED:
-            state = np.where(drifting, state, lanes.end_state[0])
-            mode = SAME - int(lanes.anchors.place["mode"][0])
+        behind = behind if lanes is None else end_of_lanes(lanes)
+        if follow and behind is not None:
+            state = np.where(drifting, state, behind.state)
+            mode = SAME - behind.mode
             number, phase = strobes(runner.window, begin, length, chosen.phase, 0, 1)
             begin = Instant(int(number[0]), float(phase[0]))
         lanes = runner.start(state[None], begin, mode)
         yield Begun(lanes, begin, length)
+
+
+def end_of_lanes(lanes: Lanes) -> End | None:
+    """Where the motion of the first lane has ended; None where it ended early."""
+    if lanes.status[0] != Status.COMPLETED:
+        return None
+    return End(lanes.end_state[0].copy(), int(lanes.anchors.place["mode"][0]))

@@ -1,13 +1,14 @@
-"""A diagram as tasks: chains of columns for one initial state each."""
+"""A diagram as tasks: some columns for one initial state each."""
 
 from __future__ import annotations
 
 import threading
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.analysis.diagrams.chain_links import End, links_of
 from nonsmooth.analysis.diagrams.columns import Look, Protocol
 from nonsmooth.analysis.diagrams.section_columns import run_section_chain
 from nonsmooth.analysis.diagrams.strobe_columns import run_strobe_chain
@@ -19,9 +20,18 @@ from nonsmooth.runs.start import resolve_start
 from nonsmooth.runs.sweep_runner import SweepRunner
 from nonsmooth.system.system import System
 
-__all__ = ["chains", "diagram_tasks", "make_worker"]
+__all__ = ["Tasks", "diagram_tasks", "make_worker"]
 
-_TOGETHER = 16  # columns in a task: a few milliseconds of work
+Done = tuple[list[Look], End | None]
+
+
+class Tasks(NamedTuple):
+    """Tasks of a diagram; where columns follow each other, one begins at the end of another."""
+
+    tasks: list[Any]
+    places: list[tuple[int, list[int]]]  # lane and columns of each
+    after: dict[int, int]  # the task that each one follows
+    ends: dict[int, End | None]  # of tasks that are done
 
 
 def diagram_tasks(
@@ -30,18 +40,28 @@ def diagram_tasks(
     given: list[Any],
     mode: str | None,
     start: str,
-) -> tuple[list[Any], list[tuple[int, list[int]]]]:
+) -> Tasks:
     """Tasks, and the lane and the columns that each one computes."""
-    tasks, places = [], []
+    found = Tasks([], [], {}, {})
     for lane, each in enumerate(given):
-        for links in chains(grid, start):
-            tasks.append(_task(protocol, grid[links].tolist(), each, mode, start))
-            places.append((lane, links))
-    return tasks, places
+        for k, columns in enumerate(links_of(grid, start)):
+            number = len(found.tasks)
+            if k and start != "restart":
+                found.after[number] = number - 1
+            values = grid[columns].tolist()
+            found.tasks.append(_task(protocol, values, each, mode, start, found, number))
+            found.places.append((lane, columns))
+    return found
 
 
 def _task(
-    protocol: Protocol, values: list[float], initial: Any, mode: str | None, start: str
+    protocol: Protocol,
+    values: list[float],
+    initial: Any,
+    mode: str | None,
+    start: str,
+    all_tasks: Tasks,
+    number: int,
 ) -> Any:
     """Some columns of one lane, each by itself or one after the other."""
 
@@ -52,8 +72,10 @@ def _task(
 
     chain: Any = run_section_chain if isinstance(protocol.chosen, PoincareMap) else run_strobe_chain
 
-    def run(runner: Any, stop: threading.Event) -> list[Look]:
-        return list(chain(protocol, runner, stop, values, begin, follow=start != "restart"))
+    def run(runner: Any, stop: threading.Event) -> Done:
+        behind = all_tasks.ends.get(all_tasks.after.get(number, -1))
+        follow = start != "restart"
+        return chain(protocol, runner, stop, values, begin, follow=follow, behind=behind)
 
     return run
 
@@ -63,13 +85,3 @@ def make_worker(chosen: Map, tolerance: float) -> SweepRunner | SectionRunner:
     if isinstance(chosen, PoincareMap):
         return chosen.runner(tolerance)
     return SweepRunner(chosen.system, tolerance)
-
-
-def chains(grid: npt.NDArray[np.float64], start: str) -> list[list[int]]:
-    """Columns that one task computes, in order."""
-    if start == "restart":
-        return [
-            list(range(i, min(i + _TOGETHER, grid.size))) for i in range(0, grid.size, _TOGETHER)
-        ]
-    order = np.argsort(grid, kind="stable")
-    return [(order if start == "follow up" else order[::-1]).tolist()]

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.analysis.diagrams.chain_links import End
 from nonsmooth.analysis.diagrams.column_starts import Column, ColumnStarts, Start
 from nonsmooth.engine.lanes import SAME
 from nonsmooth.engine.status import Status
@@ -18,7 +19,7 @@ from nonsmooth.runs.stroboscopic import strobes
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.runs.sweep_runner import Recorded, Starts, SweepRunner, Times
 
-__all__ = ["Motions", "Recording"]
+__all__ = ["Motions", "Recording", "end_of"]
 
 _BEGIN = Instant(0, 0.0)
 
@@ -54,34 +55,36 @@ class Motions:
         self._own = list(system.parameter_values.values())
         self._drifting = np.array([name in system.drift_states for name in system.states])
 
-    def run(self, values: list[float], stop: threading.Event) -> Iterator[Recorded]:
+    def run(
+        self, values: list[float], stop: threading.Event, behind: End | None
+    ) -> Iterator[Recorded]:
         """Run a motion at each value; REFUSED where the system refuses the value.
 
-        They come some at a time.
+        They come some at a time. The first one follows what has ended ``behind`` it.
         """
         runner = self._runner
-        last: Recorded | None = None
         runner.set_up(np.array([self._own]))
         columns = ColumnStarts(self._chosen, self._parameter, values, runner.tables(0), self._start)
         for first in range(0, len(values), runner.most):
             numbers = range(first, min(first + runner.most, len(values)))
             group = [_column(columns, i) for i in numbers]
-            last = self._run_group(group, last, stop)
-            yield last
+            recorded = self._run_group(group, behind, stop)
+            behind = end_of(recorded)
+            yield recorded
 
     def _run_group(
-        self, group: list[Column | None], before: Recorded | None, stop: threading.Event
+        self, group: list[Column | None], behind: End | None, stop: threading.Event
     ) -> Recorded:
-        """Run motions that have tables side by side, behind those ``before``."""
+        """Run motions that have tables side by side."""
         rows = [self._own if each is None else list(each.values.values()) for each in group]
         usable = self._runner.set_up(np.array(rows))
         usable &= np.array([each is not None for each in group])
         first, times = self._times(group)
         starts = self._starts(group, usable)
         follows = first if self._follow else None
-        if follows and before is not None and before.statuses[-1] == Status.COMPLETED:
-            starts.states[0] = np.where(self._drifting, starts.states[0], before.end_states[-1])
-            starts.modes[0] = SAME - before.places["mode"][-1]
+        if follows and behind is not None:
+            starts.states[0] = np.where(self._drifting, starts.states[0], behind.state)
+            starts.modes[0] = SAME - behind.mode
             starts.numbers[0], starts.phases[0] = first.numbers[0, 0], first.phases[0, 0]
         return self._runner.run(starts, times, usable, follows=follows, stop=stop)
 
@@ -115,6 +118,13 @@ class Motions:
             return Times(np.ascontiguousarray(numbers), np.ascontiguousarray(phases))
 
         return some(0, 1), some(behind, count)
+
+
+def end_of(recorded: Recorded) -> End | None:
+    """Where the last one of some motions has ended; None where it ended early."""
+    if recorded.statuses[-1] != Status.COMPLETED:
+        return None
+    return End(recorded.end_states[-1], int(recorded.places["mode"][-1]))
 
 
 def _column(columns: ColumnStarts, i: int) -> Column | None:

@@ -7,6 +7,7 @@ import threading
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.analysis.diagrams.chain_links import End
 from nonsmooth.analysis.diagrams.column_starts import Start
 from nonsmooth.analysis.diagrams.columns import Look, Protocol, nothing, with_outputs
 from nonsmooth.analysis.statistics.periodicity import primitive_period, scales, whole_periods
@@ -34,14 +35,15 @@ def run_section_chain(
     values: list[float],
     start: Start,
     follow: bool,
-) -> list[Look]:
+    behind: End | None,
+) -> tuple[list[Look], End | None]:
     """Motions at several values of the parameter.
 
     The same as `run_strobe_chain` does for strobes; a motion is followed from just behind its last
     point.
     """
     looks: list[Look] = []
-    last: tuple[Floats, int, float] | None = None  # state, mode and part of the window
+    last = behind
     for value in values:
         try:
             chosen = protocol.chosen.with_parameters(**{protocol.parameter: value})
@@ -54,17 +56,17 @@ def run_section_chain(
         state, mode = start(chosen.system, runner.engine.tables)
         begin = Instant(0, 0.0)
         if follow and last is not None:
-            state = np.where(protocol.drifting, state, last[0])
-            mode = SAME - last[1]
-            begin = Instant(0, last[2] * runner.engine.window)
+            state = np.where(protocol.drifting, state, last.state)
+            mode = SAME - last.mode
+            begin = Instant(0, last.part * runner.engine.window)
         lanes = runner.start(state[None], mode, begin, behind=follow and last is not None)
         look, points = _look(protocol, runner, lanes, stop)
         looks.append(look)
         last = None
         if points is not None:
             part = float(points.phase[-1]) / runner.engine.window
-            last = points.states[1, -1], int(points.modes[1, -1]), part
-    return looks
+            last = End(points.states[1, -1], int(points.modes[1, -1]), part)
+    return looks, last
 
 
 def _look(

@@ -7,9 +7,10 @@ import threading
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.analysis.diagrams.chain_links import End
 from nonsmooth.analysis.diagrams.column_starts import Start
 from nonsmooth.analysis.diagrams.columns import Look, Protocol, nothing
-from nonsmooth.analysis.diagrams.motions import Motions, Recording
+from nonsmooth.analysis.diagrams.motions import Motions, Recording, end_of
 from nonsmooth.analysis.statistics.periodicity import whole_periods
 from nonsmooth.engine.status import Status
 from nonsmooth.engine.sweeps import primitive_periods
@@ -32,17 +33,19 @@ def run_strobe_chain(
     values: list[float],
     start: Start,
     follow: bool,
-) -> list[Look]:
-    """Motions at several values of the parameter, see `Motions`."""
+    behind: End | None,
+) -> tuple[list[Look], End | None]:
+    """Motions at several values of the parameter, see `Motions`; where the last one has ended."""
     motions = Motions(
         protocol.strobed, protocol.parameter, runner, start,
         Recording(protocol.transient, protocol.record), follow=follow,
     )  # fmt: skip
     looks: list[Look] = []
-    for recorded in motions.run(values, stop):
+    for recorded in motions.run(values, stop, behind):
         some = values[len(looks) : len(looks) + recorded.statuses.size]
         looks += _Judged(protocol, recorded, np.array(some)).looks()
-    return looks
+        behind = end_of(recorded)
+    return looks, behind
 
 
 class _Judged:

@@ -76,12 +76,13 @@ class Frame:
             found[name] = (single, several[sets], {"long_name": label})
         return found
 
-    def finish(self, statuses: set[int], complete: bool) -> dict[str, Any]:
-        """Attributes with how it all ended."""
+    def finish(self, statuses: set[int], complete: bool, n_done: int) -> dict[str, Any]:
+        """Attributes with how it all ended; ``n_done`` runs were not left out."""
         ended = [Status(i).word for i in sorted(statuses) if i != Status.COMPLETED]
         message = "completed"
         if not complete:
-            message = "interrupted by the user; the runs that are done are kept"
+            count = self.protocol.members.count
+            message = f"interrupted by the user; {n_done} of {count} runs are done and kept"
         elif ended:
             message = "some runs ended early, see status: " + ", ".join(ended)
         status = "completed" if complete else "interrupted"
@@ -90,7 +91,7 @@ class Frame:
 
 def dataset_in_memory(frame: Frame, whole: Chunk, complete: bool) -> xr.Dataset:
     """Dataset of all lanes as one chunk."""
-    attrs = frame.finish(set(whole["status"].tolist()), complete)
+    attrs = frame.finish(set(whole["status"].tolist()), complete, _done_in(whole))
     variables = dict(frame.variables(whole, 0))
     dims, words, label = variables["status"]
     variables["status"] = (dims, words.astype(str), label)
@@ -123,6 +124,7 @@ def _write(frame: Frame, chunks: Iterator[tuple[int, Chunk]], complete: bool, pa
     none = frame.variables(empty_chunk(frame.protocol, 1, Status.INTERRUPTED), 0)
     sizes = {dims[0]: len(values) for dims, values, _ in frame.coords.values()}
     statuses: set[int] = set()
+    n_done = 0
     with h5netcdf.File(path, "w") as file:
         file.dimensions = sizes
         for name, (dims, values, attributes) in {**frame.coords, **none}.items():
@@ -134,8 +136,14 @@ def _write(frame: Frame, chunks: Iterator[tuple[int, Chunk]], complete: bool, pa
                 variable[...] = values.astype(object) if text else values
         for first, chunk in chunks:
             statuses |= set(chunk["status"].tolist())
+            n_done += _done_in(chunk)
             for name, (_, values, _) in frame.variables(chunk, first).items():
                 file.variables[name][first : first + len(values)] = values
         if members.sets:  # as the conventions tell coordinates from variables
             file.attrs["coordinates"] = " ".join(members.sets)
-        file.attrs.update(frame.finish(statuses, complete))
+        file.attrs.update(frame.finish(statuses, complete, n_done))
+
+
+def _done_in(chunk: Chunk) -> int:
+    """Runs of a chunk that were not left out by an interruption."""
+    return int(np.count_nonzero(chunk["status"] != Status.INTERRUPTED))

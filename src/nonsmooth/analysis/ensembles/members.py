@@ -12,9 +12,10 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.runs.carried import check_carried
 from nonsmooth.system.system import System
 
-__all__ = ["Members", "members_of", "split_parameters"]
+__all__ = ["Members", "mappings_of", "members_of", "split_parameters"]
 
 Floats = npt.NDArray[np.float64]
 _WAYS = ("grid", "pairs")
@@ -78,6 +79,33 @@ def members_of(system: System, initial: Any, arrays: Mapping[str, Floats], combi
     count = max(lengths.values(), default=1)
     starts = {name: np.broadcast_to(values, count) for name, values in starts.items()}
     return Members(starts, dict(arrays), count, count, paired=True)
+
+
+def mappings_of(
+    system: System, initial: Any, parameters: Mapping[str, Any] | None, several: Mapping[str, Any]
+) -> Any:
+    """Initial states with the points of datasets as mappings; `OptionError` for what is no point.
+
+    A point belongs to the parameters of the call, but for those with several values.
+    """
+
+    def mapping(each: Any) -> Any:
+        if not hasattr(each, "data_vars"):
+            return each
+        check_carried(system, each, parameters, several)
+        for name in system.states:
+            if name not in each.data_vars:
+                raise OptionError(f"initial: the dataset has no state {name!r} of {system.name!r}")
+            if each[name].ndim:
+                raise OptionError(
+                    f"initial: {name!r} of the dataset is over {', '.join(each[name].dims)}; give"
+                    " one of its points, as in data.isel(time=-1)"
+                )
+        return {name: float(each[name]) for name in system.states}
+
+    if isinstance(initial, list | tuple):
+        return [mapping(each) for each in initial]
+    return mapping(initial)
 
 
 def split_parameters(

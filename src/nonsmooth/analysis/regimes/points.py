@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.analysis.diagrams.chain_links import End, pack_end, take_end
 from nonsmooth.analysis.regimes.border_refinement import UNKNOWN
 from nonsmooth.analysis.regimes.labels import LABELS, REPEATING
 from nonsmooth.analysis.regimes.options import strobe_length
@@ -21,6 +22,7 @@ from nonsmooth.engine.lanes import SAME
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import ModelError
 from nonsmooth.runs.clock import Instant
+from nonsmooth.runs.crew import Stopped
 from nonsmooth.runs.lane_runner import LaneRunner
 from nonsmooth.runs.start import Start, resolve_start
 from nonsmooth.runs.stored_tasks import run_stored_tasks
@@ -37,6 +39,7 @@ _NUMBERS = (
 _WHOLE = ("transient_used", "period", "uncertain", "estimated", "progresses")
 
 Places = npt.NDArray[np.int64]
+Done = tuple[list[Verdict], End | None]  # of some points, and where the last motion has ended
 
 
 @dataclass
@@ -65,18 +68,21 @@ class Plane:
 
     def compute(self, places: Places) -> bool:
         """Verdicts of some places; False where the user interrupted."""
-        parts = self._parts(places)
+        parts, after = self._parts(places)
+        ends: dict[int, End | None] = {}
 
-        def keep(i: int, found: list[Verdict]) -> None:
-            for (row, column), verdict in zip(parts[i], found, strict=True):
+        def keep(i: int, done: Done) -> None:
+            # of a task that was stopped the last points are missing
+            for (row, column), verdict in zip(parts[i], done[0], strict=False):
                 self.verdicts[row, column] = verdict
+            ends[i] = done[1]
 
         store = self.store
         if store is not None and self._step:
             store = Path(store) / f"step-{self._step:03d}"
         self._step += 1
         complete = run_stored_tasks(
-            [self._task(part) for part in parts],
+            [self._task(part, after.get(i), ends) for i, part in enumerate(parts)],
             lambda: LaneRunner(self.system, self.tolerance),
             store=store,
             protocol=self.told,
@@ -85,6 +91,8 @@ class Plane:
             threads=self.threads,
             label="regime map" if self._step == 1 else "regime map, borders",
             keep=keep,
+            after=after,
+            parts=True,
         )
         for row, column in places:  # in order: the number of a key does not depend on threads
             verdict = self.verdicts[row, column]
@@ -93,15 +101,22 @@ class Plane:
                 self.keys[row, column] = self._known.setdefault(key, len(self._known) + 1)
         return complete
 
-    def _parts(self, places: Places) -> list[Places]:
+    def _parts(self, places: Places) -> tuple[list[Places], dict[int, int]]:
         """Places of each task, in an order that equal work has whenever it is done again.
 
-        Motions that follow each other are those of one row.
+        Motions that follow each other are those of one row; with the task that each one follows.
         """
         if self.way == "restart":
-            return [places[i : i + _TOGETHER] for i in range(0, len(places), _TOGETHER)]
+            return _some_each(places), {}
         rows = np.split(places, np.flatnonzero(np.diff(places[:, 0])) + 1)
-        return rows if self.way == "follow up" else [row[::-1] for row in rows]
+        parts: list[Places] = []
+        after: dict[int, int] = {}
+        for row in rows:
+            for k, part in enumerate(_some_each(row if self.way == "follow up" else row[::-1])):
+                if k:
+                    after[len(parts)] = len(parts) - 1
+                parts.append(part)
+        return parts, after
 
     def fill(self, places: Places) -> None:
         """Give places the label that has been found all around them, and no evidence."""
@@ -125,13 +140,20 @@ class Plane:
         for row, column in places:
             self.verdicts[row, column] = shared[int(self.keys[row, column])]
 
-    def _task(self, places: Places) -> Callable[[LaneRunner, threading.Event], list[Verdict]]:
-        def run(runner: LaneRunner, stop: threading.Event) -> list[Verdict]:
+    def _task(
+        self, places: Places, before: int | None, ends: dict[int, End | None]
+    ) -> Callable[[LaneRunner, threading.Event], Done]:
+        def run(runner: LaneRunner, stop: threading.Event) -> Done:
             found: list[Verdict] = []
+            end = None if before is None else ends.get(before)
             for row, column in places:
-                last = found[-1].last if found and self.way != "restart" else None
-                found.append(self._verdict(runner, stop, row, column, last))
-            return found
+                try:
+                    found.append(self._verdict(runner, stop, row, column, end))
+                except Stopped:
+                    raise Stopped((found, None)) from None
+                last = found[-1].last
+                end = End(*last) if last is not None and self.way != "restart" else None
+            return found, end
 
         return run
 
@@ -141,7 +163,7 @@ class Plane:
         stop: threading.Event,
         row: int,
         column: int,
-        last: tuple[npt.NDArray[np.float64], int] | None,
+        behind: End | None,
     ) -> Verdict:
         """Verdict of a motion that begins at its start, or goes on from where one has been last."""
         here = dict(zip(self.names, (self.values[0][column], self.values[1][row]), strict=True))
@@ -154,8 +176,8 @@ class Plane:
             return Verdict(Status.REFUSED.word, str(fault), 0, np.nan, nothing)
         # states that are not given are those at rest, which may depend on the parameters
         start = resolve_start(system, runner.tables, self.initial, None, self.mode, repeated=True)
-        if last is not None:
-            start = self._following(runner, start, length, *last)
+        if behind is not None:
+            start = self._following(runner, start, length, behind.state, behind.mode)
         return settled_regime(self.protocol, system, runner, start, length, stop)
 
     def _following(
@@ -173,6 +195,10 @@ class Plane:
         return Start(np.where(drifting, start.state, state), begin, (SAME - mode,))
 
 
+def _some_each(places: Places) -> list[Places]:
+    return [places[i : i + _TOGETHER] for i in range(0, len(places), _TOGETHER)]
+
+
 def _key(verdict: Verdict) -> tuple[Any, ...]:
     """What neighbours have in common."""
     if verdict.label not in REPEATING:
@@ -182,22 +208,28 @@ def _key(verdict: Verdict) -> tuple[Any, ...]:
     return verdict.label, verdict.period, word, count, verdict.progresses
 
 
-def _packed(found: list[Verdict]) -> dict[str, npt.NDArray[Any]]:
+def _packed(done: Done) -> dict[str, npt.NDArray[Any]]:
     """Verdicts as arrays; what stands in a map, and no reasons."""
+    found, end = done
     arrays = {name: np.array([getattr(v, name) for v in found]) for name in _NUMBERS}
     most = max(v.multipliers.size for v in found)
     multipliers = np.full((len(found), most), np.nan, complex)
     for i, verdict in enumerate(found):
         multipliers[i, : verdict.multipliers.size] = verdict.multipliers
-    return arrays | {
-        "label": np.array([LABELS.index(v.label) for v in found], np.int64),
-        "word": np.array([v.word for v in found], str),
-        "drift": np.array([v.drift for v in found]),
-        "multipliers": multipliers,
-    }
+    return (
+        pack_end(end)
+        | arrays
+        | {
+            "label": np.array([LABELS.index(v.label) for v in found], np.int64),
+            "word": np.array([v.word for v in found], str),
+            "drift": np.array([v.drift for v in found]),
+            "multipliers": multipliers,
+        }
+    )
 
 
-def _unpacked(arrays: dict[str, npt.NDArray[Any]]) -> list[Verdict]:
+def _unpacked(arrays: dict[str, npt.NDArray[Any]]) -> Done:
+    end, arrays = take_end(arrays)
     found = []
     for i, label in enumerate(arrays["label"]):
         numbers = {name: arrays[name][i].item() for name in _NUMBERS}
@@ -208,4 +240,4 @@ def _unpacked(arrays: dict[str, npt.NDArray[Any]]) -> list[Verdict]:
             multipliers=multipliers[~np.isnan(multipliers)], **numbers,
         )  # fmt: skip
         found.append(verdict)
-    return found
+    return found, end

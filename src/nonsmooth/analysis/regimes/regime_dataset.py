@@ -84,6 +84,8 @@ def _drifts(system: System, verdicts: Sequence[Verdict | None], variable: Any) -
 
 def said_of_start(initial: Any) -> str:
     """An initial state as the protocol tells it."""
+    if hasattr(initial, "data_vars"):  # datasets are mappings too
+        return "a point of a dataset"
     if initial is None or (isinstance(initial, Mapping) and not initial):
         return "at rest"
     return str(dict(initial)) if isinstance(initial, Mapping) else "a point of a dataset"
@@ -123,14 +125,20 @@ def map_dataset(
     }
     found, counts = np.unique(codes[computed.ravel() == 1], return_counts=True)
     told = [f"{count} {LABELS[code]}" for code, count in zip(found, counts, strict=True)]
-    interrupted = any(v is None for v in flat)
+    n_missing = sum(v is None for v in flat)
+    interrupted = n_missing > 0
     attrs = {
         "system_name": system.name,
         "system": labels_of(system).system,
         "nonsmooth_version": __version__,
         "status": "interrupted" if interrupted else "completed",
-        "message": ("interrupted by the user; " if interrupted else "")
-        + f"computed: {', '.join(told)}",
+        "message": (
+            f"interrupted by the user; {len(flat) - n_missing} of {len(flat)} points are done and"
+            " kept; "
+            if interrupted
+            else ""
+        )
+        + f"computed: {', '.join(told) or 'none'}",
     }
     return xr.Dataset(variables, coords, attrs | options)
 

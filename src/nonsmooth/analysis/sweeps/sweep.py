@@ -11,14 +11,15 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.analysis.diagrams.chain import chain
+from nonsmooth.analysis.diagrams.chain import chain, end_of_lanes
+from nonsmooth.analysis.diagrams.chain_links import End, links_of, pack_end, take_end
 from nonsmooth.analysis.diagrams.diagram_options import check_way
-from nonsmooth.analysis.diagrams.diagram_tasks import chains
 from nonsmooth.analysis.regimes.regime_dataset import said_of_start
 from nonsmooth.analysis.sweeps.settled import Settled, settle
 from nonsmooth.engine.status import Status
 from nonsmooth.engine.tables import Tables
 from nonsmooth.errors import OptionError
+from nonsmooth.runs.carried import check_carried
 from nonsmooth.runs.crew import check_threads
 from nonsmooth.runs.lane_runner import LaneRunner
 from nonsmooth.runs.of_system import map_of
@@ -32,6 +33,7 @@ from nonsmooth.system.system import System
 __all__ = ["Sweep", "Swept", "make_sweep", "run_sweep"]
 
 Arrays = dict[str, npt.NDArray[Any]]
+Done = tuple[list[Arrays], End | None]  # of some values, and where the last motion has ended
 Reduce = Callable[[Settled], Arrays]
 
 
@@ -120,21 +122,25 @@ def run_sweep(
     """
     system = sweep.system
     drifting = np.array([name in system.drift_states for name in system.states])
+    check_carried(system, sweep.initial, sweep.changed, (parameter,))
     begin = resolve_start(system, build_tables(system), sweep.initial, None, sweep.mode, True)
     found = {} if parameter else {0: _status(Status.INTERRUPTED)}
-    links = chains(grid, sweep.start)
+    links = links_of(grid, sweep.start)
+    follow = sweep.start != "restart"
+    ends: dict[int, End | None] = {}
 
     def start(changed: System, tables: Tables) -> tuple[npt.NDArray[np.float64], int]:
         one = resolve_start(changed, tables, sweep.initial, None, sweep.mode, repeated=True)
         return one.state, one.modes[0]
 
-    def task(places: list[int]) -> Callable[[LaneRunner, threading.Event], list[Arrays]]:
-        values = grid[places].tolist()
+    def task(number: int) -> Callable[[LaneRunner, threading.Event], Done]:
+        values = grid[links[number]].tolist()
 
-        def run(runner: LaneRunner, stop: threading.Event) -> list[Arrays]:
-            follow = sweep.start != "restart"
-            begun = chain(sweep.chosen, parameter, drifting, runner, values, start, follow)
+        def run(runner: LaneRunner, stop: threading.Event) -> Done:
+            behind = ends.get(number - 1) if follow else None
+            begun = chain(sweep.chosen, parameter, drifting, runner, values, start, follow, behind)
             results = []
+            one = None
             for value, one in zip(values, begun, strict=True):
                 settled: Settled | Status = Status.REFUSED
                 if one is not None:
@@ -146,15 +152,16 @@ def run_sweep(
                     results.append(_status(settled))
                 else:
                     results.append(_status(settled.status) | reduce(settled))
-            return results
+            return results, end_of_lanes(one.lanes) if one is not None else None
 
         return run
 
-    def keep(i: int, results: list[Arrays]) -> None:
-        found.update(zip(links[i], results, strict=True))
+    def keep(i: int, done: Done) -> None:
+        found.update(zip(links[i], done[0], strict=True))
+        ends[i] = done[1]
 
     complete = run_stored_tasks(
-        [task(places) for places in links],
+        [task(i) for i in range(len(links))],
         lambda: LaneRunner(system, sweep.tolerance),
         store=store,
         protocol={
@@ -166,6 +173,7 @@ def run_sweep(
         threads=check_threads(threads),
         label=label,
         keep=keep,
+        after={i: i - 1 for i in range(1, len(links))} if follow else None,
     )  # fmt: skip
     done = sorted(found)
     return Swept(grid[done], [found[i] for i in done], complete)
@@ -175,15 +183,19 @@ def _status(status: Status) -> Arrays:
     return {"status": np.array(int(status))}
 
 
-def _pack(results: list[Arrays]) -> Arrays:
-    return {f"{i}.{name}": a for i, one in enumerate(results) for name, a in one.items()}
+def _pack(done: Done) -> Arrays:
+    results, end = done
+    return pack_end(end) | {
+        f"{i}.{name}": a for i, one in enumerate(results) for name, a in one.items()
+    }
 
 
-def _unpack(arrays: Arrays) -> list[Arrays]:
+def _unpack(arrays: Arrays) -> Done:
+    end, arrays = take_end(arrays)
     results: list[Arrays] = []
     for key, array in arrays.items():
         number, _, name = key.partition(".")
         while len(results) <= int(number):
             results.append({})
         results[int(number)][name] = array
-    return results
+    return results, end

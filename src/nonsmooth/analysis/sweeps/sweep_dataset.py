@@ -44,7 +44,10 @@ def sweep_attributes(
     ended = {Status(int(one["status"])).word for one in found} - {Status.COMPLETED.word}
     message = "completed"
     if not complete:
-        message = "interrupted by the user; the values that are done are kept, and no others"
+        message = (
+            f"interrupted by the user; {len(found)} values are done and kept, the others are left"
+            " out"
+        )
     elif ended:
         message = "some motions ended early, see status: " + ", ".join(sorted(ended))
     return {
