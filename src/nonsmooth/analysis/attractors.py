@@ -60,7 +60,8 @@ def attractors(
         Number of admissible starts. An attractor whose basin has the share b of the region is
         missed by random starts with probability (1 - b)**samples.
     seed : int, optional
-        Of the scrambled Sobol sequence from which starts are drawn.
+        Seed of the random numbers: the same seed gives the same result. They scramble the Sobol
+        sequence from which starts are drawn.
     cells : int, optional
         Cells across the spread of each state by which recurrences are told. Attractors that are
         closer to each other than a cell, and no cycles, are not told apart.
@@ -72,9 +73,10 @@ def attractors(
     match : float, optional
         Points repeat that agree to this part of the spread of each state; what repeats is refined.
     parameters : mapping of str to float, optional
-        Changed values of parameters.
+        Values of parameters that differ from those of the system.
     tolerance : float, optional
-        As in `simulate`.
+        What counts as zero for a start, relative to the terms of the guard. Events and the accuracy
+        of the flow do not depend on it.
 
     Returns
     -------

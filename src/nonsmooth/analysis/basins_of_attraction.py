@@ -65,18 +65,21 @@ def basins_of_attraction(
     completion : mapping of str to float or str, optional
         States that are not in the region, as in `attractors`: a section of the state space that
         all starts lie on. Those not given are at rest.
-    samples, seed, cells, longest, record, match : optional
+    seed : int, optional
+        Seed of the random numbers: the same seed gives the same result.
+    samples, cells, longest, record, match : optional
         How attractors are found, see `attractors`. Cells that come to none of them are looked at
         one by one, so that an attractor whose basin is a single cell is found.
     parameters : mapping of str to float, optional
-        Changed values of parameters.
+        Values of parameters that differ from those of the system.
     tolerance : float, optional
-        As in `simulate`.
+        What counts as zero for a start, relative to the terms of the guard. Events and the accuracy
+        of the flow do not depend on it.
     threads : int, optional
-        Threads to use; all processors without it. The result does not depend on it.
+        Number of threads; without it, one for each processor. The result does not depend on it.
     store : str or Path, optional
-        Folder in which finished parts are kept, so that the same call goes on after an
-        interruption; for ``"recurrences"`` alone.
+        Folder in which finished parts are kept, made where it is missing. After an interruption the
+        same call goes on from them. Only ``"recurrences"`` takes it.
 
     Returns
     -------

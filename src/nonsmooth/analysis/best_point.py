@@ -40,7 +40,8 @@ def best_point(
     inadmissible : bool, optional
         Take orbits that are no motion too.
     tolerance : float, optional
-        As in `simulate`.
+        What counts as zero for a start, relative to the terms of the guard. Events and the accuracy
+        of the flow do not depend on it.
 
     Returns
     -------

@@ -73,8 +73,15 @@ def continue_orbit(
     inadmissible : bool, optional
         Go on with the word where its orbit is no motion, as for the dashed parts of the chapter's
         Fig. 10; ``admissible`` then tells them apart. Without it the word is changed.
-    transient, parameters, phase, mode, tolerance : optional
+    transient, phase : optional
         As in `find_orbit`.
+    parameters : mapping of str to float, optional
+        Values of parameters that differ from those of the system.
+    mode : str, optional
+        Mode to start in, where several would fit; a cell, or a mode for any of its cells.
+    tolerance : float, optional
+        What counts as zero for a start, relative to the terms of the guard. Events and the accuracy
+        of the flow do not depend on it.
 
     Returns
     -------

@@ -49,7 +49,8 @@ def continue_special(
     steps, step, largest_step, smallest_step : optional
         As for `continue_orbit`.
     tolerance : float, optional
-        As in `simulate`.
+        What counts as zero for a start, relative to the terms of the guard. Events and the accuracy
+        of the flow do not depend on it.
 
     Returns
     -------

@@ -50,16 +50,17 @@ def find_orbit(
         Periods that the motion is left to itself before the guess is taken; 0 where ``initial`` is
         given, 200 otherwise.
     parameters : mapping of str to float, optional
-        Changed values of parameters.
+        Values of parameters that differ from those of the system.
 
     Other Parameters
     ----------------
     phase : float, optional
         Part of the period at which the orbit is reported, from 0 to less than 1.
     mode : str, optional
-        Mode of the start, as in `simulate`.
+        Mode to start in, where several would fit; a cell, or a mode for any of its cells.
     tolerance : float, optional
-        As in `simulate`.
+        What counts as zero for a start, relative to the terms of the guard. Events and the accuracy
+        of the flow do not depend on it.
 
     Returns
     -------

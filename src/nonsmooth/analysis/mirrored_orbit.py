@@ -29,7 +29,8 @@ def mirrored_orbit(orbit: xr.Dataset, *, tolerance: float = 1e-12) -> xr.Dataset
         Result of `find_orbit`, or one orbit of `orbits` or `continue_orbit`, as in
         ``branch.isel(point=3)``. Its system has a ``symmetry``.
     tolerance : float, optional
-        As in `simulate`.
+        What counts as zero for a start, relative to the terms of the guard. Events and the accuracy
+        of the flow do not depend on it.
 
     Returns
     -------

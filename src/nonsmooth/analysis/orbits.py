@@ -57,11 +57,12 @@ def orbits(
     samples : int, optional
         Number of starts that are drawn.
     seed : int, optional
-        Of the scrambled Sobol sequence from which starts are drawn.
+        Seed of the random numbers: the same seed gives the same result. They scramble the Sobol
+        sequence from which starts are drawn.
     guesses : int, optional
         Guesses that are tried for each period, at most.
     parameters : mapping of str to float, optional
-        Changed values of parameters.
+        Values of parameters that differ from those of the system.
 
     Other Parameters
     ----------------
@@ -76,9 +77,11 @@ def orbits(
     phase : float, optional
         Part of the period at which orbits are reported, from 0 to less than 1.
     mode : str, optional
-        Mode of ``initial``, as in `simulate`.
+        Mode to start in, where several would fit; a cell, or a mode for any of its cells. Of
+        ``initial``.
     tolerance : float, optional
-        As in `simulate`.
+        What counts as zero for a start, relative to the terms of the guard. Events and the accuracy
+        of the flow do not depend on it.
 
     Returns
     -------

@@ -88,14 +88,15 @@ def return_map(
     order : int, optional
         Which return is the image: 2 is the map applied twice.
     mode : str, optional
-        Mode of the starts, as in `simulate`.
+        Mode to start in, where several would fit; a cell, or a mode for any of its cells.
     longest : int, optional
         Periods of the forcing, or windows of time without one, after which a start without a
         return is given up.
     parameters : mapping of str to float, optional
-        Changed values of parameters.
+        Values of parameters that differ from those of the system.
     tolerance : float, optional
-        As in `simulate`.
+        What counts as zero for a start, relative to the terms of the guard. Events and the accuracy
+        of the flow do not depend on it.
 
     Returns
     -------
