@@ -1,7 +1,8 @@
 """What verbs say of the options that they share: one text, which each docstring repeats.
 
-The texts stand in the docstring of `nonsmooth.analysis.options.Options`. They are repeated and not
-filled in when the package is loaded, so that the source, ``help()`` and an editor all show them.
+The texts stand in the docstring of `nonsmooth.analysis.options.SharedOptions`. They are repeated
+and not filled in when the package is loaded, so that the source, ``help()`` and an editor all show
+them.
 """
 
 import inspect
@@ -11,7 +12,7 @@ import pytest
 from numpydoc.docscrape import NumpyDocString, Parameter
 
 from house.public import callables
-from nonsmooth.analysis.options import Options
+from nonsmooth.analysis.options import SharedOptions
 
 ROOMS = ("nonsmooth.analysis.", "nonsmooth.runs.simulate")
 OTHER_MEANING = {("local_regimes", "tolerance")}  # of a fit
@@ -28,7 +29,7 @@ def words(row: Parameter) -> str:
     return " ".join(" ".join(row.desc).split())
 
 
-SHARED = {row.name: row for row in rows(Options)}
+SHARED = {row.name: row for row in rows(SharedOptions)}
 
 
 def uses() -> Iterator[tuple[str, Parameter, str]]:
@@ -42,7 +43,7 @@ def uses() -> Iterator[tuple[str, Parameter, str]]:
 
 def test_the_source_explains_every_option():
     """The record and its docstring have the same names."""
-    assert list(SHARED) == list(inspect.signature(Options).parameters)
+    assert list(SHARED) == list(inspect.signature(SharedOptions).parameters)
 
 
 @pytest.mark.parametrize("option", SHARED)
@@ -58,6 +59,6 @@ def test_shared_options_are_explained_alike(option):
     ]
     assert len(places) > 1
     assert not faults, (
-        f"begin with the text of analysis/options.py, {option} : {source.type}\n    {text}\n"
+        f"begin with the text in analysis/options.py, {option} : {source.type}\n    {text}\n"
         + "\n".join(faults)
     )

@@ -12,12 +12,15 @@ from nonsmooth.analysis.basins.attractor_dataset import (
     attractor_variables,
     common_attributes,
     search_message,
+    with_images,
+    with_words,
 )
-from nonsmooth.analysis.basins.attractor_images import with_images
-from nonsmooth.analysis.basins.attractor_options import read_search
-from nonsmooth.analysis.basins.attractor_search import ENDED, UNSETTLED
-from nonsmooth.analysis.basins.attractor_words import with_words
-from nonsmooth.analysis.basins.found_attractors import find_attractors
+from nonsmooth.analysis.basins.attractor_search import (
+    ENDED,
+    UNSETTLED,
+    find_attractors,
+    read_search,
+)
 from nonsmooth.analysis.basins.region import read_box
 from nonsmooth.runs.of_system import map_of
 

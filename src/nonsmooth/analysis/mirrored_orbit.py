@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from nonsmooth.analysis.orbit_search.one_orbit import system_of_one
-from nonsmooth.analysis.orbit_search.options import period_of, said_of_options
+from nonsmooth.analysis.orbit_search.options import period_of, said_of_options, system_of_one
 from nonsmooth.errors import OptionError
 from nonsmooth.periodic_orbits.legs import Legs
 from nonsmooth.periodic_orbits.mirror_image import mirror_image

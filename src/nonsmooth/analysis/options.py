@@ -14,11 +14,11 @@ from nonsmooth.runs.options import finite_number
 from nonsmooth.system.system import System
 from nonsmooth.version import __version__
 
-__all__ = ["Options", "check_match", "check_seed", "result_attributes", "system_attributes"]
+__all__ = ["SharedOptions", "check_match", "check_seed", "result_attributes", "system_attributes"]
 
 
 @dataclass(frozen=True)
-class Options:
+class SharedOptions:
     """Options that nearly all verbs share.
 
     The texts below are the source of what each verb says about them: its docstring repeats the

@@ -18,7 +18,7 @@ __all__ = [
     "INADMISSIBLE",
     "STABLE",
     "UNSTABLE",
-    "Curve",
+    "BranchCurve",
     "branch_curve",
     "check_branch",
     "quantity",
@@ -30,7 +30,7 @@ STABLE, UNSTABLE, INADMISSIBLE = 0, 1, 2
 _NEITHER = -1  # exactly where a change happens
 
 
-class Curve(NamedTuple):
+class BranchCurve(NamedTuple):
     """A line through the points of a branch and the special points between them."""
 
     x: Floats
@@ -102,7 +102,7 @@ def _duration(branch: xr.Dataset, leg: int | str | None) -> tuple[Floats, str]:
 def branch_curve(
     branch: xr.Dataset, points: tuple[Floats, Floats], special: SpecialPoints,
     places: tuple[Floats, Floats],
-) -> Curve:  # fmt: skip
+) -> BranchCurve:  # fmt: skip
     """Line through the points of a branch; it changes its kind at special points.
 
     ``points`` and ``places`` are x and y of the points of the branch and of the special points.
@@ -116,7 +116,7 @@ def branch_curve(
     kind[np.delete(exact, inner)] = _NEITHER
     place = special.before[inner] + 1
     x, y = (np.insert(old, place, new[inner]) for old, new in zip(points, places, strict=True))
-    return Curve(x, y, _ways(np.insert(kind, place, _NEITHER)))
+    return BranchCurve(x, y, _ways(np.insert(kind, place, _NEITHER)))
 
 
 def _ways(kinds: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:

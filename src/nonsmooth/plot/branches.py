@@ -12,7 +12,7 @@ from nonsmooth.plot.branch_curves import (
     INADMISSIBLE,
     STABLE,
     UNSTABLE,
-    Curve,
+    BranchCurve,
     branch_curve,
     check_branch,
     quantity,
@@ -187,7 +187,7 @@ def _is_branch(line: Any) -> bool:
     return str(line.get_gid() or "").startswith("branch ")
 
 
-def _draw(curve: Curve, ax: Axes, colour: str, gid: str) -> None:
+def _draw(curve: BranchCurve, ax: Axes, colour: str, gid: str) -> None:
     """One line per kind of orbit, broken where orbits are of another kind."""
     if curve.x.size == 1:  # no line leads anywhere
         ax.plot(curve.x, curve.y, marker=".", color=colour, linestyle="none", gid=gid)

@@ -26,7 +26,7 @@ _MOST_ARROWS = 24  # of one picture
 _SMALLEST, _LARGEST = 1.2, 3.0  # diameter of points; their colour is to be seen
 
 
-class _Stretch(NamedTuple):
+class _PeriodicPart(NamedTuple):
     """Points from ``first`` to ``last``, the last included, of one period."""
 
     first: int
@@ -137,7 +137,7 @@ def _columns(points: xr.Dataset, names: tuple[str, ...]) -> list[Floats]:
     return [points[name].values.astype(float) for name in names]
 
 
-def _stretches(points: xr.Dataset, labels: xr.Dataset) -> list[_Stretch]:
+def _stretches(points: xr.Dataset, labels: xr.Dataset) -> list[_PeriodicPart]:
     """Periodic stretches by the numbers of the points drawn."""
     if "period" not in labels or labels["period"].ndim != 1:
         raise OptionError("labels: give a result of local_regimes")
@@ -160,13 +160,13 @@ def _stretches(points: xr.Dataset, labels: xr.Dataset) -> list[_Stretch]:
     first = np.flatnonzero(np.diff(found, prepend=-1))
     last = np.append(first[1:], found.size) - 1
     return [
-        _Stretch(int(a), int(b), int(found[a]))
+        _PeriodicPart(int(a), int(b), int(found[a]))
         for a, b in zip(first, last, strict=True)
         if found[a] > 0
     ]
 
 
-def _draw_arrows(ax: Axes, across: Floats, up: Floats, stretches: list[_Stretch]) -> None:
+def _draw_arrows(ax: Axes, across: Floats, up: Floats, stretches: list[_PeriodicPart]) -> None:
     """An arrow per branch, for those that move most."""
     figure = ax.get_figure(root=True)
     assert figure is not None

@@ -1,11 +1,11 @@
-"""Options of `find_orbit` and of the verbs that begin as it does."""
+"""Options of `find_orbit` and of the verbs that begin as it does, or with one orbit."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import Any
 
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import ModelError, OptionError
 from nonsmooth.periodic_orbits.restart import is_orbit
 from nonsmooth.periodic_orbits.search import Wanted
 from nonsmooth.periodic_orbits.word_names import read_word, words_of_names
@@ -16,8 +16,9 @@ from nonsmooth.runs.poincare_map import PoincareMap
 from nonsmooth.runs.runner import build_tables
 from nonsmooth.runs.stroboscopic import check_phase
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
+from nonsmooth.system.system import System
 
-__all__ = ["period_of", "read_wanted", "said_of_options"]
+__all__ = ["period_of", "read_wanted", "said_of_options", "system_of_one"]
 
 _TRANSIENT = 200
 _MOST_PERIODS = 1000
@@ -106,3 +107,27 @@ def said_of_options(
         "tolerance": float(wanted.tolerance),
         "changed_parameters": str(dict(parameters)) if parameters else "",
     }
+
+
+def system_of_one(orbit: Any) -> System:
+    """The system of an orbit; a branch keeps the parameter of each point beside it.
+
+    Raises `OptionError` for what is no orbit, or several.
+    """
+    if not is_orbit(orbit):
+        raise OptionError(
+            f"orbit = {type(orbit).__name__}: give a result of find_orbit, or one orbit of a"
+            " branch, as in branch.isel(point=0)"
+        )
+    if orbit["length"].ndim:
+        over = str(orbit["length"].dims[0])
+        raise OptionError(
+            f"orbit: these are {orbit.sizes[over]} orbits over {over!r}; take one, as in"
+            f" branch.isel({over}=3)"
+        )
+    try:
+        system = System.from_toml(orbit.attrs["system"])
+        name = orbit.attrs.get("parameter")
+        return system.with_parameters(**{name: float(orbit[name])}) if name else system
+    except (KeyError, ModelError, TypeError, ValueError) as fault:
+        raise OptionError(f"orbit: its attributes do not give its system: {fault}") from None
