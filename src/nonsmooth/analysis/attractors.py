@@ -10,7 +10,6 @@ import numpy as np
 from nonsmooth.analysis.basins.attractor import renumbered
 from nonsmooth.analysis.basins.attractor_dataset import (
     attractor_variables,
-    common_attributes,
     search_message,
     with_images,
     with_words,
@@ -22,6 +21,7 @@ from nonsmooth.analysis.basins.attractor_search import (
     read_search,
 )
 from nonsmooth.analysis.basins.region import read_box
+from nonsmooth.analysis.options import SharedOptions, result_attributes
 from nonsmooth.runs.of_system import map_of
 
 if TYPE_CHECKING:
@@ -137,7 +137,8 @@ def attractors(
     """
     chosen = map_of(system, parameters, tolerance, "attractors", states_only=True)
     box = read_box(chosen.system, region, completion)
-    how = read_search(samples, seed, cells, longest, record, match, tolerance)
+    shared = SharedOptions(parameters, tolerance, seed=seed)
+    how = read_search(samples, cells, longest, record, match, shared)
     found = find_attractors(chosen, box, how)
     order, label = renumbered(found.known.attractors, found.settled.label)
     order = with_images(chosen, with_words(chosen, order, tolerance), tolerance)
@@ -155,7 +156,7 @@ def attractors(
         "completion": str(dict(box.completion.texts)),
         **chosen.protocol,
         **how.options,
-        "changed_parameters": str(dict(parameters)) if parameters else "",
+        **shared.recorded,
         **counts,
     }  # fmt: skip
     status = "completed" if found.complete else "interrupted"
@@ -164,4 +165,4 @@ def attractors(
         message = search_message(
             "starts", counts["unsettled_starts"], counts["ended_starts"], len(order)
         )
-    return xr.Dataset(variables, coords, common_attributes(chosen.system, status, message, options))
+    return xr.Dataset(variables, coords, result_attributes(chosen.system, status, message, options))

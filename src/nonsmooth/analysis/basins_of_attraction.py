@@ -12,7 +12,6 @@ import xarray as xr
 from nonsmooth.analysis.basins.attractor import renumbered
 from nonsmooth.analysis.basins.attractor_dataset import (
     attractor_variables,
-    common_attributes,
     search_message,
     with_images,
     with_words,
@@ -22,8 +21,8 @@ from nonsmooth.analysis.basins.by_cell_mapping import by_cell_mapping
 from nonsmooth.analysis.basins.by_cell_shares import by_cell_shares
 from nonsmooth.analysis.basins.by_recurrences import NOT_COMPUTED, Basins, by_recurrences
 from nonsmooth.analysis.basins.region import Grid, read_grid
+from nonsmooth.analysis.options import SharedOptions, result_attributes
 from nonsmooth.errors import OptionError, unknown_name
-from nonsmooth.runs.crew import check_threads
 from nonsmooth.runs.labels import labels_of
 from nonsmooth.runs.of_system import Map, map_of
 from nonsmooth.runs.poincare_map import PoincareMap
@@ -148,18 +147,19 @@ def basins_of_attraction(
     >>> basins["label"].dims, basins["label"].shape
     (('v', 'x'), (20, 20))
     """
+    shared = SharedOptions(parameters, tolerance, threads=threads, store=store, seed=seed)
     chosen = map_of(system, parameters, tolerance, "basins_of_attraction", states_only=True)
     grid = read_grid(chosen.system, region, completion)
     check_names(chosen.system, region)
     if method != _FOLLOWED:
         _check_mapping(chosen, region, method, store)
-    how = read_search(samples, seed, cells, longest, record, match, tolerance)
+    how = read_search(samples, cells, longest, record, match, shared)
     options = {
         "method": method,
         "completion": str(dict(grid.completion.texts)),
         **chosen.protocol,
         **how.options,
-        "changed_parameters": str(dict(parameters)) if parameters else "",
+        **shared.recorded,
     }
     protocol = {
         "system": chosen.system.to_toml(),
@@ -168,11 +168,10 @@ def basins_of_attraction(
         },
         **options,
     }
-    workers = check_threads(threads)
     if method == _FOLLOWED:
-        found = by_recurrences(chosen, grid, how, workers, store, protocol)
+        found = by_recurrences(chosen, grid, how, shared, protocol)
     else:
-        found = _MAPPINGS[method](chosen, grid, how, workers)
+        found = _MAPPINGS[method](chosen, grid, how, shared.workers)
     return basin_dataset(chosen, grid, found, options)
 
 
@@ -260,5 +259,5 @@ def basin_dataset(chosen: Any, grid: Grid, basins: Basins, options: dict[str, An
         )
     if basins.remark:
         message = f"{message}; {basins.remark}"
-    attrs = common_attributes(system, status, message, options | counts | dict(basins.notes))
+    attrs = result_attributes(system, status, message, options | counts | dict(basins.notes))
     return xr.Dataset(variables, coords, attrs)

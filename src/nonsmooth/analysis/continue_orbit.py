@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from nonsmooth.analysis.options import SharedOptions
 from nonsmooth.analysis.orbit_search.branches import (
     branch_dataset,
     check_way,
@@ -210,15 +211,15 @@ def continue_orbit(
 
     At each grazing the branch turns back with one impact more.
     """
+    shared = SharedOptions(parameters, tolerance, mode)
     options, wanted, names, beginning = read_branch_options(
-        system, parameter, between, initial=initial, period=period, word=word, special=special,
-        direction=direction, steps=steps, step=step, largest_step=largest_step,
-        smallest_step=smallest_step, inadmissible=inadmissible, transient=transient,
-        parameters=parameters, phase=phase, mode=mode, tolerance=tolerance,
+        system, parameter, between, shared, initial=initial, period=period, word=word,
+        special=special, direction=direction, steps=steps, step=step, largest_step=largest_step,
+        smallest_step=smallest_step, inadmissible=inadmissible, transient=transient, phase=phase,
     )  # fmt: skip
     options, parts, said = both_ways(options, wanted, beginning, direction)
     attrs = {"period": options.period, "between": f"{options.bounds[0]:g} {options.bounds[1]:g}"}
-    attrs |= said | said_of_options(wanted, parameters, names)
+    attrs |= said | said_of_options(wanted, shared, names)
     return branch_dataset(options, parts, attrs)
 
 
@@ -233,9 +234,11 @@ def read_branch_options(
     system: Any,
     parameter: Any,
     between: Any,
+    shared: SharedOptions,
     *,
     initial: Any,
     period: Any,
+    word: Any,
     special: Any,
     direction: Any,
     steps: Any,
@@ -243,8 +246,8 @@ def read_branch_options(
     largest_step: Any,
     smallest_step: Any,
     inadmissible: Any,
-    parameters: Mapping[str, float] | None,
-    **rest: Any,
+    transient: Any,
+    phase: Any,
 ) -> tuple[BranchOptions, Wanted, tuple[str, ...], Beginning]:
     """Options of a branch, its first orbit, the word given, and where it begins."""
     base = getattr(system, "system", system)
@@ -253,14 +256,15 @@ def read_branch_options(
     beginning = Beginning()
     if special is not None:
         initial, beginning = _at_special(initial, special, parameter)
-        parameters = {**(parameters or {}), parameter: float(initial[parameter])}
+        shared = _at_value(shared, parameter, float(initial[parameter]))
     elif is_orbit(initial) and parameter in initial and initial[parameter].ndim == 0:
-        parameters = {**(parameters or {}), parameter: float(initial[parameter])}
+        shared = _at_value(shared, parameter, float(initial[parameter]))
     if is_orbit(initial) and whole_number("period", period) == 1:
         period = period_of(initial) * (2 if beginning.kind == "flip" else 1)
     wanted, names = read_wanted(
-        system, initial, period=period, parameters=parameters, verb="continue_orbit", **rest
-    )
+        system, initial, shared, period=period, word=word, transient=transient, phase=phase,
+        verb="continue_orbit",
+    )  # fmt: skip
     low, high = read_bounds(between)
     value = float(wanted.system.parameter_values[parameter])
     if not low <= value <= high:
@@ -276,6 +280,11 @@ def read_branch_options(
         smallest, wanted.tolerance, check_flag("inadmissible", inadmissible),
     )  # fmt: skip
     return options, wanted, names, beginning
+
+
+def _at_value(shared: SharedOptions, parameter: str, value: float) -> SharedOptions:
+    """The options with one parameter at a value."""
+    return replace(shared, parameters={**(shared.parameters or {}), parameter: value})
 
 
 def _at_special(branch: Any, special: Any, parameter: str) -> tuple[Any, Beginning]:

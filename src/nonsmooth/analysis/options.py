@@ -10,7 +10,7 @@ from typing import Any
 from nonsmooth.errors import OptionError
 from nonsmooth.runs.crew import check_threads
 from nonsmooth.runs.labels import labels_of
-from nonsmooth.runs.options import finite_number
+from nonsmooth.runs.options import check_run_options, finite_number
 from nonsmooth.system.system import System
 from nonsmooth.version import __version__
 
@@ -52,10 +52,16 @@ class SharedOptions:
     @property
     def recorded(self) -> dict[str, Any]:
         """What every result tells of them, as attributes."""
-        return {
-            "tolerance": float(self.tolerance),
-            "changed_parameters": str(dict(self.parameters)) if self.parameters else "",
-        }
+        return {"tolerance": float(self.tolerance), "changed_parameters": self.changes}
+
+    @property
+    def changes(self) -> str:
+        """The parameters that were changed, as a text; empty where none was."""
+        return str(dict(self.parameters)) if self.parameters else ""
+
+    def system_of(self, given: Any) -> System:
+        """The system with its parameters changed, these and the other options checked."""
+        return check_run_options(given, self.parameters, self.mode, self.tolerance)
 
     @property
     def workers(self) -> int:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from nonsmooth.analysis.basins.region import read_box
+from nonsmooth.analysis.options import SharedOptions, check_match, check_seed
 from nonsmooth.analysis.orbit_search.collect import Collected, HowToCollect, collect_orbits
 from nonsmooth.analysis.orbit_search.options import read_wanted, said_of_options
 from nonsmooth.errors import OptionError
@@ -17,7 +18,7 @@ from nonsmooth.periodic_orbits.orbit_dataset import common, orbit_variables
 from nonsmooth.periodic_orbits.search import Wanted
 from nonsmooth.runs.assemble import Columns, assemble
 from nonsmooth.runs.labels import labels_of
-from nonsmooth.runs.options import check_flag, finite_number, whole_number
+from nonsmooth.runs.options import check_flag, whole_number
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.system.system import System
 
@@ -138,28 +139,30 @@ def orbits(
     >>> found["period"].values.tolist(), found["stable"].values.tolist()
     ([1, 2, 4], [False, False, True])
     """
+    shared = SharedOptions(parameters, tolerance, mode, seed=seed)
     wanted, how = read_many(
-        system, region, longest=longest, initial=initial, completion=completion, samples=samples,
-        seed=seed, guesses=guesses, record=record, match=match, inadmissible=inadmissible,
-        transient=transient, parameters=parameters, phase=phase, mode=mode, tolerance=tolerance,
+        system, region, shared, longest=longest, initial=initial, completion=completion,
+        samples=samples, guesses=guesses, record=record, match=match, inadmissible=inadmissible,
+        transient=transient, phase=phase,
     )  # fmt: skip
     legs = Legs(wanted.system)
     legs.set_values(wanted.system.parameter_values)
     found = collect_orbits(wanted, how, legs)
-    said = said_of_options(wanted, parameters, ())
+    said = said_of_options(wanted, shared, ())
     del said["word_asked_for"]
     return many_dataset(wanted.system, found, how, said)
 
 
 def read_many(
-    system: Any, region: Any, *, longest: Any, initial: Any, completion: Any, samples: Any,
-    seed: Any, guesses: Any, record: Any, match: Any, inadmissible: Any,
-    parameters: Mapping[str, float] | None, **rest: Any,
+    system: Any, region: Any, shared: SharedOptions, *, longest: Any, initial: Any,
+    completion: Any, samples: Any, guesses: Any, record: Any, match: Any, inadmissible: Any,
+    transient: Any, phase: Any,
 ) -> tuple[Wanted, HowToCollect]:  # fmt: skip
     """What is looked for, and how."""
     wanted, _ = read_wanted(
-        system, initial, period=1, word=None, parameters=parameters, verb="orbits", **rest
-    )
+        system, initial, shared, period=1, word=None, transient=transient, phase=phase,
+        verb="orbits",
+    )  # fmt: skip
     longest = whole_number("longest", longest)
     if longest * wanted.period > _LONGEST:
         raise OptionError(f"longest = {longest}: at most {_LONGEST // wanted.period}")
@@ -168,18 +171,13 @@ def read_many(
             f"system: the map leads {wanted.period} periods on, and orbits are those of the"
             " forcing; give a map with every=1"
         )
-    close = finite_number("match", match)
-    if not 0.0 < close < 1.0:
-        raise OptionError(f"match = {close:g} must lie between 0 and 1; 1e-6 is usual")
-    start = finite_number("seed", seed)
-    if start != int(start) or start < 0:
-        raise OptionError(f"seed = {seed!r:.60} must be a whole number, not negative")
+    close, seed = check_match(match), check_seed(shared.seed)
     if region is None and completion is not None:
         raise OptionError("completion= is for states outside the region; give region= with it")
     box = None if region is None else read_box(wanted.system, region, completion)
     how = HowToCollect(
         longest, whole_number("record", record), whole_number("samples", samples),
-        whole_number("guesses", guesses), int(start), close,
+        whole_number("guesses", guesses), seed, close,
         check_flag("inadmissible", inadmissible), box,
     )  # fmt: skip
     return wanted, how

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.analysis.options import SharedOptions, result_attributes
 from nonsmooth.analysis.returns.borders import border_kinds, find_borders, find_fixed_points, pieces
 from nonsmooth.analysis.returns.family import Coordinate, StartFamily, read_coordinate, read_family
 from nonsmooth.analysis.returns.from_points import map_of_points
@@ -31,7 +32,6 @@ from nonsmooth.runs.options import finite_number, whole_number
 from nonsmooth.runs.poincare_map import PoincareMap
 from nonsmooth.runs.progress import Progress
 from nonsmooth.runs.start import Start
-from nonsmooth.version import __version__
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -182,8 +182,7 @@ def return_map(
         "longest": most,
         "initial_mode": mode or "",
         "completion": str(dict(completion)) if isinstance(completion, Mapping) else "",
-        "tolerance": float(tolerance),
-        "changed_parameters": str(dict(parameters)) if parameters else "",
+        **SharedOptions(parameters, tolerance).recorded,
     }
     if (between is None) == (points is None):
         raise OptionError(
@@ -433,21 +432,13 @@ def common_attributes(
 ) -> dict[str, Any]:
     """Attributes of a result, with how it ended."""
     system = chosen.system
-    attrs = {
-        "system_name": system.name,
-        "system": labels_of(system).system,
-        "nonsmooth_version": __version__,
-        "status": "completed",
-        "variable": coordinate.name,
-        **chosen.protocol,
-        **options,
-    }
-    if system.period_value is not None:
-        attrs["period"] = system.period_value
     lost = branch.images.status[~branch.images.there]
     counts = {Status(int(code)).word: int(np.sum(lost == code)) for code in np.unique(lost)}
-    attrs["message"] = "completed"
+    message = "completed"
     if counts:
         told = ", ".join(f"{count} {word}" for word, count in counts.items())
-        attrs["message"] = f"starts without an image, see status: {told}"
-    return attrs
+        message = f"starts without an image, see status: {told}"
+    recorded = {"variable": coordinate.name, **chosen.protocol, **options}
+    if system.period_value is not None:
+        recorded["period"] = system.period_value
+    return result_attributes(system, "completed", message, recorded)

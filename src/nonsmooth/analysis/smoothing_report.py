@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.analysis.options import SharedOptions, system_attributes
 from nonsmooth.analysis.smoothing.motions import (
     Ladder,
     compared_motions,
@@ -24,10 +25,8 @@ from nonsmooth.analysis.smoothing.sets import (
 )
 from nonsmooth.analysis.statistics.power_law import fit_power_law
 from nonsmooth.errors import OptionError
-from nonsmooth.runs.labels import labels_of
 from nonsmooth.runs.options import finite_number
 from nonsmooth.system.system import System
-from nonsmooth.version import __version__
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -236,7 +235,7 @@ def smoothing_report(
         "initial": str(dict(initial)) if initial else "",
         "record": f"{stretch.times[0]:g} {stretch.times[-1]:g}",
         "band": float(band),
-        "changed_parameters": str(dict(parameters)) if parameters else "",
+        "changed_parameters": SharedOptions(parameters).changes,
     }
     return report_dataset(ladder, variables, options)
 
@@ -256,12 +255,7 @@ def report_dataset(
             named |= _exponents(name, over, ladder.epsilons, values)
     coords = {name: named.pop(name) for name in ("state", "surface")}
     coords["epsilon"] = ("epsilon", ladder.epsilons, {"long_name": _MEANING["epsilon"]})
-    attrs = {
-        "system_name": ladder.exact.name,
-        "system": labels_of(ladder.exact).system,
-        "nonsmooth_version": __version__,
-    }
-    return xr.Dataset(named, coords, attrs | options)
+    return xr.Dataset(named, coords, system_attributes(ladder.exact) | options)
 
 
 def _exponents(name: str, over: Any, widths: Floats, values: Floats) -> dict[str, Any]:

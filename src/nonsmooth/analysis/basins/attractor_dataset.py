@@ -14,11 +14,9 @@ from nonsmooth.runs.labels import labels_of
 from nonsmooth.runs.strobe_runner import StrobeRunner
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.system.system import System
-from nonsmooth.version import __version__
 
 __all__ = [
     "attractor_variables",
-    "common_attributes",
     "search_message",
     "with_images",
     "with_words",
@@ -189,20 +187,6 @@ def search_message(what: str, unsettled: int, ended: int, found: int) -> str:
     elif ended:
         said.append(f"{ended} {what} ended early, as their motions diverge or come to rest")
     return "; ".join(said) or "completed"
-
-
-def common_attributes(
-    system: System, status: str, message: str, options: dict[str, Any]
-) -> dict[str, Any]:
-    """Attributes that tell what was computed, and how."""
-    return {
-        "system_name": system.name,
-        "system": labels_of(system).system,
-        "nonsmooth_version": __version__,
-        "status": status,
-        "message": message,
-        **options,
-    }
 
 
 def _each(values: Any, kind: Any, label: str) -> Any:

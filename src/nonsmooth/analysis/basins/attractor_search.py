@@ -19,13 +19,13 @@ from nonsmooth.analysis.basins.recurrences import (
     share_of_new,
 )
 from nonsmooth.analysis.basins.region import Box, admissible_starts
+from nonsmooth.analysis.options import SharedOptions, check_match, check_seed
 from nonsmooth.analysis.statistics.block_averages import block_averages
 from nonsmooth.analysis.statistics.periodicity import primitive_period
 from nonsmooth.engine.attractors import visit
 from nonsmooth.engine.lanes import ANY, SAME
 from nonsmooth.engine.status import Status
-from nonsmooth.errors import OptionError
-from nonsmooth.runs.options import finite_number, whole_number
+from nonsmooth.runs.options import whole_number
 from nonsmooth.runs.progress import Progress
 from nonsmooth.system.system import System
 
@@ -97,18 +97,14 @@ class SearchOptions:
 
 
 def read_search(
-    samples: Any, seed: Any, cells: Any, longest: Any, record: Any, match: Any, tolerance: float
+    samples: Any, cells: Any, longest: Any, record: Any, match: Any, shared: SharedOptions
 ) -> SearchOptions:
     """Options of a search, checked."""
-    close = finite_number("match", match)
-    if not 0.0 < close < 1.0:
-        raise OptionError(f"match = {close:g} must lie between 0 and 1; 1e-6 is usual")
-    start = finite_number("seed", seed)
-    if start != int(start) or start < 0:
-        raise OptionError(f"seed = {seed!r:.60} must be a whole number, not negative")
+    close = check_match(match)
     return SearchOptions(
-        whole_number("samples", samples), int(start), whole_number("cells", cells),
-        whole_number("longest", longest), whole_number("record", record), close, float(tolerance),
+        whole_number("samples", samples), check_seed(shared.seed), whole_number("cells", cells),
+        whole_number("longest", longest), whole_number("record", record), close,
+        float(shared.tolerance),
     )  # fmt: skip
 
 

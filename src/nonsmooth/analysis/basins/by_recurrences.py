@@ -26,6 +26,7 @@ from nonsmooth.analysis.basins.attractor_search import (
 )
 from nonsmooth.analysis.basins.recurrences import Known, KnownCycles, confirm_visits, new_visits
 from nonsmooth.analysis.basins.region import Box, Grid
+from nonsmooth.analysis.options import SharedOptions
 from nonsmooth.engine.attractors import Landmarks, visit
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import OptionError
@@ -174,8 +175,7 @@ def by_recurrences(
     chosen: Any,
     grid: Grid,
     how: SearchOptions,
-    threads: int,
-    store: str | Path | None,
+    shared: SharedOptions,
     protocol: dict[str, Any],
 ) -> Basins:
     """Follow the centre of every cell until it has come to an attractor."""
@@ -186,7 +186,8 @@ def by_recurrences(
         return Basins(found.known.attractors, SettledStarts(nothing, np.zeros_like(nothing)), False)
     settled, complete = label_starts(
         grid.states, grid.size, found.known.landmarks(), found.known.cycles(),
-        lambda: chosen.runner(how.tolerance), longest=how.longest, threads=threads, store=store,
+        lambda: chosen.runner(how.tolerance), longest=how.longest, threads=shared.workers,
+        store=shared.store,
         protocol=protocol,
     )  # fmt: skip
     if complete:
