@@ -149,7 +149,7 @@ def test_the_number_of_threads_changes_nothing() -> None:
 
 
 def test_a_store_goes_on_where_it_was(tmp_path, monkeypatch) -> None:
-    from nonsmooth.analysis.basins import cell_labels
+    from nonsmooth.analysis.basins import by_recurrences
 
     region = {"x": np.linspace(-2, 2, 64), "y": np.linspace(-2, 2, 64)}
     whole = ns.basins_of_attraction(forced_wells(), region, samples=64)
@@ -159,13 +159,13 @@ def test_a_store_goes_on_where_it_was(tmp_path, monkeypatch) -> None:
     for path in chunks[1:3]:
         path.unlink()
     computed = []
-    real = cell_labels._label
+    real = by_recurrences._label
 
     def counting(*arguments):
         computed.append(1)
         return real(*arguments)
 
-    monkeypatch.setattr(cell_labels, "_label", counting)
+    monkeypatch.setattr(by_recurrences, "_label", counting)
     again = ns.basins_of_attraction(forced_wells(), region, samples=64, store=tmp_path / "store")
     assert len(computed) == 2
     xr.testing.assert_identical(whole, again)

@@ -5,7 +5,7 @@ import pytest
 from mpmath import findroot, mp, mpf
 
 import nonsmooth as ns
-from nonsmooth.analysis.orbit_search.extremum import largest_inside
+from nonsmooth.analysis.best_point import largest_inside
 from periodic_orbits.references.rigid_wall import RigidWall
 from periodic_orbits.systems import rigid_wall
 

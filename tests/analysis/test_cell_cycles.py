@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from nonsmooth.analysis.basins.cell_cycles import cycles_of
+from nonsmooth.analysis.basins.by_cell_mapping import cycles_of
 
 
 def _followed(image: list[int], start: int) -> tuple[frozenset[int], int]:

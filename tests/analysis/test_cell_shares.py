@@ -9,7 +9,7 @@ from scipy import ndimage
 
 import nonsmooth as ns
 from analysis.wells import forced_wells, runaway
-from nonsmooth.analysis.basins.cell_shares import closed_classes, end_shares, transitions
+from nonsmooth.analysis.basins.by_cell_shares import closed_classes, end_shares, transitions
 
 GENERALISED = "generalised cell mapping"
 UNKNOWN = -9

@@ -6,11 +6,9 @@ import numpy as np
 import pytest
 
 import nonsmooth as ns
-from nonsmooth.analysis.basins.attractor_options import Search
-from nonsmooth.analysis.basins.cell_labels import label_starts
-from nonsmooth.analysis.basins.confirmation import Cycles
-from nonsmooth.analysis.basins.found_attractors import find_attractors
-from nonsmooth.analysis.basins.recurrences import Known
+from nonsmooth.analysis.basins.attractor_search import SearchOptions, find_attractors
+from nonsmooth.analysis.basins.by_recurrences import label_starts
+from nonsmooth.analysis.basins.recurrences import Known, KnownCycles
 from nonsmooth.analysis.basins.region import read_box
 from nonsmooth.runs.of_system import map_of
 
@@ -23,7 +21,7 @@ SETTLED = 3000  # periods after which motions that converge to a cycle are at it
 def found():
     """The mole's cycles of 4 and 24 periods beside chaos."""
     chosen = map_of(MOLE, None, 1e-12, "attractors", states_only=True)
-    how = Search(samples=300, seed=0, cells=64, longest=10_000, record=20_000, match=1e-6,
+    how = SearchOptions(samples=300, seed=0, cells=64, longest=10_000, record=20_000, match=1e-6,
                  tolerance=1e-12)  # fmt: skip
     return chosen, find_attractors(chosen, read_box(MOLE, REGION, None), how)
 
@@ -72,7 +70,7 @@ def test_cycles_that_attract_slowly_are_counted(found):
     slow = replace(cycle, multipliers=np.array([0.9999, 0.0, 0.0], complex))
     label = np.array([1, 1, 2, 0, -1])
     for attractors, count in (([cycle, slow], 1), ([slow, cycle], 2), ([cycle, cycle], 0)):
-        assert Cycles.of(attractors, search.known.measure).unconfirmed(label) == count
+        assert KnownCycles.of(attractors, search.known.measure).unconfirmed(label) == count
 
 
 def test_cells_rest_on_runs():

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nonsmooth.analysis.basins.cycles import refine
+from nonsmooth.analysis.basins.attractor import refine
 
 
 class Henon:

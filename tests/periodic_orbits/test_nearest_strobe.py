@@ -56,6 +56,7 @@ def test_every_strobe_of_an_orbit_is_told_from_itself(strobe):
 @pytest.mark.parametrize("later", range(5))
 def test_legs_of_a_later_strobe_solve_the_same_equations(later):
     """The rotated legs close without a step of Newton's method, at the strobe of the engine."""
+    from nonsmooth.analysis.options import SharedOptions
     from nonsmooth.analysis.orbit_search.options import read_wanted
     from nonsmooth.periodic_orbits.legs import Legs
     from nonsmooth.periodic_orbits.search import search_orbit, solve_guess
@@ -63,8 +64,8 @@ def test_legs_of_a_later_strobe_solve_the_same_equations(later):
 
     system = ns.models.soft_impact()
     wanted, _ = read_wanted(
-        system, None, period=5, word=None, transient=None, parameters=None, phase=0.0, mode=None,
-        tolerance=1e-12, verb="find_orbit",
+        system, None, SharedOptions(), period=5, word=None, transient=None, phase=0.0,
+        verb="find_orbit",
     )  # fmt: skip
     legs = Legs(system)
     legs.set_values(system.parameter_values)

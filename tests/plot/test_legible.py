@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 import nonsmooth as ns
-from nonsmooth.plot.regime_colours import REGIME_COLOURS
+from nonsmooth.plot.regimes import REGIME_COLOURS
 
 KINDS = ["fold", "flip", "torus", "symmetry_breaking", "branch_point", "grazing", "corner"]
 

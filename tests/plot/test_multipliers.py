@@ -6,7 +6,7 @@ import xarray as xr
 from matplotlib.patches import Circle
 
 import nonsmooth as ns
-from nonsmooth.plot.multiplier_paths import multiplier_paths, path_pieces
+from nonsmooth.plot.multipliers import multiplier_paths, path_pieces
 
 
 def along(values, special=()):

@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 import nonsmooth as ns
-from nonsmooth.plot.leg_samples import as_run
+from nonsmooth.plot.periodic_orbits import as_run
 
 FLAGS = {"flag_values": [0, 1], "flag_meanings": "flight rest"}
 

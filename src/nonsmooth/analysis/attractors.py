@@ -10,15 +10,18 @@ import numpy as np
 from nonsmooth.analysis.basins.attractor import renumbered
 from nonsmooth.analysis.basins.attractor_dataset import (
     attractor_variables,
-    common_attributes,
     search_message,
+    with_images,
+    with_words,
 )
-from nonsmooth.analysis.basins.attractor_images import with_images
-from nonsmooth.analysis.basins.attractor_options import read_search
-from nonsmooth.analysis.basins.attractor_search import ENDED, UNSETTLED
-from nonsmooth.analysis.basins.attractor_words import with_words
-from nonsmooth.analysis.basins.found_attractors import find_attractors
+from nonsmooth.analysis.basins.attractor_search import (
+    ENDED,
+    UNSETTLED,
+    find_attractors,
+    read_search,
+)
 from nonsmooth.analysis.basins.region import read_box
+from nonsmooth.analysis.options import SharedOptions, result_attributes
 from nonsmooth.runs.of_system import map_of
 
 if TYPE_CHECKING:
@@ -60,7 +63,8 @@ def attractors(
         Number of admissible starts. An attractor whose basin has the share b of the region is
         missed by random starts with probability (1 - b)**samples.
     seed : int, optional
-        Of the scrambled Sobol sequence from which starts are drawn.
+        Seed of the random numbers: the same seed gives the same result. They scramble the Sobol
+        sequence from which starts are drawn.
     cells : int, optional
         Cells across the spread of each state by which recurrences are told. Attractors that are
         closer to each other than a cell, and no cycles, are not told apart.
@@ -72,9 +76,10 @@ def attractors(
     match : float, optional
         Points repeat that agree to this part of the spread of each state; what repeats is refined.
     parameters : mapping of str to float, optional
-        Changed values of parameters.
+        Values of parameters that differ from those of the system.
     tolerance : float, optional
-        As in `simulate`.
+        What counts as zero for a start, relative to the terms of the guard. Events and the accuracy
+        of the flow do not depend on it.
 
     Returns
     -------
@@ -132,7 +137,8 @@ def attractors(
     """
     chosen = map_of(system, parameters, tolerance, "attractors", states_only=True)
     box = read_box(chosen.system, region, completion)
-    how = read_search(samples, seed, cells, longest, record, match, tolerance)
+    shared = SharedOptions(parameters, tolerance, seed=seed)
+    how = read_search(samples, cells, longest, record, match, shared)
     found = find_attractors(chosen, box, how)
     order, label = renumbered(found.known.attractors, found.settled.label)
     order = with_images(chosen, with_words(chosen, order, tolerance), tolerance)
@@ -150,7 +156,7 @@ def attractors(
         "completion": str(dict(box.completion.texts)),
         **chosen.protocol,
         **how.options,
-        "changed_parameters": str(dict(parameters)) if parameters else "",
+        **shared.recorded,
         **counts,
     }  # fmt: skip
     status = "completed" if found.complete else "interrupted"
@@ -159,4 +165,4 @@ def attractors(
         message = search_message(
             "starts", counts["unsettled_starts"], counts["ended_starts"], len(order)
         )
-    return xr.Dataset(variables, coords, common_attributes(chosen.system, status, message, options))
+    return xr.Dataset(variables, coords, result_attributes(chosen.system, status, message, options))

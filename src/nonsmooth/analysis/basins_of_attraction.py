@@ -2,25 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
 
-from nonsmooth.analysis.basins.attractor_options import read_search
-from nonsmooth.analysis.basins.basin_dataset import basin_dataset, check_names
+from nonsmooth.analysis.basins.attractor import renumbered
+from nonsmooth.analysis.basins.attractor_dataset import (
+    attractor_variables,
+    search_message,
+    with_images,
+    with_words,
+)
+from nonsmooth.analysis.basins.attractor_search import ENDED, INADMISSIBLE, UNSETTLED, read_search
 from nonsmooth.analysis.basins.by_cell_mapping import by_cell_mapping
 from nonsmooth.analysis.basins.by_cell_shares import by_cell_shares
-from nonsmooth.analysis.basins.by_recurrences import by_recurrences
-from nonsmooth.analysis.basins.region import read_grid
+from nonsmooth.analysis.basins.by_recurrences import NOT_COMPUTED, Basins, by_recurrences
+from nonsmooth.analysis.basins.region import Grid, read_grid
+from nonsmooth.analysis.options import SharedOptions, result_attributes
 from nonsmooth.errors import OptionError, unknown_name
-from nonsmooth.runs.crew import check_threads
+from nonsmooth.runs.labels import labels_of
 from nonsmooth.runs.of_system import Map, map_of
 from nonsmooth.runs.poincare_map import PoincareMap
-
-if TYPE_CHECKING:
-    import xarray as xr
+from nonsmooth.system.system import System
 
 __all__ = ["basins_of_attraction"]
 
@@ -29,6 +35,8 @@ _MAPPINGS = {
     "cell mapping": by_cell_mapping,
     "generalised cell mapping": by_cell_shares,
 }
+
+_OF_CELLS = ("label", "iterations", "probability")
 
 
 def basins_of_attraction(
@@ -65,18 +73,21 @@ def basins_of_attraction(
     completion : mapping of str to float or str, optional
         States that are not in the region, as in `attractors`: a section of the state space that
         all starts lie on. Those not given are at rest.
-    samples, seed, cells, longest, record, match : optional
+    seed : int, optional
+        Seed of the random numbers: the same seed gives the same result.
+    samples, cells, longest, record, match : optional
         How attractors are found, see `attractors`. Cells that come to none of them are looked at
         one by one, so that an attractor whose basin is a single cell is found.
     parameters : mapping of str to float, optional
-        Changed values of parameters.
+        Values of parameters that differ from those of the system.
     tolerance : float, optional
-        As in `simulate`.
+        What counts as zero for a start, relative to the terms of the guard. Events and the accuracy
+        of the flow do not depend on it.
     threads : int, optional
-        Threads to use; all processors without it. The result does not depend on it.
+        Number of threads; without it, one for each processor. The result does not depend on it.
     store : str or Path, optional
-        Folder in which finished parts are kept, so that the same call goes on after an
-        interruption; for ``"recurrences"`` alone.
+        Folder in which finished parts are kept, made where it is missing. After an interruption the
+        same call goes on from them. Only ``"recurrences"`` takes it.
 
     Returns
     -------
@@ -136,18 +147,19 @@ def basins_of_attraction(
     >>> basins["label"].dims, basins["label"].shape
     (('v', 'x'), (20, 20))
     """
+    shared = SharedOptions(parameters, tolerance, threads=threads, store=store, seed=seed)
     chosen = map_of(system, parameters, tolerance, "basins_of_attraction", states_only=True)
     grid = read_grid(chosen.system, region, completion)
     check_names(chosen.system, region)
     if method != _FOLLOWED:
         _check_mapping(chosen, region, method, store)
-    how = read_search(samples, seed, cells, longest, record, match, tolerance)
+    how = read_search(samples, cells, longest, record, match, shared)
     options = {
         "method": method,
         "completion": str(dict(grid.completion.texts)),
         **chosen.protocol,
         **how.options,
-        "changed_parameters": str(dict(parameters)) if parameters else "",
+        **shared.recorded,
     }
     protocol = {
         "system": chosen.system.to_toml(),
@@ -156,11 +168,10 @@ def basins_of_attraction(
         },
         **options,
     }
-    workers = check_threads(threads)
     if method == _FOLLOWED:
-        found = by_recurrences(chosen, grid, how, workers, store, protocol)
+        found = by_recurrences(chosen, grid, how, shared, protocol)
     else:
-        found = _MAPPINGS[method](chosen, grid, how, workers)
+        found = _MAPPINGS[method](chosen, grid, how, shared.workers)
     return basin_dataset(chosen, grid, found, options)
 
 
@@ -189,3 +200,64 @@ def _check_mapping(
         )
     if store is not None:
         raise OptionError(f"store= is for method={_FOLLOWED!r} alone; leave it out")
+
+
+def check_names(system: System, region: Iterable[str]) -> None:
+    """Refuse states of a region, coordinates of the result, that are called like parts of it."""
+    variables, coords = attractor_variables(system, [], np.zeros(0, np.int64))
+    dims = {name for dims, *_ in variables.values() for name in dims}
+    for name in region:
+        if name in {*variables, *coords, *dims, *_OF_CELLS}:
+            raise OptionError(
+                f"region: {name!r} is also the name of a part of the result; give the state another"
+                " name"
+            )
+
+
+def basin_dataset(chosen: Any, grid: Grid, basins: Basins, options: dict[str, Any]) -> xr.Dataset:
+    """Labels over the states of the region, beside the attractors."""
+    system = chosen.system
+    order, label = renumbered(basins.attractors, basins.settled.label)
+    order = with_images(
+        chosen, with_words(chosen, order, options["tolerance"]), options["tolerance"]
+    )
+    variables, coords = attractor_variables(system, order, label[label > INADMISSIBLE])
+    names = grid.completion.given
+    dims = tuple(reversed(names))
+    words = labels_of(system)
+    variables["label"] = (
+        dims,
+        label.reshape(grid.shape).astype(np.int16),
+        {
+            "long_name": "attractor",
+            "comment": "0: unsettled, -1: ended early, -2: inadmissible, -3: not computed",
+        },
+    )
+    if basins.probability is None:
+        variables["iterations"] = (
+            dims, basins.settled.needed.reshape(grid.shape).astype(np.int32),
+            {"long_name": "iterates until the attractor was known"},
+        )  # fmt: skip
+    else:
+        variables["probability"] = (
+            dims, basins.probability.reshape(grid.shape),
+            {"long_name": "probability of the attractor of the label"},
+        )  # fmt: skip
+    for name, axis in zip(names, grid.axes, strict=True):
+        coords[name] = ((name,), axis, words.attributes(name))
+    counts = {
+        "unsettled_cells": int(np.sum(label == UNSETTLED)),
+        "ended_cells": int(np.sum(label == ENDED)),
+        "inadmissible_cells": int(np.sum(label == INADMISSIBLE)),
+        "cells_left_out": int(np.sum(label == NOT_COMPUTED)),
+    }
+    status = "completed" if basins.complete else "interrupted"
+    message = "interrupted by the user; the cells that are done are kept"
+    if basins.complete:
+        message = search_message(
+            "cells", counts["unsettled_cells"], counts["ended_cells"], len(order)
+        )
+    if basins.remark:
+        message = f"{message}; {basins.remark}"
+    attrs = result_attributes(system, status, message, options | counts | dict(basins.notes))
+    return xr.Dataset(variables, coords, attrs)

@@ -83,16 +83,17 @@ def bifurcation_diagram(
         A motion has period p when its strobes repeat after p periods to this part of the size of
         each state, seen twice at least.
     parameters : mapping of str to float, optional
-        Changed values of other parameters.
+        Values of parameters that differ from those of the system.
     tolerance : float, optional
-        As in `simulate`.
+        What counts as zero for a start, relative to the terms of the guard. Events and the accuracy
+        of the flow do not depend on it.
     mode : str, optional
-        Mode of the starts, as in `simulate`.
+        Mode to start in, where several would fit; a cell, or a mode for any of its cells.
     threads : int, optional
-        Threads to use; all processors without it. The result does not depend on it.
-    store : path, optional
-        A folder, made where it is missing, in which columns are kept as they are done: after an
-        interruption the same call goes on there, also within a followed diagram.
+        Number of threads; without it, one for each processor. The result does not depend on it.
+    store : str or Path, optional
+        Folder in which finished parts are kept, made where it is missing. After an interruption the
+        same call goes on from them, also within a followed diagram.
 
     Returns
     -------

@@ -72,15 +72,17 @@ def contact_statistics(
     record : int, optional
         Periods looked at after that.
     parameters : mapping of str to float, optional
-        Changed values of other parameters.
+        Values of parameters that differ from those of the system.
     tolerance : float, optional
-        As in `simulate`.
+        What counts as zero for a start, relative to the terms of the guard. Events and the accuracy
+        of the flow do not depend on it.
     mode : str, optional
-        Mode of the starts, as in `simulate`.
+        Mode to start in, where several would fit; a cell, or a mode for any of its cells.
     threads : int, optional
-        Threads to use; all processors without it. The result does not depend on it.
-    store : path, optional
-        As in `bifurcation_diagram`: a folder in which results are kept as they come.
+        Number of threads; without it, one for each processor. The result does not depend on it.
+    store : str or Path, optional
+        Folder in which finished parts are kept, made where it is missing. After an interruption the
+        same call goes on from them.
 
     Returns
     -------

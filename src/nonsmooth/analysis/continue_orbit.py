@@ -3,12 +3,35 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from nonsmooth.analysis.orbit_search.branch_dataset import branch_dataset
-from nonsmooth.analysis.orbit_search.branch_options import read_branch_options
-from nonsmooth.analysis.orbit_search.branch_ways import both_ways
-from nonsmooth.analysis.orbit_search.options import said_of_options
+import numpy as np
+
+from nonsmooth.analysis.options import SharedOptions
+from nonsmooth.analysis.orbit_search.branches import (
+    branch_dataset,
+    check_way,
+    read_bounds,
+    read_steps,
+)
+from nonsmooth.analysis.orbit_search.options import period_of, read_wanted, said_of_options
+from nonsmooth.continuation.branch_directions import branch_directions
+from nonsmooth.errors import NonsmoothError, OptionError, unknown_name
+from nonsmooth.periodic_orbits.branch_part import BranchPart, Followed
+from nonsmooth.periodic_orbits.branch_run import follow_orbits
+from nonsmooth.periodic_orbits.branch_start import tangent_at
+from nonsmooth.periodic_orbits.doubled import doubled_start
+from nonsmooth.periodic_orbits.legs import Legs
+from nonsmooth.periodic_orbits.newton import scale_of
+from nonsmooth.periodic_orbits.restart import guess_of_dataset, is_orbit
+from nonsmooth.periodic_orbits.search import Wanted, search_orbit, solve_guess
+from nonsmooth.periodic_orbits.stretch import BranchOptions, BranchStart, Stretch
+from nonsmooth.runs.driving import is_driven
+from nonsmooth.runs.interrupts import HeldInterrupts
+from nonsmooth.runs.options import check_flag, finite_number, whole_number
+from nonsmooth.runs.progress import Progress
+from nonsmooth.runs.runner import build_tables
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.system.system import System
 
@@ -16,6 +39,9 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["continue_orbit"]
+
+_CROSSINGS = ("branch_point", "symmetry_breaking", "halving")
+_SAME, _BESIDE = 1e-7, 1e-3  # in the parameter and in arclength
 
 
 def continue_orbit(
@@ -73,8 +99,15 @@ def continue_orbit(
     inadmissible : bool, optional
         Go on with the word where its orbit is no motion, as for the dashed parts of the chapter's
         Fig. 10; ``admissible`` then tells them apart. Without it the word is changed.
-    transient, parameters, phase, mode, tolerance : optional
+    transient, phase : optional
         As in `find_orbit`.
+    parameters : mapping of str to float, optional
+        Values of parameters that differ from those of the system.
+    mode : str, optional
+        Mode to start in, where several would fit; a cell, or a mode for any of its cells.
+    tolerance : float, optional
+        What counts as zero for a start, relative to the terms of the guard. Events and the accuracy
+        of the flow do not depend on it.
 
     Returns
     -------
@@ -178,13 +211,269 @@ def continue_orbit(
 
     At each grazing the branch turns back with one impact more.
     """
+    shared = SharedOptions(parameters, tolerance, mode)
     options, wanted, names, beginning = read_branch_options(
-        system, parameter, between, initial=initial, period=period, word=word, special=special,
-        direction=direction, steps=steps, step=step, largest_step=largest_step,
-        smallest_step=smallest_step, inadmissible=inadmissible, transient=transient,
-        parameters=parameters, phase=phase, mode=mode, tolerance=tolerance,
+        system, parameter, between, shared, initial=initial, period=period, word=word,
+        special=special, direction=direction, steps=steps, step=step, largest_step=largest_step,
+        smallest_step=smallest_step, inadmissible=inadmissible, transient=transient, phase=phase,
     )  # fmt: skip
     options, parts, said = both_ways(options, wanted, beginning, direction)
     attrs = {"period": options.period, "between": f"{options.bounds[0]:g} {options.bounds[1]:g}"}
-    attrs |= said | said_of_options(wanted, parameters, names)
+    attrs |= said | said_of_options(wanted, shared, names)
     return branch_dataset(options, parts, attrs)
+
+
+class Beginning(NamedTuple):
+    """Where a branch begins: with an orbit, or at a special point of another branch."""
+
+    kind: str = "orbit"  # or "flip", "crossing"
+    neighbour: Any = None  # of a crossing: the next point of the known branch with the same word
+
+
+def read_branch_options(
+    system: Any,
+    parameter: Any,
+    between: Any,
+    shared: SharedOptions,
+    *,
+    initial: Any,
+    period: Any,
+    word: Any,
+    special: Any,
+    direction: Any,
+    steps: Any,
+    step: Any,
+    largest_step: Any,
+    smallest_step: Any,
+    inadmissible: Any,
+    transient: Any,
+    phase: Any,
+) -> tuple[BranchOptions, Wanted, tuple[str, ...], Beginning]:
+    """Options of a branch, its first orbit, the word given, and where it begins."""
+    base = getattr(system, "system", system)
+    if isinstance(base, System) and parameter not in base.parameters:
+        raise OptionError(unknown_name("parameter", str(parameter), base.parameters))
+    beginning = Beginning()
+    if special is not None:
+        initial, beginning = _at_special(initial, special, parameter)
+        shared = _at_value(shared, parameter, float(initial[parameter]))
+    elif is_orbit(initial) and parameter in initial and initial[parameter].ndim == 0:
+        shared = _at_value(shared, parameter, float(initial[parameter]))
+    if is_orbit(initial) and whole_number("period", period) == 1:
+        period = period_of(initial) * (2 if beginning.kind == "flip" else 1)
+    wanted, names = read_wanted(
+        system, initial, shared, period=period, word=word, transient=transient, phase=phase,
+        verb="continue_orbit",
+    )  # fmt: skip
+    low, high = read_bounds(between)
+    value = float(wanted.system.parameter_values[parameter])
+    if not low <= value <= high:
+        raise OptionError(
+            f"between = ({low:g}, {high:g}): the branch begins at {parameter} = {value:g}, which"
+            " lies outside; give the system, or parameters=, a value within"
+        )
+    check_way(direction)
+    smallest, first, largest = read_steps(smallest_step, step, largest_step)
+    options = BranchOptions(
+        wanted.system, parameter, (low, high), wanted.period, wanted.phase,
+        not is_driven(build_tables(wanted.system)), whole_number("steps", steps), first, largest,
+        smallest, wanted.tolerance, check_flag("inadmissible", inadmissible),
+    )  # fmt: skip
+    return options, wanted, names, beginning
+
+
+def _at_value(shared: SharedOptions, parameter: str, value: float) -> SharedOptions:
+    """The options with one parameter at a value."""
+    return replace(shared, parameters={**(shared.parameters or {}), parameter: value})
+
+
+def _at_special(branch: Any, special: Any, parameter: str) -> tuple[Any, Beginning]:
+    """The orbit at a special point of a branch, and what begins there."""
+    if not hasattr(branch, "data_vars") or "special_point" not in branch:
+        raise OptionError("special= needs initial=, a branch that continue_orbit has given")
+    count = branch.sizes["special"]
+    number = finite_number("special", special)
+    if number != int(number) or not 0 <= number < count:
+        raise OptionError(
+            f"special = {special!r:.60}: the branch has {count} special points, numbered from 0"
+        )
+    if branch.attrs.get("parameter") != parameter:
+        raise OptionError(
+            f"special: the branch is one over {branch.attrs.get('parameter')!r}; follow it over"
+            " the same parameter"
+        )
+    kind = str(branch["special_kind"].values[int(number)])
+    if kind not in ("flip", "branch_point", "symmetry_breaking"):
+        raise OptionError(
+            f"special = {int(number)}: no other branch begins at a {kind} point; take one of the"
+            " kinds flip, branch_point and symmetry_breaking"
+        )
+    place = int(branch["special_point"].values[int(number)])
+    point = branch.isel(point=place)
+    if kind == "flip":
+        return point, Beginning("flip")
+    return point, Beginning("crossing", _neighbour(branch, place))
+
+
+def _neighbour(branch: Any, place: int) -> Any:
+    """The next point of a branch, or the one before, with the same word; None where neither has."""
+    here = branch.isel(point=place)
+    for other in (place + 1, place - 1):
+        if 0 <= other < branch.sizes["point"]:
+            there = branch.isel(point=other)
+            if all(np.array_equal(here[name], there[name]) for name in ("leg_mode", "leg_path")):
+                return there
+    return None
+
+
+def both_ways(
+    options: BranchOptions, wanted: Wanted, beginning: Beginning, direction: str
+) -> tuple[BranchOptions, list[BranchPart], dict[str, Any]]:
+    """Points of a branch in order, and attributes that say how it ended.
+
+    The options come back with the period of the orbit that is followed.
+    """
+    legs = Legs(options.system, (options.parameter,))
+    legs.set_values(options.system.parameter_values)
+    options, wanted = _primitive(options, wanted, legs, beginning)
+    value = float(options.system.parameter_values[options.parameter])
+    start = _first(options, wanted, legs, value, beginning)
+    if beginning.kind == "flip":  # both ways lead to the same orbits, a strobe apart
+        direction = "up"
+    ways = {"both": (1.0, -1.0), "up": (1.0,), "down": (-1.0,)}[direction]
+    found: dict[float, tuple[list[BranchPart], Followed]] = {}
+    interrupted = False
+    with HeldInterrupts() as held, Progress("following", len(ways) * options.steps) as progress:
+        for number, way in enumerate(ways):
+
+            def report(done: int, number: int = number) -> None:
+                progress.update(number * options.steps + done)
+                held.check()
+
+            du, dp = start.direction
+            begin = BranchStart(start.equations, start.unknowns, value, (way * du, way * dp))
+            legs.set_values(options.system.parameter_values)
+            parts: list[BranchPart] = []
+            found[way] = parts, Followed(ended="interrupted", message="interrupted by the user")
+            try:
+                for each in follow_orbits(options, legs, begin, report):
+                    if isinstance(each, Followed):
+                        found[way] = parts, each
+                    else:
+                        parts.append(each)
+            except KeyboardInterrupt:
+                interrupted = True
+                break
+            if found[way][1].ended == "closed":
+                break
+    parts, said = _joined(found, interrupted)
+    return options, parts, said
+
+
+def _primitive(
+    options: BranchOptions, wanted: Wanted, legs: Legs, beginning: Beginning
+) -> tuple[BranchOptions, Wanted]:
+    """The period of the shorter orbit, where the first turn passes it several times."""
+    if beginning.kind != "orbit" or options.autonomous or options.period == 1:
+        return options, wanted
+    found = search_orbit(wanted, legs)
+    legs.set_values(options.system.parameter_values)
+    if found.orbit is None or found.orbit.primitive == 1:
+        return options, wanted
+    period = options.period // found.orbit.primitive
+    states = found.orbit.turn.states[0].tolist()
+    start = dict(zip(options.system.states, states, strict=True))
+    wanted = replace(wanted, period=period, initial=start, words=(), transient=0)
+    return replace(options, period=period), wanted
+
+
+def _joined(
+    found: dict[float, tuple[list[BranchPart], Followed]], interrupted: bool
+) -> tuple[list[BranchPart], dict[str, Any]]:
+    """The way down backwards, then the way up."""
+    down, first = found.get(-1.0, ([], None))
+    up, last = found.get(1.0, ([], None))
+    for part in down:
+        part.arclength = -part.arclength
+    parts = [*reversed(down), *(up[1:] if down else up)]
+    _drop_folds_at_crossings(parts)
+    ends = {"end_first": first, "end_last": last}
+    said: dict[str, Any] = {"status": "interrupted" if interrupted else "completed"}
+    messages = []
+    for name, end in ends.items():
+        said[name] = end.ended if end is not None else "start"
+        if end is not None and end.message:
+            messages.append(f"{'first' if name == 'end_first' else 'last'} end: {end.message}")
+    said["message"] = "; ".join(messages)
+    return parts, said
+
+
+def _drop_folds_at_crossings(parts: list[BranchPart]) -> None:
+    """Where a branch crosses another one at its turn, the turn is no special point of its own."""
+    crossings = [part for part in parts if part.special in _CROSSINGS]
+    for part in parts:
+        if part.special == "fold" and any(
+            abs(part.value - other.value) <= _SAME * (1.0 + abs(other.value))
+            and abs(part.arclength - other.arclength) <= _BESIDE
+            for other in crossings
+        ):
+            part.special = part.test = ""
+
+
+def _first(
+    options: BranchOptions, wanted: Wanted, legs: Legs, value: float, beginning: Beginning
+) -> BranchStart:
+    """Where the branch begins, heading for larger values of the parameter."""
+    if beginning.kind == "flip":
+        start = doubled_start(
+            options, legs, guess_of_dataset(options.system, wanted.initial), value
+        )
+    elif beginning.kind == "crossing":
+        start = _crossing(options, wanted, legs, value, beginning.neighbour)
+    else:
+        found = search_orbit(wanted, legs)
+        if found.orbit is None or found.equations is None:
+            raise OptionError(f"there is no orbit to begin with: {found.message}")
+        if found.status == "inadmissible" and not options.inadmissible:
+            raise OptionError(
+                f"the orbit to begin with is no motion: {found.orbit.admissibility.reason};"
+                " inadmissible=True follows the equations of its word all the same"
+            )
+        equations = found.equations
+        unknowns = equations.pack(found.orbit.turn)
+        legs.set_values(options.system.parameter_values)
+        start = BranchStart(equations, unknowns, value, tangent_at(equations, unknowns))
+    if start.direction[1] < 0.0:
+        start.direction = (-start.direction[0], -start.direction[1])
+    return start
+
+
+def _crossing(
+    options: BranchOptions, wanted: Wanted, legs: Legs, value: float, neighbour: Any
+) -> BranchStart:
+    """The other branch at a point where two of them cross.
+
+    At the point itself both branches are tangent to solutions of the same equations, so only
+    another point of the known branch tells which of the two directions is its own.
+    """
+    found = solve_guess(wanted, legs, guess_of_dataset(options.system, wanted.initial))
+    assert found.equations is not None
+    equations = found.equations
+    unknowns = equations.pack(guess_of_dataset(options.system, wanted.initial).turn)
+    stretch = Stretch(options, legs, equations)
+    if neighbour is None:
+        known = tangent_at(equations, unknowns)
+    else:
+        there = equations.pack(guess_of_dataset(options.system, neighbour).turn)
+        known = there - unknowns, float(neighbour[options.parameter]) - value
+    low, high = options.bounds
+    try:
+        crossing = branch_directions(
+            stretch.residual, unknowns, value, along=known, scale=scale_of(equations, unknowns),
+            parameter_scale=high - low,
+        )  # fmt: skip
+    except NonsmoothError as fault:
+        raise OptionError(f"no other branch was found at this point: {fault}") from None
+    legs.set_values(options.system.parameter_values)
+    du, dp = crossing.directions[1]
+    return BranchStart(equations, np.asarray(crossing.u), float(crossing.p), (du, dp))

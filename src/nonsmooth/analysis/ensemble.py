@@ -65,7 +65,7 @@ def ensemble(
         each place in the lists. Or a point of a dataset, as in `simulate`, or a list with one for
         each. States that are not given are those at rest.
     parameters : mapping of str to float or array_like, optional
-        Changed values of parameters; a list gives several.
+        Values of parameters that differ from those of the system. A list of values gives several.
     combine : {"grid", "pairs"}, optional
         With ``"grid"`` every initial state is run with every combination of the parameter values;
         initial states follow each other, then the last parameter changes first. With ``"pairs"``
@@ -80,15 +80,16 @@ def ensemble(
     times : array_like, optional
         Times to record instead of strobes, in order; runs start at time 0.
     tolerance : float, optional
-        As in `simulate`.
+        What counts as zero for a start, relative to the terms of the guard. Events and the accuracy
+        of the flow do not depend on it.
     mode : str, optional
-        Mode of the starts, as in `simulate`.
+        Mode to start in, where several would fit; a cell, or a mode for any of its cells.
     threads : int, optional
-        Threads to use; all processors without it. The result does not depend on it.
-    store : path, optional
-        A folder, made where it is missing. What is done is written there chunk by chunk, so that
-        the same call goes on after an interruption, and the dataset that comes back is read from
-        its file ``result.nc`` when it is needed: neither has to fit into memory.
+        Number of threads; without it, one for each processor. The result does not depend on it.
+    store : str or Path, optional
+        Folder in which finished parts are kept, made where it is missing. After an interruption the
+        same call goes on from them. The dataset that comes back is read from its file ``result.nc``
+        when it is needed, so that neither it nor what is kept has to fit into memory.
 
     Returns
     -------

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from nonsmooth.analysis.options import SharedOptions
 from nonsmooth.analysis.orbit_search.options import read_wanted, said_of_options
 from nonsmooth.periodic_orbits.legs import Legs
 from nonsmooth.periodic_orbits.orbit_dataset import failed_dataset, orbit_dataset
@@ -50,16 +51,17 @@ def find_orbit(
         Periods that the motion is left to itself before the guess is taken; 0 where ``initial`` is
         given, 200 otherwise.
     parameters : mapping of str to float, optional
-        Changed values of parameters.
+        Values of parameters that differ from those of the system.
 
     Other Parameters
     ----------------
     phase : float, optional
         Part of the period at which the orbit is reported, from 0 to less than 1.
     mode : str, optional
-        Mode of the start, as in `simulate`.
+        Mode to start in, where several would fit; a cell, or a mode for any of its cells.
     tolerance : float, optional
-        As in `simulate`.
+        What counts as zero for a start, relative to the terms of the guard. Events and the accuracy
+        of the flow do not depend on it.
 
     Returns
     -------
@@ -131,15 +133,16 @@ def find_orbit(
     >>> ns.find_orbit(mole, orbit, parameters={"b": 0.1})["stable"].item()
     False
     """
+    shared = SharedOptions(parameters, tolerance, mode)
     wanted, names = read_wanted(
-        system, initial, period=period, word=word, transient=transient, parameters=parameters,
-        phase=phase, mode=mode, tolerance=tolerance, verb="find_orbit",
+        system, initial, shared, period=period, word=word, transient=transient, phase=phase,
+        verb="find_orbit",
     )  # fmt: skip
     legs = Legs(wanted.system)
     legs.set_values(wanted.system.parameter_values)
     found = search_orbit(wanted, legs)
     attrs = {"status": found.status, "message": found.message, "period": wanted.period}
-    attrs |= said_of_options(wanted, parameters, names)
+    attrs |= said_of_options(wanted, shared, names)
     if found.orbit is None:
         return failed_dataset(wanted.system, attrs)
     return orbit_dataset(wanted.system, found.orbit, attrs)

@@ -75,15 +75,17 @@ def lyapunov_spectrum(
         Periods for which a chaotic motion is run on behind the record, without derivatives, to see
         whether it was a transient; 0 for none. Of systems with a period alone.
     parameters : mapping of str to float, optional
-        Parameter values that differ from the system's.
+        Values of parameters that differ from those of the system.
     tolerance : float, optional
-        What counts as zero for a start, see `simulate`.
+        What counts as zero for a start, relative to the terms of the guard. Events and the accuracy
+        of the flow do not depend on it.
     mode : str, optional
-        Mode to start in, where several would fit.
+        Mode to start in, where several would fit; a cell, or a mode for any of its cells.
     t_start : float, optional
         Time at the start, zero by default.
     seed : int, optional
-        Of the random directions with which the derivatives begin.
+        Seed of the random numbers: the same seed gives the same result. They are the directions
+        with which the derivatives begin.
 
     Returns
     -------

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from nonsmooth.analysis.orbit_search.one_orbit import system_of_one
-from nonsmooth.analysis.orbit_search.options import period_of, said_of_options
+from nonsmooth.analysis.options import SharedOptions
+from nonsmooth.analysis.orbit_search.options import period_of, said_of_options, system_of_one
 from nonsmooth.errors import OptionError
 from nonsmooth.periodic_orbits.legs import Legs
 from nonsmooth.periodic_orbits.mirror_image import mirror_image
 from nonsmooth.periodic_orbits.orbit_dataset import failed_dataset, orbit_dataset
 from nonsmooth.periodic_orbits.restart import guess_of_dataset
 from nonsmooth.periodic_orbits.search import Wanted, equations_for, solve_guess
-from nonsmooth.runs.options import check_run_options
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -29,7 +28,8 @@ def mirrored_orbit(orbit: xr.Dataset, *, tolerance: float = 1e-12) -> xr.Dataset
         Result of `find_orbit`, or one orbit of `orbits` or `continue_orbit`, as in
         ``branch.isel(point=3)``. Its system has a ``symmetry``.
     tolerance : float, optional
-        As in `simulate`.
+        What counts as zero for a start, relative to the terms of the guard. Events and the accuracy
+        of the flow do not depend on it.
 
     Returns
     -------
@@ -74,7 +74,8 @@ def mirrored_orbit(orbit: xr.Dataset, *, tolerance: float = 1e-12) -> xr.Dataset
             f"orbit: its system {system.name!r} declares no symmetry; give it one, such as"
             " symmetry={'x': '-x', 'v': '-v'}"
         )
-    check_run_options(system, None, None, tolerance)
+    shared = SharedOptions(tolerance=tolerance)
+    shared.system_of(system)
     phase = float(orbit.attrs.get("phase_of_period", 0.0))
     wanted = Wanted(system, orbit, period_of(orbit), phase, 0, None, (), tolerance)
     legs = Legs(system)
@@ -88,7 +89,7 @@ def mirrored_orbit(orbit: xr.Dataset, *, tolerance: float = 1e-12) -> xr.Dataset
         )
     found = solve_guess(wanted, legs, image)
     attrs = {"status": found.status, "message": found.message, "period": wanted.period}
-    attrs |= said_of_options(wanted, None, ())
+    attrs |= said_of_options(wanted, shared, ())
     if found.orbit is None:
         return failed_dataset(system, attrs)
     return orbit_dataset(system, found.orbit, attrs)

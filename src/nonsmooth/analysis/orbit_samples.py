@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from nonsmooth.analysis.orbit_search.one_orbit import system_of_one
-from nonsmooth.analysis.orbit_search.options import period_of
+from nonsmooth.analysis.orbit_search.options import period_of, system_of_one
 from nonsmooth.periodic_orbits.legs import Legs
 from nonsmooth.periodic_orbits.restart import guess_of_dataset
 from nonsmooth.periodic_orbits.word import Word

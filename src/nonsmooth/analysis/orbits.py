@@ -5,11 +5,20 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from nonsmooth.analysis.orbit_search.collect import collect_orbits
-from nonsmooth.analysis.orbit_search.many_dataset import many_dataset
-from nonsmooth.analysis.orbit_search.many_options import read_many
-from nonsmooth.analysis.orbit_search.options import said_of_options
+import numpy as np
+
+from nonsmooth.analysis.basins.region import read_box
+from nonsmooth.analysis.options import SharedOptions, check_match, check_seed
+from nonsmooth.analysis.orbit_search.collect import Collected, HowToCollect, collect_orbits
+from nonsmooth.analysis.orbit_search.options import read_wanted, said_of_options
+from nonsmooth.errors import OptionError
 from nonsmooth.periodic_orbits.legs import Legs
+from nonsmooth.periodic_orbits.orbit import Orbit
+from nonsmooth.periodic_orbits.orbit_dataset import common, orbit_variables
+from nonsmooth.periodic_orbits.search import Wanted
+from nonsmooth.runs.assemble import Columns, assemble
+from nonsmooth.runs.labels import labels_of
+from nonsmooth.runs.options import check_flag, whole_number
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.system.system import System
 
@@ -17,6 +26,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["orbits"]
+
+_LONGEST = 1000
 
 
 def orbits(
@@ -57,11 +68,12 @@ def orbits(
     samples : int, optional
         Number of starts that are drawn.
     seed : int, optional
-        Of the scrambled Sobol sequence from which starts are drawn.
+        Seed of the random numbers: the same seed gives the same result. They scramble the Sobol
+        sequence from which starts are drawn.
     guesses : int, optional
         Guesses that are tried for each period, at most.
     parameters : mapping of str to float, optional
-        Changed values of parameters.
+        Values of parameters that differ from those of the system.
 
     Other Parameters
     ----------------
@@ -76,9 +88,11 @@ def orbits(
     phase : float, optional
         Part of the period at which orbits are reported, from 0 to less than 1.
     mode : str, optional
-        Mode of ``initial``, as in `simulate`.
+        Mode to start in, where several would fit; a cell, or a mode for any of its cells. Of
+        ``initial``.
     tolerance : float, optional
-        As in `simulate`.
+        What counts as zero for a start, relative to the terms of the guard. Events and the accuracy
+        of the flow do not depend on it.
 
     Returns
     -------
@@ -125,14 +139,110 @@ def orbits(
     >>> found["period"].values.tolist(), found["stable"].values.tolist()
     ([1, 2, 4], [False, False, True])
     """
+    shared = SharedOptions(parameters, tolerance, mode, seed=seed)
     wanted, how = read_many(
-        system, region, longest=longest, initial=initial, completion=completion, samples=samples,
-        seed=seed, guesses=guesses, record=record, match=match, inadmissible=inadmissible,
-        transient=transient, parameters=parameters, phase=phase, mode=mode, tolerance=tolerance,
+        system, region, shared, longest=longest, initial=initial, completion=completion,
+        samples=samples, guesses=guesses, record=record, match=match, inadmissible=inadmissible,
+        transient=transient, phase=phase,
     )  # fmt: skip
     legs = Legs(wanted.system)
     legs.set_values(wanted.system.parameter_values)
     found = collect_orbits(wanted, how, legs)
-    said = said_of_options(wanted, parameters, ())
+    said = said_of_options(wanted, shared, ())
     del said["word_asked_for"]
     return many_dataset(wanted.system, found, how, said)
+
+
+def read_many(
+    system: Any, region: Any, shared: SharedOptions, *, longest: Any, initial: Any,
+    completion: Any, samples: Any, guesses: Any, record: Any, match: Any, inadmissible: Any,
+    transient: Any, phase: Any,
+) -> tuple[Wanted, HowToCollect]:  # fmt: skip
+    """What is looked for, and how."""
+    wanted, _ = read_wanted(
+        system, initial, shared, period=1, word=None, transient=transient, phase=phase,
+        verb="orbits",
+    )  # fmt: skip
+    longest = whole_number("longest", longest)
+    if longest * wanted.period > _LONGEST:
+        raise OptionError(f"longest = {longest}: at most {_LONGEST // wanted.period}")
+    if wanted.period > 1:
+        raise OptionError(
+            f"system: the map leads {wanted.period} periods on, and orbits are those of the"
+            " forcing; give a map with every=1"
+        )
+    close, seed = check_match(match), check_seed(shared.seed)
+    if region is None and completion is not None:
+        raise OptionError("completion= is for states outside the region; give region= with it")
+    box = None if region is None else read_box(wanted.system, region, completion)
+    how = HowToCollect(
+        longest, whole_number("record", record), whole_number("samples", samples),
+        whole_number("guesses", guesses), seed, close,
+        check_flag("inadmissible", inadmissible), box,
+    )  # fmt: skip
+    return wanted, how
+
+
+def many_dataset(
+    system: System, found: Collected, how: HowToCollect, said: dict[str, Any]
+) -> xr.Dataset:
+    """Dataset over ``orbit``."""
+    labels, over = labels_of(system), ("orbit",)
+    members = found.members
+    # an orbit that was not found keeps the shapes of variables where there is none
+    orbits: list[Orbit | None] = [member.orbit for member in members]
+    orbits = orbits or [None]
+    variables: Columns = orbit_variables(system, orbits, over)
+    counts = np.array([member.found for member in members] or [0], np.int64)
+    periods = np.array([0 if orbit is None else orbit.period for orbit in orbits], np.int64)
+    variables["period"] = (over, periods, {"long_name": "periods, or returns, in one turn"})
+    variables["found"] = (over, counts, {"long_name": "guesses that led to the orbit"})
+    times = [np.nan if orbit is None else float(orbit.turn.instants[0]) for orbit in orbits]
+    coords: Columns = {
+        "orbit": (over, np.arange(len(orbits)), {"long_name": "orbit"}),
+        "time": (over, np.array(times), labels.attributes("time")),
+        "state": (("state",), labels.states, {}),
+    }
+    if system.drift_states:
+        coords["drift_state"] = (("drift_state",), np.array(system.drift_states), {})
+    status = "interrupted" if found.interrupted else "completed" if members else "no_orbit"
+    attrs = common(system) | {"status": status, "message": _message(found)}
+    attrs |= said | _options(how)
+    attrs |= {"guesses_tried": found.tried, "guesses_that_failed": found.failed}
+    data = assemble(variables, coords, {"state": labels.state_index}, attrs)
+    return data.isel(orbit=slice(len(members)))
+
+
+def _options(how: HowToCollect) -> dict[str, Any]:
+    options: dict[str, Any] = {
+        "longest": how.longest, "record": how.record, "samples": how.samples, "seed": how.seed,
+        "guesses": how.guesses, "match": how.match, "inadmissible": int(how.inadmissible),
+    }  # fmt: skip
+    if how.box is not None:
+        given, low, high = how.box.completion.given, how.box.low, how.box.high
+        for name, *ends in zip(given, low.tolist(), high.tolist(), strict=True):
+            options[f"region_{name}"] = str(tuple(ends))
+        options["completion"] = str(dict(how.box.completion.texts))
+    return options
+
+
+def _message(found: Collected) -> str:
+    """What was tried, and what it led to."""
+    members = found.members
+    said = [
+        f"{len(members)} orbits from {found.tried} guesses in {found.motions + 1} motions:"
+        f" {found.led_to_orbits} led to them, {found.no_motion} to solutions that are no motion,"
+        f" {found.longer} to longer orbits, {found.failed} to none"
+    ]
+    if found.interrupted:
+        said.insert(0, "interrupted by the user; the orbits found until then are kept")
+    once = sum(member.found == 1 for member in members)
+    if once:
+        said.append(f"{once} of them were found once, so there may be more: raise guesses=")
+    if found.inadmissible_starts:
+        said.append(f"no mode admits {found.inadmissible_starts} starts")
+    if not members and not found.interrupted:
+        said.append(
+            "give region= where motions come near orbits, more samples=, or a word to find_orbit"
+        )
+    return "; ".join(said)

@@ -60,7 +60,14 @@ def poincare_section(
         What to drop first, in periods of the forcing, or in time units without a period.
     record : int, optional
         Number of points.
-    parameters, tolerance, mode, t_start
+    parameters : mapping of str to float, optional
+        Values of parameters that differ from those of the system.
+    tolerance : float, optional
+        What counts as zero for a start, relative to the terms of the guard. Events and the accuracy
+        of the flow do not depend on it.
+    mode : str, optional
+        Mode to start in, where several would fit; a cell, or a mode for any of its cells.
+    t_start : float, optional
         As in `simulate`.
     t_end : float, optional
         Time at which the search ends, however many points there are. Without it, it is given

@@ -78,11 +78,12 @@ def regime(
     match : float, optional
         Strobes repeat when they do to this part of the size of each state.
     parameters : mapping of str to float, optional
-        Changed values of parameters.
+        Values of parameters that differ from those of the system.
     tolerance : float, optional
-        As in `simulate`.
+        What counts as zero for a start, relative to the terms of the guard. Events and the accuracy
+        of the flow do not depend on it.
     mode : str, optional
-        Mode of the start, as in `simulate`.
+        Mode to start in, where several would fit; a cell, or a mode for any of its cells.
     t_start : float, optional
         Time of the start, 0 without it.
 

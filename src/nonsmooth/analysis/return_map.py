@@ -4,31 +4,27 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.analysis.returns.borders import border_kinds, find_borders, pieces
-from nonsmooth.analysis.returns.coordinate import Coordinate, read_coordinate
-from nonsmooth.analysis.returns.family import Family, read_family
-from nonsmooth.analysis.returns.fixed_points import find_fixed_points
+from nonsmooth.analysis.options import SharedOptions, result_attributes
+from nonsmooth.analysis.returns.borders import border_kinds, find_borders, find_fixed_points, pieces
+from nonsmooth.analysis.returns.family import Coordinate, StartFamily, read_coordinate, read_family
 from nonsmooth.analysis.returns.from_points import map_of_points
-from nonsmooth.analysis.returns.images import Imaging, imaging_of
-from nonsmooth.analysis.returns.lane_log import settle
-from nonsmooth.analysis.returns.reduced_map import ReducedMap
-from nonsmooth.analysis.returns.return_dataset import (
-    BorderTable,
-    Reduction,
-    common_attributes,
-    over_borders,
-    over_fixed,
-    over_starts,
+from nonsmooth.analysis.returns.images import Imaging, imaging_of, settle
+from nonsmooth.analysis.returns.reduced_map import (
+    MappedStarts,
+    ReducedMap,
+    deviations_of_family,
+    deviations_of_points,
+    relative,
 )
-from nonsmooth.analysis.returns.spread import deviations_of_family, deviations_of_points, relative
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import OptionError, ResultWarning
 from nonsmooth.runs.clock import Instant
+from nonsmooth.runs.labels import labels_of
 from nonsmooth.runs.lane_runner import LaneRunner
 from nonsmooth.runs.misfit import explain_misfit
 from nonsmooth.runs.of_system import Map, map_of
@@ -44,6 +40,8 @@ __all__ = ["return_map"]
 
 _MUCH = 0.01  # of the range of images; what a coordinate does not tell is told to the user
 _PER_START = 5  # times that the map is taken, about, with borders and fixed points
+
+Floats = npt.NDArray[np.float64]
 
 
 def return_map(
@@ -88,14 +86,15 @@ def return_map(
     order : int, optional
         Which return is the image: 2 is the map applied twice.
     mode : str, optional
-        Mode of the starts, as in `simulate`.
+        Mode to start in, where several would fit; a cell, or a mode for any of its cells.
     longest : int, optional
         Periods of the forcing, or windows of time without one, after which a start without a
         return is given up.
     parameters : mapping of str to float, optional
-        Changed values of parameters.
+        Values of parameters that differ from those of the system.
     tolerance : float, optional
-        As in `simulate`.
+        What counts as zero for a start, relative to the terms of the guard. Events and the accuracy
+        of the flow do not depend on it.
 
     Returns
     -------
@@ -183,8 +182,7 @@ def return_map(
         "longest": most,
         "initial_mode": mode or "",
         "completion": str(dict(completion)) if isinstance(completion, Mapping) else "",
-        "tolerance": float(tolerance),
-        "changed_parameters": str(dict(parameters)) if parameters else "",
+        **SharedOptions(parameters, tolerance).recorded,
     }
     if (between is None) == (points is None):
         raise OptionError(
@@ -240,7 +238,7 @@ def _interval(between: Any) -> tuple[float, float]:
 def _of_family(
     imaging: Imaging,
     coordinate: Coordinate,
-    family: Family,
+    family: StartFamily,
     values: npt.NDArray[np.float64],
     options: dict[str, Any],
 ) -> xr.Dataset:
@@ -319,7 +317,7 @@ def _tell_spread(chosen: Map, coordinate: Coordinate, reduction: Reduction) -> N
         )
 
 
-def _misfit(imaging: Imaging, family: Family, values: npt.NDArray[np.float64]) -> OptionError:
+def _misfit(imaging: Imaging, family: StartFamily, values: npt.NDArray[np.float64]) -> OptionError:
     """Why no mode admits the start in the middle of the interval."""
     middle = values[[values.size // 2]]
     system = imaging.chosen.system
@@ -334,3 +332,113 @@ def _misfit(imaging: Imaging, family: Family, values: npt.NDArray[np.float64]) -
         f"no start on {name} from {values[0]:g} to {values[-1]:g} fits a mode; at {name} ="
         f" {middle[0]:g} {told}"
     )
+
+
+class BorderTable(NamedTuple):
+    """Borders with the map on both sides."""
+
+    low: MappedStarts
+    high: MappedStarts
+    kinds: list[str]
+
+
+class Reduction(NamedTuple):
+    """How one-dimensional the map is."""
+
+    deviations: Floats
+    median: float
+    largest: float
+
+
+def over_starts(
+    imaging: Imaging, coordinate: Coordinate, branch: MappedStarts, piece: Any, reduction: Reduction
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Variables and coordinates over ``start``."""
+    images, starts, system = branch.images, branch.starts, imaging.chosen.system
+    words, label = dict(coordinate.words), coordinate.words["long_name"]
+    time = labels_of(system).attributes("time")
+    length = (images.number - starts.number) * imaging.window + (images.phase - starts.phase)
+    statuses = [Status(int(code)).word for code in images.status]
+    variables: dict[str, Any] = {
+        "image": ("start", branch.image, {**words, "long_name": f"{label}, at the image"}),
+        "slope": ("start", branch.slope, {"long_name": "derivative of the image by the start"}),
+        "deviation": ("start", reduction.deviations, {
+            **words, "long_name": "what the coordinate alone does not tell of an image"}),
+        "return_time": ("start", np.where(images.there, length, np.nan), {
+            **time, "long_name": "time from the start to the image"}),
+        "word": ("start", images.words, {"long_name": "modes on the way"}),
+        "exits": ("start", images.exits, {"long_name": "exits passed on the way"}),
+        "n_events": ("start", images.n_events, {"long_name": "events on the way"}),
+        "certified": ("start", images.certified & images.there, {
+            "long_name": "whether rounding leaves no doubt about the events"}),
+        "status": ("start", np.array(statuses), {"long_name": "how the way to the image ended"}),
+        "piece": ("start", piece, {
+            "long_name": "part of the map without a border, from 0; -1 without an image"}),
+        "start_state": (("start", "state"), images.begun, {
+            "long_name": "states at the start"}),
+        "image_state": (("start", "state"), images.states, {"long_name": "states at the image"}),
+        "spread": ((), reduction.median, {
+            "long_name": "median of the deviations over the range of the images"}),
+        "largest_spread": ((), reduction.largest, {
+            "long_name": "largest deviation over the range of the images"}),
+    }  # fmt: skip
+    if coordinate.turn is not None:
+        turn = {**words, "long_name": "length after which the coordinate begins anew"}
+        variables["turn"] = ((), coordinate.turn, turn)
+    coords = {
+        "start": ("start", branch.values, words),
+        "state": ("state", np.array(system.states), {"long_name": "state"}),
+    }
+    return variables, coords
+
+
+def over_borders(coordinate: Coordinate, table: BorderTable) -> dict[str, Any]:
+    """Variables over ``border``."""
+    words, label = dict(coordinate.words), coordinate.words["long_name"]
+    low, high = table.low, table.high
+    return {
+        "border_start": ("border", 0.5 * (low.values + high.values), {
+            **words, "long_name": f"{label}, at a border"}),
+        "border_kind": ("border", np.array(table.kinds, dtype=str), {
+            "long_name": "what the map does at a border"}),
+        "image_before": ("border", low.image, {
+            **words, "long_name": f"{label}, at the image of a start just below"}),
+        "image_after": ("border", high.image, {
+            **words, "long_name": f"{label}, at the image of a start just above"}),
+        "exits_before": ("border", low.images.exits, {"long_name": "exits passed just below"}),
+        "exits_after": ("border", high.images.exits, {"long_name": "exits passed just above"}),
+    }  # fmt: skip
+
+
+def over_fixed(coordinate: Coordinate, fixed: MappedStarts, deviations: Floats) -> dict[str, Any]:
+    """Variables over ``fixed_point``."""
+    words, label = dict(coordinate.words), coordinate.words["long_name"]
+    return {
+        "fixed_start": ("fixed_point", fixed.values, {
+            **words, "long_name": f"{label}, at a fixed point"}),
+        "fixed_slope": ("fixed_point", fixed.slope, {"long_name": "derivative at a fixed point"}),
+        "fixed_stable": ("fixed_point", np.abs(fixed.slope) < 1.0, {
+            "long_name": "whether the map of one coordinate is stable there"}),
+        "fixed_deviation": ("fixed_point", deviations, {
+            **words, "long_name": "what the coordinate alone does not tell at a fixed point"}),
+        "fixed_word": ("fixed_point", fixed.images.words, {"long_name": "modes on the way"}),
+        "fixed_state": (("fixed_point", "state"), fixed.images.begun, {
+            "long_name": "states at a fixed point"}),
+    }  # fmt: skip
+
+
+def common_attributes(
+    chosen: Map, coordinate: Coordinate, branch: MappedStarts, options: dict[str, Any]
+) -> dict[str, Any]:
+    """Attributes of a result, with how it ended."""
+    system = chosen.system
+    lost = branch.images.status[~branch.images.there]
+    counts = {Status(int(code)).word: int(np.sum(lost == code)) for code in np.unique(lost)}
+    message = "completed"
+    if counts:
+        told = ", ".join(f"{count} {word}" for word, count in counts.items())
+        message = f"starts without an image, see status: {told}"
+    recorded = {"variable": coordinate.name, **chosen.protocol, **options}
+    if system.period_value is not None:
+        recorded["period"] = system.period_value
+    return result_attributes(system, "completed", message, recorded)

@@ -28,7 +28,7 @@ Floats = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
 
 
-class Curve(NamedTuple):
+class UncertainFraction(NamedTuple):
     """Fraction of uncertain cells over the distance, and where the line is fitted."""
 
     sizes: Floats
@@ -137,7 +137,9 @@ def uncertainty_exponent(
         "message": _message(law, error, fraction, bool(saturated))
         + _coarse(int(np.count_nonzero(used & (fraction > 0.0))), saturated, distances),
     }
-    return _dataset(Curve(sizes, fraction, used), law, error, outcomes.labels.ndim, attrs)
+    return _dataset(
+        UncertainFraction(sizes, fraction, used), law, error, outcomes.labels.ndim, attrs
+    )
 
 
 def _uncertain(outcomes: Outcomes, step: int, pair: tuple[int, int] | None) -> Mask:
@@ -203,7 +205,7 @@ def _coarse(n_fitted: int, saturated: Any, distances: Any) -> str:
 
 
 def _dataset(
-    curve: Curve, law: PowerLaw, error: float, ndim: int, attrs: dict[str, Any]
+    curve: UncertainFraction, law: PowerLaw, error: float, ndim: int, attrs: dict[str, Any]
 ) -> xr.Dataset:
     return xr.Dataset(
         {

@@ -59,7 +59,8 @@ def zero_one_test(
     frequencies : int, optional
         How many values of c, drawn evenly between pi/5 and 4 pi/5.
     seed : int, optional
-        Of the draw.
+        Seed of the random numbers: the same seed gives the same result. They choose the
+        values of c.
 
     Returns
     -------

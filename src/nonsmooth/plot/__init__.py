@@ -5,29 +5,26 @@ matplotlib is imported when something is drawn.
 
 from __future__ import annotations
 
-from nonsmooth.plot.attractor_sets import attractors
-from nonsmooth.plot.basin_cells import basins
+from nonsmooth.plot.basins import attractors, basins
 from nonsmooth.plot.branches import branch
 from nonsmooth.plot.cascades import waterfall
-from nonsmooth.plot.cobwebs import cobweb
 from nonsmooth.plot.compared_lives import lives
 from nonsmooth.plot.comparisons import comparison
 from nonsmooth.plot.diagrams import bifurcation
-from nonsmooth.plot.exponents import exponents
+from nonsmooth.plot.exponents import exponents, translation
 from nonsmooth.plot.figures import print_figure, save_figure
 from nonsmooth.plot.fracture import crack_lengths, stiffness_laws, stress_intensity
 from nonsmooth.plot.growth_curves import growth_curve
-from nonsmooth.plot.histories import time_history
+from nonsmooth.plot.histories import phases, time_history
 from nonsmooth.plot.load_cycles import load_cycles
 from nonsmooth.plot.markers import event_markers
-from nonsmooth.plot.mode_spans import phases
 from nonsmooth.plot.multipliers import multipliers
 from nonsmooth.plot.orbits import orbit
 from nonsmooth.plot.periodic_orbits import orbit_history, periodic_orbit
 from nonsmooth.plot.portrait import phase_portrait
 from nonsmooth.plot.portrait_stack import phase_portrait_3d
 from nonsmooth.plot.regimes import regime_map
-from nonsmooth.plot.return_maps import return_map
+from nonsmooth.plot.return_maps import cobweb, return_map
 from nonsmooth.plot.ring_regions import contact_regions
 from nonsmooth.plot.sections import section
 from nonsmooth.plot.shaking import shaking
@@ -36,7 +33,6 @@ from nonsmooth.plot.spectrum import spectrum
 from nonsmooth.plot.statistic_curves import statistics
 from nonsmooth.plot.style import PALETTE, axis_label, mode_colours
 from nonsmooth.plot.transient_points import transient_section
-from nonsmooth.plot.translation import translation
 from nonsmooth.plot.uncertainty_curve import uncertainty
 
 __all__ = [

@@ -15,6 +15,7 @@ from nonsmooth.system.system import System
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.lines import Line2D
 
@@ -24,6 +25,7 @@ __all__ = [
     "NOT_COMPUTED",
     "UNSETTLED",
     "AttractorStyle",
+    "attractor_entry",
     "attractor_points",
     "attractor_styles",
     "check_states",
@@ -201,3 +203,24 @@ def _one(data: xr.Dataset, name: str, number: int) -> Any:
     if data[name].dims != ("attractor",) or number not in data["attractor"].values:
         return None
     return data[name].sel(attractor=number).item()
+
+
+def attractor_entry(style: AttractorStyle, *, basin: bool) -> Artist:
+    """Marker of an attractor, before the colour of its basin where that is shown."""
+    from matplotlib.lines import Line2D
+
+    dots = style.marker == "."
+    return Line2D(
+        [],
+        [],
+        linestyle="-" if basin else "none",
+        linewidth=6.0,
+        solid_capstyle="butt",
+        color=style.basin,
+        marker="o" if dots else style.marker,
+        markersize=2.6 if dots else style.size,
+        markerfacecolor=style.points,
+        markeredgecolor=style.points if dots else "white",
+        markeredgewidth=0.0 if dots else 0.5,
+        label=style.text,
+    )

@@ -1,36 +1,162 @@
-"""What is drawn of a branch: a quantity along it, and where it is stable and admissible."""
+"""Lines through the points of a branch, and the marks of its special points."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError, unknown_name
-from nonsmooth.plot.special_points import SpecialPoints
-from nonsmooth.plot.style import axis_label, mode_numbers
+from nonsmooth.plot.crowding import depths, uncrowded
+from nonsmooth.plot.style import PALETTE, axis_label, mode_numbers
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.axes import Axes
 
 __all__ = [
     "INADMISSIBLE",
     "STABLE",
     "UNSTABLE",
-    "Curve",
+    "BranchCurve",
     "branch_curve",
     "check_branch",
+    "mark_special_points",
     "quantity",
+    "special_points",
 ]
 
 Floats = npt.NDArray[np.float64]
+
+# Shape and colour tell the kinds apart, either is enough.
+_MARKS: dict[str, tuple[str, str]] = {
+    "fold": ("o", PALETTE["blue"]),
+    "flip": ("D", PALETTE["orange"]),
+    "torus": ("s", PALETTE["green"]),
+    "symmetry_breaking": ("p", PALETTE["purple"]),
+    "branch_point": ("*", PALETTE["purple"]),
+    "grazing": ("^", PALETTE["vermilion"]),
+    "corner": ("v", PALETTE["sky"]),
+    "gained": ("P", PALETTE["yellow"]),
+    "lost": ("X", "white"),
+    "crossing_sliding": ("1", PALETTE["green"]),
+    "grazing_sliding": ("2", PALETTE["vermilion"]),
+    "switching_sliding": ("3", PALETTE["blue"]),
+    "adding_sliding": ("4", PALETTE["purple"]),
+    "sliding": ("<", PALETTE["green"]),
+    "hopf": (">", PALETTE["blue"]),
+    "word_change": ("h", "white"),
+    "bound": ("|", "black"),
+    "end": ("x", "black"),
+}
+_OTHER = ("d", "white")
+_ENDS = ("bound", "end")  # of the branch, whatever its orbits are
+_NO_MOTION, _PALE = ", inadmissible", "0.85"
+_SIZE, _LEAST = 4.5, 2.8  # diameters of marks in points; where they are crowded
+_ARMS, _LINE = 1.8, 1.3  # size of marks that are mere lines, over that of others
+_NESTED = 0.65  # size of a mark over that of the one below it
+_SAME = 1e-9  # part of the way between two points within which a special point is one of them
 
 STABLE, UNSTABLE, INADMISSIBLE = 0, 1, 2
 _NEITHER = -1  # exactly where a change happens
 
 
-class Curve(NamedTuple):
+class SpecialPoints(NamedTuple):
+    """Kinds of special points with their places between two points of the branch."""
+
+    kind: list[str]
+    value: Floats  # of the parameter
+    before: npt.NDArray[np.int64]  # the point of the branch before it
+    share: Floats  # of the way from there to the next point
+
+    def between(self, values: npt.NDArray[Any]) -> npt.NDArray[Any]:
+        """What stands at the points of the branch, at the special points; straight between."""
+        after = np.minimum(self.before + 1, len(values) - 1)
+        inside = (1.0 - self.share) * values[self.before] + self.share * values[after]
+        # at the ends themselves, where the other one may be no number
+        inside = np.where(self.share == 0.0, values[self.before], inside)
+        return np.where(self.share == 1.0, values[after], inside)
+
+    def kinds_shown(self, branch: xr.Dataset) -> list[str]:
+        """Kinds, with a word at points between constructions that are no motions."""
+        if "admissible" not in branch:
+            return self.kind
+        real = branch["admissible"].values.astype(bool)
+        after = np.minimum(self.before + 1, real.size - 1)
+        known = real[self.before] | real[after] | np.isin(self.kind, _ENDS)
+        return [k if here else k + _NO_MOTION for k, here in zip(self.kind, known, strict=True)]
+
+
+def special_points(branch: xr.Dataset) -> SpecialPoints:
+    """Special points of a branch, in order along it."""
+    if not branch.sizes.get("special") or not branch.sizes["point"]:
+        return SpecialPoints([], np.empty(0), np.empty(0, np.int64), np.empty(0))
+    kind = [str(name) for name in branch["special_kind"].values]
+    value = branch["special_value"].values.astype(float)
+    before = np.clip(branch["special_point"].values.astype(np.int64), 0, branch.sizes["point"] - 1)
+    share = _shares(branch, kind, value, before)
+    order = np.lexsort((share, before))
+    return SpecialPoints([kind[k] for k in order], value[order], before[order], share[order])
+
+
+def _shares(
+    branch: xr.Dataset, kind: list[str], value: Floats, before: npt.NDArray[np.int64]
+) -> Floats:
+    """How far each special point is on the way to the next point."""
+    last = branch.sizes["point"] - 1
+    parameter = branch[branch.attrs["parameter"]].values.astype(float)
+    left, right = parameter[before], parameter[np.minimum(before + 1, last)]
+    # at a fold the parameter turns back, as a parabola does
+    fold = np.array([name == "fold" for name in kind], bool)
+    to_left, to_right = np.abs(value - left), np.abs(right - value)
+    to_left = np.where(fold, np.sqrt(to_left), to_left)
+    to_right = np.where(fold, np.sqrt(to_right), to_right)
+    way = to_left + to_right
+    with np.errstate(invalid="ignore", divide="ignore"):
+        share = np.where(way > 0.0, to_left / way, 0.0)
+    # before the first point and behind the last one there is none to go to
+    share = np.where((before == last) | ~np.isfinite(share), 0.0, share)
+    share[share < _SAME] = 0.0
+    share[share > 1.0 - _SAME] = 1.0
+    return share
+
+
+def mark_special_points(ax: Axes, kinds: list[str], x: Floats, y: Floats) -> None:
+    """One set of marks for each kind, labelled by it once on the axes."""
+    known = ax.get_legend_handles_labels()[1]
+    order = [*_MARKS, *sorted(set(kinds) - set(_MARKS))]
+    there = sorted(
+        np.flatnonzero(np.isfinite(x) & np.isfinite(y)), key=lambda k: order.index(kinds[k])
+    )
+    kinds, x, y = [kinds[k] for k in there], x[there], y[there]
+    ax.autoscale_view()
+    size = uncrowded(ax, x, y, _SIZE, _LEAST)
+    below = depths(ax, x, y)
+    for kind in dict.fromkeys(kinds):
+        here = np.array([name == kind for name in kinds], bool)
+        smaller = _NESTED ** int(below[here].max())  # so that those below look out
+        marker, colour = _MARKS.get(kind.removesuffix(_NO_MOTION), _OTHER)
+        real = not kind.endswith(_NO_MOTION)
+        colour, edge = (colour, "black") if real else (_PALE, "0.5")
+        line, arms = marker in "|x", marker in "1234"
+        label = kind.replace("_", " ")
+        ax.plot(
+            x[here],
+            y[here],
+            linestyle="none",
+            marker=marker,
+            markersize=size * smaller * (_ARMS if arms else (_LINE if line else 1.0)),
+            markerfacecolor=colour,
+            markeredgecolor=colour if arms and real else edge,
+            markeredgewidth=1.4 if arms else (1.0 if line else 0.6),
+            zorder=4,
+            gid=f"special {kind}",
+            label="_" + label if label in known else label,
+        )
+
+
+class BranchCurve(NamedTuple):
     """A line through the points of a branch and the special points between them."""
 
     x: Floats
@@ -102,7 +228,7 @@ def _duration(branch: xr.Dataset, leg: int | str | None) -> tuple[Floats, str]:
 def branch_curve(
     branch: xr.Dataset, points: tuple[Floats, Floats], special: SpecialPoints,
     places: tuple[Floats, Floats],
-) -> Curve:  # fmt: skip
+) -> BranchCurve:  # fmt: skip
     """Line through the points of a branch; it changes its kind at special points.
 
     ``points`` and ``places`` are x and y of the points of the branch and of the special points.
@@ -116,7 +242,7 @@ def branch_curve(
     kind[np.delete(exact, inner)] = _NEITHER
     place = special.before[inner] + 1
     x, y = (np.insert(old, place, new[inner]) for old, new in zip(points, places, strict=True))
-    return Curve(x, y, _ways(np.insert(kind, place, _NEITHER)))
+    return BranchCurve(x, y, _ways(np.insert(kind, place, _NEITHER)))
 
 
 def _ways(kinds: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:

@@ -6,21 +6,22 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import numpy.typing as npt
 
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.plot.branch_curves import (
     INADMISSIBLE,
     STABLE,
     UNSTABLE,
-    Curve,
+    BranchCurve,
     branch_curve,
     check_branch,
+    mark_special_points,
     quantity,
+    special_points,
 )
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.legends import place_legend
-from nonsmooth.plot.legible import cut_axis
-from nonsmooth.plot.special_points import mark_special_points, special_points
 from nonsmooth.plot.style import LINES, PALETTE, axis_label, finish_axes, wrapped
 from nonsmooth.plot.trace import DENSE, broken
 
@@ -45,6 +46,9 @@ _COLOURS = (
 _DOTS, _BEHIND = "0.6", "brute force"  # a diagram behind: its grey, its name
 _BELOW = 0.97  # of an axis that is cut: where marks of points beyond it are
 _MANY = 3_000  # dots that are drawn small
+
+_SHARE, _TIMES, _LEAST = 0.9, 3.0, 10.0
+_LOW = 0.04  # of the height, below zero
 
 
 def branch(
@@ -187,7 +191,7 @@ def _is_branch(line: Any) -> bool:
     return str(line.get_gid() or "").startswith("branch ")
 
 
-def _draw(curve: Curve, ax: Axes, colour: str, gid: str) -> None:
+def _draw(curve: BranchCurve, ax: Axes, colour: str, gid: str) -> None:
     """One line per kind of orbit, broken where orbits are of another kind."""
     if curve.x.size == 1:  # no line leads anywhere
         ax.plot(curve.x, curve.y, marker=".", color=colour, linestyle="none", gid=gid)
@@ -245,3 +249,19 @@ def _draw_diagram(diagram: xr.Dataset, branch: xr.Dataset, x: str | None, y: str
     )  # fmt: skip
     if not ax.get_ylabel():
         ax.set_ylabel(wrapped(axis_label(diagram[y])))
+
+
+def cut_axis(ax: Axes, values: npt.NDArray[np.float64]) -> float:
+    """End the vertical axis where positive values can be read; infinite if it needs no end.
+
+    That is at three times what nine of ten are below, or at 10.
+    """
+    finite = values[np.isfinite(values)]
+    usual = float(np.quantile(finite, _SHARE)) if finite.size else 0.0
+    top = max(_LEAST, _TIMES * usual)
+    low, high = ax.get_ylim()
+    set_here = low == -_LOW * high  # by an earlier call
+    if not np.any(values > _TIMES * top) or not (ax.get_autoscaley_on() or set_here):
+        return np.inf
+    ax.set_ylim(-_LOW * top, top)
+    return top

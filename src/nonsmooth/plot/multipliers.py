@@ -8,19 +8,16 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError
-from nonsmooth.plot.branch_curves import check_branch
+from nonsmooth.plot.branch_curves import check_branch, mark_special_points
 from nonsmooth.plot.figures import new_axes
-from nonsmooth.plot.growth_colours import colour_bar, growing_colours
 from nonsmooth.plot.legends import place_legend
-from nonsmooth.plot.multiplier_paths import NO_BOUND, path_pieces
-from nonsmooth.plot.special_points import mark_special_points
-from nonsmooth.plot.style import PALETTE, axis_label, finish_axes
+from nonsmooth.plot.style import PALETTE, axis_label, colour_bar, finish_axes, growing_colours
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-__all__ = ["multipliers"]
+__all__ = ["multiplier_paths", "multipliers", "path_pieces"]
 
 Complex = npt.NDArray[np.complex128]
 
@@ -31,6 +28,13 @@ _CROSSING = ("fold", "flip", "torus", "symmetry_breaking")  # of the unit circle
 _FAR = 1e3  # times the picture, beyond which a path only leads out of it
 _INFINITE = 1e300
 _SAME = 1e-6  # multipliers closer than this look like one
+
+_JUMPS = (  # where multipliers may jump
+    "grazing", "corner", "gained", "lost",
+    "crossing_sliding", "grazing_sliding", "switching_sliding", "adding_sliding",
+)  # fmt: skip
+NO_BOUND = 1e8  # larger at a graze of a rigid wall: infinite but for rounding, and on no path
+_JUMP = 0.1  # beyond it a line would show a motion that there is none of
 
 
 def multipliers(
@@ -199,3 +203,42 @@ def _draw_paths(branch: xr.Dataset, ax: Axes, special: bool, far: float) -> None
         kinds = [str(kind) for kind in marked["special_kind"].values]
         # of a pair one is told; the other one of a real number is itself
         mark_special_points(ax, kinds * 2, np.tile(at.real, 2), np.append(at.imag, -at.imag))
+
+
+def multiplier_paths(multipliers: npt.ArrayLike) -> Complex:
+    """Multipliers (point, multiplier) in such an order that each column is one path.
+
+    From orbit to orbit those belong together whose distances add up to the least. What is no
+    number, where an orbit has fewer, stays so.
+    """
+    from scipy.optimize import linear_sum_assignment
+
+    paths: Complex = np.array(multipliers, dtype=complex)
+    last = paths[0].copy()
+    for k in range(1, len(paths)):
+        distance = np.abs(last[:, None] - paths[k][None, :])
+        # missing ones take what places are left
+        far = 1.0 + 2.0 * np.nansum(distance[np.isfinite(distance)])
+        _, order = linear_sum_assignment(np.where(np.isfinite(distance), distance, far))
+        paths[k] = paths[k][order]
+        last = np.where(np.isnan(paths[k]), last, paths[k])
+    return paths
+
+
+def path_pieces(branch: xr.Dataset) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.int64]]:
+    """Straight pieces (piece, end, re and im) of all paths, and the point where each begins."""
+    values = branch["multipliers"].transpose("point", "multiplier").values
+    with np.errstate(invalid="ignore"):
+        values = np.where(np.abs(values) <= NO_BOUND, values, np.nan)
+    paths = multiplier_paths(values)
+    jumps = np.zeros(max(len(paths) - 1, 0), bool)
+    if branch.sizes.get("special") and jumps.size:
+        at = branch["special_point"].values[np.isin(branch["special_kind"].values, _JUMPS)]
+        jumps[np.clip(at, 0, jumps.size - 1)] = True
+    begin, end = paths[:-1], paths[1:]
+    with np.errstate(invalid="ignore"):
+        drawn = np.isfinite(begin) & np.isfinite(end)
+        drawn &= ~(jumps[:, None] & (np.abs(end - begin) > _JUMP))
+    where = np.nonzero(drawn)
+    ends = np.stack([begin[where], end[where]], axis=1)
+    return np.stack([ends.real, ends.imag], axis=2), where[0]

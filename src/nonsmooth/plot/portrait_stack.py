@@ -9,8 +9,7 @@ import numpy as np
 
 from nonsmooth.errors import OptionError
 from nonsmooth.plot.figures import new_axes
-from nonsmooth.plot.growth_colours import growing_colours
-from nonsmooth.plot.style import axis_label
+from nonsmooth.plot.style import axis_label, growing_colours
 from nonsmooth.plot.trace import DENSE, check_range, check_variables, curve
 from nonsmooth.runs.options import finite_number
 

@@ -1,24 +1,48 @@
-"""`regime_map`: what motions settle to over two parameters."""
+"""`regime_map`: what motions settle to over two parameters.
+
+Colours of regimes are the same in every picture. They begin from the scheme "muted" of P. Tol,
+Colour schemes, SRON/EPS/TN/09-002. Its darkest ones, which a small area of chaos looks like, are
+lighter here: black is chaos. Periods n and 2n, which often meet, differ most.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from textwrap import fill, wrap
 from typing import TYPE_CHECKING
 
 import numpy as np
+import numpy.typing as npt
 
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.plot.figures import new_axes
-from nonsmooth.plot.regime_colours import LONGER, OTHER_REGIMES, PERIODS
-from nonsmooth.plot.regime_quantities import draw_quantity, edges
-from nonsmooth.plot.regime_shades import shades
 from nonsmooth.plot.style import axis_label, finish_axes
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-__all__ = ["regime_map"]
+__all__ = ["REGIME_COLOURS", "regime_map"]
+
+PERIODS = {
+    1: "#88CCEE", 2: "#2233C8", 3: "#DDCC77", 4: "#D2566B", 5: "#158A2E", 6: "#7B2F8C",
+    7: "#44AA99", 8: "#A0B508",
+}  # fmt: skip
+LONGER = "#B04AE0"
+OTHER_REGIMES = {
+    "equilibrium": "#B8F5A5",
+    "locked": "#8A5A12",
+    "limit-cycle": "#5C93F0",
+    "quasi-periodic": "#5A5A5A",
+    "chaotic": "#000000",
+    "absorbed": "#DDDDDD",
+    "unsettled": "#FFFFFF",
+}
+REGIME_COLOURS = {
+    **{f"period {n}": colour for n, colour in PERIODS.items()},
+    f"period > {len(PERIODS)}": LONGER,
+    **OTHER_REGIMES,
+}
 
 _ENDED = "ended early"  # for other reasons than those of the words below
 _HATCHES = {
@@ -29,6 +53,16 @@ _LINE, _BELOW = 1.25, 4.0  # of the legend: a line, and the labels below the axe
 _SMALLEST = 5.5  # letters in points
 _WIDEST = 32  # letters in a line of the legend
 _DENSE = 10_000  # cells; more become an image within a PDF
+
+_WIDEST_LABEL = 34  # letters in a line of the label of a quantity
+
+Floats = npt.NDArray[np.float64]
+
+_MOST_WORDS = 4  # of one period; rarer ones share a shade
+_PALEST = 0.7  # part of white in the last shade
+
+Mask = npt.NDArray[np.bool_]
+_Part = tuple[str, str, Mask]  # name, colour, where
 
 
 def regime_map(
@@ -195,3 +229,100 @@ def _name_colours(ax: Axes, names: list[str], colours: list[str]) -> None:
         handleheight=0.8,
         handletextpad=0.5,
     )
+
+
+def draw_quantity(grid: xr.Dataset, quantity: str, ax: Axes, legend: bool) -> Axes:
+    """Draw a variable of a regime map; infinite values and nan are left white."""
+    known = [
+        name
+        for name, each in grid.data_vars.items()
+        if each.dims == grid["regime"].dims and each.dtype.kind in "fiu"
+    ]
+    if quantity not in known:
+        raise OptionError(f"quantity: {unknown_name('quantity', str(quantity), map(str, known))}")
+    second, first = grid["regime"].dims
+    x, y = edges(grid[first].values), edges(grid[second].values)
+    values = np.ma.masked_invalid(grid[quantity].values.astype(float))
+    if values.count() == 0:
+        raise OptionError(f"quantity = {quantity!r} has no finite value in this map")
+    mesh = ax.pcolormesh(
+        x, y, values, cmap="cividis", rasterized=values.size > _DENSE, linewidth=0.0
+    )
+    finish_axes(ax, axis_label(grid[first]), axis_label(grid[second]))
+    ax.set_xlim(x[0], x[-1])
+    ax.set_ylim(y[0], y[-1])
+    if legend:
+        figure = ax.get_figure(root=True)
+        assert figure is not None
+        bar = figure.colorbar(mesh, ax=ax)
+        size = float(ax.xaxis.label.get_fontsize())
+        bar.set_label(fill(axis_label(grid[quantity]), _WIDEST_LABEL), fontsize=size)
+        bar.ax.tick_params(labelsize=float(ax.get_xticklabels()[0].get_fontsize()))
+    return ax
+
+
+def edges(values: Floats) -> Floats:
+    """Borders of the cells around values; of a width of one around a single value."""
+    if values.size == 1:
+        return np.array([values[0] - 0.5, values[0] + 0.5])
+    middle = 0.5 * (values[1:] + values[:-1])
+    first, last = 2.0 * values[0] - middle[0], 2.0 * values[-1] - middle[-1]
+    return np.concatenate([[first], middle, [last]])
+
+
+def shades(grid: xr.Dataset, name: str, colour: str, where: Mask, *, words: bool) -> list[_Part]:
+    """Parts of an area of one colour, each with its name and a shade of the colour.
+
+    An area is parted where some of its motions progress and others stand, and with ``words`` by
+    the modes that they pass.
+    """
+    parts = list(_by_progress(grid, name, where))
+    if words:
+        parts = [part for one in parts for part in _by_word(grid, *one)]
+    step = _PALEST / max(1, len(parts) - 1)
+    return [(each, _paler(colour, i * step), place) for i, (each, place) in enumerate(parts)]
+
+
+def _by_progress(grid: xr.Dataset, name: str, where: Mask) -> Iterator[tuple[str, Mask]]:
+    variable = "progresses" if "progresses" in grid.data_vars else "progresses_of_motion"
+    if variable not in grid.data_vars:
+        yield name, where
+        return
+    periodic = grid["regime"].attrs["flag_meanings"].split().index("periodic")
+    progresses = grid[variable].values > 0
+    if np.unique(progresses[grid["regime"].values == periodic]).size < 2:
+        yield name, where
+        return
+    yield f"{name}, progresses", where & progresses
+    yield f"{name}, stands", where & ~progresses
+
+
+def _by_word(grid: xr.Dataset, name: str, where: Mask) -> Iterator[tuple[str, Mask]]:
+    """The words that most points have, each by itself."""
+    variable = "word" if "word" in grid.data_vars else "word_of_motion"
+    found = np.array([_turned(word) for word in grid[variable].values.ravel()])
+    found = found.reshape(where.shape)
+    present, counts = np.unique(found[where], return_counts=True)
+    chosen = present[np.argsort(-counts, kind="stable")]
+    rest = where & np.isin(found, chosen[_MOST_WORDS:])
+    for word in chosen[:_MOST_WORDS]:
+        yield f"{name}: {word}", where & (found == word)
+    if np.any(rest):
+        yield f"{name}: other words", rest
+
+
+def _turned(word: str) -> str:
+    """A word that begins with the first of its turns in alphabetical order.
+
+    A strobe may lie on an event, or be moved across one by a parameter; the motion is the same.
+    """
+    modes = word.split()
+    closes = len(modes) > 1 and modes[0] == modes[-1]
+    modes = modes[:-1] if closes else modes
+    return " ".join(min((modes[k:] + modes[:k] for k in range(len(modes))), default=modes))
+
+
+def _paler(colour: str, white: float) -> str:
+    """A colour mixed with white."""
+    parts = [int(colour[k : k + 2], 16) for k in (1, 3, 5)]
+    return "#" + "".join(f"{round(part + (255 - part) * white):02X}" for part in parts)

@@ -9,8 +9,8 @@ import numpy.typing as npt
 
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.plot.figures import new_axes
+from nonsmooth.plot.histories import mode_label
 from nonsmooth.plot.legends import place_legend
-from nonsmooth.plot.mode_spans import mode_label
 from nonsmooth.plot.style import LINES, axis_label, finish_axes, mode_colours, mode_numbers
 from nonsmooth.plot.trace import DENSE
 

@@ -5,17 +5,22 @@ from __future__ import annotations
 import textwrap
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from nonsmooth.errors import OptionError
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
+    from matplotlib.colors import Colormap
 
 __all__ = [
     "LINES",
     "PALETTE",
     "axis_label",
+    "colour_bar",
     "finish_axes",
+    "growing_colours",
     "mixed",
     "mode_colours",
     "mode_numbers",
@@ -45,6 +50,10 @@ LINES: tuple[dict[str, Any], ...] = (
 
 _SHADES = ((0, 0), (0, 9), (255, 10), (0, 14))  # black or white, and twentieths of it
 _LABEL_WIDTH = 34  # characters; at 8 points this is the height of a column-wide picture
+
+# from dark blue to ochre in even steps of lightness, alike with every kind of colour vision; the
+# pale end would be lost on white
+_MAP, _LAST = "cividis", 0.88
 
 
 def axis_label(variable: xr.DataArray) -> str:
@@ -129,3 +138,29 @@ def finish_axes(ax: Axes, x_label: str, y_label: str) -> None:
         ax.set_xlabel(wrapped(x_label))
     if not ax.get_ylabel():
         ax.set_ylabel(wrapped(y_label))
+
+
+def growing_colours() -> Colormap:
+    """Colours from the first to the last."""
+    import matplotlib
+    from matplotlib.colors import ListedColormap
+
+    return ListedColormap(matplotlib.colormaps[_MAP](np.linspace(0.0, _LAST, 256)))
+
+
+def colour_bar(ax: Axes, drawn: Any, label: str, *, inset: bool = False) -> None:
+    """Bar beside the axes with texts of the same size.
+
+    An inset one is as high as axes that have a shape of their own, such as equal scales.
+    """
+    figure = ax.get_figure(root=True)
+    assert figure is not None
+    place: dict[str, Any] = {"ax": ax, "pad": 0.02, "aspect": 25}
+    if inset:
+        place = {"cax": ax.inset_axes((1.03, 0.0, 0.035, 1.0))}
+    bar = figure.colorbar(drawn, **place)
+    size = float(ax.xaxis.label.get_fontsize())
+    bar.set_label(wrapped(label), fontsize=size)
+    bar.ax.tick_params(labelsize=size - 1.0, width=0.6, length=2.5)
+    bar.ax.yaxis.get_offset_text().set_fontsize(size - 1.0)
+    bar.outline.set_linewidth(0.6)

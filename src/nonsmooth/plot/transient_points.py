@@ -8,11 +8,9 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError, unknown_name
-from nonsmooth.plot.arrows import draw_arrow
 from nonsmooth.plot.figures import new_axes
-from nonsmooth.plot.growth_colours import colour_bar, growing_colours
 from nonsmooth.plot.sections import diameter_of
-from nonsmooth.plot.style import axis_label, finish_axes
+from nonsmooth.plot.style import axis_label, colour_bar, finish_axes, growing_colours
 from nonsmooth.plot.trace import DENSE
 
 if TYPE_CHECKING:
@@ -25,8 +23,13 @@ Floats = npt.NDArray[np.float64]
 _MOST_ARROWS = 24  # of one picture
 _SMALLEST, _LARGEST = 1.2, 3.0  # diameter of points; their colour is to be seen
 
+_LENGTH = 18.0  # points; a way that is shorter gets no arrow
+_LEAST = 3.0  # points, of a way that has a direction
+_BESIDE = 5.0  # points from the path
+_CLEAR = 3.0  # points from other arrows
 
-class _Stretch(NamedTuple):
+
+class _PeriodicPart(NamedTuple):
     """Points from ``first`` to ``last``, the last included, of one period."""
 
     first: int
@@ -137,7 +140,7 @@ def _columns(points: xr.Dataset, names: tuple[str, ...]) -> list[Floats]:
     return [points[name].values.astype(float) for name in names]
 
 
-def _stretches(points: xr.Dataset, labels: xr.Dataset) -> list[_Stretch]:
+def _stretches(points: xr.Dataset, labels: xr.Dataset) -> list[_PeriodicPart]:
     """Periodic stretches by the numbers of the points drawn."""
     if "period" not in labels or labels["period"].ndim != 1:
         raise OptionError("labels: give a result of local_regimes")
@@ -160,13 +163,13 @@ def _stretches(points: xr.Dataset, labels: xr.Dataset) -> list[_Stretch]:
     first = np.flatnonzero(np.diff(found, prepend=-1))
     last = np.append(first[1:], found.size) - 1
     return [
-        _Stretch(int(a), int(b), int(found[a]))
+        _PeriodicPart(int(a), int(b), int(found[a]))
         for a, b in zip(first, last, strict=True)
         if found[a] > 0
     ]
 
 
-def _draw_arrows(ax: Axes, across: Floats, up: Floats, stretches: list[_Stretch]) -> None:
+def _draw_arrows(ax: Axes, across: Floats, up: Floats, stretches: list[_PeriodicPart]) -> None:
     """An arrow per branch, for those that move most."""
     figure = ax.get_figure(root=True)
     assert figure is not None
@@ -181,3 +184,55 @@ def _draw_arrows(ax: Axes, across: Floats, up: Floats, stretches: list[_Stretch]
     drawn: list[Floats] = []
     for k in np.argsort(way)[::-1][:_MOST_ARROWS]:
         draw_arrow(ax, paths[k], drawn)
+
+
+def draw_arrow(ax: Axes, path: Floats, others: list[Floats]) -> None:
+    """Arrow beside the middle of a path; none where the path is shorter, or another one is there.
+
+    It lies outside of the bow of the path, and joins the others.
+
+    shapes: path (K, 2), in units of the data; others (n, 2), points along arrows on paper
+    """
+    figure = ax.get_figure(root=True)
+    assert figure is not None
+    unit = 72.0 / figure.dpi
+    seen = ax.transData.transform(path) * unit
+    away = np.hypot(*(seen - seen[-1]).T)
+    if len(path) < 2 or away.max() < _LENGTH:
+        return
+    # half way to the end; the beginning may wind where the motion settles
+    k = int(np.flatnonzero(away >= 0.5 * away.max())[-1])
+    ways = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(seen, axis=0).T))])
+    first, middle, last = (
+        np.array([np.interp(ways[k] + shift, ways, column) for column in seen.T])
+        for shift in (-0.5 * _LENGTH, 0.0, 0.5 * _LENGTH)
+    )
+    along = last - first
+    if np.hypot(*along) < _LEAST:  # it turns there
+        along = seen[-1] - seen[0]
+    along = along / np.hypot(*along)
+    across = np.array([-along[1], along[0]])
+    if across @ (middle - 0.5 * (seen[0] + seen[-1])) < 0.0:
+        across = -across
+    tail = middle + _BESIDE * across - 0.5 * _LENGTH * along
+    tip = tail + _LENGTH * along
+    arrow = np.linspace(tail, tip, int(_LENGTH))
+    if any(np.hypot(*(arrow[:, None] - one).T).min() < _CLEAR for one in others):
+        return
+    others.append(arrow)
+    back = ax.transData.inverted()
+    start, end = (back.transform(place / unit) for place in (tail, tip))
+    ax.annotate(
+        "",
+        xy=(float(end[0]), float(end[1])),
+        xytext=(float(start[0]), float(start[1])),
+        arrowprops={
+            "arrowstyle": "-|>,head_length=0.35,head_width=0.16",
+            "color": "black",
+            "linewidth": 0.8,
+            "shrinkA": 0.0,
+            "shrinkB": 0.0,
+        },
+        annotation_clip=False,
+        zorder=5,
+    )

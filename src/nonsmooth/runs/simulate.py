@@ -86,12 +86,12 @@ def simulate(
         Samples per period with ``periods`` and ``t_end``. A system without a period is
         sampled at 1001 equidistant times, or at ``times``.
     parameters : mapping of str to float, optional
-        Parameter values that differ from the system's.
+        Values of parameters that differ from those of the system.
     mode : str, optional
         Mode to start in, where several would fit; a cell, or a mode for any of its cells.
     tolerance : float, optional
-        What counts as zero for a start, relative to the terms of the guard. Events and
-        the accuracy of the flow do not depend on it.
+        What counts as zero for a start, relative to the terms of the guard. Events and the accuracy
+        of the flow do not depend on it.
     events : bool, optional
         Whether to keep the event log. Without it a run of any length needs no more memory
         than its samples; events are found and counted as ever, and the run can go on.

@@ -1,34 +1,48 @@
-"""Basins by sharing each cell among the cells to which its points go."""
+"""Basins by shares: which part of a cell goes to each other cell, and to each attractor."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from scipy import sparse
+from scipy.sparse.csgraph import connected_components
+from scipy.sparse.linalg import splu
 
-from nonsmooth.analysis.basins.attractor_options import Search
 from nonsmooth.analysis.basins.attractor_search import (
     ENDED,
     INADMISSIBLE,
     UNSETTLED,
     AttractorSearch,
-    Settled,
+    SearchOptions,
+    SettledStarts,
 )
-from nonsmooth.analysis.basins.cell_cycles import cycles_of
-from nonsmooth.analysis.basins.cell_labels import NOT_COMPUTED
-from nonsmooth.analysis.basins.cell_mapping import ENDS
-from nonsmooth.analysis.basins.cell_points import CellPoints
-from nonsmooth.analysis.basins.cell_shares import closed_classes, end_shares, transitions
-from nonsmooth.analysis.basins.changed_labels import DOUBLINGS, SETTLED, Changes
-from nonsmooth.analysis.basins.found_basins import Basins, search_from
+from nonsmooth.analysis.basins.by_cell_mapping import (
+    DOUBLINGS,
+    ENDS,
+    NOWHERE,
+    REFUSED,
+    SETTLED,
+    CellImages,
+    Changes,
+    cycles_of,
+    map_points,
+)
+from nonsmooth.analysis.basins.by_recurrences import NOT_COMPUTED, Basins, search_from
+from nonsmooth.analysis.basins.recurrences import Known, new_visits
 from nonsmooth.analysis.basins.region import Grid
+from nonsmooth.engine.attractors import visit
+from nonsmooth.engine.lanes import ANY, SAME
 from nonsmooth.runs.progress import Progress
 
-__all__ = ["by_cell_shares"]
+__all__ = ["by_cell_shares", "closed_classes", "end_shares", "transitions"]
 
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
+
+_SIDE = 3  # points along each state of a cell
 
 _MEMBERS = 16  # cells of a class, or that go nowhere, that are followed by the exact map
 _ROUNDS = 4  # of looking for attractors where points have come to, after each doubling
@@ -36,10 +50,148 @@ _FIRST_CHAIN = 4  # iterates of a cell; chains of fewer are only looked at for a
 _AT_ONCE = 256  # starts that are followed together
 
 
+def transitions(source: Integers, image: Integers, count: int) -> sparse.csr_array:
+    """Matrix of the shares of each cell's points that go to each cell, (count, count).
+
+    shapes: source, image (K,), a pair for each point
+    """
+    points = np.bincount(source, minlength=count).astype(float)
+    share = 1.0 / points[source]
+    return sparse.csr_array(sparse.coo_array((share, (source, image)), shape=(count, count)))
+
+
+def closed_classes(matrix: sparse.csr_array) -> Integers:
+    """Number of the closed class in which each cell lies, -1 where it is left for good.
+
+    A class is closed where no point of it leaves it; a cell without points is in none.
+    """
+    count, number = connected_components(matrix, directed=True, connection="strong")
+    rows, columns = matrix.nonzero()
+    leaves = np.zeros(count, bool)
+    leaves[number[rows[number[rows] != number[columns]]]] = True
+    leaves[number[np.diff(matrix.indptr) == 0]] = True
+    kept = np.cumsum(~leaves) - 1
+    return np.where(leaves[number], -1, kept[number]).astype(np.int64)
+
+
+def end_shares(matrix: sparse.csr_array, ends: Floats) -> Floats:
+    """Probability of each end for every cell.
+
+    ``ends`` (N, E) has it for the cells of closed classes, and zero elsewhere: (I - Q) X = R with Q
+    the chain among the other cells. What goes nowhere is missing from the sum.
+    """
+    passing = np.flatnonzero(ends.sum(axis=1) == 0.0)
+    shares = ends.copy()
+    if passing.size:
+        rows = matrix[passing]
+        inner = sparse.eye_array(passing.size) - rows[:, passing]
+        shares[passing] = splu(sparse.csc_array(inner)).solve(rows @ ends)
+    return shares
+
+
+class CellPoints:
+    """Points of every cell and where they are after some iterates, which may be doubled.
+
+    A cell none of whose points is admissible has the first image that lies in it as its point.
+    """
+
+    def __init__(self, grid: Grid, make_runner: Callable[[], Any], threads: int) -> None:
+        self.grid, self.iterates = grid, 0
+        self.states = grid.states(np.arange(grid.size))  # that stand for the cells
+        self.centre = np.full(grid.size, -1, np.int64)  # number of the point that does
+        self.source = np.zeros(0, np.int64)  # cell of each point
+        self.image = np.zeros(0, np.int64)  # cell in which it lies now
+        self.owner = np.zeros(0, np.int64)  # attractor at which it is now, 0 for none
+        self._seen = np.zeros(0, np.int64)  # at which it was before
+        self._points = np.zeros((0, self.states.shape[1]))
+        self._modes = np.zeros(0, np.int64)
+        self._make_runner, self._threads = make_runner, threads
+
+    def double(self) -> bool:
+        """Map on for as many iterates again, once at first; False after an interruption."""
+        if self.iterates == 0:
+            return self._begin()
+        # what is at an attractor for the second time stays there
+        here = (self.owner > 0) & (self.owner == self._seen)
+        self._seen = self.owner.copy()
+        moving = np.flatnonzero((self._modes >= 0) & ~here)
+        count, self.iterates = self.iterates, 2 * self.iterates
+        points, modes = self._points[moving], SAME - self._modes[moving]
+        part, complete = self._mapped(points, modes, count)
+        self._points[moving], self._modes[moving] = part.points, part.modes
+        self.image[moving] = part.image
+        return complete
+
+    def recognise(self, known: Known) -> None:
+        """See which points are at an attractor: in a ball of convergence, or a cell of a set."""
+        marks = known.landmarks().replace(in_cycle=1, in_set=1)
+        visits = new_visits(len(self._points))
+        visit(np.ascontiguousarray(self._points[:, None, :]), 1, marks, visits)
+        self.owner = np.where(self._modes >= 0, visits.label, 0)
+
+    def lost(self) -> tuple[Integers, Integers]:
+        """Numbers of points at no known attractor, outside the grid and in it."""
+        left, outside = (self._modes >= 0) & (self.owner == 0), self.image == NOWHERE
+        return np.flatnonzero(left & outside), np.flatnonzero(left & ~outside)
+
+    def come_to(self, some: Integers) -> tuple[Floats, Integers]:
+        """Where some points are now, and the modes from which they go on."""
+        return self._points[some], SAME - self._modes[some]
+
+    def _begin(self) -> bool:
+        self.iterates, count = 1, self.grid.size
+        inner = self.grid.inner_states(np.arange(count), _SIDE)
+        points, source = (
+            inner.reshape(-1, inner.shape[2]),
+            np.repeat(np.arange(count), inner.shape[1]),
+        )
+        middle = np.tile(np.arange(inner.shape[1]) == inner.shape[1] // 2, count)
+        complete = True
+        while len(points) and complete:
+            part, complete = self._mapped(points, np.full(len(points), ANY), 1)
+            admitted = np.flatnonzero(part.image != REFUSED)
+            # the middle one stands for the cell where a mode admits it
+            order = admitted[np.argsort(~middle[admitted], kind="stable")]
+            cells, first = np.unique(source[order], return_index=True)
+            self.states[cells] = points[order[first]]
+            place = np.full(len(points), -1, np.int64)
+            place[admitted] = len(self.source) + np.arange(admitted.size)
+            self.centre[cells] = place[order[first]]
+            self.source = np.concatenate([self.source, source[admitted]])
+            self.image = np.concatenate([self.image, part.image[admitted]])
+            self._points = np.concatenate([self._points, part.points[admitted]])
+            self._modes = np.concatenate([self._modes, part.modes[admitted]])
+            to = np.flatnonzero(part.image >= 0)
+            entered, which = np.unique(part.image[to], return_index=True)
+            new = self.centre[entered] < 0
+            points, source = part.points[to[which[new]]], entered[new]
+            middle = np.ones(len(points), bool)
+        self.owner = np.zeros(len(self.source), np.int64)
+        self._seen = self.owner.copy()
+        return complete
+
+    def _mapped(self, points: Floats, modes: Integers, count: int) -> tuple[CellImages, bool]:
+        total = len(points)
+        whole = CellImages(
+            points.copy(), np.full(total, ANY), np.full(total, NOWHERE, np.int64), points.copy()
+        )
+
+        def keep(places: Integers, part: CellImages) -> None:
+            for mine, theirs in zip(vars(whole).values(), vars(part).values(), strict=True):
+                mine[places] = theirs
+
+        # points outside the grid are mapped on with the others, and so need not be followed
+        complete = map_points(
+            self.grid, points, modes, count, self._make_runner, self._threads, keep,
+            f"points of cells, {self.iterates} iterates", outside=0,
+        )  # fmt: skip
+        return whole, complete
+
+
 def by_cell_shares(
     chosen: Any,
     grid: Grid,
-    how: Search,
+    how: SearchOptions,
     threads: int,
 ) -> Basins:
     """Map points of every cell, and follow the chain of cells that this makes."""
@@ -60,7 +212,7 @@ def by_cell_shares(
     except KeyboardInterrupt:
         if shared is None:
             nothing = np.full(grid.size, NOT_COMPUTED)
-            return Basins([], Settled(nothing, np.zeros_like(nothing)), False)
+            return Basins([], SettledStarts(nothing, np.zeros_like(nothing)), False)
         return shared.basins(complete=False)
     return shared.basins(complete=True)
 
@@ -130,7 +282,7 @@ class _Shares:
                 f" to no attractor, and the last doubling changed {self.changes.last:.2%} of the"
                 " labels away from borders; take finer cells, or method='recurrences'"
             )
-        settled = Settled(self.label, np.zeros(self.label.size, np.int64))
+        settled = SettledStarts(self.label, np.zeros(self.label.size, np.int64))
         return Basins(found, settled, complete, self.probability, notes, "; ".join(remarks))
 
     def _search(self) -> None:

@@ -6,27 +6,100 @@ those of an exact map, cycles are refined by Newton's method and get a ball arou
 which motions are seen to converge; a lane that enters these balls in their order, or stays in the
 cells of a larger set, belongs to it. Lanes know nothing of each other but the attractors, so their
 order changes no label.
+
+The ball around a point of a cycle is only as sure as the trial starts that have shown it, and a
+chaotic motion may pass through some balls in order. So a lane that has come to a cycle is run on
+until a motion that converges must have come nearer, and belongs to the cycle if it has.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.basins.attractor import Attractor
-from nonsmooth.analysis.basins.confirmation import Cycles
 from nonsmooth.engine.attractors import Landmarks, Visits, cell_keys, fill_cells, visit
 
-__all__ = ["IN_CYCLE", "IN_SET", "Known", "Measure", "new_visits", "share_of_new"]
+__all__ = ["Known", "KnownCycles", "Measure", "confirm_visits", "new_visits", "share_of_new"]
 
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
 
+_SHRINKS = 0.01  # by which the slowest direction of a cycle shrinks in a run that confirms
+_NEARER = 0.1  # of its distance from a point to which a lane must have come by then
+_CLOSE = 1e-5  # beside the scale: cycles that are nearer to each other are one
+_MOST = 2000  # iterates of such a run; a cycle that needs more is not confirmed
+
 IN_CYCLE = 3  # visits in a row, in order: each ball is one of convergence already
 IN_SET = 50  # a lane that only passes leaves the cells earlier; more cost time alone
 _CELLS = 1 << 12  # places of the table of cells to begin with
+
+
+@dataclass(frozen=True)
+class KnownCycles:
+    """Cycles that may be confirmed: their points, and the iterates that this takes."""
+
+    columns: Integers  # states that are compared
+    scale: Floats  # of them
+    points: dict[int, Floats]  # (p, d) in these units, by the number of the attractor
+    iterates: dict[int, int]  # 0 where it would take too many
+
+    @classmethod
+    def of(cls, attractors: Sequence[Attractor], measure: Any) -> KnownCycles:
+        """The cycles among some attractors, numbered from 1 on."""
+        cycles = {i + 1: one for i, one in enumerate(attractors) if one.is_cycle}
+        return cls(
+            measure.columns,
+            measure.scale[measure.columns],
+            {number: measure.scaled(one.points) for number, one in cycles.items()},
+            {number: _iterates(one) for number, one in cycles.items()},
+        )
+
+    def unconfirmed(self, label: Integers) -> int:
+        """How many labels rest on the balls of their cycles alone."""
+        return sum(
+            int(np.count_nonzero(label == number))
+            for number, count in self.iterates.items()
+            if count == 0
+        )
+
+    def distances(self, states: Floats, number: int) -> Floats:
+        """Distances of states from the points of a cycle, (K, p)."""
+        scaled = states[:, self.columns] / self.scale
+        return np.asarray(np.linalg.norm(scaled[:, None] - self.points[number][None], axis=2))
+
+
+def confirm_visits(
+    runner: Any, lanes: Any, states: Floats, cycles: KnownCycles, visits: Visits
+) -> None:
+    """Take back the labels of lanes that do not come nearer to the cycle they were given.
+
+    The lanes themselves stay where they are. shapes: states (L, n), in which they are
+    """
+    for number, count in cycles.iterates.items():
+        arrived = np.flatnonzero(visits.label == number)
+        if not count or not arrived.size:
+            continue
+        distances = cycles.distances(states[arrived], number)
+        point = np.argmin(distances, axis=1)[:, None]
+        ends, _ = runner.last(lanes.select(arrived), count)  # whole turns later
+        before = np.take_along_axis(distances, point, axis=1)[:, 0]
+        after = np.take_along_axis(cycles.distances(ends, number), point, axis=1)[:, 0]
+        lost = arrived[~(after <= np.maximum(_NEARER * before, _CLOSE))]  # nan: it has ended
+        visits.label[lost] = visits.candidate[lost] = visits.score[lost] = visits.needed[lost] = 0
+        visits.point[lost] = -1
+
+
+def _iterates(cycle: Attractor) -> int:
+    """Iterates in which motions near a cycle come nearer, 0 where it takes too many."""
+    rate = np.abs(cycle.multipliers).max(initial=0.0) if cycle.multipliers is not None else 1.0
+    turns = 1 if rate <= _SHRINKS else np.log(_SHRINKS) / np.log(min(rate, 1.0 - 1e-12))
+    count = int(np.ceil(turns)) * cycle.period
+    return count if count <= _MOST else 0
 
 
 @dataclass(frozen=True)
@@ -107,9 +180,9 @@ class Known:
             in_set=IN_SET,
         )
 
-    def cycles(self) -> Cycles:
+    def cycles(self) -> KnownCycles:
         """The cycles that are known, for runs that confirm them."""
-        return Cycles.of(self.attractors, self.measure)
+        return KnownCycles.of(self.attractors, self.measure)
 
     def same_cycle(self, attractor: Attractor, close: float) -> int:
         """Number of the cycle that has the same points, 0 for none."""

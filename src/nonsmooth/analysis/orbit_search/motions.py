@@ -1,13 +1,16 @@
-"""Motions in which orbits are looked for: points of a section, and the legs between them."""
+"""Motions as points, the places where they nearly close, and starts of more of them."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from scipy.stats import qmc
 
+from nonsmooth.analysis.basins.region import Box
 from nonsmooth.engine.record import columns
 from nonsmooth.engine.status import EventKind, Status
 from nonsmooth.engine.tables import Tables
@@ -17,17 +20,34 @@ from nonsmooth.periodic_orbits.search import Wanted
 from nonsmooth.periodic_orbits.word import Word, path_of_bits
 from nonsmooth.runs.clock import Instant, Plan
 from nonsmooth.runs.first_mode import in_first_mode
-from nonsmooth.runs.runner import Outcome, run_plan
-from nonsmooth.runs.start import resolve_start, start_at_end
+from nonsmooth.runs.runner import NoMode, Outcome, run_plan
+from nonsmooth.runs.start import complete_state, resolve_start, start_at_end
+from nonsmooth.system.system import System
 
-__all__ = ["Motion", "first_motion", "motion_from"]
+__all__ = [
+    "PointsOfMotion",
+    "Return",
+    "close_returns",
+    "drawn_states",
+    "first_motion",
+    "returns_in_turn",
+    "sampled_motions",
+    "spread_of",
+    "states_around",
+]
 
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
 
+_LOOKED_AT = 40  # returns that are put in order for each guess that is wanted
+_APART = 0.01  # of the spread: guesses of one word that are closer are taken for one
+_OUTER = 0.01  # part of the points on either side that the spread leaves out
+
+_WIDER = 0.5  # of the range of a motion: by how much starts are taken beyond it, on either side
+
 
 @dataclass(frozen=True)
-class Motion:
+class PointsOfMotion:
     """A motion as points: strobes of a driven one, states behind events of any other.
 
     Times count from the first window in which points are kept. Points of one ``kind`` lie on one
@@ -82,7 +102,7 @@ class Motion:
         )
 
 
-def first_motion(wanted: Wanted, tables: Tables, periods: int, driven: bool) -> Motion:
+def first_motion(wanted: Wanted, tables: Tables, periods: int, driven: bool) -> PointsOfMotion:
     """Motion from the start that is given, some periods after its transient."""
     system = wanted.system
     window = tables.window
@@ -92,7 +112,7 @@ def first_motion(wanted: Wanted, tables: Tables, periods: int, driven: bool) -> 
     late = start.instant.phase > wanted.phase * window * (1.0 + 1e-14)
     first = start.instant.number + int(late) + wanted.transient
 
-    def run(mode: int) -> Motion:
+    def run(mode: int) -> PointsOfMotion:
         return motion_from(wanted, tables, start.state, start.instant, first, periods, driven, mode)
 
     return in_first_mode(system, tables, start, run)
@@ -101,7 +121,7 @@ def first_motion(wanted: Wanted, tables: Tables, periods: int, driven: bool) -> 
 def motion_from(
     wanted: Wanted, tables: Tables, state: Floats, begin: Instant, first: int, periods: int,
     driven: bool, mode: int = -1,
-) -> Motion:  # fmt: skip
+) -> PointsOfMotion:  # fmt: skip
     """Motion from a state, its points from window ``first`` on; `NoMode` where none admits it."""
     phase = wanted.phase * tables.window
     numbers = first + np.arange(periods + 1, dtype=np.int64)
@@ -110,7 +130,7 @@ def motion_from(
     return _points(outcome, first, phase, driven)
 
 
-def _points(outcome: Outcome, first: int, phase: float, driven: bool) -> Motion:
+def _points(outcome: Outcome, first: int, phase: float, driven: bool) -> PointsOfMotion:
     rows, window = outcome.events, outcome.window
     keep = ~np.isin(rows["kind"], (EventKind.GRAZE, EventKind.START))
     since: Floats = (rows["number"] - first) * window + (rows["phase"] - phase)
@@ -119,14 +139,138 @@ def _points(outcome: Outcome, first: int, phase: float, driven: bool) -> Motion:
     reached = outcome.n_samples
     kept = columns(rows, "path", "passes", "to_mode")
     if driven:
-        return Motion(
+        return PointsOfMotion(
             outcome.records.sample_state[:reached], np.zeros(reached, np.int64),
             np.arange(reached, dtype=float) * window, outcome.records.sample_mode[:reached], True,
             phase, kept, times, states, outcome.status,
         )  # fmt: skip
     tell = columns(rows, "from_mode", "path", "to_mode")
     _, kinds = np.unique(tell, axis=0, return_inverse=True)
-    return Motion(
+    return PointsOfMotion(
         states, kinds.reshape(-1), times, kept[:, 2], False, 0.0, kept, times, states,
         outcome.status,
     )  # fmt: skip
+
+
+class Return(NamedTuple):
+    """A motion that comes nearly back to its point ``i`` at its point ``j``."""
+
+    motion: int
+    i: int
+    j: int
+    gap: float  # beside the spread of the points
+
+
+def spread_of(motions: Sequence[PointsOfMotion], drifting: npt.NDArray[np.bool_]) -> Floats:
+    """What counts as large for each state; infinite for drifts."""
+    parts = [each for motion in motions for each in (motion.points, motion.event_states)]
+    points = np.concatenate(parts)
+    if not len(points):
+        return np.where(drifting, np.inf, 1.0)
+    low, high = np.quantile(points, [_OUTER, 1.0 - _OUTER], axis=0)
+    spread = np.where(drifting, 0.0, high - low)
+    # a state that hardly moves, beside one that does
+    size = np.abs(np.where(drifting, 0.0, points)).max(initial=1e-12)
+    least = np.maximum(1e-6 * spread.max(), 1e-9 * size)
+    return np.where(drifting, np.inf, np.maximum(spread, least))
+
+
+def close_returns(
+    motions: Sequence[PointsOfMotion], n: int, spread: Floats, most: int
+) -> list[Return]:
+    """Returns after n points of one kind, the closest first; at most so many."""
+    numbers, first, last, gaps = [], [], [], []
+    for number, motion in enumerate(motions):
+        for kind in np.unique(motion.kinds):
+            places = np.flatnonzero(motion.kinds == kind)
+            if places.size <= n:
+                continue
+            i, j = places[:-n], places[n:]
+            gap = (np.abs(motion.points[j] - motion.points[i]) / spread).max(axis=1)
+            numbers.append(np.full(i.size, number))
+            first.append(i)
+            last.append(j)
+            gaps.append(gap)
+    if not gaps:
+        return []
+    gap = np.concatenate(gaps)
+    gap = np.where(np.isfinite(gap), gap, np.inf)
+    order = np.argsort(gap, kind="stable")[: _LOOKED_AT * most]
+    columns = (np.concatenate(numbers)[order], np.concatenate(first)[order],
+               np.concatenate(last)[order], gap[order])  # fmt: skip
+    return [Return(int(a), int(b), int(c), float(d)) for a, b, c, d in zip(*columns, strict=True)]
+
+
+def returns_in_turn(
+    motions: Sequence[PointsOfMotion], returns: Sequence[Return], spread: Floats
+) -> Iterator[Return]:
+    """Each word's closest return, then the next closest ones, and so on.
+
+    Of returns with one word that begin at nearly the same point, the closest one is taken.
+    """
+    groups: dict[bytes, list[Return]] = {}
+    for each in returns:
+        key = motions[each.motion].word_key(each.i, each.j)
+        groups.setdefault(key, []).append(each)
+    tried: dict[bytes, list[Floats]] = {key: [] for key in groups}
+    queues = {key: iter(group) for key, group in groups.items()}
+    while queues:
+        for key in list(queues):
+            for each in queues[key]:
+                point = motions[each.motion].points[each.i] / spread
+                known = tried[key]
+                if known and np.abs(np.array(known) - point).max(axis=1).min() < _APART:
+                    continue
+                known.append(point)
+                yield each
+                break
+            else:
+                del queues[key]
+
+
+def drawn_states(box: Box, count: int, seed: int) -> Floats:
+    """States from a scrambled Sobol sequence in a box; nan where the equations complete them."""
+    return box.states(_sobol(len(box.low), count, seed))
+
+
+def states_around(
+    system: System, motion: PointsOfMotion, drifting: npt.NDArray[np.bool_], count: int, seed: int
+) -> Floats:
+    """States drawn around a motion.
+
+    In every other one, states that some mode slaves are nan: left to the equations of a mode.
+    """
+    points = np.concatenate([motion.points, motion.event_states])
+    origin = np.array([system.rest_state[name] for name in system.states])
+    if not len(points):
+        points = origin[None]
+    low, high = points.min(axis=0), points.max(axis=0)
+    width = np.where(high > low, high - low, 0.0)
+    moves = ~drifting & (width > 1e-9 * width.max(initial=1e-12))
+    low, high = low - _WIDER * width, high + _WIDER * width
+    states = np.where(drifting, origin, points[-1]) + np.zeros((count, len(origin)))
+    unit = _sobol(max(int(moves.sum()), 1), count, seed)
+    states[:, moves] = (low + unit[:, np.cumsum(moves) - 1] * (high - low))[:, moves]
+    slaved = {name for mode in system.modes.values() for name in mode.slaved}
+    states[1::2, [name in slaved for name in system.states]] = np.nan
+    return states
+
+
+def _sobol(dimensions: int, count: int, seed: int) -> Floats:
+    sequence = qmc.Sobol(dimensions, rng=np.random.default_rng(seed))
+    drawn: Floats = sequence.random(2 ** int(np.ceil(np.log2(max(count, 1)))))[:count]
+    return drawn
+
+
+def sampled_motions(
+    wanted: Wanted, tables: Tables, states: Floats, periods: int, driven: bool
+) -> Iterator[PointsOfMotion | None]:
+    """A motion from each state; None where no mode admits it."""
+    begin = Instant(0, wanted.phase * tables.window)
+    for state in states:
+        try:
+            if np.any(np.isnan(state)):
+                state = complete_state(wanted.system, tables, state, begin)
+            yield motion_from(wanted, tables, state, begin, 0, periods, driven)
+        except NoMode:
+            yield None

@@ -1,23 +1,24 @@
-"""Options of `find_orbit` and of the verbs that begin as it does."""
+"""Options of `find_orbit` and of the verbs that begin as it does, or with one orbit."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
-from nonsmooth.errors import OptionError
+from nonsmooth.analysis.options import SharedOptions
+from nonsmooth.errors import ModelError, OptionError
 from nonsmooth.periodic_orbits.restart import is_orbit
 from nonsmooth.periodic_orbits.search import Wanted
 from nonsmooth.periodic_orbits.word_names import read_word, words_of_names
 from nonsmooth.runs.carried import refuse_other_parameters
 from nonsmooth.runs.driving import is_driven
-from nonsmooth.runs.options import check_run_options, finite_number, whole_number
+from nonsmooth.runs.options import finite_number, whole_number
 from nonsmooth.runs.poincare_map import PoincareMap
 from nonsmooth.runs.runner import build_tables
 from nonsmooth.runs.stroboscopic import check_phase
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
+from nonsmooth.system.system import System
 
-__all__ = ["period_of", "read_wanted", "said_of_options"]
+__all__ = ["period_of", "read_wanted", "said_of_options", "system_of_one"]
 
 _TRANSIENT = 200
 _MOST_PERIODS = 1000
@@ -26,14 +27,12 @@ _MOST_PERIODS = 1000
 def read_wanted(
     system: Any,
     initial: Any,
+    shared: SharedOptions,
     *,
     period: Any,
     word: Any,
     transient: Any,
-    parameters: Mapping[str, float] | None,
     phase: Any,
-    mode: str | None,
-    tolerance: float,
     verb: str,
 ) -> tuple[Wanted, tuple[str, ...]]:
     """What orbit is wanted, and the names of its word where one is given."""
@@ -53,8 +52,8 @@ def read_wanted(
             f"{verb} takes a system or a StroboscopicMap; give the system of this map: where"
             " nothing drives it, its cycle is found from an event to its return"
         )
-    system = check_run_options(system, parameters, mode, tolerance)
-    if parameters is None and hasattr(initial, "data_vars") and not is_orbit(initial):
+    system = shared.system_of(system)
+    if shared.parameters is None and hasattr(initial, "data_vars") and not is_orbit(initial):
         refuse_other_parameters(system, initial, "run" if "time" in initial.dims else "point")
     if system.slow or system.unrepeated:
         what = "slow=" if system.slow else system.unrepeated
@@ -80,8 +79,8 @@ def read_wanted(
     elif finite_number("transient", transient) != int(transient) or transient < 0:
         raise OptionError(f"transient = {transient}: give a whole number of periods, 0 or more")
     wanted = Wanted(
-        system, initial, period * every, check_phase(phase), int(transient), mode, tuple(words),
-        tolerance,
+        system, initial, period * every, check_phase(phase), int(transient), shared.mode,
+        tuple(words), shared.tolerance,
     )  # fmt: skip
     return wanted, names
 
@@ -96,13 +95,36 @@ def period_of(initial: Any) -> int:
 
 
 def said_of_options(
-    wanted: Wanted, parameters: Mapping[str, float] | None, names: tuple[str, ...]
+    wanted: Wanted, shared: SharedOptions, names: tuple[str, ...]
 ) -> dict[str, Any]:
     """Attributes that tell what was asked for."""
     return {
         "transient": wanted.transient,
         "phase_of_period": wanted.phase,
         "word_asked_for": " ".join(names),
-        "tolerance": float(wanted.tolerance),
-        "changed_parameters": str(dict(parameters)) if parameters else "",
+        **shared.recorded,
     }
+
+
+def system_of_one(orbit: Any) -> System:
+    """The system of an orbit; a branch keeps the parameter of each point beside it.
+
+    Raises `OptionError` for what is no orbit, or several.
+    """
+    if not is_orbit(orbit):
+        raise OptionError(
+            f"orbit = {type(orbit).__name__}: give a result of find_orbit, or one orbit of a"
+            " branch, as in branch.isel(point=0)"
+        )
+    if orbit["length"].ndim:
+        over = str(orbit["length"].dims[0])
+        raise OptionError(
+            f"orbit: these are {orbit.sizes[over]} orbits over {over!r}; take one, as in"
+            f" branch.isel({over}=3)"
+        )
+    try:
+        system = System.from_toml(orbit.attrs["system"])
+        name = orbit.attrs.get("parameter")
+        return system.with_parameters(**{name: float(orbit[name])}) if name else system
+    except (KeyError, ModelError, TypeError, ValueError) as fault:
+        raise OptionError(f"orbit: its attributes do not give its system: {fault}") from None

@@ -1,4 +1,4 @@
-"""A family of starts: one for each value of the coordinate, the other states by rules."""
+"""Starts on an interval of one coordinate, and what a coordinate is."""
 
 from __future__ import annotations
 
@@ -9,28 +9,101 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.analysis.returns.coordinate import PHASE, Coordinate
 from nonsmooth.engine.lanes import ANY
 from nonsmooth.errors import ModelError, OptionError, unknown_name
 from nonsmooth.runs.clock import Instant
+from nonsmooth.runs.labels import labels_of
+from nonsmooth.runs.of_system import Map
 from nonsmooth.runs.options import finite_number
+from nonsmooth.runs.poincare_map import PoincareMap
 from nonsmooth.runs.start import mode_numbers
 from nonsmooth.system.algebra.differentiate import derivative
 from nonsmooth.system.algebra.graph import Graph
 from nonsmooth.system.system import System
-from nonsmooth.system.text.evaluate import evaluate
+from nonsmooth.system.text.evaluate import constant_value, evaluate
 from nonsmooth.system.text.expressions import Expression, Number, names_in, to_text
 from nonsmooth.system.text.grammar import parse
 
-__all__ = ["Family", "Starts", "read_family"]
+__all__ = ["Coordinate", "SectionStarts", "StartFamily", "read_coordinate", "read_family"]
 
 Floats = npt.NDArray[np.float64]
+
+PHASE = "phase"  # time since the period began, at a point of a section
+
 Integers = npt.NDArray[np.int64]
 
 _STEP = 1e-6  # beside the coordinate: derivative of a text that has none in closed form
 
 
-class Starts(NamedTuple):
+@dataclass(frozen=True)
+class Coordinate:
+    """What is looked at; ``place`` is its column in states followed by time."""
+
+    name: str
+    place: int
+    turn: float | None  # length after which it begins anew; None where it does not
+    is_phase: bool
+    words: Mapping[str, str]
+
+    def of(self, states: Floats, phases: Floats) -> Floats:
+        """Values at points; shapes: states (L, n), phases (L,)."""
+        return self.folded(phases if self.is_phase else states[:, self.place])
+
+    def folded(self, values: Floats) -> Floats:
+        """Values within one turn."""
+        return values if self.turn is None else np.mod(values, self.turn)
+
+    def change(self, values: Floats) -> Floats:
+        """Differences by the shorter way around."""
+        if self.turn is None:
+            return values
+        return values - self.turn * np.rint(values / self.turn)
+
+
+def read_coordinate(chosen: Map, name: Any) -> Coordinate:
+    """The coordinate that a name stands for."""
+    system = chosen.system
+    labels = labels_of(system)
+    if name in system.states:
+        turn = _turn(system, name)
+        if name in system.drift_states and turn is None:
+            raise OptionError(
+                f"coordinate = {name!r} drifts: nothing depends on it, so its map says nothing;"
+                f" take one of {', '.join(_others(chosen))}"
+            )
+        return Coordinate(name, system.states.index(name), turn, False, labels.attributes(name))
+    if name == PHASE and _has_phase(chosen):
+        words = {**labels.attributes("time"), "long_name": "time since the period began"}
+        return Coordinate(PHASE, len(system.states), system.period_value, True, words)
+    if name == PHASE:
+        raise OptionError(
+            "coordinate = 'phase': points of a stroboscopic map are all at one phase, and motions"
+            " without forcing have none; take a PoincareMap of a system with a period, or one of"
+            f" {', '.join(_others(chosen))}"
+        )
+    raise OptionError(f"coordinate: {unknown_name('coordinate', str(name), _others(chosen))}")
+
+
+def _has_phase(chosen: Map) -> bool:
+    return isinstance(chosen, PoincareMap) and chosen.system.period_value is not None
+
+
+def _others(chosen: Map) -> list[str]:
+    system = chosen.system
+    names = [s for s in system.states if s not in system.drift_states or _turn(system, s)]
+    return [*names, PHASE] if _has_phase(chosen) else names
+
+
+def _turn(system: System, name: str) -> float | None:
+    """Length of a turn of a state that is declared an angle."""
+    drift = system.drift
+    text = drift.get(name) if isinstance(drift, Mapping) else None
+    if text is None:
+        return None
+    return constant_value(parse(str(text), where=f"drift[{name!r}]"), system.parameter_values)
+
+
+class SectionStarts(NamedTuple):
     """Where motions begin; one column of ``modes`` after the other is tried."""
 
     states: Floats  # (L, n), nan where the mode says what a state is
@@ -38,13 +111,13 @@ class Starts(NamedTuple):
     phase: Floats  # (L,)
     modes: Integers  # (L, c)
 
-    def some(self, chosen: Any) -> Starts:
+    def some(self, chosen: Any) -> SectionStarts:
         """Some of the starts."""
-        return Starts(*(part[chosen] for part in self))
+        return SectionStarts(*(part[chosen] for part in self))
 
 
 @dataclass(frozen=True)
-class Family:
+class StartFamily:
     """Starts as functions of the coordinate."""
 
     system: System
@@ -55,7 +128,7 @@ class Family:
     modes: tuple[int, ...]
     open_states: Floats  # (n,) of states without a rule; nan where the mode says what they are
 
-    def starts(self, values: Floats) -> Starts:
+    def starts(self, values: Floats) -> SectionStarts:
         """Starts for values of the coordinate."""
         known = self._known(values)
         columns = [
@@ -69,7 +142,7 @@ class Family:
             phase = np.maximum(phase - turns * self.system.period_value, 0.0)
         number = self.begin.number + turns.astype(np.int64)
         modes = np.tile(np.array(self.modes, np.int64), (values.size, 1))
-        return Starts(np.column_stack(columns), number, phase.copy(), modes)
+        return SectionStarts(np.column_stack(columns), number, phase.copy(), modes)
 
     def directions(self, values: Floats) -> Floats:
         """Derivatives of states and time of the starts by the coordinate; (L, n + 1)."""
@@ -117,7 +190,7 @@ def read_family(
     mode: str | None,
     *,
     timed: bool,
-) -> Family:
+) -> StartFamily:
     """Family of starts from the rules of a user; ``timed``: the phase of a start is free."""
     if completion is not None and not isinstance(completion, Mapping):
         raise OptionError(
@@ -140,7 +213,7 @@ def read_family(
         if modes != (ANY,) and all(_is_slaved(system, m, name) for m in modes):
             rest[i] = np.nan
     texts = {k: str(v) for k, v in (completion or {}).items()}
-    return Family(system, coordinate, begin, rules, texts, modes, rest)
+    return StartFamily(system, coordinate, begin, rules, texts, modes, rest)
 
 
 def _is_slaved(system: System, mode: int, state: str) -> bool:

@@ -7,17 +7,15 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.analysis.returns.coordinate import Coordinate
-from nonsmooth.analysis.returns.family import Starts
+from nonsmooth.analysis.returns.family import Coordinate, SectionStarts
 from nonsmooth.analysis.returns.images import Imaging
-from nonsmooth.analysis.returns.reduced_map import Branch, joined
-from nonsmooth.analysis.returns.tangents import Tangents
+from nonsmooth.analysis.returns.reduced_map import MappedStarts, Tangents, joined
 from nonsmooth.engine.lanes import ANY
 from nonsmooth.errors import OptionError
 from nonsmooth.runs.clock import instants
 from nonsmooth.runs.driving import is_driven
 
-__all__ = ["Motion", "map_of_points"]
+__all__ = ["MappedMotion", "map_of_points"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -26,14 +24,16 @@ _SAME = 1e-6  # of the spread of each coordinate, within which the next point is
 _ALIGNED = 1e-9  # angle of two directions that have become one
 
 
-class Motion(NamedTuple):
+class MappedMotion(NamedTuple):
     """The map along a motion."""
 
-    branch: Branch
+    branch: MappedStarts
     exponents: Floats  # (2,) per return, nan where points do not follow each other
 
 
-def map_of_points(imaging: Imaging, coordinate: Coordinate, points: Any, report: Any) -> Motion:
+def map_of_points(
+    imaging: Imaging, coordinate: Coordinate, points: Any, report: Any
+) -> MappedMotion:
     """The map at points of a motion."""
     starts = _starts(imaging, points)
     tangents = Tangents(imaging)
@@ -44,14 +44,16 @@ def map_of_points(imaging: Imaging, coordinate: Coordinate, points: Any, report:
         matrices.append(tangents.of(some, images))
         image = coordinate.of(images.states, images.phase)
         nothing = np.full(image.size, np.nan)
-        parts.append(Branch(coordinate.of(some.states, some.phase), some, images, image, nothing))
+        parts.append(
+            MappedStarts(coordinate.of(some.states, some.phase), some, images, image, nothing)
+        )
         report(image.size)
     branch = joined(parts)
     slopes, exponents = _along(imaging, coordinate, branch, np.concatenate(matrices))
-    return Motion(branch._replace(slope=slopes), exponents)
+    return MappedMotion(branch._replace(slope=slopes), exponents)
 
 
-def _starts(imaging: Imaging, points: Any) -> Starts:
+def _starts(imaging: Imaging, points: Any) -> SectionStarts:
     """Starts at the points of a dataset."""
     system = imaging.chosen.system
     missing = [name for name in system.states if name not in getattr(points, "data_vars", ())]
@@ -74,11 +76,11 @@ def _starts(imaging: Imaging, points: Any) -> Starts:
         number, phase = points["period_number"].values, points["phase"].values
     elif imaging.at_rows and "time" in points.coords:
         number, phase = instants(points["time"].values, imaging.window)
-    return Starts(states, number.astype(np.int64), phase.astype(float), modes)
+    return SectionStarts(states, number.astype(np.int64), phase.astype(float), modes)
 
 
 def _along(
-    imaging: Imaging, coordinate: Coordinate, branch: Branch, matrices: Floats
+    imaging: Imaging, coordinate: Coordinate, branch: MappedStarts, matrices: Floats
 ) -> tuple[Floats, Floats]:
     """Slopes along the motion's own direction, and its two largest exponents per return.
 
@@ -125,7 +127,7 @@ def _two_directions(n: int) -> Floats:
     return frame
 
 
-def _follows(imaging: Imaging, branch: Branch) -> npt.NDArray[np.bool_]:
+def _follows(imaging: Imaging, branch: MappedStarts) -> npt.NDArray[np.bool_]:
     """Whether the next point is the image of a point, up to the drift; (L - 1,)."""
     system = imaging.chosen.system
     kept = [i for i, name in enumerate(system.states) if name not in system.drift_states]

@@ -1,4 +1,4 @@
-"""Images of many starts, with what happened on the way."""
+"""Images of many starts under a map, out of the log of their events."""
 
 from __future__ import annotations
 
@@ -8,9 +8,19 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.analysis.returns.family import Starts
-from nonsmooth.analysis.returns.lane_log import LaneLog, Settled, settle
-from nonsmooth.engine.lanes import ANY
+from nonsmooth.analysis.returns.family import SectionStarts
+from nonsmooth.engine.lanes import (
+    ANY,
+    GOES_ON,
+    Anchor,
+    Records,
+    Tangent,
+    allocate_columns,
+    lane_anchors,
+    lane_records,
+    lane_tangents,
+    run_lanes,
+)
 from nonsmooth.engine.record import Rows, columns
 from nonsmooth.engine.status import Certificate, EventKind, Status
 from nonsmooth.runs.clock import Instant
@@ -18,17 +28,143 @@ from nonsmooth.runs.labels import labels_of
 from nonsmooth.runs.lane_runner import LaneRunner
 from nonsmooth.runs.poincare_map import PoincareMap
 from nonsmooth.runs.rates import Rates
+from nonsmooth.runs.runner import NO_DERIVATIVES, Derivatives
 from nonsmooth.runs.section_rows import AT_ONCE, Crossings, NamedEvents
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.runs.words import word_of_modes
 
-__all__ = ["Images", "Imaging", "SectionImaging", "StrobeImaging", "imaging_of"]
+__all__ = ["Images", "Imaging", "imaging_of", "settle"]
 
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
+
+_ROOM = 64  # rows of the log of a lane in one call of the kernel
+_ROUNDING = 1e-9  # of states that are put on a relation
+_NO_TIMES = (np.zeros(0, np.int64), np.zeros(0))
+_AT_START = 2  # rows after which a lane stops that has only begun
+
 Texts = npt.NDArray[np.str_]
 
 _FIRST = 1  # windows of the first part of a search; each further one is twice as long
+
+
+class BegunLanes(NamedTuple):
+    """Lanes that have begun and not moved yet."""
+
+    anchors: Anchor  # with the number of lanes in front
+    status: Integers  # (L,)
+    passed: npt.NDArray[np.bool_]  # (L,): an exit was passed at the start
+    jumped: npt.NDArray[np.bool_]  # (L,): and changed the states
+    columns: Floats  # (L, n, N): of derivatives by the start, no rows where none are carried
+
+    def anchor(self, i: int) -> Anchor:
+        """Copy of the anchor of one lane."""
+        return self.anchors.part(i).copied()
+
+
+def settle(
+    engine: LaneRunner,
+    starts: SectionStarts,
+    tolerance: float,
+    derivatives: Derivatives = NO_DERIVATIVES,
+) -> BegunLanes:
+    """Begin at all starts, each in the first of its modes that fits."""
+    count, n = starts.states.shape
+    anchors = lane_anchors(engine.sizes, starts.number, starts.phase, starts.states)
+    status = np.full(count, int(Status.INADMISSIBLE))
+    passed, jumped = np.zeros(count, bool), np.zeros(count, bool)
+    many = allocate_columns(engine.sizes, 0 if derivatives.chosen is None else n, 1)
+    columns = np.zeros((count, *many.columns.shape))
+    for choice in starts.modes.T:
+        left = np.flatnonzero(status == Status.INADMISSIBLE)
+        if not left.size:
+            break
+        some = anchors.part(left)
+        some.state[:] = starts.states[left]
+        records = lane_records(engine.sizes, *_NO_TIMES, _AT_START, left.size)
+        tangent = lane_tangents(many, left.size)
+        found = _call(
+            engine, some, records, choice[left].copy(), Instant(0, 0.0), tolerance, tangent,
+            derivatives,
+        )  # fmt: skip
+        anchors.put(left, some)
+        columns[left] = tangent.columns
+        status[left] = np.where(found == Status.BUFFER_FULL, int(Status.COMPLETED), found)
+        began = records.counters["events"] > 0
+        # a lane that began and is inadmissible afterwards is so in any case
+        passed[left] = began & (records.events["passes"][:, 0] > 0)
+        given = starts.states[left]
+        apart = np.abs(some.state - given) > _ROUNDING * (1.0 + np.abs(given))
+        jumped[left] = passed[left] & np.any(apart, axis=1)  # nan, left open, is no jump
+    return BegunLanes(anchors, status, passed, jumped, columns)
+
+
+class LaneLog:
+    """Lanes that run on together; the log of all since the beginning."""
+
+    def __init__(self, engine: LaneRunner, settled: BegunLanes, tolerance: float) -> None:
+        self.engine, self.tolerance = engine, tolerance
+        self.anchors = settled.anchors.copied()
+        self.status = settled.status.copy()
+        self.ends = np.full((self.status.size, engine.sizes.states), np.nan)
+        empty = lane_records(engine.sizes, *_NO_TIMES, 0, self.status.size)
+        self._since, self._counters = empty.since, empty.counters
+        self._lanes: list[Integers] = [np.zeros(0, np.int64)]
+        self._rows: list[Rows] = [empty.events.ravel()]
+        self._states: list[Floats] = [empty.event_states.reshape(0, 2, engine.sizes.states)]
+
+    def run(self, chosen: Integers, end: Instant) -> Integers:
+        """Run some lanes on, to an instant or until their logs are full, and give those that are.
+
+        ``ends`` and ``status`` are those at the instant.
+        """
+        some = self.anchors.part(chosen)
+        records = lane_records(self.engine.sizes, *_NO_TIMES, _ROOM, chosen.size)
+        records.since[:], records.counters[:] = self._since[chosen], self._counters[chosen]
+        for name in ("samples", "events", "segments"):
+            records.counters[name] = 0
+        modes = np.full(chosen.size, GOES_ON)
+        tangent = lane_tangents(allocate_columns(self.engine.sizes, 0, 1), chosen.size)
+        found = _call(self.engine, some, records, modes, end, self.tolerance, tangent)
+        self.anchors.put(chosen, some)
+        self._since[chosen], self.ends[chosen] = records.since, records.end_state
+        self._counters[chosen] = records.counters
+        written = np.arange(_ROOM) < records.counters["events"][:, None]
+        self._lanes.append(chosen[np.nonzero(written)[0]])
+        self._rows.append(records.events[written])
+        self._states.append(records.event_states[written])
+        full = found == Status.BUFFER_FULL
+        self.status[chosen] = np.where(full, int(Status.COMPLETED), found)
+        return chosen[full]
+
+    def rows(self) -> tuple[Integers, Rows, Floats]:
+        """Lanes, rows of the log and states around events, lane by lane in order of time."""
+        lanes, rows = np.concatenate(self._lanes), np.concatenate(self._rows)
+        states, order = np.concatenate(self._states), np.argsort(lanes, kind="stable")
+        self._lanes, self._rows, self._states = [lanes[order]], [rows[order]], [states[order]]
+        return self._lanes[0], self._rows[0], self._states[0]
+
+
+def _call(
+    engine: LaneRunner,
+    anchors: Anchor,
+    records: Records,
+    modes: Integers,
+    end: Instant,
+    tolerance: float,
+    tangent: Tangent,
+    derivatives: Derivatives = NO_DERIVATIVES,
+) -> Integers:
+    """Run all lanes; their statuses."""
+    count = modes.size
+    statuses, passed, first = np.empty(count, np.int64), np.zeros(2, np.int64), 0
+    while first < count:
+        first = run_lanes(
+            engine.tables.as_lanes, derivatives.rates, derivatives.scratch, anchors,
+            engine.segment, tangent, records, modes, first, count, *end, passed, statuses,
+            tolerance,
+        )  # fmt: skip
+    return statuses
 
 
 class Images(NamedTuple):
@@ -53,7 +189,7 @@ class Images(NamedTuple):
         return self.status == Status.COMPLETED
 
 
-class Way(NamedTuple):
+class LastRows(NamedTuple):
     """Where the images lie in the log: the last row that counts, and the instant."""
 
     last: Integers  # (L,) place of the row of the image in the whole log, or behind the last one
@@ -90,7 +226,7 @@ class Imaging(ABC):
         width = max(row.size for row in rows)
         return np.array([np.pad(row, (0, width - row.size), mode="edge") for row in rows])
 
-    def images(self, starts: Starts) -> Images:
+    def images(self, starts: SectionStarts) -> Images:
         """Images of starts."""
         starts = self.prepared(starts)
         begun = settle(self.engine, starts, self.tolerance)
@@ -98,19 +234,21 @@ class Imaging(ABC):
         way = self.follow(starts, log)
         return self._summary(starts, begun, log, way)
 
-    def prepared(self, starts: Starts) -> Starts:
+    def prepared(self, starts: SectionStarts) -> SectionStarts:
         """Starts with modes as the engine numbers them."""
         return starts._replace(modes=self.modes_of_engine(starts.modes))
 
     @abstractmethod
-    def follow(self, starts: Starts, log: LaneLog) -> Way:
+    def follow(self, starts: SectionStarts, log: LaneLog) -> LastRows:
         """Run to the images."""
 
     def is_own(self, rows: Rows) -> npt.NDArray[np.bool_]:
         """Which rows are there for the section alone."""
         return np.zeros(len(rows), bool)
 
-    def _summary(self, starts: Starts, begun: Settled, log: LaneLog, way: Way) -> Images:
+    def _summary(
+        self, starts: SectionStarts, begun: BegunLanes, log: LaneLog, way: LastRows
+    ) -> Images:
         lanes, rows, _ = log.rows()
         first = np.searchsorted(lanes, np.arange(log.status.size))
         since = (rows["number"] - starts.number[lanes]) * self.window
@@ -182,7 +320,7 @@ class StrobeImaging(Imaging):
         runner = chosen.runner(tolerance)
         self.begin, self.end = runner.begin, runner.instant_of(1)
 
-    def follow(self, starts: Starts, log: LaneLog) -> Way:
+    def follow(self, starts: SectionStarts, log: LaneLog) -> LastRows:
         """Run to the images."""
         end, count = self.end, log.status.size
         left = np.flatnonzero(log.status == Status.COMPLETED)
@@ -190,7 +328,7 @@ class StrobeImaging(Imaging):
             left = log.run(left, end)
         lanes, _, _ = log.rows()
         last = np.searchsorted(lanes, np.arange(count), side="right") - 1
-        return Way(
+        return LastRows(
             last, np.full(count, end.number), np.full(count, end.phase), log.ends,
             log.anchors.place["mode"],
         )  # fmt: skip
@@ -216,7 +354,7 @@ class SectionImaging(Imaging):
             self.pick = Crossings(split, self.engine.tables, chosen.way)
             self.gate = np.asarray(split.gate)
 
-    def prepared(self, starts: Starts) -> Starts:
+    def prepared(self, starts: SectionStarts) -> SectionStarts:
         """Starts that lie just before events a little earlier on their motions."""
         if self.gate is None and self.side == 0 and np.all(starts.modes == ANY):
             starts = starts._replace(modes=self._modes_before(starts.modes))
@@ -231,7 +369,7 @@ class SectionImaging(Imaging):
         )
         phase, before = starts.phase - step, starts.phase < step
         phase = np.where(before, phase + self.window, phase)
-        return Starts(moved, starts.number - before, phase, starts.modes)
+        return SectionStarts(moved, starts.number - before, phase, starts.modes)
 
     def _modes_before(self, modes: Integers) -> Integers:
         """The mode that the event of the section ends, where it is one, and then any."""
@@ -240,13 +378,13 @@ class SectionImaging(Imaging):
         first = np.full((len(modes), 1), ended[0] if len(ended) == 1 else ANY, np.int64)
         return np.hstack([first, modes])
 
-    def follow(self, starts: Starts, log: LaneLog) -> Way:
+    def follow(self, starts: SectionStarts, log: LaneLog) -> LastRows:
         """Run until each lane has come to its image."""
         wanted = self.chosen.every
         left = np.flatnonzero(log.status == Status.COMPLETED)
         end = Instant(int(starts.number.max(initial=0)), 0.0)
         length, waited = _FIRST, 0
-        found: Way | None = None
+        found: LastRows | None = None
         while left.size:
             end, waited = Instant(end.number + length, 0.0), waited + length
             part = left
@@ -272,7 +410,9 @@ class SectionImaging(Imaging):
         own: npt.NDArray[np.bool_] = (rows["passes"] == 1) & (rows["exit"] >= 0)
         return own & (rows["exit"] == self.gate[rows["from_mode"]])
 
-    def _look(self, starts: Starts, log: LaneLog, wanted: int) -> tuple[Way, npt.NDArray[np.bool_]]:
+    def _look(
+        self, starts: SectionStarts, log: LaneLog, wanted: int
+    ) -> tuple[LastRows, npt.NDArray[np.bool_]]:
         """The images that the log holds, and which lanes have one."""
         lanes, rows, states = log.rows()
         count, n = starts.states.shape
@@ -289,7 +429,7 @@ class SectionImaging(Imaging):
         arrived = np.zeros(count, bool)
         arrived[here] = True
         last = np.searchsorted(lanes, np.arange(count), side="right") - 1
-        way = Way(
+        way = LastRows(
             last, np.full(count, -1), np.full(count, np.nan), np.full((count, n), np.nan),
             np.full(count, -1),
         )  # fmt: skip

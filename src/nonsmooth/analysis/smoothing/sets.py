@@ -8,12 +8,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import numpy.typing as npt
 
 from nonsmooth.analysis.attractors import attractors
 from nonsmooth.analysis.continue_orbit import continue_orbit
-from nonsmooth.analysis.smoothing.attractor_distances import far_from_all, point_sets, spread_of
-from nonsmooth.analysis.smoothing.ladder import Ladder
-from nonsmooth.analysis.smoothing.special_shifts import matched, specials_of
+from nonsmooth.analysis.smoothing.motions import Ladder
 from nonsmooth.errors import OptionError, RunWarning
 from nonsmooth.runs.options import finite_number, whole_number
 from nonsmooth.system.system import System
@@ -22,6 +21,13 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["compared_attractors", "compared_branches", "read_branches", "read_sets"]
+
+_MOST = 1000  # points of one attractor that are compared
+
+Floats = npt.NDArray[np.float64]
+
+# those that branches of smooth systems have too; others are of an event
+SMOOTH = ("fold", "flip", "torus", "symmetry_breaking", "branch_point")
 
 
 @dataclass(frozen=True)
@@ -131,3 +137,66 @@ def _branch(system: System, branches: Branches, run: xr.Dataset, tolerance: floa
             period=branches.period,
             tolerance=tolerance,
         )
+
+
+def point_sets(system: System, found: xr.Dataset) -> list[Floats]:
+    """Points of each attractor, without drifting states."""
+    kept = [i for i, name in enumerate(system.states) if name not in system.drift_states]
+    sets = []
+    for points in found["points"].values:
+        finite = points[np.isfinite(points).all(axis=1)][:, kept]
+        sets.append(finite[:: -(-len(finite) // _MOST) or 1])
+    return sets
+
+
+def spread_of(sets: list[Floats], system: System, region: dict[str, tuple[float, float]]) -> Floats:
+    """Size of each state: the larger of its range in the region and over the attractors."""
+    names = [name for name in system.states if name not in system.drift_states]
+    wide = np.array([abs(np.diff(region.get(name, (0.0, 0.0)))[0]) for name in names])
+    if sets:
+        wide = np.maximum(wide, np.ptp(np.concatenate(sets), axis=0))
+    return np.where(wide > 0.0, wide, 1.0)
+
+
+def far_from_all(sets: list[Floats], others: list[Floats], spread: Floats, near: float) -> int:
+    """Number of sets with a point that is farther than ``near`` from each of the others."""
+    from scipy.spatial import cKDTree
+
+    trees = [cKDTree(other / spread) for other in others]
+    return sum(
+        all(tree.query(points / spread)[0].max() > near for tree in trees) for points in sets
+    )
+
+
+@dataclass(frozen=True)
+class Special:
+    """A special point: its kind and the value of the parameter."""
+
+    kind: str
+    value: float
+
+
+def specials_of(branch: xr.Dataset) -> list[Special]:
+    """Special points of a branch that have a counterpart on smooth ones."""
+    pairs = zip(branch["special_kind"].values, branch["special_value"].values, strict=True)
+    return [Special(str(kind), float(value)) for kind, value in pairs if kind in SMOOTH]
+
+
+def matched(exact: list[Special], smooth: list[Special]) -> tuple[Floats, Floats]:
+    """Value of the counterpart of each exact point, nan without one; and those that are left.
+
+    Of all pairs of one kind the closest one belongs together, then the closest of the rest.
+    """
+    pairs = sorted(
+        (abs(one.value - other.value), i, j)
+        for i, one in enumerate(exact)
+        for j, other in enumerate(smooth)
+        if one.kind == other.kind
+    )
+    values = np.full(len(exact), np.nan)
+    left = set(range(len(smooth)))
+    for _, i, j in pairs:
+        if np.isnan(values[i]) and j in left:
+            values[i] = smooth[j].value
+            left.discard(j)
+    return values, np.array([smooth[j].value for j in sorted(left)])

@@ -1,4 +1,4 @@
-"""`basins`: which starts lead to which attractor, in a plane of two states."""
+"""Basins of attraction as colours of cells, and attractors as points."""
 
 from __future__ import annotations
 
@@ -8,15 +8,16 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError
-from nonsmooth.plot.attractor_key import attractor_entry
 from nonsmooth.plot.attractor_style import (
     ENDED_EARLY,
     INADMISSIBLE,
     NOT_COMPUTED,
     UNSETTLED,
     AttractorStyle,
+    attractor_entry,
     attractor_points,
     attractor_styles,
+    check_states,
     draw_attractors,
     percent,
     state_label,
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-__all__ = ["basins"]
+__all__ = ["attractors", "basins"]
 
 _OTHERS = {
     0: (UNSETTLED, "unsettled"),
@@ -209,3 +210,64 @@ def _entries(styles: dict[int, AttractorStyle], labels: npt.NDArray[np.int_]) ->
         if count:
             entries.append(Patch(facecolor=colour, edgecolor="0.4", linewidth=0.5, label=text))
     return entries
+
+
+def attractors(
+    data: xr.Dataset,
+    x: str | None = None,
+    y: str | None = None,
+    *,
+    ax: Axes | None = None,
+    legend: bool = True,
+) -> Axes:
+    """Points of attractors: one state over another.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Result of `attractors` or of `basins_of_attraction`.
+    x, y : str, optional
+        States to draw; by default the first two that do not drift.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw; new axes of a column's width by default.
+    legend : bool, optional
+        Whether to draw a legend with the kind of each attractor and the fraction of the starts
+        that lead to it.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes; one set of points per attractor, in the colours of `nonsmooth.plot.basins`.
+        Circles are of period one, squares of period two; dots are motion without a period.
+
+    Raises
+    ------
+    OptionError
+        For an unknown state, or a dataset without attractors.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> import nonsmooth as ns
+    >>> data = xr.Dataset(
+    ...     {
+    ...         "points": (("attractor", "point", "state"), [[[0.0, 1.0], [1.0, 0.0]]]),
+    ...         "period": ("attractor", [2]),
+    ...     },
+    ...     {"attractor": [1], "state": ["p", "y"]},
+    ... )
+    >>> ax = ns.plot.attractors(data)
+    >>> ax.get_xlabel(), ax.get_ylabel(), ax.lines[0].get_label()
+    ('p', 'y', '1: period 2')
+    """
+    across, up = check_states(data, x, y)
+    numbers = [int(k) for k in data["attractor"].values]
+    styles = attractor_styles(data, numbers)
+    entries = [attractor_entry(style, basin=False) for style in styles.values()] if legend else []
+    own = ax is None
+    ax = new_axes() if ax is None else ax
+    points = {number: attractor_points(data, number, across, up) for number in numbers}
+    draw_attractors(ax, points, styles)
+    finish_axes(ax, state_label(data, across), state_label(data, up))
+    place_legend(ax, entries, may_grow=own)
+    return ax

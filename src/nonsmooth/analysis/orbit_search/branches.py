@@ -7,18 +7,62 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from nonsmooth.errors import OptionError
 from nonsmooth.periodic_orbits.branch_part import BranchPart
 from nonsmooth.periodic_orbits.orbit import Orbit
 from nonsmooth.periodic_orbits.orbit_dataset import common, orbit_variables
 from nonsmooth.periodic_orbits.stretch import BranchOptions
 from nonsmooth.runs.assemble import Columns
+from nonsmooth.runs.options import finite_number
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["branch_dataset"]
+__all__ = ["branch_dataset", "check_way", "read_bounds", "read_steps"]
 
 _NO_BOUND = 1e8  # a multiplier that is larger at a graze only tells how nearly it was located
+
+_WAYS = ("both", "up", "down")
+
+
+def check_way(direction: Any) -> None:
+    """A direction in which a parameter goes at first."""
+    if direction not in _WAYS:
+        raise OptionError(f"direction = {direction!r:.60}: give one of {', '.join(_WAYS)}")
+
+
+def read_steps(smallest: Any, first: Any, largest: Any) -> tuple[float, float, float]:
+    """Smallest, first and largest step of a branch."""
+    low, begin = _length("smallest_step", smallest), _length("step", first)
+    high = _length("largest_step", largest)
+    if not low <= begin <= high:
+        raise OptionError(
+            f"smallest_step = {low:g}, step = {begin:g} and largest_step = {high:g} must be in"
+            " this order"
+        )
+    return low, begin, high
+
+
+def read_bounds(between: Any) -> tuple[float, float]:
+    """Lowest and highest value of a parameter."""
+    try:
+        low, high = (finite_number("between", float(each)) for each in between)
+    except (TypeError, ValueError) as fault:
+        if isinstance(fault, OptionError):
+            raise
+        raise OptionError(
+            f"between = {between!r:.60}: give the lowest and the highest value, such as (0.1, 0.2)"
+        ) from None
+    if not low < high:
+        raise OptionError(f"between = ({low:g}, {high:g}): the first must be below the second")
+    return low, high
+
+
+def _length(name: str, value: Any) -> float:
+    number = finite_number(name, value)
+    if not 0.0 < number <= 1.0:
+        raise OptionError(f"{name} = {number:g} must lie above 0, at most 1")
+    return number
 
 
 def branch_dataset(

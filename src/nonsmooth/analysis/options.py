@@ -1,0 +1,101 @@
+"""The options that nearly all verbs share, and the attributes that nearly all results have."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from nonsmooth.errors import OptionError
+from nonsmooth.runs.crew import check_threads
+from nonsmooth.runs.labels import labels_of
+from nonsmooth.runs.options import check_run_options, finite_number
+from nonsmooth.system.system import System
+from nonsmooth.version import __version__
+
+__all__ = ["SharedOptions", "check_match", "check_seed", "result_attributes", "system_attributes"]
+
+
+@dataclass(frozen=True)
+class SharedOptions:
+    """Options that nearly all verbs share.
+
+    The texts below are the source of what each verb says about them: its docstring repeats the
+    text word for word, and may go on with what holds for that verb alone. A test compares them.
+
+    Parameters
+    ----------
+    parameters : mapping of str to float, optional
+        Values of parameters that differ from those of the system.
+    tolerance : float, optional
+        What counts as zero for a start, relative to the terms of the guard. Events and the
+        accuracy of the flow do not depend on it.
+    mode : str, optional
+        Mode to start in, where several would fit; a cell, or a mode for any of its cells.
+    threads : int, optional
+        Number of threads; without it, one for each processor. The result does not depend on it.
+    store : str or Path, optional
+        Folder in which finished parts are kept, made where it is missing. After an interruption
+        the same call goes on from them.
+    seed : int, optional
+        Seed of the random numbers: the same seed gives the same result.
+    """
+
+    parameters: Mapping[str, float] | None = None
+    tolerance: float = 1e-12
+    mode: str | None = None
+    threads: int | None = None
+    store: str | Path | None = None
+    seed: int = 0
+
+    @property
+    def recorded(self) -> dict[str, Any]:
+        """What every result tells of them, as attributes."""
+        return {"tolerance": float(self.tolerance), "changed_parameters": self.changes}
+
+    @property
+    def changes(self) -> str:
+        """The parameters that were changed, as a text; empty where none was."""
+        return str(dict(self.parameters)) if self.parameters else ""
+
+    def system_of(self, given: Any) -> System:
+        """The system with its parameters changed, these and the other options checked."""
+        return check_run_options(given, self.parameters, self.mode, self.tolerance)
+
+    @property
+    def workers(self) -> int:
+        """Number of threads that run."""
+        return check_threads(self.threads)
+
+
+def check_seed(seed: Any) -> int:
+    """Seed of random numbers: a whole number that is not negative."""
+    value = finite_number("seed", seed)
+    if value != int(value) or value < 0:
+        raise OptionError(f"seed = {seed!r:.60} must be a whole number, not negative")
+    return int(value)
+
+
+def check_match(match: Any) -> float:
+    """Part of the spread of each state to which points agree that count as the same."""
+    number = finite_number("match", match)
+    if not 0.0 < number < 1.0:
+        raise OptionError(f"match = {number:g} must lie between 0 and 1; 1e-6 is usual")
+    return number
+
+
+def result_attributes(
+    system: System, status: str, message: str, options: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Attributes that tell of which system a result is, how it ended, and with which options."""
+    return {**system_attributes(system), "status": status, "message": message, **options}
+
+
+def system_attributes(system: System) -> dict[str, Any]:
+    """Attributes that tell of which system a result is, and which version made it."""
+    return {
+        "system_name": system.name,
+        "system": labels_of(system).system,
+        "nonsmooth_version": __version__,
+    }

@@ -1,0 +1,112 @@
+"""What stands in a file of its own, and what names mean one thing.
+
+Both lists below hold what is left from before these tests. They may only become shorter: whoever
+merges a file or renames a class takes its line out.
+"""
+
+import ast
+from collections import defaultdict
+from pathlib import Path
+
+from house.tree import SOURCE, python_files, relative
+
+SHORT = 60  # lines; a file with fewer is read with the only one that uses it
+PACKAGE = "nonsmooth"
+
+SHORT_FILES = {
+    "src/nonsmooth/analysis/diagrams/look_arrays.py",
+    "src/nonsmooth/analysis/regimes/several_starts.py",
+    "src/nonsmooth/analysis/regimes/strobe_test.py",
+    "src/nonsmooth/cli/explain.py",
+    "src/nonsmooth/continuation/endings.py",
+    "src/nonsmooth/fatigue/fracture.py",
+    "src/nonsmooth/fatigue/quadrature.py",
+    "src/nonsmooth/models/fatigue_rigs/growth.py",
+    "src/nonsmooth/models/fatigue_rigs/rest.py",
+    "src/nonsmooth/models/rotors/units.py",
+    "src/nonsmooth/periodic_orbits/doubled.py",
+    "src/nonsmooth/periodic_orbits/entry_guards.py",
+    "src/nonsmooth/runs/chunk_file.py",
+    "src/nonsmooth/runs/digits.py",
+}
+
+CLASS_NAMES = {
+    "Clock",
+    "Limits",
+    "Outcome",
+    "Points",
+    "Protocol",
+    "Rates",
+    "Section",
+    "Segment",
+    "Settled",
+    "Sweep",
+    "Visits",
+    "Wanted",
+    "_Search",
+}
+
+
+def module_name(path: Path) -> str:
+    """The name by which a file is imported."""
+    parts = (PACKAGE, *path.relative_to(SOURCE).with_suffix("").parts)
+    return ".".join(part for part in parts if part != "__init__")
+
+
+def imports_of(path: Path, modules: set[str]) -> set[str]:
+    """Modules of the package that a file imports, wherever the import stands in it."""
+    found = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.level == 0:
+            found |= {node.module} | {f"{node.module}.{alias.name}" for alias in node.names}
+    return found & modules
+
+
+def short_files_of_one_user() -> dict[str, str]:
+    """Files that are short and that only one other file imports, with that file."""
+    files = {module_name(path): path for path in python_files()}
+    users = defaultdict(list)
+    for name, path in files.items():
+        for used in imports_of(path, set(files)) - {name}:
+            users[used].append(relative(path))
+    return {
+        relative(path): users[name][0]
+        for name, path in files.items()
+        if path.name != "__init__.py"
+        and len(users[name]) == 1
+        and len(path.read_text(encoding="utf-8").splitlines()) < SHORT
+    }
+
+
+def class_files() -> dict[str, list[str]]:
+    """Files in which a class of each name is written."""
+    found = defaultdict(list)
+    for path in python_files():
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ClassDef):
+                found[node.name].append(relative(path))
+    return found
+
+
+def test_a_short_file_serves_several():
+    """A helper of one file is read with it, so it stands in it."""
+    found = short_files_of_one_user()
+    new = [f"{path} (used by {found[path]})" for path in sorted(set(found) - SHORT_FILES)]
+    assert not new, f"under {SHORT} lines, and one user: move these into the user\n" + (
+        "\n".join(new)
+    )
+    gone = sorted(SHORT_FILES - set(found))
+    assert not gone, "no longer short files of one user: take these out of SHORT_FILES\n" + (
+        "\n".join(gone)
+    )
+
+
+def test_a_class_name_means_one_thing():
+    """A reader who searches for a class finds the one that is meant."""
+    found = {name: places for name, places in class_files().items() if len(places) > 1}
+    new = [f"{name}: {', '.join(found[name])}" for name in sorted(set(found) - CLASS_NAMES)]
+    assert not new, "say in the name what sets these apart:\n" + "\n".join(new)
+    gone = sorted(CLASS_NAMES - set(found))
+    assert not gone, f"no longer written twice: take these out of CLASS_NAMES\n{gone}"
