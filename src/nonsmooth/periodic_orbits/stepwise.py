@@ -11,7 +11,7 @@ from nonsmooth.periodic_orbits.legs import LegError, Legs
 from nonsmooth.system.system import System
 
 if TYPE_CHECKING:
-    from nonsmooth.periodic_orbits.search import Found, Wanted
+    from nonsmooth.periodic_orbits.orbit import OrbitRequest, OrbitResult
 
 __all__ = ["values_of_orbit", "walk_to"]
 
@@ -32,8 +32,8 @@ def values_of_orbit(system: System, data: Any) -> dict[str, float] | None:
 
 
 def walk_to(
-    wanted: Wanted, legs: Legs, known: Guess, begin: dict[str, float], solve: Any
-) -> Found | None:
+    wanted: OrbitRequest, legs: Legs, known: Guess, begin: dict[str, float], solve: Any
+) -> OrbitResult | None:
     """The orbit that an orbit becomes while all parameters go straight to those that are wanted.
 
     ``solve`` solves a guess at the values of the legs. None where it gets lost on the way, as at a
@@ -49,7 +49,7 @@ def walk_to(
         try:
             system = wanted.system.with_parameters(**values)
             legs.set_values(values)
-            found: Found = solve(replace(wanted, system=system), legs, guess)
+            found: OrbitResult = solve(replace(wanted, system=system), legs, guess)
         except (LegError, ModelError):
             step *= 0.5
             continue

@@ -9,8 +9,8 @@ import numpy as np
 
 from nonsmooth.analysis.orbit_search.options import period_of, read_wanted
 from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.periodic_orbits.orbit import OrbitRequest
 from nonsmooth.periodic_orbits.restart import is_orbit
-from nonsmooth.periodic_orbits.search import Wanted
 from nonsmooth.periodic_orbits.stretch import BranchOptions
 from nonsmooth.runs.driving import is_driven
 from nonsmooth.runs.options import check_flag, finite_number, whole_number
@@ -45,7 +45,7 @@ def read_branch_options(
     inadmissible: Any,
     parameters: Mapping[str, float] | None,
     **rest: Any,
-) -> tuple[BranchOptions, Wanted, tuple[str, ...], Beginning]:
+) -> tuple[BranchOptions, OrbitRequest, tuple[str, ...], Beginning]:
     """Options of a branch, its first orbit, the word given, and where it begins."""
     base = getattr(system, "system", system)
     if isinstance(base, System) and parameter not in base.parameters:

@@ -16,8 +16,9 @@ from nonsmooth.periodic_orbits.branch_start import tangent_at
 from nonsmooth.periodic_orbits.doubled import doubled_start
 from nonsmooth.periodic_orbits.legs import Legs
 from nonsmooth.periodic_orbits.newton import scale_of
+from nonsmooth.periodic_orbits.orbit import OrbitRequest
 from nonsmooth.periodic_orbits.restart import guess_of_dataset
-from nonsmooth.periodic_orbits.search import Wanted, search_orbit, solve_guess
+from nonsmooth.periodic_orbits.search import search_orbit, solve_guess
 from nonsmooth.periodic_orbits.stretch import BranchOptions, BranchStart, Stretch
 from nonsmooth.runs.interrupts import HeldInterrupts
 from nonsmooth.runs.progress import Progress
@@ -29,7 +30,7 @@ _SAME, _BESIDE = 1e-7, 1e-3  # in the parameter and in arclength
 
 
 def both_ways(
-    options: BranchOptions, wanted: Wanted, beginning: Beginning, direction: str
+    options: BranchOptions, wanted: OrbitRequest, beginning: Beginning, direction: str
 ) -> tuple[BranchOptions, list[BranchPart], dict[str, Any]]:
     """Points of a branch in order, and attributes that say how it ended.
 
@@ -73,8 +74,8 @@ def both_ways(
 
 
 def _primitive(
-    options: BranchOptions, wanted: Wanted, legs: Legs, beginning: Beginning
-) -> tuple[BranchOptions, Wanted]:
+    options: BranchOptions, wanted: OrbitRequest, legs: Legs, beginning: Beginning
+) -> tuple[BranchOptions, OrbitRequest]:
     """The period of the shorter orbit, where the first turn passes it several times."""
     if beginning.kind != "orbit" or options.autonomous or options.period == 1:
         return options, wanted
@@ -123,7 +124,7 @@ def _drop_folds_at_crossings(parts: list[BranchPart]) -> None:
 
 
 def _first(
-    options: BranchOptions, wanted: Wanted, legs: Legs, value: float, beginning: Beginning
+    options: BranchOptions, wanted: OrbitRequest, legs: Legs, value: float, beginning: Beginning
 ) -> BranchStart:
     """Where the branch begins, heading for larger values of the parameter."""
     if beginning.kind == "flip":
@@ -151,7 +152,7 @@ def _first(
 
 
 def _crossing(
-    options: BranchOptions, wanted: Wanted, legs: Legs, value: float, neighbour: Any
+    options: BranchOptions, wanted: OrbitRequest, legs: Legs, value: float, neighbour: Any
 ) -> BranchStart:
     """The other branch at a point where two of them cross.
 

@@ -9,7 +9,7 @@ from nonsmooth.analysis.basins.region import read_box
 from nonsmooth.analysis.orbit_search.collect import HowToCollect
 from nonsmooth.analysis.orbit_search.options import read_wanted
 from nonsmooth.errors import OptionError
-from nonsmooth.periodic_orbits.search import Wanted
+from nonsmooth.periodic_orbits.orbit import OrbitRequest
 from nonsmooth.runs.options import check_flag, finite_number, whole_number
 
 __all__ = ["read_many"]
@@ -21,7 +21,7 @@ def read_many(
     system: Any, region: Any, *, longest: Any, initial: Any, completion: Any, samples: Any,
     seed: Any, guesses: Any, record: Any, match: Any, inadmissible: Any,
     parameters: Mapping[str, float] | None, **rest: Any,
-) -> tuple[Wanted, HowToCollect]:  # fmt: skip
+) -> tuple[OrbitRequest, HowToCollect]:  # fmt: skip
     """What is looked for, and how."""
     wanted, _ = read_wanted(
         system, initial, period=1, word=None, parameters=parameters, verb="orbits", **rest

@@ -13,7 +13,7 @@ from nonsmooth.engine.status import EventKind, Status
 from nonsmooth.engine.tables import Tables
 from nonsmooth.periodic_orbits.equations import Turn
 from nonsmooth.periodic_orbits.guess import Guess
-from nonsmooth.periodic_orbits.search import Wanted
+from nonsmooth.periodic_orbits.orbit import OrbitRequest
 from nonsmooth.periodic_orbits.word import Word, path_of_bits
 from nonsmooth.runs.clock import Instant, Plan
 from nonsmooth.runs.first_mode import in_first_mode
@@ -82,7 +82,7 @@ class Motion:
         )
 
 
-def first_motion(wanted: Wanted, tables: Tables, periods: int, driven: bool) -> Motion:
+def first_motion(wanted: OrbitRequest, tables: Tables, periods: int, driven: bool) -> Motion:
     """Motion from the start that is given, some periods after its transient."""
     system = wanted.system
     window = tables.window
@@ -99,7 +99,7 @@ def first_motion(wanted: Wanted, tables: Tables, periods: int, driven: bool) -> 
 
 
 def motion_from(
-    wanted: Wanted, tables: Tables, state: Floats, begin: Instant, first: int, periods: int,
+    wanted: OrbitRequest, tables: Tables, state: Floats, begin: Instant, first: int, periods: int,
     driven: bool, mode: int = -1,
 ) -> Motion:  # fmt: skip
     """Motion from a state, its points from window ``first`` on; `NoMode` where none admits it."""

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from nonsmooth.errors import OptionError
+from nonsmooth.periodic_orbits.orbit import OrbitRequest
 from nonsmooth.periodic_orbits.restart import is_orbit
-from nonsmooth.periodic_orbits.search import Wanted
 from nonsmooth.periodic_orbits.word_names import read_word, words_of_names
 from nonsmooth.runs.carried import refuse_other_parameters
 from nonsmooth.runs.driving import is_driven
@@ -35,7 +35,7 @@ def read_wanted(
     mode: str | None,
     tolerance: float,
     verb: str,
-) -> tuple[Wanted, tuple[str, ...]]:
+) -> tuple[OrbitRequest, tuple[str, ...]]:
     """What orbit is wanted, and the names of its word where one is given."""
     every = 1
     if isinstance(system, StroboscopicMap):
@@ -79,7 +79,7 @@ def read_wanted(
         transient = _TRANSIENT if initial is None and not names else 0
     elif finite_number("transient", transient) != int(transient) or transient < 0:
         raise OptionError(f"transient = {transient}: give a whole number of periods, 0 or more")
-    wanted = Wanted(
+    wanted = OrbitRequest(
         system, initial, period * every, check_phase(phase), int(transient), mode, tuple(words),
         tolerance,
     )  # fmt: skip
@@ -96,7 +96,7 @@ def period_of(initial: Any) -> int:
 
 
 def said_of_options(
-    wanted: Wanted, parameters: Mapping[str, float] | None, names: tuple[str, ...]
+    wanted: OrbitRequest, parameters: Mapping[str, float] | None, names: tuple[str, ...]
 ) -> dict[str, Any]:
     """Attributes that tell what was asked for."""
     return {

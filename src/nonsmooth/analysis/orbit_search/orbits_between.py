@@ -10,10 +10,10 @@ import numpy as np
 from nonsmooth.analysis.orbit_search.best_options import WantedBest
 from nonsmooth.periodic_orbits.guess import Guess
 from nonsmooth.periodic_orbits.legs import LegError, Legs
-from nonsmooth.periodic_orbits.orbit import Orbit
+from nonsmooth.periodic_orbits.orbit import Orbit, OrbitRequest
 from nonsmooth.periodic_orbits.orbit_dataset import orbit_dataset, orbit_variables
 from nonsmooth.periodic_orbits.restart import guess_of_dataset
-from nonsmooth.periodic_orbits.search import Wanted, fitted, solve_guess
+from nonsmooth.periodic_orbits.search import fitted, solve_guess
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -41,7 +41,7 @@ class OrbitsBetween:
         self._best = wanted
         self._legs = Legs(system)
         self._values = dict(system.parameter_values)
-        self._wanted = Wanted(
+        self._wanted = OrbitRequest(
             system, None, int(branch.attrs["period"]), float(branch.attrs["phase_of_period"]), 0,
             None, (), wanted.tolerance,
         )  # fmt: skip

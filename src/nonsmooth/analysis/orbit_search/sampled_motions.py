@@ -11,7 +11,7 @@ from scipy.stats import qmc
 from nonsmooth.analysis.basins.region import Box
 from nonsmooth.analysis.orbit_search.motions import Motion, motion_from
 from nonsmooth.engine.tables import Tables
-from nonsmooth.periodic_orbits.search import Wanted
+from nonsmooth.periodic_orbits.orbit import OrbitRequest
 from nonsmooth.runs.clock import Instant
 from nonsmooth.runs.runner import NoMode
 from nonsmooth.runs.start import complete_state
@@ -59,7 +59,7 @@ def _sobol(dimensions: int, count: int, seed: int) -> Floats:
 
 
 def sampled_motions(
-    wanted: Wanted, tables: Tables, states: Floats, periods: int, driven: bool
+    wanted: OrbitRequest, tables: Tables, states: Floats, periods: int, driven: bool
 ) -> Iterator[Motion | None]:
     """A motion from each state; None where no mode admits it."""
     begin = Instant(0, wanted.phase * tables.window)
