@@ -8,11 +8,11 @@ from nonsmooth.analysis.orbit_search.one_orbit import system_of_one
 from nonsmooth.analysis.orbit_search.options import period_of, said_of_options
 from nonsmooth.errors import OptionError
 from nonsmooth.periodic_orbits.legs import Legs
-from nonsmooth.periodic_orbits.mirror_image import mirror_image
 from nonsmooth.periodic_orbits.orbit import OrbitRequest
 from nonsmooth.periodic_orbits.orbit_dataset import failed_dataset, orbit_dataset
 from nonsmooth.periodic_orbits.restart import guess_of_dataset
 from nonsmooth.periodic_orbits.search import equations_for, solve_guess
+from nonsmooth.periodic_orbits.symmetric import mirror_image
 from nonsmooth.runs.options import check_run_options
 
 if TYPE_CHECKING:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import islice
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -14,20 +13,22 @@ from nonsmooth.errors import RunError
 from nonsmooth.periodic_orbits.branch_tests import is_graze
 from nonsmooth.periodic_orbits.equations import OrbitEquations, Turn
 from nonsmooth.periodic_orbits.family import member_of_family
-from nonsmooth.periodic_orbits.guess import Guess, driven_guess, strobe_of_start
-from nonsmooth.periodic_orbits.guess_cycle import cycle_guesses
-from nonsmooth.periodic_orbits.guess_of_word import guesses_in_motion, random_guesses
+from nonsmooth.periodic_orbits.guess import (
+    Guess,
+    cycle_guesses,
+    driven_guess,
+    from_nearest_strobe,
+    guesses_in_motion,
+    random_guesses,
+    strobe_of_start,
+)
 from nonsmooth.periodic_orbits.legs import LegError, Legs
 from nonsmooth.periodic_orbits.newton import Solution, null_vector, solve_orbit
 from nonsmooth.periodic_orbits.orbit import Orbit, OrbitRequest, OrbitResult, make_orbit
 from nonsmooth.periodic_orbits.rebounds import with_rebounds_of_engine
-from nonsmooth.periodic_orbits.restart import guess_of_dataset, is_orbit
-from nonsmooth.periodic_orbits.stepwise import values_of_orbit, walk_to
-from nonsmooth.periodic_orbits.strobes import from_nearest_strobe
-from nonsmooth.periodic_orbits.word import Word
+from nonsmooth.periodic_orbits.restart import guess_of_dataset, is_orbit, values_of_orbit, walk_to
 from nonsmooth.periodic_orbits.word_change import changes_of_word
 from nonsmooth.runs.driving import is_driven
-from nonsmooth.system.system import System
 
 __all__ = [
     "equations_for",

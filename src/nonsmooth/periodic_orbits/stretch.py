@@ -11,9 +11,8 @@ import numpy.typing as npt
 from nonsmooth.continuation.branch import Branch
 from nonsmooth.continuation.follow import follow
 from nonsmooth.continuation.point import Point
-from nonsmooth.periodic_orbits.branch_tests import WORD_TESTS, BranchTests, Looked
+from nonsmooth.periodic_orbits.branch_tests import WORD_TESTS, BranchTests, Looked, largest_along
 from nonsmooth.periodic_orbits.equations import OrbitEquations
-from nonsmooth.periodic_orbits.guard_sizes import largest_along
 from nonsmooth.periodic_orbits.legs import LegError, Legs
 from nonsmooth.periodic_orbits.newton import scale_of
 from nonsmooth.system.model.value_checks import first_unmet

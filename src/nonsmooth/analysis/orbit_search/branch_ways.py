@@ -12,8 +12,7 @@ from nonsmooth.continuation.branch_directions import branch_directions
 from nonsmooth.errors import NonsmoothError, OptionError
 from nonsmooth.periodic_orbits.branch_part import BranchPart, Followed
 from nonsmooth.periodic_orbits.branch_run import follow_orbits
-from nonsmooth.periodic_orbits.branch_start import tangent_at
-from nonsmooth.periodic_orbits.doubled import doubled_start
+from nonsmooth.periodic_orbits.branch_start import doubled_start, tangent_at
 from nonsmooth.periodic_orbits.legs import Legs
 from nonsmooth.periodic_orbits.newton import scale_of
 from nonsmooth.periodic_orbits.orbit import OrbitRequest

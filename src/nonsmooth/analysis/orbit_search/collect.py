@@ -29,8 +29,7 @@ from nonsmooth.analysis.orbit_search.sampled_motions import (
 )
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import RunError
-from nonsmooth.periodic_orbits.guess import Guess
-from nonsmooth.periodic_orbits.guess_cycle import cycle_guesses
+from nonsmooth.periodic_orbits.guess import Guess, cycle_guesses
 from nonsmooth.periodic_orbits.legs import LegError, Legs
 from nonsmooth.periodic_orbits.newton import solve_orbit
 from nonsmooth.periodic_orbits.orbit import Orbit, OrbitRequest

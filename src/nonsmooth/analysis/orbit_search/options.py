@@ -8,7 +8,7 @@ from typing import Any
 from nonsmooth.errors import OptionError
 from nonsmooth.periodic_orbits.orbit import OrbitRequest
 from nonsmooth.periodic_orbits.restart import is_orbit
-from nonsmooth.periodic_orbits.word_names import read_word, words_of_names
+from nonsmooth.periodic_orbits.word import read_word, words_of_names
 from nonsmooth.runs.carried import refuse_other_parameters
 from nonsmooth.runs.driving import is_driven
 from nonsmooth.runs.options import check_run_options, finite_number, whole_number

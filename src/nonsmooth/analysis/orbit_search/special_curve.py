@@ -13,8 +13,7 @@ from nonsmooth.continuation.branch import Branch
 from nonsmooth.continuation.point import Point
 from nonsmooth.continuation.two_parameter import two_parameter
 from nonsmooth.errors import NonsmoothError, OptionError
-from nonsmooth.periodic_orbits.branch_endings import ending_of_orbits
-from nonsmooth.periodic_orbits.branch_part import BranchPart, kind_of
+from nonsmooth.periodic_orbits.branch_part import BranchPart, ending_of_orbits, kind_of
 from nonsmooth.periodic_orbits.branch_tests import WORD_TESTS, BranchTests, Looked
 from nonsmooth.periodic_orbits.equations import OrbitEquations
 from nonsmooth.periodic_orbits.legs import LegError, Legs
