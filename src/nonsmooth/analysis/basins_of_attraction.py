@@ -16,7 +16,8 @@ from nonsmooth.analysis.basins.by_recurrences import by_recurrences
 from nonsmooth.analysis.basins.region import read_grid
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.runs.crew import check_threads
-from nonsmooth.runs.of_system import Map, map_of
+from nonsmooth.runs.maps import Map
+from nonsmooth.runs.of_system import map_of
 from nonsmooth.runs.poincare_map import PoincareMap
 
 if TYPE_CHECKING:

@@ -18,7 +18,7 @@ from nonsmooth.runs.crew import check_threads
 from nonsmooth.runs.of_system import map_of
 from nonsmooth.runs.runner import build_tables
 from nonsmooth.runs.start import resolve_start
-from nonsmooth.runs.stored_tasks import run_stored_tasks
+from nonsmooth.runs.store import run_stored_tasks
 
 if TYPE_CHECKING:
     import xarray as xr

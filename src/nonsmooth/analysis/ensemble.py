@@ -27,7 +27,7 @@ from nonsmooth.runs.options import (
     whole_number,
 )
 from nonsmooth.runs.start import mode_numbers
-from nonsmooth.runs.stroboscopic import check_phase, require_period, strobes
+from nonsmooth.runs.strobe_times import check_phase, require_period, strobes
 from nonsmooth.system.system import System
 from nonsmooth.version import __version__
 

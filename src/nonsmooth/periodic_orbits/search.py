@@ -28,7 +28,7 @@ from nonsmooth.periodic_orbits.orbit import Orbit, OrbitRequest, OrbitResult, ma
 from nonsmooth.periodic_orbits.rebounds import with_rebounds_of_engine
 from nonsmooth.periodic_orbits.restart import guess_of_dataset, is_orbit, values_of_orbit, walk_to
 from nonsmooth.periodic_orbits.word_change import changes_of_word
-from nonsmooth.runs.driving import is_driven
+from nonsmooth.runs.strobe_times import is_driven
 
 __all__ = [
     "equations_for",

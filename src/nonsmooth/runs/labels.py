@@ -1,4 +1,4 @@
-"""The words of a system that stand in every result: labels, units, names of modes and exits."""
+"""The words that stand in every result: labels, units, names of modes and exits, doubts."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from xarray.indexes import PandasIndex
 from nonsmooth.engine.tables import PATH_LENGTH, exits_of_path
 from nonsmooth.system.system import System
 
-__all__ = ["Labels", "labels_of"]
+__all__ = ["Labels", "labels_of", "with_doubts"]
 
 
 class Labels:
@@ -73,3 +73,16 @@ def _label(text: str) -> dict[str, str]:
         label, units = text[:-1].rsplit("[", 1)
         return {"long_name": label.strip(), "units": units.strip()}
     return {"long_name": text}
+
+
+def _doubts(uncertain: int, estimated: int) -> str:
+    """What stands against the certificate of a run, "" where nothing does."""
+    if uncertain:
+        return f"{uncertain} tangency or tangencies lie within rounding"
+    return f"the error of {estimated} steps is estimated" if estimated else ""
+
+
+def with_doubts(message: str, uncertain: int, estimated: int) -> str:
+    """A message with what stands against the certificate of its run."""
+    against = _doubts(uncertain, estimated)
+    return f"{message}; {against}" if against else message

@@ -1,8 +1,9 @@
-"""Outputs of a system on recorded samples, mode by mode, with numpy."""
+"""Outputs of a system, and rates of its states, on recorded samples, mode by mode, with numpy."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
@@ -10,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.engine.tables import Tables
+from nonsmooth.runs.clock import Instant
 from nonsmooth.runs.history import History
 from nonsmooth.runs.runner import Outcome
 from nonsmooth.system.algebra.frequencies import canonical_frequency
@@ -20,9 +22,11 @@ from nonsmooth.system.system import System
 from nonsmooth.system.text.evaluate import evaluate, evaluate_shared
 from nonsmooth.system.text.expressions import Call, Expression
 
-__all__ = ["Clock", "SweptClock", "output_values", "sample_clock"]
+__all__ = ["Clock", "Rates", "SweptClock", "output_values", "sample_clock"]
 
 Array = npt.NDArray[np.float64]
+Floats = npt.NDArray[np.float64]
+Integers = npt.NDArray[np.int64]
 
 _TOGETHER = 65_536  # samples; bounds the memory of what is worked out on the way
 
@@ -239,3 +243,41 @@ class _Names(Mapping[str, Any]):
 
     def __len__(self) -> int:
         return len(self.known)
+
+
+class Rates:
+    """Rates of the states anywhere, from their equations."""
+
+    def __init__(self, system: System, tables: Tables, origin: Integers | None = None) -> None:
+        """``origin``: number of each mode in the system, where the tables have others."""
+        self.origin = np.arange(len(system.mode_names)) if origin is None else origin
+        self.system, self.names = _with_rates(system)
+        self.tables = tables
+
+    def at(self, here: Instant, mode: int, state: Floats) -> Floats:
+        """Rates at an instant, in a mode of the tables."""
+        number, phase = np.array([here.number]), np.array([here.phase])
+        rates: Floats = self.of_many(number, phase, np.array([mode]), state[None])[0]
+        return rates
+
+    def of_many(self, number: Integers, phase: Floats, modes: Integers, states: Floats) -> Floats:
+        """Rates at many instants, each in a mode of the tables; shapes: states (L, n)."""
+        clock = Clock(number, phase, self.tables)
+        found = output_values(self.system, clock, states.T, self.origin[modes])
+        rates = [np.broadcast_to(found[name], number.shape) for name in self.names]
+        stacked: Floats = np.stack(rates, axis=1).astype(float)
+        return stacked
+
+
+@lru_cache(maxsize=32)
+def _with_rates(system: System) -> tuple[System, tuple[str, ...]]:
+    """System with the rate of each state as an output, and their names."""
+    taken = {*system.states, *system.outputs, *system.definitions, *system.parameters}
+    names = []
+    for state in system.states:
+        name = f"rate_of_{state}"
+        while name in taken:
+            name += "_"
+        names.append(name)
+    rates = {name: f"rate({state})" for name, state in zip(names, system.states, strict=True)}
+    return replace(system, outputs={**system.outputs, **rates}), tuple(names)

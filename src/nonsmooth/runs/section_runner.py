@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -16,6 +16,7 @@ from nonsmooth.runs.clock import Instant
 from nonsmooth.runs.crew import Stopped
 from nonsmooth.runs.lane_runner import LaneRunner, Lanes
 from nonsmooth.runs.return_tangent import images_of_point
+from nonsmooth.runs.section_map import SectionMap
 from nonsmooth.runs.section_points import SectionStart, just_before
 from nonsmooth.runs.section_rows import BehindStart, Crossings, NamedEvents, behind_start
 from nonsmooth.runs.section_search import (
@@ -29,9 +30,6 @@ from nonsmooth.runs.section_search import (
 )
 from nonsmooth.runs.start import Start
 from nonsmooth.runs.words import word_of_modes
-
-if TYPE_CHECKING:
-    from nonsmooth.runs.poincare_map import PoincareMap
 
 __all__ = ["NEVER_CROSSES", "SectionLanes", "SectionRunner"]
 
@@ -78,13 +76,13 @@ class SectionLanes:
 class SectionRunner:
     """Applies a Poincaré map; one runner belongs to one thread."""
 
-    def __init__(self, chosen: PoincareMap, tolerance: float) -> None:
+    def __init__(self, chosen: SectionMap, tolerance: float) -> None:
         self.chosen = chosen
         split = chosen.split
         self.engine = LaneRunner(chosen.system if split is None else split.system, tolerance)
         self._prepare()
 
-    def set_up(self, chosen: PoincareMap) -> None:
+    def set_up(self, chosen: SectionMap) -> None:
         """Take the same map with other values of parameters; `ModelError` for senseless ones."""
         self.chosen = chosen
         self.engine.set_up(chosen.system.parameter_values)

@@ -15,7 +15,6 @@ from nonsmooth.runs.clock import plan_run
 from nonsmooth.runs.dataset import run_dataset, time_of_lost_derivatives
 from nonsmooth.runs.event_log import LentRoom, lent_room
 from nonsmooth.runs.first_mode import in_first_mode
-from nonsmooth.runs.limits import Limits, limits_from
 from nonsmooth.runs.options import (
     check_flag,
     check_run_options,
@@ -23,15 +22,16 @@ from nonsmooth.runs.options import (
     parameters_of_tangent,
 )
 from nonsmooth.runs.runner import (
+    Limits,
     Outcome,
     build_derivatives,
     build_tables,
+    limits_from,
     run_plan,
 )
-from nonsmooth.runs.slow import check_slow_tangent, run_slow
+from nonsmooth.runs.slow import check_slow_tangent, resolve_slow_start, run_slow
 from nonsmooth.runs.slow_plan import plan_slow_run
 from nonsmooth.runs.slow_run import tables_of
-from nonsmooth.runs.slow_start import resolve_slow_start
 from nonsmooth.runs.start import resolve_start, start_at_end
 from nonsmooth.system.slow import SlowParameters
 from nonsmooth.system.system import System

@@ -16,8 +16,14 @@ from nonsmooth.errors import ModelError
 from nonsmooth.runs.clock import Instant
 from nonsmooth.runs.event_log import EventLog
 from nonsmooth.runs.history import Frozen, History
-from nonsmooth.runs.limits import UNLIMITED, Limits
-from nonsmooth.runs.runner import NO_DERIVATIVES, advance, build_derivatives, build_tables
+from nonsmooth.runs.runner import (
+    NO_DERIVATIVES,
+    UNLIMITED,
+    Limits,
+    advance,
+    build_derivatives,
+    build_tables,
+)
 from nonsmooth.runs.slow_plan import Part, SlowPlan
 from nonsmooth.system.slow import SlowParameters
 

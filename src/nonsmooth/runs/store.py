@@ -12,32 +12,141 @@ tasks are ``.npz`` files with a checksum.
 from __future__ import annotations
 
 import errno
+import hashlib
+import io
 import json
 import os
 import re
+import threading
 import warnings
-from collections.abc import Mapping
+import zipfile
+from collections.abc import Callable, Mapping
+from itertools import zip_longest
 from pathlib import Path
 from types import TracebackType
-from typing import Any
+from typing import Any, TypeVar
 
+import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError, ResultWarning, RunError
 from nonsmooth.files import replacing
-from nonsmooth.runs.chunk_file import Damaged, read_arrays, write_arrays
-from nonsmooth.runs.protocol import differences, plain
+from nonsmooth.runs.crew import run_tasks
 from nonsmooth.runs.store_lock import lock, unlock
 from nonsmooth.version import __version__
 
-__all__ = ["Store", "trouble"]
+__all__ = ["Damaged", "Store", "read_arrays", "run_stored_tasks", "trouble", "write_arrays"]
 
+T = TypeVar("T")
+
+_SUFFIX = ".npy"  # of the arrays within the file, as `numpy.load` expects it
+_DIGITS = 64  # of a checksum over all that stands before it, the comment at the end of the file
+_LONGEST = 1000  # entries of an array that are written out
+_ABSENT = object()
 _FORMAT = 1
 _PROTOCOL, _LOCK = "protocol.json", "lock"
 _CHUNK = re.compile(r"(\d{6,})\.npz")
 _DRAFT = re.compile(r"\.(\d{6,}|protocol|result)\.\d+\.(npz|json|nc)")  # see `replacing`
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 _MOST_NAMED = 5  # damaged files in a message
+
+
+class Damaged(Exception):
+    """A file that does not hold what was written; says what is wrong with it."""
+
+
+def write_arrays(path: Path, arrays: Mapping[str, npt.NDArray[Any]]) -> None:
+    """Write arrays by name; nothing in them needs pickle."""
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w") as archive:
+        for name, array in arrays.items():
+            with archive.open(name + _SUFFIX, "w", force_zip64=True) as file:
+                np.lib.format.write_array(file, np.asarray(array), allow_pickle=False)
+        archive.comment = b"0" * _DIGITS
+    content = buffer.getbuffer()
+    content[-_DIGITS:] = _checksum(content[:-_DIGITS])
+    with replacing(path) as draft:
+        draft.write_bytes(content)
+
+
+def read_arrays(path: Path) -> dict[str, npt.NDArray[Any]]:
+    """Arrays of a file by name; `Damaged` where a single bit of it has changed."""
+    try:
+        content = memoryview(path.read_bytes())
+    except OSError as fault:
+        raise Damaged(fault.strerror) from None
+    if len(content) < _DIGITS or content[-_DIGITS:] != _checksum(content[:-_DIGITS]):
+        raise Damaged("its checksum is wrong")
+    with np.load(io.BytesIO(content), allow_pickle=False) as archive:
+        return dict(archive.items())
+
+
+def _checksum(content: memoryview) -> bytes:
+    return hashlib.sha256(content).hexdigest().encode()
+
+
+def _plain(value: Any) -> Any:
+    """A value as JSON has it. Of long arrays only what tells them from others is kept."""
+    if isinstance(value, Mapping):
+        return {str(name): _plain(part) for name, part in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(part) for part in value]
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, np.ndarray):
+        if value.size <= _LONGEST:
+            return value.tolist()
+        content = np.ascontiguousarray(value)
+        return {
+            "shape": list(value.shape),
+            "type": value.dtype.str,
+            "sha256": hashlib.sha256(content.tobytes()).hexdigest(),
+        }
+    return value
+
+
+def _differences(before: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
+    """A line for each option that differs: its name, its former value, its present one."""
+    lines = []
+    for name in dict.fromkeys([*before, *now]):
+        found = _difference(name, before.get(name, _ABSENT), now.get(name, _ABSENT))
+        if found is not None:
+            lines.append("{}: {} then, {} now".format(*found))
+    return lines
+
+
+def _difference(name: str, before: Any, now: Any) -> tuple[str, str, str] | None:
+    """First place where two values differ, and what they are there."""
+    if before is _ABSENT or now is _ABSENT:
+        return name, _shown(before), _shown(now)
+    if json.dumps(before, sort_keys=True) == json.dumps(now, sort_keys=True):
+        return None
+    if isinstance(before, str) and isinstance(now, str) and "\n" in before + now:
+        rows = zip_longest(before.splitlines(), now.splitlines(), fillvalue="nothing")
+        return next((name, old, new) for old, new in rows if old != new)
+    if isinstance(before, list) and isinstance(now, list) and len(before) == len(now):
+        pairs = {f"{name}[{i}]": pair for i, pair in enumerate(zip(before, now, strict=True))}
+    elif isinstance(before, dict) and isinstance(now, dict) and "sha256" not in before:
+        keys = dict.fromkeys([*before, *now])
+        pairs = {
+            f"{name}[{key!r}]": (before.get(key, _ABSENT), now.get(key, _ABSENT)) for key in keys
+        }
+    else:
+        return name, _shown(before), _shown(now)
+    found = (_difference(place, *pair) for place, pair in pairs.items())
+    return next((each for each in found if each is not None), (name, _shown(before), _shown(now)))
+
+
+def _shown(value: Any) -> str:
+    """A value in a message."""
+    if value is _ABSENT:
+        return "not given"
+    if isinstance(value, dict) and "sha256" in value:
+        return f"an array {tuple(value['shape'])} of content {value['sha256'][:8]}"
+    if isinstance(value, list) and len(value) > 6:
+        return f"a list of {len(value)}"
+    text = repr(value)
+    return text if len(text) <= 60 else text[:57] + "..."
 
 
 class Store:
@@ -62,7 +171,7 @@ class Store:
             "format": _FORMAT,
             "nonsmooth_version": __version__,
             "tasks": n_tasks,
-            "protocol": plain(protocol),
+            "protocol": _plain(protocol),
         }
         try:
             store = cls(folder, lock(folder / _LOCK))
@@ -135,7 +244,7 @@ class Store:
                 " read; give another folder"
             ) from None
         now = {**whole.pop("protocol"), **whole}
-        different = differences(former, now)
+        different = _differences(former, now)
         if different:
             raise OptionError(
                 f"store = {str(self.folder)!r} was begun with other options:\n"
@@ -214,3 +323,36 @@ def trouble(folder: Path, name: str, fault: OSError) -> OptionError | RunError:
     return RunError(
         f"{what}. What is done is kept: repeat the same call, and it goes on", status="interrupted"
     )
+
+
+def run_stored_tasks(
+    tasks: list[Callable[[Any, threading.Event], T]],
+    make_worker: Callable[[], Any],
+    *,
+    store: str | Path | None,
+    protocol: Mapping[str, Any],
+    pack: Callable[[T], Mapping[str, npt.NDArray[Any]]],
+    unpack: Callable[[dict[str, npt.NDArray[Any]]], T],
+    threads: int,
+    label: str,
+    keep: Callable[[int, T], None],
+) -> bool:
+    """Run tasks as `run_tasks` does, those that the folder ``store`` has not done already.
+
+    ``protocol`` is all that the results depend on, see `Store.open`. ``pack`` makes arrays of a
+    result, and ``unpack`` the same result of them. ``keep`` is told every result, former or new.
+    """
+    if store is None:
+        return run_tasks(tasks, make_worker, threads=threads, label=label, keep=keep)
+    with Store.open(store, protocol, len(tasks)) as folder:
+        done = frozenset(folder.done)
+        for i in sorted(done):
+            keep(i, unpack(folder.get(i)))
+
+        def keep_both(i: int, result: T) -> None:
+            folder.put(i, pack(result))
+            keep(i, result)
+
+        return run_tasks(
+            tasks, make_worker, threads=threads, label=label, keep=keep_both, done=done
+        )

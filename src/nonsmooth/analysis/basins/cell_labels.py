@@ -16,7 +16,7 @@ from nonsmooth.analysis.basins.recurrences import new_visits
 from nonsmooth.engine.attractors import Landmarks, visit
 from nonsmooth.engine.status import Status
 from nonsmooth.runs.crew import Stopped
-from nonsmooth.runs.stored_tasks import run_stored_tasks
+from nonsmooth.runs.store import run_stored_tasks
 
 __all__ = ["NOT_COMPUTED", "label_starts"]
 

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from nonsmooth.engine.status import Status
 from nonsmooth.engine.tables import Tables
-from nonsmooth.runs.of_system import Map
+from nonsmooth.runs.maps import Map
 from nonsmooth.runs.outputs import Clock, output_values
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.system.system import System

@@ -14,7 +14,7 @@ from nonsmooth.engine.lanes import SAME
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import ModelError
 from nonsmooth.runs.clock import Instant
-from nonsmooth.runs.stroboscopic import strobes
+from nonsmooth.runs.strobe_times import strobes
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.runs.sweep_runner import Recorded, Starts, SweepRunner, Times
 

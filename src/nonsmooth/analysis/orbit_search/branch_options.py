@@ -12,9 +12,9 @@ from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.periodic_orbits.orbit import OrbitRequest
 from nonsmooth.periodic_orbits.restart import is_orbit
 from nonsmooth.periodic_orbits.stretch import BranchOptions
-from nonsmooth.runs.driving import is_driven
 from nonsmooth.runs.options import check_flag, finite_number, whole_number
 from nonsmooth.runs.runner import build_tables
+from nonsmooth.runs.strobe_times import is_driven
 from nonsmooth.system.system import System
 
 __all__ = ["Beginning", "check_way", "read_bounds", "read_branch_options", "read_steps"]

@@ -19,8 +19,7 @@ from nonsmooth.periodic_orbits.orbit import OrbitRequest
 from nonsmooth.periodic_orbits.restart import guess_of_dataset
 from nonsmooth.periodic_orbits.search import search_orbit, solve_guess
 from nonsmooth.periodic_orbits.stretch import BranchOptions, BranchStart, Stretch
-from nonsmooth.runs.interrupts import HeldInterrupts
-from nonsmooth.runs.progress import Progress
+from nonsmooth.runs.progress import HeldInterrupts, Progress
 
 __all__ = ["both_ways"]
 

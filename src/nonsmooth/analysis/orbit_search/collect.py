@@ -34,8 +34,7 @@ from nonsmooth.periodic_orbits.legs import LegError, Legs
 from nonsmooth.periodic_orbits.newton import solve_orbit
 from nonsmooth.periodic_orbits.orbit import Orbit, OrbitRequest
 from nonsmooth.periodic_orbits.search import equations_for, is_autonomous, solve_guess
-from nonsmooth.runs.interrupts import HeldInterrupts
-from nonsmooth.runs.progress import Progress
+from nonsmooth.runs.progress import HeldInterrupts, Progress
 
 __all__ = ["Collected", "HowToCollect", "collect_orbits"]
 

@@ -9,12 +9,11 @@ from nonsmooth.errors import OptionError
 from nonsmooth.periodic_orbits.orbit import OrbitRequest
 from nonsmooth.periodic_orbits.restart import is_orbit
 from nonsmooth.periodic_orbits.word import read_word, words_of_names
-from nonsmooth.runs.carried import refuse_other_parameters
-from nonsmooth.runs.driving import is_driven
 from nonsmooth.runs.options import check_run_options, finite_number, whole_number
 from nonsmooth.runs.poincare_map import PoincareMap
 from nonsmooth.runs.runner import build_tables
-from nonsmooth.runs.stroboscopic import check_phase
+from nonsmooth.runs.start import refuse_other_parameters
+from nonsmooth.runs.strobe_times import check_phase, is_driven
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 
 __all__ = ["period_of", "read_wanted", "said_of_options"]

@@ -18,8 +18,7 @@ from nonsmooth.periodic_orbits.branch_tests import WORD_TESTS, BranchTests, Look
 from nonsmooth.periodic_orbits.equations import OrbitEquations
 from nonsmooth.periodic_orbits.legs import LegError, Legs
 from nonsmooth.periodic_orbits.newton import scale_of
-from nonsmooth.runs.interrupts import HeldInterrupts
-from nonsmooth.runs.progress import Progress
+from nonsmooth.runs.progress import HeldInterrupts, Progress
 
 __all__ = ["follow_special"]
 

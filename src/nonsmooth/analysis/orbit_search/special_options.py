@@ -10,9 +10,9 @@ from nonsmooth.errors import ModelError, OptionError, unknown_name
 from nonsmooth.periodic_orbits.guess import Guess
 from nonsmooth.periodic_orbits.restart import guess_of_dataset
 from nonsmooth.periodic_orbits.stretch import BranchOptions
-from nonsmooth.runs.driving import is_driven
 from nonsmooth.runs.options import finite_number, whole_number
 from nonsmooth.runs.runner import build_tables
+from nonsmooth.runs.strobe_times import is_driven
 from nonsmooth.system.system import System
 
 __all__ = ["SpecialCurve", "read_special_options"]

@@ -11,8 +11,9 @@ import numpy.typing as npt
 
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.runs.labels import labels_of
-from nonsmooth.runs.of_system import Map
-from nonsmooth.runs.poincare_map import PoincareMap
+from nonsmooth.runs.maps import Map
+from nonsmooth.system.evaluate import constant_value
+from nonsmooth.system.grammar import parse
 from nonsmooth.system.system import System
 from nonsmooth.system.text.evaluate import constant_value
 from nonsmooth.system.text.grammar import parse
@@ -61,7 +62,7 @@ def read_coordinate(chosen: Map, name: Any) -> Coordinate:
                 f" take one of {', '.join(_others(chosen))}"
             )
         return Coordinate(name, system.states.index(name), turn, False, labels.attributes(name))
-    if name == PHASE and _has_phase(chosen):
+    if name == PHASE and chosen.points_have_time:
         words = {**labels.attributes("time"), "long_name": "time since the period began"}
         return Coordinate(PHASE, len(system.states), system.period_value, True, words)
     if name == PHASE:
@@ -73,14 +74,10 @@ def read_coordinate(chosen: Map, name: Any) -> Coordinate:
     raise OptionError(f"coordinate: {unknown_name('coordinate', str(name), _others(chosen))}")
 
 
-def _has_phase(chosen: Map) -> bool:
-    return isinstance(chosen, PoincareMap) and chosen.system.period_value is not None
-
-
 def _others(chosen: Map) -> list[str]:
     system = chosen.system
     names = [s for s in system.states if s not in system.drift_states or _turn(system, s)]
-    return [*names, PHASE] if _has_phase(chosen) else names
+    return [*names, PHASE] if chosen.points_have_time else names
 
 
 def _turn(system: System, name: str) -> float | None:

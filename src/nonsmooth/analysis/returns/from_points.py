@@ -15,7 +15,7 @@ from nonsmooth.analysis.returns.tangents import Tangents
 from nonsmooth.engine.lanes import ANY
 from nonsmooth.errors import OptionError
 from nonsmooth.runs.clock import instants
-from nonsmooth.runs.driving import is_driven
+from nonsmooth.runs.strobe_times import is_driven
 
 __all__ = ["Motion", "map_of_points"]
 

@@ -16,8 +16,9 @@ from nonsmooth.engine.status import Certificate, EventKind, Status
 from nonsmooth.runs.clock import Instant
 from nonsmooth.runs.labels import labels_of
 from nonsmooth.runs.lane_runner import LaneRunner
+from nonsmooth.runs.maps import Map
+from nonsmooth.runs.outputs import Rates
 from nonsmooth.runs.poincare_map import PoincareMap
-from nonsmooth.runs.rates import Rates
 from nonsmooth.runs.section_rows import AT_ONCE, Crossings, NamedEvents
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.runs.words import word_of_modes
@@ -72,7 +73,7 @@ class Imaging(ABC):
     at_rows = False  # whether images are rows of the event log
     side = 0  # of an event at which an image lies: just before, or 1 just after
 
-    def __init__(self, chosen: StroboscopicMap | PoincareMap, tolerance: float, longest: int):
+    def __init__(self, chosen: Map, tolerance: float, longest: int):
         self.chosen, self.tolerance, self.longest = chosen, tolerance, longest
 
     @property
@@ -299,10 +300,9 @@ class SectionImaging(Imaging):
         return way, arrived
 
 
-def imaging_of(
-    chosen: StroboscopicMap | PoincareMap, tolerance: float, longest: int
-) -> StrobeImaging | SectionImaging:
+def imaging_of(chosen: Map, tolerance: float, longest: int) -> StrobeImaging | SectionImaging:
     """What applies a map to many starts."""
     if isinstance(chosen, PoincareMap):
         return SectionImaging(chosen, tolerance, longest)
+    assert isinstance(chosen, StroboscopicMap)
     return StrobeImaging(chosen, tolerance, longest)

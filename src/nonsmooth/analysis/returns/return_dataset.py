@@ -12,7 +12,7 @@ from nonsmooth.analysis.returns.images import Imaging
 from nonsmooth.analysis.returns.reduced_map import Branch
 from nonsmooth.engine.status import Status
 from nonsmooth.runs.labels import labels_of
-from nonsmooth.runs.of_system import Map
+from nonsmooth.runs.maps import Map
 from nonsmooth.version import __version__
 
 __all__ = [

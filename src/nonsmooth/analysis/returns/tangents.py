@@ -11,7 +11,7 @@ from nonsmooth.analysis.returns.lane_log import settle
 from nonsmooth.engine.lanes import GOES_ON, Anchor, allocate_columns, allocate_records, run
 from nonsmooth.engine.status import Status
 from nonsmooth.runs.clock import Instant
-from nonsmooth.runs.rates import Rates
+from nonsmooth.runs.outputs import Rates
 from nonsmooth.runs.runner import build_derivatives
 
 __all__ = ["Tangents"]

@@ -1,27 +1,99 @@
-"""Options of a section: what it is, which crossings count, how long to search."""
+"""The map of a section: what it is, which crossings count, how long to search."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
 from nonsmooth.engine.status import EventKind
 from nonsmooth.engine.tables import Tables
-from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.errors import ModelError, OptionError, unknown_name
 from nonsmooth.runs.clock import Instant, instants
-from nonsmooth.runs.options import check_signals, finite_number
+from nonsmooth.runs.maps import Map
+from nonsmooth.runs.options import check_run_options, check_signals, finite_number, whole_number
+from nonsmooth.runs.runner import build_tables
 from nonsmooth.runs.section_rows import event_names
 from nonsmooth.runs.section_search import Limits
-from nonsmooth.system.section import section_names
+from nonsmooth.runs.strobe_times import is_driven
+from nonsmooth.system.grammar import is_name
+from nonsmooth.system.section import Section, section_names, with_section
 from nonsmooth.system.system import System
 from nonsmooth.system.text.grammar import is_name
 
-__all__ = ["check_side", "read_section", "refuse_slow", "set_limits"]
+__all__ = ["SectionMap", "folded_tables", "set_limits"]
 
 _SIDES = ("before", "after")
 
 
-def refuse_slow(system: System) -> None:
+@dataclass(frozen=True)
+class SectionMap(Map):
+    """The map from a section to itself, as the search for its points reads it."""
+
+    system: System
+    section: str
+    _: KW_ONLY
+    direction: int | None = None
+    side: str = "before"
+    every: int = 1
+
+    def __post_init__(self) -> None:
+        check_run_options(self.system, None, None, 1e-12)
+        _refuse_slow(self.system)
+        _, way = _read_section(self.system, self.section, self.direction)
+        _check_side(self.side)
+        object.__setattr__(self, "direction", way)
+        object.__setattr__(self, "every", whole_number("every", self.every))
+        _ = self.split  # refuses an expression that never changes
+
+    @property
+    def way(self) -> int:
+        """Direction that counts, zero for both and for events."""
+        assert self.direction is not None  # filled in when the map is made
+        return self.direction
+
+    @property
+    def is_crossing(self) -> bool:
+        """Whether the section is an expression and not an event."""
+        return _read_section(self.system, self.section, self.direction)[0]
+
+    @property
+    def split(self) -> Section | None:
+        """The system with the section in it; None where the section is an event."""
+        return with_section(self.system, self.section) if self.is_crossing else None
+
+    @property
+    def reads_time(self) -> bool:
+        """Whether time, or what depends on it, stands in the system or in the section."""
+        split = self.split
+        return is_driven(build_tables(self.system) if split is None else folded_tables(split))
+
+    @property
+    def protocol(self) -> dict[str, Any]:
+        """What the map is, as attributes of a result."""
+        return {
+            "section": self.section,
+            "section_kind": "crossing" if self.is_crossing else "event",
+            "direction": self.way,
+            "side": self.side,
+            "every": self.every,
+        }
+
+    @property
+    def points_have_time(self) -> bool:
+        """Whether points of a system with a period lie at different phases of it."""
+        return self.system.period_value is not None
+
+    def check_states_suffice(self, verb: str) -> None:
+        """Refuse a section where it also matters when the motion comes to it."""
+        if self.reads_time:
+            raise OptionError(
+                f"{verb}: the motion of {self.system.name!r} depends on time, so that it also"
+                f" matters when it comes to section = {self.section!r}; take its StroboscopicMap"
+            )
+
+
+def _refuse_slow(system: System) -> None:
     """A section belongs to a map that does not change from period to period."""
     if system.slow:
         raise OptionError(
@@ -31,7 +103,7 @@ def refuse_slow(system: System) -> None:
         )
 
 
-def read_section(system: System, section: Any, direction: Any) -> tuple[bool, int]:
+def _read_section(system: System, section: Any, direction: Any) -> tuple[bool, int]:
     """Whether a section is an expression and not an event, and the direction that counts."""
     if not isinstance(section, str) or not section.strip():
         raise OptionError(
@@ -63,7 +135,7 @@ def read_section(system: System, section: Any, direction: Any) -> tuple[bool, in
     return crossing, int(direction)
 
 
-def check_side(side: Any) -> None:
+def _check_side(side: Any) -> None:
     """Before or after."""
     if side not in _SIDES:
         raise OptionError(f"side = {side!r:.60}: give 'before' or 'after'")
@@ -104,3 +176,11 @@ def set_limits(
 def _instant(time: float, window: float) -> Instant:
     number, phase = instants([time], window)
     return Instant(int(number[0]), float(phase[0]))
+
+
+def folded_tables(split: Section) -> Tables:
+    """Tables of a system with a section in it; errors speak of the system without."""
+    try:
+        return build_tables(split.system)
+    except ModelError as fault:
+        raise ModelError(split.folded(str(fault))) from None
