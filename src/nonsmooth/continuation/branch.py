@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from nonsmooth.continuation.corrector import Corrector, Node, effort, next_step
-from nonsmooth.continuation.observer import Mark, Observer, Segment
+from nonsmooth.continuation.observer import CurveSegment, Mark, Observer
 from nonsmooth.continuation.options import Options
 from nonsmooth.continuation.point import Jump, PastBound, Point, Refused
 
@@ -120,7 +120,7 @@ def _judged(
     step: float, end: Node,
 ) -> _Attempt:  # fmt: skip
     """The step with its special points, if it can be believed."""
-    segment = Segment(corrector, node, end)
+    segment = CurveSegment(corrector, node, end)
     work = effort(node, end, segment.chord)
     if work > _HARDEST:
         raise Jump("the curve turns too much")
@@ -136,7 +136,7 @@ def _judged(
     return _Attempt(end, marks, next_step(step, work, options.largest))
 
 
-def _home(segment: Segment, origin: Node) -> Mark | None:
+def _home(segment: CurveSegment, origin: Node) -> Mark | None:
     """The start of the branch, if the step passes it in the same direction."""
     corrector = segment.corrector
     start = corrector.scaled(origin.u, origin.p)

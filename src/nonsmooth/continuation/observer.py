@@ -28,7 +28,7 @@ from nonsmooth.continuation.point import (
 )
 from nonsmooth.errors import OptionError
 
-__all__ = ["Mark", "Observer", "Segment"]
+__all__ = ["CurveSegment", "Mark", "Observer"]
 
 
 _EPS = float(np.finfo(float).eps)
@@ -43,7 +43,7 @@ _NEAR_CROSSING = (
 _VANISHES = 0.1  # part of its larger end value that a determinant must fall to where it is zero
 
 
-class Segment:
+class CurveSegment:
     """A cubic through two points with their tangents, as the guess for trials between them."""
 
     def __init__(self, corrector: Corrector, first: Node, last: Node) -> None:
@@ -173,13 +173,13 @@ class Observer:
             node.tests = self._asked(node) if self.tests else {}
         return node.tests
 
-    def marks(self, segment: Segment) -> list[Mark]:
+    def marks(self, segment: CurveSegment) -> list[Mark]:
         """All special points of a step, in order; `Jump` where it joins two branches."""
         found = [*self._branch_point(segment), *self._fold(segment), *self._tests(segment)]
         found += self._unknown_bound(segment)
         return sorted(found, key=lambda mark: mark.x)
 
-    def _branch_point(self, segment: Segment) -> Iterator[Mark]:
+    def _branch_point(self, segment: CurveSegment) -> Iterator[Mark]:
         """Where the bordered determinant changes its sign and vanishes.
 
         Neighbouring curves have determinants of opposite signs. So a sign that changes without a
@@ -198,7 +198,7 @@ class Observer:
             raise Jump("the branch found has the other orientation")
         yield Mark(found[0], self._refined(segment, *found), "branch_point")
 
-    def _refined(self, segment: Segment, x: float, node: Node) -> Node:
+    def _refined(self, segment: CurveSegment, x: float, node: Node) -> Node:
         """The crossing itself: along the branch it is found to half of the digits only."""
         if self.corrector.equations.n > DENSE_BELOW:
             return node
@@ -214,7 +214,7 @@ class Observer:
         along = along if float(along @ guess) > 0.0 else -along
         return replace(node, u=there.u, p=there.p, tangent=along, tests=None)
 
-    def _fold(self, segment: Segment) -> Iterator[Mark]:
+    def _fold(self, segment: CurveSegment) -> Iterator[Mark]:
         ends = (segment.first.tangent[-1], segment.last.tangent[-1])
         if max(map(abs, ends)) > _STILL:
             found = segment.locate(lambda node: float(node.tangent[-1]))
@@ -222,7 +222,7 @@ class Observer:
                 still = abs(float(found[1].tangent[-2])) < self.options.cusps
                 yield Mark(*found, "cusp" if still else "fold")
 
-    def _unknown_bound(self, segment: Segment) -> Iterator[Mark]:
+    def _unknown_bound(self, segment: CurveSegment) -> Iterator[Mark]:
         """Where the last unknown comes to a bound that it has."""
         for bound in self.options.unknown_bounds:
             if math.isfinite(bound):
@@ -231,7 +231,7 @@ class Observer:
                     found[1].u[-1] = bound
                     yield Mark(*found, "bound", last=True)
 
-    def _tests(self, segment: Segment) -> Iterator[Mark]:
+    def _tests(self, segment: CurveSegment) -> Iterator[Mark]:
         before, after = self.tested(segment.first), self.tested(segment.last)
         for name in after:
             if name in before and not before[name] * after[name] > 0.0:  # else nothing to locate

@@ -19,7 +19,7 @@ from nonsmooth.periodic_orbits.guess import Guess, driven_guess
 from nonsmooth.periodic_orbits.legs import LegError
 from nonsmooth.periodic_orbits.newton import solve_orbit
 from nonsmooth.periodic_orbits.onto import chatters
-from nonsmooth.periodic_orbits.stretch import BranchStart, Stretch
+from nonsmooth.periodic_orbits.stretch import BranchStart, BranchStretch
 from nonsmooth.periodic_orbits.word import Word
 from nonsmooth.periodic_orbits.word_change import Change, changes_at_once, changes_of_word
 from nonsmooth.system.system import System
@@ -48,7 +48,7 @@ _TOGETHER = 1e-8  # a test that vanishes at the same point as another one
 _NEARBY = 1e-4  # of the size of an orbit: one of another word farther away is no continuation
 
 
-def _motion_at(stretch: Stretch, looked: Looked, value: float) -> Guess | None:
+def _motion_at(stretch: BranchStretch, looked: Looked, value: float) -> Guess | None:
     """Legs of the motion from an orbit; None where nothing drives the system.
 
     It begins in the cell of the orbit where that admits it: a state that has decayed to a border
@@ -62,7 +62,7 @@ def _motion_at(stretch: Stretch, looked: Looked, value: float) -> Guess | None:
 
 
 def _motion_from(
-    stretch: Stretch, first: Floats, value: float, turns: int, mode: str | None = None
+    stretch: BranchStretch, first: Floats, value: float, turns: int, mode: str | None = None
 ) -> Guess | None:
     """Legs of the motion from a state, after some turns."""
     options = stretch.options
@@ -82,7 +82,7 @@ def _motion_from(
         return None
 
 
-def _over_last_rebounds(stretch: Stretch, looked: Looked, point: Point) -> BranchStart | None:
+def _over_last_rebounds(stretch: BranchStretch, looked: Looked, point: Point) -> BranchStart | None:
     """The same orbit a little beyond, where the section passes the last rebounds, or comes to them.
 
     They are so short that the next ones follow at once.
@@ -104,7 +104,7 @@ def _is_short(turn: Turn) -> bool:
     return flight <= _SHORT * float(turn.durations.sum())
 
 
-def _over_chatter(stretch: Stretch, looked: Looked, point: Point) -> BranchStart | None:
+def _over_chatter(stretch: BranchStretch, looked: Looked, point: Point) -> BranchStart | None:
     """The same orbit a little beyond, where the section does not lie within its rebounds any more.
 
     Infinitely many of them pass the section while the parameter changes by little. The motion comes
@@ -118,7 +118,7 @@ def _over_chatter(stretch: Stretch, looked: Looked, point: Point) -> BranchStart
 
 
 def _farther(
-    stretch: Stretch, looked: Looked, point: Point, done: Callable[[Guess], bool]
+    stretch: BranchStretch, looked: Looked, point: Point, done: Callable[[Guess], bool]
 ) -> BranchStart | None:
     """The same orbit beyond, as far as it takes or as it may be."""
     low, high = stretch.options.bounds
@@ -134,7 +134,7 @@ def _farther(
     return None if found is None else _start(stretch, *found, point)
 
 
-def _within_chatter(stretch: Stretch, looked: Looked, point: Point) -> BranchStart | None:
+def _within_chatter(stretch: BranchStretch, looked: Looked, point: Point) -> BranchStart | None:
     """The same orbit with other rebounds, where a test has changed its sign within them.
 
     The last ones are so short that the equations confuse them with none at all. Where an impact
@@ -158,7 +158,7 @@ def _within_chatter(stretch: Stretch, looked: Looked, point: Point) -> BranchSta
     return _start(stretch, guess, value, point)
 
 
-def _same_motion_at(stretch: Stretch, looked: Looked, value: float) -> Guess | None:
+def _same_motion_at(stretch: BranchStretch, looked: Looked, value: float) -> Guess | None:
     """What the motion is after a turn in which it rests, if its modes are those of the orbit."""
     states = looked.turn.states
     guess = _motion_from(stretch, states[0], value, 1)
@@ -168,13 +168,13 @@ def _same_motion_at(stretch: Stretch, looked: Looked, value: float) -> Guess | N
     return guess if guess is not None and _differs_in_rebounds(stretch, guess.word) else None
 
 
-def _differs_in_rebounds(stretch: Stretch, word: Word) -> bool:
+def _differs_in_rebounds(stretch: BranchStretch, word: Word) -> bool:
     """Whether a word has the modes of the orbit, but for how many rebounds before rest it shows."""
     system = stretch.options.system
     return _cycle(word, system) == _cycle(stretch.equations.word, system)
 
 
-def _start(stretch: Stretch, guess: Guess, value: float, point: Point) -> BranchStart | None:
+def _start(stretch: BranchStretch, guess: Guess, value: float, point: Point) -> BranchStart | None:
     """The branch from there on, in the direction that it has; None where it is no motion."""
     try:
         stretch.set_parameter(value)
@@ -193,7 +193,7 @@ def _way(point: Point) -> float:
     return float(np.sign(point.tangent_p) or 1.0)
 
 
-def _section_in_chatter(stretch: Stretch, word: Word) -> bool:
+def _section_in_chatter(stretch: BranchStretch, word: Word) -> bool:
     """Whether an orbit begins between rebounds."""
     found = chatters(word.modes, word.paths, stretch.legs.tables.wiring)
     return any(len(word) - 1 in legs or (0 in legs and legs[0] == 0) for legs in found)
@@ -207,7 +207,7 @@ def _cycle(word: Word, system: System) -> tuple[int, ...]:
 
 
 def change_at(
-    stretch: Stretch, point: Point, looked: Looked, along: float
+    stretch: BranchStretch, point: Point, looked: Looked, along: float
 ) -> tuple[BranchStart | None, BranchPart | None]:
     """How a branch goes on behind a change of its word, and the point there if it is special."""
     name = point.special
@@ -248,7 +248,7 @@ def change_at(
     return None, part_of(stretch, looked, point, along, kind_of(name), detail)
 
 
-def _touched(stretch: Stretch, start: BranchStart) -> str:
+def _touched(stretch: BranchStretch, start: BranchStart) -> str:
     """Test of the graze behind which a stretch begins; "" where none has its zero there.
 
     Of two guards that are touched together, and of one that is touched just at the section, only
@@ -286,7 +286,7 @@ def _is_near(start: BranchStart, looked: Looked) -> bool:
     return bool(np.all(apart <= _NEARBY * max(float(size.max()), 1e-300)))
 
 
-def _changes_beyond(stretch: Stretch, looked: Looked, point: Point) -> Iterator[Change]:
+def _changes_beyond(stretch: BranchStretch, looked: Looked, point: Point) -> Iterator[Change]:
     """What the engine finds a little beyond, as changes to try."""
     kind = kind_of(point.special)
     for guess in _motions_beyond(stretch, looked, point):
@@ -298,7 +298,7 @@ def _changes_beyond(stretch: Stretch, looked: Looked, point: Point) -> Iterator[
         yield Change(kind, guess)
 
 
-def _motions_beyond(stretch: Stretch, looked: Looked, point: Point) -> Iterator[Guess]:
+def _motions_beyond(stretch: BranchStretch, looked: Looked, point: Point) -> Iterator[Guess]:
     """What the motion from the orbit does a little beyond, where there is a period to look at."""
     low, high = stretch.options.bounds
     onwards = float(np.sign(point.tangent_p)) or 1.0
@@ -308,7 +308,7 @@ def _motions_beyond(stretch: Stretch, looked: Looked, point: Point) -> Iterator[
             yield guess
 
 
-def _detail(stretch: Stretch, name: str, start: BranchStart, point: Point) -> str:
+def _detail(stretch: BranchStretch, name: str, start: BranchStart, point: Point) -> str:
     """What happens in words: which guard or leg, and whether the parameter turns back."""
     word, system = stretch.equations.word, stretch.options.system
     kind, *numbers = name.split(":")
@@ -335,7 +335,7 @@ def _detail(stretch: Stretch, name: str, start: BranchStart, point: Point) -> st
     return f"{what}; {way} as '{start.equations.word.text(system)}'"
 
 
-def end_at(name: str, looked: Looked, stretch: Stretch) -> Followed:
+def end_at(name: str, looked: Looked, stretch: BranchStretch) -> Followed:
     """Why a branch ends at a change of its word behind which it does not go on."""
     kind = name.split(":")[0]
     if _is_held(stretch, name):
@@ -357,7 +357,7 @@ def end_at(name: str, looked: Looked, stretch: Stretch) -> Followed:
     )
 
 
-def _is_held(stretch: Stretch, name: str) -> bool:
+def _is_held(stretch: BranchStretch, name: str) -> bool:
     """Whether what happens is at a surface that holds more than it resists with in sliding."""
     kind, *numbers = name.split(":")
     if kind not in ("graze", "rate", "enter") or not numbers:

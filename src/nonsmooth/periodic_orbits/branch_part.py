@@ -8,7 +8,7 @@ import numpy as np
 
 from nonsmooth.continuation.point import Point
 from nonsmooth.periodic_orbits.branch_tests import Looked
-from nonsmooth.periodic_orbits.stretch import Stretch
+from nonsmooth.periodic_orbits.stretch import BranchStretch
 from nonsmooth.periodic_orbits.symmetric import is_antisymmetric
 from nonsmooth.periodic_orbits.word import Word
 
@@ -85,7 +85,7 @@ def kind_of(name: str) -> str:
 
 
 def part_of(
-    stretch: Stretch, looked: Looked, point: Point, along: float, special: str, detail: str
+    stretch: BranchStretch, looked: Looked, point: Point, along: float, special: str, detail: str
 ) -> BranchPart:
     """A point with what happens there; what its test has called critical is looked at again."""
     if special in _OF_MULTIPLIERS and not _is_critical(looked, special):

@@ -19,7 +19,7 @@ from nonsmooth.periodic_orbits.equations import OrbitEquations
 from nonsmooth.periodic_orbits.legs import LegError, Legs
 from nonsmooth.periodic_orbits.newton import scale_of
 from nonsmooth.periodic_orbits.orbit import primitive_parts
-from nonsmooth.periodic_orbits.stretch import BranchOptions, BranchStart, Stretch
+from nonsmooth.periodic_orbits.stretch import BranchOptions, BranchStart, BranchStretch
 
 __all__ = ["follow_orbits"]
 
@@ -41,7 +41,7 @@ class _StretchWalk:
     """
 
     def __init__(
-        self, stretch: Stretch, start: BranchStart, begin: float, first_scale: float
+        self, stretch: BranchStretch, start: BranchStart, begin: float, first_scale: float
     ) -> None:
         self.stretch, self.start = stretch, start
         self.begin, self.along, self.first_scale = begin, begin, first_scale
@@ -198,7 +198,7 @@ def _follow(
     # what is driven and shrinks is known to the rounding of what drives it
     least = np.zeros(legs.n) if options.autonomous else _LEAST * first
     while done < options.steps:
-        stretch = Stretch(options, legs, start.equations, start.grows, least)
+        stretch = BranchStretch(options, legs, start.equations, start.grows, least)
         walk = _StretchWalk(stretch, start, along, float(first.max()))
         yield from walk.points(options.steps - done, partial(_report, report, done))
         if walk.ended is not None:

@@ -15,7 +15,7 @@ from nonsmooth.periodic_orbits.equations import OrbitEquations, Turn
 from nonsmooth.periodic_orbits.guess import Guess
 from nonsmooth.periodic_orbits.legs import LegError, Legs
 from nonsmooth.periodic_orbits.newton import null_vector, scale_of, solve_orbit
-from nonsmooth.periodic_orbits.stretch import BranchOptions, BranchStart, Stretch, scale_along
+from nonsmooth.periodic_orbits.stretch import BranchOptions, BranchStart, BranchStretch, scale_along
 from nonsmooth.periodic_orbits.word import Word
 from nonsmooth.periodic_orbits.word_change import Change
 
@@ -40,7 +40,7 @@ def tangent_at(equations: OrbitEquations, unknowns: Floats) -> tuple[Floats, flo
     return direction[:-1] * scale, float(direction[-1]) / size
 
 
-def begin_change(stretch: Stretch, change: Change, point: Point) -> BranchStart | None:
+def begin_change(stretch: BranchStretch, change: Change, point: Point) -> BranchStart | None:
     """Start of the stretch behind a change; None where no motion of the new word begins there."""
     equations = stretch.equations.of_word(change.guess.word, change.guess.turn.states[0])
     try:
@@ -73,7 +73,11 @@ def _solve(
 
 
 def _solve_opened(
-    stretch: Stretch, equations: OrbitEquations, unknowns: Floats, value: float, change: Change
+    stretch: BranchStretch,
+    equations: OrbitEquations,
+    unknowns: Floats,
+    value: float,
+    change: Change,
 ) -> tuple[Floats, float] | None:
     """The orbit with an excursion of the prescribed duration, at the parameter where it exists."""
     first = len(equations.word) * stretch.legs.n - 1  # column of instant j is first + j
@@ -104,7 +108,7 @@ def _solve_opened(
 
 
 def _way(
-    stretch: Stretch, equations: OrbitEquations, unknowns: Floats, value: float,
+    stretch: BranchStretch, equations: OrbitEquations, unknowns: Floats, value: float,
     direction: tuple[Floats, float], change: Change, point: Point,
 ) -> float:  # fmt: skip
     """Sign of the direction in which the change opens up."""
@@ -130,9 +134,9 @@ def _way(
     return 1.0 if found[0] > found[1] else -1.0
 
 
-def _goes_on(stretch: Stretch, start: BranchStart) -> bool:
+def _goes_on(stretch: BranchStretch, start: BranchStart) -> bool:
     """Whether the first orbits of a new stretch are motions."""
-    trial = Stretch(stretch.options, stretch.legs, start.equations, start.grows)
+    trial = BranchStretch(stretch.options, stretch.legs, start.equations, start.grows)
     step = _FIRST * stretch.options.step
     trial.set_parameter(start.value)
     try:

@@ -18,7 +18,7 @@ from nonsmooth.periodic_orbits.newton import scale_of
 from nonsmooth.system.model.value_checks import first_unmet
 from nonsmooth.system.system import System
 
-__all__ = ["BranchOptions", "BranchStart", "Stretch", "scale_along"]
+__all__ = ["BranchOptions", "BranchStart", "BranchStretch", "scale_along"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -59,7 +59,7 @@ class BranchStart:
     located: bool = False  # whether the change itself is located behind the start
 
 
-class Stretch:
+class BranchStretch:
     """A stretch of a branch with one word."""
 
     def __init__(

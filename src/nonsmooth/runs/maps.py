@@ -6,17 +6,15 @@ import threading
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import Field, replace
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol, Self
+from typing import Any, ClassVar, Protocol, Self
 
 import numpy as np
 import numpy.typing as npt
+import xarray as xr
 
 from nonsmooth.errors import OptionError
 from nonsmooth.runs.options import whole_number
 from nonsmooth.system.system import System
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 __all__ = ["Map", "MapRunner", "tangent_array"]
 

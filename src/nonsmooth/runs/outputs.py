@@ -22,7 +22,7 @@ from nonsmooth.system.system import System
 from nonsmooth.system.text.evaluate import evaluate, evaluate_shared
 from nonsmooth.system.text.expressions import Call, Expression
 
-__all__ = ["Clock", "Rates", "SweptClock", "output_values", "sample_clock"]
+__all__ = ["SampleClock", "StateRates", "SweptClock", "output_values", "sample_clock"]
 
 Array = npt.NDArray[np.float64]
 Floats = npt.NDArray[np.float64]
@@ -31,7 +31,7 @@ Integers = npt.NDArray[np.int64]
 _TOGETHER = 65_536  # samples; bounds the memory of what is worked out on the way
 
 
-class Clock:
+class SampleClock:
     """Times of samples, and angles of harmonics that lose nothing over many periods."""
 
     def __init__(self, number: npt.NDArray[np.int64], phase: Array, tables: Tables) -> None:
@@ -62,15 +62,15 @@ class Clock:
         before = self.number * self.window
         return values_of(signal, self.time, order, lambda start: (before - start) + self.phase)
 
-    def at(self, here: npt.NDArray[np.int64]) -> Clock:
+    def at(self, here: npt.NDArray[np.int64]) -> SampleClock:
         """Clock of some of the samples."""
-        part = object.__new__(Clock)
+        part = object.__new__(SampleClock)
         part.number, part.phase = self.number.take(here), self.phase.take(here)
         part.window, part.turns, part.parameters = self.window, self.turns, {}
         return part
 
 
-class FrozenClock(Clock):
+class FrozenClock(SampleClock):
     """Clock of a run with slow parameters, which are frozen in each period."""
 
     def __init__(
@@ -103,7 +103,7 @@ class FrozenClock(Clock):
         return part
 
 
-class SweptClock(Clock):
+class SweptClock(SampleClock):
     """Clock of samples with a parameter, and a period, of their own each."""
 
     def __init__(
@@ -145,15 +145,15 @@ class SweptClock(Clock):
         )
 
 
-def sample_clock(outcome: Outcome, number: npt.NDArray[np.int64], phase: Array) -> Clock:
+def sample_clock(outcome: Outcome, number: npt.NDArray[np.int64], phase: Array) -> SampleClock:
     """Clock of the samples of a run."""
     if outcome.history is None:
-        return Clock(number, phase, outcome.tables)
+        return SampleClock(number, phase, outcome.tables)
     return FrozenClock(number, phase, outcome.tables, outcome.history)
 
 
 def output_values(
-    system: System, clock: Clock, states: Array, modes: npt.NDArray[np.int64]
+    system: System, clock: SampleClock, states: Array, modes: npt.NDArray[np.int64]
 ) -> dict[str, Array]:
     """Values of every output over the samples, from states (state, time) and mode numbers."""
     values = {name: np.full(modes.shape, np.nan) for name in system.outputs}
@@ -179,7 +179,7 @@ def _meaning(forms: ModeForms, name: str) -> LinearForm | Expression:
 class _Names(Mapping[str, Any]):
     """Values of names in one mode; outputs are worked out when asked for."""
 
-    def __init__(self, system: System, mode: int, clock: Clock, states: Array) -> None:
+    def __init__(self, system: System, mode: int, clock: SampleClock, states: Array) -> None:
         self.forms = system.structure.running[mode]
         self.signals = system.signals
         self.clock = clock
@@ -245,7 +245,7 @@ class _Names(Mapping[str, Any]):
         return len(self.known)
 
 
-class Rates:
+class StateRates:
     """Rates of the states anywhere, from their equations."""
 
     def __init__(self, system: System, tables: Tables, origin: Integers | None = None) -> None:
@@ -262,7 +262,7 @@ class Rates:
 
     def of_many(self, number: Integers, phase: Floats, modes: Integers, states: Floats) -> Floats:
         """Rates at many instants, each in a mode of the tables; shapes: states (L, n)."""
-        clock = Clock(number, phase, self.tables)
+        clock = SampleClock(number, phase, self.tables)
         found = output_values(self.system, clock, states.T, self.origin[modes])
         rates = [np.broadcast_to(found[name], number.shape) for name in self.names]
         stacked: Floats = np.stack(rates, axis=1).astype(float)

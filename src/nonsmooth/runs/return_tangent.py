@@ -12,7 +12,7 @@ from nonsmooth.engine.status import CURES, Status
 from nonsmooth.errors import RunError
 from nonsmooth.runs.clock import Instant
 from nonsmooth.runs.maps import tangent_array
-from nonsmooth.runs.outputs import Rates
+from nonsmooth.runs.outputs import StateRates
 from nonsmooth.runs.runner import NoMode, build_derivatives
 from nonsmooth.runs.section_map import SectionMap
 from nonsmooth.runs.section_points import SectionStart, misfit, start_on_section
@@ -94,7 +94,9 @@ class _Path:
         self._motion = motion
         self._side = int(chosen.side == "after")
         self._knots = bool(chosen.system.signals)
-        self._rates = Rates(chosen.system, motion.tables, None if split is None else split.origin)
+        self._rates = StateRates(
+            chosen.system, motion.tables, None if split is None else split.origin
+        )
         derivatives = build_derivatives(system, motion.tables, ())
         n = len(system.states)
         for mode in motion.begin.modes:

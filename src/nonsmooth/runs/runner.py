@@ -54,9 +54,9 @@ __all__ = [
     "NO_DERIVATIVES",
     "UNLIMITED",
     "Derivatives",
-    "Limits",
     "NoMode",
     "Outcome",
+    "WorkLimits",
     "advance",
     "build_derivatives",
     "build_tables",
@@ -72,7 +72,7 @@ _ROUNDS = 8  # until a sum of times is rounded to the other side
 
 
 @dataclass(frozen=True)
-class Limits:
+class WorkLimits:
     """Where a run has to stop: by the monotonic clock, and by the number of its events."""
 
     deadline: float = float("inf")
@@ -84,17 +84,17 @@ class Limits:
         return time.monotonic() >= self.deadline
 
 
-UNLIMITED = Limits()
+UNLIMITED = WorkLimits()
 
 
-def limits_from(max_seconds: Any, max_events: Any) -> Limits:
+def limits_from(max_seconds: Any, max_events: Any) -> WorkLimits:
     """Limits from the options of a run, counted from now; None is no limit."""
     deadline, most_events = UNLIMITED.deadline, UNLIMITED.most_events
     if max_seconds is not None:
         deadline = time.monotonic() + positive_number("max_seconds", max_seconds)
     if max_events is not None:
         most_events = whole_number("max_events", max_events)
-    return Limits(deadline, most_events)
+    return WorkLimits(deadline, most_events)
 
 
 class NoMode(Exception):
@@ -220,7 +220,7 @@ def run_plan(
     mode: int = -1,
     keep_events: bool = True,
     derivatives: Derivatives = NO_DERIVATIVES,
-    limits: Limits = UNLIMITED,
+    limits: WorkLimits = UNLIMITED,
     room: LentRoom | None = None,
 ) -> Outcome:
     """Run a plan from an anchor, or from a state at an instant; `NoMode` when none fits.
@@ -292,7 +292,7 @@ def advance(
     report: Callable[[int], None],
     *,
     mode: int = GOES_ON,
-    limits: Limits = UNLIMITED,
+    limits: WorkLimits = UNLIMITED,
 ) -> tuple[Status, Records]:
     """Run to an instant, in pieces; ``report`` is told how many windows are done.
 

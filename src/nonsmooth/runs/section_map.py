@@ -14,7 +14,7 @@ from nonsmooth.runs.maps import Map
 from nonsmooth.runs.options import check_run_options, check_signals, finite_number, whole_number
 from nonsmooth.runs.runner import build_tables
 from nonsmooth.runs.section_rows import event_names
-from nonsmooth.runs.section_search import Limits
+from nonsmooth.runs.section_search import SearchLimits
 from nonsmooth.runs.strobe_times import is_driven
 from nonsmooth.system.grammar import is_name
 from nonsmooth.system.section import Section, section_names, with_section
@@ -143,7 +143,7 @@ def _check_side(side: Any) -> None:
 
 def set_limits(
     system: System, tables: Tables, start: Instant, transient: Any, record: int, t_end: Any
-) -> Limits:
+) -> SearchLimits:
     """From when on points count, and when to end the search."""
     window = tables.window
     length = finite_number("transient", transient)
@@ -170,7 +170,7 @@ def set_limits(
             f" {begin.time(window):g} on; give a later t_end= or a shorter transient="
         )
     check_signals(system, start.time(window), last.time(window))
-    return Limits(begin, record, end)
+    return SearchLimits(begin, record, end)
 
 
 def _instant(time: float, window: float) -> Instant:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import warnings
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -17,14 +17,14 @@ from nonsmooth.runs.clock import Instant, instants
 from nonsmooth.runs.first_mode import explain_misfit
 from nonsmooth.runs.labels import labels_of, with_doubts
 from nonsmooth.runs.options import whole_number
-from nonsmooth.runs.outputs import Clock, Rates, output_values
+from nonsmooth.runs.outputs import SampleClock, StateRates, output_values
 from nonsmooth.runs.runner import NoMode, build_tables
 from nonsmooth.runs.section_map import SectionMap, folded_tables, set_limits
 from nonsmooth.runs.section_rows import AT_ONCE, BehindStart, Crossings, NamedEvents
 from nonsmooth.runs.section_search import (
     PATIENCE,
     Pick,
-    Search,
+    SectionSearch,
     joined_points,
     search,
     some_points,
@@ -34,9 +34,6 @@ from nonsmooth.runs.start import Start, resolve_start, start_at_end
 from nonsmooth.system.section import Section
 from nonsmooth.system.system import System
 from nonsmooth.version import __version__
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 __all__ = ["SectionStart", "misfit", "start_on_section", "take_points"]
 
@@ -136,14 +133,14 @@ def just_before(system: System, tables: Tables, start: Start) -> Start:
         return start
     window = tables.window
     step = 0.1 * AT_ONCE * window
-    rates = Rates(system, tables).at(start.instant, start.modes[0], start.state)
+    rates = StateRates(system, tables).at(start.instant, start.modes[0], start.state)
     number, phase = start.instant.number, start.instant.phase - step
     if phase < 0.0:
         number, phase = number - 1, phase + window
     return replace(start, state=start.state - step * rates, instant=Instant(number, phase))
 
 
-def _every(found: Search, every: int) -> Search:
+def _every(found: SectionSearch, every: int) -> SectionSearch:
     """One of so many points."""
     if every == 1:
         return found
@@ -185,14 +182,14 @@ def _on_either_side(start: Start, split: Section, window: float, used: float) ->
 
 
 def _section_dataset(
-    system: System, tables: Tables, found: Search, protocol: dict[str, Any]
+    system: System, tables: Tables, found: SectionSearch, protocol: dict[str, Any]
 ) -> xr.Dataset:
     """Dataset over ``point`` from what a search has found."""
     labels = labels_of(system)
     points = joined_points(found.parts, len(system.states))
     side = 0 if protocol["side"] == "before" else 1
     states, modes = points.states[side].T.copy(), points.modes[side]
-    clock = Clock(points.number, points.phase, tables)
+    clock = SampleClock(points.number, points.phase, tables)
     columns = dict(zip(system.states, states, strict=True))
     columns |= output_values(system, clock, states, modes)
     variables: dict[str, Any] = {
@@ -215,7 +212,7 @@ def _section_dataset(
 
 
 def _attributes(
-    system: System, tables: Tables, found: Search, protocol: dict[str, Any]
+    system: System, tables: Tables, found: SectionSearch, protocol: dict[str, Any]
 ) -> dict[str, Any]:
     end = found.instant.time(tables.window)
     attrs = {
@@ -236,13 +233,13 @@ def _attributes(
     return attrs | protocol
 
 
-def _status(found: Search) -> str:
+def _status(found: SectionSearch) -> str:
     if found.at_rest:
         return "at_rest"
     return "time_limit" if found.gave_up else found.status.word
 
 
-def _message(found: Search, protocol: dict[str, Any], end: float) -> str:
+def _message(found: SectionSearch, protocol: dict[str, Any], end: float) -> str:
     """What became of the search, and what to do where it found less than was asked for."""
     status, count, record = found.status, found.n_points, protocol["record"]
     few = f"{count} of {record} points until t = {end:.9g}"

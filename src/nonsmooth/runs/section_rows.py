@@ -12,8 +12,8 @@ from nonsmooth.engine.status import Certificate, EventKind
 from nonsmooth.engine.tables import Tables, exits_of_path, members
 from nonsmooth.runs.clock import Instant
 from nonsmooth.runs.labels import labels_of
-from nonsmooth.runs.outputs import Clock, output_values
-from nonsmooth.runs.section_search import Pick, Points, some_points
+from nonsmooth.runs.outputs import SampleClock, output_values
+from nonsmooth.runs.section_search import Pick, SectionPoints, some_points
 from nonsmooth.system.section import Section
 from nonsmooth.system.system import System
 
@@ -38,7 +38,7 @@ class Crossings:
         self.direction = direction
         self.knots = bool(section.system.signals)
 
-    def __call__(self, rows: Rows, states: Floats) -> tuple[Points, Flags]:
+    def __call__(self, rows: Rows, states: Floats) -> tuple[SectionPoints, Flags]:
         """Points among rows of the event log, and which rows are open contacts."""
         section = self.section
         before, after = rows["from_mode"], rows["to_mode"]
@@ -123,7 +123,7 @@ class Crossings:
         number = np.repeat(rows["number"], n + 1)
         phase = np.repeat(rows["phase"], n + 1)
         system = self.section.system
-        clock, modes = Clock(number, phase, self.tables), np.full(number.size, mode)
+        clock, modes = SampleClock(number, phase, self.tables), np.full(number.size, mode)
         found = output_values(system, clock, shifted.T, modes)[self.section.value]
         whole = np.broadcast_to(found, number.shape).reshape(count, n + 1)
         return whole[:, 0], np.abs(whole[:, 1:] - whole[:, :1]).sum(axis=1) / _SHIFT
@@ -139,7 +139,7 @@ class NamedEvents:
         self.modes = np.array([name in (m.label, m.parent, m.name) for m in running])
         self.origin = np.arange(len(running))
 
-    def __call__(self, rows: Rows, states: Floats) -> tuple[Points, Flags]:
+    def __call__(self, rows: Rows, states: Floats) -> tuple[SectionPoints, Flags]:
         """Points among rows of the event log, and which rows are open contacts."""
         kinds = columns(rows, "from_mode", "path", "passes", "to_mode")
         distinct, which = np.unique(kinds, axis=0, return_inverse=True)
@@ -166,7 +166,7 @@ class BehindStart:
     def __init__(self, pick: Pick, begin: Instant, window: float, within: float = AT_ONCE) -> None:
         self.pick, self.begin, self.window, self.within = pick, begin, window, within
 
-    def __call__(self, rows: Rows, states: Floats) -> tuple[Points, Flags]:
+    def __call__(self, rows: Rows, states: Floats) -> tuple[SectionPoints, Flags]:
         """Points among rows of the event log, and which rows are open contacts."""
         points, open_ = self.pick(rows, states)
         return behind_start(points, self.begin, self.window, self.within), open_
@@ -176,7 +176,9 @@ class BehindStart:
         return self.pick.is_own(row)
 
 
-def behind_start(points: Points, begin: Instant, window: float, within: float = AT_ONCE) -> Points:
+def behind_start(
+    points: SectionPoints, begin: Instant, window: float, within: float = AT_ONCE
+) -> SectionPoints:
     """Points without those that are the start up to rounding, from which a motion goes on.
 
     ``within`` is the part of a window up to which they are.
@@ -198,9 +200,9 @@ def event_names(system: System) -> set[str]:
 
 def _points(
     rows: Rows, states: Floats, here: Integers, origin: Integers, direction: Integers
-) -> Points:
+) -> SectionPoints:
     rows = rows[here]
-    return Points(
+    return SectionPoints(
         here,
         rows["number"].copy(),
         rows["phase"].copy(),

@@ -23,7 +23,7 @@ from nonsmooth.runs.section_search import (
     FIRST_PART,
     PATIENCE,
     Pick,
-    Points,
+    SectionPoints,
     joined_points,
     length_of_next,
     some_points,
@@ -46,7 +46,7 @@ class _Way:
 
     begin: Instant
     here: Instant
-    points: Points
+    points: SectionPoints
     rows: Rows  # of the event log since the last point that was asked for
     values: Floats
     size: Floats  # (n,): largest states at some instants
@@ -196,7 +196,7 @@ class SectionRunner:
 
     def take(
         self, lanes: SectionLanes, i: int, count: int, stop: threading.Event | None = None
-    ) -> tuple[Points, Rows, Floats]:
+    ) -> tuple[SectionPoints, Rows, Floats]:
         """Next images of lane i, fewer where it ends, and the event log up to the last of them."""
         way, wanted = lanes.ways[i], count * self.chosen.every
         while way.points.number.size < wanted and lanes.lanes.status[i] == Status.COMPLETED:

@@ -20,10 +20,10 @@ __all__ = [
     "FIRST_PART",
     "NO_SAMPLES",
     "PATIENCE",
-    "Limits",
     "Pick",
-    "Points",
-    "Search",
+    "SearchLimits",
+    "SectionPoints",
+    "SectionSearch",
     "joined_points",
     "length_of_next",
     "search",
@@ -40,7 +40,7 @@ NO_SAMPLES = np.zeros(0, np.int64), np.zeros(0)
 
 
 @dataclass(frozen=True)
-class Points:
+class SectionPoints:
     """Points and the rows of the event log that they are.
 
     shapes: modes (2, k) and states (2, k, n), just before and just after the instants; all
@@ -57,7 +57,7 @@ class Points:
 
 
 @dataclass(frozen=True)
-class Limits:
+class SearchLimits:
     """Where points count from, how many are wanted, and where the search ends at the latest."""
 
     begin: Instant
@@ -66,11 +66,11 @@ class Limits:
 
 
 @dataclass
-class Search:
+class SectionSearch:
     """What a search has found; ``gave_up`` when nothing came for long."""
 
     instant: Instant
-    parts: list[Points] = field(default_factory=list)
+    parts: list[SectionPoints] = field(default_factory=list)
     status: Status = Status.COMPLETED
     n_points: int = 0
     n_uncertain: int = 0
@@ -85,16 +85,18 @@ class Pick(Protocol):
 
     def __call__(
         self, rows: Rows, states: npt.NDArray[np.float64]
-    ) -> tuple[Points, npt.NDArray[np.bool_]]:
+    ) -> tuple[SectionPoints, npt.NDArray[np.bool_]]:
         """Points, and which rows are contacts with the section that rounding leaves open."""
 
     def is_own(self, row: Any) -> bool:
         """Whether a row would not be there without the section."""
 
 
-def search(tables: Tables, start: Start, limits: Limits, tolerance: float, pick: Pick) -> Search:
+def search(
+    tables: Tables, start: Start, limits: SearchLimits, tolerance: float, pick: Pick
+) -> SectionSearch:
     """Points of a trajectory; `NoMode` when no mode admits the start."""
-    found = Search(start.instant)
+    found = SectionSearch(start.instant)
     try:
         outcome = to_begin(tables, start, limits.begin, tolerance)
         found.status, found.instant = outcome.status, outcome.end
@@ -124,7 +126,7 @@ def search(tables: Tables, start: Start, limits: Limits, tolerance: float, pick:
     return found
 
 
-def _take(found: Search, outcome: Outcome, record: int, pick: Pick) -> int:
+def _take(found: SectionSearch, outcome: Outcome, record: int, pick: Pick) -> int:
     """Add the points of a part, and what is doubtful until the last one; returns their number."""
     rows = outcome.events[1:]
     points, grazes = pick(rows, outcome.event_states[1:])
@@ -186,9 +188,9 @@ def length_of_next(n_points: int, n_events: int, windows: int, length: int, reco
     return max(most, 1)
 
 
-def some_points(points: Points, chosen: slice | npt.NDArray[np.int64]) -> Points:
+def some_points(points: SectionPoints, chosen: slice | npt.NDArray[np.int64]) -> SectionPoints:
     """Some of the points."""
-    return Points(
+    return SectionPoints(
         points.row[chosen],
         points.number[chosen],
         points.phase[chosen],
@@ -199,9 +201,9 @@ def some_points(points: Points, chosen: slice | npt.NDArray[np.int64]) -> Points
     )
 
 
-def joined_points(parts: list[Points], n: int) -> Points:
+def joined_points(parts: list[SectionPoints], n: int) -> SectionPoints:
     """Points of all parts, one after the other, of n states; rows stay those of the parts."""
-    empty = Points(
+    empty = SectionPoints(
         np.zeros(0, np.int64),
         np.zeros(0, np.int64),
         np.zeros(0),
@@ -211,7 +213,7 @@ def joined_points(parts: list[Points], n: int) -> Points:
         np.zeros(0, bool),
     )
     parts = [empty, *parts]
-    return Points(
+    return SectionPoints(
         np.concatenate([part.row for part in parts]),
         np.concatenate([part.number for part in parts]),
         np.concatenate([part.phase for part in parts]),

@@ -22,8 +22,8 @@ from nonsmooth.runs.options import (
     parameters_of_tangent,
 )
 from nonsmooth.runs.runner import (
-    Limits,
     Outcome,
+    WorkLimits,
     build_derivatives,
     build_tables,
     limits_from,
@@ -212,7 +212,7 @@ def _simulate(
     tolerance: float,
     keep_events: bool,
     chosen: tuple[str, ...] | None,
-    limits: Limits,
+    limits: WorkLimits,
     room: LentRoom,
 ) -> Outcome:
     tables = build_tables(system)
@@ -251,7 +251,7 @@ def _simulate_slow(
     tolerance: float,
     keep_events: bool,
     chosen: tuple[str, ...] | None,
-    limits: Limits,
+    limits: WorkLimits,
     _: LentRoom,
 ) -> Outcome:
     slow = SlowParameters(system)

@@ -31,7 +31,7 @@ from nonsmooth.runs.event_log import FIRST_CAPACITY, EventLog
 from nonsmooth.runs.history import Frozen
 from nonsmooth.runs.options import finite_number
 from nonsmooth.runs.progress import HeldInterrupts, Progress
-from nonsmooth.runs.runner import UNLIMITED, Limits, NoMode, Outcome, last_instant, log_going_on
+from nonsmooth.runs.runner import UNLIMITED, NoMode, Outcome, WorkLimits, last_instant, log_going_on
 from nonsmooth.runs.slow_plan import SlowPlan
 from nonsmooth.runs.slow_run import SlowRun
 from nonsmooth.runs.start import Start, resolve_start
@@ -161,7 +161,7 @@ def run_slow(
     mode: int = ANY,
     keep_events: bool = True,
     chosen: tuple[str, ...] | None = None,
-    limits: Limits = UNLIMITED,
+    limits: WorkLimits = UNLIMITED,
 ) -> Outcome:
     """Run a plan from the period of its start; `NoMode` where no mode admits the start."""
     sizes = tables.sizes

@@ -19,12 +19,12 @@ from nonsmooth.runs.history import Frozen, History
 from nonsmooth.runs.runner import (
     NO_DERIVATIVES,
     UNLIMITED,
-    Limits,
+    WorkLimits,
     advance,
     build_derivatives,
     build_tables,
 )
-from nonsmooth.runs.slow_plan import Part, SlowPlan
+from nonsmooth.runs.slow_plan import PlanPart, SlowPlan
 from nonsmooth.system.slow import SlowParameters
 
 __all__ = ["SlowRun", "tables_of"]
@@ -63,7 +63,7 @@ class SlowRun:
     tangent: Any
     records: Records
     log: EventLog
-    limits: Limits = UNLIMITED
+    limits: WorkLimits = UNLIMITED
     mode: int = GOES_ON  # how the next period begins, see `run_lane`
     history: History = field(default_factory=History)
     pieces: list[tuple[Any, ...]] = field(default_factory=list)
@@ -79,7 +79,7 @@ class SlowRun:
         )
         self.history.add(period, tables.window)
 
-    def pass_period(self, part: Part, check: Callable[[], None]) -> Status:
+    def pass_period(self, part: PlanPart, check: Callable[[], None]) -> Status:
         """Run to the end of the period, or of the run, and keep the samples.
 
         ``check`` raises KeyboardInterrupt where the run shall stop.
@@ -200,7 +200,7 @@ class SlowRun:
             status = Status.INTERRUPTED
         return status, passed[1 : 2 + passed[0]]
 
-    def _expect(self, part: Part, extra: Instant | None = None) -> None:
+    def _expect(self, part: PlanPart, extra: Instant | None = None) -> None:
         """Make room for samples, and for one more of which only the derivatives are read."""
         n, carried = self.records.end_state.size, self.tangent.columns.shape[0]
         more = [] if extra is None else [extra]
@@ -216,7 +216,7 @@ class SlowRun:
             samples=np.full((count if carried else 0, carried, n), np.nan)
         )
 
-    def _keep_samples(self, part: Part) -> int:
+    def _keep_samples(self, part: PlanPart) -> int:
         """Keep the samples that were written, and give their number."""
         written = min(part.phase.size, int(self.records.counters["samples"]))
         records = self.records

@@ -18,7 +18,7 @@ from nonsmooth.periodic_orbits.newton import scale_of
 from nonsmooth.periodic_orbits.orbit import OrbitRequest
 from nonsmooth.periodic_orbits.restart import guess_of_dataset
 from nonsmooth.periodic_orbits.search import search_orbit, solve_guess
-from nonsmooth.periodic_orbits.stretch import BranchOptions, BranchStart, Stretch
+from nonsmooth.periodic_orbits.stretch import BranchOptions, BranchStart, BranchStretch
 from nonsmooth.runs.progress import HeldInterrupts, Progress
 
 __all__ = ["both_ways"]
@@ -161,7 +161,7 @@ def _crossing(
     assert found.equations is not None
     equations = found.equations
     unknowns = equations.pack(guess_of_dataset(options.system, wanted.initial).turn)
-    stretch = Stretch(options, legs, equations)
+    stretch = BranchStretch(options, legs, equations)
     if neighbour is None:
         known = tangent_at(equations, unknowns)
     else:

@@ -17,7 +17,7 @@ from nonsmooth.runs.clock import Instant
 from nonsmooth.runs.labels import labels_of
 from nonsmooth.runs.lane_runner import LaneRunner
 from nonsmooth.runs.maps import Map
-from nonsmooth.runs.outputs import Rates
+from nonsmooth.runs.outputs import StateRates
 from nonsmooth.runs.poincare_map import PoincareMap
 from nonsmooth.runs.section_rows import AT_ONCE, Crossings, NamedEvents
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
@@ -226,7 +226,7 @@ class SectionImaging(Imaging):
         if self.gate is not None or self.side == 1 or not np.all(known >= 0):
             return starts
         step = 0.1 * AT_ONCE * self.window
-        rates = Rates(self.chosen.system, self.engine.tables)
+        rates = StateRates(self.chosen.system, self.engine.tables)
         moved = starts.states - step * rates.of_many(
             starts.number, starts.phase, known, starts.states
         )
