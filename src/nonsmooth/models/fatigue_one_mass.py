@@ -14,10 +14,10 @@ from nonsmooth.errors import ModelError, OptionError
 from nonsmooth.models.breathing_crack import breathing_crack
 from nonsmooth.models.fatigue_contact import GRAVITY
 from nonsmooth.models.fatigue_reduction import refuse_lost_contact
-from nonsmooth.system.evaluate import evaluate
-from nonsmooth.system.expressions import names_in
-from nonsmooth.system.grammar import parse
 from nonsmooth.system.system import System
+from nonsmooth.system.text.evaluate import evaluate
+from nonsmooth.system.text.expressions import names_in
+from nonsmooth.system.text.grammar import parse
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -22,7 +22,7 @@ from nonsmooth.periodic_orbits.guess import Guess
 from nonsmooth.periodic_orbits.legs import Legs
 from nonsmooth.periodic_orbits.multipliers import leg_factors
 from nonsmooth.periodic_orbits.word import Word
-from nonsmooth.system.mirror import Mirror
+from nonsmooth.system.symmetry.mirror import Mirror
 
 __all__ = ["Reflection", "is_antisymmetric", "mirror_image", "reflection"]
 

@@ -16,7 +16,6 @@ from nonsmooth.runs.runner import build_tables
 from nonsmooth.runs.section_rows import event_names
 from nonsmooth.runs.section_search import SearchLimits
 from nonsmooth.runs.strobe_times import is_driven
-from nonsmooth.system.grammar import is_name
 from nonsmooth.system.section import Section, section_names, with_section
 from nonsmooth.system.system import System
 from nonsmooth.system.text.grammar import is_name

@@ -27,8 +27,6 @@ from nonsmooth.runs.runner import Outcome, build_derivatives, build_tables, run_
 from nonsmooth.runs.start import Start, resolve_start, start_at_end
 from nonsmooth.runs.strobe_runner import StrobeRunner
 from nonsmooth.runs.strobe_times import check_phase, hides_phase, require_period, strobes
-from nonsmooth.system.evaluate import constant_value
-from nonsmooth.system.grammar import parse
 from nonsmooth.system.system import System
 from nonsmooth.system.text.evaluate import constant_value
 from nonsmooth.system.text.grammar import parse

@@ -12,7 +12,7 @@ from nonsmooth.engine.status import Status
 from nonsmooth.runs.clock import Plan
 from nonsmooth.runs.outputs import SweptClock, output_values
 from nonsmooth.runs.sweep_runner import Recorded, SweepRunner, SweepStarts, Times
-from nonsmooth.system.sure_values import rests_alike, sure_values
+from nonsmooth.system.model.value_checks import rests_alike, sure_values
 from nonsmooth.system.system import System
 
 __all__ = ["run_sure_sets"]

@@ -8,8 +8,6 @@ from nonsmooth.analysis.regimes.verdict import TESTED, Protocol
 from nonsmooth.errors import ModelError, OptionError
 from nonsmooth.runs.options import check_count, finite_number, whole_number
 from nonsmooth.runs.strobe_times import check_phase, require_period
-from nonsmooth.system.evaluate import constant_value
-from nonsmooth.system.grammar import parse
 from nonsmooth.system.system import System
 from nonsmooth.system.text.evaluate import constant_value
 from nonsmooth.system.text.grammar import parse

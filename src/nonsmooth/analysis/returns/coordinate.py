@@ -12,8 +12,6 @@ import numpy.typing as npt
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.runs.labels import labels_of
 from nonsmooth.runs.maps import Map
-from nonsmooth.system.evaluate import constant_value
-from nonsmooth.system.grammar import parse
 from nonsmooth.system.system import System
 from nonsmooth.system.text.evaluate import constant_value
 from nonsmooth.system.text.grammar import parse

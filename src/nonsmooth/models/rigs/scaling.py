@@ -14,10 +14,10 @@ import numpy as np
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.models.rigs.data import finite_values
 from nonsmooth.models.rigs.units import DERIVATIVES, OF_STATES, Unit, Units, unit_of
-from nonsmooth.system.evaluate import evaluate
-from nonsmooth.system.expressions import names_in
-from nonsmooth.system.grammar import parse
 from nonsmooth.system.system import System
+from nonsmooth.system.text.evaluate import evaluate
+from nonsmooth.system.text.expressions import names_in
+from nonsmooth.system.text.grammar import parse
 
 if TYPE_CHECKING:
     import xarray as xr
