@@ -297,7 +297,7 @@ def _pass_four_phases(values: Values, y_0: float, psi_0: float) -> _FourPhases:
     Examples
     --------
     >>> values = {"a": 0.3, "b": 0.15, "xi": 0.05, "omega": 0.1, "g": 0.02}
-    >>> [round(float(each), 2) for each in pass_four_phases(values, 7.23, 1.165).durations]
+    >>> [round(float(each), 2) for each in _pass_four_phases(values, 7.23, 1.165).durations]
     [8.46, 1.53, 52.8, 0.04]
     """
     values = {**values, "phi": psi_0}  # time begins with progression

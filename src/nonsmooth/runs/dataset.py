@@ -27,8 +27,7 @@ from nonsmooth.engine.lanes import (
 from nonsmooth.engine.record import Rows, columns
 from nonsmooth.engine.status import CURES, Certificate, EventKind, Status
 from nonsmooth.engine.tables import PATH_LENGTH, TAYLOR, Tables
-from nonsmooth.runs.assemble import Columns, assemble
-from nonsmooth.runs.labels import Labels, labels_of, with_doubts
+from nonsmooth.runs.labels import Columns, Labels, assemble, labels_of, with_doubts
 from nonsmooth.runs.outputs import output_values, sample_clock
 from nonsmooth.runs.runner import Outcome
 from nonsmooth.runs.words import last_period_word

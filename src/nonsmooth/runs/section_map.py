@@ -13,8 +13,7 @@ from nonsmooth.runs.clock import Instant, instants
 from nonsmooth.runs.maps import Map
 from nonsmooth.runs.options import check_run_options, check_signals, finite_number, whole_number
 from nonsmooth.runs.runner import build_tables
-from nonsmooth.runs.section_rows import event_names
-from nonsmooth.runs.section_search import SearchLimits
+from nonsmooth.runs.section_search import SearchLimits, event_names
 from nonsmooth.runs.strobe_times import is_driven
 from nonsmooth.system.section import Section, section_names, with_section
 from nonsmooth.system.system import System

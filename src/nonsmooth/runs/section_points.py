@@ -20,9 +20,12 @@ from nonsmooth.runs.options import whole_number
 from nonsmooth.runs.outputs import SampleClock, StateRates, output_values
 from nonsmooth.runs.runner import NoMode, build_tables
 from nonsmooth.runs.section_map import SectionMap, folded_tables, set_limits
-from nonsmooth.runs.section_rows import AT_ONCE, BehindStart, Crossings, NamedEvents
 from nonsmooth.runs.section_search import (
+    AT_ONCE,
     PATIENCE,
+    BehindStart,
+    Crossings,
+    NamedEvents,
     Pick,
     SectionSearch,
     joined_points,

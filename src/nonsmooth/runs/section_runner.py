@@ -18,12 +18,15 @@ from nonsmooth.runs.lane_runner import LaneRunner, Lanes
 from nonsmooth.runs.return_tangent import images_of_point
 from nonsmooth.runs.section_map import SectionMap
 from nonsmooth.runs.section_points import SectionStart, just_before
-from nonsmooth.runs.section_rows import BehindStart, Crossings, NamedEvents, behind_start
 from nonsmooth.runs.section_search import (
     FIRST_PART,
     PATIENCE,
+    BehindStart,
+    Crossings,
+    NamedEvents,
     Pick,
     SectionPoints,
+    behind_start,
     joined_points,
     length_of_next,
     some_points,

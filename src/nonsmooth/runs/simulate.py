@@ -29,9 +29,8 @@ from nonsmooth.runs.runner import (
     limits_from,
     run_plan,
 )
-from nonsmooth.runs.slow import check_slow_tangent, resolve_slow_start, run_slow
+from nonsmooth.runs.slow import check_slow_tangent, resolve_slow_start, run_slow, tables_of
 from nonsmooth.runs.slow_plan import plan_slow_run
-from nonsmooth.runs.slow_run import tables_of
 from nonsmooth.runs.start import resolve_start, start_at_end
 from nonsmooth.system.slow import SlowParameters
 from nonsmooth.system.system import System

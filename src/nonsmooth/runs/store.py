@@ -1,5 +1,7 @@
 """Results of long work in a folder, task by task: what is done stays done.
 
+With the lock that keeps other processes out, and the room on disk and in memory that there is.
+
 The folder holds ``protocol.json``, which tells what is computed and how, one file of arrays for
 each task that is done, and ``lock``. Files appear whole or not at all, so the work may be ended at
 any moment, by a full disk or by loss of power, and goes on where it was.
@@ -7,6 +9,9 @@ any moment, by a full disk or by loss of power, and goes on where it was.
 Tasks are cut by the work alone, never by the number of threads, so a task that was done yesterday
 fits today, and digits do not depend on threads. HDF5 does not survive a full disk, so the files of
 tasks are ``.npz`` files with a checksum.
+
+The system's own locks end with the process that holds them, however it ends, so the file that a
+killed process leaves behind locks nobody out. The process number in it is for people.
 """
 
 from __future__ import annotations
@@ -17,6 +22,8 @@ import io
 import json
 import os
 import re
+import shutil
+import sys
 import threading
 import warnings
 import zipfile
@@ -32,10 +39,21 @@ import numpy.typing as npt
 from nonsmooth.errors import OptionError, ResultWarning, RunError
 from nonsmooth.files import replacing
 from nonsmooth.runs.crew import run_tasks
-from nonsmooth.runs.store_lock import lock, unlock
 from nonsmooth.version import __version__
 
-__all__ = ["Damaged", "Store", "read_arrays", "run_stored_tasks", "trouble", "write_arrays"]
+__all__ = [
+    "Damaged",
+    "Store",
+    "free_memory",
+    "lock",
+    "read_arrays",
+    "reserve",
+    "run_stored_tasks",
+    "size_text",
+    "trouble",
+    "unlock",
+    "write_arrays",
+]
 
 T = TypeVar("T")
 
@@ -49,6 +67,9 @@ _CHUNK = re.compile(r"(\d{6,})\.npz")
 _DRAFT = re.compile(r"\.(\d{6,}|protocol|result)\.\d+\.(npz|json|nc)")  # see `replacing`
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 _MOST_NAMED = 5  # damaged files in a message
+_FAR = 1 << 30  # byte that Windows locks: others can still read the number at the beginning
+_CANNOT = (errno.EINVAL, errno.ENOSYS, errno.EOPNOTSUPP)  # file systems that do not reserve
+_UNKNOWN = 4 * 2**30  # bytes, where the system does not tell
 
 
 class Damaged(Exception):
@@ -356,3 +377,106 @@ def run_stored_tasks(
         return run_tasks(
             tasks, make_worker, threads=threads, label=label, keep=keep_both, done=done
         )
+
+
+def lock(path: Path) -> int:
+    """Lock a file, made where it is missing; returns what `unlock` takes."""
+    handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
+    try:
+        if not _take(handle):
+            raise OptionError(
+                f"the store {str(path.parent)!r} is in use by process {_owner(handle)}; wait until"
+                " it ends, or give another folder"
+            )
+        os.ftruncate(handle, 0)
+        os.write(handle, str(os.getpid()).encode())
+    except BaseException:
+        os.close(handle)
+        raise
+    return handle
+
+
+def unlock(handle: int) -> None:
+    """Let others in. The file stays: who has it open already would lock one that is gone."""
+    try:
+        os.ftruncate(handle, 0)
+    finally:
+        os.close(handle)
+
+
+def _owner(handle: int) -> str:
+    os.lseek(handle, 0, os.SEEK_SET)
+    return os.read(handle, 20).decode(errors="replace") or "of another user"
+
+
+if sys.platform == "win32":
+    import msvcrt
+
+    def _take(handle: int) -> bool:
+        """Lock a file unless another process has."""
+        os.lseek(handle, _FAR, os.SEEK_SET)
+        try:
+            msvcrt.locking(handle, msvcrt.LK_NBLCK, 1)
+        except OSError:
+            return False
+        os.lseek(handle, 0, os.SEEK_SET)
+        return True
+
+else:
+    import fcntl
+
+    def _take(handle: int) -> bool:
+        """Lock a file unless another process has."""
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return False
+        except OSError as fault:  # some network file systems have no locks
+            warnings.warn(
+                f"the store cannot be locked ({fault.strerror}); see to it that no other process"
+                " uses it at the same time",
+                ResultWarning,
+                stacklevel=6,
+            )
+        return True
+
+
+def free_memory() -> int:
+    """Bytes of memory that could be used without harm to others."""
+    try:
+        for line in Path("/proc/meminfo").read_text(encoding="ascii").splitlines():
+            if line.startswith("MemAvailable:"):
+                return int(line.split()[1]) * 1024
+    except (OSError, ValueError, IndexError):
+        pass  # not Linux
+    try:
+        return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") // 2
+    except (AttributeError, ValueError, OSError):
+        return _UNKNOWN
+
+
+def reserve(path: Path, size: int) -> None:
+    """Take room on disk for a file that is written next; `OSError` where there is not enough.
+
+    For files whose writers do not survive a full disk, as HDF5 does not.
+    """
+    free = shutil.disk_usage(path.parent).free
+    if size > free:
+        need = f"{size_text(size)} are needed, and {size_text(free)} are free"
+        raise OSError(errno.ENOSPC, f"{os.strerror(errno.ENOSPC)}, {need}")
+    if sys.platform == "linux":  # the file system may have quotas as well
+        with path.open("wb") as file:
+            try:
+                os.posix_fallocate(file.fileno(), 0, size)
+            except OSError as fault:
+                if fault.errno not in _CANNOT:
+                    raise
+
+
+def size_text(size: float) -> str:
+    """A number of bytes for people."""
+    for unit in ("bytes", "kB", "MB", "GB"):
+        if size < 999.5:
+            return f"{size:.3g} {unit}"
+        size /= 1000.0
+    return f"{size:.3g} TB"

@@ -11,10 +11,10 @@ import numpy.typing as npt
 
 from nonsmooth.engine.status import CURES, Status
 from nonsmooth.errors import ModelError, OptionError, ResultWarning, RunError, RunWarning
-from nonsmooth.runs.assemble import Columns, assemble
 from nonsmooth.runs.clock import Instant, Plan
 from nonsmooth.runs.dataset import run_dataset
 from nonsmooth.runs.first_mode import in_first_mode
+from nonsmooth.runs.labels import Columns, assemble
 from nonsmooth.runs.maps import Map, tangent_array
 from nonsmooth.runs.options import (
     check_count,

@@ -9,8 +9,7 @@ import numpy as np
 from nonsmooth.analysis.orbit_search.collect import Collected, HowToCollect
 from nonsmooth.periodic_orbits.orbit import Orbit
 from nonsmooth.periodic_orbits.orbit_dataset import common, orbit_variables
-from nonsmooth.runs.assemble import Columns, assemble
-from nonsmooth.runs.labels import labels_of
+from nonsmooth.runs.labels import Columns, assemble, labels_of
 from nonsmooth.system.system import System
 
 if TYPE_CHECKING:

@@ -19,7 +19,7 @@ from nonsmooth.runs.lane_runner import LaneRunner
 from nonsmooth.runs.maps import Map
 from nonsmooth.runs.outputs import StateRates
 from nonsmooth.runs.poincare_map import PoincareMap
-from nonsmooth.runs.section_rows import AT_ONCE, Crossings, NamedEvents
+from nonsmooth.runs.section_search import AT_ONCE, Crossings, NamedEvents
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.runs.words import word_of_modes
 
