@@ -83,7 +83,13 @@ class SectionMap(Map):
         return self.system.period_value is not None
 
     def check_states_suffice(self, verb: str) -> None:
-        """Refuse a section where it also matters when the motion comes to it."""
+        """Refuse a section where it also matters when the motion comes to it.
+
+        Parameters
+        ----------
+        verb : str
+            What asks, as the message names it.
+        """
         if self.reads_time:
             raise OptionError(
                 f"{verb}: the motion of {self.system.name!r} depends on time, so that it also"

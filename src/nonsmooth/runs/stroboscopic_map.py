@@ -256,7 +256,13 @@ class StroboscopicMap(Map):
         return False
 
     def check_states_suffice(self, verb: str) -> None:
-        """Refuse forcing that does not repeat, and warn where strobes meet it at other phases."""
+        """Refuse forcing that does not repeat, and warn where strobes meet it at other phases.
+
+        Parameters
+        ----------
+        verb : str
+            What asks, as the message names it.
+        """
         if self.system.unrepeated:
             raise OptionError(
                 f"{verb}: {self.system.name!r} has {self.system.unrepeated}, which does not repeat,"
