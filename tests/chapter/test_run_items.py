@@ -18,7 +18,7 @@ from nonsmooth.chapter.files import plain
 from nonsmooth.chapter.items import do_item
 from nonsmooth.chapter.run_items import run_items
 from nonsmooth.errors import OptionError
-from nonsmooth.runs.store_lock import lock, unlock
+from nonsmooth.runs.store import lock, unlock
 
 TESTS = Path(__file__).parents[1]
 posix = pytest.mark.skipif(os.name != "posix", reason="signals and terminals of POSIX")

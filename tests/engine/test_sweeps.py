@@ -12,7 +12,7 @@ from nonsmooth.engine import sweeps
 from nonsmooth.engine.lanes import ANY
 from nonsmooth.engine.status import Status
 from nonsmooth.runs import sweep_runner
-from nonsmooth.runs.sweep_runner import Recorded, Starts, SweepRunner, Times
+from nonsmooth.runs.sweep_runner import Recorded, SweepRunner, SweepStarts, Times
 
 _OMEGAS = (0.72, 0.8, 0.86, 0.93)
 _TRANSIENT, _RECORDED = 20, 30
@@ -24,7 +24,7 @@ def _sweep(system: ns.System, omegas: tuple[float, ...], follows: bool = False) 
     values = [list((system.parameter_values | {"omega": omega}).values()) for omega in omegas]
     usable = runner.set_up(np.array(values))
     count = len(omegas)
-    starts = Starts(
+    starts = SweepStarts(
         np.zeros((count, 2)), np.full(count, ANY), np.zeros(count, np.int64), np.zeros(count)
     )
     numbers = np.tile(np.arange(_TRANSIENT, _TRANSIENT + _RECORDED + 1), (count, 1))

@@ -7,7 +7,7 @@ import xarray as xr
 import nonsmooth as ns
 from measured import rigs
 from nonsmooth.errors import OptionError
-from nonsmooth.measured.interpolation import interpolated
+from nonsmooth.measured.sections import interpolated
 
 RATE = 10_000.0
 TIMES = np.arange(60_000) / RATE

@@ -10,7 +10,7 @@ import nonsmooth as ns
 from models.fatigue_truth import FIGURE_25
 from models.test_fatigue_preload import linear_forces
 from nonsmooth.models import FatigueRig, fatigue_rig, one_mass, reduction_error
-from nonsmooth.models.fatigue_rigs.growth import lengths_to_check
+from nonsmooth.models.fatigue_one_mass import lengths_to_check
 from nonsmooth.models.fatigue_rigs.motion import first_loss, settled_motion, swing
 
 PRESSED = FIGURE_25 | {"f1": 9.0, "f2": 7.0}

@@ -6,7 +6,7 @@ import re
 import pytest
 
 import nonsmooth as ns
-from nonsmooth.periodic_orbits.branch_endings import ending_of_orbits
+from nonsmooth.periodic_orbits.branch_part import ending_of_orbits
 
 ENDED = {
     "bound": lambda u, p: (u - p, 1.0, -1.0),

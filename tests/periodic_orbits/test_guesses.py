@@ -4,10 +4,8 @@ import numpy as np
 import pytest
 
 import nonsmooth as ns
-from nonsmooth.periodic_orbits.guess import driven_guess
-from nonsmooth.periodic_orbits.guess_cycle import cycle_guesses
-from nonsmooth.periodic_orbits.guess_of_word import guesses_in_motion
-from nonsmooth.periodic_orbits.word_names import words_of_names
+from nonsmooth.periodic_orbits.guess import cycle_guesses, driven_guess, guesses_in_motion
+from nonsmooth.periodic_orbits.word import words_of_names
 from periodic_orbits.kinds import relay, van_der_pol
 
 MOLE = ns.models.moling()

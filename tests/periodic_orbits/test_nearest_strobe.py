@@ -58,9 +58,9 @@ def test_legs_of_a_later_strobe_solve_the_same_equations(later):
     """The rotated legs close without a step of Newton's method, at the strobe of the engine."""
     from nonsmooth.analysis.options import SharedOptions
     from nonsmooth.analysis.orbit_search.options import read_wanted
+    from nonsmooth.periodic_orbits.guess import from_nearest_strobe
     from nonsmooth.periodic_orbits.legs import Legs
     from nonsmooth.periodic_orbits.search import search_orbit, solve_guess
-    from nonsmooth.periodic_orbits.strobes import from_nearest_strobe
 
     system = ns.models.soft_impact()
     wanted, _ = read_wanted(

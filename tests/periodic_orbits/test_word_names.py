@@ -4,8 +4,7 @@ import pytest
 
 import nonsmooth as ns
 from nonsmooth.periodic_orbits.onto import joined
-from nonsmooth.periodic_orbits.word import Word
-from nonsmooth.periodic_orbits.word_names import read_word, shortest_paths, words_of_names
+from nonsmooth.periodic_orbits.word import Word, read_word, shortest_paths, words_of_names
 from periodic_orbits.kinds import relay, rigid_wall
 
 MOLE = ns.models.moling()

@@ -6,7 +6,7 @@ import xarray as xr
 
 import nonsmooth as ns
 from nonsmooth import Exit, Mode, System
-from nonsmooth.runs import assemble
+from nonsmooth.runs import labels
 
 
 def wall(zeta=0.02):
@@ -54,10 +54,10 @@ def test_a_result_is_what_the_constructor_would_make(words):
 def test_without_the_short_way_the_constructor_is_taken(monkeypatch):
     run = ns.simulate(wall(), {"x": -1.0}, periods=3)
     short = []
-    monkeypatch.setattr(assemble, "_direct", lambda *parts: short.append(parts) or run)
+    monkeypatch.setattr(labels, "_direct", lambda *parts: short.append(parts) or run)
     ns.simulate(wall(), {"x": -1.0}, periods=3)
     assert len(short) == 1
-    monkeypatch.setattr(assemble, "_direct", None)
+    monkeypatch.setattr(labels, "_direct", None)
     long = ns.simulate(wall(), {"x": -1.0}, periods=3)
     assert long.identical(run) and list(long.variables) == list(run.variables)
 

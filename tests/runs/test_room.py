@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from nonsmooth.runs import room
-from nonsmooth.runs.room import free_memory, reserve, size_text
+from nonsmooth.runs import store
+from nonsmooth.runs.store import free_memory, reserve, size_text
 
 
 @pytest.mark.parametrize(
@@ -42,7 +42,7 @@ def test_quotas_count_and_file_systems_that_cannot_reserve_do_not(tmp_path, monk
     def refuse(*_):
         raise OSError(code, "no")
 
-    monkeypatch.setattr(room.os, "posix_fallocate", refuse)
+    monkeypatch.setattr(store.os, "posix_fallocate", refuse)
     if code == errno.EOPNOTSUPP:
         reserve(tmp_path / "file", 1000)
         return
@@ -55,5 +55,5 @@ def test_free_memory_where_the_system_does_not_tell(monkeypatch):
     assert 2**24 < free_memory() < 2**50
     monkeypatch.setattr(Path, "read_text", lambda *_, **__: "")
     assert 2**24 < free_memory() < 2**50
-    monkeypatch.delattr(room.os, "sysconf")
+    monkeypatch.delattr(store.os, "sysconf")
     assert free_memory() == 4 * 2**30

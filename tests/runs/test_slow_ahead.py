@@ -11,7 +11,7 @@ from mpmath import mp, mpf
 import nonsmooth as ns
 from effort import each_call_of_ours
 from nonsmooth.engine.lanes import run_lanes
-from nonsmooth.runs import slow_run
+from nonsmooth.runs import slow
 from nonsmooth.system.slow import SlowParameters
 
 
@@ -105,8 +105,8 @@ def test_an_interrupted_run_keeps_what_it_has_and_goes_on(monkeypatch):
         return done
 
     with monkeypatch.context() as patch:
-        patch.setattr(slow_run, "_AHEAD", 40)
-        patch.setattr(slow_run, "run_lanes", impatient)
+        patch.setattr(slow, "_AHEAD", 40)
+        patch.setattr(slow, "run_lanes", impatient)
         with pytest.warns(ns.RunWarning, match="interrupted"):
             first = ns.simulate(wall(), periods=300, samples_per_period=3)
     assert first.attrs["status"] == "interrupted"
@@ -174,10 +174,10 @@ def test_the_number_of_periods_in_a_call_changes_no_digit(monkeypatch):
     whole = ns.simulate(wall(), periods=200, samples_per_period=3)
     for count in (1, 7, 64):
         with monkeypatch.context() as patch:
-            patch.setattr(slow_run, "_AHEAD", count)
+            patch.setattr(slow, "_AHEAD", count)
             assert ns.simulate(wall(), periods=200, samples_per_period=3).identical(whole)
     with monkeypatch.context() as patch:
-        patch.setattr(slow_run, "_TOGETHER", 1)  # no memory for more than one
+        patch.setattr(slow, "_TOGETHER", 1)  # no memory for more than one
         assert ns.simulate(wall(), periods=200, samples_per_period=3).identical(whole)
 
 

@@ -15,7 +15,7 @@ import pytest
 import nonsmooth as ns
 from nonsmooth.engine import lanes
 from nonsmooth.errors import OptionError, RunWarning
-from nonsmooth.runs import limits, runner
+from nonsmooth.runs import runner
 
 
 def wall(**more):
@@ -74,7 +74,7 @@ def softening():
 def counted_clock(monkeypatch):
     """A clock that goes on by a second whenever it is looked at."""
     ticks = count()
-    monkeypatch.setattr(limits.time, "monotonic", lambda: float(next(ticks)))
+    monkeypatch.setattr(runner.time, "monotonic", lambda: float(next(ticks)))
 
 
 def short_calls(monkeypatch, work):

@@ -24,7 +24,8 @@ from nonsmooth.analysis.basins.region import Grid, read_grid
 from nonsmooth.analysis.options import SharedOptions, result_attributes
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.runs.labels import labels_of
-from nonsmooth.runs.of_system import Map, map_of
+from nonsmooth.runs.maps import Map
+from nonsmooth.runs.of_system import map_of
 from nonsmooth.runs.poincare_map import PoincareMap
 from nonsmooth.system.system import System
 

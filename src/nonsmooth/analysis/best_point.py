@@ -16,7 +16,7 @@ from nonsmooth.periodic_orbits.legs import LegError, Legs
 from nonsmooth.periodic_orbits.orbit import Orbit
 from nonsmooth.periodic_orbits.orbit_dataset import failed_dataset, orbit_dataset, orbit_variables
 from nonsmooth.periodic_orbits.restart import guess_of_dataset, is_orbit
-from nonsmooth.periodic_orbits.search import Wanted, fitted, solve_guess
+from nonsmooth.periodic_orbits.search import OrbitRequest, fitted, solve_guess
 from nonsmooth.runs.options import check_flag
 from nonsmooth.system.system import System
 
@@ -390,7 +390,7 @@ class OrbitsBetween:
         self._best = wanted
         self._legs = Legs(system)
         self._values = dict(system.parameter_values)
-        self._wanted = Wanted(
+        self._wanted = OrbitRequest(
             system, None, int(branch.attrs["period"]), float(branch.attrs["phase_of_period"]), 0,
             None, (), wanted.tolerance,
         )  # fmt: skip

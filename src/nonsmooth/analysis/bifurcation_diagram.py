@@ -15,12 +15,11 @@ from nonsmooth.analysis.diagrams.diagram_options import check_values, check_way,
 from nonsmooth.analysis.diagrams.diagram_tasks import diagram_tasks, make_worker
 from nonsmooth.analysis.diagrams.look_arrays import pack_looks, unpack_looks
 from nonsmooth.errors import OptionError
-from nonsmooth.runs.carried import check_carried
 from nonsmooth.runs.crew import check_threads
 from nonsmooth.runs.of_system import map_of
 from nonsmooth.runs.runner import build_tables
-from nonsmooth.runs.start import resolve_start
-from nonsmooth.runs.stored_tasks import run_stored_tasks
+from nonsmooth.runs.start import check_carried, resolve_start
+from nonsmooth.runs.store import run_stored_tasks
 
 if TYPE_CHECKING:
     import xarray as xr

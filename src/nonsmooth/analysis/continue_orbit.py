@@ -20,18 +20,16 @@ from nonsmooth.continuation.branch_directions import branch_directions
 from nonsmooth.errors import NonsmoothError, OptionError, unknown_name
 from nonsmooth.periodic_orbits.branch_part import BranchPart, Followed
 from nonsmooth.periodic_orbits.branch_run import follow_orbits
-from nonsmooth.periodic_orbits.branch_start import tangent_at
-from nonsmooth.periodic_orbits.doubled import doubled_start
+from nonsmooth.periodic_orbits.branch_start import doubled_start, tangent_at
 from nonsmooth.periodic_orbits.legs import Legs
 from nonsmooth.periodic_orbits.newton import scale_of
 from nonsmooth.periodic_orbits.restart import guess_of_dataset, is_orbit
-from nonsmooth.periodic_orbits.search import Wanted, search_orbit, solve_guess
-from nonsmooth.periodic_orbits.stretch import BranchOptions, BranchStart, Stretch
-from nonsmooth.runs.driving import is_driven
-from nonsmooth.runs.interrupts import HeldInterrupts
+from nonsmooth.periodic_orbits.search import OrbitRequest, search_orbit, solve_guess
+from nonsmooth.periodic_orbits.stretch import BranchOptions, BranchStart, BranchStretch
 from nonsmooth.runs.options import check_flag, finite_number, whole_number
-from nonsmooth.runs.progress import Progress
+from nonsmooth.runs.progress import HeldInterrupts, Progress
 from nonsmooth.runs.runner import build_tables
+from nonsmooth.runs.strobe_times import is_driven
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.system.system import System
 
@@ -248,7 +246,7 @@ def read_branch_options(
     inadmissible: Any,
     transient: Any,
     phase: Any,
-) -> tuple[BranchOptions, Wanted, tuple[str, ...], Beginning]:
+) -> tuple[BranchOptions, OrbitRequest, tuple[str, ...], Beginning]:
     """Options of a branch, its first orbit, the word given, and where it begins."""
     base = getattr(system, "system", system)
     if isinstance(base, System) and parameter not in base.parameters:
@@ -327,7 +325,7 @@ def _neighbour(branch: Any, place: int) -> Any:
 
 
 def both_ways(
-    options: BranchOptions, wanted: Wanted, beginning: Beginning, direction: str
+    options: BranchOptions, wanted: OrbitRequest, beginning: Beginning, direction: str
 ) -> tuple[BranchOptions, list[BranchPart], dict[str, Any]]:
     """Points of a branch in order, and attributes that say how it ended.
 
@@ -371,8 +369,8 @@ def both_ways(
 
 
 def _primitive(
-    options: BranchOptions, wanted: Wanted, legs: Legs, beginning: Beginning
-) -> tuple[BranchOptions, Wanted]:
+    options: BranchOptions, wanted: OrbitRequest, legs: Legs, beginning: Beginning
+) -> tuple[BranchOptions, OrbitRequest]:
     """The period of the shorter orbit, where the first turn passes it several times."""
     if beginning.kind != "orbit" or options.autonomous or options.period == 1:
         return options, wanted
@@ -421,7 +419,7 @@ def _drop_folds_at_crossings(parts: list[BranchPart]) -> None:
 
 
 def _first(
-    options: BranchOptions, wanted: Wanted, legs: Legs, value: float, beginning: Beginning
+    options: BranchOptions, wanted: OrbitRequest, legs: Legs, value: float, beginning: Beginning
 ) -> BranchStart:
     """Where the branch begins, heading for larger values of the parameter."""
     if beginning.kind == "flip":
@@ -449,7 +447,7 @@ def _first(
 
 
 def _crossing(
-    options: BranchOptions, wanted: Wanted, legs: Legs, value: float, neighbour: Any
+    options: BranchOptions, wanted: OrbitRequest, legs: Legs, value: float, neighbour: Any
 ) -> BranchStart:
     """The other branch at a point where two of them cross.
 
@@ -460,7 +458,7 @@ def _crossing(
     assert found.equations is not None
     equations = found.equations
     unknowns = equations.pack(guess_of_dataset(options.system, wanted.initial).turn)
-    stretch = Stretch(options, legs, equations)
+    stretch = BranchStretch(options, legs, equations)
     if neighbour is None:
         known = tangent_at(equations, unknowns)
     else:

@@ -19,8 +19,7 @@ from nonsmooth.continuation.branch import Branch
 from nonsmooth.continuation.point import Point
 from nonsmooth.continuation.two_parameter import two_parameter
 from nonsmooth.errors import ModelError, NonsmoothError, OptionError, unknown_name
-from nonsmooth.periodic_orbits.branch_endings import ending_of_orbits
-from nonsmooth.periodic_orbits.branch_part import BranchPart, kind_of
+from nonsmooth.periodic_orbits.branch_part import BranchPart, ending_of_orbits, kind_of
 from nonsmooth.periodic_orbits.branch_tests import WORD_TESTS, BranchTests, Looked
 from nonsmooth.periodic_orbits.equations import OrbitEquations
 from nonsmooth.periodic_orbits.guess import Guess
@@ -28,11 +27,10 @@ from nonsmooth.periodic_orbits.legs import LegError, Legs
 from nonsmooth.periodic_orbits.newton import scale_of
 from nonsmooth.periodic_orbits.restart import guess_of_dataset
 from nonsmooth.periodic_orbits.stretch import BranchOptions
-from nonsmooth.runs.driving import is_driven
-from nonsmooth.runs.interrupts import HeldInterrupts
 from nonsmooth.runs.options import finite_number, whole_number
-from nonsmooth.runs.progress import Progress
+from nonsmooth.runs.progress import HeldInterrupts, Progress
 from nonsmooth.runs.runner import build_tables
+from nonsmooth.runs.strobe_times import is_driven
 from nonsmooth.system.system import System
 
 if TYPE_CHECKING:

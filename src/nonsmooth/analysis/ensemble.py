@@ -14,10 +14,9 @@ from nonsmooth.analysis.ensembles.ensemble_dataset import Frame
 from nonsmooth.analysis.ensembles.members import mappings_of, members_of, split_parameters
 from nonsmooth.analysis.ensembles.work import Work
 from nonsmooth.errors import OptionError
-from nonsmooth.runs.assemble import Columns
 from nonsmooth.runs.clock import Instant, Plan, plan_run
 from nonsmooth.runs.crew import check_threads
-from nonsmooth.runs.labels import labels_of
+from nonsmooth.runs.labels import Columns, labels_of
 from nonsmooth.runs.lane_runner import LaneRunner
 from nonsmooth.runs.options import (
     check_count,
@@ -27,7 +26,7 @@ from nonsmooth.runs.options import (
     whole_number,
 )
 from nonsmooth.runs.start import mode_numbers
-from nonsmooth.runs.stroboscopic import check_phase, require_period, strobes
+from nonsmooth.runs.strobe_times import check_phase, require_period, strobes
 from nonsmooth.system.system import System
 from nonsmooth.version import __version__
 

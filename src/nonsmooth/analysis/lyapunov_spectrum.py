@@ -20,7 +20,7 @@ from nonsmooth.runs.options import whole_number as whole
 from nonsmooth.runs.poincare_map import PoincareMap
 from nonsmooth.runs.runner import build_derivatives, build_tables
 from nonsmooth.runs.start import resolve_start, start_at_end
-from nonsmooth.runs.stroboscopic import strobes
+from nonsmooth.runs.strobe_times import strobes
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.system.system import System
 

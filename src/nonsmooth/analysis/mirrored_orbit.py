@@ -8,10 +8,10 @@ from nonsmooth.analysis.options import SharedOptions
 from nonsmooth.analysis.orbit_search.options import period_of, said_of_options, system_of_one
 from nonsmooth.errors import OptionError
 from nonsmooth.periodic_orbits.legs import Legs
-from nonsmooth.periodic_orbits.mirror_image import mirror_image
 from nonsmooth.periodic_orbits.orbit_dataset import failed_dataset, orbit_dataset
 from nonsmooth.periodic_orbits.restart import guess_of_dataset
-from nonsmooth.periodic_orbits.search import Wanted, equations_for, solve_guess
+from nonsmooth.periodic_orbits.search import OrbitRequest, equations_for, solve_guess
+from nonsmooth.periodic_orbits.symmetric import mirror_image
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -77,7 +77,7 @@ def mirrored_orbit(orbit: xr.Dataset, *, tolerance: float = 1e-12) -> xr.Dataset
     shared = SharedOptions(tolerance=tolerance)
     shared.system_of(system)
     phase = float(orbit.attrs.get("phase_of_period", 0.0))
-    wanted = Wanted(system, orbit, period_of(orbit), phase, 0, None, (), tolerance)
+    wanted = OrbitRequest(system, orbit, period_of(orbit), phase, 0, None, (), tolerance)
     legs = Legs(system)
     legs.set_values(system.parameter_values)
     guess = guess_of_dataset(system, orbit)

@@ -12,7 +12,7 @@ from nonsmooth.periodic_orbits.restart import guess_of_dataset
 from nonsmooth.periodic_orbits.word import Word
 from nonsmooth.runs.labels import labels_of
 from nonsmooth.runs.options import check_count, whole_number
-from nonsmooth.runs.outputs import Clock, output_values
+from nonsmooth.runs.outputs import SampleClock, output_values
 from nonsmooth.system.system import System
 
 if TYPE_CHECKING:
@@ -96,7 +96,7 @@ def _dataset(
     labels, over = labels_of(system), ("time",)
     window = legs.window
     number = np.floor(times / window).astype(np.int64)
-    clock = Clock(number, times - number * window, legs.tables)
+    clock = SampleClock(number, times - number * window, legs.tables)
     variables: dict[str, Any] = {
         name: (over, states[:, i].copy(), labels.attributes(name))
         for i, name in enumerate(system.states)

@@ -15,9 +15,8 @@ from nonsmooth.errors import OptionError
 from nonsmooth.periodic_orbits.legs import Legs
 from nonsmooth.periodic_orbits.orbit import Orbit
 from nonsmooth.periodic_orbits.orbit_dataset import common, orbit_variables
-from nonsmooth.periodic_orbits.search import Wanted
-from nonsmooth.runs.assemble import Columns, assemble
-from nonsmooth.runs.labels import labels_of
+from nonsmooth.periodic_orbits.search import OrbitRequest
+from nonsmooth.runs.labels import Columns, assemble, labels_of
 from nonsmooth.runs.options import check_flag, whole_number
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.system.system import System
@@ -157,7 +156,7 @@ def read_many(
     system: Any, region: Any, shared: SharedOptions, *, longest: Any, initial: Any,
     completion: Any, samples: Any, guesses: Any, record: Any, match: Any, inadmissible: Any,
     transient: Any, phase: Any,
-) -> tuple[Wanted, HowToCollect]:  # fmt: skip
+) -> tuple[OrbitRequest, HowToCollect]:  # fmt: skip
     """What is looked for, and how."""
     wanted, _ = read_wanted(
         system, initial, shared, period=1, word=None, transient=transient, phase=phase,

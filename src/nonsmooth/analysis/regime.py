@@ -13,10 +13,9 @@ from nonsmooth.analysis.regimes.regime_dataset import numbers_of, said_of_start
 from nonsmooth.analysis.regimes.regime_run import settled_regime
 from nonsmooth.analysis.regimes.verdict import Protocol, Verdict
 from nonsmooth.errors import OptionError
-from nonsmooth.runs.certificate import with_doubts
-from nonsmooth.runs.labels import labels_of
+from nonsmooth.runs.first_mode import explain_misfit
+from nonsmooth.runs.labels import labels_of, with_doubts
 from nonsmooth.runs.lane_runner import LaneRunner
-from nonsmooth.runs.misfit import explain_misfit
 from nonsmooth.runs.options import check_run_options
 from nonsmooth.runs.start import resolve_start, start_at_end
 from nonsmooth.system.system import System

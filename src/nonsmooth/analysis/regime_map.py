@@ -17,11 +17,10 @@ from nonsmooth.analysis.regimes.points import Plane
 from nonsmooth.analysis.regimes.regime_dataset import map_dataset, said_of_start
 from nonsmooth.analysis.regimes.several_starts import maps_of_starts
 from nonsmooth.errors import OptionError, unknown_name
-from nonsmooth.runs.carried import check_carried
 from nonsmooth.runs.crew import check_threads
 from nonsmooth.runs.options import check_run_options, finite_number
 from nonsmooth.runs.runner import build_tables
-from nonsmooth.runs.start import Start, resolve_start
+from nonsmooth.runs.start import Start, check_carried, resolve_start
 from nonsmooth.system.system import System
 
 if TYPE_CHECKING:

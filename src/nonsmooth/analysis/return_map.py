@@ -24,10 +24,11 @@ from nonsmooth.analysis.returns.reduced_map import (
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import OptionError, ResultWarning
 from nonsmooth.runs.clock import Instant
+from nonsmooth.runs.first_mode import explain_misfit
 from nonsmooth.runs.labels import labels_of
 from nonsmooth.runs.lane_runner import LaneRunner
-from nonsmooth.runs.misfit import explain_misfit
-from nonsmooth.runs.of_system import Map, map_of
+from nonsmooth.runs.maps import Map
+from nonsmooth.runs.of_system import map_of
 from nonsmooth.runs.options import finite_number, whole_number
 from nonsmooth.runs.poincare_map import PoincareMap
 from nonsmooth.runs.progress import Progress
@@ -198,7 +199,7 @@ def return_map(
     low, high = _interval(between)
     if count < 3:
         raise OptionError(f"samples = {count}: give at least 3 starts")
-    timed = isinstance(chosen, PoincareMap) and chosen.system.period_value is not None
+    timed = chosen.points_have_time
     family = read_family(chosen.system, name, imaging.begin, completion, mode, timed=timed)
     options |= {"between": str((low, high)), "samples": count}
     return _of_family(imaging, name, family, np.linspace(low, high, count), options)

@@ -6,8 +6,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from nonsmooth.runs.options import check_run_options, whole_number
-from nonsmooth.runs.strobe_points import Wanted, strobe_points
-from nonsmooth.runs.stroboscopic_map import StroboscopicMap
+from nonsmooth.runs.stroboscopic_map import StrobeRequest, StroboscopicMap, strobe_points
 from nonsmooth.system.system import System
 
 if TYPE_CHECKING:
@@ -97,7 +96,7 @@ def stroboscopic_map(
     """
     system = check_run_options(system, parameters, mode, tolerance)
     chosen = StroboscopicMap(system, phase=phase, period=period)
-    wanted = Wanted(
+    wanted = StrobeRequest(
         initial,
         transient=0 if transient == 0 else whole_number("transient", transient),
         record=whole_number("record", record),

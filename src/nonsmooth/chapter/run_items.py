@@ -13,7 +13,7 @@ from nonsmooth.chapter.entries import ENTRIES, remove_drafts
 from nonsmooth.chapter.items import Item
 from nonsmooth.chapter.workers import Worker, Workers
 from nonsmooth.runs.crew import check_threads, run_tasks
-from nonsmooth.runs.store_lock import lock, unlock
+from nonsmooth.runs.store import lock, unlock
 
 __all__ = ["Outcome", "run_items"]
 

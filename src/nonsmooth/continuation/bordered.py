@@ -14,9 +14,8 @@ from scipy import sparse
 from scipy.linalg.lapack import dgesv
 from scipy.sparse.linalg import splu
 
-from nonsmooth.continuation.arrays import Array
 from nonsmooth.continuation.equations import Linearised
-from nonsmooth.continuation.refusals import SingularMatrix
+from nonsmooth.continuation.point import Array, SingularMatrix
 
 __all__ = ["Determinant", "Solved", "solve_bordered"]
 

@@ -2,17 +2,162 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
-from nonsmooth.continuation.attempt import Attempt, attempt, leaves
-from nonsmooth.continuation.corrector import Corrector, Node
-from nonsmooth.continuation.endings import message_of
-from nonsmooth.continuation.observer import Observer
+from nonsmooth.continuation.corrector import Corrector, Node, effort, next_step
+from nonsmooth.continuation.observer import CurveSegment, Mark, Observer
 from nonsmooth.continuation.options import Options
-from nonsmooth.continuation.point import Point
-from nonsmooth.continuation.refusals import Refused
+from nonsmooth.continuation.point import Jump, PastBound, Point, Refused
 
 __all__ = ["Branch"]
+
+
+_HARDEST = 2.0  # effort of a step that is taken
+_SAME = 1e-6  # scaled distance from the start at which a branch has come back to it
+_SAME_CROSSING = 1e-4  # the same where it cannot be corrected, since branches cross there
+
+
+def _message_of(ended: str, node: Node, options: Options, reason: str) -> str:
+    """A sentence for the end of a branch."""
+    where = f"at p = {node.p:.10g}"
+    why = f" ({reason})" if reason else ""
+    smallest = f"smallest_step = {options.smallest:g}"
+    return {
+        "bound": _bound(node, options),
+        "steps": f"{options.steps} steps were taken, up to p = {node.p:.10g}; allow more with"
+        " steps=, or longer ones with largest_step=",
+        "closed": "the branch came back to its start: it is a closed curve",
+        "domain": f"the residual has no finite value beyond p = {node.p:.10g}{why}: the branch ends"
+        f" there to within {smallest}",
+        "singular": f"the derivatives are singular {where}{why}: no single smooth curve goes on; if"
+        " branches cross there, branch_directions says where they go",
+        "smallest_step": f"no step from {smallest} on was taken {where}{why}: the curve has a"
+        " corner or a jump there, or derivatives that are given are wrong; try a smaller"
+        " smallest_step=, more max_newton=, a larger tolerance= for a residual that is not good"
+        " to 1e-9, or no derivatives",
+    }[ended]
+
+
+def _bound(node: Node, options: Options) -> str:
+    """Which parameter came to its bound; the last unknown has one only where it is a parameter."""
+    first = float(node.u[-1])
+    if first in options.unknown_bounds:
+        return (
+            f"the first parameter reached its bound {first:.10g}, where the second one is"
+            f" {node.p:.10g}"
+        )
+    return f"the branch reached the bound at p = {node.p:.10g}"
+
+
+@dataclass(slots=True)
+class _Attempt:
+    """A step that was taken: its end, the special points on it, the length to try next."""
+
+    node: Node
+    marks: list[Mark]
+    next_step: float
+
+    @property
+    def marked_last(self) -> bool:
+        """Whether the end itself is among the special points."""
+        return any(mark.node is self.node for mark in self.marks)
+
+
+def _attempt(
+    corrector: Corrector,
+    options: Options,
+    observer: Observer,
+    node: Node,
+    origin: Node,
+    step: float,
+) -> _Attempt:
+    """A step of this length; `Refused` where there is none."""
+    try:
+        end = _ahead(corrector, node, step)
+        return _judged(corrector, options, observer, node, origin, step, end)
+    except PastBound:
+        end = _on_bound(corrector, node, step)
+        return _judged(corrector, options, observer, node, origin, step, end)
+
+
+def _leaves(node: Node, bounds: tuple[float, float]) -> bool:
+    """Whether the branch heads out of its bounds at a point on one of them."""
+    low, high = bounds
+    ahead = float(node.tangent[-1])
+    return (node.p >= high and ahead > 0.0) or (node.p <= low and ahead < 0.0)
+
+
+def _ahead(corrector: Corrector, node: Node, step: float) -> Node:
+    """The point a step ahead; `PastBound` where that is out of bounds, which are not passed."""
+    y = corrector.scaled(node.u, node.p) + step * node.tangent
+    if node.curvature is not None:
+        y += 0.5 * step * step * node.curvature
+    scale = corrector.equations.scale
+    p = float(y[-1] * scale[-1])
+    low, high = corrector.equations.bounds
+    if not low <= p <= high:
+        raise PastBound
+    return corrector.across(y[:-1] * scale[:-1], p, node.tangent, step)
+
+
+def _on_bound(corrector: Corrector, node: Node, step: float) -> Node:
+    """The point on the bound that lies ahead, not much farther than a step."""
+    low, high = corrector.equations.bounds
+    scale, ahead = corrector.equations.scale, float(node.tangent[-1])
+    bound = high if ahead > 0.0 else low
+    away = (bound - node.p) / float(scale[-1])
+    along = away / ahead if ahead else math.inf
+    if not 0.0 < along <= 2.0 * step:
+        raise Jump("the parameter leaves its bounds in between")
+    u = node.u + along * node.tangent[:-1] * scale[:-1]
+    return corrector.at_parameter(u, bound, along).turned(node.tangent)
+
+
+def _judged(
+    corrector: Corrector, options: Options, observer: Observer, node: Node, origin: Node,
+    step: float, end: Node,
+) -> _Attempt:  # fmt: skip
+    """The step with its special points, if it can be believed."""
+    segment = CurveSegment(corrector, node, end)
+    work = effort(node, end, segment.chord)
+    if work > _HARDEST:
+        raise Jump("the curve turns too much")
+    segment.placed(end)
+    curvature = (end.tangent - node.tangent) / segment.length
+    end.curvature = curvature - end.tangent * float(end.tangent @ curvature)
+    marks = observer.marks(segment)
+    if _leaves(end, options.bounds):
+        marks.append(Mark(1.0, end, "bound", last=True))
+    home = None if node is origin else _home(segment, origin)
+    if home:
+        marks = [mark for mark in marks if mark.x < home.x] + [home]
+    return _Attempt(end, marks, next_step(step, work, options.largest))
+
+
+def _home(segment: CurveSegment, origin: Node) -> Mark | None:
+    """The start of the branch, if the step passes it in the same direction."""
+    corrector = segment.corrector
+    start = corrector.scaled(origin.u, origin.p)
+    away = start - segment.start
+    ahead = float(away @ segment.first.tangent) > 0.0
+    behind = float((away - segment.chord) @ segment.last.tangent) <= 0.0
+    near = float(away @ away) <= 4.0 * segment.length**2
+    if not (ahead and behind and near and float(origin.tangent @ segment.first.tangent) > 0.5):
+        return None
+    x = min(1.0, float(away @ segment.chord) / float(segment.chord @ segment.chord))
+    y = segment.guess(x)[0]
+    y = y - origin.tangent * float(origin.tangent @ (y - start))
+    size = 1.0 + math.sqrt(float(start @ start))
+    try:
+        found = corrector.across(*segment.unscaled(y), origin.tangent, segment.length)
+        apart, same = corrector.scaled(found.u, found.p) - start, _SAME * size
+    except Refused:
+        apart, same = y - start, _SAME_CROSSING * size
+    if math.sqrt(float(apart @ apart)) > same:
+        return None
+    return Mark(x, segment.placed(replace(origin, tests=None)), "closed", last=True)
 
 
 class Branch(Iterator[Point]):
@@ -80,7 +225,7 @@ class Branch(Iterator[Point]):
 
     def _run(self, first: Node) -> Iterator[Point]:
         options, node, step = self._options, first, self._options.step
-        outward = leaves(first, options.bounds)
+        outward = _leaves(first, options.bounds)
         yield self._point(first, "bound" if outward else "")
         if outward:
             return self._end("bound", first)
@@ -98,12 +243,12 @@ class Branch(Iterator[Point]):
                 yield self._point(node, "")
         return self._end("steps", node)
 
-    def _advance(self, node: Node, origin: Node, step: float) -> Attempt:
+    def _advance(self, node: Node, origin: Node, step: float) -> _Attempt:
         """A step of this length or, where it is refused, of half of it, and so on."""
         options, tried = self._options, step
         while True:
             try:
-                done = attempt(self._corrector, options, self._observer, node, origin, tried)
+                done = _attempt(self._corrector, options, self._observer, node, origin, tried)
             except Refused:
                 self.refused += 1
                 tried *= 0.5
@@ -122,4 +267,4 @@ class Branch(Iterator[Point]):
     def _end(self, ended: str, node: Node, reason: str = "") -> None:
         if not self.ended:
             self.ended = ended
-            self.message = message_of(ended, node, self._options, reason)
+            self.message = _message_of(ended, node, self._options, reason)

@@ -9,11 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from nonsmooth.continuation.arrays import Array
 from nonsmooth.continuation.crossing import Crossing, crossing_near, zero_directions
 from nonsmooth.continuation.equations import Equations
 from nonsmooth.continuation.options import sizes_of, start_of
-from nonsmooth.continuation.refusals import Refused
+from nonsmooth.continuation.point import Array, Refused
 from nonsmooth.continuation.start import scaled_direction
 from nonsmooth.errors import OptionError, RunError
 

@@ -1,4 +1,8 @@
-"""Newton's method from a predicted point to the curve, across a given direction."""
+"""Newton's method from a predicted point to the curve, across a given direction; judging the step.
+
+The length of a step follows how far it turned and bent, and how fast Newton's method converged:
+Allgower and Georg, Introduction to Numerical Continuation Methods (2003), chapter 6.
+"""
 
 from __future__ import annotations
 
@@ -8,15 +12,22 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nonsmooth.continuation.arrays import Array
 from nonsmooth.continuation.bordered import Determinant, solve_bordered
 from nonsmooth.continuation.equations import Equations
-from nonsmooth.continuation.refusals import NotConverged
+from nonsmooth.continuation.point import Array, NotConverged
 
-__all__ = ["Corrector", "Node"]
+__all__ = ["Corrector", "Node", "arc", "effort", "turn"]
+
 
 _ROUNDING = 1e3  # times the tolerance: steps this small that no longer shrink are rounding
 _SHRINK = 0.25  # of a Newton step by the next one, above which it no longer does
+# What a step of the right length has; twice the effort is refused.
+_TURN = 0.15  # angle between the tangents at its ends
+_BEND = (
+    0.015  # angle between its chord and the mean of these tangents: a jump bends and does not turn
+)
+_CONTRACTION = 0.15  # second Newton step by the first
+_ITERATIONS = 4
 
 
 @dataclass(slots=True)
@@ -100,3 +111,40 @@ class Corrector:
         np.divide(u, scale[:-1], out=y[:-1])
         y[-1] = p / scale[-1]
         return y
+
+
+def turn(first: Array, second: Array) -> float:
+    """Angle between two unit vectors."""
+    apart = first - second
+    return 2.0 * math.asin(min(1.0, 0.5 * math.sqrt(float(apart @ apart))))
+
+
+def arc(chord: float, angle: float) -> float:
+    """Length of the circular arc over a chord whose ends differ in direction by an angle."""
+    return chord if angle < 1e-8 else chord * 0.5 * angle / math.sin(0.5 * angle)
+
+
+def effort(before: Node, after: Node, chord: Array) -> float:
+    """How hard a step was, 1 for one of the right length; above 2 it is not to be believed.
+
+    Turn and contraction go as the step, the bend of a smooth curve as its square.
+    """
+    length = math.sqrt(float(chord @ chord))
+    if length == 0.0:
+        return math.inf
+    middle = before.tangent + after.tangent
+    size = math.sqrt(float(middle @ middle))
+    if size < 1.0:  # more than 120 degrees apart
+        return math.inf
+    bend = turn(chord / length, middle / size)
+    return max(
+        turn(before.tangent, after.tangent) / _TURN,
+        math.sqrt(bend / _BEND),
+        math.sqrt(after.contraction / _CONTRACTION),
+        2.0 ** ((after.iterations - _ITERATIONS) / 3.0) if after.iterations > _ITERATIONS else 0.0,
+    )
+
+
+def next_step(step: float, effort: float, largest: float) -> float:
+    """The length to try next."""
+    return min(largest, step / min(2.0, max(0.5, effort)))

@@ -8,9 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy import sparse
 
-from nonsmooth.continuation.arrays import Array
 from nonsmooth.continuation.equations import Equations, Linearised
-from nonsmooth.continuation.refusals import NotConverged, Refused, SingularMatrix
+from nonsmooth.continuation.point import Array, NotConverged, Refused, SingularMatrix
 
 __all__ = ["Crossing", "crossing_near", "zero_directions"]
 

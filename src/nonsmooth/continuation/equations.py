@@ -9,8 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy import sparse
 
-from nonsmooth.continuation.arrays import Array, Matrix
-from nonsmooth.continuation.refusals import OutsideDomain, PastBound
+from nonsmooth.continuation.point import Array, Matrix, OutsideDomain, PastBound
 from nonsmooth.errors import OptionError
 
 __all__ = [

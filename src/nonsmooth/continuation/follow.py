@@ -7,11 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from nonsmooth.continuation.arrays import Array
-from nonsmooth.continuation.begin import begin
 from nonsmooth.continuation.branch import Branch
 from nonsmooth.continuation.options import checked_options, sizes_of, start_of
-from nonsmooth.continuation.point import Point
+from nonsmooth.continuation.point import Array, Point
+from nonsmooth.continuation.start import begin
 from nonsmooth.errors import OptionError
 
 __all__ = ["follow"]

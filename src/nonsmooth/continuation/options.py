@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from nonsmooth.continuation.arrays import Array
+from nonsmooth.continuation.point import Array
 from nonsmooth.errors import OptionError
 from nonsmooth.real_numbers import finite_real, shown
 

@@ -1,13 +1,28 @@
-"""`Point`: one solution on a branch."""
+"""What the parts share: arrays, a point of a branch, and why a trial point is refused."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
-from nonsmooth.continuation.arrays import Array
+import numpy as np
+import numpy.typing as npt
 
-__all__ = ["Point"]
+__all__ = [
+    "Array",
+    "Jump",
+    "Matrix",
+    "NotConverged",
+    "OutsideDomain",
+    "PastBound",
+    "Point",
+    "Refused",
+    "SingularMatrix",
+]
+
+Array = npt.NDArray[np.float64]
+Matrix = Any  # a numpy array of two dimensions, or a sparse one of scipy
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,3 +76,35 @@ class Point:
     residual: float
     tests: Mapping[str, float]
     special: str = ""
+
+
+class Refused(Exception):
+    """A trial point that cannot be had or cannot be believed."""
+
+    ending = "smallest_step"
+
+
+class OutsideDomain(Refused):
+    """The residual has no finite value there."""
+
+    ending = "domain"
+
+
+class PastBound(Refused):
+    """The parameter left its bounds; it is never evaluated there."""
+
+    ending = "bound"
+
+
+class SingularMatrix(Refused):
+    """The bordered matrix has no inverse: no single curve goes through the point."""
+
+    ending = "singular"
+
+
+class NotConverged(Refused):
+    """Newton's method did not settle."""
+
+
+class Jump(Refused):
+    """The step turned or bent too much: the point may lie on another branch."""

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from nonsmooth.continuation.arrays import Array
 from nonsmooth.continuation.bordered import Determinant, solve_bordered
-from nonsmooth.continuation.corrector import Corrector, Node
-from nonsmooth.continuation.equations import Linearised
-from nonsmooth.continuation.refusals import PastBound, Refused
-from nonsmooth.continuation.steps import turn
+from nonsmooth.continuation.branch import Branch
+from nonsmooth.continuation.corrector import Corrector, Node, turn
+from nonsmooth.continuation.equations import Equations, Linearised
+from nonsmooth.continuation.options import Options
+from nonsmooth.continuation.point import Array, PastBound, Refused
 from nonsmooth.errors import OptionError, RunError
 
-__all__ = ["first_node", "scaled_direction"]
+__all__ = ["begin", "scaled_direction"]
+
 
 _SMALLEST_RANK = 1e-6  # singular values below this part of the largest count as zero at a start
 _FAR = 0.1  # scaled distance, from the given start, of one that is still meant by it
@@ -45,7 +47,7 @@ def scaled_direction(direction: Any, n: int, scale: Array) -> tuple[Array, bool]
     return ahead / length, True
 
 
-def first_node(corrector: Corrector, u: Array, p: float, ahead: Array, given: bool) -> Node:
+def _first_node(corrector: Corrector, u: Array, p: float, ahead: Array, given: bool) -> Node:
     """The start on the branch, at its own parameter where there is such a point."""
     at = _at(corrector, u, p)
     if given:
@@ -121,3 +123,18 @@ def _null_direction(at: Linearised, wide: Array, scale: Array) -> tuple[Array, D
 def _dense(at: Linearised) -> Array:
     found = at.J_u if isinstance(at.J_u, np.ndarray) else at.J_u.toarray()
     return np.asarray(found, dtype=float)
+
+
+def begin(
+    residual: Callable[[Array, float], Any],
+    u: Array,
+    p: float,
+    direction: Any,
+    sizes: Array,
+    options: Options,
+) -> Branch:
+    """The branch through a start, which is corrected here."""
+    equations = Equations(residual, sizes, options.bounds)
+    corrector = Corrector(equations, options.tolerance, options.max_newton)
+    ahead, given = scaled_direction(direction, u.size, equations.scale)
+    return Branch(corrector, options, _first_node(corrector, u, p, ahead, given))

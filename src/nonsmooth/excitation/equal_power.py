@@ -8,8 +8,7 @@ import numpy as np
 
 from nonsmooth.errors import OptionError
 from nonsmooth.excitation.record import MEASURES, Excitation, check_excitation
-from nonsmooth.fatigue.checks import Array
-from nonsmooth.fatigue.record_checks import record_values
+from nonsmooth.fatigue.checks import Array, record_values
 
 __all__ = ["equal_power", "power_ratio"]
 

@@ -14,7 +14,7 @@ from nonsmooth.errors import OptionError
 from nonsmooth.excitation.equal_power import equal_power, power_ratio
 from nonsmooth.excitation.record import MEASURES, Excitation, check_excitation
 from nonsmooth.excitation.shaken_specimen import ShakenSpecimen
-from nonsmooth.fatigue.checks import positive
+from nonsmooth.fatigue.checks import positive, record_values
 from nonsmooth.fatigue.closure import NewmanClosure
 from nonsmooth.fatigue.cycles import count_cycles
 from nonsmooth.fatigue.growth_laws import GrowthLaw
@@ -22,7 +22,6 @@ from nonsmooth.fatigue.growth_rate import StressIntensity, check_law, growth_rat
 from nonsmooth.fatigue.life_ratio import life_ratio
 from nonsmooth.fatigue.load_block import LoadBlock
 from nonsmooth.fatigue.load_table import LoadTable
-from nonsmooth.fatigue.record_checks import record_values
 
 __all__ = ["lives_under_shaking", "spread_of_life_ratio"]
 

@@ -10,8 +10,7 @@ import numpy as np
 import xarray as xr
 
 from nonsmooth.errors import OptionError
-from nonsmooth.fatigue.checks import Array, finite, positive
-from nonsmooth.fatigue.record_checks import check_times, record_values
+from nonsmooth.fatigue.checks import Array, check_times, finite, positive, record_values
 from nonsmooth.system.signals import Signal
 
 __all__ = ["MEASURES", "Excitation", "check_excitation"]

@@ -10,7 +10,7 @@ from nonsmooth.fatigue.closure import NewmanClosure, effective_range
 from nonsmooth.fatigue.compared_lives import compare_lives
 from nonsmooth.fatigue.comparisons import compare_stiffness_laws, compare_stress_intensity
 from nonsmooth.fatigue.crack_curve import CrackCurve
-from nonsmooth.fatigue.cycles import count_cycles
+from nonsmooth.fatigue.cycles import count_cycles, reversals
 from nonsmooth.fatigue.fitted_law import FittedLaw, fit_law
 from nonsmooth.fatigue.growth_by_frequency import growth_by_frequency
 from nonsmooth.fatigue.growth_laws import Forman, Paris, Walker
@@ -20,7 +20,6 @@ from nonsmooth.fatigue.life_ratio import life_ratio
 from nonsmooth.fatigue.load_block import LoadBlock
 from nonsmooth.fatigue.load_table import LoadTable
 from nonsmooth.fatigue.published_laws import published_laws
-from nonsmooth.fatigue.reversals import reversals
 from nonsmooth.fatigue.sensor import Calibration, calibrate
 from nonsmooth.fatigue.specimen import Specimen
 from nonsmooth.fatigue.stiffness_laws import (

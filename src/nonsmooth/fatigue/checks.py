@@ -1,4 +1,4 @@
-"""Checks of the numbers that are handed to fracture mechanics, and of the data of a specimen."""
+"""Checks of numbers that are handed to fracture mechanics, of specimens, and of records."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from nonsmooth.real_numbers import finite_real
 
 __all__ = [
     "Array",
+    "check_times",
     "crack_lengths",
     "finite",
     "finite_array",
@@ -21,6 +22,7 @@ __all__ = [
     "like",
     "positive",
     "real_numbers",
+    "record_values",
     "same_shape",
     "set_numbers",
 ]
@@ -117,3 +119,36 @@ def crack_lengths(crack: Any, width: float, *, through: bool = False) -> Array:
 def like(values: Any, given: Any) -> Any:
     """Numbers as they were given: a float for a float, an array for an array."""
     return values if np.ndim(given) else float(values)
+
+
+def record_values(name: str, values: Any) -> Array:
+    """Samples of a record: one dimension, two at least, all finite."""
+    try:
+        found = real_numbers(values)
+    except (TypeError, ValueError, OverflowError):
+        raise OptionError(f"{name}: give samples as numbers, not {values!r:.60}") from None
+    if found.ndim != 1:
+        raise OptionError(f"{name} has {found.ndim} dimensions; give one series of samples")
+    if found.size < 2:
+        raise OptionError(f"{name} has {found.size} samples; a record needs two at least")
+    bad = np.flatnonzero(~np.isfinite(found))
+    if bad.size:
+        raise OptionError(
+            f"{name}: {bad.size} samples are not finite, the first at index {bad[0]}; repair them"
+            " or cut them off"
+        )
+    return found
+
+
+def check_times(times: Any, size: int) -> Array:
+    """Times of samples: as many, increasing."""
+    found = record_values("times", times)
+    if found.size != size:
+        raise OptionError(f"times: {found.size} came for {size} samples; give one for each")
+    back = np.flatnonzero(np.diff(found) <= 0.0)
+    if back.size:
+        raise OptionError(
+            f"times must increase, and they do not after index {back[0]}: {found[back[0]]:.9g},"
+            f" {found[back[0] + 1]:.9g}"
+        )
+    return found

@@ -1,4 +1,4 @@
-"""`count_cycles`: cycles of a load by rainflow counting."""
+"""`count_cycles`: cycles of a load by rainflow counting; `reversals`, where it turns."""
 
 from __future__ import annotations
 
@@ -7,16 +7,58 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.fatigue.checks import Array
-from nonsmooth.fatigue.record_checks import check_times, record_values
-from nonsmooth.fatigue.reversals import refined, turning_places
+from nonsmooth.fatigue.checks import Array, check_times, record_values
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["count_cycles"]
+__all__ = ["count_cycles", "reversals"]
+
 
 _CLOSED = 1e-6  # of the range: ends of a block so near are one sample
+
+
+def reversals(values: npt.ArrayLike) -> npt.NDArray[np.intp]:
+    """Places at which a record turns, its two ends included.
+
+    Of equal samples in a row the last one counts, as ASTM E1049 leaves open and as `rainflow`
+    does.
+
+    Parameters
+    ----------
+    values : array_like
+        Samples.
+
+    Returns
+    -------
+    numpy.ndarray
+        Indices, increasing.
+
+    Examples
+    --------
+    >>> from nonsmooth.fatigue import reversals
+    >>> reversals([0.0, 1.0, 2.0, 2.0, 1.0, 3.0]).tolist()
+    [0, 3, 4, 5]
+    """
+    return _turning_places(record_values("values", values))
+
+
+def _turning_places(found: Array) -> npt.NDArray[np.intp]:
+    """The same of checked samples."""
+    last = np.flatnonzero(np.append(found[1:] != found[:-1], True))
+    rising = np.diff(found[last]) > 0.0
+    inner = last[1:-1][rising[1:] != rising[:-1]] if last.size > 2 else last[:0]
+    return np.concatenate([[0], inner, [found.size - 1]]).astype(np.intp)
+
+
+def refined(found: Array) -> Array:
+    """Samples whose reversals have the values of parabolas through the nearest three samples."""
+    inner = _turning_places(found)[1:-1]
+    before, at, after = found[inner - 1], found[inner], found[inner + 1]
+    bend = before - 2.0 * at + after  # not zero where a record turns
+    values = found.copy()
+    values[inner] = at - (after - before) ** 2 / (8.0 * bend)
+    return values
 
 
 def count_cycles(
@@ -99,7 +141,7 @@ def count_cycles(
     if repeating:
         top = int(np.argmax(values))
         order = np.concatenate([order[top:], order[: top + 1]])
-    places = turning_places(values[order])
+    places = _turning_places(values[order])
     rows = _rainflow(values[order[places]], repeating)
     attrs: dict[str, Any] = {
         "duration": float(clock[-1] - clock[0]),

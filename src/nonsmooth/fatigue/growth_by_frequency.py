@@ -8,11 +8,10 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError
-from nonsmooth.fatigue.checks import positive
+from nonsmooth.fatigue.checks import positive, record_values
 from nonsmooth.fatigue.closure import NewmanClosure, effective_range
 from nonsmooth.fatigue.growth_laws import GrowthLaw
 from nonsmooth.fatigue.growth_rate import StressIntensity, check_law, intensity
-from nonsmooth.fatigue.record_checks import record_values
 
 if TYPE_CHECKING:
     import xarray as xr

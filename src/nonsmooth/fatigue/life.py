@@ -1,8 +1,9 @@
-"""`life`: time in which a crack grows from one length to another."""
+"""`life`: time in which a crack grows from one length to another, or until fracture."""
 
 from __future__ import annotations
 
 import warnings
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,7 +11,6 @@ import numpy as np
 from nonsmooth.errors import OptionError, ResultWarning
 from nonsmooth.fatigue.checks import Array, finite, positive
 from nonsmooth.fatigue.closure import NewmanClosure, closure_text
-from nonsmooth.fatigue.fracture import final_length
 from nonsmooth.fatigue.growth_laws import GrowthLaw
 from nonsmooth.fatigue.growth_rate import (
     Loads,
@@ -19,19 +19,109 @@ from nonsmooth.fatigue.growth_rate import (
     check_law,
     check_loads,
     growth_rate,
+    intensity,
 )
 from nonsmooth.fatigue.load_block import LoadBlock
 from nonsmooth.fatigue.load_table import LoadTable
-from nonsmooth.fatigue.quadrature import panel_integrals
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["life", "life_dataset"]
 
+
+_STEPS = 400  # of the search for the first length at which the toughness is reached
+_NODES = 10  # of Gauss and Legendre in a panel
+_ROUNDS = 40
+_MOST = 20_000  # panels at once; a function that needs more is noise or is not finite
 _POINTS = 65  # of the curve of growth
 _FINEST, _COARSEST = 1e-14, 0.1  # relative errors
 _STILL, _FOREVER = 1e-200, 1e150  # mm/s in place of none, and s that are infinite
+
+
+def _largest_load(loads: Loads, crack: float) -> float:
+    """Largest load at a length of the crack, in N."""
+    if isinstance(loads, LoadBlock):
+        return loads.largest
+    if isinstance(loads, LoadTable):
+        return max(block.largest for _, block in loads.at(crack))
+    return block_at(loads, crack).largest
+
+
+def _final_length(
+    stress_intensity: StressIntensity,
+    loads: Loads,
+    first: float,
+    last: float,
+    toughness: float | None,
+) -> tuple[float, str]:
+    """Length at which a life ends, and why."""
+    if toughness is None:
+        return last, "final length"
+
+    def excess(crack: float) -> float:
+        load = np.array([_largest_load(loads, crack)])
+        return float(intensity(stress_intensity, load, np.array([crack]))[0]) - toughness
+
+    if excess(first) >= 0.0:
+        raise OptionError(
+            f"at the first length, {first:g} mm, the largest load already gives"
+            f" {excess(first) + toughness:.4g} MPa sqrt(m), above the toughness of {toughness:g}"
+        )
+    before = first
+    for crack in np.linspace(first, last, _STEPS + 1)[1:]:
+        if excess(float(crack)) >= 0.0:
+            break
+        before = float(crack)
+    else:
+        return last, "final length"
+    from scipy.optimize import brentq
+
+    found = brentq(excess, before, float(crack), xtol=1e-14, rtol=1e-15)
+    return float(found), "fracture"
+
+
+def _panel_integrals(
+    function: Callable[[Array], Array], edges: Array, tolerance: float
+) -> tuple[Array, float]:
+    """Integral over each panel, and a bound of the relative error of their sum.
+
+    A panel is halved while its halves differ from it by more than its share of the tolerance, and
+    there are not too many: the bound says what was reached.
+    """
+    found = np.zeros(edges.size - 1)
+    error = 0.0
+    place = np.arange(found.size)
+    left, right = edges[:-1], edges[1:]
+    whole = _gauss(function, left, right)
+    total = float(np.abs(whole).sum())
+    for turn in range(_ROUNDS):
+        middle = 0.5 * (left + right)
+        first, second = _gauss(function, left, middle), _gauss(function, middle, right)
+        off = np.abs(first + second - whole)
+        share = tolerance * total * (right - left) / (edges[-1] - edges[0])
+        # a kink needs no more than its own share of what is left to be halved
+        done = off <= np.maximum(share, 1e-16 * total)
+        if turn == _ROUNDS - 1 or 2 * np.count_nonzero(~done) > _MOST:
+            done[:] = True
+        np.add.at(found, place[done], (first + second)[done])
+        error += float(off[done].sum())
+        if done.all():
+            break
+        go = ~done
+        place = np.repeat(place[go], 2)
+        bounds = np.stack([left[go], middle[go], right[go]], axis=1)
+        left, right = bounds[:, :2].ravel(), bounds[:, 1:].ravel()
+        whole = np.stack([first[go], second[go]], axis=1).ravel()
+    return found, error / total if total > 0.0 else 0.0
+
+
+def _gauss(function: Callable[[Array], Array], left: Array, right: Array) -> Array:
+    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
+    half = 0.5 * (right - left)
+    points = 0.5 * (left + right)[:, None] + half[:, None] * nodes
+    values = function(points.ravel()).reshape(points.shape)
+    return half * (values @ weights)
 
 
 def life(
@@ -118,7 +208,7 @@ def life(
     first, last = _lengths(initial, final)
     goal = _tolerance(tolerance)
     limit = None if toughness is None else positive("toughness", toughness, "MPa sqrt(m)")
-    end, ended = final_length(stress_intensity, loads, first, last, limit)
+    end, ended = _final_length(stress_intensity, loads, first, last, limit)
 
     def rate(lengths: Array) -> Array:
         return growth_rate(loads, lengths, stress_intensity, law, closure)
@@ -190,7 +280,7 @@ def _times(rate: Any, edges: Array, panels: Array, tolerance: float) -> tuple[Ar
     kept = panels[panels < still]
     if kept.size < 2:
         return np.where(np.arange(edges.size) == 0, 0.0, np.inf), 0.0
-    parts, error = panel_integrals(slowness, kept, tolerance)
+    parts, error = _panel_integrals(slowness, kept, tolerance)
     clock = np.concatenate([[0.0], np.cumsum(parts)])
     clock[clock > _FOREVER] = np.inf  # a panel in which the growth stops
     times = np.full(edges.size, np.inf)

@@ -9,9 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError
-from nonsmooth.fatigue.checks import finite, positive
+from nonsmooth.fatigue.checks import finite, positive, record_values
 from nonsmooth.fatigue.cycles import count_cycles
-from nonsmooth.fatigue.record_checks import record_values
 
 if TYPE_CHECKING:
     import xarray as xr

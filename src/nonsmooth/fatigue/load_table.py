@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 
 from nonsmooth.errors import OptionError
-from nonsmooth.fatigue.checks import Array
+from nonsmooth.fatigue.checks import Array, record_values
 from nonsmooth.fatigue.load_block import LoadBlock
-from nonsmooth.fatigue.record_checks import record_values
 
 __all__ = ["LoadTable"]
 

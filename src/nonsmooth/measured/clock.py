@@ -1,23 +1,95 @@
-"""Times of samples: the even grid that they stand for, and the part of a record that is kept."""
+"""Times of samples: the even grid that they stand for, gaps, and where a sample stands."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError
-from nonsmooth.measured.places import Places
+from nonsmooth.measured.csv_text import Table, cells_of
 from nonsmooth.runs.options import finite_number
 
-__all__ = ["FEWEST", "Clock", "clock_of", "numbers"]
+__all__ = ["FEWEST", "Clock", "FilePlaces", "Places", "check_finite", "clock_of", "numbers"]
 
+Floats = npt.NDArray[np.float64]
+
+_LARGEST = 1e30  # a reading; codes for none are often larger still
 FEWEST = 16  # samples
 _OFF = 0.1  # of a step, a time may be off the even grid
 
-Floats = npt.NDArray[np.float64]
+
+class Places:
+    """Samples of arrays, numbered from 0."""
+
+    note = " (samples from 0)"
+    pulse = "pulse"  # what the signal of the marks is called
+
+    def at(self, sample: int) -> str:
+        """Where a sample stands."""
+        return f"sample {sample}"
+
+    def fault(self, variable: str, sample: int) -> str:
+        """What stands in place of a number; of an array its time says enough."""
+        return ""
+
+
+@dataclass(frozen=True)
+class FilePlaces(Places):
+    """Samples of a file, by line and column."""
+
+    note = ""
+    pulse = "mark"
+    table: Table
+    columns: Mapping[str, int] = field(
+        default_factory=dict
+    )  # of each variable, of "time" and "mark", from 0
+
+    def at(self, sample: int) -> str:
+        """Line of a sample, from 1."""
+        return f"line {self.table.first + sample + 1}"
+
+    def fault(self, variable: str, sample: int) -> str:
+        """The line, its column, and what stands there in place of a number."""
+        cells = cells_of(self.table.lines[self.table.first + sample], self.table.delimiter)
+        column = self.columns[variable]
+        cell = cells[column] if column < len(cells) else ""
+        what = f"holds {cell!r:.40}, which is no finite number" if cell else "is missing"
+        return f"{self.at(sample)}, {self.table.called(column)} {what}. "
+
+
+def check_finite(
+    arrays: Mapping[str, Floats], start: float, step: float, first: int, places: Places
+) -> None:
+    """Refuse gaps, and say where the first one is and which part of the record has none.
+
+    first: number of the first sample, before a part was cut out
+    """
+    for name, values in arrays.items():
+        with np.errstate(invalid="ignore"):
+            large = np.isfinite(values) & (np.abs(values) > _LARGEST)
+        if large.any():
+            k = int(np.argmax(large))
+            raise OptionError(
+                f"{name}: {values[k]:g} at t = {start + step * k:.7g} is beyond"
+                f" {_LARGEST:g} ({places.at(first + k)}{places.note}); what"
+                " does the recorder write where it has no reading?"
+            )
+        bad = np.flatnonzero(~np.isfinite(values))
+        if bad.size == 0:
+            continue
+        ends = np.concatenate([[-1], bad, [values.size]])
+        k = int(np.argmax(np.diff(ends)))
+        low, high = start + step * (ends[k] + 1), start + step * (ends[k + 1] - 1)
+        raise OptionError(
+            f"{places.fault(name, first + int(bad[0]))}{name}: {bad.size} samples are not finite,"
+            f" the first at t = {start + step * bad[0]:.7g}; the longest part without a gap is"
+            f" time_range=({low:.9g}, {high:.9g})"
+        )
 
 
 def numbers(name: str, values: Any) -> Floats:

@@ -10,8 +10,7 @@ import xarray as xr
 
 from nonsmooth.errors import OptionError
 from nonsmooth.measured.channel import Channel, channels_of
-from nonsmooth.measured.csv_numbers import numbers_of
-from nonsmooth.measured.csv_text import read_table
+from nonsmooth.measured.csv_text import numbers_of, read_table
 
 __all__ = ["read_columns"]
 

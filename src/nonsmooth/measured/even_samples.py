@@ -1,18 +1,23 @@
-"""Samples in equal steps of time: of a record or of a run."""
+"""Samples in equal steps of time, of a record or of a run, and the noise that they carry."""
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import xarray as xr
 
 from nonsmooth.errors import OptionError, unknown_name
 
-__all__ = ["check_even", "check_variables", "over_time"]
+__all__ = ["check_even", "check_variables", "noise_before_filters", "over_time"]
+
 
 _OFF = 1e-6  # of a step, between samples that count as equidistant
 _FEWEST = 16  # samples
+_NOISE_ORDER = 6  # of the differences by which noise is told from a sampled motion
+_NORMAL = 0.674489750196082  # median of the size of a standard normal variable
 
 
 def check_even(data: Any) -> float:
@@ -65,3 +70,25 @@ def over_time(data: xr.Dataset, variables: dict[str, Any], part: slice) -> xr.Da
     }
     bare = xr.Dataset(coords=kept, attrs=dict(data.attrs)).isel(time=part)
     return bare.assign(variables)
+
+
+def _white_noise(values: npt.NDArray[np.float64]) -> float:
+    """Standard deviation of white noise on a motion that is smooth from sample to sample.
+
+    Differences of sixth order leave next to nothing of the motion; their median size does not
+    feel the few samples about a contact.
+    """
+    differences = np.diff(values, _NOISE_ORDER)
+    gain = math.sqrt(math.comb(2 * _NOISE_ORDER, _NOISE_ORDER))
+    return float(np.median(np.abs(differences))) / _NORMAL / gain
+
+
+def noise_before_filters(variable: xr.DataArray) -> float:
+    """Standard deviation of its white noise; of a filtered variable that before the filter.
+
+    What a low-pass leaves of noise looks smooth, and is as strong as ever at low frequencies.
+    """
+    words = variable.attrs
+    if "low_pass" in words and "noise" in words:
+        return float(words["noise"]) / float(words["noise_gain"])
+    return _white_noise(variable.values.astype(float))

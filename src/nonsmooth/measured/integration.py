@@ -3,27 +3,271 @@
 from __future__ import annotations
 
 import itertools
+import math
+import re
 from collections.abc import Mapping
-from typing import Any
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
 from nonsmooth.errors import OptionError
-from nonsmooth.measured.acceleration_units import integral_units
 from nonsmooth.measured.channel import check_name
-from nonsmooth.measured.even_samples import check_even, check_variables, over_time
-from nonsmooth.measured.fourier_integral import FourierIntegral
-from nonsmooth.measured.noise import noise_before_filters
-from nonsmooth.measured.regular_integral import RegularIntegral
-from nonsmooth.runs.options import finite_number
+from nonsmooth.measured.even_samples import (
+    check_even,
+    check_variables,
+    noise_before_filters,
+    over_time,
+)
+from nonsmooth.runs.options import finite_number, whole_number
 
 __all__ = ["displacements"]
 
+Floats = npt.NDArray[np.float64]
+
+_G = 9.80665  # m/s^2, standard gravity, exactly
+_GRAVITY = ("g", "gn", "g_n")
+# such as m/s^2, m/s2, m/s**2, m/s², m/s/s, m s^-2, m s⁻², m·s⁻²
+_PER_SQUARE = re.compile(
+    r"(?P<length>[^/]+?)\s*(?:/\s*\(?(?P<a>[^\s/^*²)]*[^\s/^*²)\d])\s*(?:\^\s*2|\*\*\s*2|2|²)\)?"
+    r"|/\s*(?P<b>[^\s/^*²]+)\s*/\s*(?P=b)"
+    r"|[\s·*](?P<c>[^\s/^*²⁻-]+)\s*(?:\^\s*-2|\*\*\s*-2|-2|⁻²))"
+)
+_RATE_SQUARED = re.compile(r"(.+) (\S+)\^2")  # such as A_b omega^2
+_EDGE = 0.01  # of what an end does is left within the edge
+_SLOWEST = 7e-5  # cycles per sample; below it rounding is felt
+_REFINED = 3  # corrections of the solution
+# integral of s^4/(1 + s^4)^2 from 0 to infinity; of s^6 over that it is three times as much
+_NOISE = math.pi * math.sqrt(2.0) / 16.0
+_MOST = 100  # harmonics by default; what is beyond is divided by its square
+_MEMORY = 3 * 10**7  # numbers of a matrix
+_WHOLE = 1e-6  # of a period that may lack
+_MOST_DRIFT = 5
 _EDGES = ("keep", "cut")
 
-Floats = npt.NDArray[np.float64]
+
+class _IntegralUnits(NamedTuple):
+    """What readings are multiplied by, and the units of displacements and velocities."""
+
+    factor: float = 1.0
+    displacement: str = ""
+    velocity: str = ""
+
+
+def _integral_units(name: str, unit: Any, time: Any) -> _IntegralUnits:
+    """Units of the integrals over a time: the length in the unit of the acceleration, m for g.
+
+    Nothing is known of the integrals of what has no unit.
+    """
+    unit, time = str(unit or "").strip(), str(time or "").strip()
+    if unit in ("", "1"):
+        return _IntegralUnits()
+    if unit in _GRAVITY:
+        _check_time(name, unit, time, "s")
+        return _IntegralUnits(_G, "m", "m/s")
+    found = _PER_SQUARE.fullmatch(unit)
+    if found:
+        second = found["a"] or found["b"] or found["c"]
+        _check_time(name, unit, time, second)
+        return _IntegralUnits(1.0, found["length"], f"{found['length']}/{second}")
+    scaled = _RATE_SQUARED.fullmatch(unit)
+    if scaled and scaled[2] not in (time, "s", "ms"):  # not a length times a time squared
+        return _IntegralUnits(1.0, scaled[1], f"{scaled[1]} {scaled[2]}")
+    raise OptionError(
+        f"accelerations: {name} is in {unit!r:.40}, which is no unit of an acceleration; known are"
+        " g, lengths over a time squared such as m/s^2 or mm/s^2, and lengths times a rate squared"
+        " such as A_b omega^2. Name the right one by units= when it is read (of a Channel, with"
+        " its sensitivity), or leave units out"
+    )
+
+
+def _check_time(name: str, unit: str, time: str, second: str) -> None:
+    if time not in ("", second):
+        raise OptionError(
+            f"accelerations: {name} is in {unit!r:.40} and the time in {time!r:.40}; give the time"
+            f" in {second}"
+        )
+
+
+@dataclass(frozen=True)
+class _RegularIntegral:
+    r"""Solution of :math:`\sum (D x - a)^2 + \omega_c^4 \sum x^2 = \min`, D second differences."""
+
+    step: float
+    corner: float  # omega_c
+    lowest: float
+    bias: float
+    edge: int
+
+    @classmethod
+    def design(cls, count: int, step: float, lowest: float, bias: Any) -> _RegularIntegral:
+        """Integral that loses ``bias`` of a sine of the lowest frequency."""
+        lost = finite_number("bias", bias)
+        if not 0.0 < lost < 1.0:
+            raise OptionError(f"bias = {lost:g} must lie between 0 and 1")
+        if not 0.0 < lowest * step < 0.25:
+            raise OptionError(
+                f"lowest = {lowest:g} must be positive and below a quarter of the sample rate,"
+                f" {0.25 / step:g}"
+            )
+        corner = 2.0 * math.pi * lowest * (lost / (1.0 - lost)) ** 0.25
+        if corner * step < 2.0 * math.pi * _SLOWEST:
+            raise OptionError(
+                f"lowest = {lowest:g} with bias = {lost:g} is too low for {1 / step:g} samples per"
+                " unit time; take every second sample or less after low_pass, or give a higher"
+                " lowest= or more bias="
+            )
+        # what an end does fades as exp(-corner t / sqrt(2))
+        edge = math.ceil(-math.log(_EDGE) * math.sqrt(2.0) / (corner * step))
+        if count <= 2 * edge:
+            raise OptionError(
+                f"lowest = {lowest:g}: the data last {count * step:g}, and {2 * edge * step:.4g} of"
+                " them are not sure at the ends; take a longer record, or give a higher lowest="
+                " or more bias="
+            )
+        return cls(step, corner, lowest, lost, edge)
+
+    @property
+    def noise_gains(self) -> tuple[float, float]:
+        """Of white noise in the acceleration this is left in displacement and velocity."""
+        frequency, density = self.corner / (2.0 * math.pi), 2.0 * self.step
+        x = math.sqrt(density * _NOISE / frequency**3) / (2.0 * math.pi) ** 2
+        v = math.sqrt(density * 3.0 * _NOISE / frequency) / (2.0 * math.pi)
+        return x, v
+
+    def __call__(self, values: Floats) -> tuple[Floats, Floats, dict[str, Any]]:
+        """Displacement and velocity at the samples."""
+        from scipy.linalg import cho_solve_banded, cholesky_banded
+
+        # an offset does nothing but at the ends, where it would be large
+        away = values - values.mean()
+        # Numerov: second differences of x are the means of its accelerations with 1, 10, 1
+        wanted = self.step**2 / 12.0 * (away[:-2] + 10.0 * away[1:-1] + away[2:])
+        weight = (self.corner * self.step) ** 4
+        bands = _bands(values.size)
+        bands[0] += weight
+        factor = cholesky_banded(bands, lower=True)
+        x = np.zeros(values.size)
+        for _ in range(_REFINED):
+            left = wanted - np.diff(x, 2)
+            x += cho_solve_banded((factor, True), _transposed(left) - weight * x)
+        v = np.gradient(x, self.step, edge_order=2)
+        v[1:-1] -= self.step / 12.0 * (away[2:] - away[:-2])
+        words = {"lowest": self.lowest, "bias": self.bias, "edge": self.edge * self.step}
+        return x, v, words
+
+
+def _bands(count: int) -> Floats:
+    """D^T D of second differences, its diagonal and the two below."""
+    bands = np.zeros((3, count))
+    rows = np.ones(count - 2)
+    for k, c in enumerate((1.0, -2.0, 1.0)):
+        bands[0, k : k + count - 2] += c * c * rows
+    for k in range(2):
+        bands[1, k : k + count - 2] += -2.0 * rows
+    bands[2, : count - 2] += rows
+    return bands
+
+
+def _transposed(values: Floats) -> Floats:
+    """D^T of values."""
+    found = np.zeros(values.size + 2)
+    found[:-2] += values
+    found[1:-1] -= 2.0 * values
+    found[2:] += values
+    return found
+
+
+@dataclass(frozen=True)
+class _FourierIntegral:
+    """Fit of harmonics and of a polynomial to samples."""
+
+    angle: Floats  # of the fundamental at the samples
+    rate: float  # angular frequency of the fundamental
+    harmonics: int
+    drift: int  # degree
+    edge: int = 0
+
+    @classmethod
+    def design(
+        cls, count: int, step: float, period: Any, highest: Any, drift: Any
+    ) -> _FourierIntegral:
+        """Fit for some number of samples."""
+        length = finite_number("period", period)
+        if length <= 0.0:
+            raise OptionError(f"period = {length:g} must be positive")
+        periods = count * step / length
+        if periods < 1.0 - _WHOLE:
+            raise OptionError(
+                f"period = {length:g} is longer than the data, {count * step:g}; give lowest= for a"
+                " motion that does not repeat, or take a longer record"
+            )
+        degree = (1 if periods >= 2.0 - _WHOLE else 0) if drift is None else drift
+        if degree not in range(_MOST_DRIFT + 1):
+            raise OptionError(f"drift = {drift!r:.60} must be a whole number from 0 to 5")
+        if degree and periods < 2.0 - _WHOLE:
+            raise OptionError("drift: it cannot be told from a motion in less than two periods")
+        fastest = math.ceil(0.5 * length / step * (1.0 - 1e-9)) - 1  # below half the sample rate
+        if fastest < 1:
+            raise OptionError(
+                f"period = {length:g} holds {length / step:.3g} samples; sample faster"
+            )
+        wanted = min(fastest, _MOST)
+        if highest is not None:
+            wanted = math.floor(finite_number("highest", highest) * length * (1.0 + 1e-9))
+            if not 1 <= wanted <= fastest:
+                raise OptionError(
+                    f"highest = {highest:g} must be from 1 / period = {1 / length:g} to below half"
+                    f" the sample rate, {0.5 / step:g}"
+                )
+        if count * (2 * wanted + degree + 1) > _MEMORY:
+            raise OptionError(
+                f"{wanted} harmonics in {count} samples are too many to fit; give a lower highest=,"
+                " or a part of the data"
+            )
+        angle = 2.0 * math.pi / length * step * np.arange(count, dtype=np.float64)
+        angle -= 0.5 * angle[-1]
+        return cls(angle, 2.0 * math.pi / length, whole_number("harmonics", wanted), int(degree))
+
+    @property
+    def noise_gains(self) -> tuple[float, float]:
+        """Of white noise in the acceleration this is left in displacement and velocity."""
+        frequencies = self.rate * np.arange(1, self.harmonics + 1)
+        share = 2.0 / self.angle.size
+        x, v = (math.sqrt(share * float((frequencies**-power).sum())) for power in (4.0, 2.0))
+        return x, v
+
+    @cached_property
+    def _fit(self) -> tuple[Floats, Floats, npt.NDArray[np.complex128]]:
+        """Q and R of what is fitted, and the harmonics at the samples."""
+        turns = np.exp(1j * np.outer(self.angle, np.arange(1, self.harmonics + 1)))
+        place = self.angle / max(float(np.abs(self.angle).max()), 1e-300)
+        drifts = np.polynomial.legendre.legvander(place, self.drift)
+        q, r = np.linalg.qr(np.hstack([drifts, turns.real, turns.imag]))
+        return q, r, turns
+
+    def __call__(self, values: Floats) -> tuple[Floats, Floats, dict[str, Any]]:
+        """Displacement and velocity at the samples."""
+        from scipy.linalg import solve_triangular
+
+        q, r, turns = self._fit
+        orders = np.arange(1, self.harmonics + 1)
+        shares = values @ q
+        left = values - q @ shares
+        found = solve_triangular(r, shares)
+        real, imaginary = np.split(found[self.drift + 1 :], 2)
+        amplitude = (real - 1j * imaginary) / (1j * self.rate * orders)  # of the velocity
+        velocity = (turns @ amplitude).real
+        displacement = (turns @ (amplitude / (1j * self.rate * orders))).real
+        words = {
+            "period": 2.0 * math.pi / self.rate,
+            "harmonics": self.harmonics,
+            "residual": float(np.sqrt(np.mean(left * left))),
+        }
+        return displacement, velocity, words
 
 
 def displacements(
@@ -144,19 +388,19 @@ def displacements(
     if edges not in _EDGES:
         raise OptionError(f"edges = {edges!r:.60} must be 'cut' or 'keep'")
     count = data.sizes["time"]
-    method: FourierIntegral | RegularIntegral
+    method: _FourierIntegral | _RegularIntegral
     if period is not None:
-        method = FourierIntegral.design(count, step, period, highest, drift)
+        method = _FourierIntegral.design(count, step, period, highest, drift)
     elif highest is not None or drift is not None:
         raise OptionError("highest= and drift= go with period=; filter fast noise by low_pass")
     else:
-        method = RegularIntegral.design(count, step, finite_number("lowest", lowest), bias)
+        method = _RegularIntegral.design(count, step, finite_number("lowest", lowest), bias)
     edge = method.edge if edges == "cut" else 0
     part = slice(edge, count - edge)
     found: dict[str, Any] = {}
     rates: dict[str, Any] = {}
     for source, name in names.items():
-        units = integral_units(
+        units = _integral_units(
             source, data[source].attrs.get("units"), data["time"].attrs.get("units")
         )
         values = units.factor * data[source].values.astype(float)

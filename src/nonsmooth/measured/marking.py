@@ -1,7 +1,8 @@
-"""Marks of a record: those given or told from a pulse, with what is to be known of them."""
+"""Marks of a record, one per revolution: given, or told from a pulse; the speed by them."""
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -9,15 +10,177 @@ import numpy.typing as npt
 import xarray as xr
 
 from nonsmooth.errors import OptionError
-from nonsmooth.measured.clock import Clock, numbers
-from nonsmooth.measured.gaps import check_finite
-from nonsmooth.measured.marks import check_marks, find_edges, given_marks
-from nonsmooth.measured.places import Places
-from nonsmooth.measured.speeds import speed_attributes
+from nonsmooth.measured.clock import Clock, Places, check_finite, numbers
+from nonsmooth.runs.options import finite_number
 
-__all__ = ["Marking", "check_marked", "marks_of"]
+__all__ = ["Marking", "check_marked", "marks_of", "speed_attributes"]
 
 Floats = npt.NDArray[np.float64]
+
+_FEWEST = 3  # marks: two revolutions, which may differ
+_NEIGHBOURS = 11  # revolutions by whose median one is judged
+_SHORT, _LONG = 2.0 / 3.0, 1.5  # of that median
+_STRAIGHT = 1e-9  # of a sample, a bend of an edge that is rounding
+_TOLD = 4  # faults named in a message
+
+
+def speed_attributes(marks: npt.NDArray[np.float64]) -> dict[str, Any]:
+    """Mean speed in radians per unit time, its spread over revolutions, number of marks."""
+    single = 2.0 * math.pi / np.diff(marks)
+    mean = 2.0 * math.pi * (marks.size - 1) / float(marks[-1] - marks[0])
+    spread = float(np.sqrt(np.mean((single - mean) ** 2)))
+    return {"speed": mean, "speed_spread": spread, "n_marks": int(marks.size)}
+
+
+class _Edges(NamedTuple):
+    """Places of marks in samples, and how far off sampling may have put one."""
+
+    places: Floats
+    error: float
+
+
+def _find_edges(pulse: Floats, threshold: Any, hysteresis: Any, edge: Any) -> _Edges:
+    """Edges of a pulse train in samples from the first one, between samples by a straight line.
+
+    The signal must go from below the band of width ``hysteresis`` about the threshold to above
+    it; the edge is where it last passed the threshold on that way.
+    """
+    if edge not in ("rising", "falling"):
+        raise OptionError(f"edge = {edge!r:.60}: give 'rising' or 'falling'")
+    low, high = float(pulse.min()), float(pulse.max())
+    if low == high:
+        raise OptionError(
+            f"the mark channel is {low:g} throughout, so there are no marks; is it the right"
+            " column?"
+        )
+    level = 0.5 * (low + high) if threshold is None else finite_number("threshold", threshold)
+    width = 0.2 * (high - low) if hysteresis is None else finite_number("hysteresis", hysteresis)
+    if width < 0.0:
+        raise OptionError(f"hysteresis = {width:g} must not be negative")
+    if not low < level - 0.5 * width <= level + 0.5 * width < high:
+        raise OptionError(
+            f"threshold = {level:g} with hysteresis = {width:g}: the band from"
+            f" {level - 0.5 * width:g} to {level + 0.5 * width:g} must lie within the mark channel,"
+            f" which goes from {low:g} to {high:g}"
+        )
+    signed = pulse - level if edge == "rising" else level - pulse
+    side = np.where(signed > 0.5 * width, 1, np.where(signed < -0.5 * width, -1, 0))
+    known = np.maximum.accumulate(np.where(side != 0, np.arange(side.size), 0))
+    side = side[known]
+    above = np.flatnonzero((side[1:] == 1) & (side[:-1] == -1)) + 1
+    below = np.maximum.accumulate(np.where(signed < 0.0, np.arange(signed.size), 0))
+    last = below[above - 1]  # the last sample below the threshold on the way up
+    share = -signed[last] / (signed[last + 1] - signed[last])
+    return _Edges(last + share, _sampling_error(signed, last, share))
+
+
+def _sampling_error(signed: Floats, last: npt.NDArray[np.int64], share: Floats) -> float:
+    """How far off edges may be, in samples.
+
+    An edge that bends one way lies between the line through the two samples about it and the
+    lines through the two before and the two after, prolonged. Where those are flat, as about an
+    edge within one sample, it may be anywhere between the two.
+    """
+    if share.size == 0:
+        return 0.0
+    before = signed[last] - signed[np.maximum(last - 1, 0)]
+    after = signed[np.minimum(last + 2, signed.size - 1)] - signed[last + 1]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        from_before = np.where(before > 0.0, -signed[last] / before, 1.0)
+        from_after = np.where(after > 0.0, 1.0 - signed[last + 1] / after, 0.0)
+    ends = np.clip([from_before, from_after], 0.0, 1.0)
+    found = float(np.abs(ends - share).max())
+    return found if found > _STRAIGHT else 0.0
+
+
+def _given_marks(marks: Any) -> Floats:
+    """Times of marks given by the caller."""
+    try:
+        times = np.asarray(marks, dtype=float)
+    except (TypeError, ValueError, OverflowError):
+        raise OptionError(f"marks = {marks!r:.60}: give the times of the marks") from None
+    if times.ndim != 1 or not np.all(np.isfinite(times)):
+        raise OptionError("marks: give times in one dimension, all of them finite")
+    back = np.flatnonzero(np.diff(times) <= 0.0)
+    if back.size:
+        k = int(back[0])
+        raise OptionError(
+            f"marks must increase, and mark {k + 1} at {times[k + 1]:.9g} follows mark {k} at"
+            f" {times[k]:.9g} (from 0)"
+        )
+    return times
+
+
+def _check_marks(times: Floats, bad_marks: Any) -> tuple[Floats, int]:
+    """Marks one per revolution, and how many were repaired; refused where one is bad."""
+    if bad_marks not in ("refuse", "repair"):
+        raise OptionError(f"bad_marks = {bad_marks!r:.60}: give 'refuse' or 'repair'")
+    if times.size < _FEWEST:
+        raise OptionError(
+            f"{times.size or 'no'} marks lie within the record, and {_FEWEST} are needed at least;"
+            " take a longer record, or look at threshold= and hysteresis="
+        )
+    kept, count = _repaired(times) if bad_marks == "repair" else (times, 0)
+    doubled, missed = _faults(kept)
+    if not (doubled or missed):
+        return kept, count
+    told = [f"a double one at t = {kept[k]:.7g} (mark {k})" for k in doubled[:_TOLD]]
+    told += [
+        f"{n} missing between t = {kept[k]:.7g} and {kept[k + 1]:.7g} (after mark {k})"
+        for k, n in missed[:_TOLD]
+    ]
+    more = len(doubled) + len(missed) - len(told)
+    raise OptionError(
+        f"the marks are not one per revolution: {'; '.join(told)}"
+        + (f"; and {more} more" if more else "")
+        + ". A revolution may last from 2/3 to 3/2 of the median of its neighbours. "
+        + (
+            "This cannot be repaired; read the part of the record without it by time_range="
+            if bad_marks == "repair"
+            else "Look at threshold= and hysteresis=, or give bad_marks='repair' to leave double"
+            " ones out and to put missing ones in evenly"
+        )
+    )
+
+
+def _usual(intervals: Floats) -> Floats:
+    """Length of a revolution about each interval; a few bad ones do not change a median."""
+    from scipy.ndimage import median_filter
+
+    size = min(_NEIGHBOURS, intervals.size | 1)
+    usual: Floats = median_filter(intervals, size=size, mode="nearest")
+    return usual
+
+
+def _faults(times: Floats) -> tuple[list[int], list[tuple[int, int]]]:
+    """Marks that are one too many, and after which marks how many are missing."""
+    intervals = np.diff(times)
+    usual = _usual(intervals)
+    doubled: list[int] = []
+    for k in np.flatnonzero(intervals < _SHORT * usual).tolist():
+        if k in doubled:  # the other side of the same mark
+            continue
+        # the one without which its neighbours are a revolution apart
+        without_first = times[k + 1] - times[k - 1] if k > 0 else np.inf
+        without_second = times[k + 2] - times[k] if k + 2 < times.size else np.inf
+        first = abs(without_first - usual[k]) < abs(without_second - usual[k])
+        doubled.append(k if first else k + 1)
+    missed = [
+        (k, max(1, round(intervals[k] / usual[k]) - 1))
+        for k in np.flatnonzero(intervals > _LONG * usual).tolist()
+    ]
+    return sorted(set(doubled)), missed
+
+
+def _repaired(times: Floats) -> tuple[Floats, int]:
+    """Marks without the double ones, the missing ones put in evenly."""
+    doubled, _ = _faults(times)
+    kept = np.delete(times, doubled)
+    if kept.size < _FEWEST:
+        return times, 0
+    _, missed = _faults(kept)
+    put_in = [kept[k] + (kept[k + 1] - kept[k]) * np.arange(1, n + 1) / (n + 1) for k, n in missed]
+    return np.sort(np.concatenate([kept, *put_in])), len(doubled) + sum(n for _, n in missed)
 
 
 class Marking(NamedTuple):
@@ -37,7 +200,7 @@ def marks_of(given: Marking, clock: Clock, places: Places) -> tuple[Floats, dict
     if given.marks is not None and given.pulse is not None:
         raise OptionError("give the marks of revolutions by either marks= or pulse=")
     if given.marks is not None:
-        found, error = given_marks(given.marks), 0.0
+        found, error = _given_marks(given.marks), 0.0
         found = found[(found >= start) & (found <= start + (last - first - 1) * step)]
     elif given.pulse is not None:
         signal = numbers(places.pulse, given.pulse)
@@ -47,12 +210,12 @@ def marks_of(given: Marking, clock: Clock, places: Places) -> tuple[Floats, dict
             )
         signal = signal[first:last]
         check_finite({places.pulse: signal}, start, step, first, places)
-        edges = find_edges(signal, given.threshold, given.hysteresis, given.edge)
+        edges = _find_edges(signal, given.threshold, given.hysteresis, given.edge)
         found, error = start + step * edges.places, step * edges.error
     else:
         _check_unused(given)
         return None
-    kept, repaired = check_marks(found, given.bad_marks)
+    kept, repaired = _check_marks(found, given.bad_marks)
     return kept, {**speed_attributes(kept), "mark_error": error, "n_repaired": repaired}
 
 

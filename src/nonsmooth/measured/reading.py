@@ -12,10 +12,9 @@ import xarray as xr
 
 from nonsmooth.errors import OptionError, ResultWarning
 from nonsmooth.measured.channel import Channel, channels_of
-from nonsmooth.measured.csv_numbers import numbers_of
-from nonsmooth.measured.csv_text import Table, read_table
+from nonsmooth.measured.clock import FilePlaces
+from nonsmooth.measured.csv_text import Table, numbers_of, read_table
 from nonsmooth.measured.marking import Marking
-from nonsmooth.measured.places import FilePlaces
 from nonsmooth.measured.record import record_of
 
 __all__ = ["read_csv"]

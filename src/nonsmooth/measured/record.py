@@ -11,10 +11,8 @@ import xarray as xr
 
 from nonsmooth.errors import OptionError
 from nonsmooth.measured.channel import check_name
-from nonsmooth.measured.clock import FEWEST, clock_of, numbers
-from nonsmooth.measured.gaps import check_finite
+from nonsmooth.measured.clock import FEWEST, Places, check_finite, clock_of, numbers
 from nonsmooth.measured.marking import Marking, marks_of
-from nonsmooth.measured.places import Places
 from nonsmooth.version import __version__
 
 __all__ = ["check_record", "from_arrays", "record_of"]

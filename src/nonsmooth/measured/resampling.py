@@ -9,10 +9,9 @@ import numpy as np
 import xarray as xr
 
 from nonsmooth.errors import OptionError
-from nonsmooth.measured.interpolation import inside, interpolated
 from nonsmooth.measured.marking import check_marked
 from nonsmooth.measured.record import check_record
-from nonsmooth.measured.sections import revolutions_of
+from nonsmooth.measured.sections import inside, interpolated, revolutions_of
 from nonsmooth.runs.options import whole_number
 
 __all__ = ["synchronous"]

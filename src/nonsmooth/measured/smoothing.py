@@ -10,8 +10,12 @@ import numpy.typing as npt
 import xarray as xr
 
 from nonsmooth.errors import OptionError
-from nonsmooth.measured.even_samples import check_even, check_variables, over_time
-from nonsmooth.measured.noise import noise_before_filters
+from nonsmooth.measured.even_samples import (
+    check_even,
+    check_variables,
+    noise_before_filters,
+    over_time,
+)
 from nonsmooth.runs.options import finite_number, whole_number
 
 __all__ = ["low_pass"]

@@ -11,7 +11,7 @@ import xarray as xr
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.measured.channel import check_name
 from nonsmooth.measured.differentiator import Differentiator
-from nonsmooth.measured.noise import noise_before_filters
+from nonsmooth.measured.even_samples import noise_before_filters
 from nonsmooth.measured.record import check_record
 
 __all__ = ["displacements_of", "velocities"]

@@ -6,19 +6,30 @@ import math
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
 
 from nonsmooth.errors import ModelError, OptionError
 from nonsmooth.models.breathing_crack import breathing_crack
 from nonsmooth.models.fatigue_contact import GRAVITY
 from nonsmooth.models.fatigue_reduction import refuse_lost_contact
-from nonsmooth.models.fatigue_rigs.growth import Reached, lengths_to_check
 from nonsmooth.system.system import System
+from nonsmooth.system.text.evaluate import evaluate
+from nonsmooth.system.text.expressions import names_in
+from nonsmooth.system.text.grammar import parse
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Lumped", "breathing", "check_one_mass", "lumped"]
+__all__ = ["Lumped", "breathing", "check_one_mass", "lengths_to_check", "lumped"]
+
+
+_WIDTH = 20.0  # mm, of the chapter's specimen
+_LONGEST = 19.0  # mm; beyond it the specimen is all but through
+_APART = 2.0  # mm between two lengths at most
+# of any run, in units of time, each some per cent after the one before
+_TIMES = np.array([0.0, *np.geomspace(0.1, 1e10, 1000)])
 
 
 @dataclass(frozen=True)
@@ -83,7 +94,7 @@ def breathing(
     checked: bool,
 ) -> System:
     """System of Eqs. (50) and (51) with the data of a rig."""
-    reached: list[Reached] = []
+    reached: list[_Reached] = []
     if growth is not None:
         if crack is not None or specimen is not None or version != "chapter":
             raise OptionError(
@@ -117,7 +128,7 @@ def breathing(
     )
 
 
-def _refuse_lost_contact_later(rig: Any, reached: Reached, growth: str | None) -> None:
+def _refuse_lost_contact_later(rig: Any, reached: _Reached, growth: str | None) -> None:
     """Name the length at which a growing crack lets a mass off."""
     try:
         refuse_lost_contact(rig.system())
@@ -171,3 +182,38 @@ def check_one_mass(rig: Any, data: xr.Dataset, changed: Mapping[str, float]) -> 
 def _ratios(one: Lumped) -> dict[str, float]:
     closed = one.specimen_stiffness / one.stiffness
     return {"xi": one.damping_ratio, "kappa_closed": closed, "kappa": closed, "s": closed / _CLOSED}
+
+
+class _Reached(NamedTuple):
+    """A length in mm, and a time by which the crack has had it."""
+
+    length: float
+    time: float
+
+
+def lengths_to_check(growth: str) -> list[_Reached]:
+    """Lengths that a crack has from t = 0 until it is through, the first one at the start."""
+    rule = parse(growth, where="growth")
+    if others := sorted({each.name for each in names_in(rule)} - {"t", "pi"}):
+        raise OptionError(f"growth = {growth!r:.60} uses {others[0]!r}; give a text of t alone")
+    lengths = np.broadcast_to(evaluate(rule, {"t": _TIMES}), _TIMES.shape)
+    first = float(lengths[0])
+    fits = (lengths >= 0.0) & (lengths < _WIDTH)  # nan does not
+    if not fits[0]:
+        return [_Reached(first, 0.0)]
+    ends = len(fits) if fits.all() else int(np.argmin(fits))
+    # between two looks it went all the way
+    seen = [*lengths[:ends], *np.clip(lengths[ends : ends + 1], 0.0, _WIDTH)]
+    seen = [float(each) for each in seen if math.isfinite(each)]
+    low, high = min(seen), max(min(max(seen), _LONGEST), first)
+    count = 1 + math.ceil((high - low) / _APART)
+    wanted = {first, *map(float, np.linspace(low, high, count))}
+    times = {length: _first_time(seen, length) for length in wanted}
+    return sorted((_Reached(*pair) for pair in times.items()), key=lambda each: each.time)
+
+
+def _first_time(seen: list[float], length: float) -> float:
+    """First of the times by which the crack has gone from its first length past this one."""
+    way = length - seen[0]
+    gone = (np.array(seen) - seen[0]) * np.sign(way) >= abs(way) * (1.0 - 1e-12)
+    return float(_TIMES[int(np.argmax(gone))])

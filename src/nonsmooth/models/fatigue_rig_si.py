@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from nonsmooth.errors import ModelError, OptionError, unknown_name
+from nonsmooth.errors import ModelError, OptionError
 from nonsmooth.fatigue.specimen import Specimen
 from nonsmooth.fatigue.stiffness_laws import cubic_stiffness
 from nonsmooth.models.fatigue_contact import GRAVITY
@@ -17,13 +17,18 @@ from nonsmooth.models.fatigue_one_mass import Lumped, breathing, check_one_mass,
 from nonsmooth.models.fatigue_preload import least_preload
 from nonsmooth.models.fatigue_reduction import Version
 from nonsmooth.models.fatigue_rig import fatigue_rig
-from nonsmooth.models.fatigue_rigs.data import data_of, parameters_of
-from nonsmooth.models.fatigue_rigs.rest import check_at_rest
-from nonsmooth.models.fatigue_rigs.units import TWO_MASSES, one_mass_units, two_mass_units
-from nonsmooth.models.rigs.data import check_data, finite_values, one_number
-from nonsmooth.models.rigs.scaling import changed_parameters, in_si
-from nonsmooth.models.rigs.ties import check_system, units_of_ties, with_likes
-from nonsmooth.models.rigs.units import Units
+from nonsmooth.models.fatigue_rigs.data import check_at_rest, data_of, parameters_of
+from nonsmooth.models.rigs.data import check_data, one_number
+from nonsmooth.models.rigs.scaling import (
+    changed_parameters,
+    check_system,
+    from_units,
+    in_si,
+    own_value,
+    refuse_si,
+    units_of_ties,
+)
+from nonsmooth.models.rigs.units import TWO_MASSES, Units, one_mass_units, two_mass_units
 from nonsmooth.system.signals import Signal
 from nonsmooth.system.system import System
 
@@ -548,15 +553,7 @@ class FatigueRig:
         if model not in ("two_masses", "one_mass"):
             raise OptionError(f"model = {model!r:.60} must be 'two_masses' or 'one_mass'")
         units = self.units if model == "two_masses" else self.one_mass_units
-        parameters, _ = with_likes(units.parameters, units.labels, like or {})
-        found: dict[str, Any] = {}
-        for name, value in values.items():
-            unit = parameters.get(name) or units.of(name)
-            if unit is None:
-                known = [*units.quantities, *parameters, "time"]
-                raise OptionError(unknown_name("state or parameter", name, known))
-            found[name] = (finite_values(name, value) / unit.factor).tolist()
-        return found
+        return from_units(values, units, like or {}, units.quantities)
 
     def to_si(
         self, data: xr.Dataset, *, like: Mapping[str, str | None] | None = None
@@ -596,10 +593,7 @@ class FatigueRig:
         >>> run["X1"].attrs["units"], round(float(run["time"][-1]), 6)
         ('mm', 1.044386)
         """
-        if "rig_mass" in data.attrs:
-            raise OptionError(
-                "the dataset is in SI units already; give the result of the verb as it came"
-            )
+        refuse_si(data, "mass")
         if "system" not in data.attrs or "system_name" not in data.attrs:
             raise OptionError(
                 "the dataset does not say by which system it was made; give the result of a verb"
@@ -628,7 +622,5 @@ class FatigueRig:
         """Attributes with the rig's data, as the values of the parameters have them."""
         found = data_of(values, self.mass, self.leaf_stiffness, self.base_amplitude)
         for name, value in found.items():
-            own = getattr(self, name)
-            same = own is not None and math.isclose(value, own, rel_tol=1e-9, abs_tol=1e-12)
-            data.attrs[f"rig_{name}"] = own if same else value
+            data.attrs[f"rig_{name}"] = own_value(value, getattr(self, name))
         return data

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError
-from nonsmooth.models.four_phases import FourPhases, pass_four_phases
+from nonsmooth.models.moling_phases import mode_solution
 from nonsmooth.system.system import System
 
 if TYPE_CHECKING:
@@ -25,6 +26,8 @@ _VELOCITIES, _PHASES, _STARTS = 16, 24, 3
 _FAR = 1e6  # in place of an infinite misfit, so that a simplex can be ordered
 _SAME = 1e-6
 _ZERO = 1e-9  # misfit of an orbit: rounding and the end of the search
+_LOOKS = 250  # at a guard between two switches, on each of two scales
+_SOONEST = 1e-7  # of a period: the first look
 
 
 def four_phase_misfit(system: System, y_0: float, psi_0: float) -> float:
@@ -58,7 +61,7 @@ def four_phase_misfit(system: System, y_0: float, psi_0: float) -> float:
     >>> round(ns.models.four_phase_misfit(mole, 7.0, 1.2), 4)
     2.4923
     """
-    return pass_four_phases(_values(system), float(y_0), float(psi_0)).misfit
+    return _pass_four_phases(_values(system), float(y_0), float(psi_0)).misfit
 
 
 def four_phase_orbit(
@@ -116,14 +119,14 @@ def four_phase_orbit(
     def misfit(unknowns: Floats) -> float:
         nonlocal evaluations
         evaluations += 1
-        return min(pass_four_phases(values, float(unknowns[0]), float(unknowns[1])).misfit, _FAR)
+        return min(_pass_four_phases(values, float(unknowns[0]), float(unknowns[1])).misfit, _FAR)
 
     starts = _grid(values) if guess is None else [_pair(guess)]
-    found: list[tuple[Floats, FourPhases]] = []
+    found: list[tuple[Floats, _FourPhases]] = []
     for start in starts:
         place = _descend(misfit, start)
         place[1] %= 2.0 * np.pi
-        phases = pass_four_phases(values, float(place[0]), float(place[1]))
+        phases = _pass_four_phases(values, float(place[0]), float(place[1]))
         if np.isfinite(phases.misfit) and all(_apart(place, one) > _SAME for one, _ in found):
             found.append((place, phases))
     return _dataset(system, values, found, evaluations)
@@ -152,7 +155,7 @@ def _grid(values: Values) -> list[Floats]:
     fastest = 2.0 * (values["a"] + np.pi * values["b"]) / values["omega"]
     y = fastest * (np.arange(_VELOCITIES) + 0.5) / _VELOCITIES
     psi = 2.0 * np.pi * np.arange(_PHASES) / _PHASES
-    passed = [[pass_four_phases(values, u, w) for w in psi] for u in y]
+    passed = [[_pass_four_phases(values, u, w) for w in psi] for u in y]
     places = [
         *_lowest(np.array([[each.return_misfit for each in row] for row in passed])),
         *_lowest(np.array([[each.misfit for each in row] for row in passed])),
@@ -182,11 +185,11 @@ def _apart(place: Floats, other: Floats) -> float:
 
 
 def _dataset(
-    system: System, values: Values, found: list[tuple[Floats, FourPhases]], evaluations: int
+    system: System, values: Values, found: list[tuple[Floats, _FourPhases]], evaluations: int
 ) -> xr.Dataset:
     import xarray as xr
 
-    def admissible(each: FourPhases) -> bool:
+    def admissible(each: _FourPhases) -> bool:
         low, high = each.last_force
         return each.misfit <= _ZERO and low > 0.0 and high < 1.0
 
@@ -244,3 +247,125 @@ def _pair(guess: tuple[float, float] | xr.Dataset) -> Floats:
     if pair.shape != (2,) or not np.all(np.isfinite(pair)):
         raise OptionError(f"guess = {guess!r:.80}: give y_0 and psi_0, two numbers")
     return pair
+
+
+@dataclass(frozen=True)
+class _FourPhases:
+    """A period that begins with progression.
+
+    Parameters
+    ----------
+    misfit : float
+        F of Eq. (23); infinite where one of the phases does not end.
+    progression : float
+        Change of v.
+    durations : numpy.ndarray
+        Of phases I to IV.
+    last_force : tuple of float
+        Least and greatest force on the slider inside phase IV, in units of the friction limit.
+    return_misfit : float
+        What y, and the length of the turn, lack where progression next begins.
+    """
+
+    misfit: float
+    progression: float
+    durations: Floats
+    last_force: tuple[float, float]
+    return_misfit: float
+
+
+_NONE = _FourPhases(np.inf, np.nan, np.full(4, np.nan), (np.nan, np.nan), np.inf)
+
+
+def _pass_four_phases(values: Values, y_0: float, psi_0: float) -> _FourPhases:
+    """Progression, contact, flight and contact for one period from the start of progression.
+
+    Each of the first three phases ends where its guard first vanishes, the last one with the
+    period, whatever the force on the slider does in it.
+
+    Parameters
+    ----------
+    values : mapping of str to float
+        Parameters a, b, xi, omega, g.
+    y_0, psi_0 : float
+        Velocity of the mass and phase of the forcing.
+
+    Returns
+    -------
+    FourPhases
+
+    Examples
+    --------
+    >>> values = {"a": 0.3, "b": 0.15, "xi": 0.05, "omega": 0.1, "g": 0.02}
+    >>> [round(float(each), 2) for each in _pass_four_phases(values, 7.23, 1.165).durations]
+    [8.46, 1.53, 52.8, 0.04]
+    """
+    values = {**values, "phi": psi_0}  # time begins with progression
+    g, twice, period = values["g"], 2.0 * values["xi"], 2.0 * np.pi / values["omega"]
+    q_0 = 1.0 - twice * y_0  # Eq. (19)
+    begin = np.array([q_0 + g, y_0, q_0, 0.0])
+    guards: tuple[tuple[str, Callable[[Floats], Floats]], ...] = (
+        ("progression", lambda s: twice * s[:, 1] + s[:, 2] - 1.0),
+        ("contact", lambda s: twice * s[:, 1] + s[:, 2]),
+        ("no_contact", lambda s: s[:, 2] + g - s[:, 0]),
+    )
+    state, times = begin, [0.0]
+    for mode, guard in guards:
+        end = _first_root(values, mode, guard, state, times[-1], period)
+        if end is None:
+            return _NONE
+        state = mode_solution(values, mode, state, times[-1], np.array([end]))[0]
+        times.append(end)
+    last = times[-1] + (period - times[-1]) * np.linspace(0.0, 1.0, _LOOKS)
+    states = mode_solution(values, "contact", state, times[-1], last)
+    force = (twice * states[:, 1] + states[:, 2])[1:-1]
+    p, y, _, v = states[-1]
+    return _FourPhases(
+        # x(T) - x(0) - Delta, with Delta the change of v, is the change of p = x - v
+        misfit=float(np.hypot(p - begin[0], y - begin[1])),
+        progression=float(v),
+        durations=np.diff([*times, period]),
+        last_force=(float(force.min()), float(force.max())),
+        return_misfit=_return_misfit(values, state, times[-1], y_0, period),
+    )
+
+
+def _return_misfit(values: Values, state: Floats, began: float, y_0: float, period: float) -> float:
+    """Distance from the start, in velocity and time, where the force next reaches the limit."""
+    looks = began + np.geomspace(_SOONEST, 1.0, _LOOKS) * period
+    states = mode_solution(values, "contact", state, began, looks)
+    force = 2.0 * values["xi"] * states[:, 1] + states[:, 2]
+    if force[0] >= 1.0:
+        return np.inf
+    over = np.flatnonzero((force >= 1.0) | (force < 0.0))
+    if not over.size or force[over[0]] < 0.0:
+        return np.inf
+    k = int(over[0])
+    return float(np.hypot(states[k, 1] - y_0, looks[k] - period))
+
+
+def _first_root(
+    values: Values,
+    mode: str,
+    guard: Callable[[Floats], Floats],
+    state: Floats,
+    began: float,
+    period: float,
+) -> float | None:
+    """Time at which a guard that is positive at first vanishes, or None within the period."""
+    from scipy.optimize import brentq
+
+    left = period - began
+    looks = np.union1d(
+        np.geomspace(_SOONEST * period, left, _LOOKS), np.linspace(0.0, left, _LOOKS)[1:]
+    )
+    found = guard(mode_solution(values, mode, state, began, began + looks))
+    gone = np.flatnonzero(found <= 0.0)
+    if not gone.size or gone[0] == 0:
+        return None
+    k = int(gone[0])
+
+    def at(time: float) -> float:
+        return float(guard(mode_solution(values, mode, state, began, np.array([time])))[0])
+
+    return float(brentq(at, began + looks[k - 1], began + looks[k], xtol=1e-13, rtol=1e-14))

@@ -27,7 +27,7 @@ _STRONGER = "contact is kept; a larger amplitude or another frequency would do m
 
 
 @dataclass
-class _Search:
+class _LoadSearch:
     """The simulated rig with its sensor, and what was tried."""
 
     rig: FatigueRig
@@ -151,7 +151,9 @@ def set_load(
     # also refuses a specimen that is not the rig's
     cracked = rig.cracked(0.0 if crack is None else crack, specimen=beam)
     wanted = abs(float(beam.voltage(load, gain, 0.0 if crack is None else crack)))
-    search = _Search(replace(rig, open_stiffness=None) if crack is None else cracked, gain, wanted)
+    search = _LoadSearch(
+        replace(rig, open_stiffness=None) if crack is None else cracked, gain, wanted
+    )
     low, high = _bracket(search, largest)
     root = brentq(search.excess, low, high, xtol=1e-14 * high, rtol=8.9e-16, maxiter=200)
     best = search.look(root)
@@ -179,7 +181,7 @@ def set_load(
     return _dataset(search, best)
 
 
-def _bracket(search: _Search, largest: float) -> tuple[float, float]:
+def _bracket(search: _LoadSearch, largest: float) -> tuple[float, float]:
     """Amplitudes between which the voltage passes the wanted one, the lower one from below."""
     first = min(search.rig.base_amplitude, largest)
     row = search.look(first)
@@ -204,7 +206,7 @@ def _loss(row: dict[str, Any]) -> str:
     return loss_message(run, loss)
 
 
-def _dataset(search: _Search, best: dict[str, Any]) -> xr.Dataset:
+def _dataset(search: _LoadSearch, best: dict[str, Any]) -> xr.Dataset:
     import xarray as xr
 
     rig: FatigueRig = best["rig"]

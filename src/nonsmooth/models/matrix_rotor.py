@@ -13,8 +13,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from nonsmooth.errors import ModelError
-from nonsmooth.models.matrices.files import read_archive, square_matrix
-from nonsmooth.models.matrices.texts import matrix_rotor_words
+from nonsmooth.models.rotors.matrices import matrix_rotor_words, read_archive, square_matrix
 from nonsmooth.system.parts import Text
 from nonsmooth.system.system import System
 

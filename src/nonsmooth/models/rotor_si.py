@@ -7,13 +7,20 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from nonsmooth.errors import OptionError, unknown_name
-from nonsmooth.models.rigs.data import check_data, finite_values
-from nonsmooth.models.rigs.scaling import changed_parameters, in_si
-from nonsmooth.models.rigs.ties import check_system, units_of_ties, with_likes
-from nonsmooth.models.rigs.units import Unit, Units
+from nonsmooth.errors import OptionError
+from nonsmooth.models.rigs.data import check_data
+from nonsmooth.models.rigs.scaling import (
+    changed_parameters,
+    check_system,
+    from_units,
+    in_si,
+    own_value,
+    refuse_si,
+    same_value,
+    units_of_ties,
+)
+from nonsmooth.models.rigs.units import ROTOR, Unit, Units, rotor_units
 from nonsmooth.models.rotor import rotor
-from nonsmooth.models.rotors.units import PARAMETERS, rotor_units
 from nonsmooth.models.static_contact import static_contact
 from nonsmooth.system.system import System
 
@@ -262,16 +269,7 @@ class RotorRig:
         >>> rig.from_si({"x": 0.2, "vy": 20.0})
         {'x': 0.5, 'vy': 0.5}
         """
-        units = self.units
-        parameters, _ = with_likes(units.parameters, units.labels, like or {})
-        found: dict[str, Any] = {}
-        for name, value in values.items():
-            unit = parameters.get(name) or units.of(name)
-            if unit is None:
-                known = [*self.system().states, *parameters]
-                raise OptionError(unknown_name("state or parameter", name, known))
-            found[name] = (finite_values(name, value) / unit.factor).tolist()
-        return found
+        return from_units(values, self.units, like or {}, self.system().states)
 
     def static_equilibrium(self) -> xr.Dataset:
         """Where the rotor rests while it does not turn, and whether on the ring, in mm and N.
@@ -354,13 +352,10 @@ class RotorRig:
         >>> run["x"].attrs["units"], round(float(run["time"][-1]), 9)
         ('mm', 0.5)
         """
-        if "rig_gap" in data.attrs:
-            raise OptionError(
-                "the dataset is in SI units already; give the result of the verb as it came"
-            )
+        refuse_si(data, "gap")
         units, values, changed = self.units, self.parameters(), changed_parameters(data)
         if "system" in data.attrs:
-            ties = check_system(data.attrs["system"], self.system(), changed, PARAMETERS, _FREE)
+            ties = check_system(data.attrs["system"], self.system(), changed, ROTOR, _FREE)
             parameters, labels = units_of_ties(ties, units.parameters, units.labels, like or {})
             units = replace(units, parameters=parameters, labels=labels)
             values = ties.values
@@ -373,8 +368,7 @@ class RotorRig:
         for name, key in _FIELDS.items():
             if name in values and name not in swept:
                 value = changed.get(name, values[name]) * units.parameters[name].factor
-                same = _same(value, getattr(self, key))
-                result.attrs[f"rig_{key}"] = getattr(self, key) if same else value
+                result.attrs[f"rig_{key}"] = own_value(value, getattr(self, key))
             else:
                 del result.attrs[f"rig_{key}"]
         return result
@@ -432,12 +426,8 @@ class RotorRig:
         given = {name: data.attrs[name] for name in mine if name in data.attrs}
         if not given:
             raise OptionError("the dataset does not say by which system or parameters it was made")
-        if others := [name for name, value in given.items() if not _same(value, mine[name])]:
+        if others := [name for name, value in given.items() if not same_value(value, mine[name])]:
             raise OptionError(
                 f"the dataset was made with other values of {', '.join(others)} than those"
                 " of this rig; hand it rig.parameters()"
             )
-
-
-def _same(value: float, other: float) -> bool:
-    return math.isclose(float(value), other, rel_tol=1e-9, abs_tol=1e-12)

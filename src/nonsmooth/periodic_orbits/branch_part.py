@@ -8,12 +8,14 @@ import numpy as np
 
 from nonsmooth.continuation.point import Point
 from nonsmooth.periodic_orbits.branch_tests import Looked
-from nonsmooth.periodic_orbits.stretch import Stretch
+from nonsmooth.periodic_orbits.stretch import BranchStretch
 from nonsmooth.periodic_orbits.symmetric import is_antisymmetric
 from nonsmooth.periodic_orbits.word import Word
 
-__all__ = ["BranchPart", "Followed", "kind_of", "part_of"]
+__all__ = ["BranchPart", "Followed", "ending_of_orbits", "kind_of", "part_of"]
 
+
+_OF_EQUATIONS = ("residual", "derivative", "test ", "matrix")  # reasons that tell of no orbit
 _KINDS = {
     "graze": "grazing", "short": "grazing", "rate": "grazing", "leg": "lost", "gain": "gained",
     "slide": "sliding", "enter": "sliding", "shrink": "hopf", "motion": "word_change",
@@ -21,6 +23,37 @@ _KINDS = {
 _OF_MULTIPLIERS = ("flip", "torus", "fold", "branch_point")
 _NEAR_ONE = 1e-3  # the same at a fold or a crossing, which some orbits have only to half the digits
 _CRITICAL = 1e-5  # distance from the unit circle of a multiplier that is on it
+
+
+def ending_of_orbits(ended: str, message: str, parameter: str, value: float) -> str:
+    """A sentence for the end of a branch of orbits.
+
+    Branches of any equations speak of residuals, of ``p`` and of options that orbits have not;
+    ``message`` is what they say, and stays where orbits have nothing else to say.
+    """
+    here = f"{parameter} = {value:.10g}"
+    reason = _reason(message)
+    again = "begin anew with an orbit beyond it, from find_orbit with other parameters="
+    return {
+        "bound": f"the branch reached the bound {here}",
+        "closed": "the branch came back to its start: it is a closed curve",
+        "domain": f"beyond {here} the legs of the orbit are not defined{reason}, as where a guard"
+        " is no longer reached or a state leaves the domain of an equation; simulate a little"
+        f" beyond to see what the motion does, and {again}",
+        "singular": f"at {here} the equations of the orbit do not fix one curve, as where branches"
+        f" cross, or motions of any amplitude repeat; {again}",
+        "smallest_step": f"no step from smallest_step= on was taken at {here}{reason}: the branch"
+        " has a corner or a jump there, or an event is nearly grazed; try a smaller"
+        f" smallest_step=, or {again}",
+    }.get(ended, message.replace("up to p = ", f"up to {parameter} = "))
+
+
+def _reason(message: str) -> str:
+    """What is said in brackets behind the value, with a blank before it."""
+    _, bracket, rest = message.partition(" (")
+    inside, closed, _ = rest.rpartition("):")
+    said = bracket and closed and not any(word in inside for word in _OF_EQUATIONS)
+    return f" ({inside})" if said else ""
 
 
 @dataclass
@@ -52,7 +85,7 @@ def kind_of(name: str) -> str:
 
 
 def part_of(
-    stretch: Stretch, looked: Looked, point: Point, along: float, special: str, detail: str
+    stretch: BranchStretch, looked: Looked, point: Point, along: float, special: str, detail: str
 ) -> BranchPart:
     """A point with what happens there; what its test has called critical is looked at again."""
     if special in _OF_MULTIPLIERS and not _is_critical(looked, special):

@@ -2,23 +2,165 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 
 import numpy as np
+import numpy.typing as npt
 
-from nonsmooth.periodic_orbits.branch_part import BranchPart, Followed
-from nonsmooth.periodic_orbits.branch_walk import StretchWalk
-from nonsmooth.periodic_orbits.legs import Legs
+from nonsmooth.continuation.point import Point
+from nonsmooth.errors import RunError
+from nonsmooth.periodic_orbits.branch_change import broken_test, change_at, end_at
+from nonsmooth.periodic_orbits.branch_part import BranchPart, Followed, ending_of_orbits, part_of
+from nonsmooth.periodic_orbits.branch_start import tangent_at
+from nonsmooth.periodic_orbits.branch_tests import WORD_TESTS, Looked
+from nonsmooth.periodic_orbits.equations import OrbitEquations
+from nonsmooth.periodic_orbits.legs import LegError, Legs
 from nonsmooth.periodic_orbits.newton import scale_of
-from nonsmooth.periodic_orbits.stretch import BranchOptions, BranchStart, Stretch
+from nonsmooth.periodic_orbits.orbit import primitive_parts
+from nonsmooth.periodic_orbits.stretch import BranchOptions, BranchStart, BranchStretch
 
 __all__ = ["follow_orbits"]
 
+Floats = npt.NDArray[np.float64]
+
+_AGAIN = 1e-6  # arclength from the start of a stretch within which its own change is seen again
+_NEAR_GRAZE = 1e-2  # part of the turn: branches cross there as an excursion vanishes
+_HALVING = "the turn passes twice through the orbit that doubles its period here"
 _CLOSED = 1e-5  # scaled distance from where a branch was before
 _LEAST = 1e-2  # of the size of the first orbit: smaller ones are not measured by their own
 _NO_CHANGE = ("", "section")  # kinds of starts at which the word stays, but for its beginning
+
+
+class _StretchWalk:
+    """Walks along a stretch; behind it, ``following`` or ``ended`` says how the branch goes on.
+
+    ``begin`` is the arclength so far, 0 for the first stretch; ``first_scale`` the size of the
+    first orbit; neither is set where the steps are used up.
+    """
+
+    def __init__(
+        self, stretch: BranchStretch, start: BranchStart, begin: float, first_scale: float
+    ) -> None:
+        self.stretch, self.start = stretch, start
+        self.begin, self.along, self.first_scale = begin, begin, first_scale
+        self.done = 0
+        self.following: BranchStart | None = None
+        self.ended: Followed | None = None
+        self._before: Mapping[str, float] = {}  # tests of the last point that was a motion
+        self._is_located = not start.located
+
+    def points(self, steps: int, report: Callable[[int], None]) -> Iterator[BranchPart]:
+        """Points that count, in order."""
+        name = self.stretch.options.parameter
+        try:
+            branch = self.stretch.branch(self.start, steps)
+        except RunError as fault:
+            if self.begin == 0.0:  # the first orbit of all
+                raise
+            message = ending_of_orbits("smallest_step", str(fault), name, self.start.value)
+            self.ended = Followed("smallest_step", message)
+            return
+        for point in branch:
+            self.along = self.begin + point.arclength
+            report(self.done)
+            try:
+                looked = self.stretch.look(point)
+            except LegError:
+                continue
+            if self._is_again(point, looked):
+                if self._locates(point):
+                    # a graze that was approached along an excursion, from its regular side
+                    self._is_located = True
+                    yield self._part(looked, point, self.start.kind, self.start.detail)
+                continue
+            yield from self._counted(point, looked)
+            if self.following is not None or self.ended is not None:
+                return
+        if branch.ended != "steps":
+            message = ending_of_orbits(branch.ended, branch.message, name, point.p)
+            self.ended = Followed(branch.ended, message)
+
+    def _is_again(self, point: Point, looked: Looked) -> bool:
+        """Whether a point only repeats the change behind which the stretch begins."""
+        name, tests, start = point.special, looked.tests, self.start
+        if name and name != "bound" and self.begin > 0.0 and point.arclength <= _AGAIN:
+            return True
+        if name == "branch_point" and _at_graze(looked):
+            return True
+        if not name and start.located and tests.get(start.grows, 1.0) <= 0.0:
+            self._before = tests
+            return True  # before the graze, on its other side
+        stands = _may_stand(self.stretch.options, looked)
+        if not name and self.begin > 0.0 and not self._before and not stands:
+            return True  # where the word has just changed rounding decides what the engine finds
+        # a test of the word that rises
+        return name.split(":")[0] in WORD_TESTS and self._before.get(name, 1.0) < 0.0
+
+    def _locates(self, point: Point) -> bool:
+        """Whether a point is the graze on whose other side the stretch begins."""
+        return not self._is_located and point.special.split(":")[0] == "graze"
+
+    def _counted(self, point: Point, looked: Looked) -> Iterator[BranchPart]:
+        """A point of the branch, and where that leads."""
+        name = point.special
+        if name == "branch_point" and primitive_parts(self.stretch.equations, looked.turn) > 1:
+            yield replace(self._part(looked, point, "halving", _HALVING), test="flip")
+            self.ended = Followed("halving", f"the branch ends where {_HALVING}")
+            return
+        if name.split(":")[0] not in WORD_TESTS:
+            if _may_stand(self.stretch.options, looked):
+                yield from self._ordinary(point, looked)
+                return
+            name = broken_test(looked)
+            point = replace(point, special=name)
+        self.following, part = change_at(self.stretch, point, looked, self.along)
+        if part is not None:
+            yield part
+        if self.following is None:
+            self.ended = end_at(name, looked, self.stretch)
+
+    def _ordinary(self, point: Point, looked: Looked) -> Iterator[BranchPart]:
+        """A point at which the word stays; the stretch ends where its orbits have outgrown it."""
+        self._before = looked.tests
+        # a stretch that only has another scale begins at the last point of the one before
+        if not (self.begin > 0.0 and point.arclength == 0.0 and not self.start.kind):
+            yield self._part(looked, point, point.special, "")
+            self.done += not point.special
+        if looked.other is not None and not point.special and not self.stretch.options.inadmissible:
+            self.following = self._with_other_rebounds(looked.other, point)
+        elif not point.special and point.arclength > 0.0 and self.stretch.outgrown(point.u):
+            if self.stretch.is_nothing_beside(self.first_scale):
+                self.ended = end_at("shrink", looked, self.stretch)
+                return
+            way = (point.tangent_u, point.tangent_p)
+            self.following = BranchStart(self.stretch.equations, point.u, point.p, way)
+
+    def _with_other_rebounds(
+        self, other: tuple[OrbitEquations, Floats], point: Point
+    ) -> BranchStart:
+        """The branch goes on as that of the word in which the engine's rebounds are."""
+        equations, unknowns = other
+        self.stretch.set_parameter(point.p)
+        du, dp = tangent_at(equations, unknowns)
+        way = 1.0 if dp * point.tangent_p >= 0.0 else -1.0
+        return BranchStart(equations, unknowns, point.p, (way * du, way * dp))
+
+    def _part(self, looked: Looked, point: Point, special: str, detail: str) -> BranchPart:
+        return part_of(self.stretch, looked, point, self.along, special, detail)
+
+
+def _may_stand(options: BranchOptions, looked: Looked) -> bool:
+    """Whether an orbit is a motion, or need not be one."""
+    return options.inadmissible or looked.admissibility.admissible
+
+
+def _at_graze(looked: Looked) -> bool:
+    """Whether branches cross only because an excursion has no duration."""
+    return any(
+        name.startswith("short") and value < _NEAR_GRAZE for name, value in looked.tests.items()
+    )
 
 
 def follow_orbits(
@@ -56,8 +198,8 @@ def _follow(
     # what is driven and shrinks is known to the rounding of what drives it
     least = np.zeros(legs.n) if options.autonomous else _LEAST * first
     while done < options.steps:
-        stretch = Stretch(options, legs, start.equations, start.grows, least)
-        walk = StretchWalk(stretch, start, along, float(first.max()))
+        stretch = BranchStretch(options, legs, start.equations, start.grows, least)
+        walk = _StretchWalk(stretch, start, along, float(first.max()))
         yield from walk.points(options.steps - done, partial(_report, report, done))
         if walk.ended is not None:
             yield walk.ended

@@ -1,4 +1,4 @@
-"""Where a stretch of a branch begins, and in which direction."""
+"""Where a stretch of a branch begins, and in which direction; the branch that begins at a flip."""
 
 from __future__ import annotations
 
@@ -11,14 +11,15 @@ from nonsmooth.continuation.follow import follow
 from nonsmooth.continuation.point import Point
 from nonsmooth.errors import NonsmoothError
 from nonsmooth.periodic_orbits.branch_tests import BranchTests
-from nonsmooth.periodic_orbits.change import Change
-from nonsmooth.periodic_orbits.equations import OrbitEquations
+from nonsmooth.periodic_orbits.equations import OrbitEquations, Turn
 from nonsmooth.periodic_orbits.guess import Guess
 from nonsmooth.periodic_orbits.legs import LegError, Legs
-from nonsmooth.periodic_orbits.newton import scale_of, solve_orbit
-from nonsmooth.periodic_orbits.stretch import BranchOptions, BranchStart, Stretch, scale_along
+from nonsmooth.periodic_orbits.newton import null_vector, scale_of, solve_orbit
+from nonsmooth.periodic_orbits.stretch import BranchOptions, BranchStart, BranchStretch, scale_along
+from nonsmooth.periodic_orbits.word import Word
+from nonsmooth.periodic_orbits.word_change import Change
 
-__all__ = ["begin_change", "solved_start", "tangent_at"]
+__all__ = ["begin_change", "doubled_start", "tangent_at"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -39,7 +40,7 @@ def tangent_at(equations: OrbitEquations, unknowns: Floats) -> tuple[Floats, flo
     return direction[:-1] * scale, float(direction[-1]) / size
 
 
-def begin_change(stretch: Stretch, change: Change, point: Point) -> BranchStart | None:
+def begin_change(stretch: BranchStretch, change: Change, point: Point) -> BranchStart | None:
     """Start of the stretch behind a change; None where no motion of the new word begins there."""
     equations = stretch.equations.of_word(change.guess.word, change.guess.turn.states[0])
     try:
@@ -72,7 +73,11 @@ def _solve(
 
 
 def _solve_opened(
-    stretch: Stretch, equations: OrbitEquations, unknowns: Floats, value: float, change: Change
+    stretch: BranchStretch,
+    equations: OrbitEquations,
+    unknowns: Floats,
+    value: float,
+    change: Change,
 ) -> tuple[Floats, float] | None:
     """The orbit with an excursion of the prescribed duration, at the parameter where it exists."""
     first = len(equations.word) * stretch.legs.n - 1  # column of instant j is first + j
@@ -103,7 +108,7 @@ def _solve_opened(
 
 
 def _way(
-    stretch: Stretch, equations: OrbitEquations, unknowns: Floats, value: float,
+    stretch: BranchStretch, equations: OrbitEquations, unknowns: Floats, value: float,
     direction: tuple[Floats, float], change: Change, point: Point,
 ) -> float:  # fmt: skip
     """Sign of the direction in which the change opens up."""
@@ -129,9 +134,9 @@ def _way(
     return 1.0 if found[0] > found[1] else -1.0
 
 
-def _goes_on(stretch: Stretch, start: BranchStart) -> bool:
+def _goes_on(stretch: BranchStretch, start: BranchStart) -> bool:
     """Whether the first orbits of a new stretch are motions."""
-    trial = Stretch(stretch.options, stretch.legs, start.equations, start.grows)
+    trial = BranchStretch(stretch.options, stretch.legs, start.equations, start.grows)
     step = _FIRST * stretch.options.step
     trial.set_parameter(start.value)
     try:
@@ -149,7 +154,7 @@ def _goes_on(stretch: Stretch, start: BranchStart) -> bool:
     return any(trial.look(point).admissibility.admissible for point in points[1:])
 
 
-def solved_start(
+def _solved_start(
     options: BranchOptions, legs: Legs, guess: Guess, value: float, direction: Any
 ) -> BranchStart | None:
     """Start of a branch from a guess at a value of the parameter."""
@@ -164,3 +169,31 @@ def solved_start(
     tangent = tangent_at(equations, solution.unknowns)
     way = 1.0 if tangent[1] * direction >= 0.0 else -1.0
     return BranchStart(equations, solution.unknowns, value, (way * tangent[0], way * tangent[1]))
+
+
+def doubled_start(options: BranchOptions, legs: Legs, guess: Guess, value: float) -> BranchStart:
+    """Start on the doubled branch: the orbit passed twice, and the direction in which they differ.
+
+    ``options`` have the period of the doubled orbit. At the flip the equations of the doubled
+    orbit are singular; their null vector leads to it, the parameter being stationary there.
+    """
+    word, turn = guess
+    length = float(turn.instants[-1] - turn.instants[0])
+    ends = legs.follow(word, turn.states, turn.instants).nexts[-1]
+    drifting = np.array([name in options.system.drift_states for name in options.system.states])
+    shift = np.where(drifting, ends - turn.states[0], 0.0)
+    if word.closes_at_event:
+        twice = Word(word.modes * 2, word.paths * 2)
+        states = np.vstack([turn.states, turn.states + shift])
+        instants = np.concatenate([turn.instants, turn.instants[1:] + length])
+    else:
+        # the last leg of the first turn and the first one of the second are one
+        twice = Word(word.modes + word.modes[1:], word.paths[:-1] + word.paths)
+        states = np.vstack([turn.states, turn.states[1:] + shift])
+        instants = np.concatenate([turn.instants[:-1], turn.instants[1:] + length])
+    equations = OrbitEquations(
+        legs, twice, period=options.period, phase=options.phase, autonomous=options.autonomous,
+        origin=states[0], reference=states[0].copy(),
+    )  # fmt: skip
+    unknowns = equations.pack(Turn(states, instants))
+    return BranchStart(equations, unknowns, value, (null_vector(equations, unknowns), 0.0))

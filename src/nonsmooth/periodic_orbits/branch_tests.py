@@ -14,29 +14,33 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.engine.orbits import LegResults
-from nonsmooth.engine.tables import Wiring
+from nonsmooth.engine.tables import DERIVATIVES, Wiring
 from nonsmooth.periodic_orbits.admissibility import Admissibility, check_admissible
-from nonsmooth.periodic_orbits.change import kind_of_excursion
-from nonsmooth.periodic_orbits.entry_guards import EntryGuards
 from nonsmooth.periodic_orbits.equations import OrbitEquations, Turn
-from nonsmooth.periodic_orbits.guard_sizes import GuardSizes, guard_sizes, largest_along
 from nonsmooth.periodic_orbits.legs import LegError
 from nonsmooth.periodic_orbits.multipliers import Floquet, floquet
 from nonsmooth.periodic_orbits.newton import solve_orbit
-from nonsmooth.periodic_orbits.onto import crosses, is_onto, modes_along
+from nonsmooth.periodic_orbits.onto import crosses, is_onto, kind_of_excursion, modes_along
 from nonsmooth.periodic_orbits.rebounds import with_rebounds_of_engine
 from nonsmooth.periodic_orbits.symmetric import Reflection, reflection
 from nonsmooth.periodic_orbits.word import Word
 
-__all__ = ["WORD_TESTS", "BranchTests", "Looked", "is_graze"]
+__all__ = ["WORD_TESTS", "BranchTests", "Looked", "is_graze", "largest_along"]
 
 Floats = npt.NDArray[np.float64]
+Integers = npt.NDArray[np.int64]
 
+_WITHIN = 8  # places in each leg at which states are looked at for their size
+_EPS = float(np.finfo(float).eps)
+# roundings in the terms of a guard: those of the flow, and of the equations that are solved. Up to
+# 20 were seen in guards that are zero by construction
+_ROUNDINGS = 500.0
 WORD_TESTS = (
     "graze", "corner", "short", "leg", "rate", "gain", "slide", "enter", "shrink", "motion",
 )  # fmt: skip
@@ -49,6 +53,87 @@ _SHORT_OF_SLIDE = 1e-3
 _AT_CHANGE = 1e-9  # of a test: the word is about to change
 _OF_GUARDS = ("graze", "corner", "gain")  # what is a guard, and not a rate or a duration
 _ZERO = 1e-10  # a test that is never more than that is zero by construction
+
+
+class _GuardSizes(NamedTuple):
+    """Numbers for each guard of each leg; shapes (L, e)."""
+
+    value: Floats  # what it comes to for states as large as those of the orbit
+    rounding: Floats  # what rounding leaves of it where it should be zero
+
+
+def _guard_sizes(
+    equations: OrbitEquations, turn: Turn, found: LegResults, largest: Floats
+) -> _GuardSizes:
+    """Sizes for states of a given size and legs that are passed."""
+    tables, n = equations.legs.tables, equations.legs.n
+    guards = DERIVATIVES * tables.sizes.exits
+    rows = np.abs(tables.affine[equations.word.mode_array, :guards:DERIVATIVES])
+    sizes = rows[:, :, :n] @ largest
+    # with 1 and the harmonics; an orbit has no powers of time, and signals count for nothing
+    first, last = n + 1 + tables.sizes.powers, tables.sizes.first_of_signals
+    terms = sizes + rows[:, :, n] + rows[:, :, first:last].sum(axis=2)
+    rate = np.einsum("kgi,ki->kg", rows[:, :, :n], np.abs(found.end_rates))
+    late = float(np.abs(turn.instants).max())
+    rounding = _EPS * (_ROUNDINGS * terms + late * rate)
+    # a guard of time alone, and an orbit that rests
+    sizes = np.where(sizes > 0.0, sizes, max(float(largest.max(initial=0.0)), 1e-300))
+    return _GuardSizes(sizes, rounding)
+
+
+def largest_along(equations: OrbitEquations, turn: Turn) -> Floats:
+    """Largest size of each state along an orbit, within the legs too, drifts left out."""
+    legs, count = equations.legs, len(equations.word)
+    leg = np.repeat(np.arange(count), _WITHIN)
+    begins = turn.instants[leg]
+    ends = begins + np.tile(np.arange(1, _WITHIN + 1) / _WITHIN, count) * turn.durations[leg]
+    open_word = Word(tuple(equations.word.modes[k] for k in leg), ((),) * leg.size)
+    states = turn.states
+    try:
+        within = legs.follow_each(open_word, turn.states[leg], begins, ends).ends
+        states = np.concatenate([states, within])
+    except LegError:  # those at the events have to do
+        pass
+    apart: Floats = np.abs(states - np.where(equations.drifting, turn.states[0], 0.0))
+    return apart.max(axis=0)
+
+
+class _EntryGuards:
+    """Guards of the cells that are entered by paths onto surfaces, at that instant.
+
+    They are positive where both sides point at the surface, or where a contact is pressed.
+    """
+
+    def __init__(self, equations: OrbitEquations) -> None:
+        self._legs, wiring = equations.legs, equations.legs.tables.wiring
+        word = equations.word
+        self._ends = [  # legs that end so
+            k for k, path in enumerate(word.paths) if path and _enters(wiring, word.modes[k], path)
+        ]
+        self._entered = [(k + 1) % len(word) for k in self._ends]
+        modes = tuple(word.modes[k] for k in self._entered)
+        self._word = Word(modes, ((),) * len(modes)) if modes else None
+
+    def values(self, turn: Turn) -> dict[tuple[int, int], float]:
+        """Value of each such guard, by the leg that ends there and the guard's number.
+
+        Results that the legs hold are overwritten where there are as many of them.
+        """
+        if self._word is None:
+            return {}
+        begins = turn.instants[self._entered]
+        found = self._legs.follow_each(self._word, turn.states[self._entered], begins, begins)
+        return {
+            (k, int(g)): float(found.others[i, g])
+            for i, k in enumerate(self._ends)
+            for g in np.flatnonzero(np.isfinite(found.others[i]))
+        }
+
+
+def _enters(wiring: Wiring, mode: int, path: tuple[int, ...]) -> bool:
+    """Whether a path ends on a surface that it was not on before."""
+    last = modes_along(wiring, mode, path)[-2]
+    return is_onto(wiring, last, path[-1]) or int(wiring.exits["onto"][last, path[-1]]) == path[-1]
 
 
 @dataclass
@@ -118,7 +203,7 @@ class BranchTests:
         self._surface = [  # legs that end at a surface which is crossed without a reset
             crosses(wiring, families, word.modes[k], path) for k, path in enumerate(word.paths)
         ]
-        self._entries = EntryGuards(equations)
+        self._entries = _EntryGuards(equations)
         self._last: tuple[bytes, Looked] | None = None
 
     def look(self, unknowns: Floats) -> Looked:
@@ -170,7 +255,7 @@ class BranchTests:
         length = float(turn.instants[-1] - turn.instants[0])
         tests: dict[str, float] = {}
         lowest, _ = equations.legs.minima(word, turn.states, turn.instants)
-        sizes = guard_sizes(equations, turn, found, self._largest_so_far(turn))
+        sizes = _guard_sizes(equations, turn, found, self._largest_so_far(turn))
         for k, path in enumerate(word.paths):
             for g in np.flatnonzero(np.isfinite(lowest[k])):
                 tests[f"graze:{k}:{g}"] = float(lowest[k, g] / sizes.value[k, g])
@@ -204,7 +289,7 @@ class BranchTests:
         return self._with_margins(tests, sizes)
 
     def _with_margins(
-        self, tests: dict[str, float], sizes: GuardSizes
+        self, tests: dict[str, float], sizes: _GuardSizes
     ) -> tuple[dict[str, float], set[str]]:
         """Tests of guards change their sign where they come below what rounding leaves of zero.
 

@@ -1,28 +1,47 @@
-"""Guesses of orbits from motions: what a run visits in some periods, leg by leg."""
+"""Guesses of orbits: what a motion visits, where it comes back, or a given word."""
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Iterator
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.engine.record import columns
 from nonsmooth.engine.status import CURES, EventKind, Status
 from nonsmooth.engine.tables import Tables
 from nonsmooth.errors import OptionError, RunError
-from nonsmooth.periodic_orbits.equations import Turn
+from nonsmooth.periodic_orbits.equations import OrbitEquations, Turn
+from nonsmooth.periodic_orbits.legs import LegError
 from nonsmooth.periodic_orbits.word import Word, path_of_bits
 from nonsmooth.runs.clock import Instant, Plan
 from nonsmooth.runs.first_mode import in_first_mode
-from nonsmooth.runs.runner import Outcome, build_tables, run_plan
+from nonsmooth.runs.runner import NoMode, Outcome, build_tables, run_plan
 from nonsmooth.runs.start import Start, resolve_start, start_at_end
 from nonsmooth.system.system import System
 
-__all__ = ["Guess", "driven_guess", "legs_of_outcome", "run_for_guess", "strobe_of_start"]
+__all__ = [
+    "Guess",
+    "cycle_guesses",
+    "driven_guess",
+    "from_nearest_strobe",
+    "guesses_in_motion",
+    "random_guesses",
+    "strobe_of_start",
+]
 
 Floats = npt.NDArray[np.float64]
 
 _LATER = 20  # stretches of a motion that are tried
+_WINDOWS = 64  # in which a return is looked for, per period
+_SAMPLES = 128  # in a window
+_FINER = (4096, 64, 1)  # samples in a window beside that: a fast cycle is found in a short stretch
+_RESOLVED = 0.3  # of the spread of the states: the median way between samples of a cycle
+_NEAR = (1e-3, 1e-2, 5e-2)  # of the spread of the states: the first return as near is taken
+_MOST_EVENTS = 256
+_SWEEPS = 3  # of the states, for fixed instants
+_NEARER = 1.0 - 1e-6  # of the distance of the strobe that is told: others are as near by rounding
 
 
 class Guess(NamedTuple):
@@ -102,11 +121,11 @@ def _stretch(
     end = Instant(begin.number + period, begin.phase)
     numbers = np.array([begin.number, end.number], np.int64)
     plan = Plan(end, numbers, np.full(2, begin.phase))
-    outcome = run_for_guess(system, tables, start, plan, tolerance)
-    return legs_of_outcome(system, outcome, begin, end)
+    outcome = _run_for_guess(system, tables, start, plan, tolerance)
+    return _legs_of_outcome(system, outcome, begin, end)
 
 
-def run_for_guess(
+def _run_for_guess(
     system: System, tables: Tables, start: Start, plan: Plan, tolerance: float
 ) -> Outcome:
     """The motion from a start, in the first mode that admits it; `RunError` where it ends early."""
@@ -143,7 +162,7 @@ def _closed(guess: Guess) -> Guess | None:
     return min(found, key=lambda pair: pair[0])[1] if found else None
 
 
-def legs_of_outcome(system: System, outcome: Outcome, begin: Instant, end: Instant) -> Guess:
+def _legs_of_outcome(system: System, outcome: Outcome, begin: Instant, end: Instant) -> Guess:
     """Legs of a run between two of its samples, the last two; times count from window zero."""
     window = outcome.window
     rows, after = outcome.events, outcome.event_states[:, 1]
@@ -167,3 +186,249 @@ def legs_of_outcome(system: System, outcome: Outcome, begin: Instant, end: Insta
     paths.append(())
     instants = np.concatenate([[0.0], times[inside], [(end.number - begin.number) * window]])
     return Guess(Word(tuple(modes), tuple(paths)), Turn(np.array(states), instants + begin.phase))
+
+
+def cycle_guesses(
+    system: System, initial: Any, *, period: int, transient: int, mode: str | None, tolerance: float
+) -> Iterator[Guess]:
+    """Legs of a motion from an event to its nearest return, or around a smooth cycle.
+
+    ``transient`` counts windows. Guesses of short cycles come first; none where the motion does not
+    come back.
+    """
+    tables = build_tables(system)
+    start = resolve_start(system, tables, initial, None, mode, True)
+    if start.anchor is not None:
+        start = start_at_end(start)
+    begin = start.instant.number + transient
+    drifting = np.array([name in system.drift_states for name in system.states])
+    for finer in _FINER:
+        samples, final = _SAMPLES * finer, finer == _FINER[-1]
+        plan, step = _plan(tables.window, samples, period, begin, start, transient)
+        outcome = _run_for_guess(system, tables, start, plan, tolerance)
+        found = _between_events(system, outcome, begin, drifting, period, final)
+        found = found or _around(outcome, drifting, period, step, final)
+        if found is not None:
+            yield found
+
+
+def _plan(
+    window: float, samples: int, period: int, begin: int, start: Start, transient: int
+) -> tuple[Plan, float]:
+    """Samples of so many per window, their number being the same; and the time between them."""
+    count = _WINDOWS * _SAMPLES * period + 1
+    step = window / samples
+    number = begin + np.arange(count) // samples
+    phase: Floats = np.asarray((np.arange(count) % samples) * step)
+    if transient == 0:
+        phase[0] = max(phase[0], start.instant.phase)
+    return Plan(Instant(int(number[-1]), float(phase[-1])), number, phase), step
+
+
+def _is_resolved(outcome: Outcome, drifting: npt.NDArray[np.bool_]) -> bool:
+    """Whether samples follow the motion, rather than being anywhere on it."""
+    states = np.where(drifting, 0.0, outcome.records.sample_state)
+    spread = np.ptp(states, axis=0)
+    if not np.any(spread > 0.0):
+        return True
+    ways = np.abs(np.diff(states, axis=0)) / np.where(spread > 0.0, spread, 1.0)
+    return bool(np.median(ways.max(axis=1)) <= _RESOLVED)
+
+
+def _between_events(
+    system: System, outcome: Outcome, begin: int, drifting: npt.NDArray[np.bool_], period: int,
+    final: bool,
+) -> Guess | None:  # fmt: skip
+    """From an event to a return of the same kind, the first that is near; at last the nearest."""
+    window, rows = outcome.window, outcome.events
+    keep = (rows["number"] >= begin) & ~np.isin(rows["kind"], (EventKind.GRAZE, EventKind.START))
+    rows, states = rows[keep][:_MOST_EVENTS], outcome.event_states[keep, 1][:_MOST_EVENTS]
+    if len(rows) < 2:
+        return None
+    times = (rows["number"] - begin) * window + rows["phase"]
+    kinds = columns(rows, "from_mode", "path", "to_mode")
+    same = np.all(kinds == kinds[0], axis=1)
+    samples = np.where(drifting, 0.0, outcome.records.sample_state)
+    spread = np.maximum(np.ptp(samples, axis=0), 1e-12)
+    apart = np.where(drifting, 0.0, np.abs(states - states[0]) / spread).max(axis=1)
+    returns = np.flatnonzero(same)[1:]
+    for near in _NEAR:
+        if np.any(apart[returns] <= near):
+            turn = int(returns[apart[returns] <= near][0])
+            break
+    else:
+        if returns.size == 0 or not final:
+            return None
+        turn = int(returns[np.argmin(apart[returns])])
+    last = min(turn * period, len(rows) - 1)
+    paths = [path_of_bits(int(r["path"]), int(r["passes"])) for r in rows[1 : last + 1]]
+    if any(path is None for path in paths):
+        return None
+    modes = tuple(int(m) for m in rows["to_mode"][:last])
+    word = Word(modes, tuple(path for path in paths if path is not None))
+    return Guess(word, Turn(states[:last].copy(), times[: last + 1] - times[0]))
+
+
+def _around(
+    outcome: Outcome, drifting: npt.NDArray[np.bool_], period: int, step: float, final: bool
+) -> Guess | None:
+    """Once around a cycle without events, from its first sample."""
+    states = np.where(drifting, 0.0, outcome.records.sample_state)
+    spread = np.ptp(states, axis=0)
+    at_rest = not np.any(spread > 1e-9 * (np.abs(states).max(axis=0) + 1e-12))
+    if at_rest or not _is_resolved(outcome, drifting):
+        return None
+    scaled = (states - states[0]) / np.where(spread > 0.0, spread, 1.0)
+    forward = scaled @ (scaled[1] - scaled[0])
+    crossings = np.flatnonzero((forward[1:-1] < 0.0) & (forward[2:] >= 0.0)) + 2
+    if crossings.size == 0:
+        return None
+    # between samples, on the plane across the flow at the first one
+    part = forward[crossings] / (forward[crossings] - forward[crossings - 1])
+    before, behind = scaled[crossings - 1], scaled[crossings]
+    apart = np.abs(behind + part[:, None] * (before - behind)).max(axis=1)
+    near = np.flatnonzero(apart <= _NEAR[-1])
+    if not (near.size or final):
+        return None
+    k = int(near[0]) if near.size else int(np.argmin(apart))
+    length = (crossings[k] - part[k]) * step * period
+    word = Word((int(outcome.records.sample_mode[0]),), ((),))
+    first = outcome.records.sample_state[:1].copy()
+    return Guess(word, Turn(first, np.array([0.0, length])))
+
+
+def guesses_in_motion(
+    system: System, initial: Any, words: list[Word], *, period: int, phase: float, periods: int,
+    tolerance: float,
+) -> Iterator[Guess]:  # fmt: skip
+    """Stretches of a driven motion that follow one of some words, the nearly closed ones first.
+
+    Words count rebounds that accumulate as one; those of the guesses have all that were followed.
+    """
+    tables = build_tables(system)
+    window = tables.window
+    start = resolve_start(system, tables, initial, None, None, True)
+    if start.anchor is not None:
+        return
+    first = start.instant.number + (start.instant.phase > phase * window)
+    numbers = first + np.arange(periods + 1, dtype=np.int64)
+    plan = Plan(
+        Instant(int(numbers[-1]), phase * window), numbers, np.full(periods + 1, phase * window)
+    )
+    try:
+        outcome = run_plan(
+            tables, plan, tolerance, state=start.state, begin=start.instant, mode=start.modes[0]
+        )
+    except NoMode:
+        return
+    rows, after = outcome.events, outcome.event_states[:, 1]
+    lasting = ~np.isin(rows["kind"], (EventKind.GRAZE, EventKind.START))
+    rows, after = rows[lasting], after[lasting]
+    times = (rows["number"] - first) * window + rows["phase"] - phase * window
+    states, modes = outcome.records.sample_state, outcome.records.sample_mode
+    drifting = np.array([name in system.drift_states for name in system.states])
+    sample = np.where(drifting, 0.0, states)
+    reached = outcome.n_samples
+    wiring = system.compiled.program.wiring
+    wanted = {(word.modes, word.paths) for word in (each.collapsed(wiring) for each in words)}
+    found = []
+    for k in range(max(0, reached - period)):
+        low, high = np.searchsorted(times, [k * window, (k + period) * window], side="right")
+        part = slice(int(low), int(high))
+        paths = [path_of_bits(int(r["path"]), int(r["passes"])) for r in rows[part]]
+        if None in paths:
+            continue
+        visited = (int(modes[k]), *(int(m) for m in rows["to_mode"][part]))
+        word = Word(visited, (*[path for path in paths if path is not None], ()))
+        seen = word.collapsed(wiring)
+        if (seen.modes, seen.paths) in wanted:
+            gap = float(np.abs(sample[k + period] - sample[k]).max())
+            inner = times[part] - k * window
+            instants = np.concatenate([[0.0], inner, [period * window]]) + phase * window
+            legs = np.vstack([states[k][None], after[part]])
+            found.append((gap, Guess(word, Turn(legs, instants))))
+    for _, guess in sorted(found, key=lambda pair: pair[0]):
+        yield guess
+
+
+def random_guesses(
+    equations: OrbitEquations, length: float, count: int, seed: int
+) -> Iterator[Floats]:
+    """Unknowns for random durations of the legs: states follow, as far as flows are linear."""
+    rng = np.random.default_rng(seed)
+    word, n = equations.word, equations.legs.n
+    for _ in range(count):
+        shares = rng.dirichlet(np.full(len(word), rng.choice([0.4, 1.0, 3.0])))
+        span = length if not equations.autonomous else length * rng.uniform(0.2, 3.0)
+        begin = equations.phase * equations.legs.window
+        instants = begin + span * np.concatenate([[0.0], np.cumsum(shares)])
+        states = np.where(equations.drifting, equations.origin, 0.0) + np.zeros((len(word), n))
+        unknowns = equations.pack(Turn(states, instants))
+        try:
+            for _ in range(_SWEEPS):
+                residual, jacobian, _ = equations.evaluate(unknowns)
+                size = len(word) * n
+                step = np.linalg.lstsq(jacobian[:size, :size], -residual[:size], rcond=None)[0]
+                unknowns[:size] += step
+        except (LegError, np.linalg.LinAlgError):
+            continue
+        if np.all(np.isfinite(unknowns)):
+            yield unknowns
+
+
+def from_nearest_strobe(equations: OrbitEquations, turn: Turn, wanted: Floats) -> Guess | None:
+    """The orbit from its strobe nearest to a state; None where that is the one it is told from.
+
+    Drifts are compared nowhere: they begin anywhere.
+    """
+    free = ~equations.drifting
+    if equations.autonomous or equations.period == 1 or not np.any(free):
+        return None
+    try:
+        strobes = _strobes(equations, turn)
+    except LegError:
+        return None
+    scale = np.abs(np.vstack([strobes, turn.states, wanted])[:, free]).max(axis=0)
+    away = (strobes - wanted)[:, free] / np.where(scale > 0.0, scale, 1.0)
+    distance = np.linalg.norm(away, axis=1)
+    nearest = int(np.argmin(distance))
+    if not distance[nearest] < _NEARER * distance[0]:
+        return None
+    return _turned(equations, turn, nearest, strobes[nearest])
+
+
+def _strobes(equations: OrbitEquations, turn: Turn) -> Floats:
+    """States at the section, one for each period of the turn."""
+    window, word = equations.legs.window, equations.word
+    times = turn.instants[0] + window * np.arange(equations.period)
+    legs = np.searchsorted(turn.instants[1:-1], times, side="right")
+    strobes = np.empty((equations.period, turn.states.shape[1]))
+    strobes[0] = turn.states[0]
+    for k in range(1, equations.period):
+        ends = turn.instants[1:].copy()
+        ends[legs[k]] = times[k]
+        found = equations.legs.follow_each(word, turn.states, turn.instants[:-1], ends)
+        strobes[k] = found.ends[legs[k]]
+    return strobes
+
+
+def _turned(equations: OrbitEquations, turn: Turn, later: int, strobe: Floats) -> Guess:
+    """Legs from a strobe some periods later on.
+
+    The leg in which that lies is cut there. The last leg and the first one, which are parts of one
+    stay in a mode, become one.
+    """
+    word, window = equations.word, equations.legs.window
+    cut = turn.instants[0] + later * window
+    k = int(np.searchsorted(turn.instants[1:-1], cut, side="right"))
+    first, last = slice(k, len(word)), slice(1, k + 1)
+    modes = word.modes[first] + word.modes[last]
+    paths = (*word.paths[k:-1], *word.paths[:k], ())
+    closed = equations.legs.follow(word, turn.states, turn.instants).nexts[-1]
+    drift = np.where(equations.drifting, closed - turn.states[0], 0.0)
+    states = np.vstack([strobe, turn.states[k + 1 :], turn.states[last] + drift])
+    length = equations.period * window
+    inner = np.concatenate([turn.instants[k + 1 : -1], turn.instants[1 : k + 1] + length])
+    begin, end = turn.instants[0], turn.instants[-1]
+    instants = np.concatenate([[begin], inner - later * window, [end]])
+    return Guess(Word(modes, paths), Turn(states, instants))

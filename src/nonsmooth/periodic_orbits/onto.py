@@ -3,19 +3,28 @@
 Motion comes onto a surface by its exit into the cell beyond, and there by the exit onto it, which
 is never searched for; or by an impact, and there by the one onto its rest. An exit that holds leads
 there by itself.
+
+Of rebounds that accumulate the engine follows some and passes infinitely many at once: how many it
+follows says nothing. So words are compared and shown as if the first impact ended in rest.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.engine.tables import Wiring
+from nonsmooth.engine.tables import SLIDES, Wiring
 
 __all__ = [
+    "chatters",
+    "collapsed",
     "crosses",
     "is_onto",
     "joined",
+    "kind_of_excursion",
+    "kind_of_leg",
     "kind_of_mode",
     "modes_along",
     "onto_beyond",
@@ -23,6 +32,7 @@ __all__ = [
 ]
 
 Integers = npt.NDArray[np.int64]
+Path = tuple[int, ...]
 
 
 def kind_of_mode(wiring: Wiring, mode: int) -> int:
@@ -98,3 +108,84 @@ def joined(
             if onto >= 0:
                 return (*path[: j - 1], onto, *path[j + 1 :])
     return path
+
+
+def kind_of_excursion(wiring: Wiring, mode: int, away: int) -> str:
+    """What it is called where an excursion out of a mode and back into it begins.
+
+    Names are those of M. di Bernardo, C. Budd, A. Champneys and P. Kowalczyk, Piecewise-smooth
+    Dynamical Systems, 2008: a guard that is touched is a tangency of the field beside a surface,
+    or, while motion slides, one at which it would leave.
+    """
+    if kind_of_mode(wiring, away) == SLIDES and kind_of_mode(wiring, mode) != SLIDES:
+        return "grazing_sliding"
+    if kind_of_mode(wiring, mode) == SLIDES and kind_of_mode(wiring, away) != SLIDES:
+        return "adding_sliding"
+    return "grazing"
+
+
+def kind_of_leg(
+    wiring: Wiring, before: int, path: tuple[int, ...], mode: int, behind: tuple[int, ...]
+) -> str:
+    """What it is called where a leg between two events vanishes; "" where it has no name.
+
+    ``path`` leads from the mode before to that of the leg, ``behind`` away from it.
+    """
+    slaved = wiring.modes["slaved"]["words"]  # states that follow from what a mode rests on
+    after = modes_along(wiring, mode, behind)[-1]
+    slides = [kind_of_mode(wiring, m) == SLIDES for m in (before, mode, after)]
+    same = bool((slaved[after] == slaved[before]).all())
+    if slides == [False, True, False] and same and after != before:
+        return "crossing_sliding"
+    if (
+        slides == [False, False, True]
+        and len(path) == 1
+        and before in modes_along(wiring, mode, behind)
+    ):
+        return "switching_sliding"
+    return ""
+
+
+def chatters(modes: Sequence[int], paths: Sequence[Path], wiring: Wiring) -> list[list[int]]:
+    """Legs that end with the impacts of each chatter, in order; the last one ends in rest."""
+    return [
+        _up_to(modes, paths, k)
+        for k, path in enumerate(paths)
+        if len(path) == 2
+        and wiring.resets(modes[k], path[0])
+        and int(wiring.exits["target"][modes[k], path[0]]) == modes[k]
+        and is_onto(wiring, modes[k], path[1])
+    ]
+
+
+def _up_to(modes: Sequence[int], paths: Sequence[Path], last: int) -> list[int]:
+    """Legs that end with the same impact as this one, in a row up to it.
+
+    The section cuts a leg of a driven orbit in two: both are the first flight then.
+    """
+    found, count = [last], len(modes)
+    while len(found) < count:
+        k = (found[0] - 1) % count
+        if modes[k] != modes[last] or paths[k] not in (paths[last][:1], ()):
+            break
+        found.insert(0, k)
+    return found
+
+
+def collapsed(
+    modes: Sequence[int], paths: Sequence[Path], wiring: Wiring
+) -> tuple[tuple[int, ...], tuple[Path, ...]]:
+    """Modes and paths of a word as if the first impact of each chatter ended in rest."""
+    gone: set[int] = set()
+    new = list(paths)
+    cut = len(modes) - 1 if not paths[-1] else -1  # leg that ends at the section
+    for legs in chatters(modes, paths, wiring):
+        first = legs[0]
+        if cut in legs:  # it goes on behind the section
+            new[first] = ()
+            gone |= set(legs[1 : legs.index(cut) + 1])
+            first = 0
+        new[first] = paths[legs[-1]]
+        gone |= set(legs[legs.index(first) + 1 :])
+    keep = [k for k in range(len(modes)) if k not in gone]
+    return tuple(modes[k] for k in keep), tuple(new[k] for k in keep)

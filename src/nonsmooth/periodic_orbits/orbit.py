@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -13,8 +14,9 @@ from nonsmooth.periodic_orbits.multipliers import Floquet, floquet
 from nonsmooth.periodic_orbits.newton import Solution
 from nonsmooth.periodic_orbits.symmetric import Reflection, reflection
 from nonsmooth.periodic_orbits.word import Word
+from nonsmooth.system.system import System
 
-__all__ = ["Orbit", "make_orbit", "primitive_parts"]
+__all__ = ["Orbit", "OrbitRequest", "OrbitResult", "make_orbit", "primitive_parts"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -60,6 +62,30 @@ class Orbit:
             return False  # one is 1, whatever rounding makes of it
         values = self.multipliers.multipliers
         return bool(np.all(np.isfinite(values)) and np.all(np.abs(values) < 1.0 - _NEUTRAL))
+
+
+@dataclass(frozen=True)
+class OrbitRequest:
+    """What orbit is looked for."""
+
+    system: System
+    initial: Any
+    period: int
+    phase: float
+    transient: int
+    mode: str | None
+    words: tuple[Word, ...]  # none where the word is that of the motion
+    tolerance: float
+
+
+@dataclass(frozen=True)
+class OrbitResult:
+    """An orbit with the equations that it solves, or a status and what to try."""
+
+    orbit: Orbit | None
+    equations: OrbitEquations | None
+    status: str
+    message: str
 
 
 def make_orbit(

@@ -9,8 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.periodic_orbits.orbit import Orbit
-from nonsmooth.runs.assemble import Columns, assemble
-from nonsmooth.runs.labels import labels_of
+from nonsmooth.runs.labels import Columns, assemble, labels_of
 from nonsmooth.system.system import System
 from nonsmooth.version import __version__
 

@@ -11,9 +11,9 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.engine.status import EventKind, Status
-from nonsmooth.periodic_orbits.chatter import chatters
 from nonsmooth.periodic_orbits.equations import OrbitEquations, Turn
 from nonsmooth.periodic_orbits.guess import Guess
+from nonsmooth.periodic_orbits.onto import chatters
 from nonsmooth.periodic_orbits.word import Word, path_of_bits
 from nonsmooth.runs.clock import Instant, Plan
 from nonsmooth.runs.runner import NoMode, run_plan

@@ -1,19 +1,27 @@
-"""Guesses from orbits that were found before, as datasets."""
+"""Orbits from orbits that were found before, as datasets, at the same parameters or at others."""
 
 from __future__ import annotations
 
-from typing import Any
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from nonsmooth.engine.tables import PATH_LENGTH, exits_of_path
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import ModelError, OptionError
 from nonsmooth.periodic_orbits.equations import Turn
 from nonsmooth.periodic_orbits.guess import Guess
+from nonsmooth.periodic_orbits.legs import LegError, Legs
 from nonsmooth.periodic_orbits.word import Word
 from nonsmooth.system.system import System
 
-__all__ = ["guess_of_dataset", "is_orbit"]
+if TYPE_CHECKING:
+    from nonsmooth.periodic_orbits.orbit import OrbitRequest, OrbitResult
+
+__all__ = ["guess_of_dataset", "is_orbit", "values_of_orbit", "walk_to"]
+
+
+_SHORTEST = 2.0**-7  # part of the way that is tried at least
 
 
 def is_orbit(data: Any) -> bool:
@@ -48,3 +56,49 @@ def guess_of_dataset(system: System, data: Any) -> Guess:
 def _path(bits: int) -> tuple[int, ...]:
     whole = exits_of_path(bits, PATH_LENGTH)
     return whole[: whole.index(-1)] if -1 in whole else whole
+
+
+def values_of_orbit(system: System, data: Any) -> dict[str, float] | None:
+    """Parameter values at which an orbit was found; None where they are not known."""
+    try:
+        there = System.from_toml(data.attrs["system"])
+        name = data.attrs.get("parameter")
+        if name:
+            there = there.with_parameters(**{name: float(data[name])})
+    except (KeyError, ModelError, TypeError, ValueError):
+        return None
+    values = there.parameter_values
+    return values if list(values) == list(system.parameters) else None
+
+
+def walk_to(
+    wanted: OrbitRequest, legs: Legs, known: Guess, begin: dict[str, float], solve: Any
+) -> OrbitResult | None:
+    """The orbit that an orbit becomes while all parameters go straight to those that are wanted.
+
+    ``solve`` solves a guess at the values of the legs. None where it gets lost on the way, as at a
+    fold or a graze.
+    """
+    end = wanted.system.parameter_values
+    if begin == end:
+        return None
+    done, step, guess = 0.0, 0.5, known
+    while step >= _SHORTEST:
+        there = min(1.0, done + step)
+        values = {name: begin[name] + there * (end[name] - begin[name]) for name in end}
+        try:
+            system = wanted.system.with_parameters(**values)
+            legs.set_values(values)
+            found: OrbitResult = solve(replace(wanted, system=system), legs, guess)
+        except (LegError, ModelError):
+            step *= 0.5
+            continue
+        if found.orbit is None or not found.orbit.admissibility.admissible:
+            step *= 0.5
+        elif there == 1.0:
+            return found
+        else:
+            done, step = there, min(2.0 * step, 1.0 - there)
+            guess = Guess(found.orbit.word, found.orbit.turn)
+    legs.set_values(end)
+    return None

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import islice
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -14,24 +13,24 @@ from nonsmooth.errors import RunError
 from nonsmooth.periodic_orbits.branch_tests import is_graze
 from nonsmooth.periodic_orbits.equations import OrbitEquations, Turn
 from nonsmooth.periodic_orbits.family import member_of_family
-from nonsmooth.periodic_orbits.guess import Guess, driven_guess, strobe_of_start
-from nonsmooth.periodic_orbits.guess_cycle import cycle_guesses
-from nonsmooth.periodic_orbits.guess_of_word import guesses_in_motion, random_guesses
+from nonsmooth.periodic_orbits.guess import (
+    Guess,
+    cycle_guesses,
+    driven_guess,
+    from_nearest_strobe,
+    guesses_in_motion,
+    random_guesses,
+    strobe_of_start,
+)
 from nonsmooth.periodic_orbits.legs import LegError, Legs
 from nonsmooth.periodic_orbits.newton import Solution, null_vector, solve_orbit
-from nonsmooth.periodic_orbits.orbit import Orbit, make_orbit
+from nonsmooth.periodic_orbits.orbit import Orbit, OrbitRequest, OrbitResult, make_orbit
 from nonsmooth.periodic_orbits.rebounds import with_rebounds_of_engine
-from nonsmooth.periodic_orbits.restart import guess_of_dataset, is_orbit
-from nonsmooth.periodic_orbits.stepwise import values_of_orbit, walk_to
-from nonsmooth.periodic_orbits.strobes import from_nearest_strobe
-from nonsmooth.periodic_orbits.word import Word
+from nonsmooth.periodic_orbits.restart import guess_of_dataset, is_orbit, values_of_orbit, walk_to
 from nonsmooth.periodic_orbits.word_change import changes_of_word
-from nonsmooth.runs.driving import is_driven
-from nonsmooth.system.system import System
+from nonsmooth.runs.strobe_times import is_driven
 
 __all__ = [
-    "Found",
-    "Wanted",
     "equations_for",
     "fitted",
     "is_autonomous",
@@ -52,43 +51,19 @@ _NEARLY_NEUTRAL = 1e-6  # likewise, of one that is double there: the root of its
 _OFF_FOLD = (1e-4, 1e-3, 1e-2, 0.1, 0.5)  # of the size of an orbit, along the direction of a fold
 
 
-@dataclass(frozen=True)
-class Wanted:
-    """What orbit is looked for."""
-
-    system: System
-    initial: Any
-    period: int
-    phase: float
-    transient: int
-    mode: str | None
-    words: tuple[Word, ...]  # none where the word is that of the motion
-    tolerance: float
-
-
-@dataclass(frozen=True)
-class Found:
-    """An orbit with the equations that it solves, or a status and what to try."""
-
-    orbit: Orbit | None
-    equations: OrbitEquations | None
-    status: str
-    message: str
-
-
 def is_autonomous(legs: Legs) -> bool:
     """Whether nothing drives a system."""
     return not is_driven(legs.tables)
 
 
-def search_orbit(wanted: Wanted, legs: Legs) -> Found:
+def search_orbit(wanted: OrbitRequest, legs: Legs) -> OrbitResult:
     """Find the orbit that is wanted."""
     if wanted.words:
         return _search_word(wanted, legs)
     known = _from_orbit(wanted, legs)
     if known is not None and known.status == "completed":
         return known
-    found = Found(
+    found = OrbitResult(
         None, None, "no_orbit",
         "the motion does not come back to where it was: it rests, or its cycle is longer than"
         " the stretch that is looked at; begin nearer to the cycle, or give transient=",
@@ -100,11 +75,11 @@ def search_orbit(wanted: Wanted, legs: Legs) -> Found:
                 found = _near_start(wanted, legs, found)
                 break
     except RunError as fault:
-        return known or Found(None, None, fault.status or "no_orbit", str(fault))
+        return known or OrbitResult(None, None, fault.status or "no_orbit", str(fault))
     return known if known is not None and found.orbit is None else found
 
 
-def _near_start(wanted: Wanted, legs: Legs, found: Found) -> Found:
+def _near_start(wanted: OrbitRequest, legs: Legs, found: OrbitResult) -> OrbitResult:
     """The orbit told from the one of its strobes that is nearest to the start."""
     assert found.orbit is not None and found.equations is not None
     if is_autonomous(legs) or wanted.period == 1:
@@ -120,7 +95,7 @@ def _near_start(wanted: Wanted, legs: Legs, found: Found) -> Found:
     return turned if turned.status == found.status else found
 
 
-def _from_orbit(wanted: Wanted, legs: Legs) -> Found | None:
+def _from_orbit(wanted: OrbitRequest, legs: Legs) -> OrbitResult | None:
     """The orbit from one that was found before, at other parameters or at these."""
     initial = wanted.initial
     if not is_orbit(initial) or wanted.transient > 0:
@@ -129,7 +104,7 @@ def _from_orbit(wanted: Wanted, legs: Legs) -> Found | None:
         return None
     guess = guess_of_dataset(wanted.system, initial)
 
-    def solve(there: Wanted, legs: Legs, guess: Guess) -> Found:
+    def solve(there: OrbitRequest, legs: Legs, guess: Guess) -> OrbitResult:
         return solve_guess(there, legs, fitted(guess, there, legs))
 
     found = solve(wanted, legs, guess)
@@ -140,7 +115,7 @@ def _from_orbit(wanted: Wanted, legs: Legs) -> Found | None:
     return walked or found
 
 
-def fitted(guess: Guess, wanted: Wanted, legs: Legs) -> Guess:
+def fitted(guess: Guess, wanted: OrbitRequest, legs: Legs) -> Guess:
     """Legs of an orbit for other parameters: instants stretched to the period there."""
     turn = guess.turn
     if is_autonomous(legs) or guess.word.closes_at_event:
@@ -150,7 +125,7 @@ def fitted(guess: Guess, wanted: Wanted, legs: Legs) -> Guess:
     return Guess(guess.word, Turn(turn.states, begin + share * length))
 
 
-def equations_for(wanted: Wanted, legs: Legs, guess: Guess) -> OrbitEquations:
+def equations_for(wanted: OrbitRequest, legs: Legs, guess: Guess) -> OrbitEquations:
     """Equations of the word of a guess."""
     return OrbitEquations(
         legs, guess.word, period=wanted.period, phase=wanted.phase,
@@ -159,7 +134,7 @@ def equations_for(wanted: Wanted, legs: Legs, guess: Guess) -> OrbitEquations:
     )  # fmt: skip
 
 
-def solve_guess(wanted: Wanted, legs: Legs, guess: Guess) -> Found:
+def solve_guess(wanted: OrbitRequest, legs: Legs, guess: Guess) -> OrbitResult:
     """Newton's method from a guess; drifts begin at zero."""
     drifting = np.array([name in wanted.system.drift_states for name in wanted.system.states])
     states = guess.turn.states - np.where(drifting, guess.turn.states[0], 0.0)
@@ -173,9 +148,9 @@ def solve_guess(wanted: Wanted, legs: Legs, guess: Guess) -> Found:
             return finish(wanted, equations, member)
         solution = _off_fold(equations, unknowns) or solution
     if solution.status != "completed":
-        return Found(None, equations, solution.status, _failure(wanted, equations, solution))
+        return OrbitResult(None, equations, solution.status, _failure(wanted, equations, solution))
     if _has_come_to_rest(equations, solution, guess):
-        return Found(
+        return OrbitResult(
             None, equations, "no_orbit",
             "Newton's method comes to a point at rest, which has no period: the motion settles"
             " there, or its amplitude is not determined; begin nearer to a cycle",
@@ -187,7 +162,9 @@ def solve_guess(wanted: Wanted, legs: Legs, guess: Guess) -> Found:
         equations = equations_for(wanted, legs, turned)
         solution = solve_orbit(equations, equations.pack(turned.turn))
         if solution.status != "completed":
-            return Found(None, equations, solution.status, _failure(wanted, equations, solution))
+            return OrbitResult(
+                None, equations, solution.status, _failure(wanted, equations, solution)
+            )
     found = finish(wanted, equations, solution)
     if found.status == "inadmissible":
         found = _without_empty_leg(wanted, legs, equations, found) or found
@@ -207,8 +184,8 @@ def _has_come_to_rest(equations: OrbitEquations, solution: Solution, guess: Gues
 
 
 def _without_empty_leg(
-    wanted: Wanted, legs: Legs, equations: OrbitEquations, found: Found
-) -> Found | None:
+    wanted: OrbitRequest, legs: Legs, equations: OrbitEquations, found: OrbitResult
+) -> OrbitResult | None:
     """The orbit without an excursion that has no duration, as beside a graze."""
     assert found.orbit is not None
     turn, wiring = found.orbit.turn, legs.tables.wiring
@@ -225,7 +202,9 @@ def _without_empty_leg(
     return None
 
 
-def _with_other_rebounds(wanted: Wanted, legs: Legs, found: Found) -> Found | None:
+def _with_other_rebounds(
+    wanted: OrbitRequest, legs: Legs, found: OrbitResult
+) -> OrbitResult | None:
     """The orbit with as many rebounds before rest as the motion has."""
     assert found.orbit is not None and found.equations is not None
     guess = with_rebounds_of_engine(found.equations, found.orbit.turn, wanted.tolerance)
@@ -265,7 +244,7 @@ def _through_section(equations: OrbitEquations, solution: Solution) -> Guess | N
     return changes_of_word(equations, turn, name)[0].guess
 
 
-def finish(wanted: Wanted, equations: OrbitEquations, solution: Solution) -> Found:
+def finish(wanted: OrbitRequest, equations: OrbitEquations, solution: Solution) -> OrbitResult:
     """An orbit of a solution, judged."""
     orbit = make_orbit(equations, solution, wanted.tolerance)
     orbit = replace(orbit, in_family=_is_in_family(equations, orbit))
@@ -292,9 +271,9 @@ def finish(wanted: Wanted, equations: OrbitEquations, solution: Solution) -> Fou
             f"the equations of the word have this solution, but it is no motion:"
             f" {orbit.admissibility.reason}; simulate it, or give another word="
         )
-        return Found(orbit, equations, "inadmissible", "; ".join(said))
+        return OrbitResult(orbit, equations, "inadmissible", "; ".join(said))
     said = said or ["completed"]
-    return Found(orbit, equations, "completed", "; ".join(said))
+    return OrbitResult(orbit, equations, "completed", "; ".join(said))
 
 
 def _is_in_family(equations: OrbitEquations, orbit: Orbit) -> bool:
@@ -305,7 +284,7 @@ def _is_in_family(equations: OrbitEquations, orbit: Orbit) -> bool:
     return member_of_family(equations, equations.pack(orbit.turn)) is not None
 
 
-def _guesses(wanted: Wanted, legs: Legs) -> Iterator[Guess]:
+def _guesses(wanted: OrbitRequest, legs: Legs) -> Iterator[Guess]:
     if is_autonomous(legs):
         yield from cycle_guesses(
             wanted.system, wanted.initial, period=wanted.period, transient=wanted.transient,
@@ -323,9 +302,9 @@ def _guesses(wanted: Wanted, legs: Legs) -> Iterator[Guess]:
         )
 
 
-def _search_word(wanted: Wanted, legs: Legs) -> Found:
+def _search_word(wanted: OrbitRequest, legs: Legs) -> OrbitResult:
     """Stretches of motions first, then random durations; motions before constructions."""
-    best: Found | None = None
+    best: OrbitResult | None = None
     autonomous = is_autonomous(legs)
     if not autonomous:
         guesses = guesses_in_motion(
@@ -362,7 +341,7 @@ def _search_word(wanted: Wanted, legs: Legs) -> Found:
             best = _better(best, found)
     if best is not None:
         return best
-    return Found(
+    return OrbitResult(
         None, None, "no_orbit",
         f"no orbit of period {wanted.period} with this word was found, in {_PERIODS} periods of"
         f" motion and from {_RANDOM} random durations; it may not exist for these parameters:"
@@ -370,13 +349,13 @@ def _search_word(wanted: Wanted, legs: Legs) -> Found:
     )  # fmt: skip
 
 
-def _better(best: Found | None, found: Found) -> Found | None:
+def _better(best: OrbitResult | None, found: OrbitResult) -> OrbitResult | None:
     if found.orbit is None:
         return best
     return found if best is None or best.orbit is None else best
 
 
-def _failure(wanted: Wanted, equations: OrbitEquations, solution: Solution) -> str:
+def _failure(wanted: OrbitRequest, equations: OrbitEquations, solution: Solution) -> str:
     word = equations.word.text(wanted.system)
     if solution.status == "singular":
         return (

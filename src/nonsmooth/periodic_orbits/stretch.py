@@ -11,15 +11,14 @@ import numpy.typing as npt
 from nonsmooth.continuation.branch import Branch
 from nonsmooth.continuation.follow import follow
 from nonsmooth.continuation.point import Point
-from nonsmooth.periodic_orbits.branch_tests import WORD_TESTS, BranchTests, Looked
+from nonsmooth.periodic_orbits.branch_tests import WORD_TESTS, BranchTests, Looked, largest_along
 from nonsmooth.periodic_orbits.equations import OrbitEquations
-from nonsmooth.periodic_orbits.guard_sizes import largest_along
 from nonsmooth.periodic_orbits.legs import LegError, Legs
 from nonsmooth.periodic_orbits.newton import scale_of
 from nonsmooth.system.model.value_checks import first_unmet
 from nonsmooth.system.system import System
 
-__all__ = ["BranchOptions", "BranchStart", "Stretch", "scale_along"]
+__all__ = ["BranchOptions", "BranchStart", "BranchStretch", "scale_along"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -60,7 +59,7 @@ class BranchStart:
     located: bool = False  # whether the change itself is located behind the start
 
 
-class Stretch:
+class BranchStretch:
     """A stretch of a branch with one word."""
 
     def __init__(

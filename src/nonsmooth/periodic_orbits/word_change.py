@@ -1,5 +1,11 @@
 """How the word of an orbit can go on where it stops being valid.
 
+A point where the field beside a surface is tangent to it bounds the part of the surface on which
+motion slides. Beyond it an orbit that crossed there slides for a while, if that field curves away
+(crossing-sliding), and one that slid from there on crosses first and comes back, if it curves
+towards the surface (switching-sliding). See M. di Bernardo, C. Budd, A. Champneys and P. Kowalczyk,
+Piecewise-smooth Dynamical Systems, 2008, chapter 8.
+
 At a graze an excursion into another mode appears or vanishes; a leg may lose its duration, an exit
 passed at once may take time, an event may pass the section. Each change is made on the legs of the
 orbit at that point; where none is known, the engine is asked what it does a little beyond.
@@ -12,27 +18,94 @@ the parameter being free.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.engine.tables import PATH_LENGTH, Wiring
 from nonsmooth.periodic_orbits.branch_tests import is_graze
-from nonsmooth.periodic_orbits.change import Change, kind_of_excursion, kind_of_leg
 from nonsmooth.periodic_orbits.equations import OrbitEquations, Turn
 from nonsmooth.periodic_orbits.guess import Guess
-from nonsmooth.periodic_orbits.onto import joined, modes_along, onto_beyond, targets_of_cell
-from nonsmooth.periodic_orbits.sliding_change import off_surface_first, onto_surface
-from nonsmooth.periodic_orbits.word import Word
-from nonsmooth.periodic_orbits.word_names import shortest_paths
+from nonsmooth.periodic_orbits.onto import (
+    joined,
+    kind_of_excursion,
+    kind_of_leg,
+    modes_along,
+    onto_beyond,
+    targets_of_cell,
+)
+from nonsmooth.periodic_orbits.word import Word, shortest_paths
 
-__all__ = ["changes_at_once", "changes_of_word"]
+__all__ = ["Change", "changes_at_once", "changes_of_word"]
 
-Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
+Floats = npt.NDArray[np.float64]
 
+_OPENED = 1e-3  # part of the turn that a leg lasts where a branch with it begins
 _GONE = 1e-7  # part of the turn that a leg lasts which vanishes with a test of the same point
-_OPENED = 1e-3  # part of the turn that an excursion lasts where a branch with it begins
 _OPENED_OF_SLIDE = 4e-3  # likewise, from a surface on which motion slides
+
+
+@dataclass(frozen=True)
+class Change:
+    """A word with legs to begin with, and what has to grow from there on."""
+
+    kind: str  # what the special point is called, or "section"
+    guess: Guess
+    grows: str = ""  # test of the new word that is zero at the change, positive behind it
+    opens: int = -1  # leg whose duration is prescribed to begin with, -1 for none
+    duration: float = 0.0
+
+
+def _onto_surface(equations: OrbitEquations, turn: Turn, k: int) -> list[Change]:
+    """The surface behind leg k holds the motion for a while: it slides, and leaves as before."""
+    word, wiring = equations.word, equations.legs.tables.wiring
+    mode, path = word.modes[k], word.paths[k]
+    beyond, onto = word.last_target(wiring, k), onto_beyond(wiring, mode, path[0])
+    if onto < 0:
+        return []
+    entry = (path[0], onto)
+    cell = modes_along(wiring, mode, entry)[-1]
+    exits = targets_of_cell(wiring, cell)
+    if beyond not in exits:
+        return []
+    guess = _with_leg(equations, turn, k, entry, cell, (exits.index(beyond),))
+    return [Change("crossing_sliding", guess, f"leg:{k + 1}")]
+
+
+def _off_surface_first(equations: OrbitEquations, turn: Turn, k: int, g: int) -> list[Change]:
+    """The surface behind leg k does not hold the motion: it crosses and comes back onto it."""
+    word, wiring = equations.word, equations.legs.tables.wiring
+    mode, path = word.modes[k], word.paths[k]
+    cell = word.last_target(wiring, k)
+    beyond = int(wiring.exits["target"][cell, g])
+    if beyond not in modes_along(wiring, mode, path)[1:-1]:
+        return []
+    # a leg of no duration would solve the equations too, so it begins with one
+    length = float(turn.instants[-1] - turn.instants[0])
+    duration = min(_OPENED * length, 0.5 * float(turn.durations[(k + 1) % len(word)]))
+    found = []
+    for back in shortest_paths(wiring, beyond, cell):
+        guess = _with_leg(equations, turn, k, path[:-1], beyond, back)
+        guess.turn.instants[k + 2] += duration
+        found.append(Change("switching_sliding", guess, "", k + 1, duration))
+    return found
+
+
+def _with_leg(
+    equations: OrbitEquations, turn: Turn, k: int, path: tuple[int, ...], mode: int,
+    behind: tuple[int, ...],
+) -> Guess:  # fmt: skip
+    """A leg of no duration behind leg k, which is left and entered by other paths."""
+    word = equations.word
+    cut = Word(word.modes, (*word.paths[:k], path, *word.paths[k + 1 :]))
+    found = equations.legs.follow(cut, turn.states, turn.instants)
+    modes = (*word.modes[: k + 1], mode, *word.modes[k + 1 :])
+    paths = (*word.paths[:k], path, behind, *word.paths[k + 1 :])
+    states = np.insert(turn.states, k + 1, found.nexts[k], axis=0)
+    instants = np.insert(turn.instants, k + 1, turn.instants[k + 1])
+    return Guess(Word(modes, paths), Turn(states, instants))
 
 
 def changes_at_once(equations: OrbitEquations, turn: Turn, names: list[str]) -> list[Change]:
@@ -76,9 +149,9 @@ def changes_of_word(equations: OrbitEquations, turn: Turn, name: str) -> list[Ch
     if kind == "graze":
         return _with_excursion(equations, turn, k, int(numbers[1]))
     if kind == "slide":
-        return onto_surface(equations, turn, k)
+        return _onto_surface(equations, turn, k)
     if kind == "enter":
-        return off_surface_first(equations, turn, k, int(numbers[1]))
+        return _off_surface_first(equations, turn, k, int(numbers[1]))
     return []
 
 

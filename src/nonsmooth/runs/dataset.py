@@ -1,19 +1,33 @@
-"""A finished run as an xarray dataset; the only place where results get their names."""
+"""A finished run as an xarray dataset; the only place where results get their names.
+
+Where rebounds accumulate, the engine passes the last of infinitely many impacts as one, a little
+before, and goes on in rest from there: its log has the states of that instant, from which an orbit
+can be built. A dataset has the time when the rebounds are over, and the states of that time.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import xarray as xr
 from xarray.indexes import PandasIndex
 
-from nonsmooth.engine.status import CURES, Status
-from nonsmooth.runs.assemble import Columns, assemble
-from nonsmooth.runs.certificate import with_doubts
-from nonsmooth.runs.digits import digits_left
-from nonsmooth.runs.events import event_variables
-from nonsmooth.runs.labels import Labels, labels_of
+from nonsmooth.engine.derivatives import no_rates, no_scratch
+from nonsmooth.engine.lanes import (
+    SAME,
+    allocate_anchor,
+    allocate_records,
+    allocate_segment,
+    allocate_tangent,
+    run,
+)
+from nonsmooth.engine.record import Rows, columns
+from nonsmooth.engine.status import CURES, Certificate, EventKind, Status
+from nonsmooth.engine.tables import PATH_LENGTH, TAYLOR, Tables
+from nonsmooth.runs.labels import Columns, Labels, assemble, labels_of, with_doubts
 from nonsmooth.runs.outputs import output_values, sample_clock
 from nonsmooth.runs.runner import Outcome
 from nonsmooth.runs.words import last_period_word
@@ -22,12 +36,20 @@ from nonsmooth.version import __version__
 
 __all__ = ["run_dataset", "time_of_lost_derivatives"]
 
+Floats = npt.NDArray[np.float64]
+
+_KINDS = [kind.word for kind in EventKind]
+_NO_TIMES = (np.zeros(0, np.int64), np.zeros(0))
+_RATES, _SCRATCH = no_rates(), no_scratch()
+_TOLERANCE = 1e-12
+_EPSILON = float(np.finfo(float).eps)
+
 
 def run_dataset(system: System, outcome: Outcome, options: dict[str, Any]) -> xr.Dataset:
     """Dataset of a run: trajectory over ``time``, events over ``event``, attributes."""
     labels = labels_of(system)
     samples, coords = _samples(system, labels, outcome)
-    events = event_variables(labels, outcome) if outcome.keeps_events else {}
+    events = _event_variables(labels, outcome) if outcome.keeps_events else {}
     ends: Columns = {
         "end_state": (("state",), outcome.records.end_state, {"long_name": "states at the end"}),
         "anchor_state": (
@@ -96,7 +118,7 @@ def _derivatives(system: System, outcome: Outcome, coords: Columns) -> Columns:
     }
     states = outcome.records.sample_state[: outcome.n_samples].T
     variables["digits"] = (
-        ("time",), digits_left(states, columns[:, :, :n]),
+        ("time",), _digits_left(states, columns[:, :, :n]),
         {"long_name": "estimate of the digits that rounding has left"},
     )  # fmt: skip
     if outcome.chosen:
@@ -168,3 +190,129 @@ def time_of_lost_derivatives(run: xr.Dataset) -> float | None:
         if name in run:
             lost |= ~np.isfinite(run[name].values).all(axis=(1, 2))
     return float(run["time"].values[lost][0]) if lost.any() else None
+
+
+def _event_variables(labels: Labels, outcome: Outcome) -> Columns:
+    """Variables over ``event`` for a dataset."""
+    rows, states = outcome.events, outcome.event_states
+    number, phase = rows["number"].copy(), rows["phase"] + rows["wait"]
+    time = outcome.times(number, phase)
+    before = states[:, 0]
+    codes = rows["from_mode"] * labels.width
+    codes += rows["exit"]
+    codes[rows["exit"] < 0] += labels.width  # the start
+    variables: dict[str, tuple[Any, str | dict[str, Any]]] = {
+        "event_time": (time, "time of the event"),
+        "event_period_number": (number, "whole windows before the event"),
+        "event_phase": (phase, "time of the event within its window"),
+        "event_name": (_texts(labels.names, codes), "name of the first exit passed"),
+        "event_kind": (_texts(_KINDS, rows["kind"]), "kind of the event"),
+        "event_from": (
+            rows["from_mode"].astype(labels.mode_type),
+            labels.mode_flags("mode before the event"),
+        ),
+        "event_to": (
+            rows["to_mode"].astype(labels.mode_type),
+            labels.mode_flags("mode after the event"),
+        ),
+        "event_path": (_paths(labels, rows, codes), "exits passed at the instant"),
+        "event_count": (rows["count"].copy(), "impacts that this row stands for"),
+        "guard_rate": (
+            rows["guard_rate"].copy(),
+            "rate of the guard that fired, just before the event",
+        ),
+        "certified": (
+            rows["certificate"] == Certificate.CERTIFIED,
+            "whether neither rounding nor an estimate leaves a doubt about the event",
+        ),
+        "estimated": (
+            rows["certificate"] == Certificate.ESTIMATED,
+            "whether the event rests on an estimate of the errors of Taylor series",
+        ),
+        "state_before": (before.copy(), "states just before the event"),
+        "state_after": (_states_after(outcome).copy(), "states just after the event"),
+    }
+    return {
+        name: (
+            ("event", "state")[: column.ndim],
+            column,
+            {"long_name": words} if isinstance(words, str) else words,
+        )
+        for name, (column, words) in variables.items()
+    }
+
+
+def _texts(table: Sequence[str], codes: npt.NDArray[np.int64]) -> npt.NDArray[Any]:
+    """Texts by number, as wide as the longest that occurs, which is the width files restore."""
+    counts = np.bincount(codes, minlength=len(table))
+    words = np.array([text if n else "" for text, n in zip(table, counts, strict=True)])
+    return words.take(codes)
+
+
+def _paths(labels: Labels, rows: Rows, codes: npt.NDArray[np.int64]) -> npt.NDArray[Any]:
+    """Exits passed: mostly the one that has named the event; longer paths are decoded."""
+    several = np.flatnonzero(rows["passes"] > (rows["exit"] >= 0))
+    if several.size == 0:
+        return _texts(labels.paths, codes)
+    mode, path, passes = columns(rows[several], "from_mode", "path", "passes").T
+    _, path_code = np.unique(path, return_inverse=True)
+    code = (path_code * len(labels.modes) + mode) * 2 + (passes > PATH_LENGTH)
+    _, first, which = np.unique(code, return_index=True, return_inverse=True)
+    texts = [labels.path(int(mode[k]), int(path[k]), int(passes[k])) for k in first]
+    codes = codes.copy()
+    codes[several] = len(labels.paths) + which
+    return _texts([*labels.paths, *texts], codes)
+
+
+def _states_after(outcome: Outcome) -> npt.NDArray[np.float64]:
+    """States just behind each event of the log, (event, n)."""
+    sizes = outcome.tables.sizes
+    rows, after = outcome.events, outcome.event_states[:, 1]
+    late = np.flatnonzero(rows["wait"] > 0.0)
+    still = [m for m in np.unique(rows["to_mode"][late]) if _stands(outcome.tables, int(m))]
+    late = late[~np.isin(rows["to_mode"][late], still)]
+    # where parameters change from period to period, the tables are those of the last one
+    if late.size == 0 or outcome.history is not None:
+        return after
+    after = after.copy()
+    anchor, records = allocate_anchor(sizes), allocate_records(sizes, *_NO_TIMES, 0)
+    segment, tangent = allocate_segment(sizes), allocate_tangent(sizes, -1, 0)
+    lane = (outcome.tables, _RATES, _SCRATCH, anchor, segment, tangent)
+    for k in late:  # a long run has thousands of them, so nothing is made anew for one
+        number, phase = int(rows["number"][k]), float(rows["phase"][k])
+        anchor.move_to((number, phase))
+        anchor.state[:] = after[k]
+        records.counters[()] = 0
+        mode = SAME - int(rows["to_mode"][k])
+        run(lane, records, mode, (number, phase + float(rows["wait"][k])), _TOLERANCE)
+        after[k] = records.end_state
+    return after
+
+
+def _stands(tables: Tables, m: int) -> bool:
+    """Whether no state changes in a mode, as of a mass at rest at a wall that is fixed."""
+    n = tables.sizes.states
+    if tables.kinds[m] == TAYLOR or np.any(tables.generator[m][:n]):
+        return False
+    relations = np.array([tables.relation_row(m, i) for i in range(n)])
+    return not np.any(np.delete(relations, n, axis=1))  # coordinate n is the constant one
+
+
+def _digits_left(states: Floats, tangent: Floats) -> Floats:
+    """Estimate of the correct digits of the states, beside their largest size, at each sample.
+
+    An error of one rounding, made at any sample, has grown since by as much as the derivatives
+    have; the largest of them counts, in the state that has it. Where derivatives are lost, or
+    beyond the range of numbers, no digit is left.
+
+    shapes: states (n, K), tangent (K, n, n); returns (K,)
+    """
+    size = np.abs(states).max(axis=1, initial=0.0)
+    unit = np.where(size > 0.0, size, 1.0)
+    with np.errstate(invalid="ignore", over="ignore"):
+        growth = ((np.abs(tangent) @ size) / unit).max(axis=1, initial=0.0)
+    growth = np.where(np.isfinite(growth), growth, np.inf)
+    least = np.minimum.accumulate(growth)  # an error made there has grown most since
+    since = np.divide(growth, least, out=np.ones_like(growth), where=least > 0.0)
+    digits: Floats = np.maximum(-np.log10(_EPSILON * since), 0.0)
+    return digits

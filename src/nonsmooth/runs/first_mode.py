@@ -1,20 +1,27 @@
-"""Run from a start in the first of its modes that admits it."""
+"""Run from a start in the first of its modes that admits it, or say why none does."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import TypeVar
 
-from nonsmooth.engine.tables import Tables
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.engine.tables import Tables, members
 from nonsmooth.errors import OptionError
-from nonsmooth.runs.misfit import explain_misfit
 from nonsmooth.runs.runner import NoMode
-from nonsmooth.runs.start import Start
+from nonsmooth.runs.start import Start, begin
 from nonsmooth.system.system import System
 
-__all__ = ["in_first_mode"]
+__all__ = ["explain_misfit", "in_first_mode"]
 
 Result = TypeVar("Result")
+Floats = npt.NDArray[np.float64]
+
+_SHOWN = 6  # modes; those that come nearest, as a piecewise mode has dozens of cells
+_DIGITS = (6, 10, 17)
 
 
 def in_first_mode(
@@ -30,3 +37,74 @@ def in_first_mode(
         except NoMode as fault:
             misfit = fault
     raise OptionError(explain_misfit(system, tables, start, misfit.z))
+
+
+def explain_misfit(system: System, tables: Tables, start: Start, z: Floats) -> str:
+    """What fails in each mode for a start that no mode admits."""
+    asked = start.modes if start.modes != (-1,) else range(len(system.structure.modes))
+    names = list(system.structure.modes)
+    faults = {m: _faults_of(system, tables, start, z, m) for m in asked}
+    nearest = sorted(sorted(faults, key=lambda m: len(faults[m]))[:_SHOWN])
+    lines = [f"  {names[m]}: {'; '.join(faults[m])}" for m in nearest]
+    if len(faults) > len(nearest):
+        lines.append(f"  and {len(faults) - len(nearest)} other modes, with as many faults or more")
+    given = ", ".join(f"{k} = {v:.6g}" for k, v in zip(system.states, z, strict=False))
+    return (
+        f"the initial state ({given}) fits no mode of {system.name!r}:\n"
+        + "\n".join(lines)
+        + "\nchange the state so that it lies inside one of the modes"
+        "\n(a guard is positive inside its mode: check its sign too)"
+    )
+
+
+def _faults_of(system: System, tables: Tables, start: Start, z: Floats, m: int) -> list[str]:
+    """Guards of a mode that are negative, and slaved states off their relations."""
+    n = len(system.states)
+    equations = list(system.structure.modes.values())[m].equations
+    slaved = members(tables.modes["slaved"][m], n)
+    implicit = members(tables.modes["implicit"][m], n)
+    faults = []
+    for e in range(int(tables.modes["n_exits"][m])):
+        with np.errstate(invalid="ignore"):  # a guard may divide by zero there
+            value = float(tables.guard_row(m, e) @ z)
+        guard = equations.exits[e].guard.text
+        if value < 0.0:
+            faults.append(f"guard {guard!r} is {value:.6g}, it must not be negative")
+        elif not math.isfinite(value):
+            faults.append(f"guard {guard!r} is not a finite number there")
+    solution = _solution(system, tables, start, z[:n], m) if implicit.any() else z[:n]
+    for i, state in enumerate(system.states):
+        if not slaved[i]:
+            continue
+        text = equations.slaved[state].text
+        wanted = float(tables.relation_row(m, i) @ z)
+        if implicit[i]:
+            wanted = float(solution[i])
+        if math.isnan(wanted):
+            faults.append(
+                f"Newton's method does not solve {text!r} from {state} = {z[i]:.6g}"
+                f" here; give {state} near a solution, if there is one"
+            )
+        elif wanted != z[i]:
+            right, given = _told_apart(wanted, float(z[i]))
+            faults.append(
+                f"{state} is slaved here: give {state} = {right} by {text!r}, not {given}"
+            )
+    return faults
+
+
+def _told_apart(one: float, other: float) -> tuple[str, str]:
+    """Two numbers with as many digits as it takes to see that they differ."""
+    for digits in _DIGITS:
+        texts = f"{one:.{digits}g}", f"{other:.{digits}g}"
+        if texts[0] != texts[1]:
+            break
+    return texts
+
+
+def _solution(system: System, tables: Tables, start: Start, state: Floats, m: int) -> Floats:
+    """State with its slaved ones solved for in a mode; nan where the mode does not take it."""
+    left_out = members(tables.modes["slaved"][m], state.size)
+    opened = np.where(left_out, np.nan, state)
+    anchor = begin(tables, opened, start.instant, m)
+    return np.where(left_out, anchor.state if anchor.mode >= 0 else np.nan, state)

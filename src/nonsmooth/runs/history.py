@@ -23,7 +23,7 @@ class Frozen:
     values: dict[str, float]
 
 
-class _Stretch(NamedTuple):
+class _Periods(NamedTuple):
     """Periods in a row that were passed in one call, k of them."""
 
     origins: Array  # (k,)
@@ -38,7 +38,7 @@ class History:
 
     first: int = 0  # number of the first period
     fault: str = ""  # why the next period was refused
-    _stretches: list[_Stretch] = field(default_factory=list)
+    _stretches: list[_Periods] = field(default_factory=list)
     _count: int = 0
 
     def add(self, period: Frozen, window: float) -> None:
@@ -53,7 +53,7 @@ class History:
     ) -> None:
         """Add periods of one length that follow the last one."""
         windows = np.full(origins.size, window)
-        self._stretches.append(_Stretch(origins, windows, values, samples))
+        self._stretches.append(_Periods(origins, windows, values, samples))
         self._count += origins.size
 
     def note_samples(self, written: int) -> None:

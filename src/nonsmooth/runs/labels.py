@@ -1,17 +1,24 @@
-"""The words of a system that stand in every result: labels, units, names of modes and exits."""
+"""What every result has: labels, units, names of modes and exits, doubts, parts put together."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
+import xarray as xr
 from xarray.indexes import PandasIndex
 
 from nonsmooth.engine.tables import PATH_LENGTH, exits_of_path
 from nonsmooth.system.system import System
 
-__all__ = ["Labels", "labels_of"]
+__all__ = ["Columns", "Labels", "assemble", "labels_of", "with_doubts"]
+
+Columns = dict[str, tuple[tuple[str, ...], Any, Mapping[str, Any]]]
+
+# not public, so it is taken only where it is found
+_direct = getattr(xr.Dataset, "_construct_direct", None)
 
 
 class Labels:
@@ -73,3 +80,40 @@ def _label(text: str) -> dict[str, str]:
         label, units = text[:-1].rsplit("[", 1)
         return {"long_name": label.strip(), "units": units.strip()}
     return {"long_name": text}
+
+
+def _doubts(uncertain: int, estimated: int) -> str:
+    """What stands against the certificate of a run, "" where nothing does."""
+    if uncertain:
+        return f"{uncertain} tangency or tangencies lie within rounding"
+    return f"the error of {estimated} steps is estimated" if estimated else ""
+
+
+def with_doubts(message: str, uncertain: int, estimated: int) -> str:
+    """A message with what stands against the certificate of its run."""
+    against = _doubts(uncertain, estimated)
+    return f"{message}; {against}" if against else message
+
+
+def assemble(
+    variables: Columns,
+    coords: Columns,
+    indexes: Mapping[str, PandasIndex],
+    attrs: Mapping[str, Any],
+) -> xr.Dataset:
+    """Dataset of variables given as (dimensions, array, attributes).
+
+    The same as ``xr.Dataset(variables, coords, attrs)``, which aligns and merges what may come
+    from anywhere and so takes longer than a short run. The variables of a run have common
+    dimensions by construction, and xarray has a short way for such variables.
+    """
+    if _direct is None:
+        return xr.Dataset(variables, coords, attrs)
+    whole: dict[Any, xr.Variable] = {
+        name: xr.Variable(dims, values, words, fastpath=True)
+        for name, (dims, values, words) in {**variables, **coords}.items()
+    }
+    for index in indexes.values():
+        whole |= index.create_variables(whole)
+    dataset: xr.Dataset = _direct(whole, set(coords), None, dict(attrs), dict(indexes))
+    return dataset

@@ -1,8 +1,9 @@
-"""Outputs of a system on recorded samples, mode by mode, with numpy."""
+"""Outputs of a system, and rates of its states, on recorded samples, mode by mode, with numpy."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
@@ -10,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.engine.tables import Tables
+from nonsmooth.runs.clock import Instant
 from nonsmooth.runs.history import History
 from nonsmooth.runs.runner import Outcome
 from nonsmooth.system.algebra.frequencies import canonical_frequency
@@ -20,14 +22,16 @@ from nonsmooth.system.system import System
 from nonsmooth.system.text.evaluate import evaluate, evaluate_shared
 from nonsmooth.system.text.expressions import Call, Expression
 
-__all__ = ["Clock", "SweptClock", "output_values", "sample_clock"]
+__all__ = ["SampleClock", "StateRates", "SweptClock", "output_values", "sample_clock"]
 
 Array = npt.NDArray[np.float64]
+Floats = npt.NDArray[np.float64]
+Integers = npt.NDArray[np.int64]
 
 _TOGETHER = 65_536  # samples; bounds the memory of what is worked out on the way
 
 
-class Clock:
+class SampleClock:
     """Times of samples, and angles of harmonics that lose nothing over many periods."""
 
     def __init__(self, number: npt.NDArray[np.int64], phase: Array, tables: Tables) -> None:
@@ -58,15 +62,15 @@ class Clock:
         before = self.number * self.window
         return values_of(signal, self.time, order, lambda start: (before - start) + self.phase)
 
-    def at(self, here: npt.NDArray[np.int64]) -> Clock:
+    def at(self, here: npt.NDArray[np.int64]) -> SampleClock:
         """Clock of some of the samples."""
-        part = object.__new__(Clock)
+        part = object.__new__(SampleClock)
         part.number, part.phase = self.number.take(here), self.phase.take(here)
         part.window, part.turns, part.parameters = self.window, self.turns, {}
         return part
 
 
-class FrozenClock(Clock):
+class FrozenClock(SampleClock):
     """Clock of a run with slow parameters, which are frozen in each period."""
 
     def __init__(
@@ -99,7 +103,7 @@ class FrozenClock(Clock):
         return part
 
 
-class SweptClock(Clock):
+class SweptClock(SampleClock):
     """Clock of samples with a parameter, and a period, of their own each."""
 
     def __init__(
@@ -141,15 +145,15 @@ class SweptClock(Clock):
         )
 
 
-def sample_clock(outcome: Outcome, number: npt.NDArray[np.int64], phase: Array) -> Clock:
+def sample_clock(outcome: Outcome, number: npt.NDArray[np.int64], phase: Array) -> SampleClock:
     """Clock of the samples of a run."""
     if outcome.history is None:
-        return Clock(number, phase, outcome.tables)
+        return SampleClock(number, phase, outcome.tables)
     return FrozenClock(number, phase, outcome.tables, outcome.history)
 
 
 def output_values(
-    system: System, clock: Clock, states: Array, modes: npt.NDArray[np.int64]
+    system: System, clock: SampleClock, states: Array, modes: npt.NDArray[np.int64]
 ) -> dict[str, Array]:
     """Values of every output over the samples, from states (state, time) and mode numbers."""
     values = {name: np.full(modes.shape, np.nan) for name in system.outputs}
@@ -175,7 +179,7 @@ def _meaning(forms: ModeForms, name: str) -> LinearForm | Expression:
 class _Names(Mapping[str, Any]):
     """Values of names in one mode; outputs are worked out when asked for."""
 
-    def __init__(self, system: System, mode: int, clock: Clock, states: Array) -> None:
+    def __init__(self, system: System, mode: int, clock: SampleClock, states: Array) -> None:
         self.forms = system.structure.running[mode]
         self.signals = system.signals
         self.clock = clock
@@ -239,3 +243,41 @@ class _Names(Mapping[str, Any]):
 
     def __len__(self) -> int:
         return len(self.known)
+
+
+class StateRates:
+    """Rates of the states anywhere, from their equations."""
+
+    def __init__(self, system: System, tables: Tables, origin: Integers | None = None) -> None:
+        """``origin``: number of each mode in the system, where the tables have others."""
+        self.origin = np.arange(len(system.mode_names)) if origin is None else origin
+        self.system, self.names = _with_rates(system)
+        self.tables = tables
+
+    def at(self, here: Instant, mode: int, state: Floats) -> Floats:
+        """Rates at an instant, in a mode of the tables."""
+        number, phase = np.array([here.number]), np.array([here.phase])
+        rates: Floats = self.of_many(number, phase, np.array([mode]), state[None])[0]
+        return rates
+
+    def of_many(self, number: Integers, phase: Floats, modes: Integers, states: Floats) -> Floats:
+        """Rates at many instants, each in a mode of the tables; shapes: states (L, n)."""
+        clock = SampleClock(number, phase, self.tables)
+        found = output_values(self.system, clock, states.T, self.origin[modes])
+        rates = [np.broadcast_to(found[name], number.shape) for name in self.names]
+        stacked: Floats = np.stack(rates, axis=1).astype(float)
+        return stacked
+
+
+@lru_cache(maxsize=32)
+def _with_rates(system: System) -> tuple[System, tuple[str, ...]]:
+    """System with the rate of each state as an output, and their names."""
+    taken = {*system.states, *system.outputs, *system.definitions, *system.parameters}
+    names = []
+    for state in system.states:
+        name = f"rate_of_{state}"
+        while name in taken:
+            name += "_"
+        names.append(name)
+    rates = {name: f"rate({state})" for name, state in zip(names, system.states, strict=True)}
+    return replace(system, outputs={**system.outputs, **rates}), tuple(names)

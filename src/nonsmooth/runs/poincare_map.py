@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import KW_ONLY, dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from nonsmooth.runs.driving import is_driven
 from nonsmooth.runs.options import check_run_options, whole_number
-from nonsmooth.runs.power import raised
 from nonsmooth.runs.return_tangent import return_tangent
-from nonsmooth.runs.runner import build_tables
-from nonsmooth.runs.section_options import check_side, read_section, refuse_slow
-from nonsmooth.runs.section_points import folded_tables, take_points
+from nonsmooth.runs.section_map import SectionMap
+from nonsmooth.runs.section_points import take_points
 from nonsmooth.runs.section_runner import SectionRunner
-from nonsmooth.system.section import Section, with_section
-from nonsmooth.system.system import System
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -23,7 +18,7 @@ __all__ = ["PoincareMap"]
 
 
 @dataclass(frozen=True)
-class PoincareMap:
+class PoincareMap(SectionMap):
     """The map of a system from a section to itself: where the motion comes through it next.
 
     Points lie where an expression vanishes, or at events of a name, as in `poincare_section`. Maps
@@ -72,22 +67,6 @@ class PoincareMap:
     >>> float((bounce**3).iterate({"u": 1.0})["u"].squeeze().round(4))
     0.512
     """
-
-    system: System
-    section: str
-    _: KW_ONLY
-    direction: int | None = None
-    side: str = "before"
-    every: int = 1
-
-    def __post_init__(self) -> None:
-        check_run_options(self.system, None, None, 1e-12)
-        refuse_slow(self.system)
-        _, way = read_section(self.system, self.section, self.direction)
-        check_side(self.side)
-        object.__setattr__(self, "direction", way)
-        object.__setattr__(self, "every", whole_number("every", self.every))
-        _ = self.split  # refuses an expression that never changes
 
     def iterate(
         self,
@@ -209,52 +188,6 @@ class PoincareMap:
         times = whole_number("count", count) * self.every
         return return_tangent(self, initial, times, mode, t_start, tolerance)
 
-    def power(self, k: int) -> PoincareMap:
-        """Return the map applied k times, which ``map**k`` is too.
-
-        Parameters
-        ----------
-        k : int
-            How often.
-
-        Returns
-        -------
-        PoincareMap
-            The map with ``every`` so many times as large.
-
-        Examples
-        --------
-        >>> import nonsmooth as ns
-        >>> ns.PoincareMap(ns.models.chua(), "y").power(3).every
-        3
-        """
-        return replace(self, every=raised(self.every, k))
-
-    def __pow__(self, k: int) -> PoincareMap:
-        return self.power(k)
-
-    def with_parameters(self, **parameters: float | str) -> PoincareMap:
-        """Return the same map of the system with other values of parameters.
-
-        Parameters
-        ----------
-        **parameters : float or str
-            New values by name.
-
-        Returns
-        -------
-        PoincareMap
-            The map of the changed system.
-
-        Examples
-        --------
-        >>> import nonsmooth as ns
-        >>> section = ns.PoincareMap(ns.models.chua(), "y")
-        >>> section.with_parameters(alpha=9.0).system.parameter_values["alpha"]
-        9.0
-        """
-        return replace(self, system=self.system.with_parameters(**parameters))
-
     def runner(self, tolerance: float) -> SectionRunner:
         """Return what applies the map to many starts at once, arrays in and out.
 
@@ -271,36 +204,3 @@ class PoincareMap:
             With ``start`` and ``iterate``.
         """
         return SectionRunner(self, tolerance)
-
-    @property
-    def way(self) -> int:
-        """Direction that counts, zero for both and for events."""
-        assert self.direction is not None  # filled in when the map is made
-        return self.direction
-
-    @property
-    def is_crossing(self) -> bool:
-        """Whether the section is an expression and not an event."""
-        return read_section(self.system, self.section, self.direction)[0]
-
-    @property
-    def split(self) -> Section | None:
-        """The system with the section in it; None where the section is an event."""
-        return with_section(self.system, self.section) if self.is_crossing else None
-
-    @property
-    def reads_time(self) -> bool:
-        """Whether time, or what depends on it, stands in the system or in the section."""
-        split = self.split
-        return is_driven(build_tables(self.system) if split is None else folded_tables(split))
-
-    @property
-    def protocol(self) -> dict[str, Any]:
-        """What the map is, as attributes of a result."""
-        return {
-            "section": self.section,
-            "section_kind": "crossing" if self.is_crossing else "event",
-            "direction": self.way,
-            "side": self.side,
-            "every": self.every,
-        }

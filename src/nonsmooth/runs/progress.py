@@ -1,13 +1,16 @@
-"""A progress bar for long work: shown on a terminal after a second, never in a pipe."""
+"""While a long computation runs: a progress bar, and Ctrl-C that waits for what is under way."""
 
 from __future__ import annotations
 
+import signal
 import sys
+import threading
 import time
-from types import TracebackType
+from types import FrameType, TracebackType
 from typing import Any
 
-__all__ = ["Progress"]
+__all__ = ["HeldInterrupts", "Progress"]
+
 
 _PATIENCE = 1.0  # seconds before a bar appears
 
@@ -47,3 +50,43 @@ class Progress:
     ) -> None:
         if self._bar is not None:
             self._bar.stop()
+
+
+class HeldInterrupts:
+    """While it holds, Ctrl-C is noted and comes with the next `check`, or at the end.
+
+    Elsewhere than in the main thread, and where the program has switched interrupts off, nothing
+    is changed.
+    """
+
+    def __init__(self) -> None:
+        self._pending = False
+        self._before: Any = None
+
+    def check(self) -> None:
+        """Raise KeyboardInterrupt if Ctrl-C has come."""
+        if self._pending:
+            self._pending = False
+            raise KeyboardInterrupt
+
+    def __enter__(self) -> HeldInterrupts:
+        if threading.current_thread() is threading.main_thread():
+            before = signal.getsignal(signal.SIGINT)
+            if callable(before):
+                self._before = before
+                signal.signal(signal.SIGINT, self._note)
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if self._before is not None:
+            signal.signal(signal.SIGINT, self._before)
+        if kind is None:
+            self.check()
+
+    def _note(self, number: int, frame: FrameType | None) -> None:
+        self._pending = True

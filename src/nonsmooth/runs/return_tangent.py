@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -12,26 +11,24 @@ import xarray as xr
 from nonsmooth.engine.status import CURES, Status
 from nonsmooth.errors import RunError
 from nonsmooth.runs.clock import Instant
-from nonsmooth.runs.driving import is_driven
-from nonsmooth.runs.rates import Rates
+from nonsmooth.runs.maps import tangent_array
+from nonsmooth.runs.outputs import StateRates
 from nonsmooth.runs.runner import NoMode, build_derivatives
+from nonsmooth.runs.section_map import SectionMap
 from nonsmooth.runs.section_points import SectionStart, misfit, start_on_section
 from nonsmooth.runs.section_search import PATIENCE
 from nonsmooth.runs.start import start_at_end
+from nonsmooth.runs.strobe_times import is_driven
 from nonsmooth.runs.tangent_flow import TangentFlow
-from nonsmooth.system.system import System
 
-if TYPE_CHECKING:
-    from nonsmooth.runs.poincare_map import PoincareMap
-
-__all__ = ["images_of_point", "return_tangent", "tangent_array"]
+__all__ = ["images_of_point", "return_tangent"]
 
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
 
 
 def return_tangent(
-    chosen: PoincareMap,
+    chosen: SectionMap,
     initial: Any,
     crossings: int,
     mode: str | None,
@@ -59,7 +56,7 @@ def return_tangent(
 
 
 def images_of_point(
-    chosen: PoincareMap, motion: SectionStart, count: int, tolerance: float
+    chosen: SectionMap, motion: SectionStart, count: int, tolerance: float
 ) -> tuple[Floats, Integers, Floats] | None:
     """Images of a point with their modes, and the derivative of the last one by the point.
 
@@ -83,17 +80,6 @@ def images_of_point(
     return np.array(states), np.array(modes), derivative
 
 
-def tangent_array(system: System, matrix: Floats, names: Sequence[str]) -> xr.DataArray:
-    """Derivatives of the coordinates of an image by those of the start."""
-    coords = {
-        "state": ("state", np.array(names)),
-        "state_0": ("state_0", np.array(names), {"long_name": "initial state"}),
-    }
-    label = "derivatives of the image by the start"
-    attrs = {"long_name": label, "system_name": system.name}
-    return xr.DataArray(matrix, coords, ("state", "state_0"), name="tangent", attrs=attrs)
-
-
 class _Path:
     """A motion from point to point with its derivatives.
 
@@ -102,13 +88,15 @@ class _Path:
     rates with which the motion begins. `NoMode` where no mode admits the start.
     """
 
-    def __init__(self, chosen: PoincareMap, motion: SectionStart, tolerance: float) -> None:
+    def __init__(self, chosen: SectionMap, motion: SectionStart, tolerance: float) -> None:
         split = chosen.split
         system = chosen.system if split is None else split.system
         self._motion = motion
         self._side = int(chosen.side == "after")
         self._knots = bool(chosen.system.signals)
-        self._rates = Rates(chosen.system, motion.tables, None if split is None else split.origin)
+        self._rates = StateRates(
+            chosen.system, motion.tables, None if split is None else split.origin
+        )
         derivatives = build_derivatives(system, motion.tables, ())
         n = len(system.states)
         for mode in motion.begin.modes:
@@ -170,7 +158,7 @@ class _Path:
 
 
 def _too_few(
-    chosen: PoincareMap, flow: TangentFlow, status: Status, count: int, wanted: int
+    chosen: SectionMap, flow: TangentFlow, status: Status, count: int, wanted: int
 ) -> RunError:
     time = flow.here.time(flow.window)
     why = CURES.get(status, "")

@@ -1,7 +1,12 @@
-"""Drives the engine loop: tables, chunks, the event buffer, interruption, progress."""
+"""Drives the engine loop: tables, chunks, the event buffer, interruption, progress, limits.
+
+Where seconds are limited, the clock only decides when a run stops. The engine returns after a
+bounded amount of counted work, and no digit depends on where.
+"""
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -20,6 +25,7 @@ from nonsmooth.engine.derivatives import (
 )
 from nonsmooth.engine.lanes import (
     GOES_ON,
+    NO_LIMIT,
     RESUMES,
     SEARCHING,
     STOPPING,
@@ -40,26 +46,55 @@ from nonsmooth.errors import ModelError
 from nonsmooth.runs.clock import Instant, Plan
 from nonsmooth.runs.event_log import FIRST_CAPACITY, EventLog, LentRoom
 from nonsmooth.runs.history import History
-from nonsmooth.runs.interrupts import HeldInterrupts
-from nonsmooth.runs.limits import UNLIMITED, Limits
-from nonsmooth.runs.progress import Progress
+from nonsmooth.runs.options import positive_number, whole_number
+from nonsmooth.runs.progress import HeldInterrupts, Progress
 from nonsmooth.system.system import System
 
 __all__ = [
     "NO_DERIVATIVES",
+    "UNLIMITED",
     "Derivatives",
     "NoMode",
     "Outcome",
+    "WorkLimits",
     "advance",
     "build_derivatives",
     "build_tables",
     "last_instant",
+    "limits_from",
     "log_going_on",
     "run_plan",
 ]
 
+
 _ZERO = Instant(0, 0.0)
 _ROUNDS = 8  # until a sum of times is rounded to the other side
+
+
+@dataclass(frozen=True)
+class WorkLimits:
+    """Where a run has to stop: by the monotonic clock, and by the number of its events."""
+
+    deadline: float = float("inf")
+    most_events: int = NO_LIMIT
+
+    @property
+    def time_is_up(self) -> bool:
+        """Whether the run has taken as long as it may."""
+        return time.monotonic() >= self.deadline
+
+
+UNLIMITED = WorkLimits()
+
+
+def limits_from(max_seconds: Any, max_events: Any) -> WorkLimits:
+    """Limits from the options of a run, counted from now; None is no limit."""
+    deadline, most_events = UNLIMITED.deadline, UNLIMITED.most_events
+    if max_seconds is not None:
+        deadline = time.monotonic() + positive_number("max_seconds", max_seconds)
+    if max_events is not None:
+        most_events = whole_number("max_events", max_events)
+    return WorkLimits(deadline, most_events)
 
 
 class NoMode(Exception):
@@ -185,7 +220,7 @@ def run_plan(
     mode: int = -1,
     keep_events: bool = True,
     derivatives: Derivatives = NO_DERIVATIVES,
-    limits: Limits = UNLIMITED,
+    limits: WorkLimits = UNLIMITED,
     room: LentRoom | None = None,
 ) -> Outcome:
     """Run a plan from an anchor, or from a state at an instant; `NoMode` when none fits.
@@ -257,7 +292,7 @@ def advance(
     report: Callable[[int], None],
     *,
     mode: int = GOES_ON,
-    limits: Limits = UNLIMITED,
+    limits: WorkLimits = UNLIMITED,
 ) -> tuple[Status, Records]:
     """Run to an instant, in pieces; ``report`` is told how many windows are done.
 

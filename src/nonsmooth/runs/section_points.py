@@ -5,31 +5,43 @@ from __future__ import annotations
 import math
 import warnings
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+import xarray as xr
 
+from nonsmooth.engine.status import CURES, Status
 from nonsmooth.engine.tables import Tables
-from nonsmooth.errors import ModelError, OptionError, RunWarning
+from nonsmooth.errors import OptionError, RunWarning
 from nonsmooth.runs.clock import Instant, instants
-from nonsmooth.runs.misfit import explain_misfit
+from nonsmooth.runs.first_mode import explain_misfit
+from nonsmooth.runs.labels import labels_of, with_doubts
 from nonsmooth.runs.options import whole_number
-from nonsmooth.runs.rates import Rates
+from nonsmooth.runs.outputs import SampleClock, StateRates, output_values
 from nonsmooth.runs.runner import NoMode, build_tables
-from nonsmooth.runs.section_dataset import section_dataset
-from nonsmooth.runs.section_options import set_limits
-from nonsmooth.runs.section_rows import AT_ONCE, BehindStart, Crossings, NamedEvents
-from nonsmooth.runs.section_search import Pick, Search, search, some_points, to_begin
+from nonsmooth.runs.section_map import SectionMap, folded_tables, set_limits
+from nonsmooth.runs.section_search import (
+    AT_ONCE,
+    PATIENCE,
+    BehindStart,
+    Crossings,
+    NamedEvents,
+    Pick,
+    SectionSearch,
+    joined_points,
+    search,
+    some_points,
+    to_begin,
+)
 from nonsmooth.runs.start import Start, resolve_start, start_at_end
 from nonsmooth.system.section import Section
 from nonsmooth.system.system import System
+from nonsmooth.version import __version__
 
-if TYPE_CHECKING:
-    import xarray as xr
+__all__ = ["SectionStart", "misfit", "start_on_section", "take_points"]
 
-    from nonsmooth.runs.poincare_map import PoincareMap
 
-__all__ = ["SectionStart", "folded_tables", "misfit", "start_on_section", "take_points"]
+_WAYS = {1: "upward", -1: "downward", 0: "in either direction"}
 
 
 class SectionStart(NamedTuple):
@@ -47,7 +59,7 @@ class SectionStart(NamedTuple):
 
 
 def start_on_section(
-    chosen: PoincareMap, initial: Any, mode: str | None, t_start: float | None, repeated: bool
+    chosen: SectionMap, initial: Any, mode: str | None, t_start: float | None, repeated: bool
 ) -> SectionStart:
     """Start of a motion, and what finds its points."""
     system, split = chosen.system, chosen.split
@@ -69,7 +81,7 @@ def start_on_section(
 
 
 def take_points(
-    chosen: PoincareMap,
+    chosen: SectionMap,
     initial: Any,
     *,
     transient: float,
@@ -105,7 +117,7 @@ def take_points(
         found = search(tables, begin, limits, tolerance, motion.pick)
     except NoMode:
         raise misfit(chosen, motion, tolerance) from None
-    result = section_dataset(system, tables, _every(found, chosen.every), protocol)
+    result = _section_dataset(system, tables, _every(found, chosen.every), protocol)
     if not result.attrs["message"].startswith("completed"):
         # told where the user calls the verb or method that calls this
         warnings.warn(f"{system.name}: {result.attrs['message']}", RunWarning, stacklevel=3)
@@ -124,14 +136,14 @@ def just_before(system: System, tables: Tables, start: Start) -> Start:
         return start
     window = tables.window
     step = 0.1 * AT_ONCE * window
-    rates = Rates(system, tables).at(start.instant, start.modes[0], start.state)
+    rates = StateRates(system, tables).at(start.instant, start.modes[0], start.state)
     number, phase = start.instant.number, start.instant.phase - step
     if phase < 0.0:
         number, phase = number - 1, phase + window
     return replace(start, state=start.state - step * rates, instant=Instant(number, phase))
 
 
-def _every(found: Search, every: int) -> Search:
+def _every(found: SectionSearch, every: int) -> SectionSearch:
     """One of so many points."""
     if every == 1:
         return found
@@ -144,7 +156,7 @@ def _every(found: Search, every: int) -> Search:
     return replace(found, parts=parts, n_points=passed // every)
 
 
-def misfit(chosen: PoincareMap, motion: SectionStart, tolerance: float) -> OptionError:
+def misfit(chosen: SectionMap, motion: SectionStart, tolerance: float) -> OptionError:
     """Why no mode admits a start: the system, or a section that is not smooth there."""
     given = motion.given
     try:
@@ -156,14 +168,6 @@ def misfit(chosen: PoincareMap, motion: SectionStart, tolerance: float) -> Optio
         " little beside, or write it without what is singular there, such as x**2 + y**2 - 1 in"
         " place of sqrt(x**2 + y**2) - 1"
     )
-
-
-def folded_tables(split: Section) -> Tables:
-    """Tables of a system with a section in it; errors speak of the system without."""
-    try:
-        return build_tables(split.system)
-    except ModelError as fault:
-        raise ModelError(split.folded(str(fault))) from None
 
 
 def _on_either_side(start: Start, split: Section, window: float, used: float) -> Start:
@@ -178,3 +182,92 @@ def _on_either_side(start: Start, split: Section, window: float, used: float) ->
     if modes != (-1,):
         modes = tuple(int(i) for m in modes for i in np.flatnonzero(split.origin == m))
     return Start(start.state, instant, modes)
+
+
+def _section_dataset(
+    system: System, tables: Tables, found: SectionSearch, protocol: dict[str, Any]
+) -> xr.Dataset:
+    """Dataset over ``point`` from what a search has found."""
+    labels = labels_of(system)
+    points = joined_points(found.parts, len(system.states))
+    side = 0 if protocol["side"] == "before" else 1
+    states, modes = points.states[side].T.copy(), points.modes[side]
+    clock = SampleClock(points.number, points.phase, tables)
+    columns = dict(zip(system.states, states, strict=True))
+    columns |= output_values(system, clock, states, modes)
+    variables: dict[str, Any] = {
+        name: ("point", values, labels.attributes(name)) for name, values in columns.items()
+    }
+    words = labels.mode_flags(f"mode just {protocol['side']}")
+    variables["mode"] = ("point", modes.astype(labels.mode_type), words)
+    if protocol["section_kind"] == "crossing":
+        words = {"long_name": "1 where the section grows, -1 where it falls"}
+        variables["direction"] = ("point", points.direction.astype("int8"), words)
+    words = {"long_name": "whether neither rounding nor an estimate leaves a doubt about the point"}
+    variables["certified"] = ("point", points.certified, words)
+    coords: dict[str, Any] = {"time": ("point", clock.time, labels.attributes("time"))}
+    if system.period_value is not None:
+        words = {"long_name": "whole periods before the point"}
+        coords["period_number"] = ("point", points.number, words)
+        words = {"long_name": "time since the period began"}
+        coords["phase"] = ("point", points.phase, words)
+    return xr.Dataset(variables, coords, _attributes(system, tables, found, protocol))
+
+
+def _attributes(
+    system: System, tables: Tables, found: SectionSearch, protocol: dict[str, Any]
+) -> dict[str, Any]:
+    end = found.instant.time(tables.window)
+    attrs = {
+        "system_name": system.name,
+        "system": labels_of(system).system,
+        "nonsmooth_version": __version__,
+        "status": _status(found),
+        "message": _message(found, protocol, end),
+        "certified": int(found.n_uncertain == found.n_estimated == 0),
+        "n_points": found.n_points,
+        "n_uncertain": found.n_uncertain,
+        "n_estimated": found.n_estimated,
+        "n_grazes": found.n_grazes,
+        "end_time": end,
+    }
+    if system.period_value is not None:
+        attrs["period"] = system.period_value
+    return attrs | protocol
+
+
+def _status(found: SectionSearch) -> str:
+    if found.at_rest:
+        return "at_rest"
+    return "time_limit" if found.gave_up else found.status.word
+
+
+def _message(found: SectionSearch, protocol: dict[str, Any], end: float) -> str:
+    """What became of the search, and what to do where it found less than was asked for."""
+    status, count, record = found.status, found.n_points, protocol["record"]
+    few = f"{count} of {record} points until t = {end:.9g}"
+    if found.at_rest:
+        return (
+            f"{few}; there the motion comes to rest on the section, as far as rounding tells: the"
+            " points that are not certified mean nothing"
+        )
+    if status != Status.COMPLETED:
+        return f"{status.word} at t = {end:.9g}, {count} of {record} points: {CURES[status]}"
+    if count == record or (count and protocol["t_end"] < np.inf):
+        return with_doubts(status.word, found.n_uncertain, found.n_estimated)
+    reason = f"; none came in the last {PATIENCE} periods or windows" if found.gave_up else ""
+    if count:
+        return f"{few}{reason}; does the motion come to rest, or leave the section?"
+    name = protocol["section"]
+    if protocol["section_kind"] == "event":
+        return f"{few}{reason}; no event {name!r} came: draw the motion, or give a later t_end="
+    if found.n_grazes:
+        return (
+            f"{few}; the motion touches section = {name!r} {found.n_grazes} times, within rounding"
+            " of crossing it: move the section a little into the motion"
+        )
+    way = _WAYS[protocol["direction"]]
+    return (
+        f"{few}{reason}; nothing crosses section = {name!r} {way}: draw the motion"
+        " with simulate, move the section into it, or give direction=0 or a later t_end="
+    )

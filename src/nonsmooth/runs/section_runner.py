@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -16,22 +16,23 @@ from nonsmooth.runs.clock import Instant
 from nonsmooth.runs.crew import Stopped
 from nonsmooth.runs.lane_runner import LaneRunner, Lanes
 from nonsmooth.runs.return_tangent import images_of_point
+from nonsmooth.runs.section_map import SectionMap
 from nonsmooth.runs.section_points import SectionStart, just_before
-from nonsmooth.runs.section_rows import BehindStart, Crossings, NamedEvents, behind_start
 from nonsmooth.runs.section_search import (
     FIRST_PART,
     PATIENCE,
+    BehindStart,
+    Crossings,
+    NamedEvents,
     Pick,
-    Points,
+    SectionPoints,
+    behind_start,
     joined_points,
     length_of_next,
     some_points,
 )
 from nonsmooth.runs.start import Start
 from nonsmooth.runs.words import word_of_modes
-
-if TYPE_CHECKING:
-    from nonsmooth.runs.poincare_map import PoincareMap
 
 __all__ = ["NEVER_CROSSES", "SectionLanes", "SectionRunner"]
 
@@ -48,7 +49,7 @@ class _Way:
 
     begin: Instant
     here: Instant
-    points: Points
+    points: SectionPoints
     rows: Rows  # of the event log since the last point that was asked for
     values: Floats
     size: Floats  # (n,): largest states at some instants
@@ -78,13 +79,13 @@ class SectionLanes:
 class SectionRunner:
     """Applies a Poincaré map; one runner belongs to one thread."""
 
-    def __init__(self, chosen: PoincareMap, tolerance: float) -> None:
+    def __init__(self, chosen: SectionMap, tolerance: float) -> None:
         self.chosen = chosen
         split = chosen.split
         self.engine = LaneRunner(chosen.system if split is None else split.system, tolerance)
         self._prepare()
 
-    def set_up(self, chosen: PoincareMap) -> None:
+    def set_up(self, chosen: SectionMap) -> None:
         """Take the same map with other values of parameters; `ModelError` for senseless ones."""
         self.chosen = chosen
         self.engine.set_up(chosen.system.parameter_values)
@@ -198,7 +199,7 @@ class SectionRunner:
 
     def take(
         self, lanes: SectionLanes, i: int, count: int, stop: threading.Event | None = None
-    ) -> tuple[Points, Rows, Floats]:
+    ) -> tuple[SectionPoints, Rows, Floats]:
         """Next images of lane i, fewer where it ends, and the event log up to the last of them."""
         way, wanted = lanes.ways[i], count * self.chosen.every
         while way.points.number.size < wanted and lanes.lanes.status[i] == Status.COMPLETED:

@@ -15,7 +15,6 @@ from nonsmooth.runs.clock import plan_run
 from nonsmooth.runs.dataset import run_dataset, time_of_lost_derivatives
 from nonsmooth.runs.event_log import LentRoom, lent_room
 from nonsmooth.runs.first_mode import in_first_mode
-from nonsmooth.runs.limits import Limits, limits_from
 from nonsmooth.runs.options import (
     check_flag,
     check_run_options,
@@ -24,14 +23,14 @@ from nonsmooth.runs.options import (
 )
 from nonsmooth.runs.runner import (
     Outcome,
+    WorkLimits,
     build_derivatives,
     build_tables,
+    limits_from,
     run_plan,
 )
-from nonsmooth.runs.slow import check_slow_tangent, run_slow
+from nonsmooth.runs.slow import check_slow_tangent, resolve_slow_start, run_slow, tables_of
 from nonsmooth.runs.slow_plan import plan_slow_run
-from nonsmooth.runs.slow_run import tables_of
-from nonsmooth.runs.slow_start import resolve_slow_start
 from nonsmooth.runs.start import resolve_start, start_at_end
 from nonsmooth.system.slow import SlowParameters
 from nonsmooth.system.system import System
@@ -212,7 +211,7 @@ def _simulate(
     tolerance: float,
     keep_events: bool,
     chosen: tuple[str, ...] | None,
-    limits: Limits,
+    limits: WorkLimits,
     room: LentRoom,
 ) -> Outcome:
     tables = build_tables(system)
@@ -251,7 +250,7 @@ def _simulate_slow(
     tolerance: float,
     keep_events: bool,
     chosen: tuple[str, ...] | None,
-    limits: Limits,
+    limits: WorkLimits,
     _: LentRoom,
 ) -> Outcome:
     slow = SlowParameters(system)

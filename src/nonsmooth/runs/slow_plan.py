@@ -23,7 +23,7 @@ Array = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
 
 
-class Part(NamedTuple):
+class PlanPart(NamedTuple):
     """Samples in one period, and its end where the run ends in it."""
 
     number: Integers
@@ -58,7 +58,7 @@ class SlowPlan:
             return period.number - self.start.number
         return period.origin - self.begins
 
-    def part(self, period: Frozen, window: float) -> Part:
+    def part(self, period: Frozen, window: float) -> PlanPart:
         """Samples of a period, and the end if it lies in it."""
         end = self._end(period, window)
         if self.grid is None:
@@ -74,7 +74,7 @@ class SlowPlan:
         meets = end is not None and phase.size > 0 and number[-1] == end.number
         if meets and end is not None and abs(phase[-1] - end.phase) <= same:
             end = Instant(end.number, float(phase[-1]))
-        return Part(number, phase, end)
+        return PlanPart(number, phase, end)
 
     def whole(self, first: int, origins: Array, window: float) -> int:
         """Number of periods, of some in a row from number ``first`` on, before that of the end."""
@@ -84,7 +84,7 @@ class SlowPlan:
         slack = 4.0 * _UNIT * abs(self.t_end)
         return int(np.count_nonzero(self.t_end - origins > window + slack))
 
-    def parts(self, first: int, origins: Array, window: float) -> Part:
+    def parts(self, first: int, origins: Array, window: float) -> PlanPart:
         """Samples of whole periods in a row, none of them that of the start or of the end."""
         numbers, phases = first + np.arange(origins.size, dtype=np.int64), np.empty(0)
         if self.grid is None:
@@ -98,7 +98,7 @@ class SlowPlan:
                 self.taken += cuts[-1].size
             numbers = np.repeat(numbers, [cut.size for cut in cuts])
             phases = np.concatenate(cuts)
-        return Part(*_wrapped(numbers, phases, window), None)
+        return PlanPart(*_wrapped(numbers, phases, window), None)
 
     def _end(self, period: Frozen, window: float) -> Instant | None:
         if self.periods is not None:

@@ -1,5 +1,7 @@
 """Results of long work in a folder, task by task: what is done stays done.
 
+With the lock that keeps other processes out, and the room on disk and in memory that there is.
+
 The folder holds ``protocol.json``, which tells what is computed and how, one file of arrays for
 each task that is done, and ``lock``. Files appear whole or not at all, so the work may be ended at
 any moment, by a full disk or by loss of power, and goes on where it was.
@@ -7,37 +9,165 @@ any moment, by a full disk or by loss of power, and goes on where it was.
 Tasks are cut by the work alone, never by the number of threads, so a task that was done yesterday
 fits today, and digits do not depend on threads. HDF5 does not survive a full disk, so the files of
 tasks are ``.npz`` files with a checksum.
+
+The system's own locks end with the process that holds them, however it ends, so the file that a
+killed process leaves behind locks nobody out. The process number in it is for people.
 """
 
 from __future__ import annotations
 
 import errno
+import hashlib
+import io
 import json
 import os
 import re
+import shutil
+import sys
+import threading
 import warnings
-from collections.abc import Mapping
+import zipfile
+from collections.abc import Callable, Mapping
+from itertools import zip_longest
 from pathlib import Path
 from types import TracebackType
-from typing import Any
+from typing import Any, TypeVar
 
+import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError, ResultWarning, RunError
 from nonsmooth.files import replacing
-from nonsmooth.runs.chunk_file import Damaged, read_arrays, write_arrays
-from nonsmooth.runs.protocol import differences, plain
-from nonsmooth.runs.store_lock import lock, unlock
+from nonsmooth.runs.crew import run_tasks
 from nonsmooth.version import __version__
 
-__all__ = ["Store", "trouble"]
+__all__ = [
+    "Damaged",
+    "Store",
+    "free_memory",
+    "lock",
+    "read_arrays",
+    "reserve",
+    "run_stored_tasks",
+    "size_text",
+    "trouble",
+    "unlock",
+    "write_arrays",
+]
 
+T = TypeVar("T")
+
+_SUFFIX = ".npy"  # of the arrays within the file, as `numpy.load` expects it
+_DIGITS = 64  # of a checksum over all that stands before it, the comment at the end of the file
+_LONGEST = 1000  # entries of an array that are written out
+_ABSENT = object()
 _FORMAT = 1
 _PROTOCOL, _LOCK = "protocol.json", "lock"
 _CHUNK = re.compile(r"(\d{6,})\.npz")
 _DRAFT = re.compile(r"\.(\d{6,}|protocol|result)\.\d+\.(npz|json|nc)")  # see `replacing`
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 _MOST_NAMED = 5  # damaged files in a message
+_FAR = 1 << 30  # byte that Windows locks: others can still read the number at the beginning
+_CANNOT = (errno.EINVAL, errno.ENOSYS, errno.EOPNOTSUPP)  # file systems that do not reserve
+_UNKNOWN = 4 * 2**30  # bytes, where the system does not tell
+
+
+class Damaged(Exception):
+    """A file that does not hold what was written; says what is wrong with it."""
+
+
+def write_arrays(path: Path, arrays: Mapping[str, npt.NDArray[Any]]) -> None:
+    """Write arrays by name; nothing in them needs pickle."""
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w") as archive:
+        for name, array in arrays.items():
+            with archive.open(name + _SUFFIX, "w", force_zip64=True) as file:
+                np.lib.format.write_array(file, np.asarray(array), allow_pickle=False)
+        archive.comment = b"0" * _DIGITS
+    content = buffer.getbuffer()
+    content[-_DIGITS:] = _checksum(content[:-_DIGITS])
+    with replacing(path) as draft:
+        draft.write_bytes(content)
+
+
+def read_arrays(path: Path) -> dict[str, npt.NDArray[Any]]:
+    """Arrays of a file by name; `Damaged` where a single bit of it has changed."""
+    try:
+        content = memoryview(path.read_bytes())
+    except OSError as fault:
+        raise Damaged(fault.strerror) from None
+    if len(content) < _DIGITS or content[-_DIGITS:] != _checksum(content[:-_DIGITS]):
+        raise Damaged("its checksum is wrong")
+    with np.load(io.BytesIO(content), allow_pickle=False) as archive:
+        return dict(archive.items())
+
+
+def _checksum(content: memoryview) -> bytes:
+    return hashlib.sha256(content).hexdigest().encode()
+
+
+def _plain(value: Any) -> Any:
+    """A value as JSON has it. Of long arrays only what tells them from others is kept."""
+    if isinstance(value, Mapping):
+        return {str(name): _plain(part) for name, part in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(part) for part in value]
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, np.ndarray):
+        if value.size <= _LONGEST:
+            return value.tolist()
+        content = np.ascontiguousarray(value)
+        return {
+            "shape": list(value.shape),
+            "type": value.dtype.str,
+            "sha256": hashlib.sha256(content.tobytes()).hexdigest(),
+        }
+    return value
+
+
+def _differences(before: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
+    """A line for each option that differs: its name, its former value, its present one."""
+    lines = []
+    for name in dict.fromkeys([*before, *now]):
+        found = _difference(name, before.get(name, _ABSENT), now.get(name, _ABSENT))
+        if found is not None:
+            lines.append("{}: {} then, {} now".format(*found))
+    return lines
+
+
+def _difference(name: str, before: Any, now: Any) -> tuple[str, str, str] | None:
+    """First place where two values differ, and what they are there."""
+    if before is _ABSENT or now is _ABSENT:
+        return name, _shown(before), _shown(now)
+    if json.dumps(before, sort_keys=True) == json.dumps(now, sort_keys=True):
+        return None
+    if isinstance(before, str) and isinstance(now, str) and "\n" in before + now:
+        rows = zip_longest(before.splitlines(), now.splitlines(), fillvalue="nothing")
+        return next((name, old, new) for old, new in rows if old != new)
+    if isinstance(before, list) and isinstance(now, list) and len(before) == len(now):
+        pairs = {f"{name}[{i}]": pair for i, pair in enumerate(zip(before, now, strict=True))}
+    elif isinstance(before, dict) and isinstance(now, dict) and "sha256" not in before:
+        keys = dict.fromkeys([*before, *now])
+        pairs = {
+            f"{name}[{key!r}]": (before.get(key, _ABSENT), now.get(key, _ABSENT)) for key in keys
+        }
+    else:
+        return name, _shown(before), _shown(now)
+    found = (_difference(place, *pair) for place, pair in pairs.items())
+    return next((each for each in found if each is not None), (name, _shown(before), _shown(now)))
+
+
+def _shown(value: Any) -> str:
+    """A value in a message."""
+    if value is _ABSENT:
+        return "not given"
+    if isinstance(value, dict) and "sha256" in value:
+        return f"an array {tuple(value['shape'])} of content {value['sha256'][:8]}"
+    if isinstance(value, list) and len(value) > 6:
+        return f"a list of {len(value)}"
+    text = repr(value)
+    return text if len(text) <= 60 else text[:57] + "..."
 
 
 class Store:
@@ -62,7 +192,7 @@ class Store:
             "format": _FORMAT,
             "nonsmooth_version": __version__,
             "tasks": n_tasks,
-            "protocol": plain(protocol),
+            "protocol": _plain(protocol),
         }
         try:
             store = cls(folder, lock(folder / _LOCK))
@@ -135,7 +265,7 @@ class Store:
                 " read; give another folder"
             ) from None
         now = {**whole.pop("protocol"), **whole}
-        different = differences(former, now)
+        different = _differences(former, now)
         if different:
             raise OptionError(
                 f"store = {str(self.folder)!r} was begun with other options:\n"
@@ -214,3 +344,147 @@ def trouble(folder: Path, name: str, fault: OSError) -> OptionError | RunError:
     return RunError(
         f"{what}. What is done is kept: repeat the same call, and it goes on", status="interrupted"
     )
+
+
+def run_stored_tasks(
+    tasks: list[Callable[[Any, threading.Event], T]],
+    make_worker: Callable[[], Any],
+    *,
+    store: str | Path | None,
+    protocol: Mapping[str, Any],
+    pack: Callable[[T], Mapping[str, npt.NDArray[Any]]],
+    unpack: Callable[[dict[str, npt.NDArray[Any]]], T],
+    threads: int,
+    label: str,
+    keep: Callable[[int, T], None],
+    after: Mapping[int, int] | None = None,
+    parts: bool = False,
+) -> bool:
+    """Run tasks as `run_tasks` does, those that the folder ``store`` has not done already.
+
+    ``protocol`` is all that the results depend on, see `Store.open`. ``pack`` makes arrays of a
+    result, and ``unpack`` the same result of them. ``keep`` is told every result, former or new,
+    and where there are ``parts`` also those of tasks that were stopped: these are not stored.
+    """
+    keep_part = keep if parts else None
+    if store is None:
+        return run_tasks(
+            tasks, make_worker, threads=threads, label=label, keep=keep, after=after,
+            keep_part=keep_part,
+        )  # fmt: skip
+    with Store.open(store, protocol, len(tasks)) as folder:
+        done = frozenset(folder.done)
+        for i in sorted(done):
+            keep(i, unpack(folder.get(i)))
+
+        def keep_both(i: int, result: T) -> None:
+            folder.put(i, pack(result))
+            keep(i, result)
+
+        return run_tasks(
+            tasks, make_worker, threads=threads, label=label, keep=keep_both, done=done,
+            after=after, keep_part=keep_part,
+        )  # fmt: skip
+
+
+def lock(path: Path) -> int:
+    """Lock a file, made where it is missing; returns what `unlock` takes."""
+    handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
+    try:
+        if not _take(handle):
+            raise OptionError(
+                f"the store {str(path.parent)!r} is in use by process {_owner(handle)}; wait until"
+                " it ends, or give another folder"
+            )
+        os.ftruncate(handle, 0)
+        os.write(handle, str(os.getpid()).encode())
+    except BaseException:
+        os.close(handle)
+        raise
+    return handle
+
+
+def unlock(handle: int) -> None:
+    """Let others in. The file stays: who has it open already would lock one that is gone."""
+    try:
+        os.ftruncate(handle, 0)
+    finally:
+        os.close(handle)
+
+
+def _owner(handle: int) -> str:
+    os.lseek(handle, 0, os.SEEK_SET)
+    return os.read(handle, 20).decode(errors="replace") or "of another user"
+
+
+if sys.platform == "win32":
+    import msvcrt
+
+    def _take(handle: int) -> bool:
+        """Lock a file unless another process has."""
+        os.lseek(handle, _FAR, os.SEEK_SET)
+        try:
+            msvcrt.locking(handle, msvcrt.LK_NBLCK, 1)
+        except OSError:
+            return False
+        os.lseek(handle, 0, os.SEEK_SET)
+        return True
+
+else:
+    import fcntl
+
+    def _take(handle: int) -> bool:
+        """Lock a file unless another process has."""
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return False
+        except OSError as fault:  # some network file systems have no locks
+            warnings.warn(
+                f"the store cannot be locked ({fault.strerror}); see to it that no other process"
+                " uses it at the same time",
+                ResultWarning,
+                stacklevel=6,
+            )
+        return True
+
+
+def free_memory() -> int:
+    """Bytes of memory that could be used without harm to others."""
+    try:
+        for line in Path("/proc/meminfo").read_text(encoding="ascii").splitlines():
+            if line.startswith("MemAvailable:"):
+                return int(line.split()[1]) * 1024
+    except (OSError, ValueError, IndexError):
+        pass  # not Linux
+    try:
+        return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") // 2
+    except (AttributeError, ValueError, OSError):
+        return _UNKNOWN
+
+
+def reserve(path: Path, size: int) -> None:
+    """Take room on disk for a file that is written next; `OSError` where there is not enough.
+
+    For files whose writers do not survive a full disk, as HDF5 does not.
+    """
+    free = shutil.disk_usage(path.parent).free
+    if size > free:
+        need = f"{size_text(size)} are needed, and {size_text(free)} are free"
+        raise OSError(errno.ENOSPC, f"{os.strerror(errno.ENOSPC)}, {need}")
+    if sys.platform == "linux":  # the file system may have quotas as well
+        with path.open("wb") as file:
+            try:
+                os.posix_fallocate(file.fileno(), 0, size)
+            except OSError as fault:
+                if fault.errno not in _CANNOT:
+                    raise
+
+
+def size_text(size: float) -> str:
+    """A number of bytes for people."""
+    for unit in ("bytes", "kB", "MB", "GB"):
+        if size < 999.5:
+            return f"{size:.3g} {unit}"
+        size /= 1000.0
+    return f"{size:.3g} TB"

@@ -13,7 +13,7 @@ from nonsmooth.engine.status import EventKind, Status
 from nonsmooth.runs.clock import Instant, Plan
 from nonsmooth.runs.lane_runner import LaneRunner, Lanes
 from nonsmooth.runs.runner import Derivatives, NoMode, build_derivatives, run_plan
-from nonsmooth.runs.stroboscopic import strobes
+from nonsmooth.runs.strobe_times import strobes
 from nonsmooth.runs.words import word_of_modes
 from nonsmooth.system.system import System
 

@@ -1,18 +1,32 @@
-"""`StroboscopicMap`: from one period to the next."""
+"""`StroboscopicMap`: from one period to the next, with the points of one motion."""
 
 from __future__ import annotations
 
-from dataclasses import KW_ONLY, dataclass, replace
-from typing import TYPE_CHECKING, Any
+import warnings
+from dataclasses import KW_ONLY, dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from nonsmooth.errors import ModelError, OptionError
-from nonsmooth.runs.driving import hides_phase
-from nonsmooth.runs.options import check_run_options, finite_number, whole_number
-from nonsmooth.runs.power import raised
-from nonsmooth.runs.runner import build_tables
-from nonsmooth.runs.strobe_points import Wanted, strobe_points, strobe_tangent
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.engine.status import CURES, Status
+from nonsmooth.errors import ModelError, OptionError, ResultWarning, RunError, RunWarning
+from nonsmooth.runs.clock import Instant, Plan
+from nonsmooth.runs.dataset import run_dataset
+from nonsmooth.runs.first_mode import in_first_mode
+from nonsmooth.runs.labels import Columns, assemble
+from nonsmooth.runs.maps import Map, tangent_array
+from nonsmooth.runs.options import (
+    check_count,
+    check_run_options,
+    check_signals,
+    finite_number,
+    whole_number,
+)
+from nonsmooth.runs.runner import Outcome, build_derivatives, build_tables, run_plan
+from nonsmooth.runs.start import Start, resolve_start, start_at_end
 from nonsmooth.runs.strobe_runner import StrobeRunner
-from nonsmooth.runs.stroboscopic import check_phase, require_period
+from nonsmooth.runs.strobe_times import check_phase, hides_phase, require_period, strobes
 from nonsmooth.system.system import System
 from nonsmooth.system.text.evaluate import constant_value
 from nonsmooth.system.text.grammar import parse
@@ -20,11 +34,14 @@ from nonsmooth.system.text.grammar import parse
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["StroboscopicMap"]
+__all__ = ["StrobeRequest", "StroboscopicMap", "strobe_points"]
+
+
+_SAME = 1e-12  # of a strobe period, within which two times are one
 
 
 @dataclass(frozen=True)
-class StroboscopicMap:
+class StroboscopicMap(Map):
     """The map of a forced system over one period: its state a period on.
 
     Maps are values: they compare, hash and pickle, and analyses take them in place of a system. A
@@ -180,53 +197,7 @@ class StroboscopicMap:
         >>> float(np.log(np.linalg.det(tangent)) / system.period_value)
         -0.02
         """
-        return strobe_tangent(self, self._wanted(initial, count, mode, tolerance))
-
-    def power(self, k: int) -> StroboscopicMap:
-        """Return the map applied k times, which ``map**k`` is too.
-
-        Parameters
-        ----------
-        k : int
-            How often.
-
-        Returns
-        -------
-        StroboscopicMap
-            The map with ``every`` so many times as large.
-
-        Examples
-        --------
-        >>> import nonsmooth as ns
-        >>> ns.StroboscopicMap(ns.models.duffing()).power(3).every
-        3
-        """
-        return replace(self, every=raised(self.every, k))
-
-    def __pow__(self, k: int) -> StroboscopicMap:
-        return self.power(k)
-
-    def with_parameters(self, **parameters: float | str) -> StroboscopicMap:
-        """Return the same map of the system with other values of parameters.
-
-        Parameters
-        ----------
-        **parameters : float or str
-            New values by name.
-
-        Returns
-        -------
-        StroboscopicMap
-            The map of the changed system.
-
-        Examples
-        --------
-        >>> import nonsmooth as ns
-        >>> year = ns.StroboscopicMap(ns.models.soft_impact())
-        >>> year.with_parameters(omega=0.5).system.parameter_values["omega"]
-        0.5
-        """
-        return replace(self, system=self.system.with_parameters(**parameters))
+        return _strobe_tangent(self, self._wanted(initial, count, mode, tolerance))
 
     def runner(self, tolerance: float) -> StrobeRunner:
         """Return what applies the map to many starts at once, arrays in and out.
@@ -279,9 +250,163 @@ class StroboscopicMap:
         length = self.system.period_value if self.length is None else self.length
         return {"phase_of_period": self.phase, "strobe_period": length, "every": self.every}
 
-    def _wanted(self, initial: Any, count: int, mode: str | None, tolerance: float) -> Wanted:
+    @property
+    def points_have_time(self) -> bool:
+        """Whether points lie at different phases of the period: strobes lie at one."""
+        return False
+
+    def check_states_suffice(self, verb: str) -> None:
+        """Refuse forcing that does not repeat, and warn where strobes meet it at other phases.
+
+        Parameters
+        ----------
+        verb : str
+            What asks, as the message names it.
+        """
+        if self.system.unrepeated:
+            raise OptionError(
+                f"{verb}: {self.system.name!r} has {self.system.unrepeated}, which does not repeat,"
+                " so a state at a strobe does not say what follows; leave it out, or look at runs"
+                " from one time with simulate or ensemble"
+            )
+        if self.hides_phase:
+            # told where the user calls the verb, which asks `map_of`, which calls this
+            warnings.warn(
+                f"{verb}: {self.system.name!r} has a frequency that is at another phase at each"
+                " strobe. All starts begin at the same phases, and later points differ by more than"
+                " their states: closed curves may be called aperiodic, and basins belong to this"
+                " start alone. Take a period that holds whole turns of every frequency, where there"
+                " is one",
+                ResultWarning,
+                stacklevel=4,
+            )
+
+    def _wanted(
+        self, initial: Any, count: int, mode: str | None, tolerance: float
+    ) -> StrobeRequest:
         check_run_options(self.system, None, mode, tolerance)
-        return Wanted(
+        return StrobeRequest(
             initial, transient=0, record=whole_number("count", count), from_start=False,
             mode=mode, t_start=None, tolerance=tolerance, repeated=True,
         )  # fmt: skip
+
+
+class StrobeRequest(NamedTuple):
+    """Which strobes of a motion, and from where.
+
+    ``from_start``: count them from the first strobe that is not before the start, otherwise from
+    the first one after it, mappings of states being at the phase of the strobe.
+    """
+
+    initial: Any
+    transient: int
+    record: int
+    from_start: bool
+    mode: str | None
+    t_start: float | None
+    tolerance: float
+    repeated: bool
+
+
+def strobe_points(chosen: StroboscopicMap, wanted: StrobeRequest, changed: str = "") -> xr.Dataset:
+    """Dataset of the points of one motion; a warning where it ended early."""
+    system = chosen.system
+    outcome = _run(chosen, wanted, derivatives=False)
+    options = chosen.protocol | {
+        "transient": wanted.transient,
+        "record": wanted.record,
+        "tolerance": float(wanted.tolerance),
+        "changed_parameters": changed,
+    }
+    points = _over_points(system, run_dataset(system, outcome, options), options)
+    if not wanted.from_start:
+        label = {"long_name": "iterate"}
+        points = points.assign_coords(point=("point", points["point"].values + 1, label))
+    if outcome.status not in (Status.COMPLETED, Status.STOPPED):
+        # told where the user calls the verb or method that calls this
+        warnings.warn(f"{system.name}: {points.attrs['message']}", RunWarning, stacklevel=3)
+    return points
+
+
+def _strobe_tangent(chosen: StroboscopicMap, wanted: StrobeRequest) -> xr.DataArray:
+    """Derivative of the last of some strobes by the start."""
+    system = chosen.system
+    outcome = _run(chosen, wanted, derivatives=True)
+    if outcome.n_samples < wanted.record:
+        status = outcome.status
+        raise RunError(
+            f"{system.name}: {status.word} at t = {outcome.end_time:.9g}, so there is no"
+            f" derivative: {CURES.get(status, '')}",
+            status=status.word,
+            time=outcome.end_time,
+        )
+    assert outcome.columns is not None
+    return tangent_array(system, outcome.columns[-1].T.copy(), system.states)
+
+
+def _run(chosen: StroboscopicMap, wanted: StrobeRequest, *, derivatives: bool) -> Outcome:
+    system = chosen.system
+    tables = build_tables(system)
+    window = tables.window
+    start = resolve_start(
+        system, tables, wanted.initial, wanted.t_start, wanted.mode, wanted.repeated
+    )
+    if derivatives and start.anchor is not None:
+        start = start_at_end(start)
+    first = wanted.transient
+    if not wanted.from_start:
+        start, first = _behind(chosen, wanted, start, window)
+    every = chosen.every
+    numbers, phases = strobes(
+        window, start.instant, chosen.length, chosen.phase, first,
+        check_count((wanted.record - 1) * every + 1),
+    )  # fmt: skip
+    numbers, phases = numbers[::every].copy(), phases[::every].copy()
+    plan = Plan(Instant(int(numbers[-1]), float(phases[-1])), numbers, phases)
+    check_signals(system, start.instant.time(window), plan.end.time(window))
+    carried = build_derivatives(system, tables, () if derivatives else None)
+
+    def run(mode: int) -> Outcome:
+        return run_plan(
+            tables, plan, wanted.tolerance, anchor=start.anchor, state=start.state,
+            begin=start.instant, mode=mode, keep_events=False, derivatives=carried,
+        )  # fmt: skip
+
+    return in_first_mode(system, tables, start, run)
+
+
+def _behind(
+    chosen: StroboscopicMap, wanted: StrobeRequest, start: Start, window: float
+) -> tuple[Start, int]:
+    """Start, and the number of its image among the strobes that are not before it."""
+    length, phase, every = chosen.length, chosen.phase, chosen.every
+    if not hasattr(wanted.initial, "data_vars"):  # states at the phase of the strobe
+        number, at = strobes(window, Instant(0, 0.0), length, phase, 0, 1)
+        return Start(start.state, Instant(int(number[0]), float(at[0])), start.modes), every
+    numbers, phases = strobes(window, start.instant, length, phase, 0, 1)
+    wait = (int(numbers[0]) - start.instant.number) * window + (
+        float(phases[0]) - start.instant.phase
+    )
+    # a start at a strobe up to rounding is at it, and one just behind it comes after it anyway
+    rounding = _SAME * (window if length is None else length)
+    rounding += 4.0 * np.finfo(float).eps * abs(start.instant.time(window))
+    return start, every if wait <= rounding else every - 1
+
+
+def _over_points(system: System, run: xr.Dataset, options: dict[str, Any]) -> xr.Dataset:
+    """The samples of a run as points of a map."""
+    names = (*system.states, *system.outputs, "mode")
+    variables: Columns = {
+        name: (("point",), run[name].values, dict(run[name].attrs)) for name in names
+    }
+    number: npt.NDArray[np.int64] = np.arange(run.sizes["time"])
+    coords: Columns = {
+        "point": (("point",), number, {"long_name": "strobe"}),
+        "time": (("point",), run["time"].values, dict(run["time"].attrs)),
+    }
+    kept = (
+        "system", "system_name", "nonsmooth_version", "status", "message", "certified",
+        "n_uncertain", "n_estimated", *options,
+    )  # fmt: skip
+    attrs = {name: run.attrs[name] for name in kept if name in run.attrs}
+    return assemble(variables, coords, {}, attrs)

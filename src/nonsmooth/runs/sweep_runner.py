@@ -21,7 +21,7 @@ from nonsmooth.engine.tables import Tables, allocate_stack, set_up
 from nonsmooth.runs.crew import Stopped
 from nonsmooth.system.system import System
 
-__all__ = ["Recorded", "Starts", "SweepRunner", "Times"]
+__all__ = ["Recorded", "SweepRunner", "SweepStarts", "Times"]
 
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
@@ -32,7 +32,7 @@ _FIRST_EVENTS = 4096  # rows of the logs of all motions, to begin with
 _RATES, _SCRATCH = no_rates(), no_scratch()
 
 
-class Starts(NamedTuple):
+class SweepStarts(NamedTuple):
     """Where K motions begin."""
 
     states: Floats  # (K, n)
@@ -110,7 +110,7 @@ class SweepRunner:
 
     def run(
         self,
-        starts: Starts,
+        starts: SweepStarts,
         times: Times,
         usable: npt.NDArray[np.bool_],
         *,

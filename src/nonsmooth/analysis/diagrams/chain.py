@@ -15,7 +15,7 @@ from nonsmooth.engine.status import Status
 from nonsmooth.errors import ModelError
 from nonsmooth.runs.clock import Instant
 from nonsmooth.runs.lane_runner import LaneRunner, Lanes
-from nonsmooth.runs.stroboscopic import strobes
+from nonsmooth.runs.strobe_times import strobes
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 
 __all__ = ["Begun", "chain", "end_of_lanes"]

@@ -9,8 +9,8 @@ import numpy.typing as npt
 
 from nonsmooth.engine.status import Status
 from nonsmooth.engine.tables import Tables
-from nonsmooth.runs.of_system import Map
-from nonsmooth.runs.outputs import Clock, output_values
+from nonsmooth.runs.maps import Map
+from nonsmooth.runs.outputs import SampleClock, output_values
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.system.system import System
 
@@ -82,7 +82,7 @@ def with_outputs(
     modes: Integers,
 ) -> Floats:
     """Points with the outputs as further columns."""
-    found = output_values(system, Clock(numbers, phases, tables), points.T, modes)
+    found = output_values(system, SampleClock(numbers, phases, tables), points.T, modes)
     return np.column_stack([points, *found.values()])
 
 

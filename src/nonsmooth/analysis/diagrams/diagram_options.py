@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from nonsmooth.analysis.diagrams.columns import Protocol
 from nonsmooth.errors import OptionError, unknown_name
-from nonsmooth.runs.of_system import Map
+from nonsmooth.runs.maps import Map
 from nonsmooth.runs.options import finite_number, whole_number
 from nonsmooth.runs.poincare_map import PoincareMap
 from nonsmooth.system.system import System

@@ -13,7 +13,7 @@ from nonsmooth.analysis.diagrams.columns import Look, Protocol
 from nonsmooth.analysis.diagrams.section_columns import run_section_chain
 from nonsmooth.analysis.diagrams.strobe_columns import run_strobe_chain
 from nonsmooth.engine.tables import Tables
-from nonsmooth.runs.of_system import Map
+from nonsmooth.runs.maps import Map
 from nonsmooth.runs.poincare_map import PoincareMap
 from nonsmooth.runs.section_runner import SectionRunner
 from nonsmooth.runs.start import resolve_start

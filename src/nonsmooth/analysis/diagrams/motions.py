@@ -15,9 +15,9 @@ from nonsmooth.engine.lanes import SAME
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import ModelError
 from nonsmooth.runs.clock import Instant
-from nonsmooth.runs.stroboscopic import strobes
+from nonsmooth.runs.strobe_times import strobes
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
-from nonsmooth.runs.sweep_runner import Recorded, Starts, SweepRunner, Times
+from nonsmooth.runs.sweep_runner import Recorded, SweepRunner, SweepStarts, Times
 
 __all__ = ["Motions", "Recording", "end_of"]
 
@@ -88,10 +88,10 @@ class Motions:
             starts.numbers[0], starts.phases[0] = first.numbers[0, 0], first.phases[0, 0]
         return self._runner.run(starts, times, usable, follows=follows, stop=stop)
 
-    def _starts(self, group: list[Column | None], usable: npt.NDArray[np.bool_]) -> Starts:
+    def _starts(self, group: list[Column | None], usable: npt.NDArray[np.bool_]) -> SweepStarts:
         """Where motions begin that do not follow."""
         count = len(group)
-        starts = Starts(
+        starts = SweepStarts(
             np.zeros((count, self._drifting.size)), np.zeros(count, np.int64),
             np.zeros(count, np.int64), np.zeros(count),
         )  # fmt: skip

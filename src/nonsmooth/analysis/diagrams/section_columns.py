@@ -19,7 +19,7 @@ from nonsmooth.runs.clock import Instant
 from nonsmooth.runs.impacts import impacts_of
 from nonsmooth.runs.poincare_map import PoincareMap
 from nonsmooth.runs.section_runner import SectionLanes, SectionRunner
-from nonsmooth.runs.section_search import Points
+from nonsmooth.runs.section_search import SectionPoints
 from nonsmooth.runs.words import word_of_modes
 
 __all__ = ["run_section_chain"]
@@ -71,7 +71,7 @@ def run_section_chain(
 
 def _look(
     protocol: Protocol, runner: SectionRunner, lanes: SectionLanes, stop: threading.Event
-) -> tuple[Look, Points | None]:
+) -> tuple[Look, SectionPoints | None]:
     """Let a motion settle and record it; its points too."""
     n, window = lanes.lanes.end_state.shape[1], runner.engine.window
     if protocol.transient:
@@ -120,7 +120,7 @@ def _period(protocol: Protocol, states: Floats, since: Floats, size: Floats) -> 
     return primitive_period(points, drifting, scale, protocol.match)
 
 
-def _word(runner: SectionRunner, points: Points, rows: Rows, period: int) -> str:
+def _word(runner: SectionRunner, points: SectionPoints, rows: Rows, period: int) -> str:
     """Modes of the last primitive period, in order."""
     first = int(points.row[-1 - period])
     between = slice(first + 1, int(points.row[-1]))

@@ -13,10 +13,8 @@ from nonsmooth.analysis.ensembles.chunk import Chunk, Protocol, empty_chunk
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import OptionError
 from nonsmooth.files import replacing
-from nonsmooth.runs.assemble import Columns
-from nonsmooth.runs.labels import labels_of
-from nonsmooth.runs.room import reserve
-from nonsmooth.runs.store import trouble
+from nonsmooth.runs.labels import Columns, labels_of
+from nonsmooth.runs.store import reserve, trouble
 
 __all__ = ["Frame", "dataset_in_file", "dataset_in_memory"]
 

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError, unknown_name
-from nonsmooth.runs.carried import check_carried
+from nonsmooth.runs.start import check_carried
 from nonsmooth.system.system import System
 
 __all__ = ["Members", "mappings_of", "members_of", "split_parameters"]

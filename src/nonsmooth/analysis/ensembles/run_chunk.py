@@ -15,7 +15,7 @@ from nonsmooth.engine.status import Status
 from nonsmooth.errors import ModelError
 from nonsmooth.runs.clock import Instant, Plan
 from nonsmooth.runs.lane_runner import LaneRunner, Lanes
-from nonsmooth.runs.outputs import Clock, output_values
+from nonsmooth.runs.outputs import SampleClock, output_values
 from nonsmooth.runs.sweep_runner import SweepRunner
 from nonsmooth.system.system import System
 
@@ -124,7 +124,7 @@ def _write(
     phases = np.where(ended, lanes.anchors.place["phase"], plan.end.phase)
     part["end_time"][rows] = numbers * runner.window + phases
     if system.outputs:
-        clock = Clock(
+        clock = SampleClock(
             np.tile(plan.sample_number, count), np.tile(plan.sample_phase, count), runner.tables
         )
         found = output_values(system, clock, points.reshape(-1, n).T, modes.ravel())

@@ -11,7 +11,7 @@ from nonsmooth.analysis.ensembles.chunk import Chunk, Protocol
 from nonsmooth.engine.status import Status
 from nonsmooth.runs.clock import Plan
 from nonsmooth.runs.outputs import SweptClock, output_values
-from nonsmooth.runs.sweep_runner import Recorded, Starts, SweepRunner, Times
+from nonsmooth.runs.sweep_runner import Recorded, SweepRunner, SweepStarts, Times
 from nonsmooth.system.model.value_checks import rests_alike, sure_values
 from nonsmooth.system.system import System
 
@@ -63,7 +63,7 @@ def _run_plans(
 ) -> Recorded:
     """Run a motion by each plan from time zero."""
     count = len(plans)
-    starts = Starts(
+    starts = SweepStarts(
         states, np.full(count, protocol.modes[0]), np.zeros(count, np.int64), np.zeros(count)
     )
     times = Times(

@@ -13,8 +13,7 @@ from nonsmooth.analysis.ensembles.run_chunk import Runners, run_chunk
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import OptionError
 from nonsmooth.runs.crew import run_tasks
-from nonsmooth.runs.room import free_memory, size_text
-from nonsmooth.runs.store import Store
+from nonsmooth.runs.store import Store, free_memory, size_text
 
 if TYPE_CHECKING:
     import xarray as xr

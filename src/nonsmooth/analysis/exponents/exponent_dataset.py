@@ -11,8 +11,7 @@ import xarray as xr
 from nonsmooth.analysis.exponents.exponent_run import ExponentRun
 from nonsmooth.analysis.statistics.block_averages import block_averages
 from nonsmooth.engine.status import CURES, Status
-from nonsmooth.runs.certificate import with_doubts
-from nonsmooth.runs.labels import labels_of
+from nonsmooth.runs.labels import labels_of, with_doubts
 from nonsmooth.system.system import System
 from nonsmooth.version import __version__
 

@@ -12,7 +12,7 @@ from nonsmooth.engine.lanes import SAME
 from nonsmooth.engine.status import Status
 from nonsmooth.runs.clock import Instant
 from nonsmooth.runs.lane_runner import LaneRunner
-from nonsmooth.runs.stroboscopic import strobes
+from nonsmooth.runs.strobe_times import strobes
 from nonsmooth.system.system import System
 
 __all__ = ["halves_differ", "is_chaotic", "said_of_later"]

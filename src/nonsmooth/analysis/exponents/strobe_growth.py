@@ -13,8 +13,8 @@ from nonsmooth.engine.status import Status
 from nonsmooth.engine.tables import EXACT, Tables
 from nonsmooth.runs.clock import Instant
 from nonsmooth.runs.crew import Stopped
-from nonsmooth.runs.driving import is_driven
 from nonsmooth.runs.runner import Derivatives, NoMode
+from nonsmooth.runs.strobe_times import is_driven
 from nonsmooth.runs.tangent_flow import TangentFlow
 
 __all__ = ["Neighbours", "strobe_growth"]

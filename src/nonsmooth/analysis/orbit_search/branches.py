@@ -12,7 +12,7 @@ from nonsmooth.periodic_orbits.branch_part import BranchPart
 from nonsmooth.periodic_orbits.orbit import Orbit
 from nonsmooth.periodic_orbits.orbit_dataset import common, orbit_variables
 from nonsmooth.periodic_orbits.stretch import BranchOptions
-from nonsmooth.runs.assemble import Columns
+from nonsmooth.runs.labels import Columns
 from nonsmooth.runs.options import finite_number
 
 if TYPE_CHECKING:

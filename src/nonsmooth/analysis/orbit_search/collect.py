@@ -24,15 +24,13 @@ from nonsmooth.analysis.orbit_search.motions import (
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import RunError
 from nonsmooth.periodic_orbits.equations import Turn
-from nonsmooth.periodic_orbits.guess import Guess
-from nonsmooth.periodic_orbits.guess_cycle import cycle_guesses
+from nonsmooth.periodic_orbits.guess import Guess, cycle_guesses
 from nonsmooth.periodic_orbits.legs import LegError, Legs
 from nonsmooth.periodic_orbits.newton import solve_orbit
 from nonsmooth.periodic_orbits.orbit import Orbit
-from nonsmooth.periodic_orbits.search import Wanted, equations_for, is_autonomous, solve_guess
+from nonsmooth.periodic_orbits.search import OrbitRequest, equations_for, is_autonomous, solve_guess
 from nonsmooth.periodic_orbits.word import Word
-from nonsmooth.runs.interrupts import HeldInterrupts
-from nonsmooth.runs.progress import Progress
+from nonsmooth.runs.progress import HeldInterrupts, Progress
 
 __all__ = ["Collected", "HowToCollect", "collect_orbits"]
 
@@ -77,7 +75,7 @@ class Collected:
     interrupted: bool = False
 
 
-def collect_orbits(wanted: Wanted, how: HowToCollect, legs: Legs) -> Collected:
+def collect_orbits(wanted: OrbitRequest, how: HowToCollect, legs: Legs) -> Collected:
     """Look for orbits; Ctrl-C ends the search and keeps what was found."""
     found = Collected()
     work = how.samples + how.longest * how.guesses
@@ -102,7 +100,7 @@ class _Collection:
     """The search on its way."""
 
     def __init__(
-        self, wanted: Wanted, how: HowToCollect, legs: Legs, found: Collected,
+        self, wanted: OrbitRequest, how: HowToCollect, legs: Legs, found: Collected,
         report: Callable[[int], None],
     ) -> None:  # fmt: skip
         self.wanted, self.how, self.legs, self.found = wanted, how, legs, found
@@ -125,7 +123,7 @@ class _Collection:
             self._solve_returns(motions, returns, replace(self.wanted, period=n))
 
     def _solve_returns(
-        self, motions: list[PointsOfMotion], returns: list[Return], wanted: Wanted
+        self, motions: list[PointsOfMotion], returns: list[Return], wanted: OrbitRequest
     ) -> None:  # fmt: skip
         """Guesses for one period; words that lead to nothing new any more are left."""
         before = self.how.samples + (wanted.period - 1) * self.how.guesses
@@ -193,7 +191,7 @@ class _Collection:
             else:
                 self._solve(replace(self.wanted, period=1), guess)
 
-    def _solve(self, wanted: Wanted, guess: Guess) -> bool:
+    def _solve(self, wanted: OrbitRequest, guess: Guess) -> bool:
         """An orbit from a guess, counted; whether it is a new one."""
         assert self.set is not None
         self.found.tried += 1
@@ -209,7 +207,7 @@ class _Collection:
             return self.set.add(orbit)
         return False
 
-    def _orbit(self, wanted: Wanted, guess: Guess) -> Orbit | None:
+    def _orbit(self, wanted: OrbitRequest, guess: Guess) -> Orbit | None:
         """The orbit of a guess, passed through once."""
         try:
             equations = equations_for(wanted, self.legs, guess)

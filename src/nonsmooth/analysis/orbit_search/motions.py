@@ -16,7 +16,7 @@ from nonsmooth.engine.status import EventKind, Status
 from nonsmooth.engine.tables import Tables
 from nonsmooth.periodic_orbits.equations import Turn
 from nonsmooth.periodic_orbits.guess import Guess
-from nonsmooth.periodic_orbits.search import Wanted
+from nonsmooth.periodic_orbits.search import OrbitRequest
 from nonsmooth.periodic_orbits.word import Word, path_of_bits
 from nonsmooth.runs.clock import Instant, Plan
 from nonsmooth.runs.first_mode import in_first_mode
@@ -102,7 +102,9 @@ class PointsOfMotion:
         )
 
 
-def first_motion(wanted: Wanted, tables: Tables, periods: int, driven: bool) -> PointsOfMotion:
+def first_motion(
+    wanted: OrbitRequest, tables: Tables, periods: int, driven: bool
+) -> PointsOfMotion:
     """Motion from the start that is given, some periods after its transient."""
     system = wanted.system
     window = tables.window
@@ -119,7 +121,7 @@ def first_motion(wanted: Wanted, tables: Tables, periods: int, driven: bool) -> 
 
 
 def motion_from(
-    wanted: Wanted, tables: Tables, state: Floats, begin: Instant, first: int, periods: int,
+    wanted: OrbitRequest, tables: Tables, state: Floats, begin: Instant, first: int, periods: int,
     driven: bool, mode: int = -1,
 ) -> PointsOfMotion:  # fmt: skip
     """Motion from a state, its points from window ``first`` on; `NoMode` where none admits it."""
@@ -263,7 +265,7 @@ def _sobol(dimensions: int, count: int, seed: int) -> Floats:
 
 
 def sampled_motions(
-    wanted: Wanted, tables: Tables, states: Floats, periods: int, driven: bool
+    wanted: OrbitRequest, tables: Tables, states: Floats, periods: int, driven: bool
 ) -> Iterator[PointsOfMotion | None]:
     """A motion from each state; None where no mode admits it."""
     begin = Instant(0, wanted.phase * tables.window)

@@ -7,14 +7,13 @@ from typing import Any
 from nonsmooth.analysis.options import SharedOptions
 from nonsmooth.errors import ModelError, OptionError
 from nonsmooth.periodic_orbits.restart import is_orbit
-from nonsmooth.periodic_orbits.search import Wanted
-from nonsmooth.periodic_orbits.word_names import read_word, words_of_names
-from nonsmooth.runs.carried import refuse_other_parameters
-from nonsmooth.runs.driving import is_driven
+from nonsmooth.periodic_orbits.search import OrbitRequest
+from nonsmooth.periodic_orbits.word import read_word, words_of_names
 from nonsmooth.runs.options import finite_number, whole_number
 from nonsmooth.runs.poincare_map import PoincareMap
 from nonsmooth.runs.runner import build_tables
-from nonsmooth.runs.stroboscopic import check_phase
+from nonsmooth.runs.start import refuse_other_parameters
+from nonsmooth.runs.strobe_times import check_phase, is_driven
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.system.system import System
 
@@ -34,7 +33,7 @@ def read_wanted(
     transient: Any,
     phase: Any,
     verb: str,
-) -> tuple[Wanted, tuple[str, ...]]:
+) -> tuple[OrbitRequest, tuple[str, ...]]:
     """What orbit is wanted, and the names of its word where one is given."""
     every = 1
     if isinstance(system, StroboscopicMap):
@@ -78,7 +77,7 @@ def read_wanted(
         transient = _TRANSIENT if initial is None and not names else 0
     elif finite_number("transient", transient) != int(transient) or transient < 0:
         raise OptionError(f"transient = {transient}: give a whole number of periods, 0 or more")
-    wanted = Wanted(
+    wanted = OrbitRequest(
         system, initial, period * every, check_phase(phase), int(transient), shared.mode,
         tuple(words), shared.tolerance,
     )  # fmt: skip
@@ -95,7 +94,7 @@ def period_of(initial: Any) -> int:
 
 
 def said_of_options(
-    wanted: Wanted, shared: SharedOptions, names: tuple[str, ...]
+    wanted: OrbitRequest, shared: SharedOptions, names: tuple[str, ...]
 ) -> dict[str, Any]:
     """Attributes that tell what was asked for."""
     return {

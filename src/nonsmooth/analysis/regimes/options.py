@@ -7,7 +7,7 @@ from typing import Any
 from nonsmooth.analysis.regimes.verdict import TESTED, Protocol
 from nonsmooth.errors import ModelError, OptionError
 from nonsmooth.runs.options import check_count, finite_number, whole_number
-from nonsmooth.runs.stroboscopic import check_phase, require_period
+from nonsmooth.runs.strobe_times import check_phase, require_period
 from nonsmooth.system.system import System
 from nonsmooth.system.text.evaluate import constant_value
 from nonsmooth.system.text.grammar import parse

@@ -25,8 +25,8 @@ from nonsmooth.runs.clock import Instant
 from nonsmooth.runs.crew import Stopped
 from nonsmooth.runs.lane_runner import LaneRunner
 from nonsmooth.runs.start import Start, resolve_start
-from nonsmooth.runs.stored_tasks import run_stored_tasks
-from nonsmooth.runs.stroboscopic import strobes
+from nonsmooth.runs.store import run_stored_tasks
+from nonsmooth.runs.strobe_times import strobes
 from nonsmooth.system.system import System
 
 __all__ = ["Plane"]

@@ -26,11 +26,10 @@ from nonsmooth.analysis.regimes.window import Windows, cyclic_word
 from nonsmooth.analysis.statistics.block_averages import block_averages
 from nonsmooth.engine.status import Status
 from nonsmooth.runs.clock import Instant, instants
-from nonsmooth.runs.driving import hides_phase, is_driven
 from nonsmooth.runs.lane_runner import LaneRunner
 from nonsmooth.runs.runner import build_derivatives
 from nonsmooth.runs.start import Start
-from nonsmooth.runs.stroboscopic import strobes
+from nonsmooth.runs.strobe_times import hides_phase, is_driven, strobes
 from nonsmooth.system.system import System
 
 __all__ = ["settled_regime"]

@@ -13,9 +13,8 @@ from nonsmooth.engine.lanes import ANY
 from nonsmooth.errors import ModelError, OptionError, unknown_name
 from nonsmooth.runs.clock import Instant
 from nonsmooth.runs.labels import labels_of
-from nonsmooth.runs.of_system import Map
+from nonsmooth.runs.maps import Map
 from nonsmooth.runs.options import finite_number
-from nonsmooth.runs.poincare_map import PoincareMap
 from nonsmooth.runs.start import mode_numbers
 from nonsmooth.system.algebra.differentiate import derivative
 from nonsmooth.system.algebra.graph import Graph
@@ -72,7 +71,7 @@ def read_coordinate(chosen: Map, name: Any) -> Coordinate:
                 f" take one of {', '.join(_others(chosen))}"
             )
         return Coordinate(name, system.states.index(name), turn, False, labels.attributes(name))
-    if name == PHASE and _has_phase(chosen):
+    if name == PHASE and chosen.points_have_time:
         words = {**labels.attributes("time"), "long_name": "time since the period began"}
         return Coordinate(PHASE, len(system.states), system.period_value, True, words)
     if name == PHASE:
@@ -84,14 +83,10 @@ def read_coordinate(chosen: Map, name: Any) -> Coordinate:
     raise OptionError(f"coordinate: {unknown_name('coordinate', str(name), _others(chosen))}")
 
 
-def _has_phase(chosen: Map) -> bool:
-    return isinstance(chosen, PoincareMap) and chosen.system.period_value is not None
-
-
 def _others(chosen: Map) -> list[str]:
     system = chosen.system
     names = [s for s in system.states if s not in system.drift_states or _turn(system, s)]
-    return [*names, PHASE] if _has_phase(chosen) else names
+    return [*names, PHASE] if chosen.points_have_time else names
 
 
 def _turn(system: System, name: str) -> float | None:

@@ -13,7 +13,7 @@ from nonsmooth.analysis.returns.reduced_map import MappedStarts, Tangents, joine
 from nonsmooth.engine.lanes import ANY
 from nonsmooth.errors import OptionError
 from nonsmooth.runs.clock import instants
-from nonsmooth.runs.driving import is_driven
+from nonsmooth.runs.strobe_times import is_driven
 
 __all__ = ["MappedMotion", "map_of_points"]
 

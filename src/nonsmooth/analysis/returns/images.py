@@ -26,10 +26,10 @@ from nonsmooth.engine.status import Certificate, EventKind, Status
 from nonsmooth.runs.clock import Instant
 from nonsmooth.runs.labels import labels_of
 from nonsmooth.runs.lane_runner import LaneRunner
+from nonsmooth.runs.outputs import StateRates
 from nonsmooth.runs.poincare_map import PoincareMap
-from nonsmooth.runs.rates import Rates
 from nonsmooth.runs.runner import NO_DERIVATIVES, Derivatives
-from nonsmooth.runs.section_rows import AT_ONCE, Crossings, NamedEvents
+from nonsmooth.runs.section_search import AT_ONCE, Crossings, NamedEvents
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.runs.words import word_of_modes
 
@@ -208,7 +208,7 @@ class Imaging(ABC):
     at_rows = False  # whether images are rows of the event log
     side = 0  # of an event at which an image lies: just before, or 1 just after
 
-    def __init__(self, chosen: StroboscopicMap | PoincareMap, tolerance: float, longest: int):
+    def __init__(self, chosen: Map, tolerance: float, longest: int):
         self.chosen, self.tolerance, self.longest = chosen, tolerance, longest
 
     @property
@@ -363,7 +363,7 @@ class SectionImaging(Imaging):
         if self.gate is not None or self.side == 1 or not np.all(known >= 0):
             return starts
         step = 0.1 * AT_ONCE * self.window
-        rates = Rates(self.chosen.system, self.engine.tables)
+        rates = StateRates(self.chosen.system, self.engine.tables)
         moved = starts.states - step * rates.of_many(
             starts.number, starts.phase, known, starts.states
         )
@@ -439,10 +439,9 @@ class SectionImaging(Imaging):
         return way, arrived
 
 
-def imaging_of(
-    chosen: StroboscopicMap | PoincareMap, tolerance: float, longest: int
-) -> StrobeImaging | SectionImaging:
+def imaging_of(chosen: Map, tolerance: float, longest: int) -> StrobeImaging | SectionImaging:
     """What applies a map to many starts."""
     if isinstance(chosen, PoincareMap):
         return SectionImaging(chosen, tolerance, longest)
+    assert isinstance(chosen, StroboscopicMap)
     return StrobeImaging(chosen, tolerance, longest)

@@ -13,7 +13,7 @@ from nonsmooth.analysis.returns.images import Images, Imaging, settle
 from nonsmooth.engine.lanes import ANY, GOES_ON, Anchor, allocate_columns, allocate_records, run
 from nonsmooth.engine.status import Status
 from nonsmooth.runs.clock import Instant
-from nonsmooth.runs.rates import Rates
+from nonsmooth.runs.outputs import StateRates
 from nonsmooth.runs.runner import build_derivatives
 
 __all__ = [
@@ -57,7 +57,7 @@ class Tangents:
         self.imaging = imaging
         engine = imaging.engine
         self.derivatives = build_derivatives(engine.system, engine.tables, ())
-        self.rates = Rates(imaging.chosen.system, engine.tables, imaging.origin)
+        self.rates = StateRates(imaging.chosen.system, engine.tables, imaging.origin)
         self.knots = bool(imaging.chosen.system.signals)
 
     def of(self, starts: SectionStarts, images: Images) -> Floats:

@@ -14,7 +14,7 @@ from nonsmooth.runs.clock import Instant, instants
 from nonsmooth.runs.impacts import happened
 from nonsmooth.runs.lane_runner import LaneRunner, Lanes
 from nonsmooth.runs.outputs import SweptClock, output_values
-from nonsmooth.runs.stroboscopic import strobes
+from nonsmooth.runs.strobe_times import strobes
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 
 __all__ = ["Events", "Samples", "Settled", "settle"]

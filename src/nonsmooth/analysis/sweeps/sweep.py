@@ -19,14 +19,13 @@ from nonsmooth.analysis.sweeps.settled import Settled, settle
 from nonsmooth.engine.status import Status
 from nonsmooth.engine.tables import Tables
 from nonsmooth.errors import OptionError
-from nonsmooth.runs.carried import check_carried
 from nonsmooth.runs.crew import check_threads
 from nonsmooth.runs.lane_runner import LaneRunner
 from nonsmooth.runs.of_system import map_of
 from nonsmooth.runs.options import whole_number
 from nonsmooth.runs.runner import build_tables
-from nonsmooth.runs.start import resolve_start
-from nonsmooth.runs.stored_tasks import run_stored_tasks
+from nonsmooth.runs.start import check_carried, resolve_start
+from nonsmooth.runs.store import run_stored_tasks
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.system.system import System
 

@@ -12,7 +12,7 @@ from nonsmooth.system.system import System
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Loss", "Settled", "first_loss", "settled_motion", "swing"]
+__all__ = ["Loss", "SettledMotion", "first_loss", "settled_motion", "swing"]
 
 _CHUNK = 32  # periods between two looks
 _MOST = 2048  # periods until a motion counts as one that does not repeat
@@ -20,7 +20,7 @@ _LONGEST = 8  # periods of a motion that repeats
 _APERIODIC = 64  # periods kept of one that does not
 
 
-class Settled(NamedTuple):
+class SettledMotion(NamedTuple):
     """The last periods of a motion; ``period`` is 0 where it does not repeat."""
 
     run: xr.Dataset
@@ -36,7 +36,7 @@ class Loss(NamedTuple):
 
 def settled_motion(
     system: System, *, tolerance: float = 1e-9, samples_per_period: int = 400
-) -> Settled:
+) -> SettledMotion:
     """Run from rest until the strobed states repeat, then the periods of one repetition."""
     from nonsmooth.runs.simulate import simulate
 
@@ -58,7 +58,7 @@ def settled_motion(
             break
     periods = period or _APERIODIC
     run = simulate(system, start, periods=periods, samples_per_period=samples_per_period)
-    return Settled(_completed(run), period)
+    return SettledMotion(_completed(run), period)
 
 
 def _completed(run: xr.Dataset) -> xr.Dataset:

@@ -1,7 +1,8 @@
-"""Units of what the datasets of a rig hold, by the names that the verbs give."""
+"""Units of what the datasets of rigs hold, by the names that the verbs give; one base for all."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -11,7 +12,20 @@ from nonsmooth.errors import OptionError
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["DERIVATIVES", "OF_STATES", "Unit", "Units", "unit_of"]
+__all__ = [
+    "DERIVATIVES",
+    "OF_STATES",
+    "ONE_MASS",
+    "ROTOR",
+    "TWO_MASSES",
+    "Unit",
+    "Units",
+    "one_mass_units",
+    "rotor_units",
+    "two_mass_units",
+    "unit_of",
+]
+
 
 _TIMES = (
     "time", "phase", "event_time", "event_phase", "begin", "end_time",
@@ -22,7 +36,6 @@ _RATES = ("lyapunov_exponent", "running_exponent", "exponent_sum")  # per unit t
 _STATISTICS = (
     "mean", "rms", "in_contact", "min", "min_error", "max", "max_error", "amplitude", "percentile"
 )  # fmt: skip
-
 # over ``state``, each in the unit of its state, and derivatives by ``state_0``, ``parameter_0``
 OF_STATES = (
     "state_before", "state_after", "points", "initial_state", "end_state", "start_state",
@@ -34,7 +47,6 @@ _OF_COORDINATE = (
     "fixed_deviation", "turn",
 )  # fmt: skip
 DERIVATIVES = {"tangent": "state_0", "sensitivity": "parameter_0"}
-
 # shares, ratios, counts and numbers of tests and of dimensions
 _NUMBERS = {
     "harmonic", "percentile", "contacts", "contact_share", "events", "impacts",
@@ -47,6 +59,54 @@ _NUMBERS = {
     "standard_error", "drift", "net_drift", "slope", "fixed_slope", "spread", "largest_spread",
     "exponent_per_return", "log_determinant", "arclength",
 }  # fmt: skip
+# what each parameter of a model stands for in a machine
+TWO_MASSES = {
+    "eta": "frequency of the base",
+    "lambda1": "natural frequency on cylinder 1",
+    "lambda2": "natural frequency on cylinder 2",
+    "theta": "natural frequency on the specimen",
+    "eps": "stiffness of a leaf spring over that of a contact",
+    "f1": "force on mass 1 downward, weight included",
+    "f2": "force on mass 2 upward, weight taken off",
+    "xi_Ls": "damping ratio of a leaf spring",
+    "xi_s": "damping ratio of the specimen",
+    "xi_p1": "damping ratio of cylinder 1",
+    "xi_p2": "damping ratio of cylinder 2",
+    "open_stiffness": "stiffness of the specimen with its crack open over that closed",
+}
+ONE_MASS = {
+    "xi": "damping ratio",
+    "eta": "frequency of the base",
+    "d": "static load",
+    "crack": "crack length",
+    "s": "scale of the specimen's stiffness",
+    "kappa": "stiffness of the specimen",
+    "kappa_open": "stiffness of the specimen with the crack open",
+    "kappa_closed": "stiffness of the specimen with the crack closed",
+    "share": "displacement of the specimen over that of the masses",
+    "gamma": "deflection at rest",
+}
+_ACCELERATIONS = ("acceleration1", "acceleration2", "absolute1", "absolute2",
+                  "acceleration", "absolute", "base")  # fmt: skip
+_SYMBOLS = ("A_b", "omega_Ls", "k_Ls", "omega_M", "k_M")
+_TEXT = "mm; mm/s for velocities"
+_ROTOR_LENGTHS = ("x", "y", "sx", "sy", "gap")
+_ROTOR_VELOCITIES = ("vx", "vy", "ring_vx", "ring_vy")
+_ROTOR_FORCES = ("force_x", "force_y", "force", "normal_force")
+# what each parameter of the model stands for in a machine
+ROTOR = {
+    "eta": "speed of the rotor",
+    "nu1": "damping of the rotor",
+    "nu2": "damping of the ring",
+    "K": "stiffness of the ring",
+    "eta_m": "unbalance mass",
+    "rho": "radius of the unbalance mass",
+    "eps_x": "eccentricity in x",
+    "eps_y": "eccentricity in y",
+    "delta_x": "preload in x",
+    "delta_y": "preload in y",
+    "phi0": "phase of the unbalance",
+}
 
 
 @dataclass(frozen=True)
@@ -159,3 +219,66 @@ def _statistic(name: str, units: Units) -> Unit | None:
     ends = (f"_{key}" for key in sorted(_STATISTICS, key=len, reverse=True))
     of = next((name.removesuffix(end) for end in ends if name.endswith(end)), "")
     return units.of(of)
+
+
+def _quantities(
+    length: float, rate: float, force: float, lengths: tuple[str, ...], velocities: tuple[str, ...],
+    forces: tuple[str, ...],
+) -> dict[str, Unit]:  # fmt: skip
+    return {
+        **dict.fromkeys(lengths, Unit(length, "mm")),
+        **dict.fromkeys(velocities, Unit(length * rate, "mm/s")),
+        **dict.fromkeys(forces, Unit(force, "N")),
+        **dict.fromkeys(_ACCELERATIONS, Unit(1e-3 * length * rate**2, "m/s^2")),
+    }
+
+
+def two_mass_units(length: float, rate: float, stiffness: float) -> Units:
+    """Units of `fatigue_rig`: A_b in mm, omega_Ls in rad/s, k_Ls in N/m."""
+    force = 1e-3 * stiffness * length
+    hertz = Unit(rate / (2.0 * math.pi), "Hz")
+    parameters = {
+        **dict.fromkeys(TWO_MASSES, Unit()),
+        **dict.fromkeys(("eta", "lambda1", "lambda2", "theta"), hertz),
+        **dict.fromkeys(("f1", "f2"), Unit(force, "N")),
+    }
+    quantities = _quantities(
+        length,
+        rate,
+        force,
+        ("X1", "X3", "X4", "deflection"),
+        ("X2", "X5"),
+        ("load", "contact1", "contact2", "pneumatic1", "pneumatic2"),
+    )
+    return Units(length, 1.0 / rate, force, parameters, TWO_MASSES, quantities, _TEXT, _SYMBOLS)
+
+
+def one_mass_units(length: float, rate: float, stiffness: float) -> Units:
+    """Units of `breathing_crack` and `one_mass`: A_b in mm, omega_M in rad/s, k_M in N/m."""
+    force = 1e-3 * stiffness * length
+    parameters = {
+        **dict.fromkeys(ONE_MASS, Unit()),
+        "eta": Unit(rate / (2.0 * math.pi), "Hz"),
+        "d": Unit(force, "N"),
+        "crack": Unit(1.0, "mm"),
+        "gamma": Unit(length, "mm"),
+        **dict.fromkeys(("kappa", "kappa_open", "kappa_closed"), Unit(stiffness, "N/m")),
+    }
+    quantities = _quantities(
+        length, rate, force, ("u", "y", "deflection"), ("v",), ("load", "force")
+    )
+    return Units(length, 1.0 / rate, force, parameters, ONE_MASS, quantities, _TEXT, _SYMBOLS)
+
+
+def rotor_units(length: float, time: float, force: float, parameters: dict[str, Unit]) -> Units:
+    """Units of a rotor by its length in mm, time in s, force in N."""
+    quantities = {
+        **dict.fromkeys(_ROTOR_LENGTHS, Unit(length, "mm")),
+        **dict.fromkeys(_ROTOR_VELOCITIES, Unit(length / time, "mm/s")),
+        **dict.fromkeys(_ROTOR_FORCES, Unit(force, "N")),
+        "energy": Unit(force * length, "mJ"),
+        "contact_angle": Unit(1.0, "rad"),
+        "mu": Unit(),
+    }
+    text = "mm; mm/s for velocities; 1 for mu"
+    return Units(length, time, force, parameters, ROTOR, quantities, text)

@@ -1,4 +1,4 @@
-"""Strobe times: one phase of every period, of the forcing or of a chosen length."""
+"""Strobe times, one phase of every period, and whether strobes see all that drives a system."""
 
 from __future__ import annotations
 
@@ -7,12 +7,30 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.engine.tables import Tables
 from nonsmooth.errors import OptionError
 from nonsmooth.runs.clock import Instant, instants
 from nonsmooth.runs.options import finite_number
 from nonsmooth.system.system import System
 
-__all__ = ["check_phase", "require_period", "strobes"]
+__all__ = ["check_phase", "hides_phase", "is_driven", "require_period", "strobes"]
+
+
+_TURN = 1e-9  # of a forcing between strobes, beside their number, within which it is a whole one
+
+
+def is_driven(tables: Tables) -> bool:
+    """Whether time stands in a system: as harmonics, as powers, or as signals."""
+    return bool(tables.harmonics.shape[1] or tables.sizes.powers or tables.signals.shape[0])
+
+
+def hides_phase(tables: Tables, length: float) -> bool:
+    """Whether strobes see the forcing at different phases, for lack of a common period.
+
+    Those phases neither grow nor die away, and are no states.
+    """
+    turns = tables.harmonics[0] * length / (2.0 * np.pi)
+    return bool(np.any(np.abs(turns - np.rint(turns)) > _TURN * np.maximum(1.0, turns)))
 
 
 def require_period(system: System, verb: str) -> float:

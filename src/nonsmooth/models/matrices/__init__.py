@@ -1,1 +1,0 @@
-"""Matrices of a rotor from arrays and files."""

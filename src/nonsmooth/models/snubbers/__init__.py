@@ -1,1 +1,0 @@
-"""Statics of the snubber ring, behind its public functions."""
