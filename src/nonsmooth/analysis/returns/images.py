@@ -26,6 +26,7 @@ from nonsmooth.engine.status import Certificate, EventKind, Status
 from nonsmooth.runs.clock import Instant
 from nonsmooth.runs.labels import labels_of
 from nonsmooth.runs.lane_runner import LaneRunner
+from nonsmooth.runs.maps import Map
 from nonsmooth.runs.outputs import StateRates
 from nonsmooth.runs.poincare_map import PoincareMap
 from nonsmooth.runs.runner import NO_DERIVATIVES, Derivatives
