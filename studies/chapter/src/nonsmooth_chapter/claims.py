@@ -1,0 +1,219 @@
+"""The chapter's claims as data, and the verdicts on them."""
+
+from __future__ import annotations
+
+import importlib
+import json
+from collections.abc import Callable, Iterable
+from functools import cache, partial
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from nonsmooth.errors import OptionError, RunError, unknown_name
+from nonsmooth_chapter.claim_modules import CLAIM_MODULES, module_of
+from nonsmooth_chapter.judgement import Check, verdict
+
+__all__ = ["check_of", "claim_data", "claim_ids", "evaluate_claims", "select_claims"]
+
+
+@cache
+def _table() -> dict[str, dict[str, Any]]:
+    text = resources.files("nonsmooth_chapter").joinpath("claims.json").read_text("utf-8")
+    return {row["id"]: row for row in json.loads(text)["claims"]}
+
+
+@cache
+def _checks() -> dict[str, Check]:
+    """All checks, in the order of the chapter."""
+    checks = [check for module in CLAIM_MODULES for check in _checks_in(module)]
+    order = list(_table())
+    return {c.claim: c for c in sorted(checks, key=lambda c: order.index(c.claim))}
+
+
+def _checks_in(module: str) -> tuple[Check, ...]:
+    found: tuple[Check, ...] = importlib.import_module(f"nonsmooth_chapter.{module}").CHECKS
+    return found
+
+
+def check_of(name: str) -> tuple[Check, Callable[[], dict[str, Any]]]:
+    """Check of a claim, and a function that computes its evidence and judges it.
+
+    Parameters
+    ----------
+    name : str
+        Name of the claim.
+
+    Returns
+    -------
+    check : Check
+    judge : callable
+        Without arguments; returns a row as of `evaluate_claims`.
+
+    Examples
+    --------
+    >>> check, judge = check_of("M03")
+    >>> judge()["verdict"]
+    'differs'
+    """
+    check = next(check for check in _checks_in(module_of(name)) if check.claim == name)
+    return check, partial(_row, name, check)
+
+
+def claim_data(name: str) -> dict[str, Any]:
+    """A claim as data: what the chapter says and where, and what is missing to judge it.
+
+    Parameters
+    ----------
+    name : str
+        Name of the claim.
+
+    Returns
+    -------
+    dict
+
+    Examples
+    --------
+    >>> claim_data("M03")["where"]
+    'Fig. 5 caption'
+    """
+    return dict(_table()[name])
+
+
+def claim_ids(section: int | None = None) -> list[str]:
+    """Names of the chapter's claims, in its order.
+
+    Parameters
+    ----------
+    section : int, optional
+        Section of the chapter, 1 to 4; all by default.
+
+    Returns
+    -------
+    list of str
+
+    Raises
+    ------
+    OptionError
+        For a section without claims.
+
+    Examples
+    --------
+    >>> from nonsmooth_chapter import claim_ids
+    >>> claim_ids(1), len(claim_ids())
+    (['G1', 'G2', 'G3'], 176)
+    """
+    sections = {row["section"] for row in _table().values()}
+    if section is not None and section not in sections:
+        raise OptionError(
+            f"section = {section!r}: the claims are in sections"
+            f" {', '.join(str(known) for known in sorted(sections))}"
+        )
+    return [name for name, row in _table().items() if section in (None, row["section"])]
+
+
+def select_claims(section: int | None = None, ids: Iterable[str] | None = None) -> list[str]:
+    """Names of claims of a section, or of those among some, in the order of the chapter.
+
+    Parameters
+    ----------
+    section : int, optional
+        Section of the chapter; all by default.
+    ids : iterable of str, optional
+        Names; all by default.
+
+    Returns
+    -------
+    list of str
+
+    Raises
+    ------
+    OptionError
+        For an unknown name or section.
+
+    Examples
+    --------
+    >>> select_claims(2, ["M04", "R01", "M03"])
+    ['M03', 'M04']
+    """
+    available = claim_ids(section)
+    if ids is None:
+        return available
+    wanted = [ids] if isinstance(ids, str) else list(ids)
+    for name in wanted:
+        if name not in _table():
+            raise OptionError(f"ids: {unknown_name('claim', str(name), _table())}")
+    return [name for name in available if name in wanted]
+
+
+def evaluate_claims(
+    section: int | None = None,
+    ids: Iterable[str] | None = None,
+    *,
+    store: Path | str | None = None,
+    processes: int = 1,
+) -> list[dict[str, Any]]:
+    """Verdicts on claims of the chapter, each from evidence computed now.
+
+    Parameters
+    ----------
+    section : int, optional
+        Section of the chapter; all by default.
+    ids : iterable of str, optional
+        Names of claims; all by default.
+    store : pathlib.Path or str, optional
+        Folder in which verdicts are kept; those that it has from the same code are not computed
+        again.
+    processes : int, optional
+        Processes that compute side by side; one is this process itself, unless there is a store.
+
+    Returns
+    -------
+    list of dict
+        One per claim, with the keys ``id``, ``where``, ``printed`` (the claim),
+        ``computed`` (our values), ``protocol``, ``verdict`` (holds, differs or not
+        determinable) and ``evidence`` (numbers by name).
+
+    Raises
+    ------
+    OptionError
+        For an unknown name.
+    RunError
+        For claims of which another process could not compute the evidence.
+
+    Examples
+    --------
+    >>> from nonsmooth_chapter import evaluate_claims
+    >>> (row,) = evaluate_claims(ids=["M03"])
+    >>> row["where"], row["verdict"]
+    ('Fig. 5 caption', 'differs')
+    """
+    names = select_claims(section, ids)
+    if store is None and processes == 1:
+        return [check_of(name)[1]() for name in names]
+    from nonsmooth_chapter.claim_runs import judge_claims
+
+    rows, outcome = judge_claims(names, store=store, processes=processes)
+    if not outcome.complete:
+        raise KeyboardInterrupt
+    if outcome.faults:
+        told = "; ".join(f"{name}: {text}" for name, text in outcome.faults.items())
+        raise RunError(f"claims without a verdict: {told}")
+    return rows
+
+
+def _row(name: str, check: Check) -> dict[str, Any]:
+    claim = _table()[name]
+    evidence = check.compute()
+    finding = check.judge(evidence)
+    lacking = f"; the chapter does not give: {claim['missing']}" if claim["dagger"] else ""
+    shown = f"; shown for {finding.for_all}" if finding.for_all else ""
+    return {
+        "id": name,
+        "where": claim["where"],
+        "printed": claim["claim"],
+        "computed": finding.computed,
+        "protocol": check.protocol + shown + lacking,
+        "verdict": verdict(finding, lacks_data=claim["dagger"]),
+        "evidence": evidence,
+    }
