@@ -9,7 +9,7 @@ SOURCE = ROOT / "src" / "nonsmooth"
 
 
 def python_files() -> list[Path]:
-    """Modules of library and studies, in a fixed order, less the one that build_engine.py writes."""
+    """Modules of library and studies, in order, less the one that build_engine.py writes."""
     found = [*SOURCE.rglob("*.py"), *(ROOT / "studies").glob("*/src/**/*.py")]
     return sorted(path for path in found if path.name != "_declarations.py")
 

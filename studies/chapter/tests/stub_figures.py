@@ -8,7 +8,7 @@ from pathlib import Path
 
 import xarray as xr
 
-from nonsmooth.errors import RunError
+from nonsmooth import RunError
 from nonsmooth.plot import print_figure
 from nonsmooth_chapter.items import Item
 from nonsmooth_chapter.judgement import Check, Finding

@@ -11,7 +11,7 @@ from chapter.test_orbit_claims import SLOW_ORBITS
 from chapter.test_rotor_claims import SLOW_ROTOR
 from chapter.test_sweep_claims import LONG
 
-from nonsmooth.errors import OptionError
+from nonsmooth import OptionError
 from nonsmooth_chapter import claim_ids, evaluate_claims
 from nonsmooth_chapter.claim_modules import CLAIM_MODULES
 from nonsmooth_chapter.claims import _checks, _checks_in, _table

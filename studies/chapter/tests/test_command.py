@@ -52,7 +52,7 @@ def chapter(monkeypatch):
         figure_summary=lambda name: f"What [{name}] shows",
     )
     install(
-        "run_chapter",
+        "whole_chapter",
         run_chapter=run_chapter,
         written_files=lambda out, figures, outcome: [out / f"{name}.png" for name in figures],
     )

@@ -5,8 +5,7 @@ import pytest
 
 import nonsmooth as ns
 from neighbours import neighbour_exponent
-from nonsmooth.models import MolingRig, moling
-from nonsmooth.models.moling_phases import mode_solution
+from nonsmooth.models import MolingRig, moling, moling_solution
 from nonsmooth_chapter.mole.absolute_mole import absolute_mole
 from nonsmooth_chapter.mole.adaptive_mole import adaptive_mole_run
 from nonsmooth_chapter.mole.regime import primitive_period, settled_regime
@@ -35,13 +34,13 @@ def test_closed_forms_satisfy_their_equations(mode, xi):
     values, step = VALUES | {"xi": xi}, 1e-5
     start = np.array([0.32, 0.7, 0.3, 2.0])
     for time in (3.1, 3.4, 5.0):
-        low, mid, high = mode_solution(
+        low, mid, high = moling_solution(
             values, mode, start, 3.0, np.array([time - step, time, time + step])
         )
         exact = slope(values, mode, mid, time)
         # third derivatives are below (1 / 2 xi)^3 = 1000; differences lose eps / h
         assert np.abs((high - low) / (2 * step) - exact).max() < 2e-7
-    assert np.allclose(mode_solution(values, mode, start, 3.0, np.array([3.0]))[0], start)
+    assert np.allclose(moling_solution(values, mode, start, 3.0, np.array([3.0]))[0], start)
 
 
 def test_three_routes_agree():

@@ -2,7 +2,7 @@
 
 import pytest
 
-from nonsmooth.errors import OptionError
+from nonsmooth import OptionError
 from nonsmooth_chapter.judgement import DIFFERS, HOLDS, OPEN, Finding, agrees, verdict
 
 

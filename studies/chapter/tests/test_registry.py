@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from nonsmooth.errors import OptionError
+from nonsmooth import OptionError
 from nonsmooth_chapter import figure_ids, figure_summary, run_demo, run_figures
 from nonsmooth_chapter.files import save_data
 from nonsmooth_chapter.mole.diagrams import fig8

@@ -11,10 +11,9 @@ import pytest
 import xarray as xr
 
 from effort import HANG
-from nonsmooth.errors import OptionError
-from nonsmooth.runs.store_lock import lock, unlock
+from nonsmooth import OptionError
 from nonsmooth_chapter.claims import _checks
-from nonsmooth_chapter.entries import ENTRIES, basis
+from nonsmooth_chapter.entries import ENTRIES, basis, locked
 from nonsmooth_chapter.files import plain
 from nonsmooth_chapter.items import do_item
 from nonsmooth_chapter.run_items import run_items
@@ -115,12 +114,11 @@ def test_half_written_files_of_a_process_that_was_killed_go(tmp_path):
 def test_one_run_at_a_time(tmp_path):
     """A second run in the same folder is refused, and told by whom it is used."""
     (tmp_path / ENTRIES).mkdir()
-    handle = lock(tmp_path / ENTRIES / "lock")
-    try:
-        with pytest.raises(OptionError, match=f"in use by process {os.getpid()}"):
-            run(tmp_path, "line")
-    finally:
-        unlock(handle)
+    with (
+        locked(tmp_path / ENTRIES / "lock"),
+        pytest.raises(OptionError, match=f"in use by process {os.getpid()}"),
+    ):
+        run(tmp_path, "line")
     assert run(tmp_path).told == {}
 
 
@@ -131,9 +129,9 @@ def script(folder, *names, before=""):
 import sys
 sys.path.insert(0, {str(TESTS)!r})
 from stub_figures import item
-from nonsmooth_chapter import registry, run_chapter
+from nonsmooth_chapter import registry, whole_chapter
 names = {list(names)!r}
-module = sys.modules["nonsmooth_chapter.run_chapter"]
+module = whole_chapter
 module.groups_of = lambda figures, claims: [[item(name)] for name in figures]
 module.figure_summary = lambda name: name
 registry.figure_ids = lambda: names
@@ -147,7 +145,7 @@ main()
 INTERRUPTED = """
 import os, signal
 from queue import Empty
-from nonsmooth.runs import crew
+from nonsmooth_chapter import run_items as crew
 
 def take(results, original=crew.take):
     try:
@@ -185,8 +183,8 @@ def test_interruption_keeps_what_is_done(tmp_path):
 
 # A bar appears after a second; here it need not wait for that.
 IMPATIENT = """
-from nonsmooth.runs import progress
-progress._PATIENCE = 0.0
+from nonsmooth_chapter import run_items
+run_items._PATIENCE = 0.0
 """
 
 

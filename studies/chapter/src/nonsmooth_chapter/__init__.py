@@ -1,14 +1,18 @@
-"""The chapter's figures and claims, recomputed with public functions only.
+"""Figures and claims of a chapter on non-smooth dynamics, computed anew with `nonsmooth`.
 
-Whatever is heavy is imported when a figure or a claim is asked for.
+Names are imported when first used, so that the help of the command comes at once.
 """
 
 from __future__ import annotations
 
-from nonsmooth_chapter.claims import claim_ids, evaluate_claims
-from nonsmooth_chapter.demo import run_demo
-from nonsmooth_chapter.registry import draw_figure, figure_ids, figure_summary, run_figures
-from nonsmooth_chapter.run_chapter import run_chapter
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from nonsmooth_chapter.claims import claim_ids, evaluate_claims
+    from nonsmooth_chapter.demo import run_demo
+    from nonsmooth_chapter.registry import draw_figure, figure_ids, figure_summary, run_figures
+    from nonsmooth_chapter.whole_chapter import run_chapter
 
 __all__ = [
     "claim_ids",
@@ -20,3 +24,26 @@ __all__ = [
     "run_demo",
     "run_figures",
 ]
+
+_HOME = {
+    "claim_ids": "claims",
+    "draw_figure": "registry",
+    "evaluate_claims": "claims",
+    "figure_ids": "registry",
+    "figure_summary": "registry",
+    "run_chapter": "whole_chapter",
+    "run_demo": "demo",
+    "run_figures": "registry",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module 'nonsmooth_chapter' has no attribute {name!r}")
+    value = getattr(importlib.import_module(f"nonsmooth_chapter.{_HOME[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

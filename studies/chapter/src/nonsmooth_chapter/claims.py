@@ -10,8 +10,9 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from nonsmooth.errors import OptionError, RunError, unknown_name
+from nonsmooth import OptionError, RunError
 from nonsmooth_chapter.claim_modules import CLAIM_MODULES, module_of
+from nonsmooth_chapter.files import unknown_name
 from nonsmooth_chapter.judgement import Check, verdict
 
 __all__ = ["check_of", "claim_data", "claim_ids", "evaluate_claims", "select_claims"]

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import json
+import sys
 from collections import Counter
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from nonsmooth.cli.console import ENDED_EARLY, STORE_HELP, print_table
-from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth import OptionError
+from nonsmooth_chapter.files import unknown_name
 
 __all__ = ["app"]
 
@@ -20,6 +22,9 @@ app = typer.Typer(
 
 _COLUMNS = ("id", "where", "verdict", "printed", "computed")
 _VERDICTS = ("holds", "differs", "not determinable")
+_STORE = "Keep what is done in a folder; the same command goes on there."
+_ENDED_EARLY = 1  # code of a command that could not do all of its work
+_PIPE_WIDTH = 120  # characters; what reads a pipe has no screen to fit
 _Out = Annotated[Path, typer.Option(metavar="DIR", help="Folder for the files.")]
 _Processes = Annotated[
     int | None, typer.Option(metavar="N", help="Processes; by default one for each processor.")
@@ -32,7 +37,7 @@ def list_figures() -> None:
     from nonsmooth_chapter import registry
 
     figures = [(name, registry.figure_summary(name)) for name in registry.figure_ids()]
-    print_table(("figure", "what it shows"), figures)
+    _print_table(("figure", "what it shows"), figures, lines=False)
 
 
 @app.command()
@@ -56,7 +61,7 @@ def run(
     and report.html shows everything.
     """
     from nonsmooth_chapter import registry
-    from nonsmooth_chapter.run_chapter import run_chapter, written_files
+    from nonsmooth_chapter.whole_chapter import run_chapter, written_files
 
     known = registry.figure_ids()
     wanted = [*(figures or []), *(more_figures.split(",") if more_figures else [])]
@@ -84,7 +89,7 @@ def claims(
     verdict: Annotated[
         str | None, typer.Option(help=f"Those with this verdict: {', '.join(_VERDICTS)}.")
     ] = None,
-    store: Annotated[Path | None, typer.Option(metavar="FOLDER", help=STORE_HELP)] = None,
+    store: Annotated[Path | None, typer.Option(metavar="FOLDER", help=_STORE)] = None,
     processes: _Processes = None,
 ) -> None:
     """Compare what the chapter states with what is computed."""
@@ -108,7 +113,7 @@ def _print_rows(rows: list[dict[str, Any]], as_json: bool) -> None:
     if as_json:
         typer.echo(json.dumps(rows, indent=2, ensure_ascii=False))
         return
-    print_table(_COLUMNS, [[_text(row[key]) for key in _COLUMNS] for row in rows], lines=True)
+    _print_table(_COLUMNS, [[_text(row[key]) for key in _COLUMNS] for row in rows], lines=True)
     counts = Counter(str(row["verdict"]) for row in rows)
     typer.echo(", ".join(f"{counts[name]} {name}" for name in _VERDICTS))
 
@@ -121,7 +126,7 @@ def _end(outcome: Any, kept: str) -> None:
         typer.echo(f"nonsmooth: {kept}", err=True)
         raise KeyboardInterrupt
     if outcome.faults:
-        raise typer.Exit(ENDED_EARLY)
+        raise typer.Exit(_ENDED_EARLY)
 
 
 @app.command()
@@ -131,6 +136,22 @@ def demo(out: _Out = Path("demo-output")) -> None:
 
     out.mkdir(parents=True, exist_ok=True)
     run_demo(out)
+
+
+def _print_table(heads: Sequence[str], rows: Iterable[Sequence[str]], *, lines: bool) -> None:
+    """Print a table; cells are plain text, and a pipe gets neither colours nor 80 columns."""
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    console = Console(width=None if sys.stdout.isatty() else _PIPE_WIDTH, highlight=False)
+    table = Table(box=box.SIMPLE_HEAD, show_lines=lines, pad_edge=False)
+    for head in heads:
+        table.add_column(head)
+    for row in rows:
+        table.add_row(*(Text(cell) for cell in row))
+    console.print(table)
 
 
 def _text(value: Any) -> str:

@@ -9,16 +9,19 @@ from __future__ import annotations
 import hashlib
 import inspect
 import json
+import os
 import re
-from collections.abc import Callable, Sequence
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from nonsmooth.files import replacing
+from nonsmooth import OptionError
 from nonsmooth_chapter.code_version import code_version, library_versions
-from nonsmooth_chapter.files import plain
+from nonsmooth_chapter.files import plain, replacing
 
-__all__ = ["ENTRIES", "basis", "read_entry", "remove_drafts", "write_entry"]
+__all__ = ["ENTRIES", "basis", "locked", "read_entry", "remove_drafts", "write_entry"]
 
 ENTRIES = "entries"  # folder of them, within that of the results
 _DRAFT = re.compile(r"\.[\w-]+\.\d+\.(png|pdf|nc|json|html)")  # see `replacing`
@@ -120,6 +123,71 @@ def read_entry(folder: Path, name: str, depends: dict[str, Any]) -> dict[str, An
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         pass  # damaged, or of another kind: computed again
     return None
+
+
+@contextmanager
+def locked(path: Path) -> Iterator[None]:
+    """Keep other runs out of a folder, by a lock on a file in it.
+
+    The system's own locks end with the process that holds them, however it ends, so the file that
+    a killed process leaves behind locks nobody out. The process number in it is for people.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+        File to lock; made where it is missing.
+
+    Raises
+    ------
+    OptionError
+        Where another process has locked it.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder, locked(Path(folder) / "lock"):
+    ...     print("nobody else is here")
+    nobody else is here
+    """
+    with open(path, "a+", encoding="utf-8") as file:  # a file that another process reads stays
+        try:
+            _lock(file.fileno())
+        except OSError:
+            file.seek(0)
+            owner = file.read() or "of another user"
+            raise OptionError(
+                f"the store {str(path.parent)!r} is in use by process {owner}; wait until it ends,"
+                " or give another folder"
+            ) from None
+        file.truncate(0)
+        file.write(str(os.getpid()))
+        file.flush()
+        try:
+            yield
+        finally:
+            file.truncate(0)
+
+
+if sys.platform == "win32":
+    import msvcrt
+
+    def _lock(handle: int) -> None:
+        """Lock a byte far behind the number, which others can still read then."""
+        os.lseek(handle, 1 << 30, os.SEEK_SET)
+        msvcrt.locking(handle, msvcrt.LK_NBLCK, 1)
+        os.lseek(handle, 0, os.SEEK_SET)
+
+else:
+    import errno
+    import fcntl
+
+    def _lock(handle: int) -> None:
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError as fault:
+            # some network file systems have no locks; there the user sees to it
+            if fault.errno not in (errno.ENOLCK, errno.ENOTSUP, errno.EOPNOTSUPP, errno.ENOSYS):
+                raise
 
 
 def remove_drafts(folder: Path) -> None:

@@ -5,16 +5,54 @@ from __future__ import annotations
 import csv
 import json
 import math
-from collections.abc import Mapping, Sequence
+import os
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-
-from nonsmooth.files import replacing
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["plain", "save_data", "save_json", "save_table"]
+__all__ = [
+    "plain",
+    "processors",
+    "replacing",
+    "save_data",
+    "save_json",
+    "save_table",
+    "unknown_name",
+]
+
+
+@contextmanager
+def replacing(target: Path) -> Iterator[Path]:
+    """Give a temporary path beside a file, and move it to the file's place on success.
+
+    A reader, or a crash half way, never meets half a file. The process number keeps two
+    programs that write the same file apart.
+    """
+    draft = target.with_name(f".{target.stem}.{os.getpid()}{target.suffix}")
+    try:
+        yield draft
+        os.replace(draft, target)
+    finally:
+        draft.unlink(missing_ok=True)
+
+
+def processors() -> int:
+    """Number of processors that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return max(1, len(os.sched_getaffinity(0)))
+    return os.cpu_count() or 1
+
+
+def unknown_name(kind: str, name: str, known: Iterable[str]) -> str:
+    """Sentence for a name that does not exist: the nearest one, and where all are listed."""
+    near = get_close_matches(name, list(known), n=1)
+    hint = f"; did you mean {near[0]!r}?" if near else ""
+    return f"unknown {kind} {name!r:.80}{hint} (known: {', '.join(known)})"
 
 
 def save_data(data: xr.Dataset, path: Path) -> Path:

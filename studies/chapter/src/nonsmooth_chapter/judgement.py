@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import Any
 
-from nonsmooth.errors import OptionError
+from nonsmooth import OptionError
 
 __all__ = ["DIFFERS", "HOLDS", "OPEN", "Check", "Finding", "agreed", "agrees", "verdict"]
 

@@ -8,7 +8,8 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth import OptionError
+from nonsmooth_chapter.files import unknown_name
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
+import sys
 import threading
-from collections.abc import Callable, Sequence
+import time
+from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
-from functools import partial
 from pathlib import Path
-from typing import Any
+from queue import Empty, SimpleQueue
+from typing import Any, TypeVar
 
-from nonsmooth.runs.crew import check_threads, run_tasks
-from nonsmooth.runs.store_lock import lock, unlock
-from nonsmooth_chapter.entries import ENTRIES, remove_drafts
+from nonsmooth import OptionError
+from nonsmooth_chapter.entries import ENTRIES, locked, remove_drafts
+from nonsmooth_chapter.files import processors
 from nonsmooth_chapter.items import Item
-from nonsmooth_chapter.workers import Worker, Workers
+from nonsmooth_chapter.workers import Stopped, Workers
 
 __all__ = ["Outcome", "run_items"]
 
+T = TypeVar("T")
+_ATTENTION = 0.05  # seconds after which an interruption is noticed
+_PATIENCE = 1.0  # seconds before a bar appears
 _MOST = 8  # processes by default; each takes some 400 MB, and its verbs use threads besides
 
 
@@ -86,32 +92,113 @@ def run_items(
     ...     run_items([], Path(folder), processes=1, label="nothing").complete
     True
     """
-    most = min(_MOST, check_threads(None)) if processes is None else check_threads(processes)
-    count = max(1, min(most, len(groups)))
+    count = max(1, min(_number_of(processes), len(groups)))
     (folder / ENTRIES).mkdir(parents=True, exist_ok=True)
-    handle = lock(folder / ENTRIES / "lock")
     outcome = Outcome()
-
-    def keep(_: int, told: list[dict[str, Any]]) -> None:
-        outcome.told |= {str(each["name"]): each for each in told}
-
-    try:
+    with locked(folder / ENTRIES / "lock"):
         remove_drafts(folder)
         with Workers(folder, several=count > 1) as workers:
-            tasks: list[Callable[[Worker, threading.Event], list[dict[str, Any]]]]
-            tasks = [partial(_do_group, workers, list(group)) for group in groups]
-            items = sum(len(group) for group in groups)
-            outcome.complete = run_tasks(
-                tasks, workers.take, threads=count, label=label, keep=keep,
-                measure=lambda: (workers.finished, items),
-            )  # fmt: skip
+            outcome.complete = _run_groups(groups, workers, count, label, outcome.told)
         remove_drafts(folder)
-    finally:
-        unlock(handle)
     return outcome
 
 
-def _do_group(
-    workers: Workers, items: list[Item], worker: Worker, stop: threading.Event
-) -> list[dict[str, Any]]:
-    return workers.do(worker, items, stop)
+def _number_of(processes: int | None) -> int:
+    """Number of processes: as given, or as many as there are processors."""
+    if processes is None:
+        return min(_MOST, processors())
+    if processes < 1:
+        raise OptionError(f"processes = {processes:g} must be a whole number of at least 1")
+    return processes
+
+
+def _run_groups(
+    groups: Sequence[Sequence[Item]],
+    workers: Workers,
+    count: int,
+    label: str,
+    told: dict[str, dict[str, Any]],
+) -> bool:
+    """Compute groups by some threads, one process each; False where the user interrupted."""
+    stop = threading.Event()
+    # An interruption may come between any two steps of this thread. Queues that are C throughout
+    # are whole then, while futures may be left locked, with the threads waiting for ever.
+    todo: SimpleQueue[Sequence[Item] | None] = SimpleQueue()
+    results: SimpleQueue[list[dict[str, Any]] | BaseException] = SimpleQueue()
+
+    def work() -> None:
+        worker = workers.take()
+        while (group := todo.get()) is not None and not stop.is_set():
+            try:
+                results.put(workers.do(worker, group, stop))
+            except BaseException as fault:  # raised again in the thread that waits
+                results.put(fault)
+
+    threads = [threading.Thread(target=work, daemon=True) for _ in range(count)]
+    for group in [*groups, *[None] * count]:
+        todo.put(group)
+    complete = True
+    try:
+        for thread in threads:
+            thread.start()
+        with _Bar(label, sum(map(len, groups))) as bar:
+            left = len(groups)
+            while left:
+                try:
+                    _keep(take(results), told)
+                    left -= 1
+                except Empty:
+                    pass
+                bar.update(workers.finished)
+    except KeyboardInterrupt:
+        complete = False
+    finally:
+        stop.set()
+        for thread in threads:
+            if thread.ident is not None:
+                thread.join()
+    while not results.empty():  # what was under way came to its end, or was stopped
+        with suppress(Stopped):
+            _keep(results.get(), told)
+    return complete
+
+
+def _keep(result: list[dict[str, Any]] | BaseException, told: dict[str, dict[str, Any]]) -> None:
+    if isinstance(result, BaseException):
+        raise result
+    told |= {str(each["name"]): each for each in result}
+
+
+def take(results: SimpleQueue[T]) -> T:
+    """The next result; `Empty` where none comes in a moment."""
+    return results.get(timeout=_ATTENTION)
+
+
+class _Bar:
+    """Progress on a terminal after a second; nothing in a pipe."""
+
+    def __init__(self, label: str, total: int) -> None:
+        self._label, self._total = label, total
+        self._began = time.monotonic()
+        self._bar: Any = None
+        self._task: Any = None
+
+    def __enter__(self) -> _Bar:
+        return self
+
+    def update(self, done: int) -> None:
+        """Say how much is done."""
+        if not sys.stderr.isatty() or time.monotonic() - self._began < _PATIENCE:
+            return
+        if self._bar is None:
+            from rich.console import Console
+            from rich.progress import Progress
+
+            self._bar = Progress(console=Console(stderr=True), transient=True)
+            self._task = self._bar.add_task(self._label, total=self._total)
+            self._bar.start()
+        self._bar.update(self._task, completed=done)
+
+    def __exit__(self, *_: object) -> None:
+        if self._bar is not None:
+            self._bar.stop()

@@ -14,13 +14,16 @@ from queue import Empty, SimpleQueue
 from types import TracebackType
 from typing import Any
 
-from nonsmooth.errors import RunError
-from nonsmooth.runs.crew import Stopped
+from nonsmooth import RunError
 from nonsmooth_chapter.items import Item
 
-__all__ = ["Worker", "Workers"]
+__all__ = ["Stopped", "Worker", "Workers"]
 
 _ATTENTION = 0.05  # seconds after which a wish to stop is noticed
+
+
+class Stopped(Exception):
+    """Raised in a thread that was told to stop."""
 
 
 class Worker:

@@ -14,8 +14,7 @@ import xarray as xr
 from nonsmooth import bifurcation_diagram
 from nonsmooth.models import moling
 from nonsmooth.plot import branch as draw_branch
-from nonsmooth.plot import print_figure
-from nonsmooth.plot.legends import place_legend
+from nonsmooth.plot import place_legend, print_figure
 from nonsmooth_chapter.mole.orbit_branches import branches_of_panel, near_observed, observed
 
 if TYPE_CHECKING:

@@ -15,7 +15,6 @@ import xarray as xr
 from nonsmooth import simulate
 from nonsmooth.models import moling
 from nonsmooth.plot import PALETTE, print_figure
-from nonsmooth.plot.style import LINES
 from nonsmooth_chapter.mole.soil_claims import pushed_slider
 
 if TYPE_CHECKING:
@@ -34,7 +33,7 @@ _LOOKS: tuple[dict[str, Any], ...] = (
     {"color": PALETTE["blue"], "linewidth": 1.1},
     {"color": PALETTE["vermilion"], "linewidth": 1.1, "linestyle": "-."},
 )
-_MOLE: dict[str, Any] = {"color": LINES[2]["color"], "linewidth": 1.6}
+_MOLE: dict[str, Any] = {"color": "#7A2060", "linewidth": 1.6}
 _LAW: dict[str, Any] = {"color": "0.6", "linewidth": 3.2, "linestyle": (0, (2, 1))}
 
 

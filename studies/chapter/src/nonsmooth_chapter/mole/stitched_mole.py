@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from nonsmooth.models.moling_phases import mode_solution
+from nonsmooth.models import moling_solution
 
 __all__ = ["guard_value", "solve_switching_times", "stitched_states"]
 
@@ -86,12 +86,12 @@ def solve_switching_times(
             began: float = began,
         ) -> float:
             return guard_value(
-                values, mode, entered, mode_solution(values, mode, state, began, np.array([t]))[0]
+                values, mode, entered, moling_solution(values, mode, state, began, np.array([t]))[0]
             )
 
         low = max(guess - _BRACKET, 0.5 * (began + guess))
         time = float(brentq(equation, low, guess + _BRACKET, xtol=1e-14, rtol=1e-15))
-        state = mode_solution(values, mode, state, began, np.array([time]))[0]
+        state = moling_solution(values, mode, state, began, np.array([time]))[0]
         mode, began = entered, time
         found.append(time)
     return found
@@ -130,8 +130,8 @@ def stitched_states(
     for entered, end in zip([*modes, ""], ends, strict=True):
         here = (times >= began) & (times < end)
         if np.any(here):
-            states[here] = mode_solution(values, mode, state, began, times[here])
+            states[here] = moling_solution(values, mode, state, began, times[here])
         if np.isfinite(end):
-            state = mode_solution(values, mode, state, began, np.array([end]))[0]
+            state = moling_solution(values, mode, state, began, np.array([end]))[0]
             mode, began = entered, end
     return states

@@ -12,8 +12,8 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from nonsmooth.files import replacing
 from nonsmooth_chapter.code_version import code_version, library_versions
+from nonsmooth_chapter.files import replacing
 from nonsmooth_chapter.registry import figure_summary
 from nonsmooth_chapter.report.claim_table import VERDICTS, claim_table, link_of
 from nonsmooth_chapter.report.summary import summary_page

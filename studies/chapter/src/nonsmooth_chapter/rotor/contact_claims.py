@@ -8,10 +8,10 @@ import numpy as np
 import xarray as xr
 
 from nonsmooth import System
-from nonsmooth.models.snubber_tables import force_of_springs
 from nonsmooth_chapter.judgement import Check, Evidence, Finding
 from nonsmooth_chapter.rotor.data import set_a, set_b
 from nonsmooth_chapter.rotor.ring_motion import in_contact, ring_run
+from nonsmooth_chapter.rotor.ring_tables import force_of_springs
 
 __all__ = ["CHECKS"]
 

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from nonsmooth import System, simulate
-from nonsmooth.errors import RunError, RunWarning
+from nonsmooth import RunError, RunWarning, System, simulate
 from nonsmooth.plot import PALETTE, print_figure
 from nonsmooth_chapter.judgement import Evidence
 from nonsmooth_chapter.rotor.data import set_a, set_b

@@ -15,7 +15,7 @@ import numpy as np
 import xarray as xr
 
 from nonsmooth import System, bifurcation_diagram, ensemble, lyapunov_spectrum
-from nonsmooth.runs.crew import check_threads
+from nonsmooth_chapter.files import processors
 
 __all__ = [
     "CHAOTIC",
@@ -117,7 +117,7 @@ def speed_sweeps(
         return _sweep(system, etas, start, transient, record)
 
     # a followed diagram is one chain: chains run side by side
-    with ThreadPoolExecutor(check_threads(None)) as pool:
+    with ThreadPoolExecutor(processors()) as pool:
         return tuple(pool.map(sweep, starts))
 
 
@@ -175,7 +175,7 @@ def with_exponents(system: System, sweep: Sweep) -> Sweep:
         return value, chaotic
 
     columns = np.flatnonzero(sweep.labels == UNKNOWN)
-    with ThreadPoolExecutor(check_threads(None)) as pool:
+    with ThreadPoolExecutor(processors()) as pool:
         for column, (value, chaotic) in zip(columns, pool.map(exponent, columns), strict=True):
             exponents[column] = value
             labels[column] = CHAOTIC if chaotic else REGULAR

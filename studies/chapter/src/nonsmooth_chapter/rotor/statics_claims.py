@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from nonsmooth.models import snubber_ring
-from nonsmooth.models.snubber_tables import (
+from nonsmooth_chapter.judgement import Check, Evidence, Finding
+from nonsmooth_chapter.rotor.ring_tables import (
     REGIME_OF_ROW,
     boundary_curve,
     energy_by_work,
@@ -16,7 +17,6 @@ from nonsmooth.models.snubber_tables import (
     table_5,
     table_6,
 )
-from nonsmooth_chapter.judgement import Check, Evidence, Finding
 
 __all__ = ["CHECKS"]
 

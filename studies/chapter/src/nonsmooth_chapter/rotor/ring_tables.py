@@ -23,7 +23,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from nonsmooth.errors import OptionError
+from nonsmooth import OptionError
 
 __all__ = [
     "REGIME_OF_ROW",
@@ -72,7 +72,7 @@ def force_of_springs(
 
     Examples
     --------
-    >>> from nonsmooth.models.snubber_tables import force_of_springs
+    >>> from nonsmooth_chapter.rotor.ring_tables import force_of_springs
     >>> [round(float(part), 6) for part in force_of_springs(0.05, 0.2)]
     [0.1, 0.3]
     """
@@ -116,7 +116,7 @@ def energy_by_work(
 
     Examples
     --------
-    >>> from nonsmooth.models.snubber_tables import energy_by_work
+    >>> from nonsmooth_chapter.rotor.ring_tables import energy_by_work
     >>> round(float(energy_by_work(0.05, 0.2)), 6)
     0.0375
     """
@@ -163,7 +163,7 @@ def table_4(
 
     Examples
     --------
-    >>> from nonsmooth.models.snubber_tables import table_4
+    >>> from nonsmooth_chapter.rotor.ring_tables import table_4
     >>> [round(float(part), 6) for part in table_4(2, 0.05, 0.2)]
     [0.1, 0.3]
     """
@@ -207,7 +207,7 @@ def table_5(
 
     Examples
     --------
-    >>> from nonsmooth.models.snubber_tables import table_5
+    >>> from nonsmooth_chapter.rotor.ring_tables import table_5
     >>> round(float(table_5(2, 0.05, 0.2)), 6), round(float(table_5(2, 0.05, 0.2, printed=True)), 6)
     (0.0375, 0.04125)
     """
@@ -256,7 +256,7 @@ def table_6(
 
     Examples
     --------
-    >>> from nonsmooth.models.snubber_tables import table_6
+    >>> from nonsmooth_chapter.rotor.ring_tables import table_6
     >>> [round(float(part), 6) for part in table_6(3, 1.5, 0.2)]
     [0.511732, 0.04727]
     """
@@ -308,7 +308,7 @@ def boundary_curve(
 
     Examples
     --------
-    >>> from nonsmooth.models.snubber_tables import boundary_curve
+    >>> from nonsmooth_chapter.rotor.ring_tables import boundary_curve
     >>> round(float(boundary_curve(63, 1.05)), 6)
     0.345118
     """
