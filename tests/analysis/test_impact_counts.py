@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import nonsmooth as ns
-from nonsmooth_chapter.mole.adaptive_mole import adaptive_mole_run
+from nonsmooth_chapter.mole.independent import adaptive_mole_run
 
 MOLE = {"xi": 0.05, "omega": 0.1, "g": 0.02, "phi": np.pi / 2}
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 import nonsmooth as ns
-from nonsmooth_chapter.mole.regime import bounded_states
+from nonsmooth_chapter.mole.sweeps import bounded_states
 
 __all__ = ["neighbour_exponent"]
 

@@ -10,8 +10,8 @@ import xarray as xr
 
 from nonsmooth import RunError
 from nonsmooth.plot import print_figure
-from nonsmooth_chapter.items import Item
 from nonsmooth_chapter.judgement import Check, Finding
+from nonsmooth_chapter.worker import Item
 
 __all__ = ["claim", "item"]
 

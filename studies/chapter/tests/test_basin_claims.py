@@ -7,12 +7,20 @@ import pytest
 import xarray as xr
 
 from nonsmooth_chapter import evaluate_claims
-from nonsmooth_chapter.claims import _checks, _table
+from nonsmooth_chapter.claims import _check, _table
 from nonsmooth_chapter.judgement import DIFFERS, HOLDS, OPEN, verdict
-from nonsmooth_chapter.mole.basins import OMEGAS, _numbered_by_kind, fig12
-from nonsmooth_chapter.mole.boundaries import _law, exponents_of_pairs
-from nonsmooth_chapter.mole.coexistence import MORE_SECTIONS, by_cells
-from nonsmooth_chapter.mole.long_runs import _distinct_sets, _periods, newton_residual
+from nonsmooth_chapter.mole.basins import (
+    MORE_SECTIONS,
+    OMEGAS,
+    _distinct_sets,
+    _law,
+    _numbered_by_kind,
+    _periods,
+    by_cells,
+    exponents_of_pairs,
+    fig12,
+    newton_residual,
+)
 
 COUNTED = [f"M{n}" for n in range(47, 53)]
 SLOW = [*COUNTED, "M53", "M54"]
@@ -22,7 +30,7 @@ PERIODS = {  # of all motions, 0 for chaos, whatever the route
 
 
 def judged(name, evidence):
-    return verdict(_checks()[name].judge(evidence), lacks_data=_table()[name]["dagger"])
+    return verdict(_check(name).judge(evidence), lacks_data=bool(_table()[name]["missing"]))
 
 
 def found_periods(route):
@@ -32,7 +40,7 @@ def found_periods(route):
 @pytest.mark.slow
 def test_routes_agree_on_few_starts():
     """Recurrences on seven sections and plain runs: the same three motions, and a verdict."""
-    evidence = _checks()["M52"].compute(samples=300, runs=300, dropped=600)
+    evidence = _check("M52").compute(samples=300, runs=300, dropped=600)
     assert [found_periods(route) for route in evidence["routes"]] == [[0, 3, 9]] * 8
     assert judged("M52", evidence) == HOLDS
     assert judged("M50", evidence) == DIFFERS  # two are printed there
@@ -182,9 +190,7 @@ def test_verdicts():
 def test_full_protocol(name, omega):
     """More starts, ten times the runs, four more sections: the same motions."""
     dropped = 4000 if omega == 1.56 else 1200  # periods; 24 is reached slowly
-    evidence = _checks()[name].compute(
-        samples=2000, runs=20_000, dropped=dropped, more=MORE_SECTIONS
-    )
+    evidence = _check(name).compute(samples=2000, runs=20_000, dropped=dropped, more=MORE_SECTIONS)
     for route in evidence["routes"]:
         assert found_periods(route) == PERIODS[omega], route["section"]
         assert route["unsettled"] == 0

@@ -1,21 +1,21 @@
 """The claims as data, and verdicts that follow from evidence and from nothing else."""
 
+import inspect
 import json
-from importlib import resources
 
 import pytest
-from chapter.test_basin_claims import SLOW
-from chapter.test_fatigue_claims import SLOW_CRACK
-from chapter.test_fatigue_rig_claims import SLOW_RIG
-from chapter.test_orbit_claims import SLOW_ORBITS
-from chapter.test_rotor_claims import SLOW_ROTOR
-from chapter.test_sweep_claims import LONG
 
 from nonsmooth import OptionError
 from nonsmooth_chapter import claim_ids, evaluate_claims
-from nonsmooth_chapter.claim_modules import CLAIM_MODULES
-from nonsmooth_chapter.claims import _checks, _checks_in, _table
+from nonsmooth_chapter.claims import _check, _table
 from nonsmooth_chapter.judgement import DIFFERS, HOLDS, OPEN, verdict
+from nonsmooth_chapter.whole_chapter import LONGEST_FIRST
+from test_basin_claims import SLOW
+from test_fatigue_claims import SLOW_CRACK
+from test_fatigue_rig_claims import SLOW_RIG
+from test_orbit_claims import SLOW_ORBITS
+from test_rotor_claims import SLOW_ROTOR
+from test_sweep_claims import LONG
 
 KEYS = ["id", "where", "printed", "computed", "protocol", "verdict", "evidence"]
 SLOW_SMOOTHING = {"G3"}  # Taylor steps through narrow switches: as long as all others here
@@ -32,15 +32,14 @@ def rows():
 
 def judged(name, **arguments):
     """Verdict of a claim for other parameters than the chapter's."""
-    check = _checks()[name]
+    check = _check(name)
     finding = check.judge(check.compute(**arguments))
-    return verdict(finding, lacks_data=_table()[name]["dagger"])
+    return verdict(finding, lacks_data=bool(_table()[name]["missing"]))
 
 
 def test_table_has_every_claim_once():
     """Names are stable and complete: G1-G3, M01-M57, F01-F59, R01-R57."""
-    text = resources.files("nonsmooth_chapter").joinpath("claims.json").read_text("utf-8")
-    names = [row["id"] for row in json.loads(text)["claims"]]
+    names = list(_table())
     expected = [
         f"{letter}{number:0{1 if letter == 'G' else 2}d}"
         for letter, count in COUNTS.items()
@@ -51,24 +50,28 @@ def test_table_has_every_claim_once():
 
 
 def test_rows_of_the_table_are_complete():
-    """Missing data are named where the dagger stands, and only there."""
-    for row in _table().values():
-        assert list(row) == [
-            "id", "section", "where", "claim", "parameters", "compute", "dagger", "missing",
-        ]  # fmt: skip
+    """Each says what is claimed and where, what is computed, by which rule, and who judges."""
+    filled = {"where", "claim", "looks_at", "rule", "module", "evidence", "judge", "together"}
+    for name, row in _table().items():
+        assert set(row) == {*filled, "section", "parameters", "missing"}, name
         assert row["section"] in (1, 2, 3, 4)
-        assert row["claim"] and row["where"] and row["compute"]
-        assert bool(row["missing"]) == row["dagger"]
+        assert all(row[part] for part in filled), name
 
 
-def test_every_claim_has_one_check():
-    """All are judged, none twice, and each in the module that is said to judge it."""
-    listed = [name for claims in CLAIM_MODULES.values() for name in claims.split()]
-    assert sorted(listed) == sorted(claim_ids()) and len(listed) == len(set(listed))
-    for module, claims in CLAIM_MODULES.items():
-        assert [check.claim for check in _checks_in(module)] == claims.split(), module
-    assert list(_checks()) == claim_ids()
-    assert all(check.protocol for check in _checks().values())
+def test_every_claim_is_judged_by_functions_that_exist():
+    """Evidence needs no argument beside those of the table, and its judge the evidence only."""
+    for name in claim_ids():
+        check = _check(name)
+        assert check.claim == name and check.protocol
+        inspect.signature(check.compute).bind()
+        inspect.signature(check.judge).bind({})
+
+
+def test_groups_of_the_table_are_known():
+    """A group that is spelt in two ways would compute the same twice."""
+    modules = {row["module"] for row in _table().values()}
+    named = {row["together"] for row in _table().values()} - modules
+    assert named <= set(LONGEST_FIRST)
 
 
 def test_rows_have_the_same_keys(rows):
@@ -84,7 +87,7 @@ def test_rows_have_the_same_keys(rows):
 def test_missing_data_leave_a_claim_open(rows):
     """A row with a dagger says so, and names what is missing."""
     for name, row in rows.items():
-        if _table()[name]["dagger"]:
+        if bool(_table()[name]["missing"]):
             assert row["verdict"] == OPEN or "shown for" in row["protocol"]
             assert "does not give" in row["protocol"]
 
@@ -92,8 +95,8 @@ def test_missing_data_leave_a_claim_open(rows):
 def test_verdicts_follow_from_the_evidence(rows):
     """Judging the same evidence again gives the same verdict: nothing else goes in."""
     for name, row in rows.items():
-        finding = _checks()[name].judge(row["evidence"])
-        assert verdict(finding, lacks_data=_table()[name]["dagger"]) == row["verdict"]
+        finding = _check(name).judge(row["evidence"])
+        assert verdict(finding, lacks_data=bool(_table()[name]["missing"])) == row["verdict"]
 
 
 @pytest.mark.parametrize(
@@ -133,19 +136,19 @@ def test_evidence_turns_a_verdict_over(rows, name, change):
     if name == "M08":
         evidence["largest_x"] = [1.0]
     turned = {HOLDS: DIFFERS, DIFFERS: HOLDS}[rows[name]["verdict"]]
-    assert verdict(_checks()[name].judge(evidence), lacks_data=False) == turned
+    assert verdict(_check(name).judge(evidence), lacks_data=False) == turned
 
 
 def test_a_count_of_touches_that_sees_none_tells_nothing(rows):
     """The run that was made to touch is the control of the count."""
     evidence = rows["G2"]["evidence"]
     assert evidence["control"] == 1
-    assert _checks()["G2"].judge(evidence | {"control": 0}).true is None
+    assert _check("G2").judge(evidence | {"control": 0}).true is None
 
 
 def test_smoothing_makes_motions_of_its_own():
     """Two widths of one kind, of the eight that are judged; without such motions it does not."""
-    check = _checks()["G3"]
+    check = _check("G3")
     evidence = check.compute(widths=(0.04, 0.02), kinds=("sqrt",))
     assert verdict(check.judge(evidence), lacks_data=False) == HOLDS
     none = [row | {"only_smoothed": []} for row in evidence["rows"]]
@@ -157,7 +160,7 @@ def test_smoothing_by_all_widths():
     """As it is printed, from four widths of two kinds."""
     (row,) = evaluate_claims(ids=SLOW_SMOOTHING)
     assert list(row) == KEYS and row["verdict"] == HOLDS
-    assert verdict(_checks()["G3"].judge(row["evidence"]), lacks_data=False) == HOLDS
+    assert verdict(_check("G3").judge(row["evidence"]), lacks_data=False) == HOLDS
     json.dumps(row, allow_nan=False)
 
 

@@ -47,16 +47,16 @@ def chapter(monkeypatch):
         return CLAIMS, told
 
     install(
-        "registry",
+        "figures",
         figure_ids=lambda: ["fig6", "fig7"],
         figure_summary=lambda name: f"What [{name}] shows",
     )
     install(
         "whole_chapter",
         run_chapter=run_chapter,
+        judge_claims=judge_claims,
         written_files=lambda out, figures, outcome: [out / f"{name}.png" for name in figures],
     )
-    install("claim_runs", judge_claims=judge_claims)
     install("demo", run_demo=asked.append)
     asked.append(told)
     return asked

@@ -2,18 +2,18 @@
 
 import pytest
 
-from nonsmooth_chapter.claims import _checks, _table
-from nonsmooth_chapter.fatigue import growing_claims
-from nonsmooth_chapter.fatigue.beam_data import tau_at
+from nonsmooth_chapter.claims import _check, _table
+from nonsmooth_chapter.fatigue import growth_claims
+from nonsmooth_chapter.fatigue.crack_motions import tau_at
 from nonsmooth_chapter.judgement import DIFFERS, HOLDS, OPEN, verdict
 
 
 def judged(name, evidence):
-    return verdict(_checks()[name].judge(evidence), lacks_data=_table()[name]["dagger"])
+    return verdict(_check(name).judge(evidence), lacks_data=bool(_table()[name]["missing"]))
 
 
 def finding(name, evidence):
-    return _checks()[name].judge(evidence).true
+    return _check(name).judge(evidence).true
 
 
 def window(start, **change):
@@ -104,7 +104,7 @@ def test_records_that_are_not_there_leave_the_tests_of_the_mole_open():
     }  # fmt: skip
     for name in ("M05", "M06"):
         assert judged(name, evidence) == OPEN
-        told = _checks()[name].judge(evidence | {"impacts_per_period": 3.0}).computed
+        told = _check(name).judge(evidence | {"impacts_per_period": 3.0}).computed
         assert "impacts per period 3" in told
 
 
@@ -140,12 +140,12 @@ def growing(stretches):
 def test_a_history_as_printed_is_found_and_another_is_not(monkeypatch):
     """Labels along the growth decide F49 and F51 to F56; all stay open for want of s and d."""
     names = ("F49", "F51", "F52", "F53", "F54", "F55", "F56")
-    monkeypatch.setattr(growing_claims, "scanned_histories", lambda: (growing(OTHERWISE),))
+    monkeypatch.setattr(growth_claims, "scanned_histories", lambda: (growing(OTHERWISE),))
     for stretches, expected in ((AS_PRINTED, [True] * 7), (OTHERWISE, [False] * 7)):
         monkeypatch.setattr(
-            growing_claims, "convention_histories", lambda each=stretches: (growing(each),)
+            growth_claims, "convention_histories", lambda each=stretches: (growing(each),)
         )
-        evidence = {name: _checks()[name].compute() for name in names}
+        evidence = {name: _check(name).compute() for name in names}
         found = [finding(name, evidence[name]) for name in names]
         if stretches is OTHERWISE:
             expected[2] = True  # period two near 12 mm is there too
@@ -162,7 +162,7 @@ def test_points_that_turn_back():
 
 
 def test_table_of_forces():
-    evidence = _checks()["R07"].compute(count=50)
+    evidence = _check("R07").compute(count=50)
     assert judged("R07", evidence) == HOLDS
     evidence["rows"][2]["difference"] = 1e-3
     assert judged("R07", evidence) == DIFFERS
@@ -170,7 +170,7 @@ def test_table_of_forces():
 
 def test_contact_by_radius_is_right_for_a_centred_ring():
     """A few samples behind a contact, before the ring is back, tell both conditions apart."""
-    evidence = _checks()["R11"].compute(motions=(("A", 0.0, 3.0),), periods=4)
+    evidence = _check("R11").compute(motions=(("A", 0.0, 3.0),), periods=4)
     assert judged("R11", evidence) == DIFFERS
     assert evidence["rows"][0]["eccentric"] < 1e-3
     assert judged("R11", {"rows": [evidence["rows"][0] | {"free_outside": 0}]}) == HOLDS

@@ -6,11 +6,14 @@ import pytest
 import nonsmooth as ns
 from neighbours import neighbour_exponent
 from nonsmooth.models import MolingRig, moling, moling_solution
-from nonsmooth_chapter.mole.absolute_mole import absolute_mole
-from nonsmooth_chapter.mole.adaptive_mole import adaptive_mole_run
-from nonsmooth_chapter.mole.regime import primitive_period, settled_regime
-from nonsmooth_chapter.mole.soil_claims import push, pushed_slider
-from nonsmooth_chapter.mole.stitched_mole import solve_switching_times, stitched_states
+from nonsmooth_chapter.mole.independent import (
+    absolute_mole,
+    adaptive_mole_run,
+    solve_switching_times,
+    stitched_states,
+)
+from nonsmooth_chapter.mole.model_claims import push, pushed_slider
+from nonsmooth_chapter.mole.sweeps import primitive_period, settled_regime
 
 VALUES = {"a": 0.3, "b": 0.19, "xi": 0.05, "omega": 0.1, "g": 0.02, "phi": np.pi / 2}
 

@@ -5,16 +5,20 @@ import json
 import numpy as np
 import pytest
 
-from nonsmooth_chapter import evaluate_claims
-from nonsmooth_chapter.claims import _checks, _table
-from nonsmooth_chapter.fatigue.beam_data import beam, crack_at, tau_at
-from nonsmooth_chapter.fatigue.crack_motions import motions, period_of, settling
-from nonsmooth_chapter.fatigue.frozen_claims import BETWEEN
-from nonsmooth_chapter.fatigue.growth_history import first_loss, label_share, separators
-from nonsmooth_chapter.fatigue.monitoring import scatter
-from nonsmooth_chapter.fatigue.onset import onset_along_growth
-from nonsmooth_chapter.fatigue.portrait_claims import arc_distance
-from nonsmooth_chapter.fatigue.regime_claims import circle_criterion
+from nonsmooth_chapter import claim_ids, evaluate_claims
+from nonsmooth_chapter.claims import _check, _table
+from nonsmooth_chapter.fatigue.crack_claims import arc_distance, circle_criterion
+from nonsmooth_chapter.fatigue.crack_motions import (
+    beam,
+    crack_at,
+    motions,
+    onset_along_growth,
+    period_of,
+    settling,
+    tau_at,
+)
+from nonsmooth_chapter.fatigue.growing_crack import first_loss, label_share, scatter, separators
+from nonsmooth_chapter.fatigue.growth_claims import BETWEEN
 from nonsmooth_chapter.judgement import DIFFERS, HOLDS, OPEN, verdict
 
 QUICK_CRACK = ["F33", "F34", "F35", "F40", "F41", "F42", "F43", "F44"]
@@ -22,19 +26,19 @@ SLOW_CRACK = [f"F{n}" for n in range(33, 60) if f"F{n}" not in QUICK_CRACK]
 
 
 def judged(name, evidence):
-    return verdict(_checks()[name].judge(evidence), lacks_data=_table()[name]["dagger"])
+    return verdict(_check(name).judge(evidence), lacks_data=bool(_table()[name]["missing"]))
 
 
 def finding(name, evidence):
-    return _checks()[name].judge(evidence).true
+    return _check(name).judge(evidence).true
 
 
 def computed(name, **arguments):
-    return _checks()[name].compute(**arguments)
+    return _check(name).compute(**arguments)
 
 
 def test_every_claim_of_the_crack_is_judged():
-    assert {f"F{n}" for n in range(33, 60)} <= set(_checks())
+    assert {f"F{n}" for n in range(33, 60)} <= set(claim_ids())
 
 
 def test_stiffness_falls_and_by_how_much():

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from nonsmooth_chapter.fatigue.beam_data import beam
-from nonsmooth_chapter.fatigue.crack_motions import largest_exponent, motions
+from nonsmooth_chapter.fatigue.crack_motions import beam, largest_exponent, motions
 
 XI, ETA = 0.014, 1.1475
 TURN = 2 * np.pi / ETA

@@ -8,15 +8,15 @@ import pytest
 
 from nonsmooth.excitation import Excitation
 from nonsmooth.fatigue import Specimen
-from nonsmooth_chapter import evaluate_claims
-from nonsmooth_chapter.claims import _checks, _table
+from nonsmooth_chapter import claim_ids, evaluate_claims
+from nonsmooth_chapter.claims import _check, _table
 from nonsmooth_chapter.fatigue.life_claims import ORDERS
 from nonsmooth_chapter.fatigue.life_figures import fig18, fig19
-from nonsmooth_chapter.fatigue.loaded_rig import chaotic, harmonic, loaded_rig
-from nonsmooth_chapter.fatigue.phase_claims import passages
-from nonsmooth_chapter.fatigue.rig_data import SET_25, rig_system, start_up, stays
+from nonsmooth_chapter.fatigue.record_claims import passages
+from nonsmooth_chapter.fatigue.records import chaotic, harmonic, loaded_rig
+from nonsmooth_chapter.fatigue.rig import SET_25, rig_system, start_up, stays
+from nonsmooth_chapter.fatigue.rig_claims import rig_of_fig_25
 from nonsmooth_chapter.fatigue.rig_figures import fig24, fig25
-from nonsmooth_chapter.fatigue.rig_si_claims import rig_of_fig_25
 from nonsmooth_chapter.judgement import DIFFERS, HOLDS, OPEN, verdict
 
 ALL = [f"F{n:02d}" for n in range(1, 33)]
@@ -26,19 +26,19 @@ DIFFERENT, UNDECIDED = {"F15", "F21"}, {"F13", "F14", "F16", "F17", "F18", "F19"
 
 
 def judged(name, evidence):
-    return verdict(_checks()[name].judge(evidence), lacks_data=_table()[name]["dagger"])
+    return verdict(_check(name).judge(evidence), lacks_data=bool(_table()[name]["missing"]))
 
 
 def finding(name, evidence):
-    return _checks()[name].judge(evidence).true
+    return _check(name).judge(evidence).true
 
 
 def computed(name, **arguments):
-    return _checks()[name].compute(**arguments)
+    return _check(name).compute(**arguments)
 
 
 def test_every_claim_on_rig_and_lives_is_judged():
-    assert set(ALL) <= set(_checks())
+    assert set(ALL) <= set(claim_ids())
 
 
 def test_quick_verdicts():

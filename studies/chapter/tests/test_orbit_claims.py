@@ -8,10 +8,9 @@ import pytest
 import nonsmooth as ns
 from nonsmooth.models import moling
 from nonsmooth_chapter import evaluate_claims
-from nonsmooth_chapter.claims import _checks, _table
+from nonsmooth_chapter.claims import _check, _table
 from nonsmooth_chapter.judgement import DIFFERS, HOLDS, OPEN, verdict
-from nonsmooth_chapter.mole.cascade_claims import cascade
-from nonsmooth_chapter.mole.orbit_branches import (
+from nonsmooth_chapter.mole.orbits import (
     FOUR_PHASES,
     best_stable,
     first_sheet,
@@ -20,6 +19,7 @@ from nonsmooth_chapter.mole.orbit_branches import (
     observed,
     turn_word,
 )
+from nonsmooth_chapter.mole.sweep_claims import cascade
 
 SLOW_ORBITS = ["M14", *(f"M{n}" for n in range(30, 42)), "M56"]
 FULL = {
@@ -30,7 +30,7 @@ FULL = {
 
 
 def judged(name, evidence):
-    return verdict(_checks()[name].judge(evidence), lacks_data=_table()[name]["dagger"])
+    return verdict(_check(name).judge(evidence), lacks_data=bool(_table()[name]["missing"]))
 
 
 def test_turns_begin_with_progression_wherever_they_are_cut():
@@ -72,7 +72,7 @@ def test_parts_of_a_branch():
 
 def test_cascade_is_supercritical():
     """Doubled orbits are stable below each flip; the coefficient comes from motions alone."""
-    evidence = _checks()["M14"].compute()
+    evidence = _check("M14").compute()
     assert judged("M14", evidence) == DIFFERS
     for row in evidence["rows"]:
         assert row["slope"] == pytest.approx(-1.0, abs=1e-3)
@@ -103,7 +103,7 @@ def test_amplitude_of_the_doubled_orbit_grows_as_a_root():
 
 def test_start_of_progression_at_an_impact_fails():
     quick = {"sets": {"7(d)": ({"a": 0.3, "b": 0.15, "xi": 0.05, "omega": 0.1},)}, "starts": ({},)}
-    check = _checks()["M32"]
+    check = _check("M32")
     direct = check.compute(**quick)
     assert judged("M32", direct) == DIFFERS
     assert judged("M32", check.compute(**quick, fast=())) == HOLDS
@@ -135,7 +135,7 @@ def test_minima_as_printed_decide():
 
 
 def test_minimum_beyond_the_window_is_no_motion():
-    evidence = _checks()["M33"].compute(sets=((0.3, 0.175),))
+    evidence = _check("M33").compute(sets=((0.3, 0.175),))
     (row,) = evidence["rows"]
     assert not row["closes_as_motion"] and not row["orbits"] and row["from_rest"] != 1
 

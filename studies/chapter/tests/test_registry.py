@@ -8,8 +8,8 @@ import xarray as xr
 
 from nonsmooth import OptionError
 from nonsmooth_chapter import figure_ids, figure_summary, run_demo, run_figures
-from nonsmooth_chapter.files import save_data
-from nonsmooth_chapter.mole.diagrams import fig8
+from nonsmooth_chapter.mole.diagram_figures import fig8
+from nonsmooth_chapter.results import save_data
 
 PNG = b"\x89PNG\r\n\x1a\n"
 

@@ -8,16 +8,13 @@ import pytest
 
 from nonsmooth_chapter import claim_ids, figure_ids
 from nonsmooth_chapter.claims import claim_data
-from nonsmooth_chapter.registry import _maker, figure_summary
-from nonsmooth_chapter.report.page import write_report
-from nonsmooth_chapter.report.summary import first_words
-from nonsmooth_chapter.report.texts import (
-    FIELDS,
-    _texts,
-    figure_text,
+from nonsmooth_chapter.figures import TEXTS, _maker, _table, figure_summary, figure_text
+from nonsmooth_chapter.report import (
     figures_of_claim,
+    first_words,
     section_of,
     snippet_of,
+    write_report,
 )
 from nonsmooth_chapter.run_items import Outcome
 
@@ -96,7 +93,7 @@ def test_page_shows_how_each_figure_came_about(page):
     """Caption, parameters, protocol, command, lines of Python, our reading; and what failed."""
     text = "".join(page.text)
     for name in figure_ids():
-        for field in FIELDS:
+        for field in TEXTS:
             if name != "fig12":
                 assert figure_text(name)[field] in text, (name, field)
         assert figure_summary(name) in text
@@ -133,11 +130,11 @@ def test_first_words_end_with_a_clause():
 
 
 def test_every_figure_has_texts():
-    """And no text stands there without its figure."""
-    assert list(_texts()) == list(dict.fromkeys(_texts())) and set(_texts()) == set(figure_ids())
-    for name, text in _texts().items():
-        assert tuple(text) == FIELDS, name
-        assert all(text[field] for field in FIELDS), name
+    """A row of the table is complete, and names nothing that nobody reads."""
+    for name in figure_ids():
+        text = figure_text(name)
+        assert set(_table()[name]) - {"together"} == {"summary", "draw", *TEXTS}, name
+        assert all(text[field] for field in TEXTS), name
         assert text["caption"].endswith(".") and text["reading"].endswith("."), name
 
 

@@ -5,26 +5,25 @@ import json
 import numpy as np
 import pytest
 
-from nonsmooth_chapter import evaluate_claims
-from nonsmooth_chapter.claims import _checks, _table
+from nonsmooth_chapter import claim_ids, evaluate_claims
+from nonsmooth_chapter.claims import _check, _table
 from nonsmooth_chapter.judgement import DIFFERS, HOLDS, OPEN, verdict
-from nonsmooth_chapter.rotor.speed_bifurcations import _nearest
-from nonsmooth_chapter.rotor.speed_sweeps import CHAOTIC, UNKNOWN, Sweep
+from nonsmooth_chapter.rotor.speed_sweeps import CHAOTIC, UNKNOWN, Sweep, _nearest
 
 QUICK = ["R01", "R02", "R03", *(f"R{n:02d}" for n in (*range(5, 15), 29, *range(33, 38)))]
 SLOW_ROTOR = [f"R{n:02d}" for n in range(1, 58) if f"R{n:02d}" not in QUICK]
 
 
 def judged(name, evidence):
-    return verdict(_checks()[name].judge(evidence), lacks_data=_table()[name]["dagger"])
+    return verdict(_check(name).judge(evidence), lacks_data=bool(_table()[name]["missing"]))
 
 
 def computed(name, **arguments):
-    return _checks()[name].compute(**arguments)
+    return _check(name).compute(**arguments)
 
 
 def test_every_claim_of_the_section_is_judged():
-    assert {f"R{n:02d}" for n in range(1, 58)} <= set(_checks())
+    assert {f"R{n:02d}" for n in range(1, 58)} <= set(claim_ids())
 
 
 def test_damping_that_fits_both_times_would_hold():
@@ -218,7 +217,7 @@ def test_preload_and_chaos():
 
 def test_missing_measurements_leave_claims_open():
     for name in ("R41", "R49", "R56", "R57"):
-        assert _table()[name]["dagger"]
+        assert bool(_table()[name]["missing"])
 
 
 @pytest.mark.slow

@@ -6,10 +6,10 @@ import xarray as xr
 
 import nonsmooth as ns
 from nonsmooth.models import snubber_ring
-from nonsmooth_chapter.rotor.data import rig, set_a, set_b
-from nonsmooth_chapter.rotor.diagrams import _name_of_motion, fig36, fig41
-from nonsmooth_chapter.rotor.rig_orbits import fig42
-from nonsmooth_chapter.rotor.ring_motion import (
+from nonsmooth_chapter.rotor.diagram_figures import _name_of_motion, fig36, fig37, fig41
+from nonsmooth_chapter.rotor.motions import rig, set_a, set_b
+from nonsmooth_chapter.rotor.rig_sweeps import fig42
+from nonsmooth_chapter.rotor.ring import (
     PANELS,
     fig38,
     in_contact,
@@ -17,8 +17,7 @@ from nonsmooth_chapter.rotor.ring_motion import (
     ring_jumps,
     ring_run,
 )
-from nonsmooth_chapter.rotor.schematics import fig33
-from nonsmooth_chapter.rotor.sections import fig37
+from nonsmooth_chapter.rotor.ring_figures import fig33
 
 
 def test_sets_are_those_printed():

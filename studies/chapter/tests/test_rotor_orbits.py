@@ -5,14 +5,22 @@ import pytest
 
 from nonsmooth import continue_orbit, find_orbit
 from nonsmooth.models import rotor
-from nonsmooth_chapter.rotor.coexistence import _EARLY, _period, coexisting
-from nonsmooth_chapter.rotor.data import rig, set_a
-from nonsmooth_chapter.rotor.orbits import follow_orbit, orbit_multipliers, orbit_near
-from nonsmooth_chapter.rotor.ring_mass import heavy_ring, heavy_ring_orbit
-from nonsmooth_chapter.rotor.speed_bifurcations import branch_end
-from nonsmooth_chapter.rotor.speed_branches import branches_at_strobes, branches_of_set_a
+from nonsmooth_chapter.rotor.motions import (
+    _EARLY,
+    _period,
+    coexisting,
+    follow_orbit,
+    orbit_multipliers,
+    orbit_near,
+    rig,
+    set_a,
+)
+from nonsmooth_chapter.rotor.ring import heavy_ring, heavy_ring_orbit
 from nonsmooth_chapter.rotor.speed_sweeps import (
     CHAOTIC,
+    branch_end,
+    branches_at_strobes,
+    branches_of_set_a,
     even_values,
     last_strobe,
     speed_sweeps,

@@ -12,11 +12,10 @@ import xarray as xr
 
 from effort import HANG
 from nonsmooth import OptionError
-from nonsmooth_chapter.claims import _checks
-from nonsmooth_chapter.entries import ENTRIES, basis, locked
-from nonsmooth_chapter.files import plain
-from nonsmooth_chapter.items import do_item
+from nonsmooth_chapter.claims import _check, claim_ids
+from nonsmooth_chapter.results import ENTRIES, basis, locked, plain
 from nonsmooth_chapter.run_items import run_items
+from nonsmooth_chapter.worker import do_item
 from stub_figures import claim, item
 
 TESTS = Path(__file__).parent
@@ -129,12 +128,12 @@ def script(folder, *names, before=""):
 import sys
 sys.path.insert(0, {str(TESTS)!r})
 from stub_figures import item
-from nonsmooth_chapter import registry, whole_chapter
+from nonsmooth_chapter import figures, whole_chapter
 names = {list(names)!r}
 module = whole_chapter
 module.groups_of = lambda figures, claims: [[item(name)] for name in figures]
 module.figure_summary = lambda name: name
-registry.figure_ids = lambda: names
+figures.figure_ids = lambda: names
 sys.argv = ["nonsmooth", "chapter", "run", *names, "--out", {str(folder)!r}, "--processes", "1"]
 from nonsmooth.cli import main
 main()
@@ -217,12 +216,12 @@ def test_same_basis_in_every_process():
     run = subprocess.run([sys.executable, "-c", BASES], capture_output=True, text=True, check=True)
     assert " at 0x" not in run.stdout
     there = json.loads(run.stdout)
-    assert there == {name: plain(basis(check.compute)) for name, check in _checks().items()}
+    assert there == {name: plain(basis(_check(name).compute)) for name in claim_ids()}
 
 
 BASES = """
 import json
-from nonsmooth_chapter.claims import _checks
-from nonsmooth_chapter.entries import basis
-print(json.dumps({name: basis(check.compute) for name, check in _checks().items()}))
+from nonsmooth_chapter.claims import _check, claim_ids
+from nonsmooth_chapter.results import basis
+print(json.dumps({name: basis(_check(name).compute) for name in claim_ids()}))
 """

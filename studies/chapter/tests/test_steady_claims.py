@@ -8,13 +8,13 @@ import pytest
 from nonsmooth.fatigue import chapter_tests
 from nonsmooth.models import moling
 from nonsmooth_chapter import evaluate_claims
-from nonsmooth_chapter.claims import _checks
-from nonsmooth_chapter.fatigue import life_claims, specimen_claims
+from nonsmooth_chapter.claims import _check
+from nonsmooth_chapter.fatigue import life_claims
+from nonsmooth_chapter.figures import draw_figure
 from nonsmooth_chapter.judgement import DIFFERS, HOLDS
-from nonsmooth_chapter.mole import steady_claims
-from nonsmooth_chapter.mole.soil_claims import push
-from nonsmooth_chapter.registry import draw_figure
-from nonsmooth_chapter.rotor import rig_data_claims
+from nonsmooth_chapter.mole import history_claims
+from nonsmooth_chapter.mole.model_claims import push
+from nonsmooth_chapter.rotor import rig_claims
 
 _PUSH = ("penetration", "resistance")
 
@@ -59,28 +59,28 @@ def test_chaos_of_fig_7_beside_a_period(rows):
     ],
 )  # fmt: skip
 def test_other_evidence_turns_the_verdict(rows, name, change):
-    assert not _checks()[name].judge(rows[name]["evidence"] | change).true
+    assert not _check(name).judge(rows[name]["evidence"] | change).true
 
 
 def test_another_static_force_has_another_regime():
     """The period-one motion of Fig. 7(d) is not chaotic, that of (e) has no period of one."""
-    assert not _checks()["M12"].judge(_checks()["M12"].compute(b=0.15, starts=20)).true
-    assert not _checks()["M11"].judge(_checks()["M11"].compute(b=0.19, starts=20)).true
+    assert not _check("M12").judge(_check("M12").compute(b=0.15, starts=20)).true
+    assert not _check("M11").judge(_check("M11").compute(b=0.19, starts=20)).true
 
 
 def test_another_mole_has_other_verdicts(monkeypatch):
     """With a slider damped six times as much period four is gone, with ten times two as well."""
-    monkeypatch.setattr(steady_claims, "moling", lambda b: moling(b=b, xi=0.3))
+    monkeypatch.setattr(history_claims, "moling", lambda b: moling(b=b, xi=0.3))
     assert verdicts("M09", "M10", "M11") == [DIFFERS, HOLDS, HOLDS]
-    monkeypatch.setattr(steady_claims, "moling", lambda b: moling(b=b, xi=0.5))
+    monkeypatch.setattr(history_claims, "moling", lambda b: moling(b=b, xi=0.5))
     assert verdicts("M10") == [DIFFERS]
 
 
 def test_another_rotor_has_other_verdicts(monkeypatch):
     """A rotor of twice the mass: neither its natural frequency nor its scaled data are printed."""
     assert verdicts("R01", "R03") == [HOLDS, HOLDS]
-    rig = rig_data_claims.rig
-    monkeypatch.setattr(rig_data_claims, "rig", lambda **given: replace(rig(**given), mass=19.4))
+    rig = rig_claims.rig
+    monkeypatch.setattr(rig_claims, "rig", lambda **given: replace(rig(**given), mass=19.4))
     assert verdicts("R01", "R03") == [DIFFERS, DIFFERS]
 
 
@@ -94,8 +94,7 @@ def test_other_fatigue_tests_have_other_verdicts(monkeypatch):
         [where["hl200(100)"], where["hl150(100)"]]
     ]
     tests["load_amplitude"].values[where["hl200(50)"]] = 80.0
-    for module in (life_claims, specimen_claims):
-        monkeypatch.setattr(module, "chapter_tests", lambda: tests)
+    monkeypatch.setattr(life_claims, "chapter_tests", lambda: tests)
     assert verdicts("F02", "F06") == [DIFFERS, DIFFERS]
 
 
@@ -111,7 +110,7 @@ def test_other_fatigue_tests_have_other_verdicts(monkeypatch):
 )
 def test_another_soil_moves_the_finding(arguments, true):
     """The row stays open for want of a measured curve; what the predicate finds does not."""
-    check = _checks()["M02"]
+    check = _check("M02")
     assert check.judge(check.compute(**arguments)).true is true
 
 
@@ -126,7 +125,7 @@ def test_another_soil_moves_the_finding(arguments, true):
 )
 def test_each_part_of_the_soil_law_decides(change):
     row = push(0.05, 1.0)
-    judge = _checks()["M02"].judge
+    judge = _check("M02").judge
     assert judge({"pushes": [row]}).true
     assert not judge({"pushes": [row, row | change]}).true
 

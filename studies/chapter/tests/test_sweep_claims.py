@@ -6,9 +6,9 @@ import pytest
 
 from nonsmooth.models import moling
 from nonsmooth_chapter import evaluate_claims
-from nonsmooth_chapter.claims import _checks, _table
+from nonsmooth_chapter.claims import _check, _table
 from nonsmooth_chapter.judgement import DIFFERS, HOLDS, OPEN, verdict
-from nonsmooth_chapter.mole.frequency_claims import _starts
+from nonsmooth_chapter.mole.branch_claims import _starts
 
 LONG = ["M01", "M13", *(f"M{n}" for n in range(17, 30)), "M55", "M57"]
 PRINTED = {  # verdicts on the full grids
@@ -17,11 +17,11 @@ PRINTED = {  # verdicts on the full grids
 
 
 def judged(name, evidence):
-    return verdict(_checks()[name].judge(evidence), lacks_data=_table()[name]["dagger"])
+    return verdict(_check(name).judge(evidence), lacks_data=bool(_table()[name]["missing"]))
 
 
 def computed(name, **arguments):
-    evidence = _checks()[name].compute(**arguments)
+    evidence = _check(name).compute(**arguments)
     return evidence, judged(name, evidence)
 
 

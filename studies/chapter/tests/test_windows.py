@@ -6,18 +6,21 @@ import pytest
 import nonsmooth as ns
 from neighbours import neighbour_exponent
 from nonsmooth_chapter.judgement import agreed
-from nonsmooth_chapter.mole.frequency_claims import distinct_attractors
-from nonsmooth_chapter.mole.regime import settled_regime
-from nonsmooth_chapter.mole.static_force_sweeps import (
+from nonsmooth_chapter.mole.branch_claims import distinct_attractors
+from nonsmooth_chapter.mole.sweeps import (
     CHAOTIC,
     PROTOCOLS,
     UNSETTLED,
     Sweep,
+    at_the_end,
     even_forces,
     first_fifty,
     force_sweep,
+    order_of_labels,
+    settled_regime,
+    stretches,
+    widest,
 )
-from nonsmooth_chapter.mole.windows import at_the_end, order_of_labels, stretches, widest
 
 
 def labelled(*labels):

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from nonsmooth_chapter.claims import claim_ids, evaluate_claims
     from nonsmooth_chapter.demo import run_demo
-    from nonsmooth_chapter.registry import draw_figure, figure_ids, figure_summary, run_figures
+    from nonsmooth_chapter.figures import draw_figure, figure_ids, figure_summary, run_figures
     from nonsmooth_chapter.whole_chapter import run_chapter
 
 __all__ = [
@@ -27,13 +27,13 @@ __all__ = [
 
 _HOME = {
     "claim_ids": "claims",
-    "draw_figure": "registry",
+    "draw_figure": "figures",
     "evaluate_claims": "claims",
-    "figure_ids": "registry",
-    "figure_summary": "registry",
+    "figure_ids": "figures",
+    "figure_summary": "figures",
     "run_chapter": "whole_chapter",
     "run_demo": "demo",
-    "run_figures": "registry",
+    "run_figures": "figures",
 }
 
 

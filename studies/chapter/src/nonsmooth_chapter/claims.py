@@ -1,9 +1,10 @@
-"""The chapter's claims as data, and the verdicts on them."""
+"""Claims of the chapter: the table of them, and the verdicts on them."""
 
 from __future__ import annotations
 
+import ast
 import importlib
-import json
+import tomllib
 from collections.abc import Callable, Iterable
 from functools import cache, partial
 from importlib import resources
@@ -11,30 +12,64 @@ from pathlib import Path
 from typing import Any
 
 from nonsmooth import OptionError, RunError
-from nonsmooth_chapter.claim_modules import CLAIM_MODULES, module_of
-from nonsmooth_chapter.files import unknown_name
 from nonsmooth_chapter.judgement import Check, verdict
+from nonsmooth_chapter.results import unknown_name
 
-__all__ = ["check_of", "claim_data", "claim_ids", "evaluate_claims", "select_claims"]
+__all__ = ["check_of", "claim_data", "claim_ids", "evaluate_claims", "group_of", "select_claims"]
+
+_SECTIONS = {"G": 1, "M": 2, "F": 3, "R": 4}
 
 
 @cache
 def _table() -> dict[str, dict[str, Any]]:
-    text = resources.files("nonsmooth_chapter").joinpath("claims.json").read_text("utf-8")
-    return {row["id"]: row for row in json.loads(text)["claims"]}
+    """The table of claims, with what follows from a row."""
+    text = resources.files("nonsmooth_chapter").joinpath("claims.toml").read_text("utf-8")
+    return {
+        name: {"parameters": "", "missing": "", "together": row["module"], **row}
+        | {"section": _SECTIONS[name[0]]}
+        for name, row in tomllib.loads(text).items()
+    }
 
 
 @cache
-def _checks() -> dict[str, Check]:
-    """All checks, in the order of the chapter."""
-    checks = [check for module in CLAIM_MODULES for check in _checks_in(module)]
-    order = list(_table())
-    return {c.claim: c for c in sorted(checks, key=lambda c: order.index(c.claim))}
+def _check(name: str) -> Check:
+    """Check of a claim; its module is loaded now."""
+    row = _table()[name]
+    module = importlib.import_module(f"nonsmooth_chapter.{row['module']}")
+    evidence, judge = (_function(module, row[part]) for part in ("evidence", "judge"))
+    return Check(name, row["rule"], evidence, judge)
 
 
-def _checks_in(module: str) -> tuple[Check, ...]:
-    found: tuple[Check, ...] = importlib.import_module(f"nonsmooth_chapter.{module}").CHECKS
-    return found
+def _function(module: Any, text: str) -> Callable[..., Any]:
+    """Function of a module that a row names: by its name alone, or with arguments by keyword."""
+    if text.isidentifier():
+        named: Callable[..., Any] = getattr(module, text)
+        return named
+    call = ast.parse(text, mode="eval").body
+    assert isinstance(call, ast.Call) and isinstance(call.func, ast.Name) and not call.args
+    given = {str(each.arg): ast.literal_eval(each.value) for each in call.keywords}
+    return partial(getattr(module, call.func.id), **given)
+
+
+def group_of(name: str) -> str:
+    """Group of claims and figures that share computations with a claim.
+
+    Parameters
+    ----------
+    name : str
+        Name of the claim.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> group_of("M13")
+    'mole over force'
+    """
+    group: str = _table()[name]["together"]
+    return group
 
 
 def check_of(name: str) -> tuple[Check, Callable[[], dict[str, Any]]]:
@@ -57,7 +92,7 @@ def check_of(name: str) -> tuple[Check, Callable[[], dict[str, Any]]]:
     >>> judge()["verdict"]
     'differs'
     """
-    check = next(check for check in _checks_in(module_of(name)) if check.claim == name)
+    check = _check(name)
     return check, partial(_row, name, check)
 
 
@@ -192,7 +227,8 @@ def evaluate_claims(
     names = select_claims(section, ids)
     if store is None and processes == 1:
         return [check_of(name)[1]() for name in names]
-    from nonsmooth_chapter.claim_runs import judge_claims
+
+    from nonsmooth_chapter.whole_chapter import judge_claims
 
     rows, outcome = judge_claims(names, store=store, processes=processes)
     if not outcome.complete:
@@ -207,7 +243,7 @@ def _row(name: str, check: Check) -> dict[str, Any]:
     claim = _table()[name]
     evidence = check.compute()
     finding = check.judge(evidence)
-    lacking = f"; the chapter does not give: {claim['missing']}" if claim["dagger"] else ""
+    lacking = f"; the chapter does not give: {claim['missing']}" if claim["missing"] else ""
     shown = f"; shown for {finding.for_all}" if finding.for_all else ""
     return {
         "id": name,
@@ -215,6 +251,6 @@ def _row(name: str, check: Check) -> dict[str, Any]:
         "printed": claim["claim"],
         "computed": finding.computed,
         "protocol": check.protocol + shown + lacking,
-        "verdict": verdict(finding, lacks_data=claim["dagger"]),
+        "verdict": verdict(finding, lacks_data=bool(claim["missing"])),
         "evidence": evidence,
     }

@@ -12,7 +12,7 @@ from typing import Annotated, Any
 import typer
 
 from nonsmooth import OptionError
-from nonsmooth_chapter.files import unknown_name
+from nonsmooth_chapter.results import unknown_name
 
 __all__ = ["app"]
 
@@ -34,9 +34,9 @@ _Processes = Annotated[
 @app.command("list")
 def list_figures() -> None:
     """List the figures that can be drawn."""
-    from nonsmooth_chapter import registry
+    from nonsmooth_chapter.figures import figure_ids, figure_summary
 
-    figures = [(name, registry.figure_summary(name)) for name in registry.figure_ids()]
+    figures = [(name, figure_summary(name)) for name in figure_ids()]
     _print_table(("figure", "what it shows"), figures, lines=False)
 
 
@@ -60,10 +60,10 @@ def run(
     Each is written as PNG and PDF with its data as netCDF. With --all the claims are judged too,
     and report.html shows everything.
     """
-    from nonsmooth_chapter import registry
+    from nonsmooth_chapter.figures import figure_ids
     from nonsmooth_chapter.whole_chapter import run_chapter, written_files
 
-    known = registry.figure_ids()
+    known = figure_ids()
     wanted = [*(figures or []), *(more_figures.split(",") if more_figures else [])]
     if all_figures == bool(wanted):
         raise OptionError("name some figures, or give --all; nonsmooth chapter list names them")
@@ -93,8 +93,8 @@ def claims(
     processes: _Processes = None,
 ) -> None:
     """Compare what the chapter states with what is computed."""
-    from nonsmooth_chapter.claim_runs import judge_claims
     from nonsmooth_chapter.claims import select_claims
+    from nonsmooth_chapter.whole_chapter import judge_claims
 
     if verdict is not None and verdict not in _VERDICTS:
         raise OptionError(f"--verdict: {unknown_name('verdict', verdict, _VERDICTS)}")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from nonsmooth_chapter.registry import run_figures
+from nonsmooth_chapter.figures import run_figures
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -34,7 +34,7 @@ def run_demo(out: Path | str) -> None:
     """
     from rich.console import Console
 
-    from nonsmooth_chapter.files import save_table
+    from nonsmooth_chapter.results import save_table
 
     console = Console()
     folder = Path(out)
@@ -62,7 +62,7 @@ def progression_table() -> list[dict[str, Any]]:
     """
     from nonsmooth import simulate
     from nonsmooth.models import moling, progression
-    from nonsmooth_chapter.mole.regime import bounded_states, primitive_period
+    from nonsmooth_chapter.mole.sweeps import bounded_states, primitive_period
 
     rows = []
     for b in _FORCES:

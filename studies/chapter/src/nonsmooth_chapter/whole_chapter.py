@@ -2,16 +2,78 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import tempfile
+from collections.abc import Iterable, Sequence
+from contextlib import ExitStack
 from pathlib import Path
+from typing import Any
 
+from nonsmooth_chapter import claims as claims_table
+from nonsmooth_chapter import figures as figures_table
 from nonsmooth_chapter.claims import select_claims
-from nonsmooth_chapter.files import save_json
-from nonsmooth_chapter.groups import groups_of
-from nonsmooth_chapter.registry import figure_ids, figure_summary
+from nonsmooth_chapter.figures import figure_ids, figure_place, figure_summary
+from nonsmooth_chapter.results import save_json
 from nonsmooth_chapter.run_items import Outcome, run_items
+from nonsmooth_chapter.worker import Item
 
-__all__ = ["run_chapter", "written_files"]
+__all__ = ["LONGEST_FIRST", "groups_of", "judge_claims", "rows_of", "run_chapter", "written_files"]
+
+# Groups of figures and claims that are computed one after the other, as they share what they need;
+# those that take longest first. Which group a row belongs to stands in the tables.
+LONGEST_FIRST = (
+    "mole basins",
+    "basins of fig12",
+    "rotor over speed",
+    "rig over speed",
+    "rotor preloads",
+    "mole over force",
+    "mole branches",
+    "growing crack",
+    "chaotic loads",
+    "phase portraits",
+    "rotor sections",
+)
+
+
+def groups_of(figures: Sequence[str], claims: Sequence[str]) -> list[list[Item]]:
+    """Items of some figures and claims in groups, in the order in which they begin.
+
+    Short figures and short claims come first, so that there is soon something to see. Long figures
+    follow, and long groups with claims, the longest first: what is left for the end is shorter, and
+    no process waits long for the last one.
+
+    Parameters
+    ----------
+    figures, claims : sequence of str
+        Names.
+
+    Returns
+    -------
+    list of list of Item
+
+    Examples
+    --------
+    >>> [[item.name for item in group] for group in groups_of(["fig8", "fig1"], ["M13", "M03"])]
+    [['fig1'], ['M03'], ['fig8', 'M13']]
+    """
+    groups: dict[str, list[Item]] = {}
+    for name in figures:
+        groups.setdefault(figures_table.group_of(name), []).append(_figure(name))
+    for name in claims:
+        groups.setdefault(claims_table.group_of(name), []).append(_claim(name))
+    short = [items for group, items in groups.items() if group not in LONGEST_FIRST]
+    long = [groups[group] for group in LONGEST_FIRST if group in groups]
+    judged = [items for items in long if items[-1].kind == "claim"]
+    drawn = [items for items in long if items not in judged]
+    return [*short, *reversed(drawn), *judged]
+
+
+def _figure(name: str) -> Item:
+    return Item("figure", name, *figure_place(name), figure_summary(name))
+
+
+def _claim(name: str) -> Item:
+    return Item("claim", name, "nonsmooth_chapter.claims", "check_of")
 
 
 def run_chapter(
@@ -65,8 +127,8 @@ def run_chapter(
     folder = Path(out)
     outcome = run_items(groups_of(names, judged), folder, processes=processes, label="chapter")
     if judged and outcome.complete:
-        from nonsmooth_chapter.claim_runs import rows_of
-        from nonsmooth_chapter.report.page import write_report
+        from nonsmooth_chapter.claims import rows_of
+        from nonsmooth_chapter.report import write_report
 
         rows = rows_of(judged, outcome)
         save_json(rows, folder / "claims.json")
@@ -97,3 +159,59 @@ def written_files(out: Path | str, figures: Iterable[str], outcome: Outcome) -> 
     """
     found = [told for name in figures if (told := outcome.of(name)) is not None]
     return [Path(out) / file for told in found for file in told["files"]]
+
+
+def judge_claims(
+    names: Sequence[str], *, store: Path | str | None = None, processes: int | None = None
+) -> tuple[list[dict[str, Any]], Outcome]:
+    """Verdicts on claims, each group of them in a process of its own.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Claims.
+    store : pathlib.Path or str, optional
+        Folder in which verdicts are kept; by default none are.
+    processes : int, optional
+        Number of processes; by default as many as there are processors, 8 at most.
+
+    Returns
+    -------
+    rows : list of dict
+        As of `evaluate_claims`, in the order of the names, without those that have none.
+    outcome : Outcome
+        Which ones could not be judged, and whether the user interrupted.
+
+    Examples
+    --------
+    >>> judge_claims([])[0]
+    []
+    """
+    with ExitStack() as stack:
+        folder = Path(
+            stack.enter_context(tempfile.TemporaryDirectory()) if store is None else store
+        )
+        outcome = run_items(groups_of([], names), folder, processes=processes, label="claims")
+    return rows_of(names, outcome), outcome
+
+
+def rows_of(names: Sequence[str], outcome: Outcome) -> list[dict[str, Any]]:
+    """Rows of those claims that have a verdict.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Claims.
+    outcome : Outcome
+        Of a run.
+
+    Returns
+    -------
+    list of dict
+
+    Examples
+    --------
+    >>> rows_of(["M03"], Outcome())
+    []
+    """
+    return [told["row"] for name in names if (told := outcome.of(name)) is not None]

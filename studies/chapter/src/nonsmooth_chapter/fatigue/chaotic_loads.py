@@ -35,8 +35,8 @@ from nonsmooth.fatigue import (
     life,
     published_laws,
 )
-from nonsmooth_chapter.fatigue.beam_data import ETA, K_CLOSED, XI
-from nonsmooth_chapter.fatigue.rig_si_claims import rig_of_fig_25
+from nonsmooth_chapter.fatigue.crack_motions import ETA, K_CLOSED, XI
+from nonsmooth_chapter.fatigue.rig_claims import rig_of_fig_25
 
 __all__ = [
     "CRACKS",

@@ -1,8 +1,4 @@
-"""Motions of the beam with a crack of one length: which coexist, and how long they take to settle.
-
-A start counts as settled when its strobes stay on the attractor it ends on. Where that takes long
-the motion before looks like an attractor of its own; these times are kept beside the regimes.
-"""
+"""Motions of the beam with a breathing crack: data, attractors, onset of chaos."""
 
 from __future__ import annotations
 
@@ -12,21 +8,168 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from nonsmooth import System, attractors, ensemble, lyapunov_spectrum
-from nonsmooth_chapter.fatigue.beam_data import CRACK_BOX, beam, grid_of_missing_data, turn
+from nonsmooth import System, attractors, bifurcation_diagram, ensemble, lyapunov_spectrum
+from nonsmooth.models import breathing_crack
 from nonsmooth_chapter.judgement import Evidence
 
 __all__ = [
     "BOX_STARTS",
+    "CRACK_BOX",
     "DROPPED",
+    "D_RANGE",
+    "ETA",
+    "GROWTH",
+    "K_CLOSED",
+    "K_FACTOR",
+    "NOTCH",
+    "RATE",
     "SCAN_STARTS",
+    "S_RANGE",
+    "TAU_END",
+    "WIDTH",
+    "XI",
+    "beam",
+    "crack_at",
+    "crack_grid",
+    "followed_periods",
+    "grid_of_missing_data",
     "largest_exponent",
     "motions",
     "motions_from",
+    "onset_along_growth",
+    "onset_from_starts",
     "period_of",
     "scan_of_missing_data",
     "settling",
+    "tau_at",
+    "turn",
 ]
+
+
+# What section 3.6 prints for the beam with a breathing crack, and what is assumed beside it.
+#
+# The chapter gives neither the scale s of its stiffnesses nor the constant force d. The convention
+# is s = 1 and d = 0. What depends on them is looked at over `S_RANGE` and `D_RANGE` as well: s from
+# 0.1 to 2, which holds what the data of Figs. 24 and 25 give (0.43 and 0.11), and |d| up to the
+# amplitude eta^2 of the inertial force, beyond which the crack would hardly breathe.
+
+XI, ETA = 0.014, 1.1475
+K_CLOSED, K_FACTOR = 14.327, 4.245e-3  # k_s closed, and open over (20 - a)^3, of Fig. 29
+WIDTH = 20.0  # of the specimen [mm]
+NOTCH = 5.0  # [mm]
+GROWTH = "5 + 1e-3*exp(t/54734 - 7.8)"  # of the caption of Fig. 30 [mm]
+RATE = 54734.0  # time in which the growth is multiplied by e
+TAU_END = 940_000.0
+S_RANGE, D_RANGE = (0.1, 2.0), (-(ETA**2), ETA**2)
+CRACK_BOX = {"u": (-3.0, 3.0), "v": (-3.0, 3.0)}  # from which starts are drawn
+
+
+def beam(crack: float, **parameters: float) -> System:
+    """Beam with the data of Figs. 29 and 30.
+
+    Parameters
+    ----------
+    crack : float
+        Length of the crack [mm].
+    **parameters : float
+        Changed parameters.
+
+    Returns
+    -------
+    System
+
+    Examples
+    --------
+    >>> beam(12.09, s=0.5).parameter_values["s"]
+    0.5
+    """
+    return breathing_crack(xi=XI, eta=ETA, crack=crack).with_parameters(**parameters)
+
+
+def turn(system: System) -> float:
+    """Period of the forcing.
+
+    Parameters
+    ----------
+    system : System
+        The beam.
+
+    Returns
+    -------
+    float
+    """
+    return 2.0 * np.pi / system.parameter_values["eta"]
+
+
+def crack_at(tau: float) -> float:
+    """Length of the growing crack of Fig. 30 at a time.
+
+    Parameters
+    ----------
+    tau : float
+        Dimensionless time.
+
+    Returns
+    -------
+    float
+        In mm.
+
+    Examples
+    --------
+    >>> round(crack_at(900_514.0), 3)
+    10.724
+    """
+    return NOTCH + 1e-3 * float(np.exp(tau / RATE - 7.8))
+
+
+def tau_at(crack: float) -> float:
+    """Time at which the growing crack of Fig. 30 has a length.
+
+    Parameters
+    ----------
+    crack : float
+        Length [mm], above 5.
+
+    Returns
+    -------
+    float
+
+    Examples
+    --------
+    >>> round(tau_at(12.0))
+    911522
+    """
+    return RATE * (7.8 + float(np.log(1e3 * (crack - NOTCH))))
+
+
+def grid_of_missing_data(columns: int = 20, rows: int = 21) -> dict[str, list[float]]:
+    """Values of s and d over the stated range.
+
+    Parameters
+    ----------
+    columns, rows : int, optional
+        Number of values of s and of d.
+
+    Returns
+    -------
+    dict of str to list of float
+        ``s`` and ``d``.
+
+    Examples
+    --------
+    >>> [len(values) for values in grid_of_missing_data().values()]
+    [20, 21]
+    """
+    return {
+        "s": np.linspace(*S_RANGE, columns).tolist(),
+        "d": np.linspace(*D_RANGE, rows).tolist(),
+    }
+
+
+# Motions of the beam with a crack of one length: which coexist, and how long they take to settle.
+#
+# A start counts as settled when its strobes stay on the attractor it ends on. Where that takes long
+# the motion before looks like an attractor of its own; these times are kept beside the regimes.
 
 BOX_STARTS = 64  # drawn from the box, seed 0
 DROPPED = 3000  # periods
@@ -279,3 +422,140 @@ def _chaotic(system: System, end: xr.Dataset) -> bool:
     there = system.with_parameters(s=float(end["s"]), d=float(end["d"]))
     start = {name: float(end[name]) for name in ("u", "v")}
     return bool(largest_exponent(there, start, record=400)["chaotic"])
+
+
+# At which crack length the strange attractor is born: followed as the crack grows, or from starts.
+#
+# Followed, the motion is what a monitor would see; from many starts another attractor may be
+# chaotic earlier. Both are first crack lengths on a grid.
+
+STEP = 0.02  # mm
+_FIRST, _LAST = 5.0, 19.8
+_STARTS = {
+    "u": [0.0, 1.0, -1.0, 0.3, -0.4, 2.0],
+    "v": [0.0, 0.0, 1.0, -2.0, 0.5, 2.0],
+}
+_TRANSIENT, _RECORD = 400, 128
+
+
+def crack_grid(first: float = _FIRST, last: float = _LAST, step: float = STEP) -> np.ndarray:
+    """Crack lengths of a sweep.
+
+    Parameters
+    ----------
+    first, last, step : float, optional
+        In mm.
+
+    Returns
+    -------
+    numpy.ndarray
+
+    Examples
+    --------
+    >>> crack_grid(5.0, 5.1, 0.05).tolist()
+    [5.0, 5.05, 5.1]
+    """
+    return np.round(np.arange(first, last + 0.5 * step, step), 6)
+
+
+@lru_cache(maxsize=64)
+def followed_periods(step: float = STEP, **parameters: float) -> Any:
+    """Diagram over the crack length, followed up from rest at 5 mm.
+
+    Parameters
+    ----------
+    step : float, optional
+        Between columns [mm].
+    **parameters : float
+        Changed parameters of the beam.
+
+    Returns
+    -------
+    xarray.Dataset
+        As from `bifurcation_diagram`, one lane.
+    """
+    return bifurcation_diagram(
+        beam(_FIRST, **parameters), "crack", crack_grid(step=step), start="follow up",
+        transient=_TRANSIENT, record=_RECORD,
+    ).isel(lane=0)  # fmt: skip
+
+
+@lru_cache(maxsize=64)
+def onset_along_growth(step: float = STEP, **parameters: float) -> Evidence:
+    """First crack length at which the followed motion is chaotic.
+
+    Parameters
+    ----------
+    step : float, optional
+        Between columns [mm].
+    **parameters : float
+        Changed parameters of the beam.
+
+    Returns
+    -------
+    dict
+        ``crack`` (None without chaos up to 19.8 mm), ``exponent`` and ``error`` per period there,
+        and ``other_than_one``, the first length at which the period is not one.
+
+    Examples
+    --------
+    >>> 14.0 < onset_along_growth(0.1)["crack"] < 15.0
+    True
+    """
+    found = followed_periods(step, **parameters)
+    cracks, periods = found["parameter"].values, found["period"].values
+    row: Evidence = {"crack": None, "exponent": None, "error": None}
+    other = np.flatnonzero(periods != 1)
+    row["other_than_one"] = float(cracks[other[0]]) if other.size else None
+    for column in np.flatnonzero(periods == 0):
+        there = beam(float(cracks[column]), **parameters)
+        tried = largest_exponent(there, found.isel(parameter=column, point=-1), record=600)
+        if tried["chaotic"]:
+            return row | {
+                "crack": float(cracks[column]),
+                "exponent": tried["exponent"],
+                "error": tried["error"],
+            }
+    return row
+
+
+@lru_cache(maxsize=32)
+def onset_from_starts(step: float = 0.05, **parameters: float) -> Evidence:
+    """First crack length at which any of six starts leads to chaos.
+
+    Parameters
+    ----------
+    step : float, optional
+        Between lengths [mm].
+    **parameters : float
+        Changed parameters of the beam.
+
+    Returns
+    -------
+    dict
+        ``crack`` (None without chaos), ``exponent`` and ``error`` per period there, ``last``, the
+        last length with a chaotic motion, and ``share`` of lengths in between that have one.
+    """
+    cracks = crack_grid(step=step)
+    system = beam(_FIRST, **parameters)
+    runs = ensemble(
+        system, _STARTS, parameters={"crack": cracks.tolist()}, transient=1000, record=_RECORD
+    )
+    points = np.stack([runs["u"].values, runs["v"].values], axis=-1)
+    found: dict[float, Evidence] = {}
+    for lane in range(runs.sizes["lane"]):
+        crack = float(runs["crack"][lane])
+        if crack in found or period_of(points[lane]):
+            continue
+        there = beam(crack, **parameters)
+        tried = largest_exponent(there, runs.isel(lane=lane, point=-1), record=600)
+        if tried["chaotic"]:
+            found[crack] = tried
+    if not found:
+        return {"crack": None, "exponent": None, "error": None, "last": None, "share": 0.0}
+    first, last = min(found), max(found)
+    between = int(np.sum((cracks >= first - 1e-9) & (cracks <= last + 1e-9)))
+    return {
+        "crack": first, "exponent": found[first]["exponent"], "error": found[first]["error"],
+        "last": last, "share": len(found) / between,
+    }  # fmt: skip

@@ -11,7 +11,6 @@ from scipy.interpolate import PchipInterpolator
 
 from nonsmooth.fatigue import CrackCurve, LoadBlock, Specimen, chapter_tests, life
 from nonsmooth.plot import PALETTE, print_figure
-from nonsmooth_chapter.fatigue.beam_data import RATE, tau_at
 from nonsmooth_chapter.fatigue.chaotic_loads import (
     DAMPINGS,
     RIGS,
@@ -21,6 +20,7 @@ from nonsmooth_chapter.fatigue.chaotic_loads import (
     spread,
     stated_lives,
 )
+from nonsmooth_chapter.fatigue.crack_motions import RATE, tau_at
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -8,16 +8,20 @@ from functools import cache
 import numpy as np
 
 from nonsmooth import lyapunov_spectrum
-from nonsmooth_chapter.judgement import Check, Evidence, Finding
-from nonsmooth_chapter.mole.basins import OMEGAS, oscillator
-from nonsmooth_chapter.mole.boundaries import DISTANCES, exponent_on_grid, exponents_of_pairs
-from nonsmooth_chapter.mole.coexistence import SECTIONS, Section, by_recurrences
-from nonsmooth_chapter.mole.long_runs import by_runs
-
-__all__ = ["CHECKS"]
+from nonsmooth_chapter.judgement import Evidence, Finding
+from nonsmooth_chapter.mole.basins import (
+    DISTANCES,
+    OMEGAS,
+    SECTIONS,
+    Section,
+    by_recurrences,
+    by_runs,
+    exponent_on_grid,
+    exponents_of_pairs,
+    oscillator,
+)
 
 _PANELS = dict(zip(OMEGAS, "abcdef", strict=True))
-_PRINTED = dict(zip(OMEGAS, (2, 3, 3, 2, 3, 3), strict=True))
 _CLOSES = 1e-10  # residual of a cycle
 _ERRORS = 3.0  # standard errors
 _SAMPLES, _RUNS, _DROPPED = 1000, 2000, 4000
@@ -73,17 +77,6 @@ def _named(attractors: Sequence[Evidence]) -> str:
         f"{'period ' + str(each['period']) if each['period'] else each['kind']}"
         f" ({100.0 * each['fraction']:.2g} %)"
         for each in attractors
-    )
-
-
-def _count_check(claim: str, omega: float) -> Check:
-    return Check(
-        claim,
-        f"by recurrences from {_SAMPLES} starts on each of {len(SECTIONS)} sections, cycles refined"
-        f" by Newton's method; by runs from {_RUNS} random starts, {_DROPPED} periods dropped, told"
-        " apart by their strobes; a residual of 1e-10 counts as closed",
-        lambda omega=omega, **arguments: _coexisting(omega, **arguments),
-        lambda evidence: _judge_count(evidence, _PRINTED[omega]),
     )
 
 
@@ -176,23 +169,3 @@ def _law(found: Evidence, digits: int = 2) -> str:
     if found["exponent"] is None:
         return "too few pairs"
     return f"{found['exponent']:.{digits}f} +- {found['error']:.{digits}f}"
-
-
-CHECKS = (
-    *(_count_check(f"M{47 + k}", omega) for k, omega in enumerate(OMEGAS)),
-    Check(
-        "M53",
-        "attractors as for M47 on the section tau = 0; largest exponent over 20,000 periods"
-        " from a point of the set, above 3 standard errors; true with both in one panel at least",
-        _strange_and_four,
-        _judge_strange_and_four,
-    ),
-    Check(
-        "M54",
-        "a panel has a fractal boundary where the exponent is below 1 by 3 standard errors both on"
-        " a grid of 96 x 96 cells round a point of the largest periodic basin (p +- .25, y +- .125)"
-        " and from pairs over the section, 50 x 50 starts, 1e-2 to 1e-5 apart in p",
-        _boundaries,
-        _judge_boundaries,
-    ),
-)

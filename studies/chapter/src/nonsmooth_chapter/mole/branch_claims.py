@@ -1,33 +1,34 @@
-"""Claims on Fig. 10: progression along branches of period-one orbits.
-
-The chapter prints neither the amplitudes nor the static forces of the curves, so each claim is
-judged for every one of those stated here.
-"""
+"""Claims on branches of orbits of the mole, and on its best force and frequency."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from itertools import pairwise
+from itertools import pairwise, product
 
 import numpy as np
 import xarray as xr
 
-from nonsmooth import regime
+from nonsmooth import System, bifurcation_diagram, continue_orbit, regime, simulate
 from nonsmooth.models import moling
-from nonsmooth_chapter.judgement import Check, Evidence, Finding, agreed
-from nonsmooth_chapter.mole.orbit_branches import (
+from nonsmooth_chapter.judgement import Evidence, Finding, agreed
+from nonsmooth_chapter.mole.model_claims import STATIC_FORCES
+from nonsmooth_chapter.mole.orbits import (
     best_stable,
     first_sheet,
     four_phase_branch,
     observed,
 )
+from nonsmooth_chapter.mole.sweeps import PROTOCOLS, even_forces
 
-__all__ = ["CHECKS"]
+__all__ = ["distinct_attractors"]
 
-_BY_OMEGA = (0.3, 0.35, 0.4, 0.45, 0.5, 0.55, 0.6)  # those with stable orbits at b = 0.15
-_BY_A = (0.1, 0.15, 0.2, 0.25, 0.3)
+
+# Claims on Fig. 10: progression along branches of period-one orbits.
+#
+# The chapter prints neither the amplitudes nor the static forces of the curves, so each claim is
+# judged for every one of those stated here.
+
 _BY_B = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9)
-_OMEGAS, _AMPLITUDES = (0.03, 0.5), (0.05, 1.0)
 _CLOSE = 0.1  # of b: how near the end of the branch "close" is
 # A curve has one value for each parameter: it is the sheet between folds on which the branch began.
 _READINGS: dict[str, Callable[[xr.Dataset], np.ndarray]] = {
@@ -65,22 +66,19 @@ def _slopes(
     return {"over": parameter, "curve": curve, "rows": rows}
 
 
-def _judge_slopes(rising: bool) -> Callable[[Evidence], Finding]:
-    def judge(evidence: Evidence) -> Finding:
-        rows = [row for row in evidence["rows"] if row["steps"]]
-        true = [row["rising"] == float(rising) for row in rows]
-        over, curve = evidence["over"], evidence["curve"]
-        values = sorted({row["value"] for row in rows})
-        listed = "; ".join(
-            f"{curve} {row['value']:g} {row['reading']} {over} {row['from']:.4g} to"
-            f" {row['to']:.4g}: {row['slopes'][0]:.3g} to {row['slopes'][1]:.3g} per unit of"
-            f" {over}, rising on {row['rising']:.1%} of it"
-            for row in rows
-        )
-        found = agreed(true)
-        return Finding(found, listed, for_all=_each(found, curve, values))
-
-    return judge
+def _judge_slopes(evidence: Evidence, rising: bool) -> Finding:
+    rows = [row for row in evidence["rows"] if row["steps"]]
+    true = [row["rising"] == float(rising) for row in rows]
+    over, curve = evidence["over"], evidence["curve"]
+    values = sorted({row["value"] for row in rows})
+    listed = "; ".join(
+        f"{curve} {row['value']:g} {row['reading']} {over} {row['from']:.4g} to"
+        f" {row['to']:.4g}: {row['slopes'][0]:.3g} to {row['slopes'][1]:.3g} per unit of"
+        f" {over}, rising on {row['rising']:.1%} of it"
+        for row in rows
+    )
+    found = agreed(true)
+    return Finding(found, listed, for_all=_each(found, curve, values))
 
 
 def _each(found: bool | None, name: str, values: Sequence[float]) -> str:
@@ -278,23 +276,263 @@ def _judge_dashed(evidence: Evidence) -> Finding:
                    for_all=_each(found, "a", sorted({row["a"] for row in rows})))  # fmt: skip
 
 
-_ON = (
-    "period-one orbits with the four phases of Fig. 9 on their branch, xi .01; stable ones, and all"
-    " that are motions"
-)
+# Claims on the frequency of the mole's excitation (section 2.4).
 
-CHECKS = (
-    Check("M35", f"{_ON}, between folds; b .15, omega from .03 to .5",
-          lambda: _slopes("omega", _OMEGAS, "a", _BY_OMEGA), _judge_slopes(rising=False)),
-    Check("M36", f"{_ON}, between folds; b .15, omega from .03 to .5",
-          lambda: _order("omega", _OMEGAS, "a", _BY_OMEGA), _judge_order),
-    Check("M37", f"{_ON}, between folds; omega .1, a from .05 to 1",
-          lambda: _slopes("a", _AMPLITUDES, "b", _BY_A), _judge_slopes(rising=True)),
-    Check("M38", f"{_ON}, between folds; omega .1, a from .05 to 1",
-          lambda: _order("a", _AMPLITUDES, "b", _BY_A), _judge_order),
-    Check("M39", f"{_ON}; omega .1, b from .02 to a", _maxima, _judge_maxima),
-    Check("M40", f"{_ON}; omega .1, b from .02 to a; from the best stable orbit to the end of the"
-          " stable part", _maxima, _judge_breakdown),
-    Check("M41", f"{_ON}, between folds; omega .1, b from .02 to a; regime from rest and from the"
-          " orbit, at four places of each dashed part", _dashed, _judge_dashed),
-)  # fmt: skip
+_HIGH = (1.4, 1.45, 1.56, 1.58, 1.6, 1.7)  # the frequencies of Fig. 12
+_OMEGAS = (0.1, 0.15, 0.2, 0.3, 0.45, 0.65, 0.85, 1.0, 1.1, 1.2, 1.3, *_HIGH)
+_LOW, _DAMPED = 0.1, 0.1  # omega and xi that are compared with Fig. 12
+_LOOKED_AT, _WIDER = 100, 1.5  # periods from rest, of which the second half tells of flights
+_APART = 1e-4  # between points of two orbits; settled strobes agree to 1e-6 of their size
+
+
+def _starts(system: System, positions: int = 15, velocities: int = 9) -> list[dict[str, float]]:
+    """Initial states on a grid half as wide again as the flights of the motion from rest.
+
+    Each has the least q that is admissible.
+    """
+    run = simulate(system, periods=_LOOKED_AT)
+    late = slice(run.sizes["time"] // 2, None)
+    deepest, fastest = (float(np.abs(run[name].values[late]).max()) for name in "py")
+    grid = product(
+        np.linspace(-_WIDER * deepest, 1.0, positions),
+        np.linspace(-_WIDER * fastest, _WIDER * fastest, velocities),
+    )
+    gap = system.parameter_values["g"]
+    return [{"p": p, "y": y, "q": max(0.0, p - gap)} for p, y in grid]
+
+
+def distinct_attractors(diagram: xr.Dataset) -> list[Evidence]:
+    """Attractors that the lanes of a diagram of one column lead to.
+
+    Periodic motions are one where their points are the same sets; those without a period count as
+    one together, so there may be more.
+
+    Parameters
+    ----------
+    diagram : xarray.Dataset
+        Result of `bifurcation_diagram` for one value and several initial states of the mole.
+
+    Returns
+    -------
+    list of dict
+        ``period`` (0: none found) and number of ``starts`` of each, the most frequent first.
+
+    Examples
+    --------
+    >>> import nonsmooth as ns
+    >>> starts = [{"p": -1.0}, {"p": -2.0}]
+    >>> distinct_attractors(ns.bifurcation_diagram(ns.models.moling(), "b", [0.15], initial=starts))
+    [{'period': 1, 'starts': 2}]
+    """
+    periods = diagram["period"].values[0]
+    points = np.stack([diagram[name].values[0] for name in "pyq"], axis=-1)
+    found: list[tuple[int, np.ndarray, int]] = []
+    for period, lane in zip(periods.astype(int).tolist(), points, strict=True):
+        orbit = lane[: max(period, 1)]
+        for i, (known, other, count) in enumerate(found):
+            if known == period and (period == 0 or _same_set(orbit, other)):
+                found[i] = (known, other, count + 1)
+                break
+        else:
+            found.append((period, orbit, 1))
+    found.sort(key=lambda each: -each[2])
+    return [{"period": period, "starts": count} for period, _, count in found]
+
+
+def _same_set(first: np.ndarray, second: np.ndarray) -> bool:
+    distances = np.abs(first[:, None] - second).max(axis=2)
+    return bool(distances.min(axis=1).max() < _APART)
+
+
+def _coexistence(
+    omegas: Sequence[float] = _OMEGAS,
+    forces: Sequence[float] = STATIC_FORCES,
+    transient: int = 3000,
+    low_transient: int = 600,
+) -> Evidence:
+    """Attractors over the frequency for the set of Fig. 12, and for those of Fig. 7 beside it."""
+    cases = [(0.1, 0.1, omega) for omega in omegas] + [(0.05, b, _LOW) for b in forces]
+    rows = []
+    for xi, b, omega in cases:
+        system = moling(b=b, xi=xi, omega=omega)
+        starts = _starts(system)
+        diagram = bifurcation_diagram(
+            system, "b", [b], initial=starts, record=128,
+            transient=transient if omega > 0.5 else low_transient,
+        )  # fmt: skip
+        found = distinct_attractors(diagram)
+        rows.append(
+            {"xi": xi, "b": b, "omega": omega, "starts": len(starts),
+             "deepest": starts[0]["p"], "attractors": found}
+        )  # fmt: skip
+    return {"rows": rows}
+
+
+def _judge_coexistence(evidence: Evidence) -> Finding:
+    """The set of Fig. 12 with another frequency decides: like is compared with like."""
+    same = [row for row in evidence["rows"] if row["xi"] == _DAMPED]
+    several = [len(row["attractors"]) > 1 for row in same]
+    high = [each for each, row in zip(several, same, strict=True) if row["omega"] in _HIGH]
+    low = [each for each, row in zip(several, same, strict=True) if row["omega"] == _LOW]
+    text = (
+        "attractors over omega, xi .1, b .1: "
+        + "; ".join(f"{row['omega']:g}: {_listed(row)}" for row in same)
+        + "; beside it at omega .1 with xi .05: "
+        + "; ".join(
+            f"b {row['b']:g}: {_listed(row)}" for row in evidence["rows"] if row["xi"] != _DAMPED
+        )
+        + f" (in brackets how many of {same[0]['starts']} starts reach each)"
+    )
+    return Finding(all(high) and not any(low), text)
+
+
+def _listed(row: Evidence) -> str:
+    return " + ".join(
+        f"{'period ' + str(each['period']) if each['period'] else 'aperiodic'} ({each['starts']})"
+        for each in row["attractors"]
+    )
+
+
+def _frequencies(
+    amplitudes: Sequence[float] = (0.3, 0.5, 0.7, 0.9),
+    columns: int = 41,
+    protocols: Sequence[str] = PROTOCOLS,
+    b: float = 0.15,
+    damping: Sequence[float] = (0.01, 0.05),
+) -> Evidence:
+    omegas = np.geomspace(0.02, 2.0, columns)
+    rows = []
+    for xi, a, start in product(damping, amplitudes, protocols):
+        diagram = bifurcation_diagram(
+            moling(a=a, b=b, xi=xi), "omega", omegas, start=start, transient=300, record=100
+        )
+        by_period, by_time = (diagram[name].values[:, 0] for name in ("v_per_period", "v_per_time"))
+        best, quickest = int(by_period.argmax()), int(by_time.argmax())
+        rows.append(
+            {
+                "xi": xi,
+                "a": a,
+                "start": start,
+                "omega_per_period": float(omegas[best]),
+                "per_period": float(by_period[best]),
+                "omega_per_time": float(omegas[quickest]),
+                "per_time": float(by_time[quickest]),
+                "at_natural": float(by_time[int(np.abs(omegas - 1.0).argmin())]),
+                "falls_throughout": bool(np.all(np.diff(by_period) <= 0.0)),
+            }
+        )
+    branches = [_best_on_branch(a, b) for a in amplitudes]
+    return {
+        "b": b,
+        "range": [float(omegas[0]), float(omegas[-1])],
+        "rows": rows,
+        "branches": [each for each in branches if each],
+    }
+
+
+def _best_on_branch(a: float, b: float) -> Evidence:
+    """Best stable period-one orbit of four phases over the frequency, by both measures."""
+    branch = four_phase_branch("omega", (0.03, 0.5), a=a, b=b)
+    by_period, by_time = (best_stable(branch, name) for name in ("v_per_period", "v_per_time"))
+    if by_period < 0:
+        return {}
+    return {
+        "a": a,
+        "omega_per_period": float(branch["omega"][by_period]),
+        "omega_per_time": float(branch["omega"][by_time]),
+    }
+
+
+def _judge_frequencies(evidence: Evidence) -> Finding:
+    rows = evidence["rows"]
+    largest = max(max(row["omega_per_period"], row["omega_per_time"]) for row in rows)
+    orbits = evidence["branches"]
+    true = [max(row["omega_per_period"], row["omega_per_time"]) <= 0.1 for row in [*rows, *orbits]]
+    told = ", ".join(
+        f"a {row['a']:g} {row['omega_per_period']:.3g} and {row['omega_per_time']:.3g}"
+        for row in orbits
+    )
+    listed = "; ".join(
+        f"xi {row['xi']:g}, a {row['a']:g} {row['per_period']:.4g} per period at omega"
+        f" {row['omega_per_period']:.3g}, {row['per_time']:.3g} per unit time at"
+        f" {row['omega_per_time']:.3g} ({row['at_natural']:.2g} near 1)"
+        for row in rows
+        if row["start"] == "restart"
+    )
+    text = (
+        f"best over omega from {evidence['range'][0]:g} to {evidence['range'][1]:g}, restart:"
+        f" {listed}; by any protocol and measure at omega = {largest:.3g} at most; monotone per"
+        f" period in {sum(row['falls_throughout'] for row in rows)} of {len(rows)}; the best stable"
+        f" orbits of four phases at xi .01, by period and by time, at omega = {told or 'none'}"
+    )
+    return Finding(all(true), text)
+
+
+# Claim on the ratio of dynamic to static force at the best progression (section 2.4).
+
+_RATIO, _ALLOWED = 2.0, 0.1  # "about", for a ratio of forces: within a tenth of it
+_AMPLITUDES = (0.1, 0.2, 0.3, 0.5, 0.7, 0.9)
+_LOWEST, _STEPS = 0.1, 150
+
+
+def _ratios(
+    amplitudes: Sequence[float] = _AMPLITUDES,
+    damping: Sequence[float] = (0.01, 0.05, 0.1),
+    columns: int = 60,
+) -> Evidence:
+    """Best stable orbit for each amplitude: on the branch of period one, and of any period."""
+    rows = []
+    for xi, a in product(damping, amplitudes):
+        diagram = bifurcation_diagram(
+            moling(a=a, xi=xi), "b", even_forces(min(a, 0.95), columns), transient=300, record=100
+        )
+        periods, gains = (diagram[name].values[:, 0] for name in ("period", "v_per_period"))
+        swept = np.where(periods > 0, gains, -np.inf)
+        k = int(swept.argmax())
+        begin = float(diagram["parameter"][int(np.where(periods == 1, gains, -np.inf).argmax())])
+        branch = _branch(a, begin, xi)
+        solid = observed(branch)
+        gain = np.where(solid, branch["v_per_period"].values, -np.inf)
+        best = int(gain.argmax())
+        rows.append(
+            {
+                "xi": xi,
+                "a": a,
+                "b": float(branch["b"][best]),
+                "per_period": float(gain[best]),
+                "ratio": a / float(branch["b"][best]),
+                "swept_b": float(diagram["parameter"][k]),
+                "swept": float(swept[k]),
+                "swept_ratio": a / float(diagram["parameter"][k]),
+                "swept_period": int(periods[k]),
+            }
+        )
+    return {"rows": rows}
+
+
+def _branch(a: float, b: float, xi: float) -> xr.Dataset:
+    """Period-one orbits over the static force, through changes of their word."""
+    between = (min(_LOWEST * a, b), max(min(a, 0.95), b))
+    return continue_orbit(moling(a=a, b=b, xi=xi), "b", between, steps=_STEPS, transient=300)
+
+
+def _about(ratio: float) -> bool:
+    return abs(ratio - _RATIO) <= _ALLOWED * _RATIO
+
+
+def _judge_ratios(evidence: Evidence) -> Finding:
+    rows = evidence["rows"]
+    text, true = [], []
+    for key, gain, name in (
+        ("ratio", "per_period", "on the branch of period one"),
+        ("swept_ratio", "swept", "periodic from rest"),
+    ):
+        near = [_about(row[key]) for row in rows]
+        best = max(rows, key=lambda row: row[gain])
+        true.append(all(near) and _about(best[key]))
+        listed = ", ".join(f"xi {row['xi']:g} a {row['a']:g} {row[key]:.2f}" for row in rows)
+        text.append(
+            f"{name}: {listed}; within a tenth of {_RATIO:g} in {sum(near)} of {len(rows)}; over"
+            f" the plane {best[key]:.2f} at a = {best['a']:g}, xi = {best['xi']:g}"
+        )
+    return Finding(agreed(true), "a/b at the best progression, " + "; ".join(text))

@@ -8,9 +8,18 @@ from functools import lru_cache
 import numpy as np
 
 from nonsmooth import System, ensemble
-from nonsmooth_chapter.judgement import Check, Evidence, Finding
-from nonsmooth_chapter.rotor.coexistence import DROPPED, STARTS, coexisting, random_starts
-from nonsmooth_chapter.rotor.data import DELTA_40, DELTA_41, EPS_40, EPS_41, rig, set_a, set_b
+from nonsmooth_chapter.judgement import Evidence, Finding
+from nonsmooth_chapter.rotor.motions import (
+    DELTA_40,
+    DELTA_41,
+    EPS_40,
+    EPS_41,
+    coexisting,
+    random_starts,
+    rig,
+    set_a,
+    set_b,
+)
 from nonsmooth_chapter.rotor.speed_sweeps import (
     CHAOTIC,
     PROTOCOLS,
@@ -18,8 +27,6 @@ from nonsmooth_chapter.rotor.speed_sweeps import (
     speed_sweeps,
     with_exponents,
 )
-
-__all__ = ["CHECKS"]
 
 _LADDER = (0.0, 0.02, 0.05, 0.1, 0.2)
 _SETS = {"A": set_a, "B": set_b}
@@ -196,28 +203,3 @@ def _judge_without(evidence: Evidence) -> Finding:
         " the measured diagrams behind Figs. 40(b) and 41(b), as numbers, would decide which of"
         " both lies nearer to them",
     )
-
-
-CHECKS = (
-    Check(
-        "R54",
-        "set A, 201 columns from 2 to 5, from zero and followed up and down, 300 periods dropped;"
-        " chaos: no period up to 50 and a largest exponent above 6 standard errors over 100"
-        " periods, or above 3 over 400; from zero decides, as for Fig. 36; wider: by"
-        f" {_ERRORS:g} standard errors of the sampling, columns taken as random",
-        _wider,
-        _judge_wider,
-    ),
-    Check("R55", "sets A and B, 101 columns from zero, preload 0 to 0.2; chaos as for R54; 'can':"
-          f" some preload with less chaos than none by {_ERRORS:g} standard errors of the sampling,"
-          " in one set at least", _ladder, _judge_ladder),
-    Check(
-        "R56",
-        f"set A, Delta 0, six eta, {STARTS} random starts and zero, up to {DROPPED} periods"
-        " dropped; 600 pairs of starts displaced in x, told apart by period after 250 periods",
-        _attractors,
-        _judge_attractors,
-    ),
-    Check("R57", "rig sets, 61 columns followed up, 400 periods dropped, 64 kept", _without_regimes,
-          _judge_without),
-)  # fmt: skip
