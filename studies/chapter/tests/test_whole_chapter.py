@@ -20,7 +20,8 @@ def told_in_readme():
     """Counts of verdicts, and of claims, as the README has them."""
     text = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
     found = re.search(
-        r"Of its (\d+) claims (\d+) hold, (\d+) differ and (\d+) are not determinable", text
+        r"of (\d+) statements, (\d+) hold, (\d+) differ from what we compute, and (\d+) cannot",
+        text,
     )
     total, *counts = (int(number) for number in found.groups())
     return total, dict(zip((HOLDS, DIFFERS, OPEN), counts, strict=True))

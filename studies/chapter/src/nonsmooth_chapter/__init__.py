@@ -9,10 +9,10 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from nonsmooth_chapter.claims import claim_ids, evaluate_claims
+    from nonsmooth_chapter.claims import claim_ids
     from nonsmooth_chapter.demo import run_demo
     from nonsmooth_chapter.figures import draw_figure, figure_ids, figure_summary, run_figures
-    from nonsmooth_chapter.whole_chapter import run_chapter
+    from nonsmooth_chapter.whole_chapter import evaluate_claims, run_chapter
 
 __all__ = [
     "claim_ids",
@@ -28,7 +28,7 @@ __all__ = [
 _HOME = {
     "claim_ids": "claims",
     "draw_figure": "figures",
-    "evaluate_claims": "claims",
+    "evaluate_claims": "whole_chapter",
     "figure_ids": "figures",
     "figure_summary": "figures",
     "run_chapter": "whole_chapter",

@@ -1,4 +1,4 @@
-"""Claims of the chapter: the table of them, and the verdicts on them."""
+"""Claims of the chapter: the table of them, and how each is judged."""
 
 from __future__ import annotations
 
@@ -8,14 +8,13 @@ import tomllib
 from collections.abc import Callable, Iterable
 from functools import cache, partial
 from importlib import resources
-from pathlib import Path
 from typing import Any
 
-from nonsmooth import OptionError, RunError
+from nonsmooth import OptionError
 from nonsmooth_chapter.judgement import Check, verdict
 from nonsmooth_chapter.results import unknown_name
 
-__all__ = ["check_of", "claim_data", "claim_ids", "evaluate_claims", "group_of", "select_claims"]
+__all__ = ["check_of", "claim_data", "claim_ids", "group_of", "select_claims"]
 
 _SECTIONS = {"G": 1, "M": 2, "F": 3, "R": 4}
 
@@ -180,63 +179,6 @@ def select_claims(section: int | None = None, ids: Iterable[str] | None = None) 
         if name not in _table():
             raise OptionError(f"ids: {unknown_name('claim', str(name), _table())}")
     return [name for name in available if name in wanted]
-
-
-def evaluate_claims(
-    section: int | None = None,
-    ids: Iterable[str] | None = None,
-    *,
-    store: Path | str | None = None,
-    processes: int = 1,
-) -> list[dict[str, Any]]:
-    """Verdicts on claims of the chapter, each from evidence computed now.
-
-    Parameters
-    ----------
-    section : int, optional
-        Section of the chapter; all by default.
-    ids : iterable of str, optional
-        Names of claims; all by default.
-    store : pathlib.Path or str, optional
-        Folder in which verdicts are kept; those that it has from the same code are not computed
-        again.
-    processes : int, optional
-        Processes that compute side by side; one is this process itself, unless there is a store.
-
-    Returns
-    -------
-    list of dict
-        One per claim, with the keys ``id``, ``where``, ``printed`` (the claim),
-        ``computed`` (our values), ``protocol``, ``verdict`` (holds, differs or not
-        determinable) and ``evidence`` (numbers by name).
-
-    Raises
-    ------
-    OptionError
-        For an unknown name.
-    RunError
-        For claims of which another process could not compute the evidence.
-
-    Examples
-    --------
-    >>> from nonsmooth_chapter import evaluate_claims
-    >>> (row,) = evaluate_claims(ids=["M03"])
-    >>> row["where"], row["verdict"]
-    ('Fig. 5 caption', 'differs')
-    """
-    names = select_claims(section, ids)
-    if store is None and processes == 1:
-        return [check_of(name)[1]() for name in names]
-
-    from nonsmooth_chapter.whole_chapter import judge_claims
-
-    rows, outcome = judge_claims(names, store=store, processes=processes)
-    if not outcome.complete:
-        raise KeyboardInterrupt
-    if outcome.faults:
-        told = "; ".join(f"{name}: {text}" for name, text in outcome.faults.items())
-        raise RunError(f"claims without a verdict: {told}")
-    return rows
 
 
 def _row(name: str, check: Check) -> dict[str, Any]:

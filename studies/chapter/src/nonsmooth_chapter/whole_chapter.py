@@ -8,15 +8,24 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
+from nonsmooth import RunError
 from nonsmooth_chapter import claims as claims_table
 from nonsmooth_chapter import figures as figures_table
-from nonsmooth_chapter.claims import select_claims
+from nonsmooth_chapter.claims import check_of, select_claims
 from nonsmooth_chapter.figures import figure_ids, figure_place, figure_summary
 from nonsmooth_chapter.results import save_json
 from nonsmooth_chapter.run_items import Outcome, run_items
 from nonsmooth_chapter.worker import Item
 
-__all__ = ["LONGEST_FIRST", "groups_of", "judge_claims", "rows_of", "run_chapter", "written_files"]
+__all__ = [
+    "LONGEST_FIRST",
+    "evaluate_claims",
+    "groups_of",
+    "judge_claims",
+    "rows_of",
+    "run_chapter",
+    "written_files",
+]
 
 # Groups of figures and claims that are computed one after the other, as they share what they need;
 # those that take longest first. Which group a row belongs to stands in the tables.
@@ -159,6 +168,61 @@ def written_files(out: Path | str, figures: Iterable[str], outcome: Outcome) -> 
     """
     found = [told for name in figures if (told := outcome.of(name)) is not None]
     return [Path(out) / file for told in found for file in told["files"]]
+
+
+def evaluate_claims(
+    section: int | None = None,
+    ids: Iterable[str] | None = None,
+    *,
+    store: Path | str | None = None,
+    processes: int = 1,
+) -> list[dict[str, Any]]:
+    """Verdicts on claims of the chapter, each from evidence computed now.
+
+    Parameters
+    ----------
+    section : int, optional
+        Section of the chapter; all by default.
+    ids : iterable of str, optional
+        Names of claims; all by default.
+    store : pathlib.Path or str, optional
+        Folder in which verdicts are kept; those that it has from the same code are not computed
+        again.
+    processes : int, optional
+        Processes that compute side by side; one is this process itself, unless there is a store.
+
+    Returns
+    -------
+    list of dict
+        One per claim, with the keys ``id``, ``where``, ``printed`` (the claim),
+        ``computed`` (our values), ``protocol``, ``verdict`` (holds, differs or not
+        determinable) and ``evidence`` (numbers by name).
+
+    Raises
+    ------
+    OptionError
+        For an unknown name.
+    RunError
+        For claims of which another process could not compute the evidence.
+
+    Examples
+    --------
+    >>> from nonsmooth_chapter import evaluate_claims
+    >>> (row,) = evaluate_claims(ids=["M03"])
+    >>> row["where"], row["verdict"]
+    ('Fig. 5 caption', 'differs')
+    """
+    names = select_claims(section, ids)
+    if store is None and processes == 1:
+        return [check_of(name)[1]() for name in names]
+
+    rows, outcome = judge_claims(names, store=store, processes=processes)
+    if not outcome.complete:
+        raise KeyboardInterrupt
+    if outcome.faults:
+        told = "; ".join(f"{name}: {text}" for name, text in outcome.faults.items())
+        raise RunError(f"claims without a verdict: {told}")
+    return rows
 
 
 def judge_claims(
