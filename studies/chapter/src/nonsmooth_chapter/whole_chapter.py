@@ -136,7 +136,6 @@ def run_chapter(
     folder = Path(out)
     outcome = run_items(groups_of(names, judged), folder, processes=processes, label="chapter")
     if judged and outcome.complete:
-        from nonsmooth_chapter.claims import rows_of
         from nonsmooth_chapter.report import write_report
 
         rows = rows_of(judged, outcome)
