@@ -30,15 +30,15 @@ __all__ = [
 # Groups of figures and claims that are computed one after the other, as they share what they need;
 # those that take longest first. Which group a row belongs to stands in the tables.
 LONGEST_FIRST = (
-    "mole basins",
     "basins of fig12",
-    "rotor over speed",
     "rig over speed",
     "rotor preloads",
+    "mole basins",
+    "rotor over speed",
     "mole over force",
     "mole branches",
-    "growing crack",
     "chaotic loads",
+    "growing crack",
     "phase portraits",
     "rotor sections",
 )
