@@ -69,7 +69,7 @@ clean: ## remove all that these targets made, .venv included
 	rm -rf .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
-$(INSTALLED): pyproject.toml
+$(INSTALLED): pyproject.toml studies/chapter/pyproject.toml
 	@command -v $(PYTHON) >/dev/null || { \
 	    echo "$(PYTHON) was not found. Install Python 3.11 or newer, or name it:" \
 	         "make PYTHON=python3.11 ..." >&2; exit 1; }
@@ -81,7 +81,7 @@ $(INSTALLED): pyproject.toml
 	@$(PYTHON) -c 'import ensurepip' 2>/dev/null && $(PYTHON) -m venv $(VENV) || { \
 	    $(PYTHON) -m venv --without-pip $(VENV) && \
 	    $(PYTHON) -m pip --python $(BIN)/python install --quiet pip; }
-	$(PIP_INSTALL) '.[dev]'
+	$(PIP_INSTALL) '.[dev]' --editable ./studies/chapter
 	@touch $@
 
 $(ENGINE): $(ENGINE_SOURCES) | $(INSTALLED)

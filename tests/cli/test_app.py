@@ -17,16 +17,11 @@ def test_version(call):
     assert call("--version").stdout == f"nonsmooth {ns.__version__}\n"
 
 
-@pytest.mark.parametrize("command", [[], ["simulate"], ["models"], ["explain"], ["chapter"]])
+@pytest.mark.parametrize("command", [[], ["simulate"], ["models"], ["explain"]])
 def test_help(call, command):
     result = call(*command, "--help")
     assert result.exit_code == 0
     assert "Usage" in result.stdout
-
-
-@pytest.mark.parametrize("command", ["chapter run", "chapter claims", "chapter demo"])
-def test_help_of_the_chapter(call, command):
-    assert call(*command.split(), "--help").exit_code == 0
 
 
 def test_exit_codes_and_plain_text_in_a_pipe():

@@ -19,7 +19,7 @@ PLACEHOLDER = re.compile(r"\b(FOLDER|FILE|NAME|VALUE|MODEL|ID)\b")
 
 @cache
 def options():
-    """Options of each command by its name; those of ``chapter`` as ``chapter run``."""
+    """Options of each command by its name; those of a group as ``group command``."""
     found = {}
 
     def look(command, words):
@@ -93,10 +93,7 @@ def users_of_module(module):
 
 def commands_of(module):
     """Commands that a module defines."""
-    verb = module.rstrip("_").replace("_", "-")
-    if verb == "chapter":
-        return {name for name in options() if name.startswith("chapter ")}
-    return {verb} & set(options())
+    return {module.rstrip("_").replace("_", "-")} & set(options())
 
 
 def messages():
@@ -128,8 +125,6 @@ def test_options_of_messages_exist_on_their_command():
     for module, commands, text in messages():
         for named, option in spoken(text):
             asked = {named} if named else commands
-            if module == "chapter" and not named:
-                asked = {next((c for c in commands if option in options()[c]), module)}
             wrong += [
                 f"{module}: {command} has no {option}: {text}"
                 for command in asked

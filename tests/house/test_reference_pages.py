@@ -14,7 +14,7 @@ from house.tree import ROOT
 
 REFERENCE = ROOT / "docs" / "reference"
 # Public, yet not in ``nonsmooth.__all__``: it is large, and few need it.
-BESIDE = ("nonsmooth.chapter",)
+BESIDE = ("nonsmooth_chapter",)
 
 
 def public_names() -> set[str]:

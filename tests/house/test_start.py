@@ -23,6 +23,9 @@ LARGE = {
 # Help pages are made by typer, which needs some of those; this they do without.
 LARGE_FOR_HELP = {"asyncio", "concurrent", "ctypes", "multiprocessing", "tomllib", "unittest"}
 
+# Packages that add a command where they are installed, whose help is asked for.
+STUDIES = {"nonsmooth_chapter"}
+
 IMPORT = "import nonsmooth"
 COMMAND = """
 import sys
@@ -60,8 +63,8 @@ def within(names: set[str], packages: set[str]) -> list[str]:
 
 
 def distributed(names: set[str]) -> set[str]:
-    """Packages that are neither Python's nor ours."""
-    known = {*sys.stdlib_module_names, "__main__", "__mp_main__", "nonsmooth"}
+    """Packages that are neither Python's nor from this repository."""
+    known = {*sys.stdlib_module_names, "__main__", "__mp_main__", "nonsmooth", *STUDIES}
     return {name.partition(".")[0] for name in names} - known
 
 

@@ -9,8 +9,9 @@ SOURCE = ROOT / "src" / "nonsmooth"
 
 
 def python_files() -> list[Path]:
-    """The package's own modules, in a fixed order, without the one that build_engine.py writes."""
-    return sorted(path for path in SOURCE.rglob("*.py") if path.name != "_declarations.py")
+    """Modules of library and studies, in order, less the one that build_engine.py writes."""
+    found = [*SOURCE.rglob("*.py"), *(ROOT / "studies").glob("*/src/**/*.py")]
+    return sorted(path for path in found if path.name != "_declarations.py")
 
 
 def text_files() -> list[Path]:

@@ -6,7 +6,6 @@ from typing import Annotated
 
 import typer
 
-from nonsmooth.cli import chapter
 from nonsmooth.cli.attractors import attractors
 from nonsmooth.cli.basins import basins
 from nonsmooth.cli.console import Commands
@@ -20,6 +19,7 @@ from nonsmooth.cli.measured import measured
 from nonsmooth.cli.measures import measures
 from nonsmooth.cli.models import models
 from nonsmooth.cli.orbit import orbit
+from nonsmooth.cli.plugins import add_plugins
 from nonsmooth.cli.regime import regime
 from nonsmooth.cli.regimes import regimes
 from nonsmooth.cli.section import section
@@ -85,5 +85,4 @@ app.command()(measured)
 app.command()(models)
 app.command()(explain)
 
-
-app.add_typer(chapter.app, name="chapter")
+add_plugins(app)

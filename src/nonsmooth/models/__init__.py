@@ -24,6 +24,7 @@ from nonsmooth.models.massive_ring_rotor import massive_ring_rotor
 from nonsmooth.models.matrix_rotor import MatrixRotor
 from nonsmooth.models.metal_cutting import metal_cutting
 from nonsmooth.models.moling import moling
+from nonsmooth.models.moling_phases import moling_solution
 from nonsmooth.models.moling_si import MolingRig
 from nonsmooth.models.percussive_drilling import percussive_drilling
 from nonsmooth.models.print_hammer import print_hammer
@@ -64,6 +65,7 @@ __all__ = [
     "massive_ring_rotor",
     "metal_cutting",
     "moling",
+    "moling_solution",
     "one_mass",
     "percussive_drilling",
     "print_hammer",

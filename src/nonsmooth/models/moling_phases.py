@@ -1,4 +1,4 @@
-"""Closed forms of the mole's three modes, for the chapter's stitched constructions."""
+"""Closed forms of the mole's three modes: an orbit can be stitched from them."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ from collections.abc import Mapping
 
 import numpy as np
 
-__all__ = ["mode_solution"]
+__all__ = ["moling_solution"]
 
 Values = Mapping[str, float]
 
 
-def mode_solution(
+def moling_solution(
     values: Values, mode: str, start: np.ndarray, began: float, times: np.ndarray
 ) -> np.ndarray:
-    """States p, y, q, v at some times in one mode, in closed form.
+    """States p, y, q, v of `moling` at some times in one mode, in closed form.
 
     Parameters
     ----------
@@ -36,8 +36,9 @@ def mode_solution(
     Examples
     --------
     >>> import numpy as np
+    >>> from nonsmooth.models import moling_solution
     >>> values = {"a": 0.0, "b": 1.0, "xi": 0.5, "omega": 1.0, "g": 0.1, "phi": 0.0}
-    >>> mode_solution(values, "no_contact", np.zeros(4), 0.0, np.array([2.0]))[0, :2]
+    >>> moling_solution(values, "no_contact", np.zeros(4), 0.0, np.array([2.0]))[0, :2]
     array([2., 2.])
     """
     times = np.atleast_1d(times)

@@ -16,6 +16,7 @@ from nonsmooth.plot.figures import print_figure, save_figure
 from nonsmooth.plot.fracture import crack_lengths, stiffness_laws, stress_intensity
 from nonsmooth.plot.growth_curves import growth_curve
 from nonsmooth.plot.histories import phases, time_history
+from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.load_cycles import load_cycles
 from nonsmooth.plot.markers import event_markers
 from nonsmooth.plot.multipliers import multipliers
@@ -59,6 +60,7 @@ __all__ = [
     "phase_portrait",
     "phase_portrait_3d",
     "phases",
+    "place_legend",
     "print_figure",
     "regime_map",
     "return_map",

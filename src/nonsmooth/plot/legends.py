@@ -47,6 +47,15 @@ def place_legend(
         What the legend shows with its label, in place of all that the axes have labels for.
     may_grow : bool, optional
         Whether the figure is made taller for a long legend: one of our own with single axes.
+
+    Examples
+    --------
+    >>> import nonsmooth as ns
+    >>> figure, (ax,) = ns.plot.print_figure()
+    >>> line = ax.plot([0.0, 1.0], label="a line with a name")
+    >>> ns.plot.place_legend(ax)
+    >>> ax.get_legend().get_texts()[0].get_text()
+    'a line with a name'
     """
     from matplotlib.patches import Patch
 

@@ -1,1 +1,0 @@
-"""Section 1 of the chapter: piecewise-smooth systems and their global solutions."""
