@@ -18,32 +18,14 @@ SHORT_FILES = {
     "src/nonsmooth/analysis/regimes/several_starts.py",
     "src/nonsmooth/analysis/regimes/strobe_test.py",
     "src/nonsmooth/cli/explain.py",
-    "src/nonsmooth/continuation/endings.py",
-    "src/nonsmooth/fatigue/fracture.py",
-    "src/nonsmooth/fatigue/quadrature.py",
-    "src/nonsmooth/models/fatigue_rigs/growth.py",
-    "src/nonsmooth/models/fatigue_rigs/rest.py",
-    "src/nonsmooth/models/rotors/units.py",
-    "src/nonsmooth/periodic_orbits/doubled.py",
-    "src/nonsmooth/periodic_orbits/entry_guards.py",
-    "src/nonsmooth/runs/chunk_file.py",
-    "src/nonsmooth/runs/digits.py",
 }
 
 CLASS_NAMES = {
-    "Clock",
-    "Limits",
     "Outcome",
-    "Points",
     "Protocol",
-    "Rates",
     "Section",
-    "Segment",
-    "Settled",
     "Sweep",
     "Visits",
-    "Wanted",
-    "_Search",
 }
 
 

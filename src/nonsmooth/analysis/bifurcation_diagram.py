@@ -92,7 +92,7 @@ def bifurcation_diagram(
         Number of threads; without it, one for each processor. The result does not depend on it.
     store : str or Path, optional
         Folder in which finished parts are kept, made where it is missing. After an interruption the
-        same call goes on from them, also within a followed diagram.
+        same call goes on from them. It does so within a followed diagram too.
 
     Returns
     -------
