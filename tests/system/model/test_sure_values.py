@@ -20,6 +20,15 @@ def forced(**words):
     )
 
 
+def held():
+    return ns.System(
+        states=["x", "v"],
+        parameters={"v_b": 0.3, "F_k": 0.4, "F_s": 0.6},
+        equations={"x": "v", "v": "-x - F_k*sign(slip)"},
+        surfaces={"slip": ns.Surface("v - v_b", hold="F_s/F_k")},
+    )
+
+
 def taken(system, name, value):
     try:
         system.with_parameters(**{name: value})
@@ -38,6 +47,7 @@ def taken(system, name, value):
         (ns.models.duffing(), "omega"),
         (forced(require={"a < k": "weak", "1/a > 0": "not zero"}), "a"),
         (forced(initial={"x": "1/k"}), "k"),
+        (held(), "F_s"),
         (forced(drift={}, definitions={"unused": "1/a"}), "a"),
     ],
 )

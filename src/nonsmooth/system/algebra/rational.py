@@ -1,4 +1,4 @@
-"""Sums, quotients and determinants of expressions, written so that what cancels is gone.
+"""Sums, quotients and determinants of expressions, without the terms that cancel.
 
 Where fields differ by friction alone, springs and loads cancel before any number is looked at:
 their values, which may be large beside friction, say nothing about whether it is there.
@@ -16,8 +16,8 @@ from nonsmooth.system.text.expressions import Call, Expression, Number, written_
 
 __all__ = ["determinant", "quotient", "signed_sum", "without_squares"]
 
-# ---------------------------------------------------------------- sums of shared parts
-
+_HIGHEST = 40  # power that is written as a product
+_LONGEST = 1000  # nodes of sums that are looked through
 
 # What a term of a sum within a product or quotient is multiplied by or divided by, outermost first.
 _Around = tuple[tuple[str, Expression], ...]
@@ -72,10 +72,6 @@ def _within(graph: Graph, term: Expression, around: _Around) -> Expression:
 
 
 # ---------------------------------------------------------------- quotients
-
-
-_HIGHEST = 40  # power that is written as a product
-_LONGEST = 1000  # nodes of sums that are looked through
 
 
 def quotient(graph: Graph, above: Expression, below: Expression) -> Expression:

@@ -25,6 +25,9 @@ __all__ = ["Array", "ValueTape", "sizes_of", "table"]
 Array = npt.NDArray[np.float64]
 _Row = tuple[int, Callable[..., Any], tuple[int, ...]]
 
+# Functions that pass on what is left of terms that cancel in their argument.
+_THROUGH_ZERO = frozenset({"sin", "tan", "asin", "atan", "sinh", "tanh", "abs", "min", "max"})
+
 
 class ValueTape:
     """Instructions for the values of some expressions; each part of them has a register.
@@ -94,10 +97,6 @@ def table(rows: Sequence[Any], count: int) -> Array:
 
 
 # ---------------------------------------------------------------- sizes of terms
-
-
-# Functions that pass on what is left of terms that cancel in their argument.
-_THROUGH_ZERO = frozenset({"sin", "tan", "asin", "atan", "sinh", "tanh", "abs", "min", "max"})
 
 
 def sizes_of(tape: ValueTape, values: Sequence[Any]) -> list[Any]:

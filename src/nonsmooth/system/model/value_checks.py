@@ -2,7 +2,7 @@
 
 `check_values` tests one set of values and says what is wrong with it. `sure_values` tests many sets
 at once, as a sweep needs it, and gives no reasons. A test that is added to one of them has to be
-added to the other.
+added to the other. `System` also checks a declared symmetry, which neither of them does.
 """
 
 from __future__ import annotations
@@ -237,6 +237,8 @@ def sure_values(system: EvaluatedSystem, sets: Mapping[str, npt.NDArray[np.float
             sure &= (value > 0.0) & np.isfinite(value)
         for value in structure.coefficient_values.values(known):
             sure &= np.isfinite(value)
+        for _, _, hold in _held(system):
+            sure &= number(hold) >= 1.0
         for equation in structure.initial.values():
             sure &= np.isfinite(number(structure.static_form.form(equation).constant_part))
         for period in structure.period_nodes:
