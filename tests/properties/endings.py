@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from itertools import combinations
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -150,4 +151,21 @@ def _not_pressed(texts: Texts, run, names: set[str]) -> list[str]:
     guards = [way["guard"] for way in texts.modes[mode].get("exits", []) if way["name"] in names]
     if any(float(texts.value(guard, z, t)) < 0.0 for guard in guards):
         return []
+    if _squeezed(texts, run, guards):
+        return []
     return [f"event_limit at one instant, and nothing is pressed into {', '.join(sorted(names))}"]
+
+
+def _squeezed(texts: Texts, run, guards: list[str]) -> bool:
+    """Whether two walls that face each other have met, so that nothing is left between them.
+
+    Then impacts have no end before they meet, wherever the motion would lead if there were none.
+    """
+    t, z = float(run["event_time"].values[-1]), run["end_state"].values
+    error = CLOSE * (1 + np.abs(z).max())
+    met = [
+        texts.gradient(guard, z, t)
+        for guard in guards
+        if abs(float(texts.value(guard, z, t))) <= texts.change(guard, z, t, error)
+    ]
+    return any(one @ other < 0.0 for one, other in combinations(met, 2))

@@ -264,3 +264,20 @@ def test_cells_that_never_meet_make_no_motion_where_surfaces_do():
     named = {mode.name for mode in system.structure.running}
     assert len(named) == len(system.mode_names) > exits["target"].max()
     assert not judge(2195).complaints
+
+
+def test_sliding_where_a_high_power_of_one_state_is_zero():
+    """A speed that is held at c = -0.1**(10/19), until the force on both sides turns one way.
+
+    The rate of the speed, which is zero, was left with rounding that coupled it to the place, and
+    what is nearly defective has half its digits: the end was off by 2e-9.
+    """
+    force = "-1.769*x - 0.352*v + 0.538*cos(2.58*t) - 0.954*heaviside(1e6*(v**19 + 1e-10))"
+    system = ns.System(states=["x", "v"], equations={"x": "v", "v": force})
+    run = ns.simulate(system, {"x": -0.883, "v": -0.377}, t_end=6.0)
+    assert kinds(run)[2:] == ["slide_entry", "slide_exit"]
+    begin, end = run["event_time"].values[2:]
+    x, c = run["state_after"].values[2, 0], -(0.1 ** (10 / 19))
+    assert run["state_before"].values[3] == pytest.approx([x + c * (end - begin), c], abs=1e-15)
+    push = -1.769 * (x + c * (end - begin)) - 0.352 * c + 0.538 * np.cos(2.58 * end) - 0.954
+    assert push == pytest.approx(0.0, abs=1e-14)

@@ -110,3 +110,26 @@ def test_a_ball_on_a_curved_floor(start):
     assert float((run["y"] - run["x"] ** 2).min()) >= -1e-15
     after = log["state_after"]
     assert float((after.sel(state="y") - after.sel(state="x") ** 2).min()) >= -1e-15
+
+
+@pytest.mark.parametrize("before", [1e-5, 3e-6, 1e-6])
+def test_what_comes_before_rebounds_are_over(before):
+    """A clock that puts the weight off shortly before the last rebound: the ball rises from there.
+
+    The row of all rebounds to come had a time behind that of the clock.
+    """
+    r, over = 0.5, float(3.0 * np.sqrt(2.0))  # sqrt(2 h/g) (1 + 2 r/(1 - r))
+    floor = Exit("x - 1", reset={"v": "-r*v"}, sticks="rest", name="floor")
+    clock = Exit(f"{over - before!r} - y", to="off", name="clock")
+    on = Mode({"x": "v", "v": "-1", "y": "1"}, exits=[floor, clock])
+    modes = {"on": on, "off": Mode({"x": "v", "v": "0", "y": "1"})}
+    system = System(states=["x", "v", "y"], parameters={"r": r}, modes=modes)
+    run = ns.simulate(system, {"x": 2.0}, t_end=5.0)
+    assert run.attrs["status"] == "completed"
+    times = run["event_time"].values
+    assert (np.diff(times) >= 0.0).all()
+    assert run["event_name"].values[-1] == "clock"
+    assert times[-1] == pytest.approx(over - before, abs=1e-15 * over)
+    # flights before the clock: each one half as long as that before it
+    flights = int(np.floor(np.log2(2.0 * np.sqrt(2.0) / before)))
+    assert int(run["event_count"].values[1:-1].sum()) >= flights

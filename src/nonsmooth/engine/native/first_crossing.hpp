@@ -176,24 +176,61 @@ inline Crossing nearest_root(const Search& search) {
     return {best_root, best, Found::uncertain};
 }
 
+constexpr double least_before_restart = 1e-3;  // part of a step that a shorter one has to last
+constexpr double worth_restart = 8.0;  // times that the margin of a guard has to become smaller
+
+// Whether the margin of a guard leaves its root where it is, with the rate there or here.
+inline bool is_precise(const Search& search, const GuardScan& guard) {
+    constexpr double precise = 1e-13;  // part of a window
+    return guard.margin <= -guard.a[1] * precise * search.tables.clock.window;
+}
+
 // Whether a guard in the way is seen better from a step of its own that begins here.
 //
 // The margin of a Taylor step is that of its largest terms, as those of (x - 10)^4 where x is 0. It
 // counts where it hides what the guard does, or its root.
 inline bool asks_for_restart(const Search& search, const Look& look) {
-    constexpr double least = 1e-3;     // part of a step that a shorter one has to last
-    constexpr double worth = 8.0;      // times that the margin has to become smaller
-    constexpr double precise = 1e-13;  // part of a window to which a root is known well enough
     const Tables& tables = search.tables;
     if (look.which < 0 || tables.kinds[search.m] != TAYLOR) return false;
-    if (!(search.s > least * search.length)) return false;
+    if (!(search.s > least_before_restart * search.length)) return false;
     const GuardScan& guard = search.segment.scan[look.which];
     const bool is_root = look.outlook == Outlook::open && guard.latest < no_root_known;
     if (look.outlook == Outlook::open && !is_root) return false;
-    if (is_root && guard.margin <= -guard.a[1] * precise * tables.clock.window) return false;
+    if (is_root && is_precise(search, guard)) return false;
     const double here =
         taylor::margin_from(tables, search.segment, search.m, look.which, search.s);
-    return guard.margin > worth * here;
+    return guard.margin > worth_restart * here;
+}
+
+// The root of a guard, or where a step of its own is to begin shortly before it, by which it is known
+// better: a look that sees a root from afar has the margin of a step that begins there.
+inline Crossing root_or_restart(const Search& search, Index which, const Crossing& root) {
+    constexpr double nearest = 0x1p-40;      // part of the way to the root
+    const Tables& tables = search.tables;
+    const Segment& segment = search.segment;
+    const Index m = search.m;
+    if (tables.kinds[m] != TAYLOR) return root;
+    GuardScan& guard = segment.scan[which];
+    if (root.found == Found::certified && is_precise(search, guard)) return root;
+    const double here = root.found == Found::certified
+                            ? taylor::margin_at(tables, segment, m, which, root.s)
+                            : taylor::margin_from(tables, segment, m, which, root.s);
+    if (!(guard.margin > worth_restart * here)) return root;
+    const GuardScan at_root = guard;
+    double back = nearest * (root.s - search.s);
+    bool is_positive = false;
+    while (!is_positive && back < root.s - search.s) {
+        advance(tables, segment, m, root.s - back);
+        read_guard(tables, segment, m, which, 0);
+        is_positive = guard.a[0] > margins_near_zero * guard.margin;
+        back *= is_positive ? 1.0 : 2.0;
+    }
+    const double place = is_positive ? root.s - back : search.s;
+    const bool restarts = place > least_before_restart * search.length;
+    advance(tables, segment, m, restarts ? place : root.s);
+    if (restarts) return {place, -1, Found::restart};
+    guard = at_root;
+    return root;
 }
 
 // The crossing that a look with a guard in the way has come to, if any: otherwise the search goes
@@ -223,7 +260,7 @@ inline Crossing follow_guard(Search& search, Look& look) {
     }
     if (guard.latest < no_root_known && falls_before_others(search, which, rest)) {
         const Crossing root = finish_root(tables, segment, m, which, search.s);
-        if (root.s <= search.length) return root;
+        if (root.s <= search.length) return root_or_restart(search, which, root);
         look.soonest = look.rest;  // the guard falls, but not to zero within the segment
         for (Index g = 0; g < search.n_exits; ++g) {
             if (g != which) look.soonest = std::min(look.soonest, segment.scan[g].safe);

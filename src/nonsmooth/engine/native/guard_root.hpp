@@ -38,21 +38,35 @@ inline double polynomial_root(const GuardScan& guard, double span) {
     return u;
 }
 
+// Whether the polynomial of a guard vanishes at `rest` from here, to a part of a span that rounding
+// leaves of it. Behind the last step of third order it does, but beside a root that is nearly a double
+// one, as of x^2 - 1e-20, steps are of first order and leave a part of themselves.
+inline bool ends_at_root(const GuardScan& guard, double rest, double span) {
+    constexpr double part = 1e-14;
+    const auto& a = guard.a;
+    const double value =
+        a[0] + rest * (a[1] + rest * (a[2] + rest * (a[3] + rest * (a[4] + rest * a[5]))));
+    const double rate = a[1] + rest * (2.0 * a[2] + rest * 3.0 * a[3]);
+    return std::fabs(value) <= std::max(guard.margin, part * span * std::fabs(rate));
+}
+
 // Root of guard g, which falls monotonically from s on, by Chebyshev's third-order iteration.
 inline Crossing finish_root(const Tables& tables, const Segment& segment, Index m, Index g,
                             double s) {
+    constexpr int most_rounds = 60;  // beside a root that is nearly a multiple one
     GuardScan& guard = segment.scan[g];
     const double fastest = tables.spans[m].fastest, span = guard.latest;
     double root = s + polynomial_root(guard, span);
     bool settled = false;
-    for (int round = 0; round < 20; ++round) {
+    for (int round = 0; round < most_rounds; ++round) {
         advance(tables, segment, m, root);
         read_guard(tables, segment, m, g, 0);
         const double value = guard.a[0], rate = guard.a[1], quotient = value / rate;
         const double step = -quotient * (1.0 + quotient * guard.a[2] / rate);
         const double following = std::min(std::max(root + step, s), s + span);
         // the last step: within rounding, or its error, (step / span)^3 span, is below it
-        settled = std::fabs(value) <= guard.margin || std::fabs(step) <= 1e-5 * span;
+        settled = std::fabs(value) <= guard.margin ||
+                  (std::fabs(step) <= 1e-5 * span && ends_at_root(guard, following - root, span));
         if (settled && std::fabs(step) * fastest <= 1e-4) {
             const double rest = following - root;
             advance_little(tables, segment, m, root, rest);

@@ -1,6 +1,8 @@
 // A run at an event: it is logged, its exits are passed, and the anchor is set behind it.
 #pragma once
 
+#include <algorithm>
+
 #include "event_kind.hpp"
 #include "event_log.hpp"
 #include "flow.hpp"
@@ -26,6 +28,26 @@ inline Certificate certificate_of(const Run& run, Found found) {
     return is_estimated ? ESTIMATED : CERTIFIED;
 }
 
+// Say of a row of the log that rounding leaves it open.
+inline void leave_open(const Records& records, Index row) {
+    if (row < 0 || records.rows[row].certificate == UNCERTAIN) return;
+    records.rows[row].certificate = UNCERTAIN;
+    ++records.counters.uncertain;
+}
+
+// End the rebounds of the last row of the log at an event that comes before they are over: it is
+// among them, and only what they have come to is known.
+inline void end_rebounds(const Run& run, WindowPhase when) {
+    const Index row = run.records.counters.events - 1;
+    if (row < 0 || !(run.records.rows[row].wait > 0.0)) return;
+    EventRow& last = run.records.rows[row];
+    const double windows = static_cast<double>(when.number - last.number);
+    const double since = windows * run.tables.clock.window + (when.phase - last.phase);
+    if (since >= last.wait) return;
+    last.wait = std::max(since, 0.0);
+    leave_open(run.records, row);
+}
+
 // Log an event of the segment with the state before it; returns its row. The state is that of the
 // anchor, but where a tangency is passed by.
 inline Index log_crossing(const Run& run, const Crossing& crossing, EventKind kind) {
@@ -33,6 +55,7 @@ inline Index log_crossing(const Run& run, const Crossing& crossing, EventKind ki
     const Certificate certificate = certificate_of(run, crossing.found);
     const double rate = e >= 0 ? run.segment.scan[e].a[1] : 0.0;
     const Records& records = run.records;
+    end_rebounds(run, instant_at(run, crossing.s));
     const Index row =
         log_event(records, {instant_at(run, crossing.s), kind, m, e, certificate, rate});
     if (row < 0) return row;
@@ -86,6 +109,7 @@ inline void log_passage(const Run& run, Index row, EventKind kind, const Passage
         records.rows[row].wait = passage.stay;
         records.rows[row].count = rebounds;
     }
+    if (passage.is_open) leave_open(records, row);
     if (kind != EVENT_START && e < 0) records.rows[row].exit = exit_of_path(passage.path, 0);
 }
 

@@ -51,10 +51,11 @@ inline void read_factor(const Tables& tables, const Segment& segment, Index m, I
     }
 }
 
-// Beside the coefficients of a guard with products: bound of the next one of what lasts and of what
-// fades, rounding margin, and the most that what fades can be.
+// Beside the coefficients of what lasts in a guard with products: those of all of it, which are no sum
+// of both parts where these cancel; bound of the next one of what lasts and of what fades, rounding
+// margin, and the most that what fades can be.
 struct ProductSums {
-    double bound, faded, margin, share;
+    double whole[TERMS], bound, faded, margin, share;
 };
 
 // Add the product of two factors to the coefficients of a guard and to its bounds.
@@ -63,9 +64,8 @@ inline void add_product(const FactorSeries& f, const FactorSeries& h, FactorSeri
     constexpr double unit = 8.0 * 2.220446049250313e-16;  // of the product and of the sum
     for (Index i = 0; i < TERMS; ++i) {
         for (Index j = 0; j < TERMS - i; ++j) {
-            const double lasts = f.lasts_in[i] * h.lasts_in[j];
-            guard.lasts_in[i + j] += lasts;
-            guard.fades_in[i + j] += whole_coefficient(f, i) * whole_coefficient(h, j) - lasts;
+            guard.lasts_in[i + j] += f.lasts_in[i] * h.lasts_in[j];
+            sums.whole[i + j] += whole_coefficient(f, i) * whole_coefficient(h, j);
         }
     }
     for (Index i = 0; i <= TERMS; ++i) {
@@ -92,7 +92,8 @@ inline void read_products(const Tables& tables, const Segment& segment, Index m,
     // the linear part, to which the products are added
     FactorSeries& whole = factors[factors.size() - 1];
     read_factor(tables, segment, m, g, whole);
-    ProductSums sums{whole.lasting[TERMS], whole.faded[TERMS], whole.doubt, whole.faded[0]};
+    ProductSums sums{{}, whole.lasting[TERMS], whole.faded[TERMS], whole.doubt, whole.faded[0]};
+    for (Index k = 0; k < TERMS; ++k) sums.whole[k] = whole_coefficient(whole, k);
     for (Index k = rows.first; k < rows.end; ++k) {
         for (const Index factor : {tables.products[k].left, tables.products[k].right}) {
             read_factor(tables, segment, m, tables.n_exits() + factor, factors[factor]);
@@ -102,13 +103,13 @@ inline void read_products(const Tables& tables, const Segment& segment, Index m,
         const Product& factor = tables.products[k];
         add_product(factors[factor.left], factors[factor.right], whole, sums);
     }
-    const double total = whole_coefficient(whole, 0);
-    const double taken = sums.share + whole.fades_in[0];
+    const double total = sums.whole[0];
+    const double taken = sums.share + (total - whole.lasts_in[0]);
     // what fades may go altogether, but it is zero by its own account only where it is known
     const bool apart = order == 0 && 0.0 < taken && taken <= most_taken * total;
     GuardScan& guard = segment.scan[g];
     for (Index k = 0; k < TERMS; ++k) {
-        guard.a[k] = apart ? whole.lasts_in[k] : whole_coefficient(whole, k);
+        guard.a[k] = apart ? whole.lasts_in[k] : sums.whole[k];
     }
     if (order == 0) {
         // what rounding may be off by grows with the factors on the way: not the margin of now

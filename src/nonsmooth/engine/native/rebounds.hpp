@@ -8,14 +8,17 @@
 // w (1/P + (P Q)^(-1/2)) over 1 - r (Q/P)^(1/2). Impacts are passed one by one until little is left
 // of the row and the acceleration is as good as constant, or until flights are so low that rounding
 // would swallow them. Then the rest is one exit: onto the surface, with the momentum gone that is
-// left along the jump. What it leaves out in the state is of third order in T.
+// left along the jump. What it leaves out in the state is of third order in T. Where another exit may
+// be met before they are over, impacts are passed until flights are as low as rounding itself.
 // See A. Nordmark and P. Piiroinen, Nonlinear Dynamics 58, 2009; C. Budd and F. Dux, Philosophical
 // Transactions of the Royal Society A 347, 1994.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "guard_values.hpp"
+#include "surfaces.hpp"
 
 namespace nonsmooth {
 
@@ -33,6 +36,36 @@ struct Rebound {
 inline double rest_time_with_friction(double rate, double ratio, double push, double push_before) {
     const double down = std::sqrt(push * push_before);
     return rate * (1.0 / down - 1.0 / push) / (1.0 + ratio * down / push);
+}
+
+// Whether an exit beside that of an impact may be met within a time: those onto surfaces are passed in
+// each flight where friction turns round. mark are the states before the impact; later impacts change
+// rates by less than this one has done.
+inline bool meets_another(const Tables& tables, const Rebound& rebound, const double* z,
+                          const double* extent, const double* mark, double wait) {
+    const Index m = rebound.m;
+    for (Index g = 0; g < mode_wiring(tables, m).n_exits; ++g) {
+        if (g == rebound.e || is_surface(tables, m, g)) continue;
+        const double* row = guard_coefficients(tables, m, g, 1);
+        const double rate = product(row, z, tables.size());
+        double jump = 0.0;
+        for (Index i = 0; i < tables.n(); ++i) jump += row[i] * (z[i] - mark[i]);
+        const double push = std::fabs(guard_terms(tables, m, g, 2, z, extent).value);
+        const double fall = std::max(0.0, -std::min(rate, rate - jump)) + push * wait;
+        if (guard_terms(tables, m, g, 0, z, extent).value <= fall * wait) return true;
+    }
+    return false;
+}
+
+// Whether flights behind an impact are as low as rounding of the terms of the guard.
+inline bool flies_lowest(const Tables& tables, const Rebound& rebound, const double* z,
+                         const double* extent) {
+    constexpr double lowest = 1e-15;
+    const Index m = rebound.m, e = rebound.e;
+    const double rate = guard_terms(tables, m, e, 1, z, extent).value;
+    const double push = guard_terms(tables, m, e, 2, z, extent).value;
+    const double size = guard_terms(tables, m, e, 0, z, extent).size;
+    return 0.5 * rate * rate <= lowest * size * -push;
 }
 
 // Time until rebounds are over; never while they go on. z are the coordinates behind the impact,

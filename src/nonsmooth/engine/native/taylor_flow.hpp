@@ -216,11 +216,13 @@ inline void read_guard(const Tables& tables, const Segment& segment, Index m, In
     copy(shifted, scan.a, TERMS);
 }
 
-// Margin that a guard would have in a step that began at s of this one; infinite where such a step
-// would not know that the state there is a sum of larger terms.
-inline double margin_from(const Tables& tables, const Segment& segment, Index m, Index g,
-                          double s) {
-    constexpr double alike = 4.0;
+// Rounding errors of a guard at s of the step, in units: of a state there as it is, and as the sum of
+// terms that it is.
+struct UnitsAt {
+    double as_it_is, as_sum;
+};
+
+inline UnitsAt units_at(const Tables& tables, const Segment& segment, Index m, Index g, double s) {
     const Index guard = guard_outlet(tables, m, g);
     double units[2];
     for (const bool is_sum : {false, true}) {
@@ -228,7 +230,21 @@ inline double margin_from(const Tables& tables, const Segment& segment, Index m,
         fill_doubt_where(tables, m, segment.series, here, segment.doubt_here);
         units[is_sum ? 1 : 0] = segment.doubt_here[guard].units;
     }
-    return units[1] <= alike * units[0] ? roundings * unit * units[1] : unbounded;
+    return {units[0], units[1]};
+}
+
+// Margin that the state at s of the step, as the sum of its terms, leaves a guard.
+inline double margin_at(const Tables& tables, const Segment& segment, Index m, Index g, double s) {
+    return roundings * unit * units_at(tables, segment, m, g, s).as_sum;
+}
+
+// Margin that a guard would have in a step that began at s of this one; infinite where such a step
+// would not know that the state there is a sum of larger terms.
+inline double margin_from(const Tables& tables, const Segment& segment, Index m, Index g,
+                          double s) {
+    constexpr double alike = 4.0;
+    const UnitsAt units = units_at(tables, segment, m, g, s);
+    return units.as_sum <= alike * units.as_it_is ? roundings * unit * units.as_sum : unbounded;
 }
 
 // The first n states at a point of the step.

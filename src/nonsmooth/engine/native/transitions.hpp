@@ -28,13 +28,14 @@ namespace nonsmooth {
 
 // What has come of an instant: how it ended, the mode that holds, the exits passed (PATH_BITS each,
 // the lowest first) and their number, whether a reset was applied, whether several guards met in a
-// corner, and the time from now at which rebounds that end here have accumulated (never where none
-// do).
+// corner, the time from now at which rebounds that end here have accumulated (never where none
+// do), and whether rounding leaves open what comes before that.
 struct Passage {
     Status status;
     Index mode, path, passes;
     bool jumped, corner;
     double stay;
+    bool is_open;
 };
 
 // Exit number k of a path, -1 where it has none.
@@ -72,7 +73,7 @@ class Transition {
         : tables_(tables), rates_(rates), segment_(segment), tangent_(tangent), first_mode_(m),
           first_exit_(e), duration_(duration), tolerance_(tolerance),
           curved_(tables.sizes.registers > 0), followed_(curved_), e_(e),
-          passage_{COMPLETED, m, 0, 0, false, false, never} {}
+          passage_{COMPLETED, m, 0, 0, false, false, never, false} {}
 
     // Pass exits until a mode holds.
     //
@@ -291,6 +292,11 @@ class Transition {
         rebound.largest = first_rate_;
         const double wait = rest_time(tables_, rebound, z(), extent(), tolerance_);
         if (wait == never) return -1;
+        const double* mark = segment_.mark.data;
+        if (wait > 0.0 && meets_another(tables_, rebound, z(), extent(), mark, wait)) {
+            if (!flies_lowest(tables_, rebound, z(), extent())) return -1;
+            passage_.is_open = true;
+        }
         scale_of(m);
         if (!nearly_zero(tables_, m, rebound.e, z(), extent(), scale())) return -1;
         passage_.stay = wait;

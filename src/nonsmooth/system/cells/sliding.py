@@ -177,7 +177,11 @@ def _slide(faces: _Faces, key: SurfaceKey, a: Cell, b: Cell) -> Slide | None:
     for state in mode.equations.flow:
         if state not in relations:
             plus, minus = (on_surface(side.rate(state)) for side in sides)
-            rates[state] = between(graph, plus, minus, control, points)
+            rate = between(graph, plus, minus, control, points)
+            # the only state of a surface that does not move stays where it is: what rounding leaves
+            # of its rate would couple it to the others, and make their motions nearly defective
+            alone = graph.states_in(faces.node) == {state} and vanishes([rate])
+            rates[state] = graph.zero if alone else rate
     guards = _guards(graph, key, up, down, hold)
     return Slide(cell, rates, {key: control}, relations, guards)
 
