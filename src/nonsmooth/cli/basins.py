@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from nonsmooth.cli.arguments import names, settings, value_limits, value_range
 from nonsmooth.cli.command import Task
-from nonsmooth.cli.report import Report, with_error
+from nonsmooth.cli.report import Column, Report, with_error
 from nonsmooth.cli.variables import chosen
 from nonsmooth.errors import OptionError, unknown_name
 
@@ -174,7 +174,7 @@ def _add_attractors(report: Report, result: xr.Dataset) -> None:
                 None if period else exponent, str(one["word"].item()),
             )
         )  # fmt: skip
-    columns = [
+    columns: list[Column] = [
         ("", "attractor", str),
         ("kind", "kind", str),
         ("period", "period", _or_blank(str)),
@@ -226,7 +226,7 @@ def measures(task: Task) -> None:
         )
         for one in outcomes
     ]
-    columns = [
+    columns: list[Column] = [
         ("outcome", "outcome", str),
         ("share", "share and share_error", _pair_text),
         ("starts", "starts", str),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import json
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -51,7 +51,7 @@ def _print_model(task: Task, name: str, system: System) -> None:
     parts = {title: rows for title, rows in _tables(system) if rows}
     modes = {mode: list(_equations(equations)) for mode, equations in system.modes.items()}
     if task["json"]:
-        document = {"model": name, "summary": about}
+        document: dict[str, Any] = {"model": name, "summary": about}
         document |= {title: _named(rows) for title, rows in parts.items()}
         document["modes"] = {mode: _named(rows) for mode, rows in modes.items()}
         numbers = {key: float(value) for key, value in system.parameter_values.items()}

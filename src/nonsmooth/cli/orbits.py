@@ -10,7 +10,7 @@ import click
 from nonsmooth.cli.arguments import value_limits
 from nonsmooth.cli.command import Task
 from nonsmooth.cli.console import ENDED_EARLY
-from nonsmooth.cli.report import Report, complex_text
+from nonsmooth.cli.report import Column, Report, complex_text
 from nonsmooth.cli.variables import chosen, pair, single
 from nonsmooth.errors import OptionError, unknown_name
 
@@ -117,7 +117,7 @@ def _word_text(word: str) -> str:
 def _add_legs(report: Report, found: xr.Dataset) -> None:
     """Add one line for each leg: its mode, when it begins, how long it takes, what ends it."""
     modes = found["leg_mode"].attrs.get("flag_meanings", "").split()
-    columns = [
+    columns: list[Column] = [
         ("leg", "leg", str),
         ("mode", "mode", str),
         ("from", "from", "{:.9g}".format),
@@ -243,7 +243,7 @@ def _branch_report(branch: xr.Dataset) -> Report:
 
 def _add_special_points(report: Report, branch: xr.Dataset, parameter: str) -> None:
     """Add one line for each special point, in order along the branch."""
-    columns = [
+    columns: list[Column] = [
         ("special point", "kind", str),
         (parameter, "value", "{:.12g}".format),
         ("multiplier", "multiplier", complex_text),

@@ -12,12 +12,15 @@ import click
 
 from nonsmooth.cli.console import print_table
 
-__all__ = ["Report", "complex_text", "with_error"]
+__all__ = ["Column", "Report", "complex_text", "with_error"]
+
+
+Column = tuple[str, str, Callable[[Any], str]]  # heading, name in JSON, text of a value
 
 
 class _Table(NamedTuple):
     name: str
-    columns: Sequence[tuple[str, str, Callable[[Any], str]]]  # heading, name in JSON, cell of value
+    columns: Sequence[Column]
     rows: list[tuple[Any, ...]]
     most: int  # rows that are printed
 
@@ -43,7 +46,7 @@ class Report:
     def table(
         self,
         name: str,
-        columns: Sequence[tuple[str, str, Callable[[Any], str]]],
+        columns: Sequence[Column],
         rows: Iterable[tuple[Any, ...]],
         most: int = sys.maxsize,
     ) -> None:

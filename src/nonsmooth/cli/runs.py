@@ -151,13 +151,14 @@ def _run_report(run: xr.Dataset) -> Report:
     end = attrs["end_number"] * attrs["window"] + attrs["end_phase"]
     start = float(run["time"][0]) if run.sizes["time"] else end
     report.add("time", f"{start:.7g} to {end:.7g}", time=[start, end])
-    events = f"{attrs['n_events']}"
+    events, count = f"{attrs['n_events']}", {"events": attrs["n_events"]}
     if "period" in attrs:
         periods, length = (end - start) / attrs["period"], attrs["period"]
         report.add("periods", f"{periods:.7g} of {length:.7g}", periods=periods, period=length)
         if periods > 0.0:
-            events += f", {attrs['n_events'] / periods:.4g} per period"
-    report.add("events", events, events=attrs["n_events"])
+            count["events_per_period"] = attrs["n_events"] / periods
+            events += f", {count['events_per_period']:.4g} per period"
+    report.add("events", events, **count)
     certified(report, attrs["n_uncertain"], attrs["n_estimated"])
     label = "phase word, last period" if "period" in attrs else "phase word"
     report.add(label, _short(attrs["phase_word"]), phase_word=attrs["phase_word"])

@@ -99,8 +99,9 @@ def _arguments(
     """Name, annotation and default of each argument of a function, or field of a dataclass."""
     if isinstance(node, ast.ClassDef):
         for field in node.body:
-            named = isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name)
-            if named and field.target.id != "_":  # what follows that is given by keyword
+            if not (isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name)):
+                continue
+            if field.target.id != "_":  # what follows that is given by keyword
                 yield field.target.id, field.annotation, field.value
         return
     own = node.args

@@ -10,7 +10,7 @@ import click
 from nonsmooth.cli.arguments import value_limits
 from nonsmooth.cli.basins import region_of
 from nonsmooth.cli.command import Task
-from nonsmooth.cli.report import Report, with_error
+from nonsmooth.cli.report import Column, Report, with_error
 from nonsmooth.errors import OptionError, unknown_name
 
 if TYPE_CHECKING:
@@ -66,7 +66,6 @@ def smoothing(task: Task) -> None:
 def _print_smoothed(system: System, widths: list[float] | str, kind: str) -> None:
     """Print the smoothed system as TOML, with a number or the name of a parameter as width."""
     from nonsmooth.system.smoothed import smoothed
-    from nonsmooth.system.text.grammar import is_name
 
     if not isinstance(widths, str) and len(widths) != 1:
         given = ",".join(f"{width:g}" for width in widths)
@@ -143,7 +142,7 @@ def _add_widths(report: Report, found: xr.Dataset) -> None:
     """Add one line for each width; numbers stand below the labels of the exponents."""
     quantities = list(_columns(found))
     counts = [name for name in _COUNTS if name in found]
-    columns: list[Any] = [("epsilon", "epsilon", "{:g}".format)]
+    columns: list[Column] = [("epsilon", "epsilon", "{:g}".format)]
     columns += [(label, label, "{:.4g}".format) for _, label, _ in quantities]
     columns += [(_COUNTS[name], name, "{:g}".format) for name in counts]
     rows = []
