@@ -185,7 +185,7 @@ def test_completion_of_a_shell(call, shell):
     [
         ("reg", {"regime", "regimes"}),
         ("diagram mol", {"moling"}),
-        ("diagram moling --start fo", {"follow-up", "follow-down"}),
+        ("diagram moling --start foll", {"follow-up", "follow-down"}),
         ("smoothing moling --kind ", {"tanh", "arctan", "logistic", "sqrt"}),
         ("simulate moling --max", {"--max-seconds", "--max-events"}),
     ],

@@ -17,7 +17,6 @@ SHORT_FILES = {
     "src/nonsmooth/analysis/diagrams/look_arrays.py",
     "src/nonsmooth/analysis/regimes/several_starts.py",
     "src/nonsmooth/analysis/regimes/strobe_test.py",
-    "src/nonsmooth/cli/explain.py",
     "src/nonsmooth/continuation/endings.py",
     "src/nonsmooth/fatigue/fracture.py",
     "src/nonsmooth/fatigue/quadrature.py",
