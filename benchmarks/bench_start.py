@@ -27,10 +27,9 @@ try:
 except SystemExit as stop:
     assert not stop.code, stop.code
 """
-# one command without an option: what typer and rich take for any page
-BARE = """import typer
-app = typer.Typer(add_completion=False)
-app.command()(lambda: None)
+# one command without an option: what click takes for any page
+BARE = """import click
+app = click.Command("bare", callback=lambda: None)
 """
 
 
@@ -46,11 +45,11 @@ class Start(NamedTuple):
 
 STARTS = (
     Start("import nonsmooth", "import nonsmooth", "python alone", "pass", 4.0),
-    # twenty-five commands stand on the page
+    # more than twenty commands stand on the page
     Start(
         "nonsmooth --help",
         PAGE.format(get="from nonsmooth.cli import main as app"),
-        "a page of typer",
+        "a page of click",
         PAGE.format(get=BARE),
         2.0,
     ),

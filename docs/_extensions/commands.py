@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-import typer
+import click
 from docutils import nodes
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
@@ -15,14 +15,13 @@ from nonsmooth.cli.app import app as program
 
 def commands() -> Iterator[tuple[str, Any, Any]]:
     """Every command with its full name and its context, in the order of the help."""
-    root = typer.main.get_command(program)
-    yield from _below(root, root.context_class(root, info_name="nonsmooth"))
+    yield from _below(program, click.Context(program, info_name="nonsmooth"))
 
 
 def _below(group: Any, context: Any) -> Iterator[tuple[str, Any, Any]]:
     for name in group.list_commands(context):
         command = group.get_command(context, name)
-        inner = command.context_class(command, info_name=name, parent=context)
+        inner = click.Context(command, info_name=name, parent=context)
         if hasattr(command, "list_commands"):
             yield from _below(command, inner)
         else:
@@ -35,12 +34,13 @@ class Commands(SphinxDirective):
     def run(self) -> list[nodes.Node]:
         """What the program says of itself, and the sections of all commands."""
         rows = sorted(commands(), key=lambda row: row[0])
-        return [*paragraphs(typer.main.get_command(program).help), *(section(*row) for row in rows)]
+        return [*paragraphs(program.help), *(section(*row) for row in rows)]
 
 
 def paragraphs(text: str | None) -> list[nodes.paragraph]:
     """Paragraphs of a help text."""
-    return [nodes.paragraph("", " ".join(part.split())) for part in (text or "").split("\n\n")]
+    parts = (text or "").replace("\b\n", "").split("\n\n")  # the mark keeps lines in a terminal
+    return [nodes.paragraph("", " ".join(part.split())) for part in parts]
 
 
 def section(path: str, command: Any, context: Any) -> nodes.section:
@@ -51,7 +51,8 @@ def section(path: str, command: Any, context: Any) -> nodes.section:
     made += paragraphs(command.help)
     usage = command.get_usage(context).removeprefix("Usage: ")
     made += nodes.literal_block(usage, usage, language="none")
-    records = [record for each in command.params if (record := each.get_help_record(context))]
+    found = command.get_params(context)
+    records = [record for each in found if (record := each.get_help_record(context))]
     if records:
         made += _table(records)
     return made

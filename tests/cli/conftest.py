@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 import pytest
-from typer.testing import CliRunner
+from click.testing import CliRunner
 
 from nonsmooth import Exit, Mode, System, models
 from nonsmooth.cli.app import app

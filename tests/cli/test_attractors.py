@@ -17,7 +17,7 @@ def test_table_file_and_picture(call, tmp_path):
     file, picture = tmp_path / "a.nc", tmp_path / "a.png"
     result = call(
         "attractors", "trilinear", "omega=2.5", "--over", "x=-2:2", "--over", "v=-3:6/2",
-        "--samples", "40", "--seed", "3", "--save", file, "--plot", picture, "--variables", "v,x",
+        "--starts", "40", "--seed", "3", "--save", file, "--plot", picture, "--draw", "v,x",
     )  # fmt: skip
     assert result.exit_code == 0, result.stderr
     expected = ns.attractors(
@@ -36,7 +36,7 @@ def test_table_file_and_picture(call, tmp_path):
 def test_a_completion_and_a_chaotic_set(call):
     result = call(
         "attractors", "moling", "a=0.3", "b=0.1", "xi=0.1", "omega=1.45", "--over", "p=-3:1",
-        "--over", "y=-1:1", "--complete", "q=max(0, p - g)", "--samples", "60", "--record", "2000",
+        "--over", "y=-1:1", "--complete", "q=max(0, p - g)", "--starts", "60", "--record", "2000",
     )  # fmt: skip
     assert result.exit_code == 0, result.stderr
     kinds = re.findall(r"^ \d+ +(\w+)", result.stdout, re.M)
@@ -46,7 +46,7 @@ def test_a_completion_and_a_chaotic_set(call):
 
 
 def test_maps(call):
-    box = ["--over", "x=-2:2", "--samples", "16", "--record", "1000"]
+    box = ["--over", "x=-2:2", "--starts", "16", "--record", "1000"]
     result = call("attractors", "chua", "alpha=8", *box, "--section", "y", "--over", "z=-2:2")
     assert row(result.stdout, 1)[:2] == ["periodic", "1"]
     result = call("attractors", "chua", "alpha=6", *box, "--period", "1", "--over", "z=-2:2")
@@ -58,7 +58,7 @@ def test_maps(call):
 
 
 def test_nothing_but_early_ends(call, accumulating):
-    result = call("attractors", "ball", "--over", "h=0.5:1", "--period", "4", "--samples", "8")
+    result = call("attractors", "ball", "--over", "h=0.5:1", "--period", "4", "--starts", "8")
     assert result.exit_code == 1
     assert "all starts ended early" in value(result.stdout, "status")
 
@@ -76,13 +76,13 @@ def test_nothing_but_early_ends(call, accumulating):
         (["--over", "x=0:1", "--complete", "v"], "name=value"),
         (["--over", "x=0:1", "--complete", "v=w + 1"], "'w'"),
         (["--over", "x=0:1", "--complete", "v=1 +"], "completion"),
-        (["--over", "x=0:1", "--samples", "0"], "samples"),
+        (["--over", "x=0:1", "--starts", "0"], "samples"),
         (["--over", "x=0:1", "--direction", "1"], "--section"),
         (["--over", "x=0:1", "--section", "v", "--phase", "0.5"], "--phase"),
         (["--over", "x=0:1", "--every", "0"], "every"),
-        (["--over", "x=0:1", "--variables", "x,v"], "--plot picture.png"),
-        (["--over", "x=0:1", "--plot", "a.png", "--variables", "x"], "not two states"),
-        (["--over", "x=0:1", "--plot", "a.png", "--variables", "x,w"], "unknown state 'w'"),
+        (["--over", "x=0:1", "--draw", "x,v"], "--plot picture.png"),
+        (["--over", "x=0:1", "--plot", "a.png", "--draw", "x"], "not two states"),
+        (["--over", "x=0:1", "--plot", "a.png", "--draw", "x,w"], "unknown state 'w'"),
         (["--over", "x=0:1", "--plot", "a.gif"], "'.gif'"),
     ],
 )

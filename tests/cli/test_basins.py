@@ -6,7 +6,7 @@ import nonsmooth as ns
 from cli.test_attractors import row
 from cli.test_chaos_commands import value
 
-GRID = ["--over", "x=-2:3:20", "--over", "v=-1:1:16", "--samples", "32"]
+GRID = ["--over", "x=-2:3:20", "--over", "v=-1:1:16", "--starts", "32"]
 
 
 @pytest.fixture(scope="module")
@@ -48,7 +48,7 @@ def test_cell_mapping(call, expected, method):
 def test_a_store_and_other_cells(call, accumulating, tmp_path):
     arguments = [
         "basins", "ball", "r=0.4", "--period", "4", "--over", "h=-1:1:4", "--over", "u=-1:1:5",
-        "--samples", "8", "--store", tmp_path / "store", "--threads", "1",
+        "--starts", "8", "--store", tmp_path / "store", "--threads", "1",
     ]  # fmt: skip
     result = call(*arguments)
     assert result.exit_code == 1

@@ -26,7 +26,7 @@ def test_exponents(call, tmp_path):
 
 def test_some_exponents_and_a_start(call):
     result = call(
-        "lyapunov", "soft_impact", "--record", "10", "--exponents", "1", "--start", "x=0.5"
+        "lyapunov", "soft_impact", "--record", "10", "--exponents", "1", "--initial", "x=0.5"
     )
     assert result.exit_code == 0, result.stderr
     assert "exponent 2" not in result.stdout and "sum" not in result.stdout
@@ -54,7 +54,7 @@ def test_spectrum(call, tmp_path):
 
 def test_spectrum_without_a_period(call):
     result = call(
-        "spectrum", "chua", "--transient", "20", "--record", "100", "--samples", "10",
+        "spectrum", "chua", "--transient", "20", "--record", "100", "--samples-per-period", "10",
         "--window", "hann", "--segments", "4",
     )  # fmt: skip
     assert result.exit_code == 0, result.stderr

@@ -9,7 +9,7 @@ def test_summary_file_and_picture(call, tmp_path):
     file, picture = tmp_path / "d.nc", tmp_path / "d.pdf"
     result = call(
         "diagram", "soft_impact", "zeta=0.02", "--over", "omega=0.7:0.8:5", "--transient", "50",
-        "--record", "20", "--save", file, "--plot", picture, "--variable", "v",
+        "--record", "20", "--save", file, "--plot", picture, "--draw", "v",
     )  # fmt: skip
     assert result.exit_code == 0, result.stderr
     expected = ns.bifurcation_diagram(
@@ -39,9 +39,9 @@ def test_several_initial_states(call):
         (["--over", "omega"], "name=value"),
         (["--over", "omega=0.7:0.8:0"], "whole number"),
         (["--over", "q=0.7:0.8:5"], "unknown parameter 'q'"),
-        (["--over", "omega=0.7:0.8:5", "--start", "follow"], "follow up"),
-        (["--over", "omega=0.7:0.8:5", "--variable", "x"], "--plot picture.png"),
-        (["--over", "omega=0.7:0.8:5", "--plot", "a.png", "--variable", "w"], "unknown variable"),
+        (["--over", "omega=0.7:0.8:5", "--start", "follow"], "follow-up"),
+        (["--over", "omega=0.7:0.8:5", "--draw", "x"], "--plot picture.png"),
+        (["--over", "omega=0.7:0.8:5", "--plot", "a.png", "--draw", "w"], "unknown variable"),
         (["--over", "omega=0.7:0.8:5", "--save", "a.csv"], "'.csv'"),
         (["--over", "omega=0.7:0.8:5", "--initial", "y=1"], "unknown state 'y'"),
     ],

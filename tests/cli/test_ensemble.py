@@ -49,7 +49,7 @@ def test_a_store_is_a_file_too_and_goes_on(call, tmp_path):
 
 def test_runs_that_end_early_are_told(call):
     result = call(
-        "ensemble", "moling", "--over", "p=0:1:2", "--start", "q=0.1", "--record", "3",
+        "ensemble", "moling", "--over", "p=0:1:2", "--initial", "q=0.1", "--record", "3",
     )  # fmt: skip
     assert result.exit_code == 1
     assert "status     1 completed, 1 inadmissible" in result.stdout
@@ -75,8 +75,8 @@ def test_a_diagram_goes_on_too(call, tmp_path):
         (["--over", "x=0.7:0.8"], "name=first:last:count"),
         (["--over", "q=0:1:5"], "unknown state or parameter 'q'"),
         (["--over", "x=0:1:5", "--over", "x=0:2:5"], "'x' is given twice"),
-        (["--over", "x=0:1:5", "--start", "x=1"], "x is given by --over already"),
-        (["--over", "x=0:1:5", "--start", "y=1"], "unknown state 'y'"),
+        (["--over", "x=0:1:5", "--initial", "x=1"], "x is given by --over already"),
+        (["--over", "x=0:1:5", "--initial", "y=1"], "unknown state 'y'"),
         (["--over", "x=0:1:5", "--save", "a.nc", "--store", "s"], "leave out --save"),
         (["--over", "x=0:1:5", "--store", "no/s"], "make it first"),
     ],

@@ -58,8 +58,8 @@ def test_every_command_takes_a_file(call, folder, file):
 
 
 def test_all_options_of_a_run(call, folder):
-    options = ["--t-end", "1.2", "--start", "h=1/2,u=-1", "--samples-per-period", "9"]
-    files = ["--save", "run.nc", "--plot", "run.png", "--variables", "u", "--time-range", "0,1"]
+    options = ["--t-end", "1.2", "--initial", "h=1/2,u=-1", "--samples-per-period", "9"]
+    files = ["--save", "run.nc", "--plot", "run.png", "--draw", "u", "--time-range", "0,1"]
     result = call("simulate", "ball.toml", "g=pi", *options, *files)
     assert result.exit_code == 0, result.stderr
     ball = ns.System.from_toml("ball.toml").with_parameters(g="pi")

@@ -27,7 +27,7 @@ def test_a_section(call, files, tmp_path):
     result = call(
         "measured", files[0], "--columns", "x=a,y=b", "--mark", "key", "--sensitivity", "8",
         "--offset", "1", "--units", "mm", "--length", "0.5", "--natural-frequency", "2*pi*10",
-        "--threshold", "0.1", "--highest", "1.5", "--variables", "x,vy", "--transient", "2",
+        "--threshold", "0.1", "--highest", "1.5", "--draw", "x,vy", "--transient", "2",
         "--plot", picture, "--save", file,
     )  # fmt: skip
     assert result.exit_code == 0, result.stderr
@@ -89,14 +89,14 @@ def test_a_record_without_marks(call, files, tmp_path):
         truth = 30.0 / 90.0**2 * np.cos(90.0 * saved["time"])
         np.testing.assert_allclose(saved["x"], truth, atol=0.01 * 30.0 / 90.0**2)
     assert picture.stat().st_size > 1000
-    for options in ((), ("--low-pass", "300"), ("--highest", "50", "--variables", "x,vx")):
+    for options in ((), ("--low-pass", "300"), ("--highest", "50", "--draw", "x,vx")):
         result = call(*arguments, *options, "--plot", picture)
         assert result.exit_code == 0, result.stderr
     for options, words in (
         (("--transient", "2"), "--transient is that of a section: name the column of --mark"),
         (("--phase", "0.5"), "--phase is that"),
         ((files[0],), "several files make a diagram"),
-        (("--plot", picture, "--variables", "x,x,x"), "must name 1 or 2 of x"),
+        (("--plot", picture, "--draw", "x,x,x"), "must name 1 or 2 of x"),
     ):
         result = call(*arguments, *options)
         assert result.exit_code == 2 and words in result.stderr
@@ -106,7 +106,7 @@ def test_a_diagram(call, files, tmp_path):
     picture, file = tmp_path / "d.pdf", tmp_path / "d.nc"
     result = call(
         "measured", *reversed(files), "--columns", "a", "--mark", "3", "--time", "0", "--edge",
-        "falling", "--unit", "rpm", "--plot", picture, "--variables", "va", "--save", file,
+        "falling", "--speed-unit", "rpm", "--plot", picture, "--draw", "va", "--save", file,
     )  # fmt: skip
     assert result.exit_code == 0, result.stderr
     assert result.stdout.count("rpm") == 3
@@ -136,16 +136,16 @@ def test_a_dead_probe_is_told(call, tmp_path, files):
         (["--columns", "x=", "--mark", "key"], "not of the form"),
         (["--columns", "", "--mark", "key"], "columns= is empty"),
         (["--columns", "a", "--mark", "key", "--length", "2"], "together"),
-        (["--columns", "a", "--mark", "key", "--variables", "a,va"], "--plot picture.png"),
-        (["--columns", "a", "--mark", "key", "--unit", "Hz"], "several files"),
+        (["--columns", "a", "--mark", "key", "--draw", "a,va"], "--plot picture.png"),
+        (["--columns", "a", "--mark", "key", "--speed-unit", "Hz"], "several files"),
         (["--columns", "a", "--mark", "key", "--plot", "a.gif"], "'.gif'"),
         (["--columns", "a", "--mark", "key", "--sensitivity", "2"], "units"),
-        (["--columns", "a", "--mark", "key", "--plot", "a.png", "--variables", "a"], "name 2 of"),
-        (["--columns", "a", "--mark", "key", "--plot", "a.png", "--variables", "a,q"], "'q'"),
+        (["--columns", "a", "--mark", "key", "--plot", "a.png", "--draw", "a"], "name 2 of"),
+        (["--columns", "a", "--mark", "key", "--plot", "a.png", "--draw", "a,q"], "'q'"),
         (["--columns", "a", "--mark", "key", "--highest", "990"], "times faster"),
         (
             ["--columns", "a", "--mark", "key", "--length", "1", "--natural-frequency", "w"],
-            "uses 'w'",
+            "'w' is not a number",
         ),
     ],
 )

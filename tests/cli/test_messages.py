@@ -5,11 +5,12 @@ import re
 from functools import cache
 from pathlib import Path
 
+import click
 import pytest
-from typer.main import get_command
 
 import nonsmooth
 from nonsmooth.cli.app import app
+from nonsmooth.cli.table import TABLE
 
 FOLDER = Path(nonsmooth.__file__).parent / "cli"
 DOCS = Path(__file__).parents[2] / "docs"
@@ -19,16 +20,17 @@ PLACEHOLDER = re.compile(r"\b(FOLDER|FILE|NAME|VALUE|MODEL|ID)\b")
 
 @cache
 def options():
-    """Options of each command by its name; those of a group as ``group command``."""
+    """Options of each command by its name; those of ``chapter`` as ``chapter run``."""
     found = {}
 
-    def look(command, words):
-        for name, each in getattr(command, "commands", {}).items():
-            look(each, (*words, name))
-        names = {option for each in command.params for option in each.opts}
+    def look(command, context, words):
+        names = {option for each in command.get_params(context) for option in each.opts}
         found[" ".join(words)] = names | {"--help", "--version"}
+        for name in getattr(command, "list_commands", lambda _: ())(context):
+            each = command.get_command(context, name)
+            look(each, click.Context(each, parent=context, info_name=name), (*words, name))
 
-    look(get_command(app), ())
+    look(app, click.Context(app), ())
     return found
 
 
@@ -38,9 +40,10 @@ def modules():
     return {path.stem: ast.parse(path.read_text()) for path in sorted(FOLDER.glob("*.py"))}
 
 
-def functions(tree):
-    """Top-level functions by name."""
-    return {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
+@cache
+def functions(module):
+    """Top-level functions of a module by name."""
+    return {node.name: node for node in modules()[module].body if isinstance(node, ast.FunctionDef)}
 
 
 def texts(node):
@@ -60,50 +63,49 @@ def texts(node):
             yield each.value
 
 
-def reached(name, tree):
-    """Functions of a module that a function of it uses, itself among them."""
-    known, found, left = functions(tree), set(), [name]
+@cache
+def homes(module):
+    """Functions that a module can call by name, with their own module."""
+    found = {name: module for name in functions(module)}
+    for node in modules()[module].body:
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("nonsmooth.cli."):
+            home = node.module.rpartition(".")[2]
+            found |= {each.name: home for each in node.names if each.name in functions(home)}
+    return found
+
+
+@cache
+def reached(module, function):
+    """Functions that a function uses, itself among them, over all modules."""
+    found, left = set(), [(module, function)]
     while left:
-        one = left.pop()
+        home, name = one = left.pop()
         if one in found:
             continue
         found.add(one)
-        used = {n.id for n in ast.walk(known[one]) if isinstance(n, ast.Name)}
-        left += [each for each in used if each in known]
+        used = {n.id for n in ast.walk(functions(home)[name]) if isinstance(n, ast.Name)}
+        left += [(homes(home)[each], each) for each in used if each in homes(home)]
     return found
 
 
-def users(module, function):
-    """Commands whose module uses a function of a shared module."""
-    found = set()
-    for name, tree in modules().items():
-        for node in ast.walk(tree):
-            if isinstance(node, ast.ImportFrom) and node.module == f"nonsmooth.cli.{module}":
-                for each in node.names:
-                    asked = functions(modules()[module])
-                    if each.name in asked and function in reached(each.name, modules()[module]):
-                        found |= commands_of(name) or users_of_module(name)
-    return found
-
-
-def users_of_module(module):
-    """Commands that use any function of a shared module."""
-    return {name for each in functions(modules()[module]) for name in users(module, each)}
-
-
-def commands_of(module):
-    """Commands that a module defines."""
-    return {module.rstrip("_").replace("_", "-")} & set(options())
+def speakers(module, function):
+    """Commands that say what stands in a function."""
+    if module == "chapter":
+        return {name for name in options() if name.startswith("chapter ")}
+    return {
+        name
+        for name, entry in TABLE.items()
+        if (module, function) in reached(*entry.run.split("."))
+    }
 
 
 def messages():
     """Each text with options in it: module, the commands that say it, and the text."""
-    for module, tree in modules().items():
-        for function, node in functions(tree).items():
-            own = commands_of(module)
+    for module in modules():
+        for function, node in functions(module).items():
             for text in texts(node):
                 if OPTION.search(text) and not OPTION.fullmatch(text):
-                    yield module, own or users(module, function), text
+                    yield module, speakers(module, function), text
 
 
 def spoken(text):
@@ -125,6 +127,8 @@ def test_options_of_messages_exist_on_their_command():
     for module, commands, text in messages():
         for named, option in spoken(text):
             asked = {named} if named else commands
+            if module == "chapter" and not named:
+                asked = {next((c for c in commands if option in options()[c]), module)}
             wrong += [
                 f"{module}: {command} has no {option}: {text}"
                 for command in asked

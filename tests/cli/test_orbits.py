@@ -93,7 +93,7 @@ def asked(monkeypatch):
 def test_an_orbit(call, asked, tmp_path):
     file, picture = tmp_path / "o.nc", tmp_path / "o.png"
     result = call(
-        "orbit", "soft_impact", "omega=0.8", "--start", "x=pi/10", "--period", "3", "--word",
+        "orbit", "soft_impact", "omega=0.8", "--initial", "x=pi/10", "--order", "3", "--word",
         "free contact, free", "--transient", "50", "--save", file, "--plot", picture,
     )  # fmt: skip
     assert result.exit_code == 0, result.stderr
@@ -133,7 +133,7 @@ def test_an_orbit_of_the_mole(call, tmp_path):
 
 
 @pytest.mark.parametrize(
-    "options", [["--history", "x,v"], ["--multipliers"], ["--variables", "v,x", "--less-drift"]]
+    "options", [["--history", "x,v"], ["--multipliers"], ["--draw", "v,x", "--less-drift"]]
 )
 def test_other_pictures_of_an_orbit(call, asked, tmp_path, options):
     result = call("orbit", "soft_impact", "--plot", tmp_path / "o.png", *options)
@@ -216,7 +216,7 @@ def test_a_diagram_that_does_not_fit_is_refused_before_the_branch(call, asked, t
         made.to_netcdf(file, engine="h5netcdf")
         result = call(
             "continue", "soft_impact", "--over", "omega=0.7:0.9", "--plot", tmp_path / "a.png",
-            "--variable", "v", "--diagram", file,
+            "--draw", "v", "--diagram", file,
         )  # fmt: skip
         assert result.exit_code == 2 and not asked
         assert "wrong.nc" in result.stderr and message in result.stderr
@@ -239,18 +239,18 @@ def test_a_long_word_is_shortened(call, asked):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["orbit", "duffing", "--variables", "x,v"], "--plot picture.png"),
+        (["orbit", "duffing", "--draw", "x,v"], "--plot picture.png"),
         (["orbit", "duffing", "--multipliers", "--history", "x", "--plot", "a.png"], "one picture"),
         (["orbit", "duffing", "--plot", "a.png", "--history", "w"], "unknown variable 'w'"),
-        (["orbit", "duffing", "--plot", "a.png", "--variables", "x"], "not two variables"),
+        (["orbit", "duffing", "--plot", "a.png", "--draw", "x"], "not two variables"),
         (["orbit", "duffing", "--save", "a.csv"], "'.csv'"),
         (["continue", "duffing", "--over", "omega"], "not of the form name=value"),
         (["continue", "duffing", "--over", "omega=1:2:3"], "not of the form name=low:high"),
         (["continue", "duffing", "--over", "omeg=1:2"], "unknown parameter 'omeg'"),
         (["continue", "duffing", "--over", "omega=2:3"], "not between 2 and 3"),
-        (["continue", "duffing", "--over", "omega=1:2", "--variable", "x"], "--plot picture.png"),
+        (["continue", "duffing", "--over", "omega=1:2", "--draw", "x"], "--plot picture.png"),
         (
-            ["continue", "duffing", "--over", "omega=1:2", "--plot", "a.png", "--variable", "w"],
+            ["continue", "duffing", "--over", "omega=1:2", "--plot", "a.png", "--draw", "w"],
             "unknown variable 'w'",
         ),
         (
@@ -258,7 +258,7 @@ def test_a_long_word_is_shortened(call, asked):
             "there is no file 'no.nc'",
         ),
         (
-            ["continue", "duffing", "--over", "omega=1:2", "--plot", "a.png", "--variable", "x",
+            ["continue", "duffing", "--over", "omega=1:2", "--plot", "a.png", "--draw", "x",
              "--multipliers"],
             "a picture of its own",
         ),

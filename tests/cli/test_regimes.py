@@ -7,7 +7,7 @@ import nonsmooth as ns
 
 def test_one_motion(call, tmp_path):
     file = tmp_path / "r.nc"
-    result = call("regime", "soft_impact", "omega=0.83", "--start", "x=0.1", "--save", file)
+    result = call("regime", "soft_impact", "omega=0.83", "--initial", "x=0.1", "--save", file)
     assert result.exit_code == 0, result.stderr
     expected = ns.regime(ns.models.soft_impact(omega=0.83), {"x": 0.1})
     with xr.open_dataset(file, engine="h5netcdf") as saved:
@@ -59,7 +59,7 @@ def test_map_file_and_picture(call, tmp_path):
 def test_a_followed_map_with_every_number(call, tmp_path):
     file = tmp_path / "m.nc"
     line = "regimes soft_impact zeta=0.03 --over omega=0.8:0.9:3 --over a=0.5:0.9:2"
-    more = "--follow down --fill motions --transient 100 --evidence 60"
+    more = "--start follow-down --fill motions --transient 100 --evidence 60"
     result = call(*line.split(), *more.split(), "--save", file)
     assert result.exit_code == 0, result.stderr
     expected = ns.regime_map(
@@ -85,10 +85,10 @@ def test_a_followed_map_with_every_number(call, tmp_path):
                 "a=0.7:0.8:99",
                 "--over",
                 "zeta=0.1:0.2:99",
-                "--follow",
+                "--start",
                 "on",
             ],
-            "unknown way 'follow on'",
+            "--start = 'on' is not one of restart, follow-up, follow-down",
         ),
         (["regimes", "soft_impact"], "--over"),
         (["regimes", "soft_impact", "--over", "omega=0.7:0.8:3"], "two different parameters"),
@@ -102,7 +102,7 @@ def test_a_followed_map_with_every_number(call, tmp_path):
         ),
         (["regime", "chua"], "has no period"),
         (["regime", "soft_impact", "--record", "1"], "seen twice"),
-        (["regime", "soft_impact", "--start", "y=1"], "unknown state 'y'"),
+        (["regime", "soft_impact", "--initial", "y=1"], "unknown state 'y'"),
         (["regime", "soft_impact", "--save", "a.csv"], "'.csv'"),
     ],
 )

@@ -8,8 +8,8 @@ def test_summary_and_file(call, tmp_path):
     file, picture = tmp_path / "points.nc", tmp_path / "points.png"
     result = call(
         "section", "soft_impact", "omega=0.8", "--section", "v", "--direction", "-1",
-        "--transient", "30", "--record", "25", "--start", "x=0.1", "--save", file,
-        "--plot", picture, "--variables", "phase,x", "--modes",
+        "--transient", "30", "--record", "25", "--initial", "x=0.1", "--save", file,
+        "--plot", picture, "--draw", "phase,x", "--modes",
     )  # fmt: skip
     assert result.exit_code == 0, result.stderr
     points = ns.poincare_section(
@@ -38,9 +38,9 @@ def test_events_of_a_model(call, accumulating):
     [
         (["--section", "w"], "unknown variable or event 'w'"),
         (["--section", "v", "--direction", "3"], "direction = 3"),
-        (["--section", "v", "--variables", "x,v"], "--plot picture.png"),
-        (["--section", "v", "--plot", "a.png", "--variables", "x"], "not two variables"),
-        (["--section", "v", "--plot", "a.png", "--variables", "x,w"], "unknown variable 'w'"),
+        (["--section", "v", "--draw", "x,v"], "--plot picture.png"),
+        (["--section", "v", "--plot", "a.png", "--draw", "x"], "not two variables"),
+        (["--section", "v", "--plot", "a.png", "--draw", "x,w"], "unknown variable 'w'"),
         (["--section", "v", "--plot", "a.gif"], "'.gif'"),
         (["--section", "v", "--save", "a.csv"], "'.csv'"),
         ([], "--section"),

@@ -5,7 +5,7 @@ import xarray as xr
 
 import nonsmooth as ns
 from nonsmooth import models
-from nonsmooth.cli import simulate as command
+from nonsmooth.cli import runs as command
 
 
 def values(output: str) -> dict[str, str]:
@@ -43,7 +43,7 @@ def test_the_saved_run_is_the_run(call, tmp_path):
 
 def test_expressions_are_values(call, tmp_path):
     file = tmp_path / "run.nc"
-    options = ["--start", "p=-1/4,y=cos(pi)", "--t-end", "10", "--samples-per-period", "7"]
+    options = ["--initial", "p=-1/4,y=cos(pi)", "--t-end", "10", "--samples-per-period", "7"]
     result = call("simulate", "moling", "phi=pi/3", *options, "--save", file)
     assert result.exit_code == 0, result.stderr
     run = ns.simulate(
@@ -94,7 +94,7 @@ def test_defaults_of_the_picture(call, drawn, tmp_path):
 def test_part_of_the_run_is_drawn(call, drawn, tmp_path):
     file = tmp_path / "a.png"
     times = ["--time-range", "800, 1200"]
-    assert call("simulate", "moling", *times, "--variables", "p,q", "--plot", file).exit_code == 0
+    assert call("simulate", "moling", *times, "--draw", "p,q", "--plot", file).exit_code == 0
     assert call("simulate", "moling", "--from", "15", "--plot", file).exit_code == 0
     (names, window), (_, later) = drawn
     assert (names, window) == (["p", "q"], (800.0, 1200.0))
@@ -212,25 +212,26 @@ MISUSES = {
     "simulate moling b=__import__('os')": "parameters['b']",
     "simulate moling b=nan": "parameters['b']",
     "simulate moling xi=0": "xi > 0 is required, xi = 0 was given",
-    "simulate moling --start p=5": "fits no mode of 'moling'",
-    "simulate moling --start r=5": "unknown state 'r'",
-    "simulate moling --start p=q": "--start: p = q uses 'q'",
+    "simulate moling --initial p=5": "fits no mode of 'moling'",
+    "simulate moling --initial r=5": "unknown state 'r'",
+    "simulate moling --initial p=q": "--initial: p = q uses 'q'",
     "simulate moling --periods 5 --t-end 3": "exactly one of periods=, t_end= and times=",
     "simulate moling --periods -1": "must be positive",
-    "simulate moling --variables w": "--variables: unknown variable 'w'",
+    "simulate moling --draw w --plot a.png": "--draw: unknown variable 'w'",
     "simulate moling --plot a.gif": "ends with '.gif'",
     "simulate moling --save a.txt": "ends with '.txt'",
     "simulate moling --save no/a.nc": "the folder 'no' of 'no/a.nc' does not exist",
     "simulate moling --time-range 5": "is not two times",
-    "simulate moling --time-range 9,5": "must run forward",
-    "simulate moling --time-range=-5,-1": "end after the run begins at t = 0",
-    "simulate moling --from 20": "begin before the run ends",
-    "simulate moling --from 1 --time-range 2,3": "give one of --from and --time-range",
-    "simulate ball --from 1 --t-end 5": "--from counts periods, and 'ball' has none",
+    "simulate moling --time-range 9,5 --plot a.png": "must run forward",
+    "simulate moling --time-range=-5,-1 --plot a.png": "end after the run begins at t = 0",
+    "simulate moling --from 20 --plot a.png": "begin before the run ends",
+    "simulate moling --from 1 --time-range 2,3 --plot a.png": "give one of --from and --time-range",
+    "simulate ball --from 1 --t-end 5 --plot a.png": "--from counts periods, and 'ball' has none",
     "simulate ball --periods 5 --t-end 3": "exactly one of periods=, t_end= and times=",
-    "simulate moling --portrait x": "--portrait: 'x' is not two variables",
-    "simulate moling --portrait x,w": "--portrait: unknown variable 'w'",
-    "simulate moling --portrait x,v --modes": "leave out --variables and --modes",
+    "simulate moling --portrait x --plot a.png": "--portrait: 'x' is not two variables",
+    "simulate moling --portrait x,w --plot a.png": "--portrait: unknown variable 'w'",
+    "simulate moling --portrait x,v --modes --plot a.png": "leave out --draw and --modes",
+    "simulate moling --from 5": "--from: this is drawn into a file: name it, such as --plot",
     "simulate": "Missing argument",
     "simulate moling --periods many": "Invalid value for '--periods'",
 }

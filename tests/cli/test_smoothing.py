@@ -29,9 +29,9 @@ def load(file):
 
 def test_report(call, friction, tmp_path):
     result = call(
-        "smoothing", friction, "mu=3/5", "--epsilons", "1/100,0.003,1e-3", "--start", "x=1",
-        "--periods", "3", "--transient", "1", "--samples", "500", "--plot", tmp_path / "a.png",
-        "--quantity", "creep", "--save", tmp_path / "a.nc",
+        "smoothing", friction, "mu=3/5", "--epsilons", "1/100,0.003,1e-3", "--initial", "x=1",
+        "--periods", "3", "--transient", "1", "--samples-per-period", "500", "--plot",
+        tmp_path / "a.png", "--draw", "creep", "--save", tmp_path / "a.nc",
     )  # fmt: skip
     assert result.exit_code == 0, result.stderr
     wanted = ns.smoothing_report(
@@ -55,7 +55,8 @@ def test_by_time_and_with_attractors(call, tmp_path):
     )
     result = call(
         "smoothing", tmp_path / "hidden.toml", "--epsilons", "0.001,0.01", "--kind", "logistic",
-        "--start", "x=-1", "--t-end", "2", "--samples", "50", "--over", "x=-2:2", "--starts", "20",
+        "--initial", "x=-1", "--t-end", "2", "--samples-per-period", "50", "--over",
+        "x=-2:2", "--starts", "20",
     )  # fmt: skip
     assert result.exit_code == 0, result.stderr
     assert re.search(r"^  smooth sign +logistic$", result.stdout, re.M)
@@ -76,7 +77,7 @@ def test_special_points(call, tmp_path):
     stop.to_toml(tmp_path / "stop.toml")
     result = call(
         "smoothing", tmp_path / "stop.toml", "--epsilons", "0.01,0.003", "--periods", "301",
-        "--transient", "300", "--samples", "100", "--over", "w=0.7:0.85", "--save",
+        "--transient", "300", "--samples-per-period", "100", "--over", "w=0.7:0.85", "--save",
         tmp_path / "a.nc",
     )  # fmt: skip
     assert result.exit_code == 0, result.stderr
@@ -105,13 +106,13 @@ def test_toml(call, friction, tmp_path, width, text):
         ("FILE --epsilons 0.1,0.01 --toml", 2, "is not one width"),
         ("FILE --epsilons mu --toml", 2, "mu"),
         ("FILE --epsilons eps --toml --plot a.png", 2, "leave out the files"),
-        ("FILE --epsilons 0.1,0.01 --kind erf", 2, "kind = 'erf' is not known"),
+        ("FILE --epsilons 0.1,0.01 --kind erf", 2, "--kind = 'erf' is not one of tanh"),
         ("FILE --epsilons 0.1,0.01 --over y=0:1", 2, "unknown state or parameter 'y'"),
         ("FILE --epsilons 0.1,0.01 --over mu=0.5", 2, "not of the form name=low:high"),
         ("FILE --epsilons 0.1,0.01 --over mu=0:1 --over omega=0:1", 2, "over one parameter"),
         ("FILE --epsilons 0.1,0.01 --periods 3 --t-end 3", 2, "either --periods or --t-end"),
-        ("FILE --epsilons 0.1,0.01 --quantity creep", 2, "name it, such as --plot"),
-        ("FILE --epsilons 0.1,0.01 --quantity width --plot a.png", 2, "is not one of error,"),
+        ("FILE --epsilons 0.1,0.01 --draw creep", 2, "name it, such as --plot"),
+        ("FILE --epsilons 0.1,0.01 --draw width --plot a.png", 2, "is not one of error,"),
         ("bouncing_ball --epsilons 0.1,0.01", 2, "cannot be smoothed"),
         ("duffing --epsilons 0.1,0.01", 2, "nothing to smooth"),
         ("chua --epsilons 0.1,0.01", 2, "has no period; give the length of the motion by --t-end"),

@@ -10,8 +10,8 @@ def test_summary_file_and_picture(call, tmp_path):
     file, picture = tmp_path / "points.nc", tmp_path / "points.png"
     result = call(
         "strobe", "soft_impact", "omega=0.85", "--transient", "300", "--record", "40",
-        "--phase", "0.25", "--start", "x=0.1", "--save", file, "--plot", picture, "--modes",
-        "--variables", "v,x",
+        "--phase", "0.25", "--initial", "x=0.1", "--save", file, "--plot", picture, "--modes",
+        "--draw", "v,x",
     )  # fmt: skip
     assert result.exit_code == 0, result.stderr
     points = ns.stroboscopic_map(
@@ -37,7 +37,7 @@ def test_other_periods_and_drift(call):
 
 
 def test_an_early_end(call, accumulating):
-    result = call("strobe", "ball", "--period", "1", "--transient", "0", "--start", "h=1")
+    result = call("strobe", "ball", "--period", "1", "--transient", "0", "--initial", "h=1")
     assert result.exit_code == 1
     assert "impacts accumulate" in value(result.stdout, "status")
 
@@ -47,11 +47,11 @@ def test_an_early_end(call, accumulating):
     [
         (["--phase", "2"], "phase"),
         (["--record", "0"], "record"),
-        (["--start", "w=1"], "'w'"),
+        (["--initial", "w=1"], "'w'"),
         (["--period", "w"], "'w'"),
-        (["--variables", "x,v"], "--plot picture.png"),
-        (["--plot", "a.png", "--variables", "x"], "not two variables"),
-        (["--plot", "a.png", "--variables", "x,w"], "unknown variable 'w'"),
+        (["--draw", "x,v"], "--plot picture.png"),
+        (["--plot", "a.png", "--draw", "x"], "not two variables"),
+        (["--plot", "a.png", "--draw", "x,w"], "unknown variable 'w'"),
         (["--save", "a.csv"], "'.csv'"),
     ],
 )
@@ -86,7 +86,7 @@ def test_zero_one(call, tmp_path):
 
 
 def test_zero_one_says_what_is_doubtful(call):
-    result = call("zero-one", "chua", "--period", "0.02", "--record", "400", "--start", "x=0.1")
+    result = call("zero-one", "chua", "--period", "0.02", "--record", "400", "--initial", "x=0.1")
     assert result.exit_code == 0, result.stderr
     assert "sampled too densely" in value(result.stdout, "doubt")
 
@@ -94,5 +94,5 @@ def test_zero_one_says_what_is_doubtful(call):
 def test_zero_one_of_what_it_cannot_test(call, accumulating):
     assert call("zero-one", "duffing", "--variable", "w").exit_code == 2
     assert call("zero-one", "duffing", "--record", "50").exit_code == 2
-    ended = call("zero-one", "ball", "--period", "1", "--start", "h=1")
+    ended = call("zero-one", "ball", "--period", "1", "--initial", "h=1")
     assert ended.exit_code == 1 and "impacts accumulate" in ended.stderr

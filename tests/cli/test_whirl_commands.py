@@ -15,9 +15,9 @@ def load(file):
 
 
 def test_full_spectrum(call, tmp_path):
-    lengths = ["--transient", "20", "--record", "24", "--samples", "32"]
+    lengths = ["--transient", "20", "--record", "24", "--samples-per-period", "32"]
     result = call(
-        "spectrum", "rotor", "eta=3", "--second", "y", *lengths, "--save", tmp_path / "a.nc",
+        "spectrum", "rotor", "eta=3", "--variable", "x,y", *lengths, "--save", tmp_path / "a.nc",
         "--plot", tmp_path / "a.png",
     )  # fmt: skip
     assert result.exit_code == 0, result.stderr
@@ -33,7 +33,7 @@ def test_waterfall(call, tmp_path, variable):
     result = call(
         "waterfall", "rotor", "--over", "eta=2:3:5", "--variable", variable, "--transient", "30",
         "--record", "12", "--start", "follow up", "--save", tmp_path / "a.nc", "--plot",
-        tmp_path / "a.png", "--kind", "map", "--axis", "harmonic",
+        tmp_path / "a.png", "--picture", "map", "--axis", "harmonic",
     )  # fmt: skip
     assert result.exit_code == 0, result.stderr
     wanted = ns.waterfall(
@@ -75,11 +75,14 @@ def test_orbit(call, tmp_path):
     ("line", "text"),
     [
         ("waterfall rotor --over eta=2:3:5 --variable z", "unknown variable 'z'"),
-        ("waterfall rotor --over eta=2:3:100000 --kind tower", "unknown kind 'tower'"),
+        (
+            "waterfall rotor --over eta=2:3:100000 --picture tower",
+            "--picture = 'tower' is not one of",
+        ),
         ("waterfall rotor --over eta=2:3:100000 --axis time", "--axis = 'time'"),
         ("waterfall chua --over alpha=9:10:2", "no period"),
         ("contacts rotor --plot a.png", "--over"),
-        ("contacts rotor --over eta=2:3:2 --variable contacts", "--plot picture.png"),
+        ("contacts rotor --over eta=2:3:2 --draw contacts", "--plot picture.png"),
         ("contacts moling --contact rub", "contact: unknown mode 'rub'"),
         ("simulate rotor --orbit x,y", "--orbit"),
         ("simulate rotor --orbit x,y --portrait x,vx --plot a.png", "not both"),

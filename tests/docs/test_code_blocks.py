@@ -14,7 +14,7 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import pytest
-from typer.testing import CliRunner
+from click.testing import CliRunner
 
 from nonsmooth.cli.app import app
 

@@ -6,23 +6,15 @@ imports for type checkers alone count too: they hide a circle, and do not open i
 
 import ast
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 
-from house.tree import ROOT, python_files
+from house.tree import module_name, python_files
 
 # Circles that are left; take out what you have opened, and put none in.
 KNOWN: set[frozenset[str]] = set()
 # Names that are imported when they are used: a package as a whole is no module of the graph.
 LAZY = {"nonsmooth", "nonsmooth_chapter"}
-
-
-def module_name(path: Path) -> str:
-    """Full name of the module in a file."""
-    parts = path.relative_to(ROOT).with_suffix("").parts
-    parts = parts[parts.index("src") + 1 :]
-    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
 def imports(tree: ast.AST, package: str, modules: set[str]) -> Iterator[str]:

@@ -8,16 +8,15 @@ import ast
 from collections import defaultdict
 from pathlib import Path
 
-from house.tree import SOURCE, python_files, relative
+from house.tree import module_name, python_files, relative
 
 SHORT = 60  # lines; a file with fewer is read with the only one that uses it
-PACKAGE = "nonsmooth"
 
 SHORT_FILES = {
+    "src/nonsmooth/cli/app.py",  # the whole command line, which `__init__` calls
     "src/nonsmooth/analysis/diagrams/look_arrays.py",
     "src/nonsmooth/analysis/regimes/several_starts.py",
     "src/nonsmooth/analysis/regimes/strobe_test.py",
-    "src/nonsmooth/cli/explain.py",
 }
 
 CLASS_NAMES = {
@@ -27,12 +26,6 @@ CLASS_NAMES = {
     "Sweep",
     "Visits",
 }
-
-
-def module_name(path: Path) -> str:
-    """The name by which a file is imported."""
-    parts = (PACKAGE, *path.relative_to(SOURCE).with_suffix("").parts)
-    return ".".join(part for part in parts if part != "__init__")
 
 
 def imports_of(path: Path, modules: set[str]) -> set[str]:

@@ -20,7 +20,7 @@ LARGE = {
     "importlib.resources", "inspect", "json", "logging", "multiprocessing", "pathlib",
     "subprocess", "tempfile", "tomllib", "unittest", "urllib", "xml",
 }  # fmt: skip
-# Help pages are made by typer, which needs some of those; this they do without.
+# Help pages are made by click, which needs some of those; this they do without.
 LARGE_FOR_HELP = {"asyncio", "concurrent", "ctypes", "multiprocessing", "tomllib", "unittest"}
 
 # Packages that add a command where they are installed, whose help is asked for.
@@ -37,11 +37,10 @@ except SystemExit as stop:
     assert not stop.code, stop.code
 """
 HELP = COMMAND.format(words=["--help"])
-TYPER = """
-import sys, typer
+CLICK = """
+import sys, click
 sys.argv = ["bare", "--help"]
-app = typer.Typer()
-app.command()(lambda: None)
+app = click.Command("bare", callback=lambda: None)
 try:
     app()
 except SystemExit as stop:
@@ -82,20 +81,22 @@ def test_import_loads_little(bare):
     assert within(found, HEAVY | LARGE) == [], "import these inside the functions that need them"
 
 
-def test_help_loads_what_any_page_of_typer_does(bare):
+def test_help_loads_what_any_page_of_click_does(bare):
     """The page names the commands, so it loads them, but nothing that they work with."""
     found = loaded(HELP) - bare
     ours = within(found, {"nonsmooth"})
     assert "nonsmooth.cli.app" in ours
     allowed = {"nonsmooth.cli", "nonsmooth.errors", "nonsmooth.version"}
     assert within(set(ours) - {"nonsmooth"}, allowed) == [n for n in ours if n != "nonsmooth"]
-    assert distributed(found) <= distributed(loaded(TYPER))
+    assert distributed(found) <= distributed(loaded(CLICK))
     assert within(found, HEAVY | LARGE_FOR_HELP) == []
 
 
-@pytest.mark.parametrize("words", [["--version"], ["simulate", "--help"], ["chapter", "--help"]])
+@pytest.mark.parametrize(
+    "words", [["--version"], ["simulate", "--help"], ["basins", "--help"], ["chapter", "--help"]]
+)
 def test_answers_without_work_load_nothing_heavy(words):
-    """For the options of a command typer loads more of its own, which differs by its version."""
+    """Options of a command are read from the source of its verb, which is not imported."""
     found = loaded(COMMAND.format(words=words))
     assert within(found, HEAVY) == [], "import these inside the commands that need them"
     assert within(found, {"nonsmooth.engine", "nonsmooth.runs", "nonsmooth.system"}) == []

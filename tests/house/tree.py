@@ -14,6 +14,13 @@ def python_files() -> list[Path]:
     return sorted(path for path in found if path.name != "_declarations.py")
 
 
+def module_name(path: Path) -> str:
+    """Full name of the module in a file."""
+    parts = path.relative_to(ROOT).with_suffix("").parts
+    parts = parts[parts.index("src") + 1 :]
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
 def text_files() -> list[Path]:
     """Every file that git does not ignore and that is UTF-8 text."""
     skipped = [".git", *_ignored_folders()]

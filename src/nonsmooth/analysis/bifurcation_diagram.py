@@ -65,8 +65,8 @@ def bifurcation_diagram(
         Initial state as in `simulate`, or several: each is a ``lane`` of its own. States that are
         not given are those at rest, for each value anew.
     start : {"restart", "follow up", "follow down"}, optional
-        Whether every column begins at the initial state, or where the column with the next lower
-        (higher) value has ended. Where several attractors coexist, the answers differ.
+        Whether the motion at each value begins at the initial state, or where the motion at the
+        next lower (higher) value has ended. Where several attractors coexist, the answers differ.
     transient : int, optional
         Periods left out at the beginning of each column.
     record : int, optional

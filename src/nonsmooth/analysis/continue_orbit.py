@@ -91,12 +91,16 @@ def continue_orbit(
         Whether the parameter grows or falls at first.
     steps : int, optional
         Steps to take at most, either way.
-    step, largest_step, smallest_step : float, optional
-        First, largest and smallest step in arclength, in which the width of ``between`` counts as
-        one, as do the sizes of the states together.
+    step : float, optional
+        First step in arclength. The width of ``between`` counts as one in it, as do the sizes of
+        the states together.
+    largest_step : float, optional
+        Largest step in arclength.
+    smallest_step : float, optional
+        Smallest step in arclength, at which the branch ends.
     inadmissible : bool, optional
-        Go on with the word where its orbit is no motion, as for the dashed parts of the chapter's
-        Fig. 10; ``admissible`` then tells them apart. Without it the word is changed.
+        Go on with the same word where no motion follows its orbit. ``admissible`` then tells these
+        points apart; without it the word is changed.
     transient, phase : optional
         As in `find_orbit`.
     parameters : mapping of str to float, optional

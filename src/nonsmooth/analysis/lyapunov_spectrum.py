@@ -66,7 +66,7 @@ def lyapunov_spectrum(
     record : float, optional
         Length over which exponents are averaged, in periods or units of time.
     exponents : int, optional
-        How many, from the largest on; as many as there are states by default.
+        How many exponents, from the largest on; as many as there are states by default.
     interval : float, optional
         Periods, or time, after which the growth is noted: the step of the running estimate,
         and of the block averages; one period by default. Derivatives are orthonormalised as

@@ -53,7 +53,7 @@ def regime(
     initial : mapping, dataset or run, optional
         Initial state as in `simulate`; the rest state without it.
     transient : int, optional
-        Periods left out at the beginning, at first.
+        Periods left out at the beginning; more where the motion has not settled by then.
 
     Other Parameters
     ----------------
@@ -64,8 +64,8 @@ def regime(
         Periods of a window for exponent and 0-1 test of a motion that does not repeat. Below 200
         the result is a survey: exponents alone decide, and ``K`` is nan; 20 at least.
     longest : int, optional
-        Up to where the transient is doubled, at least, while the motion has not settled; 16 times
-        the transient (or the record, if that is longer) without it.
+        Largest transient: it is doubled until there, at least, while the motion has not settled;
+        16 times the transient (or the record, if that is longer) without it.
     confirm : int, optional
         Periods for which a chaotic motion is run on, as chaos may be a long transient; 0 to trust
         the windows.

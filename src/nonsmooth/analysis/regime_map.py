@@ -76,8 +76,8 @@ def regime_map(
         equal labels is filled and not computed, so an island smaller than a cell of the grid that
         is given may be missed.
     fill : {"labels", "motions"}, optional
-        What refined cells are filled with: the label that is found all around, with nan as its
-        numbers; or motions, so that every number of the result is computed.
+        What refined cells are filled with: the label that is found all around, and no
+        numbers (nan); or motions, so that every number of the result is computed.
 
     Other Parameters
     ----------------

@@ -96,11 +96,13 @@ def smoothing_report(
         The smooth sign, as in `smoothed`.
     initial : mapping of str to float, optional
         Start of the motions that are compared; the rest state by default.
-    periods, t_end : float, optional
-        Their length, in periods of the forcing or as a time; one of them.
+    periods : float, optional
+        Length of the motions in periods of the forcing.
+    t_end : float, optional
+        Time at which the motions end, in place of ``periods``.
     transient : float, optional
-        How much of it is left out at the beginning, in the same unit. With it settled motions are
-        compared.
+        Length left out at the beginning, in periods, or in units of time with ``t_end``. With it
+        settled motions are compared.
     region : mapping of str to (float, float), optional
         With it attractors are searched for, by starts in these ranges as in `attractors`.
     parameter, between : str, (float, float), optional

@@ -55,7 +55,7 @@ def zero_one_test(
         What is dropped first: in periods for a run with a period, in units of time for one
         without, in values for plain numbers.
     every : int, optional
-        Take every so many-th value only, where the series is sampled too densely.
+        Take only every n-th value, where the series is sampled too densely.
     frequencies : int, optional
         How many values of c, drawn evenly between pi/5 and 4 pi/5.
     seed : int, optional

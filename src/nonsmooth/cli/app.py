@@ -2,87 +2,58 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+import click
 
-import typer
-
-from nonsmooth.cli.attractors import attractors
-from nonsmooth.cli.basins import basins
+from nonsmooth.cli.command import VerbCommand
 from nonsmooth.cli.console import Commands
-from nonsmooth.cli.contacts import contacts
-from nonsmooth.cli.continue_ import continue_
-from nonsmooth.cli.diagram import diagram
-from nonsmooth.cli.ensemble import ensemble
-from nonsmooth.cli.explain import explain
-from nonsmooth.cli.lyapunov import lyapunov
-from nonsmooth.cli.measured import measured
-from nonsmooth.cli.measures import measures
-from nonsmooth.cli.models import models
-from nonsmooth.cli.orbit import orbit
-from nonsmooth.cli.plugins import add_plugins
-from nonsmooth.cli.regime import regime
-from nonsmooth.cli.regimes import regimes
-from nonsmooth.cli.section import section
-from nonsmooth.cli.simulate import simulate
-from nonsmooth.cli.smoothing import smoothing
-from nonsmooth.cli.spectrum import spectrum
-from nonsmooth.cli.strobe import strobe
-from nonsmooth.cli.waterfall import waterfall
-from nonsmooth.cli.zero_one import zero_one
+from nonsmooth.cli.plugins import plugin, plugin_names
+from nonsmooth.cli.table import TABLE
 from nonsmooth.version import __version__
 
 __all__ = ["app"]
 
-app = typer.Typer(
-    cls=Commands,
+_SHELLS = ("bash", "zsh", "fish")
+
+
+class _Lazy(Commands):
+    """Group whose commands are made when they are asked for."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """Names of all commands, those of other packages last."""
+        return [*TABLE, *self.commands, *plugin_names()]
+
+    def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
+        """A command by its name."""
+        if name in TABLE:
+            return VerbCommand(name, TABLE[name])
+        return super().get_command(ctx, name) or plugin(name)
+
+
+@click.group(
+    cls=_Lazy,
     no_args_is_help=True,
-    add_completion=False,
-    pretty_exceptions_enable=False,
-    context_settings={"help_option_names": ["-h", "--help"]},
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
 )
-
-
-def _print_version(wanted: bool) -> None:
-    if wanted:
-        typer.echo(f"nonsmooth {__version__}")
-        raise typer.Exit()
-
-
-@app.callback()
-def _options(
-    version: Annotated[
-        bool,
-        typer.Option(
-            "--version", callback=_print_version, is_eager=True, help="Print the version."
-        ),
-    ] = False,
-) -> None:
+@click.version_option(__version__, message="nonsmooth %(version)s", help="Print the version.")
+def app() -> None:
     """Exact simulation of piecewise-smooth dynamical systems.
 
     Exit codes: 0 done, 1 ended early (files are written), 2 wrong use, 130 interrupted.
     """
 
 
-app.command()(simulate)
-app.command()(lyapunov)
-app.command()(spectrum)
-app.command()(waterfall)
-app.command()(contacts)
-app.command()(zero_one)
-app.command()(section)
-app.command()(strobe)
-app.command()(diagram)
-app.command()(regime)
-app.command()(regimes)
-app.command()(orbit)
-app.command("continue")(continue_)
-app.command()(smoothing)
-app.command()(ensemble)
-app.command()(attractors)
-app.command()(basins)
-app.command()(measures)
-app.command()(measured)
-app.command()(models)
-app.command()(explain)
+@app.command()
+@click.argument("shell", type=click.Choice(_SHELLS))
+def completion(shell: str) -> None:
+    r"""Print a script for your shell, by which the Tab key completes commands and options.
 
-add_plugins(app)
+    \b
+    bash: add this line to ~/.bashrc:  eval "$(nonsmooth completion bash)"
+    zsh:  add this line to ~/.zshrc:   eval "$(nonsmooth completion zsh)"
+    fish: nonsmooth completion fish > ~/.config/fish/completions/nonsmooth.fish
+    """
+    from click.shell_completion import get_completion_class
+
+    found = get_completion_class(shell)
+    assert found is not None
+    click.echo(found(app, {}, "nonsmooth", "_NONSMOOTH_COMPLETE").source())

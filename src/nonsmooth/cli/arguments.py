@@ -22,12 +22,16 @@ if TYPE_CHECKING:
 __all__ = [
     "build_system",
     "constants",
+    "initial_state",
     "is_file",
     "model_functions",
     "names",
+    "number",
     "settings",
     "time_range",
+    "value_limits",
     "value_range",
+    "widths",
 ]
 
 _MOST_VALUES = 1_000_000  # in a range
@@ -130,27 +134,64 @@ def names(text: str | None) -> list[str]:
     return [part.strip() for part in (text or "").split(",") if part.strip()]
 
 
-def time_range(text: str) -> tuple[float, float]:
+def number(text: str, option: str) -> float:
+    """A number, which may be a constant expression such as ``pi/2``."""
+    try:
+        return float(text)
+    except ValueError:
+        return constants({"value": text}, option)["value"]
+
+
+def initial_state(text: str, option: str) -> dict[str, float]:
+    """Initial state of a text such as ``x=0.1,v=0``."""
+    return constants(settings(names(text), option), option)
+
+
+def widths(text: str, option: str) -> list[float] | str:
+    """Widths, which may be expressions; or the name of a parameter."""
+    from nonsmooth.system.text.grammar import is_name
+
+    parts = names(text)
+    if not parts:
+        raise OptionError(f"{option}: give widths such as 0.1,0.01,0.001")
+    if len(parts) == 1 and is_name(parts[0]):
+        return parts[0]
+    numbered = {str(k): part for k, part in enumerate(parts, 1)}
+    return list(constants(numbered, option).values())
+
+
+def time_range(text: str, option: str) -> tuple[float, float]:
     """Two times separated by a comma."""
     parts = names(text)
     if len(parts) != 2:
-        raise OptionError(f"--time-range: {text!r} is not two times, such as 800,1200")
-    times = constants(dict(zip(("begin", "end"), parts, strict=True)), "--time-range")
+        raise OptionError(f"{option}: {text!r} is not two times, such as 800,1200")
+    times = constants(dict(zip(("begin", "end"), parts, strict=True)), option)
     return times["begin"], times["end"]
+
+
+def _limits(text: str, shape: Sequence[str]) -> tuple[str, dict[str, float]]:
+    """Name and numbers of ``name=first:last``, or of ``name=first:last:count``."""
+    ((name, value),) = settings([text], "--over").items()
+    parts = [part.strip() for part in value.split(":")]
+    if len(parts) != len(shape) or not all(parts):
+        raise OptionError(f"--over: {text!r} is not of the form name={':'.join(shape)}")
+    return name, constants(dict(zip(shape, parts, strict=True)), "--over")
+
+
+def value_limits(text: str) -> tuple[str, tuple[float, float]]:
+    """Name and ends of ``name=low:high``."""
+    name, numbers = _limits(text, ("low", "high"))
+    return name, (numbers["low"], numbers["high"])
 
 
 def value_range(text: str) -> tuple[str, np.ndarray]:
     """Name and values of ``name=first:last:count``."""
     import numpy as np
 
-    ((name, value),) = settings([text], "--over").items()
-    parts = [part.strip() for part in value.split(":")]
-    if len(parts) != 3 or not all(parts):
-        raise OptionError(f"--over: {text!r} is not of the form name=first:last:count")
-    numbers = constants(dict(zip(("first", "last", "count"), parts, strict=True)), "--over")
+    name, numbers = _limits(text, ("first", "last", "count"))
     count = numbers["count"]
     if count != int(count) or not 1 <= count <= _MOST_VALUES:
         raise OptionError(
-            f"--over: the count {parts[2]} is not a whole number from 1 to {_MOST_VALUES}"
+            f"--over: the count {count:g} is not a whole number from 1 to {_MOST_VALUES}"
         )
     return name, np.linspace(numbers["first"], numbers["last"], int(count))

@@ -1,125 +1,272 @@
-"""``nonsmooth basins``: which starts lead to which attractor."""
+"""Commands for attractors, their basins, and how predictable the outcomes are."""
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Any
 
-import typer
-
-from nonsmooth.cli import options
-from nonsmooth.cli.arguments import build_system, settings
-from nonsmooth.cli.attractor_table import exit_code, print_attractors
-from nonsmooth.cli.console import STORE_HELP
-from nonsmooth.cli.output import check_files, save_dataset, table
-from nonsmooth.cli.regions import build_map, completion_rules, grid_region
-from nonsmooth.errors import OptionError
+from nonsmooth.cli.arguments import names, settings, value_limits, value_range
+from nonsmooth.cli.command import Task
+from nonsmooth.cli.report import Column, Report, with_error
+from nonsmooth.cli.variables import chosen
+from nonsmooth.errors import OptionError, unknown_name
 
 if TYPE_CHECKING:
+    import numpy as np
     import xarray as xr
 
-__all__ = ["basins"]
+    from nonsmooth.runs.poincare_map import PoincareMap
+    from nonsmooth.runs.stroboscopic_map import StroboscopicMap
+    from nonsmooth.system.system import System
 
-_WIDTH, _HEIGHT = 12.0, 10.0  # centimetres
+__all__ = ["attractors", "basins", "measures", "region_of"]
+
+_MOST_CELLS = 100_000_000  # of a grid
+_MOST = 40  # attractors that are printed
+_LONGEST = 36  # letters of a word; those of long cycles are in the file
+_FEWEST_FOR_WADA = 3
 
 
-def basins(
-    model: options.Model,
-    parameters: options.Parameters = None,
-    *,
-    over: Annotated[
-        list[str],
-        typer.Option(
-            metavar="x=A:B:N",
-            help="State, first and last value, how many; for two states or more.",
-        ),
-    ],
-    complete: options.Complete = None,
-    method: Annotated[
-        str,
-        typer.Option(
-            help="recurrences: follow each start; 'cell mapping' or 'generalised cell mapping'."
-        ),
-    ] = "recurrences",
-    samples: options.Samples = 1000,
-    seed: options.Seed = 0,
-    cells: options.SearchCells = 64,
-    longest: options.Longest = 10_000,
-    record: options.Record = 20_000,
-    match: options.Match = 1e-6,
-    section: options.SectionText = None,
-    direction: options.Direction = None,
-    side: options.Side = None,
-    phase: options.Phase = None,
-    period: options.Period = None,
-    every: options.Every = 1,
-    threads: Annotated[int | None, typer.Option(help="Threads; all processors by default.")] = None,
-    plot: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Draw the basins: .png or .pdf.")
-    ] = None,
-    save: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Save the result as netCDF: .nc.")
-    ] = None,
-    store: Annotated[Path | None, typer.Option(metavar="FOLDER", help=STORE_HELP)] = None,
-) -> None:
-    """Basins of attraction on a grid of starts."""
+def attractors(task: Task) -> None:
+    """``nonsmooth attractors``."""
+    from nonsmooth.analysis.attractors import attractors as find
+
+    coordinates = _coordinates(task)
+    region = region_of(task.system, task["over"])
+    result = find(_map(task), region, **_options(task, "attractors"))
+
+    task.picture("attractors", result, *coordinates)
+    attrs = result.attrs
+    report = Report(str(attrs["system_name"]))
+    _add_status(report, result)
+    samples, drawn = attrs["samples"], attrs["drawn_starts"]
+    text = (
+        f"{samples}" if drawn == samples else f"{samples} of {drawn} drawn, the others inadmissible"
+    )
+    report.add("starts", text, starts=samples, drawn_starts=drawn)
+    for key, label in (("unsettled_starts", "unsettled"), ("ended_starts", "ended early")):
+        if attrs[key]:
+            report.add(label, f"{attrs[key]} starts", **{key: attrs[key]})
+    _add_attractors(report, result)
+    task.finish(result, report, code=task.by_message(result))
+
+
+def _coordinates(task: Task) -> list[str]:
+    """Two states to draw, or none, so that the picture chooses."""
+    text = task["draw"]
+    if text is None:
+        return []
+    if len(names(text)) != 2:
+        raise OptionError(f"--draw: {text!r} is not two states, such as x,v")
+    return chosen(text, task.system.states, kind="state")
+
+
+def basins(task: Task) -> None:
+    """``nonsmooth basins``."""
     from nonsmooth.analysis.basins_of_attraction import basins_of_attraction
 
-    check_files(plot, save)
-    system = build_system(model, settings(parameters or [], "NAME=VALUE"))
-    region = grid_region(system, over)
-    if plot is not None and len(region) != 2:
+    region = _grid(task.system, task["over"])
+    if task.plot is not None and len(region) != 2:
         raise OptionError(f"--plot draws basins over two states, and --over has {len(region)}")
-    rules = completion_rules(complete or [])
-    chosen = build_map(
-        system, section=section, direction=direction, side=side, phase=phase, period=period,
-        every=every,
-    )  # fmt: skip
-    result = basins_of_attraction(
-        chosen,
-        region,
-        method=method.replace("-", " "),
-        completion=rules,
-        samples=samples,
-        seed=seed,
-        cells=cells,
-        longest=longest,
-        record=record,
-        match=match,
-        threads=threads,
-        store=store,
-    )
-    from nonsmooth.system.columns import harmless
+    result = basins_of_attraction(_map(task), region, **_options(task, "basins_of_attraction"))
 
-    typer.echo(harmless(_summary(result)))
-    print_attractors(result)
-    if save is not None:
-        save_dataset(result, save)
-    if plot is not None:
-        _plot(result, plot)
-    raise typer.Exit(exit_code(result))
-
-
-def _summary(result: xr.Dataset) -> str:
-    attrs, shape = result.attrs, result["label"].shape
-    rows = [
-        ("status", str(attrs["message"])),
-        ("cells", f"{result['label'].size} ({' x '.join(str(n) for n in reversed(shape))})"),
-    ]
+    task.picture("basins", result)
+    attrs, label = result.attrs, result["label"]
+    report = Report(str(attrs["system_name"]))
+    _add_status(report, result)
+    text = f"{label.size} ({' x '.join(str(n) for n in reversed(label.shape))})"
+    report.add("cells", text, cells={str(name): label.sizes[name] for name in label.dims})
     kinds = ("unsettled", "ended early", "inadmissible", "not computed")
     keys = ("unsettled_cells", "ended_cells", "inadmissible_cells", "cells_left_out")
-    rows += [
-        (kind, f"{attrs[key]} cells") for kind, key in zip(kinds, keys, strict=True) if attrs[key]
+    for kind, key in zip(kinds, keys, strict=True):
+        if attrs[key]:
+            report.add(kind, f"{attrs[key]} cells", **{key: attrs[key]})
+    _add_attractors(report, result)
+    task.finish(result, report, code=task.by_message(result))
+
+
+def _options(task: Task, verb: str) -> dict[str, Any]:
+    """Options of a search for attractors."""
+    options = task.options(verb, "completion")
+    return options | {"completion": dict(settings(task["complete"], "--complete"))}
+
+
+def region_of(system: System, over: tuple[str, ...]) -> dict[str, tuple[float, float]]:
+    """Ranges of states from texts such as ``x=-1:1``."""
+    settings(over, "--over")  # refuses a state that is given twice
+    region = dict(map(value_limits, over))
+    for name in region:
+        _check_state(system, name)
+    return region
+
+
+def _grid(system: System, over: tuple[str, ...]) -> dict[str, np.ndarray]:
+    """Values of states from texts such as ``x=-1:1:200``, two states at least."""
+    region: dict[str, np.ndarray] = {}
+    cells = 1
+    for text in over:
+        name, values = value_range(text)
+        if name in region:
+            raise OptionError(f"--over: {name!r} is given twice")
+        _check_state(system, name)
+        if values.size < 2 or not values[0] < values[-1]:
+            raise OptionError(
+                f"--over: {text!r} is no row of cells; the first value must be less than the last"
+                " one, and the count 2 or more"
+            )
+        region[name] = values
+        cells *= values.size
+    if len(region) < 2:
+        raise OptionError("--over: basins need two states or more, such as x=-1:1:200")
+    if cells > _MOST_CELLS:
+        raise OptionError(f"--over: {cells} cells are too many; {_MOST_CELLS} are the most")
+    return region
+
+
+def _check_state(system: System, name: str) -> None:
+    if name not in system.states:
+        raise OptionError(f"--over: {unknown_name('state', name, system.states)}")
+
+
+def _map(task: Task) -> PoincareMap | StroboscopicMap:
+    """The map from strobe to strobe, or from one point of a section to the next."""
+    from nonsmooth.runs.poincare_map import PoincareMap
+    from nonsmooth.runs.stroboscopic_map import StroboscopicMap
+
+    system, section, every = task.system, task["section"], task["every"]
+    strobes = task.options("StroboscopicMap")
+    if section is None:
+        if task["direction"] is not None or task.is_given("side"):
+            raise OptionError("--direction and --side are those of a section: name it: --section")
+        if task["period"] is None and system.period is None:
+            raise OptionError(
+                f"{system.name} has no period; name a section, such as --section"
+                f" {system.states[-1]}, or give --period"
+            )
+        return StroboscopicMap(system, **strobes)
+    if task.is_given("phase") or task["period"] is not None:
+        raise OptionError("--phase and --period are those of strobes: leave out --section, or them")
+    return PoincareMap(system, every=every, **task.options("PoincareMap"))
+
+
+def _add_status(report: Report, result: xr.Dataset) -> None:
+    message = str(result.attrs["message"])
+    report.add("status", message, status=result.attrs["status"], message=message)
+
+
+def _add_attractors(report: Report, result: xr.Dataset) -> None:
+    """Add how many attractors there are, and one line for each."""
+    import numpy as np
+
+    report.lines.append(("attractors", f"{result.sizes['attractor']}"))
+    rows = []
+    for i in range(result.sizes["attractor"]):
+        one = result.isel(attractor=i)
+        period = int(one["period"])
+        sizes = np.hypot(one["multiplier_real"].values, one["multiplier_imag"].values)
+        share = float(one["fraction"]), float(one["fraction_error"])
+        exponent = float(one["exponent"]), float(one["exponent_error"])
+        rows.append(
+            (
+                int(one["attractor"]), str(one["kind"].item()), period or None, share,
+                float(sizes.max(initial=0.0)) if period else None,
+                None if period else exponent, str(one["word"].item()),
+            )
+        )  # fmt: skip
+    columns: list[Column] = [
+        ("", "attractor", str),
+        ("kind", "kind", str),
+        ("period", "period", _or_blank(str)),
+        ("share", "share and share_error", _pair_text),
+        ("multiplier", "multiplier", _or_blank("{:.4g}".format)),
+        ("exponent", "exponent and exponent_error", _or_blank(_pair_text)),
+        ("word", "word", lambda w: w if len(w) <= _LONGEST else w[: _LONGEST - 4] + " ..."),
     ]
-    rows.append(("attractors", f"{result.sizes['attractor']}"))
-    return table(str(attrs["system_name"]), rows)
+    report.table("attractors", columns, rows, _MOST)
 
 
-def _plot(result: xr.Dataset, path: Path) -> None:
-    from nonsmooth.plot import basins as draw
-    from nonsmooth.plot import print_figure, save_figure
+def _pair_text(pair: tuple[float, float]) -> str:
+    return with_error(*pair)
 
-    figure, (ax,) = print_figure(width=_WIDTH, height=_HEIGHT)
-    draw(result, ax=ax)
-    save_figure(figure, path)
-    typer.echo(f"drawn {path}")
+
+def _or_blank(text: Any) -> Any:
+    return lambda value: "" if value is None else text(value)
+
+
+def measures(task: Task) -> None:
+    """``nonsmooth measures``."""
+    from nonsmooth.analysis.basin_entropy import basin_entropy
+    from nonsmooth.analysis.basin_fractions import basin_fractions
+    from nonsmooth.analysis.uncertainty_exponent import uncertainty_exponent
+
+    saved = _saved(Path(task["file"]))
+    fractions = basin_fractions(saved)
+    found = uncertainty_exponent(saved, **task.options("uncertainty_exponent"))
+    report = Report(str(saved.attrs.get("system_name", task["file"])))
+    error = float(found["standard_error"])
+    for label in ("uncertainty exponent", "boundary dimension"):
+        _add_with_error(report, label, float(found[label.replace(" ", "_")]), error)
+    if found.attrs["message"]:
+        report.add("", str(found.attrs["message"]), message=str(found.attrs["message"]))
+    entropy = basin_entropy(saved, **task.options("basin_entropy"))
+    for name in ("basin_entropy", "boundary_basin_entropy"):
+        values = float(entropy[name]), float(entropy[f"{name}_error"])
+        _add_with_error(report, name.replace("_", " "), *values)
+    report.data["fractal"] = bool(entropy["fractal"])
+    if report.data["fractal"]:
+        report.lines.append(("", "the boundary is fractal: its entropy is above log 2"))
+    _add_wada(report, saved, fractions, task)
+    outcomes = [fractions.isel(label=i) for i in range(fractions.sizes["label"])]
+    rows = [
+        (
+            str(one["outcome"].item()),
+            (float(one["fraction"]), float(one["fraction_error"])),
+            int(one["starts"]),
+        )
+        for one in outcomes
+    ]
+    columns: list[Column] = [
+        ("outcome", "outcome", str),
+        ("share", "share and share_error", _pair_text),
+        ("starts", "starts", str),
+    ]
+    report.table("outcomes", columns, rows, sys.maxsize)
+
+    task.picture("uncertainty", found)
+    task.finish(None, report)
+
+
+def _add_with_error(report: Report, label: str, value: float, error: float) -> None:
+    key = label.replace(" ", "_")
+    report.add(label, with_error(value, error), **{key: value, f"{key}_error": error})
+
+
+def _add_wada(report: Report, saved: xr.Dataset, fractions: xr.Dataset, task: Task) -> None:
+    """Add whether basins share one boundary, where there are three or more."""
+    from nonsmooth.analysis.wada_test import wada_test
+
+    counted = (fractions["starts"].values > 0) & (fractions["label"].values != 0)
+    if int(counted.sum()) >= _FEWEST_FOR_WADA:
+        found = wada_test(saved, **task.options("wada_test"))
+        wada, cells = bool(found["wada"]), float(found["largest_distance"])
+        text = f"{'yes' if wada else 'no'}, boundaries are up to {cells:g} cells apart"
+        report.add("Wada property", text, wada=wada, largest_distance=cells)
+
+
+def _saved(file: Path) -> xr.Dataset:
+    """Basins of a file."""
+    import xarray as xr
+
+    if not file.is_file():
+        raise OptionError(f"{file} is no file; nonsmooth basins --save {file} would write it")
+    try:
+        saved = xr.load_dataset(file, engine="h5netcdf")
+    except (OSError, ValueError, KeyError) as fault:
+        reason = str(fault).splitlines()[0] if str(fault) else type(fault).__name__
+        raise OptionError(f"{file} cannot be read as netCDF: {reason}") from None
+    if "label" not in saved:
+        raise OptionError(
+            f"{file} holds no basins; give a file that nonsmooth basins --save has written"
+        )
+    return saved

@@ -1,4 +1,4 @@
-"""What all commands share: tables, and errors as one line with an exit code."""
+"""What all commands share: exit codes, tables, and errors as one line of text."""
 
 from __future__ import annotations
 
@@ -6,25 +6,11 @@ import sys
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-import typer
-from typer.core import TyperGroup
+import click
 
 from nonsmooth.errors import NonsmoothError, RunError
 
-__all__ = [
-    "ENDED_EARLY",
-    "INTERRUPTED",
-    "MISUSE",
-    "MODEL_HELP",
-    "PARAMETERS_HELP",
-    "STORE_HELP",
-    "Commands",
-    "print_table",
-]
-
-MODEL_HELP = "A name, see: nonsmooth models; or a file, see: nonsmooth models moling --toml."
-PARAMETERS_HELP = "Parameters; a value may be an expression like pi/2."
-STORE_HELP = "Keep what is done in a folder; the same command goes on there."
+__all__ = ["ENDED_EARLY", "INTERRUPTED", "MISUSE", "Commands", "print_table"]
 
 ENDED_EARLY = 1  # the work was begun and could not be finished
 MISUSE = 2  # the command line or the model cannot be right
@@ -33,26 +19,27 @@ INTERRUPTED = 130  # 128 + SIGINT, as shells report it
 _PIPE_WIDTH = 120  # characters; what reads a pipe has no screen to fit
 
 
-class Commands(TyperGroup):
-    """Group of commands that turns what the library raises into a message and a code."""
+class Commands(click.Group):
+    """Group of commands that turns what the library raises into a message and an exit code."""
 
-    def invoke(self, ctx: Any) -> Any:
+    def invoke(self, ctx: click.Context) -> Any:
         """Run the command."""
         try:
             return super().invoke(ctx)
         except KeyboardInterrupt:
-            typer.echo("nonsmooth: interrupted", err=True)
-            raise typer.Exit(INTERRUPTED) from None
+            click.echo("nonsmooth: interrupted", err=True)
+            raise click.exceptions.Exit(INTERRUPTED) from None
         except NonsmoothError as error:
             from nonsmooth.system.columns import harmless  # texts of files stand in messages
 
-            typer.echo(f"nonsmooth: {harmless(str(error))}", err=True)
-            raise typer.Exit(ENDED_EARLY if isinstance(error, RunError) else MISUSE) from None
-        except BrokenPipeError:  # the reader has seen enough; typer ends this quietly
+            click.echo(f"nonsmooth: {harmless(str(error))}", err=True)
+            code = ENDED_EARLY if isinstance(error, RunError) else MISUSE
+            raise click.exceptions.Exit(code) from None
+        except BrokenPipeError:  # the reader has seen enough; click ends this quietly
             raise
         except OSError as error:
-            typer.echo(f"nonsmooth: {error}", err=True)
-            raise typer.Exit(ENDED_EARLY) from None
+            click.echo(f"nonsmooth: {error}", err=True)
+            raise click.exceptions.Exit(ENDED_EARLY) from None
 
 
 def print_table(

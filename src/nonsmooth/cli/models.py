@@ -1,14 +1,16 @@
-"""``nonsmooth models``: what ready-made systems there are, and the equations of a system."""
+"""Commands that show systems: which are ready-made, and what stands in one."""
 
 from __future__ import annotations
 
 import inspect
+import json
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Any
 
-import typer
+import click
 
 from nonsmooth.cli.arguments import build_system, is_file, model_functions
+from nonsmooth.cli.command import Task
 from nonsmooth.cli.console import print_table
 from nonsmooth.errors import OptionError
 
@@ -16,40 +18,61 @@ if TYPE_CHECKING:
     from nonsmooth.system.parts import Mode
     from nonsmooth.system.system import System
 
-__all__ = ["models"]
+__all__ = ["explain", "models"]
 
 
-def models(
-    name: Annotated[
-        str | None,
-        typer.Argument(metavar="MODEL", help="Print the equations of this one, or of a file."),
-    ] = None,
-    *,
-    toml: Annotated[
-        bool, typer.Option("--toml", help="Print it as TOML, to be changed and simulated.")
-    ] = False,
-) -> None:
-    """List the ready-made systems, or print the equations of one."""
+def models(task: Task) -> None:
+    """``nonsmooth models``."""
+    name = task["model"]
     if name is None:
-        if toml:
+        if task["toml"]:
             raise OptionError("--toml: name a model, see: nonsmooth models")
-        print_table(
-            ("model", "what it is"), [(k, _summary(f)) for k, f in model_functions().items()]
-        )
+        rows = [(known, _summary(function)) for known, function in model_functions().items()]
+        if task["json"]:
+            models = [{"model": known, "summary": text} for known, text in rows]
+            click.echo(json.dumps({"models": models}, indent=2, ensure_ascii=False))
+            return
+        print_table(("model", "what it is"), rows)
         return
     system = build_system(name, {})
-    if toml:
-        typer.echo(system.to_toml(), nl=False)
+    if task["toml"]:
+        if task["json"]:
+            raise OptionError("give one of --toml and --json: each is a document of its own")
+        click.echo(system.to_toml(), nl=False)
         return
+    _print_model(task, name, system)
+
+
+def _print_model(task: Task, name: str, system: System) -> None:
+    """Print parameters, states and equations of a system, each as a name, a text and a meaning."""
     from nonsmooth.system.columns import aligned, one_line
 
     about = system.name if is_file(name) else _summary(model_functions()[name])
-    typer.echo(one_line(f"{name}: {about}"))
-    for title, rows in _tables(system):
-        if rows:
-            typer.echo("\n".join(["", title, *aligned(rows)]))
-    for mode_name, mode in system.modes.items():
-        typer.echo("\n".join(["", f"mode {mode_name}", *aligned(list(_equations(mode)))]))
+    parts = {title: rows for title, rows in _tables(system) if rows}
+    modes = {mode: list(_equations(equations)) for mode, equations in system.modes.items()}
+    if task["json"]:
+        document: dict[str, Any] = {"model": name, "summary": about}
+        document |= {title: _named(rows) for title, rows in parts.items()}
+        document["modes"] = {mode: _named(rows) for mode, rows in modes.items()}
+        numbers = {key: float(value) for key, value in system.parameter_values.items()}
+        document["parameter_values"] = numbers
+        click.echo(json.dumps(document, indent=2, ensure_ascii=False))
+        return
+    click.echo(one_line(f"{name}: {about}"))
+    for title, rows in [*parts.items(), *((f"mode {mode}", rows) for mode, rows in modes.items())]:
+        click.echo("\n".join(["", title, *aligned(rows)]))
+
+
+def _named(rows: list[tuple[str, str, str]]) -> list[dict[str, str]]:
+    return [
+        {"name": name, "text": text.removeprefix("= "), "meaning": meaning}
+        for name, text, meaning in rows
+    ]
+
+
+def explain(task: Task) -> None:
+    """``nonsmooth explain``."""
+    task.system.explain()
 
 
 def _summary(function: object) -> str:

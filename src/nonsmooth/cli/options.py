@@ -1,75 +1,301 @@
-"""Options that several commands have: which map, and how attractors are looked for."""
+"""Options of commands, made from the parameters of verbs.
+
+What an option means, its default and its allowed values stand in the signature and the docstring
+of the verb. How its value is written in a shell depends on its kind: numbers may be expressions,
+states are given as ``x=0.1,v=0``. `FORMS` says that by the name of the parameter, once for every
+command.
+"""
 
 from __future__ import annotations
 
-from typing import Annotated
+import re
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple
 
-import typer
+import click
+from click.shell_completion import CompletionItem
 
-from nonsmooth.cli.console import MODEL_HELP, PARAMETERS_HELP
+from nonsmooth.cli.arguments import initial_state, names, number, widths
+from nonsmooth.cli.signatures import Parameter
+from nonsmooth.errors import NonsmoothError, OptionError
 
-__all__ = [
-    "Complete",
-    "Direction",
-    "Every",
-    "Longest",
-    "Match",
-    "Model",
-    "Parameters",
-    "Period",
-    "Phase",
-    "Record",
-    "Samples",
-    "SearchCells",
-    "SectionText",
-    "Seed",
-    "Side",
-    "Start",
-    "StartMode",
-]
+__all__ = ["FORMS", "LEAST", "Kind", "Own", "flag", "own_option", "spoken", "verb_option"]
 
-Model = Annotated[str, typer.Argument(metavar="MODEL", help=MODEL_HELP)]
-Parameters = Annotated[
-    list[str] | None, typer.Argument(metavar="NAME=VALUE...", help=PARAMETERS_HELP)
-]
-Start = Annotated[str | None, typer.Option(metavar="x=0.1,v=0", help="States at the start.")]
-StartMode = Annotated[str | None, typer.Option(help="Mode to start in.")]
 
-Phase = Annotated[
-    float | None, typer.Option(help="Part of the period at which strobes are, 0 by default.")
-]
-Period = Annotated[
-    str | None,
-    typer.Option(metavar="EXPRESSION", help="Time between strobes, if not that of the system."),
-]
-SectionText = Annotated[
-    str | None,
-    typer.Option(
-        "--section",
-        metavar="EXPRESSION",
-        help="Points where it vanishes, or at this event, not strobes.",
+class Form(NamedTuple):
+    """How an option is written: a placeholder, what makes a value of the text, and a help text."""
+
+    metavar: str
+    convert: Callable[[str, str], Any] | None = None  # takes the text and the option
+    text: str = ""  # where the docstring speaks of objects of Python
+    multiple: bool = False
+
+
+class Own(NamedTuple):
+    """An option that only the shell has."""
+
+    name: str
+    text: str
+    metavar: str = ""  # of a flag there is none
+    default: Any = None
+    choices: tuple[Any, ...] = ()
+    convert: Callable[[str, str], Any] | None = None
+    multiple: bool = False
+    required: bool = False
+    drawn: bool = False  # it says something about the picture, so it needs --plot
+
+
+def _words(text: str, _: str) -> list[str]:
+    return text.replace(",", " ").split()
+
+
+def _names(text: str, _: str) -> list[str]:
+    return names(text)
+
+
+def _column(text: str, _: str) -> str | int:
+    return int(text) if text.isdecimal() else text
+
+
+def _labels(text: str, option: str) -> tuple[int, int]:
+    try:
+        first, second = (int(part) for part in names(text))
+    except ValueError:
+        raise OptionError(f"{option}: {text!r} is not two labels, such as 1,2") from None
+    return first, second
+
+
+# By the name of the parameter.
+FORMS = {
+    "initial": Form(
+        "x=0.1,v=0", initial_state, "Initial state. States that you leave out are at rest."
     ),
-]
-Direction = Annotated[
-    int | None, typer.Option(help="Of the section: 1 where it grows, -1 falls, 0 both.")
-]
-Side = Annotated[
-    str | None, typer.Option(help="Of a section: states just before (default) or just after.")
-]
-Every = Annotated[int, typer.Option(help="Take each so many-th point as one step of the map.")]
-
-Complete = Annotated[
-    list[str] | None,
-    typer.Option(
-        metavar="q=EXPRESSION",
-        help="A state that is not in --over; at rest without it. May be given several times.",
+    "section": Form(
+        "EXPRESSION",
+        text="Where points are taken: an expression that is zero there, such as x-0.5, or the name"
+        " of an event, such as impact.",
     ),
-]
-Samples = Annotated[int, typer.Option(help="Random starts by which attractors are found.")]
-Seed = Annotated[int, typer.Option(help="Of the random starts.")]
-Longest = Annotated[int, typer.Option(help="Steps after which a start is left unsettled.")]
-Record = Annotated[int, typer.Option(help="Steps of a motion that does not repeat.")]
-Match = Annotated[float, typer.Option(help="Points repeat that agree to this part of the spread.")]
-SearchCells = Annotated[
-    int, typer.Option("--cells", help="Cells across the spread by which motions recur.")
-]
+    "period": Form(
+        "EXPRESSION",
+        text="Time between strobes, in place of the period of the system. Parameters may stand in"
+        " it, as in 2*pi/omega.",
+    ),
+    "find_orbit.period": Form(
+        "N", text="Order of the orbit: how many periods of the forcing one turn takes."
+    ),
+    "smoothing_report.period": Form(
+        "N", text="Order of the orbit that is followed: how many periods one turn takes."
+    ),
+    "find_orbit.transient": Form(
+        "N",
+        text="Periods left out before the orbit is looked for; 0 with --initial, 200 without it.",
+    ),
+    "smoothing_report.kind": Form("NAME", text="Function in place of the sign of a switch."),
+    "samples_per_period": Form("N", text="Samples per period of the forcing."),
+    "word": Form(
+        '"MODE MODE ..."',
+        _words,
+        "Modes of one turn of the orbit in order; the last one is the first one again. Without it"
+        " they are those of a simulation.",
+    ),
+    "completion": Form(
+        "q=EXPRESSION",
+        text="Value of a state that --over does not name, such as q=max(0,p-g). Without it the"
+        " state is at rest. You may give it several times.",
+        multiple=True,
+    ),
+    "mode": Form("MODE", text="Mode to start in, where several would fit."),
+    "variable": Form("x[,y]", _names),
+    "contact": Form("MODE[,MODE...]", _names),
+    "of": Form("NAME[,NAME...]", _names),
+    "at": Form("EVENT"),
+    "window": Form("NAME", text="Window against leakage, such as hann; boxcar is none."),
+    "units": Form("UNIT"),
+    "epsilons": Form("0.1,0.01", widths, "Widths of the smooth switches, two or more."),
+    "between": Form("1,2", _labels, "Look only at the boundary between these two outcomes."),
+    "time": Form(
+        "COLUMN",
+        _column,
+        "Column of the times: its header, or its number from 0. Without it the column 'time' or"
+        " 't'. Times are in s, or in ms or us where the header says so.",
+    ),
+    "mark": Form(
+        "COLUMN", _column, "Column with one pulse per revolution. Without it there is no section."
+    ),
+    "store": Form(
+        "FOLDER",
+        text="Keep finished parts in this folder. After an interruption the same command goes on"
+        " there.",
+    ),
+    "threads": Form(
+        "N", text="Threads to use, all processors by default. The result does not depend on it."
+    ),
+}
+
+# Least values of whole and other numbers, which the verbs check and the help tells; by the name of
+# the parameter, or with the verb before it where verbs differ.
+LEAST: Mapping[str, float | None] = {
+    "transient": 0,
+    "record": 1,
+    "lyapunov_spectrum.record": None,  # any length of time above 0
+    "regime.record": 2,
+    "regime_map.record": 2,
+    "zero_one_test.record": 100,
+    "evidence": 20,
+    "longest": 1,
+    "confirm": 0,
+    "refine": 0,
+    "every": 1,
+    "exponents": 1,
+    "frequencies": 1,
+    "seed": 0,
+    "segments": 1,
+    "samples": 1,
+    "samples_per_period": 1,
+    "max_events": 1,
+    "cells": 1,
+    "threads": 1,
+    "box": 2,
+    "steps": 1,
+    "starts": 1,
+    "fatten": 1,
+    "period": 1,
+}
+
+
+class Kind(click.ParamType):
+    """Type of an option: text, a number, one of some values, or what a form makes of the text."""
+
+    def __init__(
+        self,
+        metavar: str,
+        convert: Callable[[str, str], Any] | None = None,
+        choices: tuple[Any, ...] = (),
+    ) -> None:
+        self.name = metavar
+        self.make = convert
+        self.choices = {spoken(value): value for value in choices}
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: Any) -> Any:
+        """Value of a text; a default is one already."""
+        if not isinstance(value, str):
+            return value
+        option = param.opts[0] if param is not None else ""
+        if self.choices:
+            found = self.choices.get(value.strip().replace(" ", "-"))
+            if found is None:
+                texts = all(isinstance(each, str) for each in self.choices.values())
+                shown = repr(value) if texts else value
+                known = ", ".join(self.choices)
+                raise OptionError(f"{option} = {shown} is not one of {known}")
+            return found
+        if self.name == "N":
+            try:
+                return int(value)
+            except ValueError:
+                self.fail(f"{value!r} is not a whole number, such as 100")
+        if self.name == "NUMBER":
+            try:
+                return number(value, option)
+            except NonsmoothError:
+                self.fail(f"{value!r} is not a number or a constant expression, such as pi/2")
+        return value if self.make is None else self.make(value, option)
+
+    def shell_complete(
+        self, ctx: click.Context, param: click.Parameter, incomplete: str
+    ) -> list[CompletionItem]:
+        """Allowed values, files or folders."""
+        if self.name in ("FILE", "FOLDER"):
+            return [CompletionItem(incomplete, type="dir" if self.name == "FOLDER" else "file")]
+        return [CompletionItem(value) for value in self.choices if value.startswith(incomplete)]
+
+
+def spoken(value: Any) -> str:
+    """A value as it is written in a shell, where a blank would need quotes."""
+    return value.replace(" ", "-") if isinstance(value, str) else f"{value:g}"
+
+
+def flag(name: str) -> str:
+    """Option of a name."""
+    return "--" + name.replace("_", "-")
+
+
+def own_option(own: Own) -> click.Option:
+    """Option that a command has beside those of its verb."""
+    if not own.metavar:
+        return click.Option([flag(own.name), own.name], is_flag=True, help=own.text)
+    kind = Kind(own.metavar, own.convert, own.choices)
+    text = _help(own.text, own.choices, None, own.default)
+    return _option(own.name, kind, text, own.default, own.multiple, own.required)
+
+
+def verb_option(
+    verb: str,
+    parameter: Parameter,
+    name: str,
+    *,
+    default: Any,
+    multiple: bool,
+    flags: Mapping[str, str],
+) -> click.Option:
+    """Option for a parameter of a verb; `flags` has the option of every parameter by its name."""
+    form = FORMS.get(f"{verb}.{parameter.name}", FORMS.get(parameter.name, Form("")))
+    text = form.text or plain(parameter.text, flags)
+    types = parameter.annotation.split(" | ")
+    if "bool" in types:
+        return click.Option([flag(name), name], is_flag=True, help=text)
+    metavar = form.metavar or {"int": "N", "float": "NUMBER"}.get(types[0], "TEXT")
+    if parameter.choices:
+        metavar = "NAME" if isinstance(parameter.choices[0], str) else "N"
+    least = LEAST.get(f"{verb}.{parameter.name}", LEAST.get(parameter.name))
+    if metavar not in ("N", "NUMBER") or parameter.choices:
+        least = None
+    several = multiple or form.multiple
+    if several and "several times" not in text:
+        text += " You may give it several times."
+    kind = Kind(metavar, form.convert, parameter.choices)
+    text = _help(text, parameter.choices, least, default)
+    return _option(name, kind, text, default, several, parameter.required)
+
+
+def _option(
+    name: str, kind: Kind, text: str, default: Any, multiple: bool, required: bool
+) -> click.Option:
+    """Option of click, which takes the default None for a value that is given."""
+    more = {} if multiple or default is None else {"default": default}
+    return click.Option(
+        [flag(name), name],
+        type=kind,
+        metavar=kind.name,
+        multiple=multiple,
+        required=required,
+        help=text,
+        **more,
+    )
+
+
+def _help(text: str, choices: tuple[Any, ...], least: float | None, default: Any) -> str:
+    """A help text with allowed values, the least value and the default behind it."""
+    parts = []
+    if choices:
+        *most, last = map(spoken, choices)
+        parts.append(f"{', '.join(most)} or {last}")
+    if least is not None:
+        parts.append(f"{least:g} or more")
+    if default not in (None, "", ()):
+        parts.append(f"default: {default if isinstance(default, int) else spoken(default)}")
+    return f"{text} [{'; '.join(parts)}]" if parts else text
+
+
+def plain(text: str, flags: Mapping[str, str]) -> str:
+    """First sentence of a docstring's text, in words of the shell."""
+    first = re.split(r"(?<=[\w)\"`])\. (?=[A-Z])", text.rstrip("."), maxsplit=1)[0]
+
+    def shown(found: re.Match[str]) -> str:
+        word = found[1]
+        name, sign, value = word.partition("=")
+        if name in flags:
+            return f"{flags[name]} {value}" if sign else flags[name]
+        return spoken(word.strip('"')) if word.startswith('"') else word
+
+    return re.sub(r"``?([^`]+)``?", shown, first.replace(" (dimensionless)", "")) + "."

@@ -1,16 +1,22 @@
 """Commands that other packages add to ``nonsmooth``.
 
 A package adds a command by an entry point of the group ``nonsmooth.commands``: its name is that of
-the command, and what it points to is an application of typer.
+the command, and what it points to is a command or a group of click. It is loaded when it is used,
+or when the help lists it.
 """
 
 from __future__ import annotations
 
-import typer
+from typing import TYPE_CHECKING
 
-from nonsmooth.errors import OptionError, RunError
+import click
 
-__all__ = ["GROUP", "add_plugins"]
+from nonsmooth.errors import NonsmoothError, OptionError, RunError
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
+
+__all__ = ["GROUP", "plugin", "plugin_names"]
 
 GROUP = "nonsmooth.commands"
 
@@ -19,28 +25,44 @@ _KNOWN = {
     "chapter": "`nonsmooth chapter` is a package of its own, which is not installed; in a copy of"
     " the repository of nonsmooth, `pip install ./studies/chapter` installs it"
 }
-_ANYTHING = {"ignore_unknown_options": True, "allow_extra_args": True}
 
 
-def add_plugins(app: typer.Typer) -> None:
-    """Add the commands of installed packages; one that is not installed says how to get it."""
+def _found() -> dict[str, EntryPoint]:
     from importlib.metadata import entry_points
 
-    found = {each.name: each for each in entry_points(group=GROUP)}
-    for name in sorted(found):
-        try:
-            app.add_typer(found[name].load(), name=name)
-        except Exception as fault:  # of another package: the other commands must still work
-            said = f"{type(fault).__name__}: {fault}"
-            _refuse(app, name, RunError(f"`nonsmooth {name}` could not be loaded: {said}"))
-    for name, how in _KNOWN.items():
-        if name not in found:
-            _refuse(app, name, OptionError(how))
+    return {each.name: each for each in entry_points(group=GROUP)}
 
 
-def _refuse(app: typer.Typer, name: str, error: Exception) -> None:
-    """Add a command that only raises an error, whatever words come after it."""
+def plugin_names() -> list[str]:
+    """Names of the commands of installed packages."""
+    return sorted(_found())
 
-    @app.command(name, hidden=True, context_settings=_ANYTHING, add_help_option=False)
+
+def plugin(name: str) -> click.Command | None:
+    """Command of another package; one that cannot be loaded says why when it is called."""
+    found = _found()
+    if name not in found:
+        return _refusal(name, OptionError(_KNOWN[name])) if name in _KNOWN else None
+    try:
+        loaded = found[name].load()
+    except Exception as fault:  # of another package: the other commands must still work
+        said = f"{type(fault).__name__}: {fault}"
+        return _refusal(name, RunError(f"`nonsmooth {name}` could not be loaded: {said}"))
+    if isinstance(loaded, click.Command):
+        return loaded
+    return _refusal(name, RunError(f"`nonsmooth {name}` is no command or group of click"))
+
+
+def _refusal(name: str, error: NonsmoothError) -> click.Command:
+    """A command that only raises an error, whatever words come after it."""
+
     def refuse() -> None:
         raise error
+
+    return click.Command(
+        name,
+        callback=refuse,
+        hidden=True,
+        add_help_option=False,
+        context_settings={"ignore_unknown_options": True, "allow_extra_args": True},
+    )

@@ -1,104 +1,72 @@
-"""``nonsmooth regimes``: what motions settle to over two parameters."""
+"""Commands that tell what motions settle to."""
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-import typer
-
-from nonsmooth.cli.arguments import build_system, constants, names, settings, value_range
-from nonsmooth.cli.console import MODEL_HELP, PARAMETERS_HELP, STORE_HELP
-from nonsmooth.cli.output import certified_runs, check_files, exit_by_status, save_dataset, table
+from nonsmooth.cli.arguments import value_range
+from nonsmooth.cli.command import Task
+from nonsmooth.cli.report import Report
+from nonsmooth.cli.runs import certified
+from nonsmooth.cli.sweeps import certified_runs
 from nonsmooth.errors import OptionError
 
 if TYPE_CHECKING:
     import numpy as np
     import xarray as xr
 
-__all__ = ["regimes"]
-
-_WIDTH, _HEIGHT = 12.0, 8.0  # centimetres, between one column and two
+__all__ = ["regime", "regimes"]
 
 
-def regimes(
-    model: Annotated[str, typer.Argument(metavar="MODEL", help=MODEL_HELP)],
-    parameters: Annotated[
-        list[str] | None,
-        typer.Argument(metavar="NAME=VALUE...", help=PARAMETERS_HELP),
-    ] = None,
-    *,
-    over: Annotated[
-        list[str],
-        typer.Option(
-            metavar="NAME=A:B:N", help="Parameter, first and last value, how many; given twice."
-        ),
-    ],
-    refine: Annotated[int, typer.Option(help="Halve cells at borders so often.")] = 0,
-    fill: Annotated[
-        str, typer.Option(help="Refined cells: labels, or motions so that no number is missing.")
-    ] = "labels",
-    start: Annotated[
-        str | None, typer.Option(metavar="x=0.1,v=0", help="States at the start.")
-    ] = None,
-    follow: Annotated[
-        str | None,
-        typer.Option(metavar="up|down", help="Begin where the neighbour below or above settled."),
-    ] = None,
-    transient: Annotated[int, typer.Option(help="Periods to drop first, at least.")] = 200,
-    record: Annotated[int, typer.Option(help="Periods in which strobes may repeat.")] = 100,
-    evidence: Annotated[
-        int, typer.Option(help="Periods for exponent and 0-1 test; below 200 a survey.")
-    ] = 500,
-    longest: Annotated[
-        int | None, typer.Option(help="Largest transient; 16 times the first by default.")
-    ] = None,
-    confirm: Annotated[
-        int, typer.Option(help="Periods for which a chaotic motion is run on, to see it stay so.")
-    ] = 10_000,
-    period: Annotated[
-        str | None, typer.Option(help="Time between strobes, for systems without a period.")
-    ] = None,
-    threads: Annotated[int | None, typer.Option(help="Threads; all processors by default.")] = None,
-    store: Annotated[Path | None, typer.Option(metavar="FOLDER", help=STORE_HELP)] = None,
-    plot: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Draw the map: .png or .pdf.")
-    ] = None,
-    save: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Save the map as netCDF: .nc.")
-    ] = None,
-) -> None:
-    """What motions settle to for many values of two parameters."""
+def regime(task: Task) -> None:
+    """``nonsmooth regime``."""
+    from nonsmooth.analysis.regime import regime as judge
+
+    found = judge(task.system, **task.options("regime"))
+    task.finish(found, _regime_report(found))
+
+
+def _regime_report(found: xr.Dataset) -> Report:
+    """The label and what is known beside it."""
+    report = Report(found.attrs["system_name"])
+    message = str(found.attrs["message"])
+    report.add("regime", message, regime=found["regime"].item(), message=message)
+    period, length = found["period"].item(), found.attrs["strobe_period"]
+    if period:
+        report.add("period", f"{period} of {length:.7g}", period=period, strobe_period=length)
+        report.add("word", found["word"].item())
+    for name in ("events", "impacts"):
+        if (value := found[name].item()) == value:
+            report.add(name, f"{value:.6g} per period", **{f"{name}_per_period": value})
+    for variable in map(str, found.data_vars):
+        if variable.endswith("_per_period"):
+            value, drift = found[variable].item(), variable.removesuffix("_per_period")
+            report.add(f"drift of {drift}", f"{value:.7g} per period", **{variable: value})
+    moduli = [value for value in found["multiplier_modulus"].values if value == value]
+    if moduli:
+        text = ", ".join(f"{value:.6g}" for value in moduli)
+        report.add("multipliers", text, multiplier_modulus=moduli)
+    exponent, error = found["exponent"].item(), found["exponent_error"].item()
+    if exponent == exponent:
+        text = f"{exponent:.6g}" + (f" +- {error:.2g}" if error == error else "")
+        report.add("exponent", text, exponent=exponent, exponent_error=error)
+    certified(report, found["n_uncertain"].item(), found["n_estimated"].item())
+    used = found["transient_used"].item()
+    report.add("transient", f"{used} periods", transient=used)
+    return report
+
+
+def regimes(task: Task) -> None:
+    """``nonsmooth regimes``."""
     from nonsmooth.analysis.regime_map import regime_map
-    from nonsmooth.system.columns import harmless
 
-    check_files(plot, save)
-    system = build_system(model, settings(parameters or [], "NAME=VALUE"))
-    result = regime_map(
-        system,
-        _grid(over),
-        initial=constants(settings(names(start), "--start"), "--start"),
-        refine=refine,
-        fill=fill,
-        start="restart" if follow is None else f"follow {follow}",
-        transient=transient,
-        record=record,
-        evidence=evidence,
-        longest=longest,
-        confirm=confirm,
-        period=period,
-        threads=threads,
-        store=store,
-    )
-    typer.echo(harmless(_summary(result)))
-    if save is not None:
-        save_dataset(result, save)
-    if plot is not None:
-        _plot(result, plot)
-    exit_by_status(result.attrs["status"])
+    result = regime_map(task.system, _grid(task["over"]), **task.options("regime_map"))
+
+    task.picture("regime_map", result)
+    task.finish(result, _map_report(result), code=task.by_status(result))
 
 
-def _grid(over: list[str]) -> dict[str, np.ndarray]:
+def _grid(over: tuple[str, ...]) -> dict[str, np.ndarray]:
     """Both parameters with their values."""
     pairs = [value_range(text) for text in over]
     if len(pairs) != 2 or pairs[0][0] == pairs[1][0]:
@@ -110,27 +78,20 @@ def _grid(over: list[str]) -> dict[str, np.ndarray]:
     return dict(pairs)
 
 
-def _summary(result: xr.Dataset) -> str:
+def _map_report(result: xr.Dataset) -> Report:
     """How large the map is, and how many points have each label."""
     import numpy as np
 
-    second, first = result["regime"].dims
+    sizes, (second, first) = result.sizes, map(str, result["regime"].dims)
     words = result["regime"].attrs["flag_meanings"].split()
-    computed = int(result["computed"].sum())
-    rows = [
-        ("points", f"{result.sizes[first]} of {first} times {result.sizes[second]} of {second}"),
-        ("computed", f"{computed} of {result['regime'].size}"),
-    ]
+    computed, points = int(result["computed"].sum()), result["regime"].size
+    report = Report(result.attrs["system_name"])
+    text = f"{sizes[first]} of {first} times {sizes[second]} of {second}"
+    report.add("points", text, points={first: sizes[first], second: sizes[second]})
+    report.add("computed", f"{computed} of {points}", computed=computed)
     codes, counts = np.unique(result["regime"].values, return_counts=True)
-    rows += [(words[code], f"{count}") for code, count in zip(codes, counts, strict=True)]
-    rows.append(("certified", certified_runs(result)))
-    return table(result.attrs["system_name"], rows)
-
-
-def _plot(result: xr.Dataset, path: Path) -> None:
-    from nonsmooth.plot import print_figure, regime_map, save_figure
-
-    figure, (ax,) = print_figure(width=_WIDTH, height=_HEIGHT)
-    regime_map(result, ax=ax)
-    save_figure(figure, path)
-    typer.echo(f"drawn {path}")
+    labels = {words[code]: int(n) for code, n in zip(codes, counts, strict=True)}
+    for word, n in labels.items():
+        report.add(word, f"{n}", regimes=labels)
+    certified_runs(report, result)
+    return report

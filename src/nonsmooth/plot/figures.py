@@ -100,16 +100,17 @@ def _set_ticks(ax: Axes) -> None:
 
 
 def save_figure(figure: Figure, path: str | Path, *, dpi: float = 300.0) -> Path:
-    """Write a figure to a PNG or PDF file, whole or not at all.
+    """Write a figure to a PNG, PDF or SVG file, whole or not at all.
 
     Parameters
     ----------
     figure : matplotlib.figure.Figure
         The figure.
     path : str or pathlib.Path
-        File to write; ``.png`` or ``.pdf`` says the format, the folder must exist.
+        File to write, in a folder that exists; its suffix says the format: ``.png``, ``.pdf`` or
+        ``.svg``.
     dpi : float, optional
-        Dots per inch of a PNG, and of what a PDF holds as an image.
+        Dots per inch of a PNG, and of what the other formats hold as an image.
 
     Returns
     -------
@@ -131,12 +132,12 @@ def save_figure(figure: Figure, path: str | Path, *, dpi: float = 300.0) -> Path
     """
     import matplotlib
 
-    target = check_target(path, (".png", ".pdf"))
+    target = check_target(path, (".png", ".pdf", ".svg"))
     kind = target.suffix.lower()[1:]
     # without its date the same figure gives the same file
-    metadata = {"CreationDate": None} if kind == "pdf" else {}
+    metadata = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}.get(kind, {})
     # in pieces of this many points a long line is drawn three times as fast
-    pieces: Any = {"agg.path.chunksize": 10_000}
+    pieces: Any = {"agg.path.chunksize": 10_000, "svg.hashsalt": "nonsmooth"}
     with replacing(target) as draft, matplotlib.rc_context(pieces):
         figure.savefig(draft, format=kind, dpi=dpi, metadata=metadata)
     return target

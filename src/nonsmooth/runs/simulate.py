@@ -99,11 +99,11 @@ def simulate(
         parameters: by all of them, or by those named in a list, which may be empty. A run
         that goes on begins them anew.
     max_seconds : float, optional
-        Time of the clock that the run may take. A run that takes longer ends with status
+        Seconds of the clock that the run may take. A run that takes longer ends with status
         ``work_limit``: it holds everything up to there, and goes on when it is passed as
         ``initial``. The clock decides where the run ends, never what it computes.
     max_events : int, optional
-        Number of events, tangencies included, after which the run ends likewise.
+        Largest number of events, tangencies included; after them the run ends likewise.
 
     Returns
     -------

@@ -3,7 +3,7 @@
 import os
 
 import pytest
-from typer.testing import CliRunner
+from click.testing import CliRunner
 
 # Before anything imports matplotlib: a test machine has no screen.
 os.environ["MPLBACKEND"] = "Agg"

@@ -7,7 +7,6 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
-from typer.main import get_command
 
 import nonsmooth_chapter
 from nonsmooth_chapter import command
@@ -73,7 +72,7 @@ def test_options_of_messages_exist():
     """A message that names an option which is gone sends users into an error."""
     known = {
         option
-        for each in get_command(command.app).commands.values()
+        for each in command.app.commands.values()
         for parameter in each.params
         for option in parameter.opts
     }

@@ -7,28 +7,40 @@ import sys
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
-import typer
+import click
 
 from nonsmooth import OptionError
 from nonsmooth_chapter.results import unknown_name
 
 __all__ = ["app"]
 
-app = typer.Typer(
-    no_args_is_help=True, help="Figures and statements of the chapter, computed anew."
-)
+
+@click.group(no_args_is_help=True)
+def app() -> None:
+    """Figures and statements of the chapter, computed anew."""
+
 
 _COLUMNS = ("id", "where", "verdict", "printed", "computed")
 _VERDICTS = ("holds", "differs", "not determinable")
-_STORE = "Keep what is done in a folder; the same command goes on there."
 _ENDED_EARLY = 1  # code of a command that could not do all of its work
 _PIPE_WIDTH = 120  # characters; what reads a pipe has no screen to fit
-_Out = Annotated[Path, typer.Option(metavar="DIR", help="Folder for the files.")]
-_Processes = Annotated[
-    int | None, typer.Option(metavar="N", help="Processes; by default one for each processor.")
-]
+_FOLDER = click.Path(path_type=Path)
+_PROCESSES = click.option(
+    "--processes", type=int, metavar="N", help="Processes; by default one for each processor."
+)
+
+
+def _out(default: str) -> Any:
+    return click.option(
+        "--out",
+        type=_FOLDER,
+        default=default,
+        metavar="FOLDER",
+        show_default=True,
+        help="Folder for the files.",
+    )
 
 
 @app.command("list")
@@ -41,19 +53,22 @@ def list_figures() -> None:
 
 
 @app.command()
+@click.argument("figures", nargs=-1, metavar="[FIGURE...]")
+@click.option(
+    "--figures",
+    "more_figures",
+    metavar="FIGURE,FIGURE",
+    help="Figures with commas in between; nonsmooth chapter list names them.",
+)
+@click.option("--all", "all_figures", is_flag=True, help="Every figure, and a report of claims.")
+@_out("chapter-figures")
+@_PROCESSES
 def run(
-    figures: Annotated[
-        list[str] | None, typer.Argument(metavar="FIG...", help="Figures, see: list.")
-    ] = None,
-    more_figures: Annotated[
-        str | None,
-        typer.Option("--figures", metavar="FIG,FIG", help="The same, with commas in between."),
-    ] = None,
-    all_figures: Annotated[
-        bool, typer.Option("--all", help="Every figure, and a report with the claims.")
-    ] = False,
-    out: _Out = Path("chapter-figures"),
-    processes: _Processes = None,
+    figures: tuple[str, ...],
+    more_figures: str | None,
+    all_figures: bool,
+    out: Path,
+    processes: int | None,
 ) -> None:
     """Compute and draw figures; what the folder has from the same code is left as it is.
 
@@ -64,7 +79,7 @@ def run(
     from nonsmooth_chapter.whole_chapter import run_chapter, written_files
 
     known = figure_ids()
-    wanted = [*(figures or []), *(more_figures.split(",") if more_figures else [])]
+    wanted = [*figures, *(more_figures.split(",") if more_figures else [])]
     if all_figures == bool(wanted):
         raise OptionError("name some figures, or give --all; nonsmooth chapter list names them")
     for name in wanted:
@@ -73,24 +88,33 @@ def run(
     out.mkdir(parents=True, exist_ok=True)
     outcome = run_chapter(out, None if all_figures else wanted, processes=processes)
     for path in written_files(out, known if all_figures else wanted, outcome):
-        typer.echo(str(path))
+        click.echo(str(path))
     if all_figures and outcome.complete:
-        typer.echo(str(out / "report.html"))
+        click.echo(str(out / "report.html"))
     _end(outcome, f"what is done is kept; the same command with --out {out} goes on there")
 
 
 @app.command()
+@click.argument("ids", nargs=-1, metavar="[ID...]")
+@click.option("--section", type=int, metavar="N", help="Claims of this section.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON with all details.")
+@click.option(
+    "--verdict", metavar="VERDICT", help=f"Claims with this verdict: {', '.join(_VERDICTS)}."
+)
+@click.option(
+    "--store",
+    type=_FOLDER,
+    metavar="FOLDER",
+    help="Keep what is done in a folder; the same command goes on there.",
+)
+@_PROCESSES
 def claims(
-    ids: Annotated[
-        list[str] | None, typer.Argument(metavar="ID...", help="Claims, such as F45; all if none.")
-    ] = None,
-    section: Annotated[int | None, typer.Option(help="Those of this section.")] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON with all details.")] = False,
-    verdict: Annotated[
-        str | None, typer.Option(help=f"Those with this verdict: {', '.join(_VERDICTS)}.")
-    ] = None,
-    store: Annotated[Path | None, typer.Option(metavar="FOLDER", help=_STORE)] = None,
-    processes: _Processes = None,
+    ids: tuple[str, ...],
+    section: int | None,
+    as_json: bool,
+    verdict: str | None,
+    store: Path | None,
+    processes: int | None,
 ) -> None:
     """Compare what the chapter states with what is computed."""
     from nonsmooth_chapter.claims import select_claims
@@ -98,7 +122,7 @@ def claims(
 
     if verdict is not None and verdict not in _VERDICTS:
         raise OptionError(f"--verdict: {unknown_name('verdict', verdict, _VERDICTS)}")
-    names = select_claims(section, ids or None)
+    names = select_claims(section, list(ids) or None)
     rows, outcome = judge_claims(names, store=store, processes=processes)
     if outcome.complete:
         _print_rows([row for row in rows if verdict in (None, row["verdict"])], as_json)
@@ -111,26 +135,27 @@ def claims(
 
 def _print_rows(rows: list[dict[str, Any]], as_json: bool) -> None:
     if as_json:
-        typer.echo(json.dumps(rows, indent=2, ensure_ascii=False))
+        click.echo(json.dumps(rows, indent=2, ensure_ascii=False))
         return
     _print_table(_COLUMNS, [[_text(row[key]) for key in _COLUMNS] for row in rows], lines=True)
     counts = Counter(str(row["verdict"]) for row in rows)
-    typer.echo(", ".join(f"{counts[name]} {name}" for name in _VERDICTS))
+    click.echo(", ".join(f"{counts[name]} {name}" for name in _VERDICTS))
 
 
 def _end(outcome: Any, kept: str) -> None:
     """Say what failed, and end with the code of that."""
     for name, message in outcome.faults.items():
-        typer.echo(f"nonsmooth: {name}: {message}", err=True)
+        click.echo(f"nonsmooth: {name}: {message}", err=True)
     if not outcome.complete:
-        typer.echo(f"nonsmooth: {kept}", err=True)
+        click.echo(f"nonsmooth: {kept}", err=True)
         raise KeyboardInterrupt
     if outcome.faults:
-        raise typer.Exit(_ENDED_EARLY)
+        raise click.exceptions.Exit(_ENDED_EARLY)
 
 
 @app.command()
-def demo(out: _Out = Path("demo-output")) -> None:
+@_out("demo-output")
+def demo(out: Path) -> None:
     """Draw the demonstration of the chapter's main results."""
     from nonsmooth_chapter.demo import run_demo
 

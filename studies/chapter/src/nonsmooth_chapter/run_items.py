@@ -20,7 +20,7 @@ from nonsmooth import OptionError, RunError
 from nonsmooth_chapter.results import ENTRIES, locked, processors, remove_drafts
 from nonsmooth_chapter.worker import Item
 
-__all__ = ["Outcome", "Stopped", "Worker", "Workers", "run_items"]
+__all__ = ["Outcome", "WorkStopped", "Worker", "Workers", "run_items"]
 
 
 # Processes that compute items for this one; a crash of one costs its item and nothing else.
@@ -28,7 +28,7 @@ __all__ = ["Outcome", "Stopped", "Worker", "Workers", "run_items"]
 _ATTENTION = 0.05  # seconds after which a wish to stop is noticed
 
 
-class Stopped(Exception):
+class WorkStopped(Exception):
     """Raised in a thread that was told to stop."""
 
 
@@ -100,7 +100,7 @@ class Worker:
             except Empty:
                 continue
             return json.loads(line) if line else None
-        raise Stopped
+        raise WorkStopped
 
     def _start(self) -> None:
         # a session of its own: Ctrl-C in the terminal goes to this process alone
@@ -163,7 +163,7 @@ class Workers:
         """Results of items that one process computes in turn, as they may share what they need."""
         while not self._lock.acquire(timeout=_ATTENTION):
             if stop.is_set():
-                raise Stopped
+                raise WorkStopped
         try:
             if self._cold:
                 worker.start(stop)
@@ -329,7 +329,7 @@ def _run_groups(
             if thread.ident is not None:
                 thread.join()
     while not results.empty():  # what was under way came to its end, or was stopped
-        with suppress(Stopped):
+        with suppress(WorkStopped):
             _keep(results.get(), told)
     return complete
 

@@ -1,0 +1,303 @@
+"""A command: options made from the signatures of its verbs, and what each run of it shares.
+
+The entry of a command in `nonsmooth.cli.table` names its verbs and its function. The function is
+imported when the command runs, the source of the verbs is read when its options are asked for.
+"""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Iterator, Mapping
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import click
+from click.core import ParameterSource
+from click.shell_completion import CompletionItem
+
+from nonsmooth.cli.arguments import build_system, model_functions, settings
+from nonsmooth.cli.console import ENDED_EARLY, INTERRUPTED
+from nonsmooth.cli.options import Own, flag, own_option, verb_option
+from nonsmooth.cli.report import Report
+from nonsmooth.cli.signatures import parameters
+from nonsmooth.errors import OptionError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from nonsmooth.system.system import System
+
+__all__ = ["LEFT_OUT", "PICTURES", "RENAMED", "Entry", "Task", "VerbCommand", "taken"]
+
+PICTURES = (".png", ".pdf", ".svg")
+
+# Parameters of verbs that are no options, and why.
+LEFT_OUT = {
+    "system": "it is the argument MODEL",
+    "parameters": "they are the arguments NAME=VALUE",
+    "parameter": "--over names it",
+    "values": "--over gives them",
+    "region": "--over gives it",
+    "over": "it has a form of its own in each command",
+    "t_start": "runs of the command line begin at the time 0",
+    "times": "a list of instants is a matter of scripts",
+    "tangent": "no summary shows derivatives",
+    "events": "the summary counts them",
+    "interval": "it belongs to a running estimate that scripts read",
+    "combine": "--over makes grids",
+    "percentiles": "a list of numbers is a matter of scripts",
+    "near": "it concerns the comparison of attractors in scripts",
+    "special": "it needs a branch, which scripts keep",
+    "data": "the command makes it",
+    "run": "the command makes it",
+}
+
+# Options that are not called like the parameter: one name has one meaning in all commands.
+RENAMED = {
+    ("find_orbit", "period"): "order",
+    ("smoothing_report", "period"): "order",
+    ("smoothing_report", "samples"): "samples_per_period",
+    ("attractors", "samples"): "starts",
+    ("attractors", "completion"): "complete",
+    ("basins_of_attraction", "samples"): "starts",
+    ("basins_of_attraction", "completion"): "complete",
+    ("continue_orbit", "direction"): "way",
+    ("measured.low_pass", "cutoff"): "low_pass",
+    ("measured.diagram", "unit"): "speed_unit",
+}
+
+_PLOT = "Draw {} into this file. Its suffix says the format: .png, .pdf or .svg."
+_SAVE = "Save {} into this netCDF file, which ends in .nc."
+_JSON = Own("json", "Print one JSON document, with numbers as numbers, in place of the table.")
+
+
+class Entry(NamedTuple):
+    """What a command is: everything that its verbs do not say."""
+
+    about: str
+    run: str  # module of this package and function, such as ``sweeps.diagram``
+    verbs: tuple[
+        tuple[str, str], ...
+    ] = ()  # and their parameters; all of them, or all but ``-name``
+    own: tuple[Own, ...] = ()
+    defaults: Mapping[str, Any] = {}
+    multiple: tuple[str, ...] = ()
+    arguments: str = "MODEL [NAME=VALUE...]"
+    plot: str = ""  # what --plot draws
+    save: str = ""  # what --save saves
+    size: tuple[float, float] = (12.0, 8.0)  # of the picture, in cm, between one column and two
+    json: bool = True
+
+
+def taken(verb: str, names: str) -> Iterator[tuple[str, str]]:
+    """Parameters of a verb that are options of a command, and the names of these options."""
+    words = names.split()
+    chosen = [word for word in words if not word.startswith("-")] or [
+        name for name in parameters(verb) if name not in LEFT_OUT and f"-{name}" not in words
+    ]
+    for name in chosen:
+        yield name, RENAMED.get((verb, name), name)
+
+
+class VerbCommand(click.Command):
+    """Command whose parameters are made when they are first asked for."""
+
+    def __init__(self, name: str, entry: Entry) -> None:
+        self.entry = entry
+        super().__init__(
+            name, callback=self._run, help=entry.about, short_help=entry.about.split("\n")[0]
+        )
+
+    def get_params(self, ctx: click.Context) -> list[click.Parameter]:
+        """Arguments and options."""
+        if not self.params:
+            self.params = [*_arguments(self.entry.arguments), *self._options()]
+        return super().get_params(ctx)
+
+    def make_parser(self, ctx: click.Context) -> Any:
+        """Parser of all options."""
+        self.get_params(ctx)
+        return super().make_parser(ctx)
+
+    def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write arguments, options of the verb, and those of pictures and files apart."""
+        groups: dict[str, list[tuple[str, str]]] = {"Arguments": [], "Options": [], "Output": []}
+        output = {"plot", "save", "json", "store", "help"}
+        output |= {own.name for own in self.entry.own if own.drawn}
+        for param in self.get_params(ctx):
+            record = param.get_help_record(ctx)
+            if isinstance(param, click.Argument):
+                groups["Arguments"].append((param.make_metavar(ctx), _ARGUMENTS[str(param.name)]))
+            elif record is not None:
+                groups["Output" if param.name in output else "Options"].append(record)
+        for title, records in groups.items():
+            if records:
+                with formatter.section(title):
+                    formatter.write_dl(records)
+
+    def _options(self) -> Iterator[click.Option]:
+        entry, seen = self.entry, set()
+        flags = {
+            name: flag(option) for verb, names in entry.verbs for name, option in taken(verb, names)
+        }
+        own = [each for each in entry.own if not each.drawn]
+        yield from (own_option(each) for each in own)
+        seen |= {each.name for each in own}
+        for verb, names in entry.verbs:
+            for name, option in taken(verb, names):
+                if option in seen:
+                    continue
+                seen.add(option)
+                found = parameters(verb)[name]
+                default = entry.defaults.get(option, found.default)
+                several = option in entry.multiple
+                yield verb_option(
+                    verb, found, option, default=default, multiple=several, flags=flags
+                )
+        if entry.plot:
+            yield own_option(Own("plot", _PLOT.format(entry.plot), "FILE"))
+        yield from (own_option(each) for each in entry.own if each.drawn)
+        if entry.save:
+            yield own_option(Own("save", _SAVE.format(entry.save), "FILE"))
+        if entry.json:
+            yield own_option(_JSON)
+
+    def _run(self, **given: Any) -> None:
+        module, _, function = self.entry.run.rpartition(".")
+        run = getattr(importlib.import_module(f"nonsmooth.cli.{module}"), function)
+        context = click.get_current_context()
+        unset = (ParameterSource.DEFAULT, ParameterSource.DEFAULT_MAP)
+        typed = {name for name in given if context.get_parameter_source(name) not in unset}
+        run(Task(self.entry, given, typed))
+
+
+_ARGUMENTS = {
+    "model": "Name of a ready-made system (nonsmooth models lists them), or a file of your own,"
+    " which ends in .toml (nonsmooth models moling --toml prints one to start from).",
+    "settings": "Values of parameters, such as b=0.15; a value may be an expression such as pi/2.",
+    "files": "CSV files, one for each speed.",
+    "file": "File of basins, which nonsmooth basins --save basins.nc writes.",
+}
+
+
+class _Model(click.ParamType):
+    name = "MODEL"
+
+    def shell_complete(
+        self, ctx: click.Context, param: click.Parameter, incomplete: str
+    ) -> list[CompletionItem]:
+        """Ready-made systems, and files."""
+        known = [CompletionItem(name) for name in model_functions() if name.startswith(incomplete)]
+        return known or [CompletionItem(incomplete, type="file")]
+
+
+def _arguments(shape: str) -> Iterator[click.Argument]:
+    if shape.startswith(("MODEL", "[MODEL]")):
+        yield click.Argument(
+            ["model"], type=_Model(), required=shape.startswith("MODEL"), metavar=shape.split()[0]
+        )
+        if "NAME=VALUE" in shape:
+            yield click.Argument(["settings"], nargs=-1, metavar="[NAME=VALUE...]")
+    elif shape == "FILE...":
+        yield click.Argument(["files"], nargs=-1, required=True, metavar=shape, type=click.Path())
+    else:
+        yield click.Argument(["file"], metavar=shape, type=click.Path())
+
+
+class Task:
+    """One run of a command: what was given, and what every command does with a result."""
+
+    def __init__(self, entry: Entry, given: Mapping[str, Any], typed: set[str]) -> None:
+        from nonsmooth.files import check_target
+
+        self.entry, self.given, self.typed = entry, given, typed
+        self._picture: tuple[str, tuple[Any, ...], dict[str, Any]] | None = None
+        self.plot = _path(given.get("plot"))
+        self.save = _path(given.get("save"))
+        # files that could not be written are refused before a long run and not after it
+        if self.plot is not None:
+            check_target(self.plot, PICTURES)
+        if self.save is not None:
+            check_target(self.save, (".nc",))
+        idle = [flag(each.name) for each in entry.own if each.drawn and each.name in typed]
+        if idle and self.plot is None:
+            raise OptionError(
+                f"{' and '.join(idle)}: this is drawn into a file: name it, such as --plot"
+                " picture.png"
+            )
+
+    def __getitem__(self, name: str) -> Any:
+        return self.given[name]
+
+    def is_given(self, name: str) -> bool:
+        """Whether an option stands in the command, in place of its default."""
+        return name in self.typed
+
+    @cached_property
+    def system(self) -> System:
+        """System of the arguments."""
+        return build_system(self["model"], settings(self["settings"], "NAME=VALUE"))
+
+    def options(self, verb: str, *without: str) -> dict[str, Any]:
+        """Keyword arguments of a verb: what its options are given."""
+        names = dict(self.entry.verbs)[verb]
+        found = {name: self.given[option] for name, option in taken(verb, names)}
+        return {name: value for name, value in found.items() if name not in without}
+
+    def picture(self, function: str, data: Any, *arguments: Any, **options: Any) -> None:
+        """Choose what --plot draws: a function of `nonsmooth.plot`, and what it is given."""
+        self._picture = function, (data, *arguments), options
+
+    def finish(
+        self, result: xr.Dataset | None, report: Report, *, kept: str | None = None, code: int = 0
+    ) -> None:
+        """Print the report, save the result, draw the picture and leave with a code.
+
+        `kept` is a file that has the result already.
+        """
+        if self.given.get("json"):
+            report.print_json()
+        else:
+            report.print()
+        if self.save is not None and result is not None:
+            from nonsmooth.files import replacing
+
+            with replacing(self.save) as draft:
+                result.to_netcdf(draft, engine="h5netcdf")
+            kept = str(self.save)
+        if kept is not None:
+            self.say(f"saved {kept}")
+        if self.plot is not None and self._picture is not None:
+            from nonsmooth import plot
+
+            function, arguments, options = self._picture
+            width, height = self.entry.size
+            figure, (ax,) = plot.print_figure(width=width, height=height)
+            getattr(plot, function)(*arguments, ax=ax, **options)
+            plot.save_figure(figure, self.plot)
+            self.say(f"drawn {self.plot}")
+        if code:
+            raise click.exceptions.Exit(code)
+
+    def say(self, text: str) -> None:
+        """Print a line; beside a JSON document it goes to the stream of messages."""
+        click.echo(text, err=bool(self.given.get("json")))
+
+    def by_status(self, result: xr.Dataset) -> int:
+        """Exit code of a run that may not have come to its end."""
+        status = result.attrs["status"]
+        if status == "interrupted":
+            return INTERRUPTED
+        return 0 if status in ("completed", "stopped") else ENDED_EARLY
+
+    def by_message(self, result: xr.Dataset, complete: bool | None = None) -> int:
+        """Exit code of a result of many runs, all of which should be complete."""
+        if result.attrs["status"] == "interrupted":
+            return INTERRUPTED
+        done = result.attrs["message"] == "completed" if complete is None else complete
+        return 0 if done else ENDED_EARLY
+
+
+def _path(text: str | None) -> Path | None:
+    return None if text is None else Path(text)

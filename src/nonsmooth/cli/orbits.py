@@ -1,0 +1,259 @@
+"""Commands that find a periodic orbit and follow it over a parameter."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from nonsmooth.cli.arguments import value_limits
+from nonsmooth.cli.command import Task
+from nonsmooth.cli.console import ENDED_EARLY
+from nonsmooth.cli.report import Column, Report, complex_text
+from nonsmooth.cli.variables import chosen, pair, single
+from nonsmooth.errors import OptionError, unknown_name
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from nonsmooth.system.system import System
+
+__all__ = ["follow", "orbit"]
+
+_MOST_LEGS = 40  # that are printed
+_MOST_MODES = 12  # of a word
+_MOST_SPECIAL = 60  # points that are printed
+
+
+def orbit(task: Task) -> None:
+    """``nonsmooth orbit``."""
+    import nonsmooth as ns
+
+    pictures = [name for name in ("draw", "history", "multipliers") if task[name]]
+    if len(pictures) > 1:
+        raise OptionError("give one of --draw, --history and --multipliers: it is one picture")
+    system = task.system
+    coordinates = pair(system, task["draw"])
+    shown = chosen(task["history"] or "", [*system.states, *system.outputs], "--history")
+    found = ns.find_orbit(system, **task.options("find_orbit"))
+
+    if task.plot is not None and not _exists(found):
+        click.echo("there is no orbit to draw", err=True)
+    elif task["multipliers"]:
+        task.picture("multipliers", found)
+    elif task.plot is not None:
+        samples, drift = ns.orbit_samples(found), not task["less_drift"]
+        if shown or "time" in coordinates:
+            task.picture("orbit_history", samples, shown or coordinates[1], drift=drift)
+        else:
+            task.picture("periodic_orbit", samples, *coordinates, drift=drift)
+    task.finish(found, _orbit_report(found), code=task.by_status(found))
+
+
+def _exists(found: xr.Dataset) -> bool:
+    """Whether there is an orbit, be it inadmissible."""
+    length = float(found["length"].item())
+    return length == length
+
+
+def _orbit_report(found: xr.Dataset) -> Report:
+    """What is known of an orbit; of none only why."""
+    attrs = found.attrs
+    report = Report(attrs["system_name"])
+    message = str(attrs["message"])
+    report.add("status", message, status=attrs["status"], message=message)
+    if not _exists(found):
+        return report
+    word = str(found["word"].item())
+    report.add("word", _word_text(word), word=word)
+    length = found["length"].item()
+    text, data = f"{length:.9g}", {"length": length}
+    if "period" in attrs:
+        text, data = f"{text}, period {attrs['period']}", data | {"order": attrs["period"]}
+    report.add("length", text, **data)
+    states = {str(name): found[name].item() for name in found["state"].values}
+    text = ", ".join(f"{name} = {value:.10g}" for name, value in states.items())
+    report.add("section point", text, section_point=states)
+    report.number("at time", found["time"].item(), ".7g")
+    for name in found["drift_state"].values if "drift_state" in found else ():
+        rates = {f"{name}_per_{u}": found[f"{name}_per_{u}"].item() for u in ("period", "time")}
+        per = zip(rates.values(), ("period", "time"), strict=True)
+        text = ", ".join(f"{rate:.9g} per {unit}" for rate, unit in per)
+        report.add(f"drift of {name}", text, **rates)
+    if found["multipliers"].size:
+        multipliers = found["multipliers"].values
+        text = ", ".join(complex_text(mu) for mu in multipliers)
+        report.add("multipliers", text, multipliers=multipliers)
+    _add_nature(report, found)
+    report.number("residual", found["residual"].item(), ".2g")
+    _add_legs(report, found)
+    return report
+
+
+def _add_nature(report: Report, found: xr.Dataset) -> None:
+    """Add stability, symmetry, repetition and admissibility."""
+    stable, admissible = bool(found["stable"]), bool(found["admissible"])
+    report.add("stable", "yes" if stable else "no", stable=stable)
+    if "symmetric" in found:
+        symmetric = bool(found["symmetric"])
+        text = "yes" if symmetric else "no, its mirror image is another"
+        report.add("symmetric", text, symmetric=symmetric)
+    parts = int(found["primitive_parts"])
+    if parts > 1:
+        report.add("repeats", f"a shorter orbit {parts} times", primitive_parts=parts)
+    text = "yes" if admissible else "no, no motion follows it"
+    report.add("admissible", text, admissible=admissible)
+
+
+def _word_text(word: str) -> str:
+    """A word as it is read; of a long one the first modes and the number of legs."""
+    modes = word.split()
+    if len(modes) <= _MOST_MODES:
+        return word
+    return f"{' '.join(modes[:_MOST_MODES])} ... ({len(modes)} legs)"
+
+
+def _add_legs(report: Report, found: xr.Dataset) -> None:
+    """Add one line for each leg: its mode, when it begins, how long it takes, what ends it."""
+    modes = found["leg_mode"].attrs.get("flag_meanings", "").split()
+    columns: list[Column] = [
+        ("leg", "leg", str),
+        ("mode", "mode", str),
+        ("from", "from", "{:.9g}".format),
+        ("duration", "duration", "{:.9g}".format),
+        ("until", "until", str),
+    ]
+    rows = []
+    for k in range(found.sizes["leg"]):
+        leg = found.isel(leg=k)
+        code = int(leg["leg_mode"])
+        times = float(leg["leg_time"]), float(leg["durations"])
+        until = str(leg["leg_exit"].item()) or "section"
+        rows.append((k, modes[code] if modes else str(code), *times, until))
+    report.table("legs", columns, rows, _MOST_LEGS)
+
+
+def follow(task: Task) -> None:
+    """``nonsmooth continue``."""
+    import nonsmooth as ns
+
+    if task["multipliers"] and (task["draw"] or task["diagram"]):
+        raise OptionError("--multipliers is a picture of its own: leave out --draw and --diagram")
+    system = task.system
+    parameter, between = _range(system, task["over"])
+    drawn = _branch_variable(system, task["draw"])
+    behind = _read_diagram(task["diagram"], parameter, drawn)
+    first = ns.find_orbit(system, **task.options("find_orbit"))
+    if not _exists(first):
+        report = _orbit_report(first)
+        click.echo("there is no orbit to start from; see: nonsmooth orbit --help", err=True)
+        task.save = task.plot = None
+        task.finish(None, report, code=ENDED_EARLY)
+    options = task.options("continue_orbit")
+    branch = ns.continue_orbit(system, parameter, between, initial=first, **options)
+
+    if task.plot is not None and not branch.sizes["point"]:
+        click.echo("there is no branch to draw", err=True)
+    elif task["multipliers"]:
+        task.picture("multipliers", branch)
+    else:
+        task.picture("branch", branch, drawn, diagram=behind)
+    task.finish(branch, _branch_report(branch), code=task.by_status(branch))
+
+
+def _range(system: System, over: str) -> tuple[str, tuple[float, float]]:
+    """Parameter and its ends; its own value lies between."""
+    name, limits = value_limits(over)
+    if name not in system.parameters:
+        raise OptionError(f"--over: {unknown_name('parameter', name, system.parameters)}")
+    low, high = sorted(limits)
+    value_here = system.parameters[name]
+    if isinstance(value_here, int | float) and not low <= value_here <= high:
+        raise OptionError(
+            f"--over: the orbit is found at {name} = {value_here:g}, which is not between {low:g}"
+            f" and {high:g}; give another value of {name}, or another range"
+        )
+    return name, (low, high)
+
+
+def _branch_variable(system: System, text: str | None) -> str:
+    """What to draw: by default how fast the system drifts, or its first state."""
+    drifts = [f"{name}_per_{unit}" for name in system.drift_states for unit in ("time", "period")]
+    if text is None:
+        return drifts[0] if drifts else system.states[0]
+    return single(text, [*system.states, *drifts, "length", "residual", "multipliers"])
+
+
+def _read_diagram(text: str | None, parameter: str, drawn: str) -> xr.Dataset | None:
+    """The diagram to draw behind, which must fit the branch before the branch is followed."""
+    if text is None:
+        return None
+    import xarray as xr
+
+    from nonsmooth.plot.branches import check_diagram
+
+    path = Path(text)
+    if not path.is_file():
+        raise OptionError(
+            f"--diagram: there is no file {text!r}; make it with nonsmooth diagram --save"
+        )
+    try:
+        with xr.open_dataset(path, engine="h5netcdf") as data:
+            found = data.load()
+    except (OSError, ValueError) as error:
+        raise OptionError(f"--diagram: {text!r} is no netCDF file: {error!s:.120}") from None
+    try:
+        check_diagram(found, parameter, drawn)
+    except OptionError as fault:
+        raise OptionError(
+            f"--diagram: {text!r} does not go with {drawn} over {parameter}: {fault}; make"
+            " another one with nonsmooth diagram --save"
+        ) from None
+    return found
+
+
+def _branch_report(branch: xr.Dataset) -> Report:
+    """How far the branch goes, why no further, and of what kind its orbits are."""
+    import numpy as np
+
+    attrs = branch.attrs
+    report = Report(attrs["system_name"])
+    message, parameter = str(attrs["message"]), str(attrs["parameter"])
+    report.add("status", message, status=attrs["status"], message=message)
+    values = branch[parameter].values
+    report.number("points", values.size)
+    if not values.size:
+        return report
+    ends = [values.min(), values.max()]
+    report.add(parameter, f"{ends[0]:.10g} to {ends[1]:.10g}", parameter=parameter, range=ends)
+    for end, label, place in (("end_first", "first end", 0), ("end_last", "last end", -1)):
+        text = f"{attrs[end]}, at {parameter} = {values[place]:.10g}"
+        report.add(label, text, **{end: {"kind": attrs[end], "at": values[place]}})
+    stable, admissible = (branch[name].values.astype(bool) for name in ("stable", "admissible"))
+    kinds = {
+        "stable": int(np.count_nonzero(stable & admissible)),
+        "unstable": int(np.count_nonzero(~stable & admissible)),
+        "inadmissible": int(np.count_nonzero(~admissible)),
+    }
+    report.add("orbits", ", ".join(f"{n} {kind}" for kind, n in kinds.items() if n), orbits=kinds)
+    _add_special_points(report, branch, parameter)
+    return report
+
+
+def _add_special_points(report: Report, branch: xr.Dataset, parameter: str) -> None:
+    """Add one line for each special point, in order along the branch."""
+    columns: list[Column] = [
+        ("special point", "kind", str),
+        (parameter, "value", "{:.12g}".format),
+        ("multiplier", "multiplier", complex_text),
+        ("", "detail", str),
+    ]
+    rows = []
+    for k in range(int(branch.sizes.get("special", 0))):
+        one = branch.isel(special=k)
+        kind = str(one["special_kind"].item()).replace("_", " ")
+        multiplier = complex(one["special_multiplier"].item())
+        detail = str(one["special_detail"].item())
+        rows.append((kind, float(one["special_value"]), multiplier, detail))
+    report.table("special points", columns, rows, _MOST_SPECIAL)

@@ -1,0 +1,220 @@
+"""Commands that run a system for many values of parameters or many initial states."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from nonsmooth.cli.arguments import names, value_range
+from nonsmooth.cli.command import Task
+from nonsmooth.cli.report import Report
+from nonsmooth.cli.variables import single
+from nonsmooth.errors import OptionError, unknown_name
+
+if TYPE_CHECKING:
+    import numpy as np
+    import xarray as xr
+
+    from nonsmooth.system.system import System
+
+__all__ = ["certified_runs", "contacts", "diagram", "ensemble", "waterfall"]
+
+_SHOWN = 8  # harmonics, or periods, in a summary
+
+
+def certified_runs(report: Report, result: xr.Dataset) -> None:
+    """Add whether all runs of a result are certified, or how many are not."""
+    uncertain, estimated = (
+        int((result[name].values > 0).sum()) for name in ("n_uncertain", "n_estimated")
+    )
+    against = []
+    if uncertain:
+        against.append(f"{uncertain} within rounding of a tangency")
+    if estimated:
+        against.append(f"{estimated} with estimated errors of steps")
+    text = "all runs but " + ", ".join(against) if against else "yes"
+    counts = {"uncertain_runs": uncertain, "estimated_runs": estimated}
+    report.add("certified", text, certified=not against, **counts)
+
+
+def diagram(task: Task) -> None:
+    """``nonsmooth diagram``."""
+    from nonsmooth.analysis.bifurcation_diagram import bifurcation_diagram
+    from nonsmooth.runs.poincare_map import PoincareMap
+
+    system = task.system
+    parameter, values = value_range(task["over"])
+    drawn = _diagram_variable(system, task["draw"])
+    options = task.options("bifurcation_diagram", "initial")
+    target: Any = system
+    if task["section"] is not None:
+        where = {name: task[name] for name in ("direction", "side")}
+        target = PoincareMap(system, task["section"], **where)
+        options["side"] = "before"
+    elif task["direction"] is not None:
+        raise OptionError("--direction is that of a section: name it with --section")
+    starts = list(task["initial"]) or None
+    result = bifurcation_diagram(target, parameter, values, initial=starts, **options)
+
+    task.picture("bifurcation", result, drawn)
+    complete = result.attrs["message"].startswith("completed")
+    task.finish(result, _diagram_report(result), code=task.by_message(result, complete))
+
+
+def _diagram_variable(system: System, text: str | None) -> str:
+    """What to draw: a state, an output, a count, or how fast the system drifts."""
+    if text is None:
+        return system.states[0]
+    counts = ("period", "events", "impacts")
+    drifts = [f"{name}_per_{unit}" for name in system.drift_states for unit in ("period", "time")]
+    return single(text, [*system.states, *system.outputs, *counts, *drifts])
+
+
+def _diagram_report(result: xr.Dataset) -> Report:
+    """How many columns there are, and of which period."""
+    import numpy as np
+
+    attrs, sizes = result.attrs, result.sizes
+    status, period = result["status"].values.ravel(), result["period"].values.ravel()
+    counts = {str(word): int(np.count_nonzero(status == word)) for word in sorted(set(status))}
+    report = Report(
+        attrs["system_name"],
+        f"{sizes['parameter']} values of {attrs['parameter']}, {sizes['lane']} initial state(s)",
+    )
+    report.data |= {"parameter": attrs["parameter"], "values": sizes["parameter"]}
+    report.data["initial_states"] = sizes["lane"]
+    report.add("status", ", ".join(f"{n} {word}" for word, n in counts.items()), status=counts)
+    settled = period[status == "completed"]
+    of_period = {
+        int(p): int(np.count_nonzero(settled == p)) for p in sorted(set(settled[settled > 0]))
+    }
+    shown = list(of_period.items())[:_SHOWN]
+    texts = [f"{n} of period {p}" for p, n in shown]
+    others = settled.size - sum(n for _, n in shown)
+    if others:
+        texts.append(f"{others} of longer period or none")
+    unsettled = settled.size - sum(of_period.values())
+    motions = {"of_period": of_period, "of_no_period": unsettled}
+    report.add("motions", ", ".join(texts or ["none settled"]), **motions)
+    certified_runs(report, result)
+    _, _, doubt = attrs["message"].partition("; ")
+    if others and doubt:
+        report.add("message", doubt)
+    return report
+
+
+def waterfall(task: Task) -> None:
+    """``nonsmooth waterfall``."""
+    from nonsmooth.analysis.waterfall import waterfall as compute
+
+    system = task.system
+    parameter, values = value_range(task["over"])
+    variables = names(task["variable"]) or system.states[0]
+    options = task.options("waterfall", "variable")
+    result = compute(system, parameter, values, variables, **options)
+
+    task.picture("waterfall", result, kind=task["picture"], over=task["axis"])
+    task.finish(result, _waterfall_report(result), code=task.by_message(result))
+
+
+def _waterfall_report(result: xr.Dataset) -> Report:
+    """The harmonics that are largest anywhere, and where that is."""
+    import numpy as np
+
+    attrs, report = result.attrs, Report(str(result.attrs["system_name"]))
+    amplitude = result["amplitude"].where(result["harmonic"] != 0.0, 0.0).fillna(0.0)
+    largest = amplitude.max("parameter").values
+    place = result["parameter"].values[amplitude.argmax("parameter").values]
+    neighbours = np.pad(largest, 1)
+    peaks = np.flatnonzero((largest > neighbours[:-2]) & (largest >= neighbours[2:]))
+    of = [name for name in (attrs["variable"], attrs["second_variable"]) if name]
+    spectra, parameter = result.sizes["parameter"], attrs["parameter"]
+    text = f"{spectra} over {parameter}, of {', '.join(of)}"
+    report.add("spectra", text, spectra=spectra, parameter=parameter, variables=of)
+    found = []
+    for k in sorted(peaks[np.argsort(-largest[peaks], kind="stable")][:_SHOWN]):
+        harmonic = float(result["harmonic"][k])
+        found.append({"harmonic": harmonic, "amplitude": largest[k], "at": place[k]})
+        text = f"amplitude up to {largest[k]:.6g}, at {parameter} = {place[k]:.6g}"
+        report.add(f"harmonic {harmonic:.6g}", text, peaks=found)
+    return report
+
+
+def contacts(task: Task) -> None:
+    """``nonsmooth contacts``."""
+    from nonsmooth.analysis.contact_statistics import contact_statistics
+
+    if task.plot is not None and task["over"] is None:
+        raise OptionError(
+            "--plot draws over a parameter: give its range, such as --over eta=2:3:40"
+        )
+    over = value_range(task["over"]) if task["over"] is not None else (None, None)
+    options = task.options("contact_statistics")
+    result = contact_statistics(task.system, *over, **options)
+    drawn = task["draw"] or next(iter(options["of"]), "contacts")
+
+    task.picture("statistics", result, drawn)
+    task.finish(result, _contacts_report(result), code=task.by_message(result))
+
+
+def _contacts_report(result: xr.Dataset) -> Report:
+    """Every number, or its range over the parameter."""
+    import numpy as np
+
+    report = Report(str(result.attrs["system_name"]))
+    for label, values in result.data_vars.items():
+        if values.dtype.kind != "f" or "percentile" in values.dims:
+            continue
+        name, finite = str(label), values.values[np.isfinite(values.values)]
+        if finite.size == 0:
+            report.add(name, "none", **{name: None})
+        elif values.ndim == 0:
+            report.number(name, float(values), ".6g")
+        else:
+            ends = finite.min(), finite.max()
+            report.add(name, f"{ends[0]:.6g} to {ends[1]:.6g}", **{name: ends})
+    return report
+
+
+def ensemble(task: Task) -> None:
+    """``nonsmooth ensemble``."""
+    from nonsmooth.analysis.ensemble import ensemble as run
+
+    store = task["store"]
+    if task.save is not None and store is not None:
+        raise OptionError(f"--save: the result is in {Path(store) / 'result.nc'}; leave out --save")
+    initial, several = _lists(task.system, task["over"])
+    for name, value in (task["initial"] or {}).items():
+        if name in initial:
+            raise OptionError(f"--initial: {name} is given by --over already")
+        initial[name] = value
+    result = run(task.system, initial, parameters=several, **task.options("ensemble", "initial"))
+    report, sizes = Report(result.attrs["system_name"]), result.sizes
+    import numpy as np
+
+    words, counts = np.unique(result["status"].values.astype(str), return_counts=True)
+    ended = {str(word): int(n) for word, n in zip(words, counts, strict=True)}
+    report.number("runs", sizes["lane"])
+    report.add("status", ", ".join(f"{n} {word}" for word, n in ended.items()), status=ended)
+    report.add("strobes", f"{sizes['point']} of each", strobes=sizes["point"])
+    certified_runs(report, result)
+    kept = None if store is None else f"{Path(store) / 'result.nc'}"
+    task.finish(result, report, kept=kept, code=task.by_message(result))
+
+
+def _lists(system: System, over: tuple[str, ...]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Initial states in every combination, and values of parameters."""
+    import numpy as np
+
+    states: dict[str, np.ndarray] = {}
+    several: dict[str, np.ndarray] = {}
+    for text in over:
+        name, values = value_range(text)
+        if name in states or name in several:
+            raise OptionError(f"--over: {name!r} is given twice")
+        if name not in system.states and name not in system.parameters:
+            known = [*system.states, *system.parameters]
+            raise OptionError(f"--over: {unknown_name('state or parameter', name, known)}")
+        (states if name in system.states else several)[name] = values
+    grids = np.meshgrid(*states.values(), indexing="ij") if states else []
+    return dict(zip(states, (grid.ravel() for grid in grids), strict=True)), several

@@ -1,0 +1,391 @@
+"""The commands: which verbs they call, and what those do not say.
+
+Everything else about an option is in the signature and the docstring of its verb.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from nonsmooth.cli.arguments import time_range
+from nonsmooth.cli.command import Entry
+from nonsmooth.cli.options import Own
+
+__all__ = ["TABLE"]
+
+
+def _over(text: str, metavar: str = "NAME=A:B:N", **more: Any) -> Own:
+    return Own("over", text, metavar, **more)
+
+
+def _draw(text: str, metavar: str = "x,v") -> Own:
+    return Own("draw", text, metavar, drawn=True)
+
+
+_PARAMETER = "Parameter, its first value, its last value and how many values."
+_PAIR = _draw("Draw the second variable over the first; the first two states by default.")
+_MODES = Own("modes", "Colour the points by mode.", drawn=True)
+_ON_SECTION = Own(
+    "section",
+    "Take points on this section in place of one per period: where an expression is zero, such as"
+    " x-0.5, or at an event, such as impact. What is said of periods then counts these points.",
+    "EXPRESSION",
+)
+_STROBES = ("StroboscopicMap", "phase period every")
+_SECTION = ("PoincareMap", "section direction side")
+
+TABLE = {
+    "simulate": Entry(
+        "Simulate a motion, and print how it ended, its events and its end state.\n\nWithout"
+        " --periods and --t-end the motion takes 20 periods, or about 50 oscillations where there"
+        " is no period.",
+        "runs.simulate",
+        (("simulate", ""),),
+        (
+            Own(
+                "portrait",
+                "Draw a phase portrait, the second variable over the first, in the colours of"
+                " the modes, in place of a time history.",
+                "x,v",
+                drawn=True,
+            ),
+            Own("orbit", "Draw the orbit of two coordinates instead.", "x,y", drawn=True),
+            Own("modes", "Colour the modes behind the time history.", drawn=True),
+            _draw("States and outputs of the time history.", "NAME[,NAME...]"),
+            Own("from", "Draw from this period on.", "NUMBER", drawn=True),
+            Own(
+                "time_range",
+                "Draw between these two times.",
+                "A,B",
+                convert=time_range,
+                drawn=True,
+            ),
+        ),
+        plot="a time history",
+        save="the run",
+        size=(12.0, 7.5),
+    ),
+    "lyapunov": Entry(
+        "Find the Lyapunov exponents of a motion, with standard errors.",
+        "runs.lyapunov",
+        (("lyapunov_spectrum", ""),),
+        plot="how the exponents settle",
+        save="the result",
+        size=(12.0, 7.5),
+    ),
+    "spectrum": Entry(
+        "Find the amplitudes of a variable over frequency.\n\nTwo variables are the coordinates of"
+        " a motion in a plane, whose forward and backward whirl are told apart.",
+        "runs.spectrum",
+        (("simulate", "initial mode"), ("power_spectrum", "window segments")),
+        (
+            Own(
+                "variable",
+                "State or output to analyse, the first state by default; or two coordinates.",
+                "x[,y]",
+            ),
+            Own(
+                "transient",
+                "Length left out at the beginning, in periods, or in units of time without a"
+                " period. It is 0 or more.",
+                "NUMBER",
+                200.0,
+            ),
+            Own(
+                "record",
+                "Length of the record, in periods, or in units of time without a period. It is"
+                " more than 0.",
+                "NUMBER",
+                200.0,
+            ),
+            Own(
+                "samples_per_period",
+                "Samples per period, or per unit of time without a period; 2 or more.",
+                "N",
+                64,
+            ),
+        ),
+        plot="the amplitudes",
+        save="the result",
+        size=(12.0, 7.5),
+    ),
+    "waterfall": Entry(
+        "Find the spectra of settled motions for many values of a parameter.",
+        "sweeps.waterfall",
+        (("waterfall", ""),),
+        (
+            _over(_PARAMETER, required=True),
+            Own(
+                "variable",
+                "State or output to analyse, the first state by default; or two coordinates of a"
+                " motion in a plane.",
+                "x[,y]",
+            ),
+            Own(
+                "picture",
+                "Draw lines one below the other, or a map in colours.",
+                "NAME",
+                "cascade",
+                ("cascade", "map"),
+                drawn=True,
+            ),
+            Own(
+                "axis",
+                "What the horizontal axis of the picture shows.",
+                "NAME",
+                "frequency",
+                ("frequency", "harmonic"),
+                drawn=True,
+            ),
+        ),
+        plot="the spectra",
+        save="the result",
+        size=(12.0, 9.0),
+    ),
+    "contacts": Entry(
+        "Count the contacts of settled motions, and tell how long they last and how hard they are.",
+        "sweeps.contacts",
+        (("contact_statistics", ""),),
+        (
+            _over(_PARAMETER + " Without it there is one motion."),
+            _draw("What to draw; the first name of --of by default, or else contacts.", "NAME"),
+        ),
+        plot="a quantity over the parameter",
+        save="the result",
+    ),
+    "zero-one": Entry(
+        "Test for chaos with the 0-1 test: K is near 1 for chaotic, near 0 for regular motion.",
+        "runs.zero_one",
+        (
+            ("stroboscopic_map", "initial transient record period phase mode tolerance"),
+            ("zero_one_test", "every frequencies seed"),
+        ),
+        (Own("variable", "State or output to test, the first state by default.", "x"),),
+        {"transient": 200, "record": 2000},
+        plot="the translation variables",
+        save="the result",
+        size=(10.0, 9.0),
+    ),
+    "section": Entry(
+        "Take points of a motion where an expression is zero, or at an event.",
+        "runs.section",
+        (("poincare_section", ""),),
+        (_PAIR, _MODES),
+        plot="the points",
+        save="the points",
+        size=(10.0, 8.0),
+    ),
+    "strobe": Entry(
+        "Take points of a motion, one per period of the forcing.",
+        "runs.strobe",
+        (("stroboscopic_map", ""),),
+        (_PAIR, _MODES),
+        {"transient": 200},
+        plot="the points",
+        save="the points",
+        size=(10.0, 8.0),
+    ),
+    "diagram": Entry(
+        "Compute a bifurcation diagram: settled motions for many values of a parameter.",
+        "sweeps.diagram",
+        (("bifurcation_diagram", ""), ("PoincareMap", "section direction")),
+        (
+            _over(_PARAMETER, required=True),
+            _ON_SECTION,
+            _draw("What to draw, the first state by default.", "NAME"),
+        ),
+        multiple=("initial",),
+        plot="the diagram",
+        save="the diagram",
+    ),
+    "regime": Entry(
+        "Tell what one motion settles to, and on what evidence.",
+        "regimes.regime",
+        (("regime", ""),),
+        save="the result",
+    ),
+    "regimes": Entry(
+        "Tell what motions settle to, for many values of two parameters.",
+        "regimes.regimes",
+        (("regime_map", ""),),
+        (_over(_PARAMETER + " Give it twice.", required=True, multiple=True),),
+        plot="the map",
+        save="the map",
+    ),
+    "orbit": Entry(
+        "Find a periodic orbit, stable or not, with its multipliers.",
+        "orbits.orbit",
+        (("find_orbit", ""),),
+        (
+            _PAIR,
+            Own("history", "Draw these variables over time instead.", "x,v", drawn=True),
+            Own("multipliers", "Draw the multipliers instead.", drawn=True),
+            Own("less_drift", "Draw a drifting state less its mean motion.", drawn=True),
+        ),
+        plot="the orbit",
+        save="the orbit",
+        size=(10.0, 8.0),
+    ),
+    "continue": Entry(
+        "Follow a periodic orbit over a parameter, stable or not, through folds and grazing.\n\n"
+        "The orbit is found first at the value that the parameter has.",
+        "orbits.follow",
+        (
+            ("find_orbit", ""),
+            ("continue_orbit", "direction steps step largest_step smallest_step inadmissible"),
+        ),
+        (
+            _over("Parameter, with its least and largest value.", "NAME=A:B", required=True),
+            _draw("What to draw; a drift per unit time by default, or else a state.", "NAME"),
+            Own(
+                "diagram",
+                "Draw over this diagram, which nonsmooth diagram --save diagram.nc writes.",
+                "FILE",
+                drawn=True,
+            ),
+            Own("multipliers", "Draw the paths of the multipliers instead.", drawn=True),
+        ),
+        plot="the branch",
+        save="the branch",
+        size=(12.0, 9.0),
+    ),
+    "smoothing": Entry(
+        "Compare a system with the same one where smooth functions take the place of switches.\n\n"
+        "Without --periods and --t-end the motion takes 20 periods.",
+        "smoothing.smoothing",
+        (("smoothing_report", "-between"),),
+        (
+            Own(
+                "toml",
+                "Print the system smoothed by one width as TOML, and compare nothing. The width"
+                " may be the name of a new parameter.",
+            ),
+            _over(
+                "Of a parameter: follow the orbit in this range. Of states: look for attractors"
+                " in this range.",
+                "NAME=A:B",
+                multiple=True,
+            ),
+            Own(
+                "draw",
+                "Quantity to draw over the width.",
+                "NAME",
+                "error",
+                ("error", "stick_time_error", "creep", "special_shift", "extra_width"),
+                drawn=True,
+            ),
+        ),
+        plot="a quantity",
+        save="the report",
+        size=(10.0, 8.0),
+    ),
+    "ensemble": Entry(
+        "Run every combination of initial states and parameter values, and keep its strobes.",
+        "sweeps.ensemble",
+        (("ensemble", ""),),
+        (
+            _over(
+                "State or parameter, its first value, its last value and how many values.",
+                required=True,
+                multiple=True,
+            ),
+        ),
+        save="the result",
+    ),
+    "attractors": Entry(
+        "Find the attractors of a region from random initial states.",
+        "basins.attractors",
+        (("attractors", ""), _STROBES, _SECTION),
+        (
+            _ON_SECTION,
+            _over(
+                "State, and the range of its random values; for each such state.",
+                "x=A:B",
+                required=True,
+                multiple=True,
+            ),
+            _draw("Draw the second state over the first."),
+        ),
+        plot="the points",
+        save="the result",
+        size=(12.0, 9.0),
+    ),
+    "basins": Entry(
+        "Find which initial states of a grid lead to which attractor.",
+        "basins.basins",
+        (("basins_of_attraction", ""), _STROBES, _SECTION),
+        (
+            _ON_SECTION,
+            _over(
+                "State, its first value, its last value and how many values; for two states or"
+                " more.",
+                "x=A:B:N",
+                required=True,
+                multiple=True,
+            ),
+        ),
+        plot="the basins",
+        save="the result",
+        size=(12.0, 10.0),
+    ),
+    "measures": Entry(
+        "Measure how predictable the outcomes of saved basins are.",
+        "basins.measures",
+        (("uncertainty_exponent", "between"), ("basin_entropy", "box"), ("wada_test", "fatten")),
+        arguments="FILE.nc",
+        plot="the uncertain part over the distance",
+        size=(10.0, 8.0),
+    ),
+    "measured": Entry(
+        "Read a measured motion with one mark per revolution, and take its section.\n\nSeveral"
+        " files give a diagram over the speed. Without marks the command gives the motion itself,"
+        " filtered, integrated or differentiated.",
+        "measured.measured",
+        (
+            ("measured.read_csv", "mark time sample_rate edge threshold hysteresis bad_marks"),
+            ("measured.Channel", "sensitivity offset units"),
+            ("measured.dimensionless", "length natural_frequency"),
+            ("measured.velocities", "highest bias"),
+            ("measured.low_pass", "cutoff"),
+            ("measured.displacements", "lowest"),
+            ("measured.section", "transient phase"),
+            ("measured.diagram", "unit"),
+        ),
+        (
+            Own(
+                "columns",
+                "Names of the displacements and their columns; a name alone is that of its column.",
+                "x=CH1,y=CH2",
+                required=True,
+            ),
+            Own("length", "Unit of length, such as the gap, for a record without dimensions.",
+                "NUMBER"),
+            Own("natural_frequency", "Natural frequency in rad/s, which goes with --length.",
+                "NUMBER"),
+            Own("low_pass", "Cut-off frequency of a filter without delay, before all else, in Hz.",
+                "NUMBER"),
+            Own(
+                "lowest",
+                "Lowest frequency that is kept, in Hz. The columns are then accelerations, and are"
+                " integrated twice.",
+                "NUMBER",
+            ),
+            _draw("Variables to draw: one of a diagram, one or two of a record.", "x,vx"),
+        ),
+        arguments="FILE...",
+        plot="the record, the section or the diagram",
+        save="the record, the section or the diagram",
+        size=(10.0, 8.0),
+    ),
+    "models": Entry(
+        "List the ready-made systems, or print the equations of one.",
+        "models.models",
+        own=(Own("toml", "Print the system as TOML, to be changed and simulated."),),
+        arguments="[MODEL]",
+    ),
+    "explain": Entry(
+        "Print states, natural motions, forcing and exits of a system.",
+        "models.explain",
+        json=False,
+    ),
+}  # fmt: skip

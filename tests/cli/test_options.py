@@ -1,0 +1,198 @@
+"""Options agree with the verbs that they are made from, and the help says what they mean."""
+
+import inspect
+import re
+
+import click
+import numpy as np
+import pytest
+import xarray as xr
+
+import nonsmooth as ns
+from nonsmooth.cli.app import app
+from nonsmooth.cli.command import LEFT_OUT, taken
+from nonsmooth.cli.options import flag
+from nonsmooth.cli.signatures import parameters
+from nonsmooth.cli.table import TABLE
+
+VERBS = sorted({verb for entry in TABLE.values() for verb, _ in entry.verbs})
+PYTHON = re.compile(
+    r"\b((?<!cell-)mapping|dataset|xarray|None|True|False|float|int|str|bool|array_like|dict|tuple|callable"
+    r"|Sequence|keyword|argument|nan)\b|`|:math:|<\w+>|\w=\w"
+)
+# Words that say what an option is measured in, for numbers that are no plain counts or ratios.
+UNITS = re.compile(
+    r"period|time|second|\bs\b|Hz|frequency|part of|epsilon|units|error|relative|arclength|length"
+    r"|displacement|column",
+    re.I,
+)
+
+
+def command(name):
+    context = click.Context(app, info_name="nonsmooth")
+    found = app.get_command(context, name)
+    return found, click.Context(found, info_name=name, parent=context)
+
+
+def options(name):
+    found, context = command(name)
+    return {
+        each.opts[0]: each.get_help_record(context)[1]
+        for each in found.get_params(context)
+        if isinstance(each, click.Option)
+    }
+
+
+def verb_of(name):
+    package, _, own = name.rpartition(".")
+    return getattr(getattr(ns, package) if package else ns, own)
+
+
+@pytest.mark.parametrize("name", VERBS)
+def test_what_is_read_from_the_source_is_what_python_sees(name):
+    """The source is read without running it, so it must not be made at run time."""
+    verb = verb_of(name)
+    seen = inspect.signature(verb).parameters
+    read = parameters(name)
+    assert list(read) == list(seen)
+    document = " ".join(inspect.getdoc(verb).split())
+    for each in seen.values():
+        assert read[each.name].required == (each.default is each.empty)
+        assert read[each.name].annotation == str(each.annotation).strip("'\"")
+        assert read[each.name].text, f"{name} says nothing of {each.name}"
+        assert read[each.name].type in document
+    for entry in TABLE.values():
+        for parameter, _ in taken(name, dict(entry.verbs).get(name, "system")):
+            if parameter != "system" and not read[parameter].required:
+                assert read[parameter].default == seen[parameter].default
+
+
+@pytest.mark.parametrize("name", TABLE)
+def test_every_parameter_is_an_option_or_left_out_for_a_reason(name):
+    entry = TABLE[name]
+    for verb, names in entry.verbs:
+        chosen = dict(taken(verb, names))
+        assert set(chosen) <= set(parameters(verb))
+        for option in chosen.values():
+            assert flag(option) in options(name)
+        if not names:
+            assert set(parameters(verb)) - set(chosen) <= set(LEFT_OUT)
+    assert all(LEFT_OUT.values())
+
+
+@pytest.mark.parametrize("name", TABLE)
+def test_help_is_for_people(call, name):
+    text = " ".join(call(name, "--help").stdout.replace("(nan)", "").split())
+    assert not PYTHON.search(re.sub(r"NAME=\S+|\w=CH1\S*|\bx=\S+|q=\S+|b=0\.15", "", text))
+    found, context = command(name)
+    for each in found.get_params(context):
+        record = each.get_help_record(context)
+        if not isinstance(each, click.Option) or record is None:
+            continue
+        help_text = record[1]
+        assert len(help_text) > 10, record
+        if each.metavar == "N":
+            assert re.search(r"or more|\[1, -1 or 0\]", help_text), record
+        if each.metavar == "NUMBER":
+            assert UNITS.search(help_text) or "[default" in help_text, record
+        if each.metavar == "NAME" and getattr(each.type, "choices", None):
+            assert all(value in help_text for value in each.type.choices), record
+        if each.required:
+            assert "[required]" in help_text, record
+
+
+def test_one_name_has_one_type():
+    """An option takes the same kind of value in every command; counts are numbers."""
+    alike = {"N": "NUMBER", "x": "NAMES", "x,v": "NAMES", "x,vx": "NAMES", "x[,y]": "NAMES",
+             "NAME[,NAME...]": "NAMES", "NAME": "NAMES"}  # fmt: skip
+    kinds = {}
+    for name in TABLE:
+        found, context = command(name)
+        for each in found.get_params(context):
+            if isinstance(each, click.Option) and each.name != "over":
+                kind = alike.get(each.metavar, each.metavar)
+                kinds.setdefault(each.opts[0], set()).add(kind)
+    assert {option: found for option, found in kinds.items() if len(found) > 1} == {}
+    assert {"--initial", "--start", "--periods", "--order"} <= set(kinds)
+
+
+LEAST = [
+    (name, option, float(least[1]))
+    for name in TABLE
+    for option, text in options(name).items()
+    if (least := re.search(r"\[(-?[\d.]+) or more", text))
+]
+SMALL = {
+    "ensemble": ["--over", "x=0:1:2"],
+    "waterfall": ["--over", "omega=0.7:0.8:2"],
+    "diagram": ["--over", "omega=0.7:0.8:2"],
+    "contacts": ["--over", "omega=0.7:0.8:2"],
+    "regimes": ["--over", "omega=0.7:0.8:2", "--over", "a=0.7:0.8:2"],
+    "continue": ["--over", "omega=0.7:0.9"],
+    "attractors": ["--over", "x=-1:1", "--over", "v=-1:1"],
+    "basins": ["--over", "x=-1:1:4", "--over", "v=-1:1:4"],
+    "section": ["--section", "v"],
+    "smoothing": ["--epsilons", "0.1,0.01", "--over", "x=-1:1", "--over", "mu=0.5:0.7"],
+}
+
+
+FRICTION = """
+states = ["x", "v"]
+period = "2*pi/omega"
+[parameters]
+mu = 0.6
+omega = 0.5
+[equations]
+x = "v"
+v = "cos(omega*t) - x - mu*sign(v)"
+"""
+
+
+def files(name, folder):
+    """What a command works on."""
+    if name == "measured":
+        t = np.arange(4000) / 2000
+        columns = np.column_stack([t, np.cos(90 * t), np.cos(90 * t - 0.4)])
+        np.savetxt(folder / "a.csv", columns, delimiter=",", header="t,x,key", comments="")
+        return [folder / "a.csv", "--columns", "x", "--mark", "key"]
+    if name == "measures":
+        label = np.repeat([1, 2, 3], 20) * np.ones((60, 1), int)
+        basins = xr.Dataset({"label": (("y", "x"), label)})
+        basins.to_netcdf(folder / "a.nc", engine="h5netcdf")
+        return [folder / "a.nc"]
+    if name == "smoothing":
+        (folder / "friction.toml").write_text(FRICTION)
+        return [folder / "friction.toml"]
+    return ["soft_impact"]
+
+
+@pytest.mark.parametrize(("name", "option", "least"), LEAST)
+def test_less_than_the_least_value_is_refused(call, tmp_path, name, option, least):
+    result = call(name, *files(name, tmp_path), *SMALL.get(name, []), f"{option}={least - 1:g}")
+    assert result.exit_code == 2, f"{name} {option} {least - 1:g} ran"
+    assert "Traceback" not in result.output and result.stderr.strip()
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_completion_of_a_shell(call, shell):
+    result = call("completion", shell)
+    assert result.exit_code == 0
+    assert "_NONSMOOTH_COMPLETE" in result.stdout
+
+
+@pytest.mark.parametrize(
+    ("words", "found"),
+    [
+        ("reg", {"regime", "regimes"}),
+        ("diagram mol", {"moling"}),
+        ("diagram moling --start foll", {"follow-up", "follow-down"}),
+        ("smoothing moling --kind ", {"tanh", "arctan", "logistic", "sqrt"}),
+        ("simulate moling --max", {"--max-seconds", "--max-events"}),
+    ],
+)
+def test_what_the_tab_key_completes(words, found):
+    from click.shell_completion import ShellComplete
+
+    *before, last = words.split(" ")
+    asked = ShellComplete(app, {}, "nonsmooth", "_NONSMOOTH_COMPLETE")
+    assert {each.value for each in asked.get_completions(before, last)} == found
