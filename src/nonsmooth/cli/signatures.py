@@ -42,10 +42,10 @@ class Parameter(NamedTuple):
 @cache
 def parameters(name: str) -> dict[str, Parameter]:
     """Parameters of a public function or class, such as ``regime`` or ``measured.low_pass``."""
-    node = _definition(name)
+    node, module = _definition(name)
     texts = _texts(ast.get_docstring(node) or "")
     found = {}
-    for argument, annotation, default in _arguments(node):
+    for argument, annotation, default in _arguments(node, module):
         kind, text = texts.get(argument, ("", ""))
         value = None if default is None else _value(default)
         found[argument] = Parameter(
@@ -59,8 +59,8 @@ def parameters(name: str) -> dict[str, Parameter]:
     return found
 
 
-def _definition(name: str) -> ast.FunctionDef | ast.ClassDef:
-    """Syntax tree of a function or class; a name with a dot is one of a package."""
+def _definition(name: str) -> tuple[ast.FunctionDef | ast.ClassDef, str]:
+    """Definition of a function or class, and its module; a name with a dot is one of a package."""
     package, _, own = name.rpartition(".")
     if package:
         homes = {
@@ -72,10 +72,17 @@ def _definition(name: str) -> ast.FunctionDef | ast.ClassDef:
         home = homes[own]
     else:
         home = nonsmooth._HOME[own]
-    for node in _tree(str(home)).body:
-        if isinstance(node, ast.FunctionDef | ast.ClassDef) and node.name == own:
-            return node
-    raise LookupError(f"{home} defines no {own}")
+    return _defined(own, str(home))
+
+
+def _defined(name: str, module: str) -> tuple[ast.FunctionDef | ast.ClassDef, str]:
+    """Definition of a name of a module, which may have imported it."""
+    for node in _tree(module).body:
+        if isinstance(node, ast.FunctionDef | ast.ClassDef) and node.name == name:
+            return node, module
+        if isinstance(node, ast.ImportFrom) and any(each.name == name for each in node.names):
+            return _defined(name, str(node.module))
+    raise LookupError(f"{module} defines no {name}")
 
 
 @cache
@@ -94,14 +101,19 @@ def _value(default: ast.expr) -> Any:
 
 
 def _arguments(
-    node: ast.FunctionDef | ast.ClassDef,
+    node: ast.FunctionDef | ast.ClassDef, module: str
 ) -> Iterator[tuple[str, ast.expr | None, ast.expr | None]]:
     """Name, annotation and default of each argument of a function, or field of a dataclass."""
     if isinstance(node, ast.ClassDef):
+        for base in node.bases:
+            if isinstance(base, ast.Name) and base.id not in ("ABC", "Protocol"):
+                inherited, home = _defined(base.id, module)
+                if any("dataclass" in ast.unparse(each) for each in inherited.decorator_list):
+                    yield from _arguments(inherited, home)
         for field in node.body:
             if not (isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name)):
                 continue
-            if field.target.id != "_":  # what follows that is given by keyword
+            if not field.target.id.startswith("_"):  # the mark of keywords, and private fields
                 yield field.target.id, field.annotation, field.value
         return
     own = node.args
