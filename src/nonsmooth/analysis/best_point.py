@@ -13,10 +13,10 @@ from numpy.polynomial import chebyshev
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.periodic_orbits.guess import Guess
 from nonsmooth.periodic_orbits.legs import LegError, Legs
-from nonsmooth.periodic_orbits.orbit import Orbit
+from nonsmooth.periodic_orbits.orbit import Orbit, OrbitRequest
 from nonsmooth.periodic_orbits.orbit_dataset import failed_dataset, orbit_dataset, orbit_variables
 from nonsmooth.periodic_orbits.restart import guess_of_dataset, is_orbit
-from nonsmooth.periodic_orbits.search import OrbitRequest, fitted, solve_guess
+from nonsmooth.periodic_orbits.search import fitted, solve_guess
 from nonsmooth.runs.options import check_flag
 from nonsmooth.system.system import System
 

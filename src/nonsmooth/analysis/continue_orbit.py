@@ -23,8 +23,9 @@ from nonsmooth.periodic_orbits.branch_run import follow_orbits
 from nonsmooth.periodic_orbits.branch_start import doubled_start, tangent_at
 from nonsmooth.periodic_orbits.legs import Legs
 from nonsmooth.periodic_orbits.newton import scale_of
+from nonsmooth.periodic_orbits.orbit import OrbitRequest
 from nonsmooth.periodic_orbits.restart import guess_of_dataset, is_orbit
-from nonsmooth.periodic_orbits.search import OrbitRequest, search_orbit, solve_guess
+from nonsmooth.periodic_orbits.search import search_orbit, solve_guess
 from nonsmooth.periodic_orbits.stretch import BranchOptions, BranchStart, BranchStretch
 from nonsmooth.runs.options import check_flag, finite_number, whole_number
 from nonsmooth.runs.progress import HeldInterrupts, Progress

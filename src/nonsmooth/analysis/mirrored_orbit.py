@@ -8,9 +8,10 @@ from nonsmooth.analysis.options import SharedOptions
 from nonsmooth.analysis.orbit_search.options import period_of, said_of_options, system_of_one
 from nonsmooth.errors import OptionError
 from nonsmooth.periodic_orbits.legs import Legs
+from nonsmooth.periodic_orbits.orbit import OrbitRequest
 from nonsmooth.periodic_orbits.orbit_dataset import failed_dataset, orbit_dataset
 from nonsmooth.periodic_orbits.restart import guess_of_dataset
-from nonsmooth.periodic_orbits.search import OrbitRequest, equations_for, solve_guess
+from nonsmooth.periodic_orbits.search import equations_for, solve_guess
 from nonsmooth.periodic_orbits.symmetric import mirror_image
 
 if TYPE_CHECKING:

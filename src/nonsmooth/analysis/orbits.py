@@ -13,9 +13,8 @@ from nonsmooth.analysis.orbit_search.collect import Collected, HowToCollect, col
 from nonsmooth.analysis.orbit_search.options import read_wanted, said_of_options
 from nonsmooth.errors import OptionError
 from nonsmooth.periodic_orbits.legs import Legs
-from nonsmooth.periodic_orbits.orbit import Orbit
+from nonsmooth.periodic_orbits.orbit import Orbit, OrbitRequest
 from nonsmooth.periodic_orbits.orbit_dataset import common, orbit_variables
-from nonsmooth.periodic_orbits.search import OrbitRequest
 from nonsmooth.runs.labels import Columns, assemble, labels_of
 from nonsmooth.runs.options import check_flag, whole_number
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap

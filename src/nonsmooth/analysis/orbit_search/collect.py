@@ -27,8 +27,8 @@ from nonsmooth.periodic_orbits.equations import Turn
 from nonsmooth.periodic_orbits.guess import Guess, cycle_guesses
 from nonsmooth.periodic_orbits.legs import LegError, Legs
 from nonsmooth.periodic_orbits.newton import solve_orbit
-from nonsmooth.periodic_orbits.orbit import Orbit
-from nonsmooth.periodic_orbits.search import OrbitRequest, equations_for, is_autonomous, solve_guess
+from nonsmooth.periodic_orbits.orbit import Orbit, OrbitRequest
+from nonsmooth.periodic_orbits.search import equations_for, is_autonomous, solve_guess
 from nonsmooth.periodic_orbits.word import Word
 from nonsmooth.runs.progress import HeldInterrupts, Progress
 

@@ -16,7 +16,7 @@ from nonsmooth.engine.status import EventKind, Status
 from nonsmooth.engine.tables import Tables
 from nonsmooth.periodic_orbits.equations import Turn
 from nonsmooth.periodic_orbits.guess import Guess
-from nonsmooth.periodic_orbits.search import OrbitRequest
+from nonsmooth.periodic_orbits.orbit import OrbitRequest
 from nonsmooth.periodic_orbits.word import Word, path_of_bits
 from nonsmooth.runs.clock import Instant, Plan
 from nonsmooth.runs.first_mode import in_first_mode

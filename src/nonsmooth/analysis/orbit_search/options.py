@@ -6,8 +6,8 @@ from typing import Any
 
 from nonsmooth.analysis.options import SharedOptions
 from nonsmooth.errors import ModelError, OptionError
+from nonsmooth.periodic_orbits.orbit import OrbitRequest
 from nonsmooth.periodic_orbits.restart import is_orbit
-from nonsmooth.periodic_orbits.search import OrbitRequest
 from nonsmooth.periodic_orbits.word import read_word, words_of_names
 from nonsmooth.runs.options import finite_number, whole_number
 from nonsmooth.runs.poincare_map import PoincareMap
