@@ -1,4 +1,4 @@
-"""SettledMotion motions, each of which may be looked at as often as is needed."""
+"""SweptMotion motions, each of which may be looked at as often as is needed."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from nonsmooth.runs.impacts import happened
 from nonsmooth.runs.outputs import SweptClock, output_values
 from nonsmooth.runs.sweep_runner import Motions, Recorded, Times
 
-__all__ = ["Events", "Samples", "SettledMotion", "reduce_settled"]
+__all__ = ["Events", "Samples", "SweptMotion", "reduce_settled"]
 
 Arrays = dict[str, npt.NDArray[Any]]
 Floats = npt.NDArray[np.float64]
@@ -39,7 +39,7 @@ class Events(NamedTuple):
     after: Samples
 
 
-class SettledMotion:
+class SweptMotion:
     """Motion ``i`` of a group after its transient, recorded from one strobe to another one.
 
     ``begun`` are the motions of the group where their records begin.
@@ -100,7 +100,7 @@ class SettledMotion:
 
 
 def reduce_settled(
-    reduce: Callable[[SettledMotion], Arrays], last: int, group: Group, recorded: Recorded
+    reduce: Callable[[SweptMotion], Arrays], last: int, group: Group, recorded: Recorded
 ) -> list[Arrays]:
     """What ``reduce`` makes of each motion of a group that is run on to iterate ``last``.
 
@@ -118,6 +118,6 @@ def reduce_settled(
         found.append({"status": np.array(status)})
         if status == Status.COMPLETED:
             begin, end = zip(times.numbers[i].tolist(), times.phases[i].tolist(), strict=True)
-            settled = SettledMotion(group, begun, i, Instant(*begin), Instant(*end), passed)
+            settled = SweptMotion(group, begun, i, Instant(*begin), Instant(*end), passed)
             found[-1] |= reduce(settled)
     return found

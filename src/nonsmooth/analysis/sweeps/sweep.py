@@ -1,4 +1,4 @@
-"""SettledMotion motions at many values of a parameter, each reduced to a few arrays."""
+"""SweptMotion motions at many values of a parameter, each reduced to a few arrays."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ import numpy.typing as npt
 from nonsmooth.analysis.diagrams.chain_links import End, links_of, pack_end, take_end
 from nonsmooth.analysis.diagrams.diagram_options import check_way
 from nonsmooth.analysis.settle import ParameterSets, at_time_zero, said_of_start, settle
-from nonsmooth.analysis.sweeps.settled import SettledMotion, reduce_settled
+from nonsmooth.analysis.sweeps.settled import SweptMotion, reduce_settled
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import OptionError
 from nonsmooth.runs.crew import check_threads
@@ -31,7 +31,7 @@ __all__ = ["SweepProtocol", "Swept", "make_sweep", "run_sweep"]
 
 Arrays = dict[str, npt.NDArray[Any]]
 Done = tuple[list[Arrays], End | None]  # of some values, and where the last motion has ended
-Reduce = Callable[[SettledMotion], Arrays]
+Reduce = Callable[[SweptMotion], Arrays]
 
 
 @dataclass(frozen=True)
