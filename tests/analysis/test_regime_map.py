@@ -136,13 +136,14 @@ def test_work_that_was_begun_goes_on(tmp_path, monkeypatch):
         path.unlink()
 
     judged = []
-    judge = points.settled_regime
+    judge = points.settled_regimes
 
     def counted(*arguments):
-        judged.append(1)
-        return judge(*arguments)
+        verdicts = judge(*arguments)
+        judged.extend(verdicts)
+        return verdicts
 
-    monkeypatch.setattr(points, "settled_regime", counted)
+    monkeypatch.setattr(points, "settled_regimes", counted)
     again = ns.regime_map(system, over, **options, store=store)
     assert again.identical(expected)
     assert 0 < len(judged) < int(expected["computed"].sum())

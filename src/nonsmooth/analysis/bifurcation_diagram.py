@@ -2,29 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
+import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.analysis.diagrams.chain_links import End
-from nonsmooth.analysis.diagrams.columns import Look
+from nonsmooth.analysis.diagrams.chain_links import End, links_of
+from nonsmooth.analysis.diagrams.columns import DiagramProtocol, Look, pack_looks, unpack_looks
 from nonsmooth.analysis.diagrams.diagram_dataset import diagram_dataset
 from nonsmooth.analysis.diagrams.diagram_options import check_values, check_way, read_protocol
-from nonsmooth.analysis.diagrams.diagram_tasks import diagram_tasks, make_worker
-from nonsmooth.analysis.diagrams.look_arrays import pack_looks, unpack_looks
+from nonsmooth.analysis.diagrams.section_columns import run_section_chain
+from nonsmooth.analysis.diagrams.strobe_columns import strobe_looks
+from nonsmooth.analysis.settle import ParameterSets, at_time_zero, said_of_start, settle
 from nonsmooth.errors import OptionError
 from nonsmooth.runs.crew import check_threads
+from nonsmooth.runs.maps import Map
 from nonsmooth.runs.of_system import map_of
+from nonsmooth.runs.poincare_map import PoincareMap
 from nonsmooth.runs.runner import build_tables
+from nonsmooth.runs.section_runner import SectionRunner
 from nonsmooth.runs.start import check_carried, resolve_start
 from nonsmooth.runs.store import run_stored_tasks
+from nonsmooth.runs.sweep_runner import SweepRunner
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from nonsmooth.runs.poincare_map import PoincareMap
     from nonsmooth.runs.stroboscopic_map import StroboscopicMap
     from nonsmooth.system.system import System
 
@@ -159,7 +165,7 @@ def bifurcation_diagram(
         check_carried(system, each, parameters, (parameter,))
     begins = [resolve_start(system, tables, each, None, mode, True) for each in given]
     looks: list[list[Look | None]] = [[None] * len(given) for _ in grid]
-    work = diagram_tasks(protocol, grid, given, mode, way)
+    work = _tasks(protocol, grid, given, mode, way)
 
     def keep(i: int, found: tuple[list[Look], End | None]) -> None:
         lane, columns = work.places[i]
@@ -176,11 +182,11 @@ def bifurcation_diagram(
         "match": protocol.match,
         "tolerance": float(tolerance),
         "changed_parameters": str(dict(parameters)) if parameters else "",
-        "initial": str([_said(each) for each in given]),
+        "initial": str([said_of_start(each) for each in given]),
     }
     complete = run_stored_tasks(
         work.tasks,
-        lambda: make_worker(chosen, tolerance),
+        lambda: _make_worker(chosen, tolerance),
         store=store,
         protocol={
             "system": system.to_toml(),
@@ -199,8 +205,62 @@ def bifurcation_diagram(
     return diagram_dataset(protocol, grid, looks, options, complete)
 
 
-def _said(initial: Any) -> str:
-    """An initial state as the protocol tells it."""
-    if initial is None:
-        return "at rest"
-    return "a point of a dataset" if hasattr(initial, "data_vars") else str(dict(initial))
+class _Tasks(NamedTuple):
+    """Tasks of a diagram; where columns follow each other, one begins at the end of another."""
+
+    tasks: list[Any]
+    places: list[tuple[int, list[int]]]  # lane and columns of each
+    after: dict[int, int]  # the task that each one follows
+    ends: dict[int, End | None]  # of tasks that are done
+
+
+def _tasks(
+    protocol: DiagramProtocol,
+    grid: npt.NDArray[np.float64],
+    given: list[Any],
+    mode: str | None,
+    start: str,
+) -> _Tasks:
+    """Tasks, and the lane and the columns that each one computes."""
+    found = _Tasks([], [], {}, {})
+    for lane, each in enumerate(given):
+        for k, columns in enumerate(links_of(grid, start)):
+            number = len(found.tasks)
+            follow = None if start == "restart" else partial(found.ends.get, -1)
+            if k and start != "restart":
+                found.after[number] = number - 1
+                follow = partial(found.ends.get, number - 1)
+            found.tasks.append(_task(protocol, grid[columns], each, mode, follow))
+            found.places.append((lane, columns))
+    return found
+
+
+def _task(
+    protocol: DiagramProtocol,
+    values: npt.NDArray[np.float64],
+    initial: Any,
+    mode: str | None,
+    follow: Callable[[], End | None] | None,
+) -> Any:
+    """Some columns of one lane, each by itself or one after the other."""
+    if isinstance(protocol.chosen, PoincareMap):
+        return partial(
+            run_section_chain, protocol=protocol, values=values.tolist(), initial=initial,
+            mode=mode, follow=follow,
+        )  # fmt: skip
+    return partial(
+        settle,
+        sets=ParameterSets(
+            protocol.strobed, {protocol.parameter: values}, initial, mode, at_time_zero
+        ),
+        times=lambda group: group.iterates(protocol.transient, protocol.record + 1),
+        reduce=partial(strobe_looks, protocol),
+        follow=follow,
+    )
+
+
+def _make_worker(chosen: Map, tolerance: float) -> SweepRunner | SectionRunner:
+    """What one thread runs motions with."""
+    if isinstance(chosen, PoincareMap):
+        return chosen.runner(tolerance)
+    return SweepRunner(chosen.system, tolerance)

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from nonsmooth.analysis.diagrams.diagram_options import check_values
 from nonsmooth.analysis.sweeps.contact_dataset import contact_dataset
 from nonsmooth.analysis.sweeps.contact_numbers import Asked, contact_numbers
-from nonsmooth.analysis.sweeps.sweep import Sweep, make_sweep, run_sweep
+from nonsmooth.analysis.sweeps.sweep import SweepProtocol, make_sweep, run_sweep
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.runs.start import mode_numbers
 
@@ -157,7 +157,7 @@ def _names(option: str, given: Any) -> tuple[str, ...]:
     return tuple(str(name) for name in given)
 
 
-def _asked(sweep: Sweep, contact: Any, of: Any, percentiles: Any) -> Asked:
+def _asked(sweep: SweepProtocol, contact: Any, of: Any, percentiles: Any) -> Asked:
     """What is to be found out, checked."""
     model = sweep.system
     modes = _names("contact", contact)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.analysis.ensembles.chunk import Protocol
+from nonsmooth.analysis.ensembles.chunk import EnsembleProtocol
 from nonsmooth.analysis.ensembles.ensemble_dataset import Frame
 from nonsmooth.analysis.ensembles.members import mappings_of, members_of, split_parameters
 from nonsmooth.analysis.ensembles.work import Work
@@ -147,7 +147,7 @@ def ensemble(
         )
     initial = mappings_of(system, initial, None if several and not single else parameters, several)
     plan, along, recorded = _plan(system, times, transient, record, phase)
-    protocol = Protocol(
+    protocol = EnsembleProtocol(
         system=system,
         members=members_of(system, initial, several, combine),
         plan=plan,

@@ -10,7 +10,7 @@ from typing import Any
 import xarray as xr
 
 from nonsmooth.analysis.exponents.exponent_dataset import exponent_dataset
-from nonsmooth.analysis.exponents.exponent_run import ExponentRun, Protocol, run_exponents
+from nonsmooth.analysis.exponents.exponent_run import ExponentProtocol, ExponentRun, run_exponents
 from nonsmooth.analysis.exponents.settling import halves_differ, is_chaotic, said_of_later
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import OptionError, RunWarning
@@ -231,7 +231,9 @@ def _count(system: System, exponents: Any) -> int:
     return count
 
 
-def _protocol(transient: Any, record: Any, interval: Any, unit: float, periodic: bool) -> Protocol:
+def _protocol(
+    transient: Any, record: Any, interval: Any, unit: float, periodic: bool
+) -> ExponentProtocol:
     """Lengths in windows, the interval such that the record has a whole number of them.
 
     ``unit``: how much of what lengths are counted in makes a window; ``periodic``: whether that is
@@ -250,7 +252,7 @@ def _protocol(transient: Any, record: Any, interval: Any, unit: float, periodic:
         if not wanted > 0.0:
             raise OptionError(f"interval = {interval} must be positive")
     parts = max(1, round(whole_record / wanted))
-    return Protocol(float(transient) / unit, whole_record, whole_record / parts, parts)
+    return ExponentProtocol(float(transient) / unit, whole_record, whole_record / parts, parts)
 
 
 def _seed(seed: Any) -> int:

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.spectra.segments import check_run
-from nonsmooth.analysis.statistics.slow_values import slow_names
+from nonsmooth.analysis.statistics.series import slow_names
 from nonsmooth.analysis.sweeps.visits import visits_of
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.runs.options import whole_number
@@ -183,7 +183,7 @@ class _Frame:
         return low.reshape(shape).min(axis=1), high.reshape(shape).max(axis=1)
 
     def contacts(self, contact: str) -> tuple[Floats, Floats]:
-        """Visits that begin per period, and the part of its time."""
+        """ModeVisits that begin per period, and the part of its time."""
         run = self.run
         if "event_time" not in run:
             raise OptionError("the run has no event log; simulate without events=False")

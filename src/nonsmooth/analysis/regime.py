@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Mapping
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from nonsmooth.analysis.regimes.labels import INADMISSIBLE
-from nonsmooth.analysis.regimes.options import check_system, make_protocol, strobe_length
-from nonsmooth.analysis.regimes.regime_dataset import numbers_of, said_of_start
-from nonsmooth.analysis.regimes.regime_run import settled_regime
-from nonsmooth.analysis.regimes.verdict import Protocol, Verdict
+from nonsmooth.analysis.regimes.options import check_system, make_protocol
+from nonsmooth.analysis.regimes.regime_dataset import numbers_of
+from nonsmooth.analysis.regimes.regime_run import first_windows, settled_regimes
+from nonsmooth.analysis.regimes.verdict import RegimeProtocol, Verdict
+from nonsmooth.analysis.settle import ParameterSets, said_of_start, settle
 from nonsmooth.errors import OptionError
 from nonsmooth.runs.first_mode import explain_misfit
 from nonsmooth.runs.labels import labels_of, with_doubts
-from nonsmooth.runs.lane_runner import LaneRunner
 from nonsmooth.runs.options import check_run_options
+from nonsmooth.runs.runner import build_tables
 from nonsmooth.runs.start import resolve_start, start_at_end
+from nonsmooth.runs.stroboscopic_map import StroboscopicMap
+from nonsmooth.runs.sweep_runner import SweepRunner
 from nonsmooth.system.system import System
 from nonsmooth.version import __version__
 
@@ -188,14 +193,21 @@ def regime(
     system = check_run_options(system, parameters, mode, tolerance)
     check_system(system, period, "regime")
     protocol = make_protocol(transient, record, evidence, longest, confirm, phase, match)
-    length = strobe_length(system, period)
-    runner = LaneRunner(system, tolerance)
-    start = resolve_start(system, runner.tables, initial, t_start, mode, parameters is not None)
+    chosen = StroboscopicMap(system, phase=protocol.phase, period=period)
+    tables = build_tables(system)
+    start = resolve_start(system, tables, initial, t_start, mode, parameters is not None)
     if start.anchor is not None:
         start = start_at_end(start)
-    verdict = settled_regime(protocol, system, runner, start, length)
+    runner = SweepRunner(system, tolerance)
+    (verdict,), _ = settle(
+        runner,
+        threading.Event(),
+        sets=ParameterSets(chosen, {}, start, mode),
+        times=partial(first_windows, protocol),
+        reduce=partial(settled_regimes, protocol),
+    )
     if verdict.label == INADMISSIBLE and verdict.transient_used == 0:
-        raise OptionError(explain_misfit(system, runner.tables, start, runner.segment.z))
+        raise OptionError(explain_misfit(system, tables, start, runner.segment.z))
     options = {
         "tolerance": float(tolerance),
         "changed_parameters": str(dict(parameters)) if parameters else "",
@@ -205,7 +217,7 @@ def regime(
 
 
 def _dataset(
-    system: System, protocol: Protocol, verdict: Verdict, options: dict[str, Any]
+    system: System, protocol: RegimeProtocol, verdict: Verdict, options: dict[str, Any]
 ) -> xr.Dataset:
     import xarray as xr
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,13 +14,14 @@ from nonsmooth.analysis.diagrams.diagram_options import check_way
 from nonsmooth.analysis.regimes.border_refinement import refine_borders, refined_values
 from nonsmooth.analysis.regimes.options import check_system, make_protocol
 from nonsmooth.analysis.regimes.points import Plane
-from nonsmooth.analysis.regimes.regime_dataset import map_dataset, said_of_start
-from nonsmooth.analysis.regimes.several_starts import maps_of_starts
+from nonsmooth.analysis.regimes.regime_dataset import map_dataset
+from nonsmooth.analysis.settle import said_of_start
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.runs.crew import check_threads
 from nonsmooth.runs.options import check_run_options, finite_number
 from nonsmooth.runs.runner import build_tables
 from nonsmooth.runs.start import Start, check_carried, resolve_start
+from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.system.system import System
 
 if TYPE_CHECKING:
@@ -159,7 +160,7 @@ def regime_map(
             "phase": phase, "period": period, "match": match, "parameters": parameters,
             "tolerance": tolerance, "mode": mode, "threads": threads,
         }  # fmt: skip
-        return maps_of_starts(partial(regime_map, system, over, **same), initial, store)
+        return _maps_of_starts(partial(regime_map, system, over, **same), initial, store)
     system = check_run_options(system, parameters, mode, tolerance)
     check_system(system, period, "regime_map")
     names, values = _check_grid(system, over)
@@ -205,8 +206,8 @@ def regime_map(
         "initial": _start_of(initial, begin),
     }
     plane = Plane(
-        protocol, system, names, fine, initial, mode, period, tolerance, check_threads(threads),
-        store, way, told,
+        protocol, StroboscopicMap(system, phase=protocol.phase, period=period), names, fine,
+        initial, mode, tolerance, check_threads(threads), store, way, told,
     )  # fmt: skip
     filled = refine_borders(plane.keys, levels, plane.compute)
     if fill == "motions":
@@ -262,3 +263,33 @@ def _start_of(initial: Any, begin: Start) -> Any:
     if hasattr(initial, "data_vars"):
         return [*begin.state, *begin.modes]
     return {str(name): float(value) for name, value in (initial or {}).items()}
+
+
+def _maps_of_starts(
+    make: Callable[..., xr.Dataset], given: Sequence[Any], store: str | Path | None
+) -> xr.Dataset:
+    """Maps of initial states over a dimension ``lane``, one after the other.
+
+    ``make`` computes one of them, given ``initial`` and ``store``. After an interruption those that
+    were begun are there.
+    """
+    import xarray as xr
+
+    if not given:
+        raise OptionError("initial: the list is empty; give a state, or leave it out for rest")
+    if store is not None:
+        Path(store).mkdir(exist_ok=True)
+    maps: list[xr.Dataset] = []
+    for lane, initial in enumerate(given):
+        folder = None if store is None else Path(store) / f"lane-{lane:03d}"
+        maps.append(make(initial=initial, store=folder))
+        if maps[-1].attrs["status"] != "completed":
+            break
+    lanes = xr.DataArray(np.arange(len(maps)), dims="lane", attrs={"long_name": "initial state"})
+    whole = xr.concat(maps, lanes.rename("lane"), combine_attrs="override", join="exact")
+    told = [f"lane {lane}: {each.attrs['message']}" for lane, each in enumerate(maps)]
+    return whole.assign_attrs(
+        status=maps[-1].attrs["status"],
+        message="; ".join(told),
+        initial=str([each.attrs["initial"] for each in maps]),
+    )

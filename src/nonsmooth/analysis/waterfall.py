@@ -13,8 +13,8 @@ from nonsmooth.analysis.diagrams.diagram_options import check_values
 from nonsmooth.analysis.spectra.segments import check_window, without_drift
 from nonsmooth.analysis.spectra.transforms import about_mean, phases
 from nonsmooth.analysis.spectra.waterfall_dataset import Rows, check_plane, waterfall_dataset
-from nonsmooth.analysis.sweeps.settled import Settled
-from nonsmooth.analysis.sweeps.sweep import Sweep, make_sweep, run_sweep
+from nonsmooth.analysis.sweeps.settled import SweptMotion
+from nonsmooth.analysis.sweeps.sweep import SweepProtocol, make_sweep, run_sweep
 from nonsmooth.analysis.sweeps.sweep_dataset import (
     parameter_coordinate,
     stacked,
@@ -154,7 +154,7 @@ def waterfall(
         )
     weights = check_window(window, length)
 
-    def reduce(settled: Settled) -> dict[str, npt.NDArray[Any]]:
+    def reduce(settled: SweptMotion) -> dict[str, npt.NDArray[Any]]:
         parts = _record(settled, sweep, names, per_period, count * length).reshape(count, length)
         lines = about_mean(parts, weights, settled.period / per_period)
         return {
@@ -193,7 +193,7 @@ def waterfall(
 
 
 def _record(
-    settled: Settled, sweep: Sweep, names: tuple[str, ...], per_period: int, size: int
+    settled: SweptMotion, sweep: SweepProtocol, names: tuple[str, ...], per_period: int, size: int
 ) -> npt.NDArray[Any]:
     """So many samples at the end of the record, complex for two variables."""
     count = sweep.record * per_period

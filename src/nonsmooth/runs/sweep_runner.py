@@ -13,15 +13,15 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.engine.derivatives import no_rates, no_scratch
-from nonsmooth.engine.lanes import allocate_segment, allocate_tangent, lane_anchors
-from nonsmooth.engine.record import Rows
+from nonsmooth.engine.lanes import Anchor, allocate_segment, allocate_tangent, lane_anchors
+from nonsmooth.engine.record import Rows, dtype_of
 from nonsmooth.engine.status import Status
 from nonsmooth.engine.sweeps import allocate_sweep, run_sweep
 from nonsmooth.engine.tables import Tables, allocate_stack, set_up
 from nonsmooth.runs.crew import Stopped
 from nonsmooth.system.system import System
 
-__all__ = ["Recorded", "SweepRunner", "SweepStarts", "Times"]
+__all__ = ["Motions", "Recorded", "SweepRunner", "SweepStarts", "Times"]
 
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
@@ -47,14 +47,44 @@ class Times(NamedTuple):
     numbers: Integers  # (K, s)
     phases: Floats  # (K, s)
 
+    def at(self, which: slice) -> Times:
+        """Some of the times of each motion."""
+        numbers, phases = self.numbers[:, which], self.phases[:, which]
+        return Times(np.ascontiguousarray(numbers), np.ascontiguousarray(phases))
+
     @property
     def last(self) -> tuple[Integers, Floats]:
         """The last times, (K,) each."""
         return self.numbers[:, -1], self.phases[:, -1]
 
 
+class Motions(NamedTuple):
+    """K motions on their way, each with tables of its own; n states."""
+
+    anchors: Anchor  # with the number of motions in front
+    modes: Integers  # (K,): how each goes on, see `run_lanes`
+    statuses: Integers  # (K,)
+    end_states: Floats  # (K, n)
+    uncertain: Integers  # (K,): events that rounding leaves open, from the start on
+    estimated: Integers  # (K,): steps the errors of which are estimated, likewise
+    since: Rows  # (K,): window and phase up to which these are counted
+
+    def select(self, chosen: Integers) -> Motions:
+        """Copy of some of the motions, to go on without these."""
+        return Motions(
+            self.anchors.part(chosen), self.modes[chosen], self.statuses[chosen],
+            self.end_states[chosen], self.uncertain[chosen], self.estimated[chosen],
+            self.since[chosen],
+        )  # fmt: skip
+
+    @property
+    def places(self) -> Rows:
+        """Number, mode and phase of the start of each last segment, or of an early end, (K,)."""
+        return self.anchors.place
+
+
 class Recorded(NamedTuple):
-    """What K motions have left behind; s samples, r events in all."""
+    """What K motions leave behind that are run together; s samples, r events in all."""
 
     statuses: Integers  # (K,)
     windows: Floats  # (K,): lengths, nan of what was refused
@@ -65,10 +95,6 @@ class Recorded(NamedTuple):
     rows: Rows  # (r,): the logs one after the other, no rows for the starts
     event_states: Floats  # (r, 2, n): before and after each event
     logs: Integers  # (K + 1,): first row of each log, and the end of the last one
-    uncertain: Integers  # (K,): events that rounding leaves open, from the start on
-    estimated: Integers  # (K,): steps the errors of which are estimated, likewise
-    end_states: Floats  # (K, n)
-    places: Rows  # (K,): number, mode, phase of the start of the last segment, or of an early end
 
 
 class SweepRunner:
@@ -83,7 +109,7 @@ class SweepRunner:
         self.most = int(np.clip(_BYTES // one.n_bytes, 1, _MOST))  # sets at a time
         self._room = one if self.most == 1 else allocate_stack(self._program, self.most)
         self._stack = self._room
-        self._segment = allocate_segment(self._sizes)
+        self.segment = allocate_segment(self._sizes)
         self._tangent = allocate_tangent(self._sizes, -1, 0).as_lanes
 
     def set_up(self, values: Floats) -> npt.NDArray[np.bool_]:
@@ -108,32 +134,51 @@ class SweepRunner:
         """Tables of one set."""
         return self._stack.part(i)
 
+    def start(self, starts: SweepStarts, usable: npt.NDArray[np.bool_]) -> Motions:
+        """Motions at their starts; those that are not ``usable``, (K,), are refused."""
+        count = len(starts.states)
+        return Motions(
+            lane_anchors(self._sizes, starts.numbers, starts.phases, starts.states),
+            modes=starts.modes,
+            statuses=np.where(usable, Status.COMPLETED, Status.REFUSED).astype(np.int64),
+            end_states=np.full((count, self._sizes.states), np.nan),
+            uncertain=np.zeros(count, np.int64),
+            estimated=np.zeros(count, np.int64),
+            since=np.full(2 * count, -np.inf).view(dtype_of("Instant")),
+        )
+
     def run(
         self,
-        starts: SweepStarts,
+        motions: Motions,
         times: Times,
-        usable: npt.NDArray[np.bool_],
         *,
+        chosen: npt.NDArray[np.bool_] | None = None,
         ends: Times | None = None,
         follows: Times | None = None,
         log: bool = True,
+        sets: slice | None = None,
         stop: threading.Event | None = None,
     ) -> Recorded:
-        """Run a motion for each set to its first time, and on to its last one with a log.
+        """Run the motions that can go on to their first times, and on to the last with a log.
 
-        Motions that are not ``usable``, (K,), are refused. ``ends`` (K, 1) lie at the last times
-        or behind them. ``follows`` has the instants (K, 1) where motions go on that follow the one
-        before, if that has come to its end.
+        They belong to all sets, or to those at ``sets``. Only those that are ``chosen``, (K,),
+        where not all are. ``ends`` (K, 1) lie at the last times or behind them. ``follows`` has
+        the instants (K, 1) where motions go on that follow the one before, if that has come to its
+        end.
         """
-        anchors = lane_anchors(self._sizes, starts.numbers, starts.phases, starts.states)
         last = (times if ends is None else ends).last
         sweep = allocate_sweep(
-            self._sizes, starts.modes, *times, ends=last, room=_FIRST_EVENTS if log else 0,
+            self._sizes, motions.modes, *times, ends=last, room=_FIRST_EVENTS if log else 0,
             tolerance=self.tolerance, follows=follows is not None,
         )  # fmt: skip
         if follows is not None:
             sweep.begins["number"], sweep.begins["phase"] = (each[:, 0] for each in follows)
-        sweep.statuses[~usable] = Status.REFUSED
+        sweep.since[:] = motions.since
+        sweep.statuses[:] = motions.statuses
+        if chosen is not None:
+            sweep.statuses[~chosen] = Status.REFUSED
+        ran = sweep.statuses == Status.COMPLETED
+        stack = self._stack if sets is None else self._stack.part(sets)
         status = Status.PAUSED
         while status != Status.COMPLETED:
             if stop is not None and stop.is_set():
@@ -141,15 +186,16 @@ class SweepRunner:
             if status == Status.BUFFER_FULL:
                 sweep = sweep.enlarged()
             status = run_sweep(
-                self._stack, _RATES, _SCRATCH, anchors, self._segment, self._tangent, sweep
+                stack, _RATES, _SCRATCH, motions.anchors, self.segment, self._tangent, sweep
             )
-        refused = sweep.statuses == Status.REFUSED
+        for name in ("uncertain", "estimated"):
+            getattr(motions, name)[:] += sweep.settling[name] + sweep.recording[name]
+        motions.statuses[ran], motions.since[ran] = sweep.statuses[ran], sweep.since[ran]
+        motions.end_states[ran] = sweep.end_state[ran]
         end = int(sweep.logs[-1])
-        uncertain, estimated = (
-            sweep.settling[name] + sweep.recording[name] for name in ("uncertain", "estimated")
-        )
+        refused = motions.statuses == Status.REFUSED
         return Recorded(
-            sweep.statuses, np.where(refused, np.nan, self.windows), *times, sweep.sample_state,
-            sweep.sample_mode, sweep.events[:end], sweep.event_states[:end], sweep.logs,
-            uncertain, estimated, sweep.end_state, anchors.place,
+            sweep.statuses, np.where(refused, np.nan, stack.clock["window"]), *times,
+            sweep.sample_state, sweep.sample_mode, sweep.events[:end], sweep.event_states[:end],
+            sweep.logs,
         )  # fmt: skip

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -26,7 +27,7 @@ from nonsmooth.engine.lanes import (
     allocate_segment,
     run,
 )
-from nonsmooth.engine.record import Rows
+from nonsmooth.engine.record import Rows, dtype_of
 from nonsmooth.engine.status import EventKind, Status
 from nonsmooth.engine.tables import Tables
 from nonsmooth.runs.clock import Instant
@@ -65,28 +66,37 @@ class TangentFlow:
         impacts: Impacts | None = None,
     ):
         self.impacts = impacts  # None: they are not counted
-        self.tables, self.derivatives, self.tolerance = tables, derivatives, tolerance
-        self.window = tables.window
+        self.tolerance = tolerance
+        self.set_up(tables, derivatives)
         self.n = tables.sizes.states
         sizes = tables.sizes
         self.anchor = allocate_anchor(sizes)
         self.segment = allocate_segment(sizes, 0)
-        self._tangent = allocate_columns(tables.sizes, count, 1)
+        self._tangent = allocate_columns(sizes, count, 1)
+        self._whole = allocate_columns(sizes, self.n, 1)  # of all states, at a start
+        self._through: dict[int, tuple[Records, Tangent]] = {}  # lent to runs through so many times
+        self.last_event = np.zeros((), dtype_of("EventRow"))
         self._many = allocate_records(sizes, np.zeros(1, np.int64), np.zeros(1), FIRST_CAPACITY)
-        # a buffer that is full after one event, and the other arrays shared
-        self._one = self._many.replace(
+
+    def set_up(self, tables: Tables, derivatives: Derivatives) -> None:
+        """Take other tables of the same system, for the next start."""
+        self.tables, self.derivatives, self.window = tables, derivatives, tables.window
+
+    @cached_property
+    def _one(self) -> Records:
+        """A buffer that is full after one event; the other arrays are shared."""
+        return self._many.replace(
             events=self._many.events[:2].copy(),
             event_states=self._many.event_states[:2].copy(),
         )
-        self.n_events = self.n_impacts = self.n_uncertain = self.n_estimated = 0
-        self.last_event = np.zeros((), self._many.events.dtype)
 
     def start(self, state: Matrix, begin: Instant, mode: int) -> Status:
         """Start at a state; ``columns`` are then derivatives by the initial states, all n.
 
         `NoMode` where the mode does not fit.
         """
-        whole = allocate_columns(self.tables.sizes, self.n, 1)
+        self._forget()
+        whole = self._whole
         whole.columns[:, : self.n] = np.eye(self.n)  # also where parameters are taken as changed
         self.anchor.move_to(begin)
         self.anchor.state[:] = state
@@ -97,6 +107,16 @@ class TangentFlow:
         self.n_events = self.n_impacts = 0  # what happens at the start is none
         self.first_columns = whole.columns[:, : self.n].copy()
         return status
+
+    def _forget(self) -> None:
+        """Leave nothing of the motion before."""
+        for tangent in (self._tangent, self._whole):
+            tangent.columns[:], tangent.ready[:] = 0.0, 0
+        self.anchor.place[()], self.anchor.order[:] = 0, 0
+        self._many.counters[()] = 0
+        self._many.since["number"] = self._many.since["phase"] = -np.inf
+        self.n_events = self.n_impacts = self.n_uncertain = self.n_estimated = 0
+        self.last_event = np.zeros((), dtype_of("EventRow"))
 
     @property
     def here(self) -> Instant:
@@ -189,15 +209,25 @@ class TangentFlow:
 
         shapes: numbers, phases (K,); returns (K, n) and (K, C, n)
         """
-        count = len(self._tangent.columns)
-        records = allocate_records(self.tables.sizes, numbers, phases, 0).replace(
-            counters=self._many.counters, since=self._many.since
-        )
+        records, tangent = self._lent_through(numbers.size)
+        records.sample_number[:], records.sample_phase[:] = numbers, phases
         records.counters["samples"] = records.counters["segments"] = records.counters["events"] = 0
-        tangent = self._tangent.replace(samples=np.full((numbers.size, count, self.n), np.nan))
+        records.sample_state[:] = tangent.samples[:] = np.nan
         end = int(numbers[-1]), float(phases[-1])
         status = run(self._lane(tangent), records, GOES_ON, end, self.tolerance)
-        return status, records.sample_state, tangent.samples
+        return status, records.sample_state.copy(), tangent.samples.copy()
+
+    def _lent_through(self, count: int) -> tuple[Records, Tangent]:
+        """Records without a log, and columns, with so many samples."""
+        if count not in self._through:
+            columns = len(self._tangent.columns)
+            times = np.zeros(count, np.int64), np.zeros(count)
+            records = allocate_records(self.tables.sizes, *times, 0)
+            self._through[count] = (
+                records.replace(counters=self._many.counters, since=self._many.since),
+                self._tangent.replace(samples=np.full((count, columns, self.n), np.nan)),
+            )
+        return self._through[count]
 
     def between(self, first: Instant, last: Instant) -> float:
         """Time from one instant to another."""

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.analysis.diagrams.chain_links import End, pack_end, take_end
 from nonsmooth.engine.status import Status
 from nonsmooth.engine.tables import Tables
 from nonsmooth.runs.maps import Map
@@ -14,14 +17,17 @@ from nonsmooth.runs.outputs import SampleClock, output_values
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.system.system import System
 
-__all__ = ["Look", "Protocol", "nothing", "with_outputs"]
+__all__ = [
+    "DiagramProtocol", "Look", "nothing", "pack_looks", "unpack_looks", "with_outputs",
+]  # fmt: skip
 
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
+Arrays = dict[str, npt.NDArray[Any]]
 
 
 @dataclass(frozen=True)
-class Protocol:
+class DiagramProtocol:
     """How every column is computed."""
 
     chosen: Map
@@ -93,3 +99,29 @@ def nothing(status: Status, n: int, window: float) -> Look:
         status, np.zeros((0, n)), whole, np.zeros(0), whole, 0, "", np.nan, np.nan,
         np.full(n, np.nan), 0, 0, window,
     )  # fmt: skip
+
+
+def pack_looks(found: tuple[Sequence[Look], End | None]) -> Arrays:
+    """Arrays of looks, with any number of points each, and of where the last one has ended."""
+    looks, end = found
+    return pack_end(end) | {
+        f"{i}.{field.name}": np.asarray(getattr(look, field.name))
+        for i, look in enumerate(looks)
+        for field in fields(Look)
+    }
+
+
+def unpack_looks(arrays: Mapping[str, npt.NDArray[Any]]) -> tuple[list[Look], End | None]:
+    """The looks and the end of arrays that `pack_looks` made."""
+    end, arrays = take_end(arrays)
+    names = [field.name for field in fields(Look)]
+    return [
+        Look(**{name: _value(name, arrays[f"{i}.{name}"]) for name in names})
+        for i in range(len(arrays) // len(names))
+    ], end
+
+
+def _value(name: str, array: npt.NDArray[Any]) -> Any:
+    if array.ndim:
+        return array
+    return Status(array.item()) if name == "status" else array.item()

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from nonsmooth.analysis.diagrams.columns import Look, Protocol
+from nonsmooth.analysis.diagrams.columns import DiagramProtocol, Look
 from nonsmooth.analysis.statistics.periodicity import REPEATS
 from nonsmooth.engine.status import Status
 from nonsmooth.runs.labels import labels_of
@@ -21,7 +21,7 @@ _POINTS = ("parameter", "lane", "point")
 
 
 def diagram_dataset(
-    protocol: Protocol,
+    protocol: DiagramProtocol,
     grid: npt.NDArray[np.float64],
     looks: list[list[Look | None]],
     options: dict[str, Any],
@@ -76,7 +76,7 @@ def _each(looks: list[list[Look | None]]) -> Any:
 
 
 def _of_lanes(
-    protocol: Protocol, looks: list[list[Look | None]], shape: tuple[int, int]
+    protocol: DiagramProtocol, looks: list[list[Look | None]], shape: tuple[int, int]
 ) -> dict[str, Any]:
     """Variables with one value for each column and lane."""
     period = np.zeros(shape, np.int64)
@@ -115,7 +115,7 @@ def _of_lanes(
     return variables
 
 
-def _message(protocol: Protocol, looks: list[Look]) -> str:
+def _message(protocol: DiagramProtocol, looks: list[Look]) -> str:
     """How the motions ended, and how many of them show no period."""
     ended = {one.status.word for one in looks} - {Status.COMPLETED.word}
     if ended:

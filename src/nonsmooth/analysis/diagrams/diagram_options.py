@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.analysis.diagrams.columns import Protocol
+from nonsmooth.analysis.diagrams.columns import DiagramProtocol
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.runs.maps import Map
 from nonsmooth.runs.options import finite_number, whole_number
@@ -29,12 +29,12 @@ def check_way(start: Any) -> str:
 
 def read_protocol(
     chosen: Map, parameter: str, transient: Any, record: Any, match: Any, at: Any, side: Any
-) -> Protocol:
+) -> DiagramProtocol:
     """How every column is computed."""
     system = chosen.system
     if side not in _SIDES:
         raise OptionError(f"side = {side!r}: {unknown_name('side', str(side), _SIDES)}")
-    return Protocol(
+    return DiagramProtocol(
         chosen=chosen,
         parameter=parameter,
         transient=0 if transient == 0 else whole_number("transient", transient),

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.diagrams.chain_links import End
-from nonsmooth.analysis.diagrams.column_starts import Start
-from nonsmooth.analysis.diagrams.columns import Look, Protocol, nothing, with_outputs
+from nonsmooth.analysis.diagrams.columns import DiagramProtocol, Look, nothing, with_outputs
 from nonsmooth.analysis.statistics.periodicity import primitive_period, scales, whole_periods
 from nonsmooth.engine.lanes import SAME
 from nonsmooth.engine.record import Rows
@@ -20,6 +21,7 @@ from nonsmooth.runs.impacts import impacts_of
 from nonsmooth.runs.poincare_map import PoincareMap
 from nonsmooth.runs.section_runner import SectionLanes, SectionRunner
 from nonsmooth.runs.section_search import SectionPoints
+from nonsmooth.runs.start import resolve_start
 from nonsmooth.runs.words import word_of_modes
 
 __all__ = ["run_section_chain"]
@@ -29,21 +31,21 @@ Integers = npt.NDArray[np.int64]
 
 
 def run_section_chain(
-    protocol: Protocol,
     runner: SectionRunner,
     stop: threading.Event,
+    *,
+    protocol: DiagramProtocol,
     values: list[float],
-    start: Start,
-    follow: bool,
-    behind: End | None,
+    initial: Any,
+    mode: str | None,
+    follow: Callable[[], End | None] | None,
 ) -> tuple[list[Look], End | None]:
     """Motions at several values of the parameter.
 
-    The same as `run_strobe_chain` does for strobes; a motion is followed from just behind its last
-    point.
+    The same as `settle` does for strobes; a motion is followed from just behind its last point.
     """
     looks: list[Look] = []
-    last = behind
+    last = None if follow is None else follow()
     for value in values:
         try:
             chosen = protocol.chosen.with_parameters(**{protocol.parameter: value})
@@ -53,13 +55,18 @@ def run_section_chain(
             looks.append(nothing(Status.REFUSED, len(protocol.system.states), np.nan))
             last = None
             continue
-        state, mode = start(chosen.system, runner.engine.tables)
+        start = resolve_start(
+            chosen.system, runner.engine.tables, initial, None, mode, repeated=True
+        )
+        state, first_mode = start.state, start.modes[0]
         begin = Instant(0, 0.0)
-        if follow and last is not None:
+        if follow is not None and last is not None:
             state = np.where(protocol.drifting, state, last.state)
-            mode = SAME - last.mode
+            first_mode = SAME - last.mode
             begin = Instant(0, last.part * runner.engine.window)
-        lanes = runner.start(state[None], mode, begin, behind=follow and last is not None)
+        lanes = runner.start(
+            state[None], first_mode, begin, behind=follow is not None and last is not None
+        )
         look, points = _look(protocol, runner, lanes, stop)
         looks.append(look)
         last = None
@@ -70,7 +77,7 @@ def run_section_chain(
 
 
 def _look(
-    protocol: Protocol, runner: SectionRunner, lanes: SectionLanes, stop: threading.Event
+    protocol: DiagramProtocol, runner: SectionRunner, lanes: SectionLanes, stop: threading.Event
 ) -> tuple[Look, SectionPoints | None]:
     """Let a motion settle and record it; its points too."""
     n, window = lanes.lanes.end_state.shape[1], runner.engine.window
@@ -108,7 +115,7 @@ def _look(
     return look, points
 
 
-def _period(protocol: Protocol, states: Floats, since: Floats, size: Floats) -> int:
+def _period(protocol: DiagramProtocol, states: Floats, since: Floats, size: Floats) -> int:
     """Primitive period of points, the times between which repeat as well.
 
     A state that the section fixes is compared with its size elsewhere, not with its rounding.

@@ -14,13 +14,13 @@ from nonsmooth.runs.clock import Plan
 from nonsmooth.runs.labels import labels_of
 from nonsmooth.system.system import System
 
-__all__ = ["Chunk", "Protocol", "empty_chunk"]
+__all__ = ["Chunk", "EnsembleProtocol", "empty_chunk"]
 
 Chunk = dict[str, npt.NDArray[np.generic]]  # see `empty_chunk`
 
 
 @dataclass(frozen=True)
-class Protocol:
+class EnsembleProtocol:
     """How every lane is run."""
 
     system: System
@@ -30,7 +30,7 @@ class Protocol:
     modes: tuple[int, ...]  # of the starts, the first that admits one; -1 for any
 
 
-def empty_chunk(protocol: Protocol, count: int, status: Status) -> Chunk:
+def empty_chunk(protocol: EnsembleProtocol, count: int, status: Status) -> Chunk:
     """What is told of lanes that were not run.
 
     shapes: points (lane, point, state or output), modes (lane, point), initial and end (lane,

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from nonsmooth.analysis.ensembles.chunk import Chunk, Protocol, empty_chunk
+from nonsmooth.analysis.ensembles.chunk import Chunk, EnsembleProtocol, empty_chunk
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import OptionError
 from nonsmooth.files import replacing
@@ -29,7 +29,7 @@ _CODES = np.array([status for status in Status if status < Status.BUFFER_FULL], 
 class Frame:
     """All of the dataset but its numbers: names, dimensions, coordinates, attributes."""
 
-    def __init__(self, protocol: Protocol, along: Columns, attrs: dict[str, Any]) -> None:
+    def __init__(self, protocol: EnsembleProtocol, along: Columns, attrs: dict[str, Any]) -> None:
         self.protocol = protocol
         self.attrs = attrs
         system, count = protocol.system, protocol.members.count

@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.analysis.ensembles.chunk import Chunk, Protocol, empty_chunk
+from nonsmooth.analysis.ensembles.chunk import Chunk, EnsembleProtocol, empty_chunk
 from nonsmooth.analysis.ensembles.sure_sets import run_sure_sets
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import ModelError
@@ -45,7 +45,7 @@ class Runners:
 
 
 def run_chunk(
-    protocol: Protocol, first: int, last: int, runners: Runners, stop: threading.Event
+    protocol: EnsembleProtocol, first: int, last: int, runners: Runners, stop: threading.Event
 ) -> Chunk:
     """Run the lanes first ... last - 1."""
     chunk = empty_chunk(protocol, last - first, Status.REFUSED)
@@ -63,7 +63,7 @@ def run_chunk(
 
 
 def _run_set(
-    protocol: Protocol,
+    protocol: EnsembleProtocol,
     number: int,
     chosen: npt.NDArray[np.int64],
     runner: LaneRunner,

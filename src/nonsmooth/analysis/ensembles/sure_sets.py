@@ -7,11 +7,11 @@ import threading
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.analysis.ensembles.chunk import Chunk, Protocol
+from nonsmooth.analysis.ensembles.chunk import Chunk, EnsembleProtocol
 from nonsmooth.engine.status import Status
 from nonsmooth.runs.clock import Plan
 from nonsmooth.runs.outputs import SweptClock, output_values
-from nonsmooth.runs.sweep_runner import Recorded, SweepRunner, SweepStarts, Times
+from nonsmooth.runs.sweep_runner import Motions, Recorded, SweepRunner, SweepStarts, Times
 from nonsmooth.system.model.value_checks import rests_alike, sure_values
 from nonsmooth.system.system import System
 
@@ -23,7 +23,11 @@ Integers = npt.NDArray[np.int64]
 
 
 def run_sure_sets(
-    protocol: Protocol, lanes: Integers, runner: SweepRunner, stop: threading.Event, chunk: Chunk
+    protocol: EnsembleProtocol,
+    lanes: Integers,
+    runner: SweepRunner,
+    stop: threading.Event,
+    chunk: Chunk,
 ) -> Bools:
     """Run lanes with a parameter set each that the system takes for sure; which these are.
 
@@ -47,20 +51,20 @@ def run_sure_sets(
         if not np.all(usable):
             runner.set_up(values[usable])
         if plans:
-            recorded = _run_plans(protocol, runner, plans, states[some], stop)
+            ran = _run_plans(protocol, runner, plans, states[some], stop)
             varied = {name: each[some] for name, each in sets.items()}
-            _write_recorded(system, plans, recorded, states[some], varied, chunk, some)
+            _write_recorded(system, plans, *ran, states[some], varied, chunk, some)
             done[some] = True
     return done
 
 
 def _run_plans(
-    protocol: Protocol,
+    protocol: EnsembleProtocol,
     runner: SweepRunner,
     plans: list[Plan],
     states: Floats,
     stop: threading.Event,
-) -> Recorded:
+) -> tuple[Motions, Recorded]:
     """Run a motion by each plan from time zero."""
     count = len(plans)
     starts = SweepStarts(
@@ -74,12 +78,14 @@ def _run_plans(
         np.array([[plan.end.number] for plan in plans]),
         np.array([[plan.end.phase] for plan in plans]),
     )
-    return runner.run(starts, times, np.ones(count, bool), ends=ends, log=False, stop=stop)
+    motions = runner.start(starts, np.ones(count, bool))
+    return motions, runner.run(motions, times, ends=ends, log=False, stop=stop)
 
 
 def _write_recorded(
     system: System,
     plans: list[Plan],
+    motions: Motions,
     recorded: Recorded,
     states: Floats,
     varied: dict[str, Floats],
@@ -91,11 +97,11 @@ def _write_recorded(
     chunk["points"][rows, :, :n] = recorded.states
     chunk["modes"][rows] = recorded.modes
     chunk["status"][rows] = recorded.statuses
-    chunk["uncertain"][rows] = recorded.uncertain
-    chunk["estimated"][rows] = recorded.estimated
+    chunk["uncertain"][rows] = motions.uncertain
+    chunk["estimated"][rows] = motions.estimated
     chunk["initial"][rows] = states
-    chunk["end"][rows] = recorded.end_states
-    ended, places = recorded.statuses != Status.COMPLETED, recorded.places
+    chunk["end"][rows] = motions.end_states
+    ended, places = recorded.statuses != Status.COMPLETED, motions.places
     numbers = np.where(ended, places["number"], [plan.end.number for plan in plans])
     phases = np.where(ended, places["phase"], [plan.end.phase for plan in plans])
     chunk["end_time"][rows] = numbers * recorded.windows + phases

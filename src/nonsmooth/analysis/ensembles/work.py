@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from nonsmooth.analysis.ensembles.chunk import Chunk, Protocol, empty_chunk
+from nonsmooth.analysis.ensembles.chunk import Chunk, EnsembleProtocol, empty_chunk
 from nonsmooth.analysis.ensembles.ensemble_dataset import Frame, dataset_in_file, dataset_in_memory
 from nonsmooth.analysis.ensembles.run_chunk import Runners, run_chunk
 from nonsmooth.engine.status import Status
@@ -28,7 +28,9 @@ _MOST_MEMORY = 0.5  # part of the free memory that a result may take
 class Work:
     """Lanes in tasks whose size depends on the ensemble only, not on the number of threads."""
 
-    def __init__(self, protocol: Protocol, windows: int, tolerance: float, threads: int) -> None:
+    def __init__(
+        self, protocol: EnsembleProtocol, windows: int, tolerance: float, threads: int
+    ) -> None:
         self.protocol = protocol
         self.tolerance = tolerance
         self.threads = threads

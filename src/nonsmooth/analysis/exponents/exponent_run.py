@@ -21,12 +21,12 @@ from nonsmooth.runs.start import Start
 from nonsmooth.runs.tangent_flow import TangentFlow
 from nonsmooth.system.system import System
 
-__all__ = ["ExponentRun", "Protocol", "run_exponents"]
+__all__ = ["ExponentProtocol", "ExponentRun", "run_exponents"]
 
 _TOGETHER = 64  # intervals that are run at once, between which the progress is told
 
 
-class Protocol(NamedTuple):
+class ExponentProtocol(NamedTuple):
     """Lengths in windows of the clock, and the number of intervals of the record."""
 
     transient: float
@@ -58,7 +58,7 @@ def run_exponents(
     tables: Tables,
     derivatives: Derivatives,
     start: Start,
-    protocol: Protocol,
+    protocol: ExponentProtocol,
     count: int,
     tolerance: float,
     seed: int,
@@ -116,7 +116,7 @@ def _started(
     return in_first_mode(system, tables, start, begin)
 
 
-def _ends(flow: TangentFlow, start: Instant, protocol: Protocol) -> list[Instant]:
+def _ends(flow: TangentFlow, start: Instant, protocol: ExponentProtocol) -> list[Instant]:
     """Ends of the intervals of transient and record, at phases without rounding."""
     first = protocol.transient
     n_first = math.ceil(first / protocol.interval - 1e-9)

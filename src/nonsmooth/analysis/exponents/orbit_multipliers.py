@@ -32,14 +32,18 @@ class OrbitTangent:
     mode: int
     begin: Instant
     end: Instant
+    lent: TangentFlow | None = None  # of the same system, with columns for all states
 
     def flow(self) -> TangentFlow | None:
         """Flow with the columns of all states; None where the mode does not take the point.
 
         A point that lies on a guard belongs to a mode only by what came before.
         """
-        n = self.tables.sizes.states
-        flow = TangentFlow(self.tables, self.derivatives, n, self.tolerance)
+        flow = self.lent
+        if flow is None:
+            n = self.tables.sizes.states
+            flow = TangentFlow(self.tables, self.derivatives, n, self.tolerance)
+        flow.set_up(self.tables, self.derivatives)
         try:
             status = flow.start(self.state, self.begin, self.mode)
         except NoMode:

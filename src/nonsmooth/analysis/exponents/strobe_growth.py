@@ -52,13 +52,12 @@ class Neighbours:
     @property
     def begin(self) -> Instant:
         """Instant of the first strobe."""
-        return self.ends[0]
+        return Instant(int(self.numbers[0]), float(self.phases[0]))
 
-    @property
-    def ends(self) -> list[Instant]:
-        """Instants of all strobes."""
-        pairs = zip(self.numbers.tolist(), self.phases.tolist(), strict=True)
-        return [Instant(number, phase) for number, phase in pairs]
+    def ends(self, first: int, last: int) -> list[Instant]:
+        """Instants of the strobes first ... last - 1."""
+        numbers, phases = self.numbers[first:last].tolist(), self.phases[first:last].tolist()
+        return [Instant(number, phase) for number, phase in zip(numbers, phases, strict=True)]
 
 
 def strobe_growth(neighbours: Neighbours) -> tuple[Status, Floats]:
@@ -85,14 +84,15 @@ def _one_column(given: Neighbours) -> tuple[Status, Floats] | None:
         return Status.COMPLETED, np.zeros(0)
     growth = Growth(flow, 1, _SEED)
     if status == Status.COMPLETED and np.any(given.tables.kinds != EXACT):
-        status, _rows = _through(given, growth, given.ends[1 : given.turn + 1])
+        status, _rows = _through(given, growth, given.ends(1, given.turn + 1))
         if growth.n_left == 0:
             return None
     if status != Status.COMPLETED:
         return status, np.zeros(0)
     flow.set_columns(growth.columns)
     here = flow.here
-    first = next(k for k, end in enumerate(given.ends) if flow.between(here, end) >= 0.0)
+    since = (given.numbers - here.number) * flow.window + (given.phases - here.phase)
+    first = int(np.argmax(since >= 0.0))
     return _sizes(given, flow, first)
 
 
@@ -147,7 +147,7 @@ def _several_columns(given: Neighbours) -> tuple[Status, Floats]:
         return Status.COMPLETED, np.zeros(0)
     if status != Status.COMPLETED:
         return status, np.zeros(0)
-    status, rows = _through(given, Growth(flow, count, _SEED), given.ends[1:])
+    status, rows = _through(given, Growth(flow, count, _SEED), given.ends(1, given.numbers.size))
     if status != Status.COMPLETED:
         return status, np.zeros(0)
     logarithms = rows[given.turn - 1 :]

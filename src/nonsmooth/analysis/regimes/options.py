@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from nonsmooth.analysis.regimes.verdict import TESTED, Protocol
+from nonsmooth.analysis.regimes.verdict import TESTED, RegimeProtocol
 from nonsmooth.errors import ModelError, OptionError
 from nonsmooth.runs.options import check_count, finite_number, whole_number
 from nonsmooth.runs.strobe_times import check_phase, require_period
@@ -26,8 +26,8 @@ def make_protocol(
     confirm: Any,
     phase: Any,
     match: Any,
-) -> Protocol:
-    """Protocol of these options, all of them checked."""
+) -> RegimeProtocol:
+    """RegimeProtocol of these options, all of them checked."""
     left_out = 0 if transient == 0 else whole_number("transient", transient)
     kept = whole_number("record", record)
     if kept < 2:
@@ -49,7 +49,7 @@ def make_protocol(
     number = finite_number("match", match)
     if not 0.0 < number < 1.0:
         raise OptionError(f"match = {number:g} must lie between 0 and 1; 1e-6 is usual")
-    return Protocol(left_out, kept, window, most, more, check_phase(phase), number)
+    return RegimeProtocol(left_out, kept, window, most, more, check_phase(phase), number)
 
 
 def check_system(system: System, period: Any, verb: str) -> None:

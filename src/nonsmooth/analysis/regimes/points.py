@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,20 +15,13 @@ import numpy.typing as npt
 from nonsmooth.analysis.diagrams.chain_links import End, pack_end, take_end
 from nonsmooth.analysis.regimes.border_refinement import UNKNOWN
 from nonsmooth.analysis.regimes.labels import LABELS, REPEATING
-from nonsmooth.analysis.regimes.options import strobe_length
-from nonsmooth.analysis.regimes.regime_run import settled_regime
-from nonsmooth.analysis.regimes.verdict import Protocol, Verdict
+from nonsmooth.analysis.regimes.regime_run import first_windows, settled_regimes
+from nonsmooth.analysis.regimes.verdict import RegimeProtocol, Verdict
 from nonsmooth.analysis.regimes.window import cyclic_word
-from nonsmooth.engine.lanes import SAME
-from nonsmooth.engine.status import Status
-from nonsmooth.errors import ModelError
-from nonsmooth.runs.clock import Instant
-from nonsmooth.runs.crew import Stopped
-from nonsmooth.runs.lane_runner import LaneRunner
-from nonsmooth.runs.start import Start, resolve_start
+from nonsmooth.analysis.settle import ParameterSets, settle
 from nonsmooth.runs.store import run_stored_tasks
-from nonsmooth.runs.strobe_times import strobes
-from nonsmooth.system.system import System
+from nonsmooth.runs.stroboscopic_map import StroboscopicMap
+from nonsmooth.runs.sweep_runner import SweepRunner
 
 __all__ = ["Plane"]
 
@@ -46,13 +40,12 @@ Done = tuple[list[Verdict], End | None]  # of some points, and where the last mo
 class Plane:
     """Verdicts over two parameters; places are (number of the second, number of the first)."""
 
-    protocol: Protocol
-    system: System
+    protocol: RegimeProtocol
+    chosen: StroboscopicMap
     names: tuple[str, str]
     values: tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]
     initial: Any
     mode: str | None
-    period: Any
     tolerance: float
     threads: int
     store: str | Path | None
@@ -83,7 +76,7 @@ class Plane:
         self._step += 1
         complete = run_stored_tasks(
             [self._task(part, after.get(i), ends) for i, part in enumerate(parts)],
-            lambda: LaneRunner(self.system, self.tolerance),
+            lambda: SweepRunner(self.chosen.system, self.tolerance),
             store=store,
             protocol=self.told,
             pack=_packed,
@@ -142,57 +135,21 @@ class Plane:
 
     def _task(
         self, places: Places, before: int | None, ends: dict[int, End | None]
-    ) -> Callable[[LaneRunner, threading.Event], Done]:
-        def run(runner: LaneRunner, stop: threading.Event) -> Done:
-            found: list[Verdict] = []
-            end = None if before is None else ends.get(before)
-            for row, column in places:
-                try:
-                    found.append(self._verdict(runner, stop, row, column, end))
-                except Stopped:
-                    raise Stopped((found, None)) from None
-                last = found[-1].last
-                end = End(*last) if last is not None and self.way != "restart" else None
-            return found, end
-
-        return run
-
-    def _verdict(
-        self,
-        runner: LaneRunner,
-        stop: threading.Event,
-        row: int,
-        column: int,
-        behind: End | None,
-    ) -> Verdict:
-        """Verdict of a motion that begins at its start, or goes on from where one has been last."""
-        here = dict(zip(self.names, (self.values[0][column], self.values[1][row]), strict=True))
-        try:
-            system = self.system.with_parameters(**{k: float(v) for k, v in here.items()})
-            runner.set_up(system.parameter_values)
-            length = strobe_length(system, self.period)
-        except ModelError as fault:
-            nothing = np.full(len(self.system.states), np.nan)
-            return Verdict(Status.REFUSED.word, str(fault), 0, np.nan, nothing)
-        # states that are not given are those at rest, which may depend on the parameters
-        start = resolve_start(system, runner.tables, self.initial, None, self.mode, repeated=True)
-        if behind is not None:
-            start = self._following(runner, start, length, behind.state, behind.mode)
-        return settled_regime(self.protocol, system, runner, start, length, stop)
-
-    def _following(
-        self,
-        runner: LaneRunner,
-        start: Start,
-        length: float | None,
-        state: npt.NDArray[np.float64],
-        mode: int,
-    ) -> Start:
-        """The start at a strobe of another motion; drifts begin where the start itself does."""
-        drifting = [name in self.system.drift_states for name in self.system.states]
-        number, phase = strobes(runner.window, Instant(0, 0.0), length, self.protocol.phase, 0, 1)
-        begin = Instant(int(number[0]), float(phase[0]))
-        return Start(np.where(drifting, start.state, state), begin, (SAME - mode,))
+    ) -> Callable[[SweepRunner, threading.Event], Done]:
+        """Verdicts of motions that begin at their starts, or go on from where one was last."""
+        follow = self.way != "restart"
+        over = {
+            name: values[places[:, axis]]
+            for name, values, axis in zip(self.names, self.values, (1, 0), strict=True)
+        }
+        return partial(
+            settle,
+            sets=ParameterSets(self.chosen, over, self.initial, self.mode),
+            times=partial(first_windows, self.protocol),
+            reduce=partial(settled_regimes, self.protocol),
+            follow=partial(ends.get, -1 if before is None else before) if follow else None,
+            alone=follow,
+        )
 
 
 def _some_each(places: Places) -> list[Places]:

@@ -1,21 +1,34 @@
-"""Whether a motion that does not repeat comes back to where it was, or goes elsewhere.
+"""Whether a motion that does not repeat is chaotic, comes back to where it was, or goes elsewhere.
 
 A neighbour that approaches a motion tells nothing of where that motion goes: next to one that
 creeps towards a point, or runs away, others close in too. So two windows of its states are
 compared.
+
+The 0-1 test takes strobes with the period taken off that they nearly have. Weak chaos often
+visits a few narrow bands in turn. That is a strong periodic part with little chaos on it, and the
+test would need a very long series to see it. The mean of every band taken off, what is left is
+chaotic or not as before.
 """
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 from scipy.spatial import KDTree
 
-__all__ = ["APART", "elsewhere", "no_closed_orbit", "runs_away", "travels"]
+from nonsmooth.analysis.zero_one_test import correlations_of
+
+__all__ = [
+    "APART", "StrobeTest", "elsewhere", "no_closed_orbit", "runs_away", "strobe_test", "travels",
+]  # fmt: skip
 
 APART = 0.05  # of its spread by which a state may differ between two windows of one closed curve
 _MOST = 0.9  # of the later states lie that close to earlier ones; a cycle has fast parts too
 _RUNAWAY = 10.0  # times the spread of the window before is no bounded motion
+_FREQUENCIES = 25  # of the 0-1 test
+_LONGEST = 50  # period that the 0-1 test takes off
 _EPSILON = float(np.finfo(float).eps)
 
 Floats = npt.NDArray[np.float64]
@@ -83,3 +96,25 @@ def travels(earlier: Floats, later: Floats, names: tuple[str, ...]) -> str:
         return ""
     which = ", ".join(name for name, is_one in zip(names, left, strict=True) if is_one)
     return f"{which} travels: it has left its range of the window before (drift= declares a drift)"
+
+
+class StrobeTest(NamedTuple):
+    """K of a series, and how near it comes to repeating: root mean square, in its own scatter."""
+
+    k: float
+    nearest: float
+
+
+def strobe_test(values: Floats) -> StrobeTest:
+    """Test of one series without its strongest period."""
+    periods = range(1, min(_LONGEST, values.size // 4) + 1)
+    distance = [float(np.square(values[p:] - values[:-p]).mean()) for p in periods]
+    p = 1 + int(np.argmin(distance))
+    scatter = 2.0 * float(values.var())
+    rest = values - values.mean()
+    for k in range(p):
+        rest[k::p] -= rest[k::p].mean()
+    return StrobeTest(
+        float(np.median(correlations_of(rest, _FREQUENCIES, 0)[1])),
+        float(np.sqrt(distance[p - 1] / scatter)) if scatter > 0.0 else 0.0,
+    )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,7 +17,7 @@ from nonsmooth.version import __version__
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["map_dataset", "numbers_of", "said_of_start"]
+__all__ = ["map_dataset", "numbers_of"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -80,15 +80,6 @@ def _drifts(system: System, verdicts: Sequence[Verdict | None], variable: Any) -
         words = _flags(("stands", "progresses"))
         variables["progresses"] = variable(values, "whether the motion drifts", **words)
     return variables
-
-
-def said_of_start(initial: Any) -> str:
-    """An initial state as the protocol tells it."""
-    if hasattr(initial, "data_vars"):  # datasets are mappings too
-        return "a point of a dataset"
-    if initial is None or (isinstance(initial, Mapping) and not initial):
-        return "at rest"
-    return str(dict(initial)) if isinstance(initial, Mapping) else "a point of a dataset"
 
 
 def map_dataset(

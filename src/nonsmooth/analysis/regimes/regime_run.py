@@ -1,14 +1,14 @@
-"""One motion followed until its label comes out twice, and the evidence for it."""
+"""Motions followed side by side until each has given its label twice, and the evidence for it."""
 
 from __future__ import annotations
 
-import threading
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.analysis.diagrams.chain_links import End
 from nonsmooth.analysis.exponents.orbit_multipliers import (
     OrbitTangent,
     is_forgetful,
@@ -19,195 +19,227 @@ from nonsmooth.analysis.exponents.strobe_growth import (
     strobe_growth,
 )
 from nonsmooth.analysis.regimes import labels
-from nonsmooth.analysis.regimes.recurrence import no_closed_orbit, runs_away, travels
-from nonsmooth.analysis.regimes.strobe_test import StrobeTest, strobe_test
-from nonsmooth.analysis.regimes.verdict import Protocol, Verdict
-from nonsmooth.analysis.regimes.window import Windows, cyclic_word
+from nonsmooth.analysis.regimes.recurrence import (
+    StrobeTest,
+    no_closed_orbit,
+    runs_away,
+    strobe_test,
+    travels,
+)
+from nonsmooth.analysis.regimes.verdict import RegimeProtocol, Verdict
+from nonsmooth.analysis.regimes.window import Windows, cyclic_word, window_times
+from nonsmooth.analysis.settle import Group
 from nonsmooth.analysis.statistics.block_averages import block_averages
 from nonsmooth.engine.status import Status
+from nonsmooth.engine.tables import Tables
 from nonsmooth.runs.clock import Instant, instants
-from nonsmooth.runs.lane_runner import LaneRunner
-from nonsmooth.runs.runner import build_derivatives
-from nonsmooth.runs.start import Start
-from nonsmooth.runs.strobe_times import hides_phase, is_driven, strobes
-from nonsmooth.system.system import System
+from nonsmooth.runs.runner import Derivatives, build_derivatives
+from nonsmooth.runs.strobe_times import hides_phase, is_driven
+from nonsmooth.runs.sweep_runner import Recorded, Times
+from nonsmooth.runs.tangent_flow import TangentFlow
 
-__all__ = ["settled_regime"]
+__all__ = ["first_windows", "settled_regimes"]
 
 _CLOSING = 0.5  # of the residual of a window is left in the next one while a motion settles
 _ROUNDING = 1e-9  # of a multiplier
-_BETWEEN = (0.25, 0.5, 0.75)  # parts of a period at which a motion is looked at once more
 _GOLDEN = 0.5 * (5.0**0.5 - 1.0)  # its multiples fall evenly into an interval, whatever the motion
 _ELSEWHERE = (0.0, 0.382, 0.764)  # parts of a period at which derivatives may begin
 
+Bools = npt.NDArray[np.bool_]
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
 
 
-def settled_regime(
-    protocol: Protocol,
-    system: System,
-    runner: LaneRunner,
-    start: Start,
-    length: float | None,
-    stop: threading.Event | None = None,
-) -> Verdict:
-    """Regime of the motion from a start; ``length`` between strobes, None for the period.
+def first_windows(protocol: RegimeProtocol, group: Group) -> Times:
+    """Times at which motions are recorded first: two windows of strobes after the transient."""
+    return window_times(group, protocol.record, protocol.transient, group.usable)
 
-    The runner has the parameters of the system. The transient is doubled until one window of
-    strobes gives the label that the window before has given. Chaos may be one more transient, so a
-    chaotic motion is run on.
+
+def settled_regimes(protocol: RegimeProtocol, group: Group, recorded: Recorded) -> list[Verdict]:
+    """Regime of each motion of a group, whose first windows were recorded.
+
+    The transient is doubled until one window of strobes gives the label that the window before has
+    given. Chaos may be one more transient, so chaotic motions are run on. What is next is done for
+    all motions together that need it.
     """
-    motion = _Motion(protocol, system, runner, start, length, stop)
-    first = protocol.transient
-    while True:
-        following = 2 * max(first, protocol.record)
-        verdict = motion.look(first, is_last=following > protocol.longest)
-        following = max(following, motion.reached)
-        if verdict.label == labels.CHAOTIC and protocol.confirm:
-            return motion.run_on(verdict)
-        if verdict.is_settled or following > protocol.longest:
-            return verdict
+    motions = _Motions(protocol, group)
+    going, chaotic = group.usable.copy(), np.zeros(group.count, bool)
+    first = np.full(group.count, protocol.transient)
+    found: Recorded | None = recorded
+    while np.any(going):
+        following = 2 * np.maximum(first, protocol.record)
+        motions.look(going, first, following > protocol.longest, found)
+        found = None
+        following = np.maximum(following, motions.reached)
+        has = np.array([verdict.label for verdict in motions.verdicts])
+        chaotic |= going & (has == labels.CHAOTIC)
+        going &= (has == labels.UNSETTLED) & (following <= protocol.longest)
         first = following
+    if protocol.confirm and np.any(chaotic):
+        motions.run_on(chaotic)
+    last = motions.verdicts[-1].last
+    group.leave(None if last is None else End(*last))
+    return motions.verdicts
 
 
-class _Motion:
-    """A lane on its way, and what is seen of it."""
+class _Motions:
+    """Motions on their way, and what is seen of them; M motions."""
 
-    def __init__(
-        self,
-        protocol: Protocol,
-        system: System,
-        runner: LaneRunner,
-        start: Start,
-        length: float | None,
-        stop: threading.Event | None,
+    def __init__(self, protocol: RegimeProtocol, group: Group) -> None:
+        self.protocol, self.group, self.system = protocol, group, group.system
+        self.drifting = group.drifting
+        self.autonomous = not is_driven(group.runner.tables(0))
+        nothing = np.full(self.drifting.size, np.nan)
+        self.first_states = np.array(
+            [nothing if start is None else start.state for start in group.starts]
+        )
+        self.sizes = np.abs(self.first_states)  # (M, n) of the states since the start
+        self.reached = np.zeros(group.count, np.int64)  # strobes passed
+        self.verdicts = [Verdict(Status.REFUSED.word, "", 0, np.nan, nothing)] * group.count
+        self._known: dict[int, tuple[Tables, Derivatives]] = {}
+        self._flow: TangentFlow | None = None
+
+    def look(
+        self, chosen: Bools, first: Integers, is_last: Bools, recorded: Recorded | None
     ) -> None:
-        self.protocol, self.system, self.runner, self.stop = protocol, system, runner, stop
-        self.begin, self.first_state = start.instant, start.state
-        self.period = length
-        self.length = runner.window if length is None else length
-        self.drifting = np.array([name in system.drift_states for name in system.states])
-        self.sizes = np.abs(start.state)  # of the states since the start
-        self.reached = 0  # strobes passed
-        self.derivatives = build_derivatives(system, runner.tables, ())
-        self.autonomous = not is_driven(runner.tables)
-        hidden = hides_phase(runner.tables, self.length)
-        # a motion that others approach has a direction without growth where strobes do not repeat
-        self.attracting = (
-            labels.LIMIT_CYCLE if self.autonomous else labels.QUASI_PERIODIC if hidden else ""
-        )
-        for mode in start.modes:
-            self.lanes = runner.start(start.state[None], start.instant, mode)
-            if len(start.modes) > 1:
-                self._go_to(start.instant)
-            if not self._is_misfit:
-                break
-
-    def look(self, first: int, *, is_last: bool) -> Verdict:
-        """Verdict on the two windows after so many strobes."""
-        windows = self._windows(first)
+        """Verdicts on the two windows after so many strobes of the chosen motions."""
+        windows, alive = self._windows(chosen, first, recorded)
         if windows is None:
-            return self._ended(first)
-        before, now = windows.returns(self.drifting, self.sizes, self.protocol.match)
-        seen = self._seen(windows, first, now)
-        if before[0] != now[0]:
-            return seen.unsettled(f"one window has the period {before[0]}, the next {now[0]}")
-        if now[0]:
-            return self._repeating(windows, seen)
-        if not is_last and now[1] < _CLOSING * before[1]:
-            return seen.unsettled("strobes come closer to each other from window to window")
-        return self._not_repeating(windows, seen)
+            return
+        both = self._returns(windows, alive)
+        seen = self._seen(windows, alive, first, both)
+        (before, now), (rest_before, rest_now) = (each.T for each in both)
+        same = alive & (before == now)
+        for i in np.flatnonzero(alive & ~same).tolist():
+            self.verdicts[i] = seen[i].unsettled(
+                f"one window has the period {before[i]}, the next {now[i]}"
+            )
+        self._repeating(windows, seen, same & (now > 0))
+        with np.errstate(invalid="ignore"):
+            closing = same & (now == 0) & ~is_last & (rest_now < _CLOSING * rest_before)
+        for i in np.flatnonzero(closing).tolist():
+            self.verdicts[i] = seen[i].unsettled(
+                "strobes come closer to each other from window to window"
+            )
+        self._not_repeating(windows, seen, same & (now == 0) & ~closing)
 
-    def run_on(self, chaotic: Verdict) -> Verdict:
-        """Verdict on a chaotic motion that is followed further: it may settle, or end."""
+    def run_on(self, chosen: Bools) -> None:
+        """Verdicts on chaotic motions that are followed further: they may settle, or end."""
         first = self.reached + self.protocol.confirm
-        windows = self._windows(first)
+        windows, alive = self._windows(chosen, first, None)
         if windows is None:
-            return self._ended(first)
-        before, now = windows.returns(self.drifting, self.sizes, self.protocol.match)
-        if before[0] == now[0] and now[0]:
-            return self._repeating(windows, self._seen(windows, first, now))
-        return replace(
-            chaotic, reason=f"{chaotic.reason}; it has not settled within {self.reached} periods"
-        )
+            return
+        both = self._returns(windows, alive)
+        periods = both[0]
+        repeats = alive & (periods[:, 0] == periods[:, 1]) & (periods[:, 1] > 0)
+        for i in np.flatnonzero(alive & ~repeats).tolist():
+            chaotic = self.verdicts[i]
+            self.verdicts[i] = replace(
+                chaotic,
+                reason=f"{chaotic.reason}; it has not settled within {self.reached[i]} periods",
+            )
+        self._repeating(windows, self._seen(windows, alive, first, both), repeats)
 
-    def _windows(self, first: int) -> Windows | None:
-        """The two windows after so many strobes; None where the motion ends before."""
-        record = self.protocol.record
-        if self._has_ended:
-            return None
-        numbers, phases = self._strobes(first, 2 * record + 1)
-        self._go_to(_instant(numbers, phases, 0))
-        if self._has_ended:
-            return None
-        # the states between the last two strobes tell how large they are, and whether they rest
-        between = [self._after(_instant(numbers, phases, -2), part) for part in _BETWEEN]
-        numbers = np.insert(numbers, -1, [instant.number for instant in between])
-        phases = np.insert(phases, -1, [instant.phase for instant in between])
-        states, modes, rows, _ = self.runner.record(self.lanes, 0, numbers, phases)
-        if self._has_ended:
-            return None
-        self.reached = first + 2 * record
-        self.sizes = np.maximum(self.sizes, np.abs(states).max(axis=0))
-        others = np.arange(-1 - len(between), -1)
-        self.between, self.modes_between = states[others], modes[others]
-        return Windows(
-            np.delete(states, others, axis=0),
-            np.delete(modes, others),
-            np.delete(numbers, others),
-            np.delete(phases, others),
-            rows,
-            rows["phase"],
-            self.runner.window,
-        )
+    def _windows(
+        self, chosen: Bools, first: Integers, recorded: Recorded | None
+    ) -> tuple[Windows | None, Bools]:
+        """The two windows after so many strobes, and which of the motions have come to their end.
 
-    def _seen(self, windows: Windows, first: int, found: tuple[int, float]) -> Verdict:
-        """What strobes and events alone tell."""
-        last = len(windows.points) - 1
-        count = found[0] or last
-        events, impacts = windows.counts(self.system, last - count, last)
-        drift = (windows.points[-1] - windows.points[-1 - count]) / count
-        return Verdict(
-            label=labels.UNSETTLED,
-            reason="",
-            transient_used=first,
-            length=self.length,
-            drift=drift,
-            period=found[0],
-            word=windows.word(self.system, last - count, last) if found[0] else "",
-            events=events / count,
-            impacts=impacts / count,
-            residual=found[1],
-            uncertain=int(self.lanes.uncertain[0]),
-            estimated=int(self.lanes.estimated[0]),
-            progresses=self._progresses(drift),
-            last=(windows.points[-1], int(windows.modes[-1])),
-        )
+        The others get their verdicts; where none is left there are no windows.
+        """
+        group, record = self.group, self.protocol.record
+        if recorded is None:
+            recorded = group.run(window_times(group, record, first, chosen), chosen=chosen)
+        alive = self._still_going(chosen, first)
+        if not np.any(alive):
+            return None, alive
+        self.reached[alive] = first[alive] + 2 * record
+        largest = np.abs(recorded.states[alive]).max(axis=1)
+        self.sizes[alive] = np.maximum(self.sizes[alive], largest)
+        return Windows.of(group, recorded), alive
 
-    def _progresses(self, drift: Floats) -> int:
+    def _still_going(self, chosen: Bools, first: Integers) -> Bools:
+        """Which of the chosen motions have not ended; the others get their verdicts."""
+        going = chosen & (self.group.motions.statuses == Status.COMPLETED)
+        for i in np.flatnonzero(chosen & ~going).tolist():
+            self.verdicts[i] = self._ended(i, int(first[i]))
+        return going
+
+    def _returns(self, windows: Windows, alive: Bools) -> tuple[Integers, Floats]:
+        """Period and residual of each window of the motions that are alive, (M, 2) each."""
+        periods, residuals = np.zeros((alive.size, 2), np.int64), np.full((alive.size, 2), np.nan)
+        which = np.flatnonzero(alive)
+        periods[which], residuals[which] = windows.returns(
+            which, self.drifting, self.sizes[which], self.protocol.match
+        )
+        return periods, residuals
+
+    def _seen(
+        self, windows: Windows, alive: Bools, first: Integers, both: tuple[Integers, Floats]
+    ) -> dict[int, Verdict]:
+        """What strobes and events alone tell of each motion that is alive."""
+        period, residual = (each[:, 1] for each in both)
+        last = np.full(alive.size, 2 * windows.record)
+        count = np.where(period > 0, period, last)
+        within = windows.events.between(last - count, last)
+        events, impacts = windows.events.counts(within)
+        words = windows.events.words(last - count, within, alive & (period > 0))
+        motions = self.group.motions
+        seen = {}
+        for i in np.flatnonzero(alive).tolist():
+            points = windows.points[i]
+            drift = (points[-1] - points[-1 - count[i]]) / count[i]
+            seen[i] = Verdict(
+                label=labels.UNSETTLED,
+                reason="",
+                transient_used=int(first[i]),
+                length=self.group.length(i),
+                drift=drift,
+                period=int(period[i]),
+                word=words[i],
+                events=float(events[i] / count[i]),
+                impacts=float(impacts[i] / count[i]),
+                residual=float(residual[i]),
+                uncertain=int(motions.uncertain[i]),
+                estimated=int(motions.estimated[i]),
+                progresses=self._progresses(i, drift),
+                last=(points[-1], int(windows.modes[i, -1])),
+            )
+        return seen
+
+    def _progresses(self, i: int, drift: Floats) -> int:
         """Whether a state drifts by more than ``match`` of the size of the other states."""
-        size = float(self.sizes[~self.drifting].max(initial=0.0))
+        size = float(self.sizes[i, ~self.drifting].max(initial=0.0))
         return int(np.any(np.abs(drift[self.drifting]) > self.protocol.match * size))
 
-    def _repeating(self, windows: Windows, seen: Verdict) -> Verdict:
-        """Multipliers decide whether a motion that repeats is one to settle to."""
-        p = seen.period
+    def _repeating(self, windows: Windows, seen: dict[int, Verdict], chosen: Bools) -> None:
+        """Multipliers decide whether motions that repeat are some to settle to."""
+        if not np.any(chosen):
+            return
+        periods = np.array([seen[i].period if chosen[i] else 1 for i in range(chosen.size)])
         # as many whole periods earlier as lead into the window before
-        earlier = 2 * windows.record - p * -(-windows.record // p)
-        word = windows.word(self.system, earlier - p, earlier)
-        if cyclic_word(word) != cyclic_word(seen.word):
-            return seen.unsettled("the words of two periods differ")
-        self.reached += 2  # what follows looks into the next two intervals
-        steady = p == 1 and seen.events == 0 and self._rests(windows)
+        earlier = 2 * windows.record - periods * -(-windows.record // periods)
+        within = windows.events.between(earlier - periods, earlier)
+        words = windows.events.words(earlier - periods, within, chosen)
+        for i in np.flatnonzero(chosen).tolist():
+            if cyclic_word(words[i]) != cyclic_word(seen[i].word):
+                self.verdicts[i] = seen[i].unsettled("the words of two periods differ")
+            else:
+                self.verdicts[i] = self._by_multipliers(windows, i, seen[i])
+
+    def _by_multipliers(self, windows: Windows, i: int, seen: Verdict) -> Verdict:
+        """Label of a motion that repeats, by its multipliers."""
+        p = seen.period
+        self.reached[i] += 2  # what follows looks into the next two intervals
+        steady = p == 1 and seen.events == 0 and self._rests(windows, i)
         # along a motion in which drifts alone change no other direction is neutral
-        found = self._multipliers(windows, p, self.autonomous and not steady)
-        if self._has_ended:
-            return self._ended(self.reached)
+        found = self._multipliers(windows, i, p, self.autonomous and not steady)
+        if self._has_ended(i):
+            return self._ended(i, int(self.reached[i]))
         if found is None:
             return seen.unsettled("the derivatives over a period are not known, as at a graze")
         orbit, multipliers = found
-        duration = p * self.length
+        duration = p * self.group.length(i)
         modulus = float(np.abs(multipliers).max(initial=0.0))
         with np.errstate(divide="ignore"):  # all multipliers are zero
             exponent = float(np.log(modulus)) / duration if multipliers.size else np.nan
@@ -221,7 +253,7 @@ class _Motion:
         told = f"strobes repeat to {seen.residual:.2g}" + (
             f"; largest multiplier {modulus:.3g}" if multipliers.size else ""
         )
-        if steady and self._drifts_rest(windows):
+        if steady and self._drifts_rest(windows, i):
             return _named(seen, labels.EQUILIBRIUM, f"nothing changes; {told}")
         if steady:
             which = ", ".join(self.system.drift_states)
@@ -232,103 +264,130 @@ class _Motion:
             return _named(seen, labels.LOCKED, "every perturbation is lost within a period")
         return _named(seen, labels.PERIODIC, told)
 
-    def _rests(self, windows: Windows) -> bool:
+    def _rests(self, windows: Windows, i: int) -> bool:
         """Whether the states between strobes are those at strobes, but for drifts."""
-        here, match = windows.points[-1], self.protocol.match
-        away = np.abs(self.between - here).max(axis=0)
-        close = away <= match * np.maximum(np.abs(here), match * self.sizes)
-        return bool(
-            np.all(close | self.drifting) and np.all(self.modes_between == windows.modes[-1])
-        )
+        here, match = windows.points[i, -1], self.protocol.match
+        away = np.abs(windows.between[i] - here).max(axis=0)
+        close = away <= match * np.maximum(np.abs(here), match * self.sizes[i])
+        same_mode = np.all(windows.modes_between[i] == windows.modes[i, -1])
+        return bool(np.all(close | self.drifting) and same_mode)
 
-    def _drifts_rest(self, windows: Windows) -> bool:
+    def _drifts_rest(self, windows: Windows, i: int) -> bool:
         """Whether drifts have come to rest: hardly a step is left of the way since the start."""
-        here, before = windows.points[-1], windows.points[-2]
-        way = np.abs(here - self.first_state) * self.protocol.match
+        here, before = windows.points[i, -1], windows.points[i, -2]
+        way = np.abs(here - self.first_states[i]) * self.protocol.match
         rounding = 16.0 * np.finfo(float).eps * np.abs(here)
-        step = np.maximum(np.abs(self.between - here).max(axis=0), np.abs(here - before))
+        step = np.maximum(np.abs(windows.between[i] - here).max(axis=0), np.abs(here - before))
         return bool(np.all((step <= way + rounding)[self.drifting]))
 
     def _multipliers(
-        self, windows: Windows, p: int, autonomous: bool
+        self, windows: Windows, i: int, p: int, autonomous: bool
     ) -> tuple[OrbitTangent, npt.NDArray[np.complex128]] | None:
         """Multipliers and the point at which their period begins.
 
         At a strobe, or elsewhere: a strobe may lie on a guard. The motion is carried on to there.
         """
-        state, mode = windows.points[-1], int(windows.modes[-1])
+        tolerance = self.group.runner.tolerance
+        if self._flow is None:
+            self._flow = TangentFlow(*self._tables_of(i), self.drifting.size, tolerance)
+        state, mode, end = windows.points[i, -1], int(windows.modes[i, -1]), windows.end(i)
         for part in _ELSEWHERE:
-            begin = self._after(windows.end, 1.0 + part) if part else windows.end
+            begin = self._after(i, end, 1.0 + part) if part else end
             if part:
-                one = np.array([begin.number]), np.array([begin.phase])
-                states, modes = self.runner.run(self.lanes, begin, *one, self.stop)
-                if self._has_ended:
+                state, mode = self._state_at(i, begin)
+                if self._has_ended(i):
                     return None
-                state, mode = states[0, 0], int(modes[0, 0])
             orbit = OrbitTangent(
-                self.runner.tables, self.derivatives, self.runner.tolerance, state, mode, begin,
-                self._after(begin, p),
+                *self._tables_of(i), tolerance, state, mode, begin, self._after(i, begin, p),
+                self._flow,
             )  # fmt: skip
             found = orbit_multipliers(orbit, self.drifting, autonomous)
             if found is not None:
                 return orbit, found
         return None
 
-    def _not_repeating(self, windows: Windows, seen: Verdict) -> Verdict:
-        """Exponent and 0-1 test of two windows decide on a motion that does not repeat."""
-        turn, count = self.protocol.record, self.protocol.evidence
-        numbers, phases = self._strobes(self.reached, turn + 2 * count + 1)
-        end = _instant(numbers, phases, -1)
-        looked = self._looks(numbers, phases, turn) if self.autonomous else (numbers, phases)
-        states, _ = self.runner.run(self.lanes, end, looked[0][1:], looked[1][1:], self.stop)
-        if self._has_ended:
-            return self._ended(self.reached)
-        self.reached += turn + 2 * count
-        neighbours = Neighbours(
-            self.runner.tables, self.derivatives, self.runner.tolerance, windows.points[-1],
-            int(windows.modes[-1]), numbers, phases, turn, self.drifting,
-            self.stop,
-        )  # fmt: skip
+    def _state_at(self, i: int, instant: Instant) -> tuple[Floats, int]:
+        """State and mode of a motion that runs on to an instant."""
+        count = self.group.count
+        times = Times(np.full((count, 1), instant.number), np.full((count, 1), instant.phase))
+        found = self.group.run(times, chosen=np.arange(count) == i, log=False)
+        return found.states[i, 0], int(found.modes[i, 0])
+
+    def _tables_of(self, i: int) -> tuple[Tables, Derivatives]:
+        """Tables of a motion, and what derivatives by its initial state need."""
+        if i not in self._known:
+            values = dict(zip(self.system.parameters, self.group.values[i].tolist(), strict=True))
+            tables = self.group.runner.tables(i)
+            self._known[i] = tables, build_derivatives(self.system, tables, (), values)
+        return self._known[i]
+
+    def _not_repeating(self, windows: Windows, seen: dict[int, Verdict], chosen: Bools) -> None:
+        """Exponent and 0-1 test of two windows decide on motions that do not repeat."""
+        if not np.any(chosen):
+            return
+        group, turn, count = self.group, self.protocol.record, self.protocol.evidence
+        times = group.strobes(self.reached, turn + 2 * count + 1, chosen)
+        looked = self._looks(times, turn, chosen) if self.autonomous else times
+        states = group.run(looked.at(slice(1, None)), chosen=chosen, log=False).states
+        going = self._still_going(chosen, self.reached)
+        self.reached[going] += turn + 2 * count
+        for i in np.flatnonzero(going).tolist():
+            neighbours = Neighbours(
+                *self._tables_of(i), group.runner.tolerance, windows.points[i, -1],
+                int(windows.modes[i, -1]), times.numbers[i], times.phases[i], turn,
+                self.drifting, group.stop,
+            )  # fmt: skip
+            self.verdicts[i] = self._by_neighbours(i, seen[i], neighbours, states[i])
+
+    def _by_neighbours(
+        self, i: int, seen: Verdict, neighbours: Neighbours, states: Floats
+    ) -> Verdict:
+        """Label of a motion that does not repeat, from how its neighbours part from it."""
         status, growth = strobe_growth(neighbours)
         if status != Status.COMPLETED:
             return _named(seen, labels.label_of_end(status), f"ended early: {status.word}")
         if growth.size == 0:
             return seen.unsettled("no mode takes the last strobe as a start of derivatives")
-        evidence = states[0, turn - 1 :]
+        evidence = states[neighbours.turn - 1 :]
         if not self.autonomous:
-            return self._by_growth(seen, growth, evidence, evidence[1:])
-        return self._by_growth(seen, growth, evidence[::2], evidence[1::2])
+            return self._by_growth(i, seen, growth, evidence, evidence[1:])
+        return self._by_growth(i, seen, growth, evidence[::2], evidence[1::2])
 
-    def _looks(self, numbers: Integers, phases: Floats, turn: int) -> tuple[Integers, Floats]:
+    def _looks(self, times: Times, turn: int, chosen: Bools) -> Times:
         """Strobes, and behind the turn one more look within every interval, ever elsewhere in it.
 
         Strobes alone may creep along a cycle that has nearly their period.
         """
-        first = np.arange(turn, numbers.size - 1)
+        first = np.arange(turn, times.numbers.shape[1] - 1)
         parts = (1.0 + np.arange(first.size)) * _GOLDEN % 1.0
-        window = self.runner.window
-        more, inside = instants(phases[first] + parts * self.length, window)
-        return (
-            np.insert(numbers, first + 1, numbers[first] + more),
-            np.insert(phases, first + 1, inside),
+        more = np.zeros((self.group.count, first.size), np.int64)
+        inside = np.zeros(more.shape)
+        for i in np.flatnonzero(chosen).tolist():
+            since = times.phases[i, first] + parts * self.group.length(i)
+            more[i], inside[i] = instants(since, float(self.group.windows[i]))
+        return Times(
+            np.insert(times.numbers, first + 1, times.numbers[:, first] + more, axis=1),
+            np.insert(times.phases, first + 1, inside, axis=1),
         )
 
-    def _by_growth(self, seen: Verdict, growth: Floats, states: Floats, looks: Floats) -> Verdict:
+    def _by_growth(
+        self, i: int, seen: Verdict, growth: Floats, states: Floats, looks: Floats
+    ) -> Verdict:
         """Label by the growth in each interval, the states at the strobes, and one in each."""
-        count = self.protocol.evidence
-        windows = [_mean_rate(part, self.length) for part in (growth[:count], growth[count:])]
+        count, length = self.protocol.evidence, self.group.length(i)
+        windows = [_mean_rate(part, length) for part in (growth[:count], growth[count:])]
         (first, first_error), (second, second_error) = windows
         label = labels.label_of_growth(
-            (first, second), (first_error, second_error), count * self.length, self.attracting
+            (first, second), (first_error, second_error), count * length, self._attracting(i)
         )
-        exponent, error = _mean_rate(growth, self.length)
+        exponent, error = _mean_rate(growth, length)
         seen = replace(seen, exponent=exponent, error=error)
         told = f"exponent {exponent:.3g} +- {error:.2g}"
         if self.autonomous and np.count_nonzero(~self.drifting) < 2:
             seen, told = replace(seen, exponent=np.nan), "one state, and no direction across it"
         elif label == labels.LIMIT_CYCLE and not np.isfinite(error):
             told = "no perturbation across the cycle outlives its events"
-        why = self._unbounded(label, seen, looks)
+        why = self._unbounded(i, label, seen, looks)
         if why:
             return seen.unsettled(f"strobes do not repeat, and {why}")
         if not label:
@@ -344,7 +403,17 @@ class _Motion:
         tested = "without the 0-1 test" if self.protocol.is_survey else f"K = {test.k:.2f}"
         return _named(seen, label, f"{told}, {tested}")
 
-    def _unbounded(self, label: str, seen: Verdict, looks: Floats) -> str:
+    def _attracting(self, i: int) -> str:
+        """Label of a motion that others approach although its strobes do not repeat.
+
+        Such a motion has a direction without growth; "" where there is none.
+        """
+        if self.autonomous:
+            return labels.LIMIT_CYCLE
+        hidden = hides_phase(self.group.runner.tables(i), self.group.length(i))
+        return labels.QUASI_PERIODIC if hidden else ""
+
+    def _unbounded(self, i: int, label: str, seen: Verdict, looks: Floats) -> str:
         """Why two windows of states contradict a label, "" where they do not."""
         moving = looks[:, ~self.drifting]
         if moving.shape[1] == 0:
@@ -358,7 +427,7 @@ class _Motion:
         if label != labels.LIMIT_CYCLE:
             return ""
         return no_closed_orbit(
-            earlier, later, names, self.sizes[~self.drifting], seen.events > 0,
+            earlier, later, names, self.sizes[i, ~self.drifting], seen.events > 0,
             self.protocol.match,
         )  # fmt: skip
 
@@ -367,53 +436,36 @@ class _Motion:
         moving = states[1:, ~self.drifting]
         return moving if moving.shape[1] else np.diff(states, axis=0)
 
-    def _strobes(self, first: int, count: int) -> tuple[Integers, Floats]:
-        return strobes(
-            self.runner.window, self.begin, self.period, self.protocol.phase, first, count
-        )
-
-    def _after(self, begin: Instant, intervals: float) -> Instant:
+    def _after(self, i: int, begin: Instant, intervals: float) -> Instant:
         """Instant some strobe intervals later; of whole periods without rounding."""
-        if self.period is None and intervals == int(intervals):
+        group = self.group
+        if group.periods[i] is None and intervals == int(intervals):
             return Instant(begin.number + int(intervals), begin.phase)
-        window = self.runner.window
-        number, phase = instants([begin.phase + intervals * self.length], window)
+        window = float(group.windows[i])
+        number, phase = instants([begin.phase + intervals * group.length(i)], window)
         return Instant(begin.number + int(number[0]), float(phase[0]))
 
-    def _go_to(self, end: Instant) -> None:
-        self.runner.run(self.lanes, end, np.zeros(0, np.int64), np.zeros(0), self.stop)
+    def _has_ended(self, i: int) -> bool:
+        return int(self.group.motions.statuses[i]) != Status.COMPLETED
 
-    @property
-    def _has_ended(self) -> bool:
-        return int(self.lanes.status[0]) != Status.COMPLETED
-
-    @property
-    def _is_misfit(self) -> bool:
-        """Whether the start lies in no mode, rather than an end that was reached."""
-        return self._has_ended and int(self.lanes.anchors.place["mode"][0]) < 0
-
-    def _ended(self, first: int) -> Verdict:
+    def _ended(self, i: int, first: int) -> Verdict:
         """A motion that did not go on."""
-        status = Status(int(self.lanes.status[0]))
-        anchors = self.lanes.anchors
-        place = Instant(int(anchors.place["number"][0]), float(anchors.place["phase"][0]))
-        passed = (
-            place.time(self.runner.window) - self.begin.time(self.runner.window)
-        ) / self.length
-        reason = "the start fits no mode" if self._is_misfit else f"ended early: {status.word}"
+        group, motions = self.group, self.group.motions
+        start, window = group.starts[i], float(group.windows[i])
+        assert start is not None
+        status = Status(int(motions.statuses[i]))
+        place = Instant(int(motions.places["number"][i]), float(motions.places["phase"][i]))
+        passed = (place.time(window) - start.instant.time(window)) / group.length(i)
+        misfit = bool(group.is_misfit[i])
         return Verdict(
             label=labels.label_of_end(status),
-            reason=reason,
+            reason="the start fits no mode" if misfit else f"ended early: {status.word}",
             transient_used=max(0, min(first, int(passed))),
-            length=self.length,
+            length=group.length(i),
             drift=np.full(self.drifting.size, np.nan),
-            uncertain=int(self.lanes.uncertain[0]),
-            estimated=int(self.lanes.estimated[0]),
+            uncertain=int(motions.uncertain[i]),
+            estimated=int(motions.estimated[i]),
         )
-
-
-def _instant(numbers: Integers, phases: Floats, k: int) -> Instant:
-    return Instant(int(numbers[k]), float(phases[k]))
 
 
 def _named(seen: Verdict, label: str, reason: str) -> Verdict:
@@ -428,7 +480,7 @@ def _mean_rate(growth: Floats, length: float) -> tuple[float, float]:
     return float(growth.mean()) / length, error / length
 
 
-def _agreeing_test(label: str, series: Floats, protocol: Protocol) -> tuple[StrobeTest, str]:
+def _agreeing_test(label: str, series: Floats, protocol: RegimeProtocol) -> tuple[StrobeTest, str]:
     """Test of the first state that does not contradict a label, or of the last one, and why.
 
     Short series mislead where a state hardly moves, or jumps, and others do not. In a survey K is

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from nonsmooth.analysis.regimes.labels import UNSETTLED
 
-__all__ = ["TESTED", "Protocol", "Verdict"]
+__all__ = ["TESTED", "RegimeProtocol", "Verdict"]
 
 TESTED = 200  # strobes of evidence from which the 0-1 test says something
 
@@ -17,7 +17,7 @@ Floats = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Protocol:
+class RegimeProtocol:
     """How a motion is looked at; lengths in strobes."""
 
     transient: int

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from nonsmooth.engine.sweeps import REPEATS, primitive_periods, scales
 
-__all__ = ["REPEATS", "nearest_return", "primitive_period", "scales", "whole_periods"]
+__all__ = ["REPEATS", "nearest_returns", "primitive_period", "scales", "whole_periods"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -27,26 +27,31 @@ def primitive_period(
     return int(primitive_periods(points[None], drifting, match, scale[None])[0])
 
 
-def nearest_return(
+def nearest_returns(
     points: Floats, drifting: npt.NDArray[np.bool_], scale: Floats, match: float
-) -> tuple[int, float]:
-    """The same with the residual: what is left of the scale after p steps.
+) -> tuple[npt.NDArray[np.int64], Floats]:
+    """The same of M motions with their residuals: what is left of the scale after p steps.
 
-    Where no p is found it is the least over all p.
+    Where no p is found the residual is the least over all p; of points that are not finite it is
+    infinite.
+
+    shapes: points (M, K, n), drifting (n,), scale (M, n); returns (M,) and (M,)
     """
-    least = np.inf
-    if not np.all(np.isfinite(points)):
-        return 0, least
-    count = len(points)
-    relative = points - np.where(drifting, points[0], 0.0)
-    unit = np.where(scale > 0.0, scale, 1.0)
-    for p in range(1, (count - 1) // REPEATS + 1):
+    periods, residuals = np.zeros(len(points), np.int64), np.full(len(points), np.inf)
+    left = np.flatnonzero(np.all(np.isfinite(points), axis=(1, 2)))
+    relative = (points - np.where(drifting, points[:, :1], 0.0))[left]
+    scale = scale[left]
+    for p in range(1, (points.shape[1] - 1) // REPEATS + 1):
+        if left.size == 0:
+            break
         size = _largest_changes(relative, drifting, p)
-        residual = float((size / unit).max(initial=0.0))
-        if np.all(size <= match * scale):
-            return p, residual
-        least = min(least, residual)
-    return 0, least
+        residual = (size / np.where(scale > 0.0, scale, 1.0)).max(axis=1, initial=0.0)
+        repeats = np.all(size <= match * scale, axis=1)
+        residuals[left] = np.where(repeats, residual, np.minimum(residuals[left], residual))
+        if np.any(repeats):
+            periods[left[repeats]] = p
+            left, relative, scale = left[~repeats], relative[~repeats], scale[~repeats]
+    return periods, residuals
 
 
 def whole_periods(count: int, period: Any) -> Any:
@@ -57,6 +62,6 @@ def whole_periods(count: int, period: Any) -> Any:
 
 def _largest_changes(relative: Floats, drifting: npt.NDArray[np.bool_], p: int) -> Floats:
     """Largest change of each state over p steps, of a drifting one from its first change."""
-    change = relative[p:] - relative[:-p]
-    change = np.where(drifting, change - change[0], change)
-    return np.asarray(np.abs(change).max(axis=0))
+    change = relative[:, p:] - relative[:, :-p]
+    change = np.where(drifting, change - change[:, :1], change)
+    return np.asarray(np.abs(change).max(axis=1))

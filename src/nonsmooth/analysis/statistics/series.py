@@ -14,7 +14,7 @@ from nonsmooth.runs.options import finite_number
 from nonsmooth.system.system import System
 from nonsmooth.version import __version__
 
-__all__ = ["Series", "drifts", "series_of", "uniform_step"]
+__all__ = ["Series", "drifts", "series_of", "slow_names", "uniform_step"]
 
 _SAME = 1e-6  # of a step, between samples that count as equidistant
 
@@ -110,3 +110,9 @@ def _numbers(values: Any) -> Vector:
     if numbers.ndim != 1 or not np.all(np.isfinite(numbers)):
         raise OptionError("data: give numbers in one dimension, all of them finite")
     return numbers
+
+
+def slow_names(run: xr.Dataset) -> list[str]:
+    """Names of the slow parameters of a run."""
+    texts = str(run.attrs.get("slow_values", "")).split()
+    return [name for name in (text.partition("=")[0] for text in texts) if name in run]

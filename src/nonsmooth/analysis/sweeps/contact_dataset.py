@@ -7,7 +7,7 @@ from typing import Any
 import xarray as xr
 
 from nonsmooth.analysis.sweeps.contact_numbers import Asked
-from nonsmooth.analysis.sweeps.sweep import Sweep, Swept
+from nonsmooth.analysis.sweeps.sweep import SweepProtocol, Swept
 from nonsmooth.analysis.sweeps.sweep_dataset import (
     parameter_coordinate,
     stacked,
@@ -30,7 +30,7 @@ _TEXTS = {
 }
 
 
-def contact_dataset(sweep: Sweep, parameter: str, swept: Swept, asked: Asked) -> xr.Dataset:
+def contact_dataset(sweep: SweepProtocol, parameter: str, swept: Swept, asked: Asked) -> xr.Dataset:
     """Dataset of what was found at each value."""
     labels = labels_of(sweep.system)
     time = {key: text for key, text in labels.attributes("time").items() if key == "units"}

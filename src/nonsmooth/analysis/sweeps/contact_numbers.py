@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.sweeps.panels import Panels, fit_panels
-from nonsmooth.analysis.sweeps.settled import Settled
+from nonsmooth.analysis.sweeps.settled import SweptMotion
 from nonsmooth.analysis.sweeps.visits import visits_of
 
 __all__ = ["Asked", "contact_numbers"]
@@ -36,7 +36,7 @@ class Asked:
         }
 
 
-def contact_numbers(settled: Settled, asked: Asked) -> dict[str, npt.NDArray[Any]]:
+def contact_numbers(settled: SweptMotion, asked: Asked) -> dict[str, npt.NDArray[Any]]:
     """Counts, durations and statistics by the names that they have in a dataset."""
     duration = settled.duration
     at_first = settled.samples(np.zeros(1)).modes[0] in asked.modes
@@ -61,7 +61,7 @@ def contact_numbers(settled: Settled, asked: Asked) -> dict[str, npt.NDArray[Any
     return found
 
 
-def _values_of(settled: Settled, name: str) -> Any:
+def _values_of(settled: SweptMotion, name: str) -> Any:
     def evaluate(since: Floats) -> Floats:
         return settled.values(name, settled.samples(since))
 

@@ -1,28 +1,25 @@
-"""A settled motion at one value of a parameter, which may be looked at as often as is needed."""
+"""SweptMotion motions, each of which may be looked at as often as is needed."""
 
 from __future__ import annotations
 
-import threading
-from dataclasses import dataclass, field
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.analysis.settle import Group
 from nonsmooth.engine.status import Status
 from nonsmooth.runs.clock import Instant, instants
 from nonsmooth.runs.impacts import happened
-from nonsmooth.runs.lane_runner import LaneRunner, Lanes
 from nonsmooth.runs.outputs import SweptClock, output_values
-from nonsmooth.runs.strobe_times import strobes
-from nonsmooth.runs.stroboscopic_map import StroboscopicMap
+from nonsmooth.runs.sweep_runner import Motions, Recorded, Times
 
-__all__ = ["Events", "Samples", "Settled", "settle"]
+__all__ = ["Events", "Samples", "SweptMotion", "reduce_settled"]
 
+Arrays = dict[str, npt.NDArray[Any]]
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
-
-_ONE = np.zeros(1, np.int64)
 
 
 class Samples(NamedTuple):
@@ -42,95 +39,85 @@ class Events(NamedTuple):
     after: Samples
 
 
-@dataclass
-class Settled:
-    """A motion after its transient; ``begin`` and ``end`` are those of its record."""
+class SweptMotion:
+    """Motion ``i`` of a group after its transient, recorded from one strobe to another one.
 
-    runner: LaneRunner
-    chosen: StroboscopicMap
-    parameter: str
-    value: float
-    begin: Instant
-    end: Instant
-    period: float
-    lanes: Lanes
-    events: Events = field(init=False)
-    status: Status = field(init=False)
+    ``begun`` are the motions of the group where their records begin.
+    """
 
-    @property
-    def duration(self) -> float:
-        """Time from the beginning of the record to its end."""
-        window = self.runner.window
-        return (self.end.number - self.begin.number) * window + (self.end.phase - self.begin.phase)
-
-    def instants(self, since: Floats) -> tuple[Integers, Floats]:
-        """Windows and phases of times since the beginning of the record."""
-        numbers, phases = instants(self.begin.phase + since, self.runner.window)
-        return numbers + self.begin.number, phases
-
-    def samples(self, since: Floats) -> Samples:
-        """States at times since the beginning of the record, in order."""
-        numbers, phases = self.instants(since)
-        lanes = self.lanes.select(_ONE)
-        end = Instant(int(numbers[-1]), float(phases[-1]))
-        states, modes = self.runner.run(lanes, end, numbers, phases)
-        return Samples(states[0], numbers, phases, modes[0])
-
-    def values(self, name: str, samples: Samples) -> Floats:
-        """Values of a state or an output."""
-        system = self.chosen.system
-        if name in system.states:
-            return samples.states[:, system.states.index(name)]
-        count = samples.numbers.size
-        clock = SweptClock(
-            samples.numbers, samples.phases, np.full(count, self.runner.window),
-            {self.parameter: np.full(count, self.value)} if self.parameter else {},
-        )  # fmt: skip
-        return output_values(system, clock, samples.states.T, samples.modes)[name]
-
-    def pass_record(self, lanes: Lanes) -> None:
-        """Run the motion itself to the end of the record, with the event log."""
-        ends = np.array([self.begin, self.end])
-        numbers, phases = ends[:, 0].astype(np.int64), ends[:, 1].copy()
-        _, _, rows, states = self.runner.record(lanes, 0, numbers, phases)
-        self.status = Status(int(lanes.status[0]))
-        # a run that goes on has no row for its start
+    def __init__(
+        self, group: Group, begun: Motions, i: int, begin: Instant, end: Instant, recorded: Recorded
+    ) -> None:
+        self._group, self._begun, self._i = group, begun, i
+        self.begin, self.end = begin, end
+        self.window = float(group.windows[i])
+        self.period = group.length(i) * group.chosen.every
+        log = slice(*recorded.logs[i : i + 2].tolist())
+        rows, states = recorded.rows[log], recorded.event_states[log]
         kept = happened(rows)
         rows, states = rows[kept], states[kept]
         number, phase = rows["number"].copy(), rows["phase"].copy()
-        since = (number - self.begin.number) * self.runner.window + (phase - self.begin.phase)
+        since = (number - begin.number) * self.window + (phase - begin.phase)
         self.events = Events(
             since,
             Samples(states[:, 0], number, phase, rows["from_mode"].copy()),
             Samples(states[:, 1], number, phase, rows["to_mode"].copy()),
         )
 
+    @property
+    def duration(self) -> float:
+        """Time from the beginning of the record to its end."""
+        begin, end = self.begin, self.end
+        return (end.number - begin.number) * self.window + (end.phase - begin.phase)
 
-def settle(
-    runner: LaneRunner,
-    chosen: StroboscopicMap,
-    parameter: str,
-    value: float,
-    lanes: Lanes,
-    begin: Instant,
-    length: float | None,
-    transient: int,
-    record: int,
-    stop: threading.Event,
-) -> Settled | Status:
-    """Let a motion settle and pass its record; the status where it ended before."""
-    numbers, phases = strobes(
-        runner.window, begin, length, chosen.phase, transient * chosen.every,
-        record * chosen.every + 1,
-    )  # fmt: skip
-    first, last = (Instant(int(numbers[k]), float(phases[k])) for k in (0, -1))
-    if first != begin:
-        runner.run(lanes, first, np.zeros(0, np.int64), np.zeros(0), stop)
-    if lanes.status[0] != Status.COMPLETED:
-        return Status(int(lanes.status[0]))
-    period = (runner.window if length is None else length) * chosen.every
-    settled = Settled(
-        runner, chosen, parameter, value, first, last, period, lanes.select(_ONE)
-    )  # fmt: skip
-    settled.pass_record(lanes)
-    return settled if settled.status == Status.COMPLETED else settled.status
+    def instants(self, since: Floats) -> tuple[Integers, Floats]:
+        """Windows and phases of times since the beginning of the record."""
+        numbers, phases = instants(self.begin.phase + since, self.window)
+        return numbers + self.begin.number, phases
+
+    def samples(self, since: Floats) -> Samples:
+        """States at times since the beginning of the record, in order."""
+        numbers, phases = self.instants(since)
+        i = self._i
+        found = self._group.runner.run(
+            self._begun.select(np.array([i])), Times(numbers[None], phases[None]), log=False,
+            sets=slice(i, i + 1), stop=self._group.stop,
+        )  # fmt: skip
+        return Samples(found.states[0], numbers, phases, found.modes[0])
+
+    def values(self, name: str, samples: Samples) -> Floats:
+        """Values of a state or an output."""
+        system, group = self._group.system, self._group
+        if name in system.states:
+            return samples.states[:, system.states.index(name)]
+        count = samples.numbers.size
+        varied = {each: group.values_of(each)[self._i] for each in group.varied}
+        clock = SweptClock(
+            samples.numbers, samples.phases, np.full(count, self.window),
+            {each: np.full(count, value) for each, value in varied.items()},
+        )  # fmt: skip
+        return output_values(system, clock, samples.states.T, samples.modes)[name]
+
+
+def reduce_settled(
+    reduce: Callable[[SweptMotion], Arrays], last: int, group: Group, recorded: Recorded
+) -> list[Arrays]:
+    """What ``reduce`` makes of each motion of a group that is run on to iterate ``last``.
+
+    There is its ``status`` too, and nothing else where a motion has ended early.
+    """
+    begun = group.motions.select(np.arange(group.count))
+    ends = group.iterates(last, 1)
+    times = Times(
+        np.concatenate([recorded.numbers, ends.numbers], axis=1),
+        np.concatenate([recorded.phases, ends.phases], axis=1),
+    )
+    passed = group.run(times)
+    found: list[Arrays] = []
+    for i, status in enumerate(passed.statuses.tolist()):
+        found.append({"status": np.array(status)})
+        if status == Status.COMPLETED:
+            begin, end = zip(times.numbers[i].tolist(), times.phases[i].tolist(), strict=True)
+            settled = SweptMotion(group, begun, i, Instant(*begin), Instant(*end), passed)
+            found[-1] |= reduce(settled)
+    return found

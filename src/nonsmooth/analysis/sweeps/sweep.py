@@ -1,43 +1,41 @@
-"""Settled motions at many values of a parameter, each reduced to a few arrays."""
+"""SweptMotion motions at many values of a parameter, each reduced to a few arrays."""
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.analysis.diagrams.chain import chain, end_of_lanes
 from nonsmooth.analysis.diagrams.chain_links import End, links_of, pack_end, take_end
 from nonsmooth.analysis.diagrams.diagram_options import check_way
-from nonsmooth.analysis.regimes.regime_dataset import said_of_start
-from nonsmooth.analysis.sweeps.settled import Settled, settle
+from nonsmooth.analysis.settle import ParameterSets, at_time_zero, said_of_start, settle
+from nonsmooth.analysis.sweeps.settled import SweptMotion, reduce_settled
 from nonsmooth.engine.status import Status
-from nonsmooth.engine.tables import Tables
 from nonsmooth.errors import OptionError
 from nonsmooth.runs.crew import check_threads
-from nonsmooth.runs.lane_runner import LaneRunner
 from nonsmooth.runs.of_system import map_of
 from nonsmooth.runs.options import whole_number
 from nonsmooth.runs.runner import build_tables
 from nonsmooth.runs.start import check_carried, resolve_start
 from nonsmooth.runs.store import run_stored_tasks
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
+from nonsmooth.runs.sweep_runner import SweepRunner
 from nonsmooth.system.system import System
 
-__all__ = ["Sweep", "Swept", "make_sweep", "run_sweep"]
+__all__ = ["SweepProtocol", "Swept", "make_sweep", "run_sweep"]
 
 Arrays = dict[str, npt.NDArray[Any]]
 Done = tuple[list[Arrays], End | None]  # of some values, and where the last motion has ended
-Reduce = Callable[[Settled], Arrays]
+Reduce = Callable[[SweptMotion], Arrays]
 
 
 @dataclass(frozen=True)
-class Sweep:
+class SweepProtocol:
     """How the motions of a sweep are computed."""
 
     chosen: StroboscopicMap
@@ -88,7 +86,7 @@ def make_sweep(
     parameters: Mapping[str, float] | None,
     tolerance: float,
     mode: str | None,
-) -> Sweep:
+) -> SweepProtocol:
     """The options that all sweeps share, checked."""
     chosen = map_of(system, parameters, tolerance, verb, mode=mode)
     if not isinstance(chosen, StroboscopicMap):
@@ -96,7 +94,7 @@ def make_sweep(
             f"{verb} looks at whole periods: give it a system, or a StroboscopicMap with the length"
             " of a period"
         )
-    return Sweep(
+    return SweepProtocol(
         chosen, initial, check_way(start),
         0 if transient == 0 else whole_number("transient", transient),
         whole_number("record", record), mode, float(tolerance), parameters,
@@ -104,7 +102,7 @@ def make_sweep(
 
 
 def run_sweep(
-    sweep: Sweep,
+    sweep: SweepProtocol,
     parameter: str,
     grid: npt.NDArray[np.float64],
     reduce: Reduce,
@@ -120,48 +118,34 @@ def run_sweep(
     interrupted, are left out.
     """
     system = sweep.system
-    drifting = np.array([name in system.drift_states for name in system.states])
     check_carried(system, sweep.initial, sweep.changed, (parameter,))
     begin = resolve_start(system, build_tables(system), sweep.initial, None, sweep.mode, True)
-    found = {} if parameter else {0: _status(Status.INTERRUPTED)}
+    found = {} if parameter else {0: {"status": np.array(int(Status.INTERRUPTED))}}
     links = links_of(grid, sweep.start)
     follow = sweep.start != "restart"
     ends: dict[int, End | None] = {}
-
-    def start(changed: System, tables: Tables) -> tuple[npt.NDArray[np.float64], int]:
-        one = resolve_start(changed, tables, sweep.initial, None, sweep.mode, repeated=True)
-        return one.state, one.modes[0]
-
-    def task(number: int) -> Callable[[LaneRunner, threading.Event], Done]:
-        values = grid[links[number]].tolist()
-
-        def run(runner: LaneRunner, stop: threading.Event) -> Done:
-            behind = ends.get(number - 1) if follow else None
-            begun = chain(sweep.chosen, parameter, drifting, runner, values, start, follow, behind)
-            results = []
-            one = None
-            for value, one in zip(values, begun, strict=True):
-                settled: Settled | Status = Status.REFUSED
-                if one is not None:
-                    settled = settle(
-                        runner, sweep.chosen, parameter, value, *one, sweep.transient,
-                        sweep.record, stop,
-                    )  # fmt: skip
-                if isinstance(settled, Status):
-                    results.append(_status(settled))
-                else:
-                    results.append(_status(settled.status) | reduce(settled))
-            return results, end_of_lanes(one.lanes) if one is not None else None
-
-        return run
+    tasks: list[Any] = [
+        partial(
+            settle,
+            sets=ParameterSets(
+                sweep.chosen, {parameter: grid[places]} if parameter else {}, sweep.initial,
+                sweep.mode, at_time_zero,
+            ),
+            times=lambda group: group.iterates(sweep.transient, 1),
+            reduce=partial(reduce_settled, reduce, sweep.transient + sweep.record),
+            follow=partial(ends.get, i - 1) if follow else None,
+            alone=follow,
+        )
+        for i, places in enumerate(links)
+    ]  # fmt: skip
 
     def keep(i: int, done: Done) -> None:
         found.update(zip(links[i], done[0], strict=True))
         ends[i] = done[1]
 
     complete = run_stored_tasks(
-        [task(i) for i in range(len(links))],
-        lambda: LaneRunner(system, sweep.tolerance),
+        tasks,
+        lambda: SweepRunner(system, sweep.tolerance),
         store=store,
         protocol={
             "system": system.to_toml(), "parameter": parameter, "values": grid, **sweep.options,
@@ -176,10 +160,6 @@ def run_sweep(
     )  # fmt: skip
     done = sorted(found)
     return Swept(grid[done], [found[i] for i in done], complete)
-
-
-def _status(status: Status) -> Arrays:
-    return {"status": np.array(int(status))}
 
 
 def _pack(done: Done) -> Arrays:

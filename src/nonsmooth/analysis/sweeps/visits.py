@@ -1,4 +1,4 @@
-"""Visits to some modes: how many, how long, what part of the time."""
+"""ModeVisits to some modes: how many, how long, what part of the time."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["Visits", "visits_of"]
+__all__ = ["ModeVisits", "visits_of"]
 
 Floats = npt.NDArray[np.float64]
 
 
-class Visits(NamedTuple):
-    """Visits in order; the first may have begun before the record, the last end after it."""
+class ModeVisits(NamedTuple):
+    """ModeVisits in order; the first may have begun before the record, the last end after it."""
 
     begin: Floats
     end: Floats
@@ -33,8 +33,8 @@ def visits_of(
     at_first: bool,
     first: float,
     last: float,
-) -> Visits:
-    """Visits from changes: ``inside`` says where the motion is after each of the ``times``.
+) -> ModeVisits:
+    """ModeVisits from changes: ``inside`` says where the motion is after each of the ``times``.
 
     Changes between two modes that are both meant do not end a visit.
     """
@@ -48,4 +48,4 @@ def visits_of(
         begins_inside[0] = False
     if at_last:
         ends_inside[-1] = False
-    return Visits(begins, ends, begins_inside, ends_inside)
+    return ModeVisits(begins, ends, begins_inside, ends_inside)

@@ -1,0 +1,68 @@
+"""Events of motions that were recorded side by side, counted and told between their samples."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.runs.impacts import happened, impacts_of
+from nonsmooth.runs.sweep_runner import Recorded
+from nonsmooth.runs.words import word_of_modes
+from nonsmooth.system.system import System
+
+__all__ = ["PassedEvents"]
+
+Bools = npt.NDArray[np.bool_]
+Floats = npt.NDArray[np.float64]
+Integers = npt.NDArray[np.int64]
+
+
+class PassedEvents:
+    """Events of K motions, r in all; tangencies are none."""
+
+    def __init__(self, system: System, recorded: Recorded) -> None:
+        self._system, self._recorded = system, recorded
+        self.motion = np.repeat(np.arange(recorded.statuses.size), np.diff(recorded.logs))
+        self._happened = happened(recorded.rows)
+        self._impacts = impacts_of(system).in_rows(recorded.rows)
+        self._words: dict[bytes, str] = {}
+
+    def between(self, first: Integers, last: Integers | None = None) -> Bools:
+        """Which rows are events from one sample of each motion on, (K,), before another one.
+
+        An event at the instant of a sample comes behind it: it has not changed its state.
+        """
+        within = self._happened & (self._since(first) >= 0.0)
+        return within if last is None else np.asarray(within & (self._since(last) < 0.0))
+
+    def counts(self, rows: Bools) -> tuple[Floats, Floats]:
+        """Events among some rows, and impacts among them, of each motion."""
+        count = self._recorded.statuses.size
+        motion, weights = self.motion[rows], self._impacts[rows]
+        events = np.bincount(motion, minlength=count)
+        impacts = np.bincount(motion, weights, minlength=count)
+        return np.asarray(events, float), np.asarray(impacts, float)
+
+    def words(self, first: Integers, rows: Bools, wanted: Bools) -> list[str]:
+        """Modes from one sample of each motion on, through some events; "" where not wanted."""
+        recorded = self._recorded
+        counts = np.bincount(self.motion[rows], minlength=wanted.size)
+        entered = np.split(recorded.rows["to_mode"][rows], np.cumsum(counts)[:-1])
+        return [
+            self._word(np.append(recorded.modes[k, first[k]], entered[k])) if wanted[k] else ""
+            for k in range(wanted.size)
+        ]
+
+    def _word(self, modes: Integers) -> str:
+        key = modes.tobytes()
+        if key not in self._words:
+            self._words[key] = word_of_modes(self._system, modes)
+        return self._words[key]
+
+    def _since(self, sample: Integers) -> Floats:
+        """Time of each row since a sample of its motion."""
+        recorded, motion = self._recorded, self.motion
+        rows, origin = recorded.rows, (motion, sample[motion])
+        since = (rows["number"] - recorded.numbers[origin]) * recorded.windows[motion]
+        since += rows["phase"] - recorded.phases[origin]
+        return np.asarray(since)

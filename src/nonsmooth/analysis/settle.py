@@ -1,0 +1,338 @@
+"""`settle`: the one path from parameter values and a start to what a settled motion leaves behind.
+
+Diagrams, sweeps and regimes are reductions of what it records. Motions at several sets of parameter
+values are set up, settled and recorded side by side, in one call of the engine.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Mapping
+from functools import cached_property
+from typing import Any, NamedTuple, TypeAlias, TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.analysis.diagrams.chain_links import End
+from nonsmooth.engine.lanes import SAME
+from nonsmooth.engine.status import Status
+from nonsmooth.engine.tables import Tables
+from nonsmooth.errors import ModelError
+from nonsmooth.runs.clock import Instant
+from nonsmooth.runs.crew import Stopped
+from nonsmooth.runs.start import Start, resolve_start
+from nonsmooth.runs.strobe_times import strobes
+from nonsmooth.runs.stroboscopic_map import StroboscopicMap
+from nonsmooth.runs.sweep_runner import Recorded, SweepRunner, SweepStarts, Times
+from nonsmooth.system.model.value_checks import rests_alike, sure_values
+
+__all__ = [
+    "Group",
+    "ParameterSet",
+    "ParameterSets",
+    "Reduce",
+    "at_time_zero",
+    "said_of_start",
+    "settle",
+]
+
+T = TypeVar("T")
+Bools = npt.NDArray[np.bool_]
+Floats = npt.NDArray[np.float64]
+Integers = npt.NDArray[np.int64]
+
+
+def at_time_zero(start: Start) -> Start:
+    """The start at time zero, in the first of the modes that it may have."""
+    return Start(start.state, Instant(0, 0.0), start.modes[:1])
+
+
+def said_of_start(initial: Any) -> str:
+    """An initial state as the protocol tells it."""
+    if hasattr(initial, "data_vars"):  # datasets are mappings too
+        return "a point of a dataset"
+    if initial is None or (isinstance(initial, Mapping) and not initial):
+        return "at rest"
+    return str(dict(initial)) if isinstance(initial, Mapping) else "a point of a dataset"
+
+
+class ParameterSet(NamedTuple):
+    """Values of all parameters, the time between strobes (None: the period), and the start.
+
+    The start is known, or found with the tables that belong to the values.
+    """
+
+    values: dict[str, float]
+    length: float | None
+    start: Start | Callable[[Tables], Start]
+
+
+class ParameterSets:
+    """Sets of parameter values with a start each, checked together where that says enough.
+
+    ``values`` has K values of each parameter that is varied, or none. ``initial`` is what the user
+    gave, or where values are not varied, a start. ``begins`` makes the start of a motion
+    from the one that was asked for; without it that is the start.
+    """
+
+    def __init__(
+        self,
+        chosen: StroboscopicMap,
+        values: Mapping[str, Floats],
+        initial: Any,
+        mode: str | None,
+        begins: Callable[[Start], Start] | None = None,
+    ) -> None:
+        self.chosen, self._values = chosen, values
+        self.count = next(iter(values.values())).size if values else 1
+        self._initial, self._mode, self._begins = initial, mode, begins
+        self._known = chosen.system.parameter_values
+
+    @cached_property
+    def _is_named(self) -> bool:
+        """Whether the start is given by names of states.
+
+        A point of a dataset has a time too, whose phase depends on the period; a run goes on only
+        with the values that it has had.
+        """
+        initial = self._initial
+        return initial is None or (
+            isinstance(initial, Mapping) and not hasattr(initial, "data_vars")
+        )
+
+    @cached_property
+    def _sure(self) -> Bools:
+        """Which sets the system takes for sure, with the same state at rest."""
+        chosen, values = self.chosen, self._values
+        if not values:
+            return np.ones(1, bool)
+        if not self._is_named or isinstance(chosen.period, str):
+            return np.zeros(self.count, bool)
+        if not rests_alike(chosen.system, values):
+            return np.zeros(self.count, bool)
+        return sure_values(chosen.system, values)
+
+    @cached_property
+    def _known_start(self) -> Start | None:
+        """The start where it is the same for all that are sure: no mode completes its state."""
+        if isinstance(self._initial, Start):
+            return self._initial
+        open_state = self.chosen.system.open_state
+        left_out = [name for name, value in open_state.items() if np.isnan(value)]
+        if not self._is_named or not set(left_out).issubset(self._initial or {}):
+            return None
+        return self._resolved(self.chosen, None)
+
+    @property
+    def varied(self) -> list[str]:
+        """Names of the parameters that are varied."""
+        return list(self._values)
+
+    def one(self, i: int) -> ParameterSet:
+        """Set i; `ModelError` where the system refuses its values."""
+        changed = {name: float(each[i]) for name, each in self._values.items()}
+        if not self._sure[i]:
+            chosen = self.chosen.with_parameters(**changed)
+            return ParameterSet(
+                chosen.system.parameter_values, chosen.length,
+                lambda tables: self._resolved(chosen, tables),
+            )  # fmt: skip
+        values = self._known | changed
+        start = self._known_start or (lambda tables: self._resolved(self.chosen, tables))
+        return ParameterSet(values, self.chosen.length, start)
+
+    def _resolved(self, chosen: StroboscopicMap, tables: Any) -> Start:
+        found = resolve_start(chosen.system, tables, self._initial, None, self._mode, repeated=True)
+        return found if self._begins is None else self._begins(found)
+
+
+class Group:
+    """Motions at some parameter sets, side by side on their way; one that is refused has no start.
+
+    ``left`` is where the last motion has come to, as a state and a mode: the start of a motion that
+    follows. It is None where the motion has ended early.
+    """
+
+    def __init__(
+        self, runner: SweepRunner, all_sets: ParameterSets, numbers: range, stop: threading.Event
+    ) -> None:
+        self.runner, self.chosen, self.stop = runner, all_sets.chosen, stop
+        self.system, self.varied = self.chosen.system, all_sets.varied
+        self.count = len(numbers)
+        sets = [_unless_refused(all_sets, i) for i in numbers]
+        own = list(self.system.parameter_values.values())
+        rows = [own if each is None else list(each.values.values()) for each in sets]
+        self.values = np.array(rows)  # (K, p), of all parameters
+        self.usable = runner.set_up(self.values)
+        self.usable &= np.array([each is not None for each in sets])
+        self.windows = runner.windows
+        self.periods = [None if each is None else each.length for each in sets]
+        self.drifting = np.array([name in self.system.drift_states for name in self.system.states])
+        self.starts: list[Start | None] = [None] * self.count
+        for i in np.flatnonzero(self.usable).tolist():
+            each = sets[i]
+            assert each is not None
+            start = each.start
+            self.starts[i] = start(runner.tables(i)) if callable(start) else start
+        self.motions = runner.start(self._as_arrays(), self.usable)
+        self._left: End | None = None
+        self._is_left = False
+
+    def follow(self, behind: End | None) -> None:
+        """Let the first motion begin where another one has been left.
+
+        States that drift begin at their initial value everywhere.
+        """
+        start = self.starts[0]
+        if behind is None or start is None:
+            return
+        times = self.strobes(0, 1)
+        begin = Instant(int(times.numbers[0, 0]), float(times.phases[0, 0]))
+        state = np.where(self.drifting, start.state, behind.state)
+        self.starts[0] = Start(state, begin, (SAME - behind.mode,))
+        self.motions = self.runner.start(self._as_arrays(), self.usable)
+
+    def choose_modes(self) -> None:
+        """Begin in the first mode that admits each start, where it may be one of several."""
+        starts = [start for start in self.starts if start is not None]
+        most = max((len(start.modes) for start in starts), default=1)
+        if most == 1:
+            return
+        numbers, phases = self._begins()
+        here = Times(numbers[:, None], phases[:, None])
+        self.run(here, log=False)
+        for k in range(1, most):
+            misfit = self.is_misfit
+            if not np.any(misfit):
+                return
+            begun = self.runner.start(self._as_arrays(k), misfit)
+            kept = self.motions
+            self.motions = begun
+            self.run(here, log=False)
+            for name in kept.anchors.in_lanes:
+                getattr(kept.anchors, name)[misfit] = getattr(begun.anchors, name)[misfit]
+            for old, new in zip(kept[1:], begun[1:], strict=True):
+                old[misfit] = new[misfit]
+            self.motions = kept
+
+    @property
+    def is_misfit(self) -> Bools:
+        """Whether the start of each motion lies in no mode, rather than an end that was reached."""
+        motions = self.motions
+        ended = self.usable & (motions.statuses != Status.COMPLETED)
+        return np.asarray(ended & (motions.places["mode"] < 0))
+
+    @property
+    def left(self) -> End | None:
+        """Where a motion begins that follows the last one."""
+        if self._is_left:
+            return self._left
+        if self.motions.statuses[-1] != Status.COMPLETED:
+            return None
+        return End(self.motions.end_states[-1].copy(), int(self.motions.places["mode"][-1]))
+
+    def leave(self, end: End | None) -> None:
+        """Say where the last motion is left, if that is not where it has come to."""
+        self._left, self._is_left = end, True
+
+    def values_of(self, parameter: str) -> Floats:
+        """Values of a parameter, (K,)."""
+        return np.asarray(self.values[:, list(self.system.parameters).index(parameter)])
+
+    def length(self, i: int) -> float:
+        """Time between strobes of motion i."""
+        period = self.periods[i]
+        return float(self.windows[i]) if period is None else period
+
+    def strobes(self, first: int | Integers, count: int, chosen: Any = None) -> Times:
+        """Strobes first ... first + count - 1 of each motion, or of those that are chosen, (K,)."""
+        numbers, phases = np.zeros((self.count, count), np.int64), np.zeros((self.count, count))
+        firsts = np.broadcast_to(first, self.count).tolist()
+        windows = self.windows.tolist()
+        for i in range(self.count) if chosen is None else np.flatnonzero(chosen).tolist():
+            start = self.starts[i]
+            begin = Instant(0, 0.0) if start is None else start.instant
+            numbers[i], phases[i] = strobes(
+                windows[i], begin, self.periods[i], self.chosen.phase, firsts[i], count
+            )
+        return Times(numbers, phases)
+
+    def iterates(self, first: int, count: int) -> Times:
+        """Iterates first ... first + count - 1 of the map, for each motion."""
+        every = self.chosen.every
+        return self.strobes(first * every, (count - 1) * every + 1).at(slice(None, None, every))
+
+    def run(
+        self, times: Times, *, chosen: Bools | None = None, ends: Times | None = None,
+        log: bool = True,
+    ) -> Recorded:  # fmt: skip
+        """Run motions on through some times, those that are chosen."""
+        return self.runner.run(
+            self.motions, times, chosen=chosen, ends=ends, log=log, stop=self.stop
+        )
+
+    def _begins(self) -> tuple[Integers, Floats]:
+        """Windows and phases at which motions begin."""
+        instants = [Instant(0, 0.0) if one is None else one.instant for one in self.starts]
+        numbers = np.array([each.number for each in instants], np.int64)
+        return numbers, np.array([each.phase for each in instants], float)
+
+    def _as_arrays(self, k: int = 0) -> SweepStarts:
+        """Starts, each in the mode number ``k`` of those that it may have."""
+        states = np.zeros((self.count, self.drifting.size))
+        modes = np.zeros(self.count, np.int64)
+        for i, start in enumerate(self.starts):
+            if start is not None:
+                states[i], modes[i] = start.state, start.modes[min(k, len(start.modes) - 1)]
+        return SweepStarts(states, modes, *self._begins())
+
+
+Reduce: TypeAlias = Callable[[Group, Recorded], list[T]]
+
+
+def settle(
+    runner: SweepRunner,
+    stop: threading.Event,
+    *,
+    sets: ParameterSets,
+    times: Callable[[Group], Times],
+    reduce: Reduce[T],
+    follow: Callable[[], End | None] | None = None,
+    alone: bool = False,
+) -> tuple[list[T], End | None]:
+    """What ``reduce`` makes of a motion at each set of values, and where the last one was left.
+
+    Each motion runs to the first of its ``times`` without a log, and on to the last one with it.
+    Some run side by side; ``reduce`` is given these and may run them further. With ``follow`` a
+    motion begins where the one before was left, and the first one where ``follow()`` says. After
+    values at which the motion has ended early, or that the system refuses, it begins anew. Motions
+    that follow others which ``reduce`` runs further go ``alone``.
+    """
+    found: list[T] = []
+    end = None if follow is None else follow()
+    size = 1 if alone else runner.most
+    for first in range(0, sets.count, size):
+        group = Group(runner, sets, range(first, min(first + size, sets.count)), stop)
+        if follow is not None:
+            group.follow(end)
+        group.choose_modes()
+        recorded = runner.run(
+            group.motions,
+            times(group),
+            follows=None if follow is None else group.strobes(0, 1),
+            stop=stop,
+        )
+        try:
+            found += reduce(group, recorded)
+        except Stopped:
+            raise Stopped((found, None)) from None
+        end = group.left
+    return found, end if follow is not None else None
+
+
+def _unless_refused(sets: ParameterSets, i: int) -> ParameterSet | None:
+    try:
+        return sets.one(i)
+    except ModelError:
+        return None
