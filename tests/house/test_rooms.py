@@ -14,17 +14,12 @@ SHORT = 60  # lines; a file with fewer is read with the only one that uses it
 
 SHORT_FILES = {
     "src/nonsmooth/cli/app.py",  # the whole command line, which `__init__` calls
-    "src/nonsmooth/analysis/diagrams/look_arrays.py",
-    "src/nonsmooth/analysis/regimes/several_starts.py",
-    "src/nonsmooth/analysis/regimes/strobe_test.py",
 }
 
 CLASS_NAMES = {
     "Outcome",
-    "Protocol",
     "Section",
     "Sweep",
-    "Visits",
 }
 
 
