@@ -205,7 +205,7 @@ def test_one_way_and_a_few_steps():
 
 def test_control_c_keeps_the_points(monkeypatch, interrupts):
     calls = []
-    look = branch_run.Stretch.look
+    look = branch_run.BranchStretch.look
 
     def interrupted(self, point):
         calls.append(point)
@@ -213,7 +213,7 @@ def test_control_c_keeps_the_points(monkeypatch, interrupts):
             os.kill(os.getpid(), signal.SIGINT)
         return look(self, point)
 
-    monkeypatch.setattr(branch_run.Stretch, "look", interrupted)
+    monkeypatch.setattr(branch_run.BranchStretch, "look", interrupted)
     system = ns.models.soft_impact(**SOFT, a=0.4)
     branch = ns.continue_orbit(system, "a", (0.3, 0.9))
     assert branch.attrs["status"] == "interrupted"

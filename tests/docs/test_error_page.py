@@ -70,7 +70,9 @@ def test_every_status_of_other_results_is_in_a_table():
 def test_what_explain_says_is_quoted_as_it_says_it():
     table = PAGE.split("## Before a run")[1].split("```")[0]
     quoted = re.findall(r"`([^`]+)`", table.partition("|---|---|")[2])
-    said = (ROOT / "src" / "nonsmooth" / "system" / "explain.py").read_text(encoding="utf-8")
+    said = (ROOT / "src" / "nonsmooth" / "system" / "model" / "explain.py").read_text(
+        encoding="utf-8"
+    )
     words = {status.word for status in Status}
     parts = [phrase for phrase in quoted if phrase not in words]
     assert len(parts) == 7

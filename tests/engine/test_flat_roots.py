@@ -47,3 +47,24 @@ def test_two_roots_of_a_square_that_are_nearly_one():
         truth = [mpmath.log(mpmath.mpf("1.72") / each) / 10**5 for each in far]
     # a few roundings of a state of size 1, over its rate of 75,000
     assert np.abs(run["event_time"].values[1:] - np.array(truth, float)).max() < 1e-15 / 75e3
+
+
+@pytest.mark.parametrize("power", [10, 30, 60, 100])
+@pytest.mark.parametrize("integrators", [0, 2, 5, 6])
+def test_high_powers_of_chains_that_start_at_zero(integrators, power):
+    """The power of t**(k + 1)/(k + 1)! has no term in the order of the series.
+
+    Over a long step its bound overflows; that was zero times infinity, and counted as no error, so
+    the root was missed in a run that was certified.
+    """
+    flow = {f"x{i}": f"x{i + 1}" for i in range(integrators)} | {f"x{integrators}": "1"}
+    way = Exit(f"0.5 - x0**{power}", to="stop")
+    system = System(states=list(flow), modes={"m": Mode(flow, exits=[way])})
+    run = ns.simulate(system, dict.fromkeys(flow, 0.0), t_end=12.0)
+    order = integrators + 1
+    with mpmath.workdps(30):
+        truth = (mpmath.factorial(order) * mpmath.mpf(0.5) ** (1 / mpmath.mpf(power))) ** (
+            1 / mpmath.mpf(order)
+        )
+    assert run.attrs["status"] == "stopped" and run.attrs["certified"] == 1
+    assert abs(float(run["event_time"][-1]) - truth) < 1e-14  # some roundings of a time near 3

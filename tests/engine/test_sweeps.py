@@ -30,7 +30,8 @@ def _sweep(system: ns.System, omegas: tuple[float, ...], follows: bool = False) 
     numbers = np.tile(np.arange(_TRANSIENT, _TRANSIENT + _RECORDED + 1), (count, 1))
     times = Times(numbers, np.zeros(numbers.shape))
     at_once = Times(np.zeros((count, 1), np.int64), np.zeros((count, 1)))
-    return runner.run(starts, times, usable, follows=at_once if follows else None)
+    motions = runner.start(starts, usable)
+    return runner.run(motions, times, follows=at_once if follows else None)
 
 
 def _same(recorded: Recorded, k: int, run: Any) -> None:

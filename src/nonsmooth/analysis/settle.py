@@ -325,8 +325,8 @@ def settle(
         )
         try:
             found += reduce(group, recorded)
-        except Stopped:
-            raise Stopped((found, None)) from None
+        except Stopped as stopped:
+            raise Stopped(([*found, *(stopped.done or ())], None)) from None
         end = group.left
     return found, end if follow is not None else None
 

@@ -33,6 +33,7 @@ from nonsmooth.analysis.statistics.block_averages import block_averages
 from nonsmooth.engine.status import Status
 from nonsmooth.engine.tables import Tables
 from nonsmooth.runs.clock import Instant, instants
+from nonsmooth.runs.crew import Stopped
 from nonsmooth.runs.runner import Derivatives, build_derivatives
 from nonsmooth.runs.strobe_times import hides_phase, is_driven
 from nonsmooth.runs.sweep_runner import Recorded, Times
@@ -60,23 +61,28 @@ def settled_regimes(protocol: RegimeProtocol, group: Group, recorded: Recorded) 
 
     The transient is doubled until one window of strobes gives the label that the window before has
     given. Chaos may be one more transient, so chaotic motions are run on. What is next is done for
-    all motions together that need it.
+    all motions together that need it. Where the work is stopped, verdicts that stand are handed out.
     """
     motions = _Motions(protocol, group)
     going, chaotic = group.usable.copy(), np.zeros(group.count, bool)
     first = np.full(group.count, protocol.transient)
     found: Recorded | None = recorded
-    while np.any(going):
-        following = 2 * np.maximum(first, protocol.record)
-        motions.look(going, first, following > protocol.longest, found)
-        found = None
-        following = np.maximum(following, motions.reached)
-        has = np.array([verdict.label for verdict in motions.verdicts])
-        chaotic |= going & (has == labels.CHAOTIC)
-        going &= (has == labels.UNSETTLED) & (following <= protocol.longest)
-        first = following
-    if protocol.confirm and np.any(chaotic):
-        motions.run_on(chaotic)
+    try:
+        while np.any(going):
+            following = 2 * np.maximum(first, protocol.record)
+            motions.look(going, first, following > protocol.longest, found)
+            found = None
+            following = np.maximum(following, motions.reached)
+            has = np.array([verdict.label for verdict in motions.verdicts])
+            chaotic |= going & (has == labels.CHAOTIC)
+            going &= (has == labels.UNSETTLED) & (following <= protocol.longest)
+            first = following
+        if protocol.confirm and np.any(chaotic):
+            motions.run_on(chaotic)
+    except Stopped:
+        open_yet = going | (chaotic if protocol.confirm else False)
+        verdicts = zip(motions.verdicts, open_yet.tolist(), strict=True)
+        raise Stopped([None if is_open else verdict for verdict, is_open in verdicts]) from None
     last = motions.verdicts[-1].last
     group.leave(None if last is None else End(*last))
     return motions.verdicts

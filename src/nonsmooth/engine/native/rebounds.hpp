@@ -39,13 +39,15 @@ inline double rest_time_with_friction(double rate, double ratio, double push, do
 }
 
 // Whether an exit beside that of an impact may be met within a time: those onto surfaces are passed in
-// each flight where friction turns round. mark are the states before the impact; later impacts change
-// rates by less than this one has done.
+// each flight where friction turns round, and those that are met at this very instant are passed at it.
+// mark are the states before the impact; later impacts change rates by less than this one has done.
 inline bool meets_another(const Tables& tables, const Rebound& rebound, const double* z,
-                          const double* extent, const double* mark, double wait) {
+                          const double* extent, const double* scale, const double* mark,
+                          double wait) {
     const Index m = rebound.m;
     for (Index g = 0; g < mode_wiring(tables, m).n_exits; ++g) {
         if (g == rebound.e || is_surface(tables, m, g)) continue;
+        if (nearly_zero(tables, m, g, z, extent, scale)) continue;
         const double* row = guard_coefficients(tables, m, g, 1);
         const double rate = product(row, z, tables.size());
         double jump = 0.0;

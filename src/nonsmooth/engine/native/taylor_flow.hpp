@@ -94,6 +94,10 @@ inline double excess_of_remainders(const Tables& tables, const Segment& segment,
     const auto compare = [&](const Majorant& majorant, double terms) {
         const double allowed = part * terms;
         if (majorant.remainder <= std::max(allowed, nothing)) return;
+        if (std::isnan(majorant.remainder)) {  // zero times what has no bound
+            excess = unbounded;
+            return;
+        }
         excess = std::max(excess, majorant.remainder / std::max(allowed, nothing));
     };
     for (Index i = 0; i < tables.n(); ++i) {

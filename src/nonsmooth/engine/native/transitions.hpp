@@ -292,12 +292,12 @@ class Transition {
         rebound.largest = first_rate_;
         const double wait = rest_time(tables_, rebound, z(), extent(), tolerance_);
         if (wait == never) return -1;
+        scale_of(m);
         const double* mark = segment_.mark.data;
-        if (wait > 0.0 && meets_another(tables_, rebound, z(), extent(), mark, wait)) {
+        if (wait > 0.0 && meets_another(tables_, rebound, z(), extent(), scale(), mark, wait)) {
             if (!flies_lowest(tables_, rebound, z(), extent())) return -1;
             passage_.is_open = true;
         }
-        scale_of(m);
         if (!nearly_zero(tables_, m, rebound.e, z(), extent(), scale())) return -1;
         passage_.stay = wait;
         return onto;
