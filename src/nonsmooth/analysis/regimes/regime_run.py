@@ -61,7 +61,8 @@ def settled_regimes(protocol: RegimeProtocol, group: Group, recorded: Recorded) 
 
     The transient is doubled until one window of strobes gives the label that the window before has
     given. Chaos may be one more transient, so chaotic motions are run on. What is next is done for
-    all motions together that need it. Where the work is stopped, verdicts that stand are handed out.
+    all motions together that need it. Where the work is stopped, verdicts that stand are handed
+    out.
     """
     motions = _Motions(protocol, group)
     going, chaotic = group.usable.copy(), np.zeros(group.count, bool)
