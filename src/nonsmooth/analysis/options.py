@@ -7,14 +7,23 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import ModelError, OptionError, unknown_name
 from nonsmooth.runs.crew import check_threads
 from nonsmooth.runs.labels import labels_of
 from nonsmooth.runs.options import check_run_options, finite_number
 from nonsmooth.system.system import System
+from nonsmooth.system.text.expressions import Expression, names_in, to_text
+from nonsmooth.system.text.grammar import parse
 from nonsmooth.version import __version__
 
-__all__ = ["SharedOptions", "check_match", "check_seed", "result_attributes", "system_attributes"]
+__all__ = [
+    "SharedOptions",
+    "check_match",
+    "check_seed",
+    "completion_rule",
+    "result_attributes",
+    "system_attributes",
+]
 
 
 @dataclass(frozen=True)
@@ -83,6 +92,23 @@ def check_match(match: Any) -> float:
     if not 0.0 < number < 1.0:
         raise OptionError(f"match = {number:g} must lie between 0 and 1; 1e-6 is usual")
     return number
+
+
+def completion_rule(place: str, text: str, known: list[str], given: str) -> Expression:
+    """What completes a start: a text of what is ``given`` and of the ``known`` names beside it."""
+    try:
+        rule = parse(text, where=place)
+    except ModelError as fault:
+        raise OptionError(str(fault)) from None
+    for each in names_in(rule):
+        if each.name not in known and each.name != "pi":
+            raise OptionError(
+                f"{place} = {text!r:.60}: {unknown_name('name', each.name, known)}; {given},"
+                " parameters, and states completed before may stand here"
+            )
+    if "rate(" in to_text(rule):
+        raise OptionError(f"{place} = {text!r:.60}: a start has no rates yet; leave rate() out")
+    return rule
 
 
 def result_attributes(

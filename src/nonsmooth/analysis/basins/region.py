@@ -10,16 +10,16 @@ import numpy as np
 import numpy.typing as npt
 from scipy.stats import qmc
 
+from nonsmooth.analysis.options import completion_rule
 from nonsmooth.engine.status import Status
-from nonsmooth.errors import ModelError, OptionError, unknown_name
+from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.runs.clock import Instant
 from nonsmooth.runs.options import finite_number
 from nonsmooth.runs.runner import build_tables
 from nonsmooth.runs.start import complete_state
 from nonsmooth.system.system import System
 from nonsmooth.system.text.evaluate import evaluate
-from nonsmooth.system.text.expressions import Expression, names_in, to_text
-from nonsmooth.system.text.grammar import parse
+from nonsmooth.system.text.expressions import Expression
 
 __all__ = ["Box", "Grid", "admissible_starts", "read_box", "read_grid"]
 
@@ -162,19 +162,7 @@ def _rule(name: str, text: Any, known: list[str]) -> Expression | float:
     place = f"completion[{name!r}]"
     if not isinstance(text, str):
         return finite_number(place, text)
-    try:
-        rule = parse(text, where=place)
-    except ModelError as fault:
-        raise OptionError(str(fault)) from None
-    for each in names_in(rule):
-        if each.name not in known and each.name != "pi":
-            raise OptionError(
-                f"{place} = {text!r:.60}: {unknown_name('name', each.name, known)}; states of the"
-                " region, parameters, and states completed before may stand here"
-            )
-    if "rate(" in to_text(rule):
-        raise OptionError(f"{place} = {text!r:.60}: a start has no rates yet; leave rate() out")
-    return rule
+    return completion_rule(place, text, known, "states of the region")
 
 
 def _check_names(system: System, region: Any, least: int) -> tuple[str, ...]:

@@ -9,8 +9,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.analysis.options import completion_rule
 from nonsmooth.engine.lanes import ANY
-from nonsmooth.errors import ModelError, OptionError, unknown_name
+from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.runs.clock import Instant
 from nonsmooth.runs.labels import labels_of
 from nonsmooth.runs.maps import Map
@@ -20,7 +21,7 @@ from nonsmooth.system.algebra.differentiate import derivative
 from nonsmooth.system.algebra.graph import Graph
 from nonsmooth.system.system import System
 from nonsmooth.system.text.evaluate import constant_value, evaluate
-from nonsmooth.system.text.expressions import Expression, Number, names_in, to_text
+from nonsmooth.system.text.expressions import Expression, Number
 from nonsmooth.system.text.grammar import parse
 
 __all__ = ["Coordinate", "SectionStarts", "StartFamily", "read_coordinate", "read_family"]
@@ -219,16 +220,4 @@ def _is_slaved(system: System, mode: int, state: str) -> bool:
 def _rule(place: str, text: Any, known: list[str]) -> Expression:
     if not isinstance(text, str):
         return Number(finite_number(place, text))
-    try:
-        rule = parse(text, where=place)
-    except ModelError as fault:
-        raise OptionError(str(fault)) from None
-    for each in names_in(rule):
-        if each.name not in known and each.name != "pi":
-            raise OptionError(
-                f"{place} = {text!r:.60}: {unknown_name('name', each.name, known)}; the"
-                " coordinate, parameters, and states completed before may stand here"
-            )
-    if "rate(" in to_text(rule):
-        raise OptionError(f"{place} = {text!r:.60}: a start has no rates yet; leave rate() out")
-    return rule
+    return completion_rule(place, text, known, "the coordinate")
