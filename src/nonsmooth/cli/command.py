@@ -19,13 +19,13 @@ from click.shell_completion import CompletionItem
 from nonsmooth.cli.arguments import build_system, model_functions, settings
 from nonsmooth.cli.console import ENDED_EARLY, INTERRUPTED
 from nonsmooth.cli.options import Own, flag, own_option, verb_option
-from nonsmooth.cli.report import Report
 from nonsmooth.cli.signatures import parameters
 from nonsmooth.errors import OptionError
 
 if TYPE_CHECKING:
     import xarray as xr
 
+    from nonsmooth.cli.report import Report
     from nonsmooth.system.system import System
 
 __all__ = ["LEFT_OUT", "PICTURES", "RENAMED", "Entry", "Task", "VerbCommand", "taken"]
