@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -114,8 +115,7 @@ def _stretch(
     tables = build_tables(system)
     window = tables.window
     start = resolve_start(system, tables, initial, None, mode, True)
-    if start.anchor is not None:
-        start = start_at_end(start)
+    start = start_at_end(start)
     late = start.instant.phase > phase * window * (1.0 + 1e-14)
     begin = Instant(start.instant.number + late + transient, phase * window)
     end = Instant(begin.number + period, begin.phase)
@@ -129,10 +129,7 @@ def _run_for_guess(
     system: System, tables: Tables, start: Start, plan: Plan, tolerance: float
 ) -> Outcome:
     """The motion from a start, in the first mode that admits it; `RunError` where it ends early."""
-
-    def run(mode: int) -> Outcome:
-        return run_plan(tables, plan, tolerance, state=start.state, begin=start.instant, mode=mode)
-
+    run = partial(run_plan, tables, plan, tolerance, state=start.state, begin=start.instant)
     outcome = in_first_mode(system, tables, start, run)
     if outcome.status != Status.COMPLETED:
         raise RunError(
@@ -198,8 +195,7 @@ def cycle_guesses(
     """
     tables = build_tables(system)
     start = resolve_start(system, tables, initial, None, mode, True)
-    if start.anchor is not None:
-        start = start_at_end(start)
+    start = start_at_end(start)
     begin = start.instant.number + transient
     drifting = np.array([name in system.drift_states for name in system.states])
     for finer in _FINER:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy.typing as npt
@@ -216,7 +217,7 @@ def _simulate(
 ) -> Outcome:
     tables = build_tables(system)
     start = resolve_start(system, tables, *given)
-    if chosen is not None and start.anchor is not None:
+    if chosen is not None:
         start = start_at_end(start)
     window = tables.window
     periodic = system.period_value is not None
@@ -224,21 +225,11 @@ def _simulate(
     check_signals(system, start.instant.time(window), plan.end.time(window))
     derivatives = build_derivatives(system, tables, chosen)
 
-    def run(mode: int) -> Outcome:
-        return run_plan(
-            tables,
-            plan,
-            tolerance,
-            anchor=start.anchor,
-            state=start.state,
-            begin=start.instant,
-            mode=mode,
-            keep_events=keep_events,
-            derivatives=derivatives,
-            limits=limits,
-            room=room,
-        )
-
+    run = partial(
+        run_plan, tables, plan, tolerance, anchor=start.anchor, state=start.state,
+        begin=start.instant, keep_events=keep_events, derivatives=derivatives, limits=limits,
+        room=room,
+    )  # fmt: skip
     return in_first_mode(system, tables, start, run)
 
 
@@ -256,17 +247,15 @@ def _simulate_slow(
     slow = SlowParameters(system)
     check_slow_tangent(slow, chosen)
     start, period, tables = resolve_slow_start(slow, lambda values: tables_of(slow, values), *given)
-    if chosen is not None and start.anchor is not None:
+    if chosen is not None:
         start = start_at_end(start)
     window = tables.window
     plan = plan_slow_run(
         start.instant, period, window, **ends, samples_per_period=samples_per_period
     )
 
-    def run(mode: int) -> Outcome:
-        return run_slow(
-            slow, tables, period, plan, start, tolerance, mode=mode, keep_events=keep_events,
-            chosen=chosen, limits=limits,
-        )  # fmt: skip
-
+    run = partial(
+        run_slow, slow, tables, period, plan, start, tolerance, keep_events=keep_events,
+        chosen=chosen, limits=limits,
+    )  # fmt: skip
     return in_first_mode(system, tables, start, run)

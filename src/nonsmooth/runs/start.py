@@ -220,8 +220,12 @@ def _from_run(
 
 
 def start_at_end(start: Start) -> Start:
-    """A start at the end of a run instead of its anchor: derivatives begin at a state."""
-    assert start.anchor is not None
+    """The start itself, or where it has an anchor, the end of the run that has left it.
+
+    For what begins at a state, such as derivatives, and not within a segment.
+    """
+    if start.anchor is None:
+        return start
     return Start(start.state, start.instant, (start.anchor.mode,))
 
 
