@@ -114,7 +114,7 @@ def _stretch(
     """Legs of a motion, wherever they end."""
     tables = build_tables(system)
     window = tables.window
-    start = resolve_start(system, tables, initial, None, mode, True)
+    start = resolve_start(system, tables, initial, mode=mode)
     start = start_at_end(start)
     late = start.instant.phase > phase * window * (1.0 + 1e-14)
     begin = Instant(start.instant.number + late + transient, phase * window)
@@ -194,7 +194,7 @@ def cycle_guesses(
     come back.
     """
     tables = build_tables(system)
-    start = resolve_start(system, tables, initial, None, mode, True)
+    start = resolve_start(system, tables, initial, mode=mode)
     start = start_at_end(start)
     begin = start.instant.number + transient
     drifting = np.array([name in system.drift_states for name in system.states])
@@ -303,7 +303,7 @@ def guesses_in_motion(
     """
     tables = build_tables(system)
     window = tables.window
-    start = resolve_start(system, tables, initial, None, None, True)
+    start = resolve_start(system, tables, initial)
     if start.anchor is not None:
         return
     first = start.instant.number + (start.instant.phase > phase * window)

@@ -64,11 +64,15 @@ def resolve_start(
     system: System,
     tables: Tables,
     initial: Any,
-    t_start: float | None,
-    mode: str | None,
-    repeated: bool,
+    t_start: float | None = None,
+    mode: str | None = None,
+    repeated: bool = True,
 ) -> Start:
-    """Start of a run from what the user gave; ``repeated``: parameters were given again."""
+    """Start of a run from what the user gave.
+
+    ``repeated`` says whether the user has given parameters again with a point of a dataset. Where
+    he has not, a run of other parameters is refused.
+    """
     if hasattr(initial, "data_vars"):
         _check_states(system, initial)
         if "time" in initial.dims:
