@@ -1,4 +1,4 @@
-"""The page on the path from a diagram to the engine lists the calls that a diagram makes."""
+"""The pages on the paths from a verb to the engine list the calls that the verbs make."""
 
 import re
 import sys
@@ -7,17 +7,17 @@ from pathlib import Path
 
 import nonsmooth as ns
 
-PAGE = Path(__file__).parents[2] / "docs" / "explanation" / "settled-motions.md"
+PAGES = Path(__file__).parents[2] / "docs" / "explanation"
 PACKAGE = str(Path(ns.__file__).parent)
 MOST = 7
 
 
-def told():
-    """Names of the calls on the page, and the files that they are said to be in."""
+def told(page):
+    """Names of the calls on a page, and the files that they are said to be in."""
     pattern = re.compile(r"^(\d+)\. `(\w+)` \(\[\w+\]\(([^)]+)\)\)", re.MULTILINE)
-    found = pattern.findall(PAGE.read_text(encoding="utf-8"))
+    found = pattern.findall((PAGES / page).read_text(encoding="utf-8"))
     assert [int(number) for number, _, _ in found] == list(range(1, len(found) + 1))
-    return [(name, (PAGE.parent / path).resolve()) for _, name, path in found]
+    return [(name, (PAGES / path).resolve()) for _, name, path in found]
 
 
 def own_frames(frame):
@@ -30,33 +30,42 @@ def own_frames(frame):
     return frames[::-1]
 
 
-def followed():
-    """Calls from the verb to the engine: those of the caller, then those of the thread."""
-    before, within = [], []
+def followed(verb, *calls):
+    """Frames at the last of some calls that a verb makes, each of them made once.
+
+    Frames of a thread follow those of the caller.
+    """
+    found = {name: [] for name in calls}
 
     def watch(frame, event, _):
-        if event != "call":
-            return
-        name = frame.f_code.co_name
-        if name == "run_tasks":
-            before.append(own_frames(frame))
-        elif name == "run_sweep" and frame.f_code.co_filename.startswith(PACKAGE):
-            within.append(own_frames(frame))
+        code = frame.f_code
+        if event == "call" and code.co_name in found and code.co_filename.startswith(PACKAGE):
+            found[code.co_name].append(own_frames(frame))
 
     threading.setprofile(watch)
     sys.setprofile(watch)
     try:
-        ns.bifurcation_diagram(
-            ns.models.soft_impact(), "omega", [0.7, 0.8], transient=5, record=5, threads=1
-        )
+        verb()
     finally:
         sys.setprofile(None)
         threading.setprofile(None)
-    assert len(before) == len(within) == 1  # one call of the engine for both columns
-    return before[0] + within[0]
+    assert all(len(frames) == 1 for frames in found.values())
+    return [frame for (frames,) in found.values() for frame in frames]
 
 
 def test_a_diagram_makes_the_calls_that_the_page_tells():
-    calls = followed()
-    assert calls == told()
+    def diagram():  # one call of the engine for both columns
+        ns.bifurcation_diagram(
+            ns.models.soft_impact(), "omega", [0.7, 0.8], transient=5, record=5, threads=1
+        )
+
+    calls = followed(diagram, "run_tasks", "run_sweep")
+    assert calls == told("settled-motions.md")
+    assert len(calls) <= MOST
+
+
+def test_a_run_makes_the_calls_that_the_page_tells():
+    system = ns.models.soft_impact()
+    calls = followed(lambda: ns.simulate(system, periods=3), "run_lanes")
+    assert calls == told("architecture.md")
     assert len(calls) <= MOST

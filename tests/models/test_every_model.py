@@ -1,5 +1,6 @@
 """What every ready-made model keeps: defaults, words for everything, and a place in the guide."""
 
+import ast
 import inspect
 from pathlib import Path
 
@@ -8,12 +9,33 @@ import pytest
 import nonsmooth as ns
 from nonsmooth.cli.arguments import model_functions
 
-GUIDE = Path(__file__).parents[2] / "docs" / "how-to" / "models.md"
+ROOT = Path(__file__).parents[2]
+GUIDE = ROOT / "docs" / "how-to" / "models.md"
+FILES = sorted((ROOT / "src" / "nonsmooth" / "models").glob("*.py"))
 
 
 @pytest.fixture(params=sorted(model_functions()))
 def name(request):
     return request.param
+
+
+def returns_a_system(file):
+    """Whether a file has a function of its own name that returns a system."""
+    body = ast.parse(file.read_text(encoding="utf-8")).body
+    functions = {node.name: node for node in body if isinstance(node, ast.FunctionDef)}
+    made = functions.get(file.stem)
+    return made is not None and made.returns is not None and ast.unparse(made.returns) == "System"
+
+
+def test_every_file_of_a_model_is_imported():
+    written = {file.stem for file in FILES if returns_a_system(file)}
+    missing = sorted(written - set(model_functions()))
+    assert not missing, f"import {missing} in nonsmooth/models/__init__.py, and add to __all__"
+
+
+def test_the_model_has_tests_of_its_own(name):
+    tests = Path(__file__).with_name(f"test_{name}.py")
+    assert tests.exists(), f"compare {name} with a truth from elsewhere, in {tests.name}"
 
 
 def test_every_argument_has_a_default_and_is_documented(name):

@@ -162,8 +162,7 @@ def lyapunov_spectrum(
     count = _count(system, exponents)
     tables = build_tables(system)
     start = resolve_start(system, tables, initial, t_start, mode, parameters is not None)
-    if start.anchor is not None:
-        start = start_at_end(start)
+    start = start_at_end(start)
     window = tables.window
     periodic = system.period_value is not None
     unit = 1.0 if periodic else window

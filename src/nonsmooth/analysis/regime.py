@@ -196,8 +196,7 @@ def regime(
     chosen = StroboscopicMap(system, phase=protocol.phase, period=period)
     tables = build_tables(system)
     start = resolve_start(system, tables, initial, t_start, mode, parameters is not None)
-    if start.anchor is not None:
-        start = start_at_end(start)
+    start = start_at_end(start)
     runner = SweepRunner(system, tolerance)
     (verdict,), _ = settle(
         runner,

@@ -197,7 +197,7 @@ def allocate_records(
     sizes: Sizes, sample_number: Integers, sample_phase: Floats, capacity: int
 ) -> Records:
     """Buffers for given sample times and a number of events."""
-    return lane_records(sizes, sample_number, sample_phase, capacity, 1).part(0)
+    return lane_records(sizes, sample_number, sample_phase, capacity, 1).alone
 
 
 def lane_records(

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from nonsmooth.engine.derivatives import Columns, Rates
 from nonsmooth.engine.lanes import Segment, Tangent
-from nonsmooth.engine.library import engine, ffi
+from nonsmooth.engine.library import engine
 from nonsmooth.engine.record import Floats, Integers, Record, array_pointer, zeros
 from nonsmooth.engine.tables import PATH_LENGTH, Sizes, Tables
 
@@ -169,5 +169,5 @@ def multiply_graded(
     product = _GradedProduct(
         np.ascontiguousarray(factors), turns, frame, start, triangle, np.empty_like(frame), 0.0
     )
-    engine.nonsmooth_multiply_graded(ffi.cast("GradedProduct *", product.pointer))
+    engine.nonsmooth_multiply_graded(product.pointer)
     return float(product.pointer.exponent)

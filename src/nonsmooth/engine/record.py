@@ -50,7 +50,7 @@ class _Field(NamedTuple):
     kind: str  # "number", "array", "row"
     dtype: np.dtype[Any]
     n_axes: int
-    pointer: Any  # type of a pointer to its elements
+    elements: Any  # type of its elements in memory, ``double[]``; None of a number
 
 
 @cache
@@ -76,27 +76,37 @@ def _name_of_array(element: str) -> str:
 
 
 @cache
+def _elements_of(element: str) -> Any:
+    """Type of some elements one after the other, as which a buffer is passed to the engine."""
+    return ffi.typeof(f"{element}[]")
+
+
+@cache
 def _fields_of(struct: str) -> tuple[_Field, ...]:
     fields = []
     for name, field in ffi.typeof(struct).fields:
         of = field.type
         if of.kind == "struct":
             element = _name_of_array(of.cname)
-            pointer = dict(of.fields)["data"].type
             n_axes = dict(of.fields)["shape"].type.length
-            fields.append(_Field(name, "array", dtype_of(element), n_axes, pointer))
+            fields.append(_Field(name, "array", dtype_of(element), n_axes, _elements_of(element)))
         elif of.kind == "pointer":
             element = of.item.cname.removeprefix("struct ")
-            fields.append(_Field(name, "row", dtype_of(element), 0, of))
+            fields.append(_Field(name, "row", dtype_of(element), 0, _elements_of(element)))
         else:
             fields.append(_Field(name, "number", np.dtype(float), 0, None))
     return tuple(fields)
 
 
+@cache
+def _dtypes_of(struct: str) -> dict[str, np.dtype[Any]]:
+    return {field.name: field.dtype for field in _fields_of(struct)}
+
+
 def zeros(struct: str, **shapes: tuple[int, ...]) -> dict[str, Any]:
     """Arrays of zeros for fields of a struct, each of the dtype that it has there."""
-    known = {field.name: field for field in _fields_of(struct)}
-    return {name: np.zeros(shape, known[name].dtype) for name, shape in shapes.items()}
+    known = _dtypes_of(struct)
+    return {name: np.zeros(shape, known[name]) for name, shape in shapes.items()}
 
 
 def rows_of(struct: str, numbers: Any) -> Rows:
@@ -113,23 +123,34 @@ def columns(rows: Rows, *names: str) -> Integers:
 
 def array_pointer(of: str, array: npt.NDArray[Any]) -> Any:
     """Pointer to a view of an array, to pass to a function of the engine; keep the array."""
-    view = ffi.new(f"Array_{of}_{array.ndim} *")
-    _check(_Field("argument", "array", dtype_of(of), array.ndim, None), array)
-    view.data = ffi.cast(f"{of} *", ffi.from_buffer(array))
-    view.shape = array.shape
-    return view
+    dtype = dtype_of(of)
+    if not _fits(array, dtype, array.ndim):
+        raise _misfit("argument", array, dtype, array.ndim)
+    view = ffi.from_buffer(_elements_of(of), array), array.shape
+    return ffi.new(f"Array_{of}_{array.ndim} *", view)
 
 
-def _check(field: _Field, array: Any) -> None:
-    """An array that is not what the engine takes it for would be read as nonsense."""
-    fits = isinstance(array, np.ndarray) and array.flags.c_contiguous
-    fits = fits and array.dtype == field.dtype and field.kind == "array"
-    if not (fits and array.ndim == field.n_axes):
-        was = f"{array.dtype} of shape {array.shape}" if isinstance(array, np.ndarray) else array
-        raise TypeError(
-            f"{field.name}: the engine wants a contiguous array of {field.dtype} with"
-            f" {field.n_axes} axes, not {was}"
-        )
+def _fits(array: Any, dtype: np.dtype[Any], n_axes: int) -> bool:
+    """Whether an array is what the engine takes it for; another would be read as nonsense."""
+    return (
+        isinstance(array, np.ndarray)
+        and array.dtype == dtype
+        and array.ndim == n_axes
+        and array.flags.c_contiguous
+    )
+
+
+def _misfit(name: str, array: Any, dtype: np.dtype[Any], n_axes: int) -> TypeError:
+    was = f"{array.dtype} of shape {array.shape}" if isinstance(array, np.ndarray) else array
+    return TypeError(
+        f"{name}: the engine wants a contiguous array of {dtype} with {n_axes} axes, not {was}"
+    )
+
+
+@cache
+def _names_of(record: type[Record]) -> dict[str, None]:
+    """Names of the fields of a record, in order."""
+    return dict.fromkeys(field.name for field in fields(record))
 
 
 _Self = TypeVar("_Self", bound="Record")
@@ -145,27 +166,33 @@ class Record:
     @cached_property
     def pointer(self) -> Any:
         """Pointer to the struct, to pass to the engine; valid as long as the record."""
-        made = ffi.new(f"{self.struct} *")
-        for field in _fields_of(self.struct):
-            value = getattr(self, field.name)
-            if field.kind == "number":
-                setattr(made, field.name, value)
-            elif field.kind == "row":
-                setattr(made, field.name, self._row(field, value))
-            else:
-                _check(field, value)
-                view = getattr(made, field.name)
-                view.data = ffi.cast(field.pointer, ffi.from_buffer(value))
-                view.shape = value.shape
-        return made
+        own, values = self.__dict__, []
+        # All fields are set by one call: short calls of the engine spend much of their time here.
+        for name, kind, dtype, n_axes, elements in _fields_of(self.struct):
+            value = own[name]
+            if kind == "array":
+                if not _fits(value, dtype, n_axes):
+                    raise _misfit(name, value, dtype, n_axes)
+                value = ffi.from_buffer(elements, value), value.shape
+            elif kind == "row":
+                value = self._row(name, value, elements)
+            values.append(value)
+        return ffi.new(f"{self.struct} *", values)
 
-    def _row(self, field: _Field, value: Any) -> Any:
+    def _row(self, name: str, value: Any, elements: Any) -> Any:
         """Pointer to one row: a tuple of numbers with names is copied, an array is not."""
         if not isinstance(value, tuple):
-            return ffi.cast(field.pointer, ffi.from_buffer(value))
-        row = ffi.new(field.pointer, value)
-        self.__dict__[f"_{field.name}"] = row  # to live as long as the record
+            return ffi.from_buffer(elements, value)
+        row = ffi.new(elements, [value])
+        self.__dict__[f"_{name}"] = row  # to live as long as the record
         return row
+
+    @property
+    def alone(self: _Self) -> _Self:
+        """The only lane by itself; its `as_lanes` is this record."""
+        made = self.part(0)
+        made.__dict__["as_lanes"] = self
+        return made
 
     @cached_property
     def as_lanes(self: _Self) -> _Self:
@@ -193,10 +220,17 @@ class Record:
 
     def replace(self: _Self, **changes: Any) -> _Self:
         """The record with other arrays in some fields."""
-        return type(self)(**{**self._own_fields(), **changes})
+        unknown = changes.keys() - _names_of(type(self)).keys()
+        if unknown:
+            raise TypeError(f"{type(self).__name__} has no field {', '.join(unknown)}")
+        # `__init__` of a frozen dataclass sets one field after the other, which takes twice as long
+        made = object.__new__(type(self))
+        made.__dict__.update(self._own_fields(), **changes)
+        return made
 
     def _own_fields(self) -> dict[str, Any]:
-        return {field.name: self.__dict__[field.name] for field in fields(self)}
+        own = self.__dict__
+        return {name: own[name] for name in _names_of(type(self))}
 
     def __getstate__(self) -> dict[str, Any]:
         return self._own_fields()  # pointers are worth nothing in another process

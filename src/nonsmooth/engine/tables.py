@@ -234,7 +234,7 @@ _SHARED = (
 
 def allocate_tables(program: Program) -> Tables:
     """Empty tables for a program."""
-    return allocate_stack(program, 1).part(0)
+    return allocate_stack(program, 1).alone
 
 
 def allocate_stack(program: Program, count: int) -> Tables:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -113,9 +114,8 @@ def _stretch(
     """Legs of a motion, wherever they end."""
     tables = build_tables(system)
     window = tables.window
-    start = resolve_start(system, tables, initial, None, mode, True)
-    if start.anchor is not None:
-        start = start_at_end(start)
+    start = resolve_start(system, tables, initial, mode=mode)
+    start = start_at_end(start)
     late = start.instant.phase > phase * window * (1.0 + 1e-14)
     begin = Instant(start.instant.number + late + transient, phase * window)
     end = Instant(begin.number + period, begin.phase)
@@ -129,10 +129,7 @@ def _run_for_guess(
     system: System, tables: Tables, start: Start, plan: Plan, tolerance: float
 ) -> Outcome:
     """The motion from a start, in the first mode that admits it; `RunError` where it ends early."""
-
-    def run(mode: int) -> Outcome:
-        return run_plan(tables, plan, tolerance, state=start.state, begin=start.instant, mode=mode)
-
+    run = partial(run_plan, tables, plan, tolerance, state=start.state, begin=start.instant)
     outcome = in_first_mode(system, tables, start, run)
     if outcome.status != Status.COMPLETED:
         raise RunError(
@@ -197,9 +194,8 @@ def cycle_guesses(
     come back.
     """
     tables = build_tables(system)
-    start = resolve_start(system, tables, initial, None, mode, True)
-    if start.anchor is not None:
-        start = start_at_end(start)
+    start = resolve_start(system, tables, initial, mode=mode)
+    start = start_at_end(start)
     begin = start.instant.number + transient
     drifting = np.array([name in system.drift_states for name in system.states])
     for finer in _FINER:
@@ -307,7 +303,7 @@ def guesses_in_motion(
     """
     tables = build_tables(system)
     window = tables.window
-    start = resolve_start(system, tables, initial, None, None, True)
+    start = resolve_start(system, tables, initial)
     if start.anchor is not None:
         return
     first = start.instant.number + (start.instant.phase > phase * window)

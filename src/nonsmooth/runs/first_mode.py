@@ -25,15 +25,17 @@ _DIGITS = (6, 10, 17)
 
 
 def in_first_mode(
-    system: System, tables: Tables, start: Start, run: Callable[[int], Result]
+    system: System, tables: Tables, start: Start, run: Callable[..., Result]
 ) -> Result:
-    """What ``run`` gives in the first mode that it does not refuse with `NoMode`.
+    """What ``run(mode=m)`` gives in the first mode of the start that it does not refuse.
+
+    It refuses a mode with `NoMode`.
 
     Raises `OptionError` that tells what fails in each mode where none admits the start.
     """
     for mode in start.modes:
         try:
-            return run(mode)
+            return run(mode=mode)
         except NoMode as fault:
             misfit = fault
     raise OptionError(explain_misfit(system, tables, start, misfit.z))

@@ -37,8 +37,7 @@ def return_tangent(
 ) -> xr.DataArray:
     """Derivative of a point, so many crossings on, by the start."""
     motion = start_on_section(chosen, initial, mode, t_start, True)
-    if motion.begin.anchor is not None:
-        motion = motion._replace(begin=start_at_end(motion.begin))
+    motion = motion._replace(begin=start_at_end(motion.begin))
     try:
         path = _Path(chosen, motion, tolerance)
     except NoMode:

@@ -121,10 +121,18 @@ class Outcome:
     event_states: npt.NDArray[np.float64]  # (event, 2, n) before and after
     keeps_events: bool
     n_events: int
-    n_uncertain: int
-    n_estimated: int
     end: Instant
     history: History | None = None  # periods of a run with slow parameters
+
+    @property
+    def n_uncertain(self) -> int:
+        """Number of events that rounding leaves open."""
+        return int(self.records.counters["uncertain"])
+
+    @property
+    def n_estimated(self) -> int:
+        """Number of steps the errors of which are estimated."""
+        return int(self.records.counters["estimated"])
 
     @property
     def window(self) -> float:
@@ -277,8 +285,6 @@ def run_plan(
         event_states=states,
         keeps_events=keep_events,
         n_events=log.n_left_out + len(rows) - 1,  # the first row is the start
-        n_uncertain=int(records.counters["uncertain"]),
-        n_estimated=int(records.counters["estimated"]),
         end=end,
     )
 

@@ -172,8 +172,7 @@ def misfit(chosen: SectionMap, motion: SectionStart, tolerance: float) -> Option
 
 def _on_either_side(start: Start, split: Section, window: float, used: float) -> Start:
     """The same start for the system with a section, where each mode may have become several."""
-    if start.anchor is not None:
-        start = start_at_end(start)
+    start = start_at_end(start)
     instant = start.instant
     if used != window:
         number, phase = instants([instant.time(window)], used)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy.typing as npt
@@ -176,13 +178,21 @@ def simulate(
     chosen = parameters_of_tangent(system, tangent)
     keep_events = check_flag("events", events)
     limits = limits_from(max_seconds, max_events)
-    given = (initial, t_start, mode, parameters is not None)
-    ends = {"periods": periods, "t_end": t_end, "times": times}
-    make = _simulate_slow if system.slow else _simulate
     with lent_room() as room:
-        outcome = make(
-            system, given, ends, samples_per_period, tolerance, keep_events, chosen, limits, room
+        wanted = _Request(
+            initial=initial,
+            t_start=t_start,
+            mode=mode,
+            repeated=parameters is not None,
+            ends={"periods": periods, "t_end": t_end, "times": times},
+            samples_per_period=samples_per_period,
+            tolerance=tolerance,
+            keep_events=keep_events,
+            chosen=chosen,
+            limits=limits,
+            room=room,
         )
+        outcome = (_simulate_slow if system.slow else _simulate)(system, wanted)
         options: dict[str, Any] = {
             "tolerance": float(tolerance),
             "samples_per_period": int(samples_per_period),
@@ -203,70 +213,60 @@ def simulate(
     return result
 
 
-def _simulate(
-    system: System,
-    given: tuple[Any, ...],
-    ends: dict[str, Any],
-    samples_per_period: int,
-    tolerance: float,
-    keep_events: bool,
-    chosen: tuple[str, ...] | None,
-    limits: WorkLimits,
-    room: LentRoom,
-) -> Outcome:
+@dataclass(frozen=True)
+class _Request:
+    """A run as it was asked for, its options checked."""
+
+    initial: Any
+    t_start: float | None
+    mode: str | None
+    repeated: bool  # whether parameters were given again
+    ends: dict[str, Any]  # periods, t_end and times, of which one or none is given
+    samples_per_period: int
+    tolerance: float
+    keep_events: bool
+    chosen: tuple[str, ...] | None  # parameters of the derivatives; None where there are none
+    limits: WorkLimits
+    room: LentRoom
+
+
+def _simulate(system: System, wanted: _Request) -> Outcome:
     tables = build_tables(system)
-    start = resolve_start(system, tables, *given)
-    if chosen is not None and start.anchor is not None:
+    start = resolve_start(
+        system, tables, wanted.initial, wanted.t_start, wanted.mode, wanted.repeated
+    )
+    if wanted.chosen is not None:
         start = start_at_end(start)
     window = tables.window
-    periodic = system.period_value is not None
-    plan = plan_run(window, periodic, start.instant, **ends, samples_per_period=samples_per_period)
+    plan = plan_run(
+        window, system.period_value is not None, start.instant, **wanted.ends,
+        samples_per_period=wanted.samples_per_period,
+    )  # fmt: skip
     check_signals(system, start.instant.time(window), plan.end.time(window))
-    derivatives = build_derivatives(system, tables, chosen)
-
-    def run(mode: int) -> Outcome:
-        return run_plan(
-            tables,
-            plan,
-            tolerance,
-            anchor=start.anchor,
-            state=start.state,
-            begin=start.instant,
-            mode=mode,
-            keep_events=keep_events,
-            derivatives=derivatives,
-            limits=limits,
-            room=room,
-        )
-
+    run = partial(
+        run_plan, tables, plan, wanted.tolerance, anchor=start.anchor, state=start.state,
+        begin=start.instant, keep_events=wanted.keep_events,
+        derivatives=build_derivatives(system, tables, wanted.chosen), limits=wanted.limits,
+        room=wanted.room,
+    )  # fmt: skip
     return in_first_mode(system, tables, start, run)
 
 
-def _simulate_slow(
-    system: System,
-    given: tuple[Any, ...],
-    ends: dict[str, Any],
-    samples_per_period: int,
-    tolerance: float,
-    keep_events: bool,
-    chosen: tuple[str, ...] | None,
-    limits: WorkLimits,
-    _: LentRoom,
-) -> Outcome:
+def _simulate_slow(system: System, wanted: _Request) -> Outcome:
     slow = SlowParameters(system)
-    check_slow_tangent(slow, chosen)
-    start, period, tables = resolve_slow_start(slow, lambda values: tables_of(slow, values), *given)
-    if chosen is not None and start.anchor is not None:
+    check_slow_tangent(slow, wanted.chosen)
+    start, period, tables = resolve_slow_start(
+        slow, lambda values: tables_of(slow, values), wanted.initial, wanted.t_start, wanted.mode,
+        wanted.repeated,
+    )  # fmt: skip
+    if wanted.chosen is not None:
         start = start_at_end(start)
-    window = tables.window
     plan = plan_slow_run(
-        start.instant, period, window, **ends, samples_per_period=samples_per_period
-    )
-
-    def run(mode: int) -> Outcome:
-        return run_slow(
-            slow, tables, period, plan, start, tolerance, mode=mode, keep_events=keep_events,
-            chosen=chosen, limits=limits,
-        )  # fmt: skip
-
+        start.instant, period, tables.window, **wanted.ends,
+        samples_per_period=wanted.samples_per_period,
+    )  # fmt: skip
+    run = partial(
+        run_slow, slow, tables, period, plan, start, wanted.tolerance,
+        keep_events=wanted.keep_events, chosen=wanted.chosen, limits=wanted.limits,
+    )  # fmt: skip
     return in_first_mode(system, tables, start, run)

@@ -453,8 +453,6 @@ def _outcome(
         event_states=states,
         keeps_events=run.log.keep,
         n_events=run.log.n_left_out + len(rows) - 1,  # the first row is the start
-        n_uncertain=int(run.records.counters["uncertain"]),
-        n_estimated=int(run.records.counters["estimated"]),
         end=end,
         history=run.history,
     )

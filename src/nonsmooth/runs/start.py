@@ -64,11 +64,15 @@ def resolve_start(
     system: System,
     tables: Tables,
     initial: Any,
-    t_start: float | None,
-    mode: str | None,
-    repeated: bool,
+    t_start: float | None = None,
+    mode: str | None = None,
+    repeated: bool = True,
 ) -> Start:
-    """Start of a run from what the user gave; ``repeated``: parameters were given again."""
+    """Start of a run from what the user gave.
+
+    ``repeated`` says whether the user has given parameters again with a point of a dataset. Where
+    he has not, a run of other parameters is refused.
+    """
     if hasattr(initial, "data_vars"):
         _check_states(system, initial)
         if "time" in initial.dims:
@@ -220,8 +224,12 @@ def _from_run(
 
 
 def start_at_end(start: Start) -> Start:
-    """A start at the end of a run instead of its anchor: derivatives begin at a state."""
-    assert start.anchor is not None
+    """The start itself, or where it has an anchor, the end of the run that has left it.
+
+    For what begins at a state, such as derivatives, and not within a segment.
+    """
+    if start.anchor is None:
+        return start
     return Start(start.state, start.instant, (start.anchor.mode,))
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import KW_ONLY, dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -351,7 +352,7 @@ def _run(chosen: StroboscopicMap, wanted: StrobeRequest, *, derivatives: bool) -
     start = resolve_start(
         system, tables, wanted.initial, wanted.t_start, wanted.mode, wanted.repeated
     )
-    if derivatives and start.anchor is not None:
+    if derivatives:
         start = start_at_end(start)
     first = wanted.transient
     if not wanted.from_start:
@@ -366,12 +367,10 @@ def _run(chosen: StroboscopicMap, wanted: StrobeRequest, *, derivatives: bool) -
     check_signals(system, start.instant.time(window), plan.end.time(window))
     carried = build_derivatives(system, tables, () if derivatives else None)
 
-    def run(mode: int) -> Outcome:
-        return run_plan(
-            tables, plan, wanted.tolerance, anchor=start.anchor, state=start.state,
-            begin=start.instant, mode=mode, keep_events=False, derivatives=carried,
-        )  # fmt: skip
-
+    run = partial(
+        run_plan, tables, plan, wanted.tolerance, anchor=start.anchor, state=start.state,
+        begin=start.instant, keep_events=False, derivatives=carried,
+    )  # fmt: skip
     return in_first_mode(system, tables, start, run)
 
 

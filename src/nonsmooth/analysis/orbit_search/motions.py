@@ -109,8 +109,7 @@ def first_motion(
     system = wanted.system
     window = tables.window
     start = resolve_start(system, tables, wanted.initial, None, wanted.mode, True)
-    if start.anchor is not None:
-        start = start_at_end(start)
+    start = start_at_end(start)
     late = start.instant.phase > wanted.phase * window * (1.0 + 1e-14)
     first = start.instant.number + int(late) + wanted.transient
 
