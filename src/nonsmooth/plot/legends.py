@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import accumulate, groupby, pairwise
 from textwrap import fill
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -17,8 +18,9 @@ _HANDLE, _SPACE, _GAP = 2.0, 0.8, 1.2
 _ROW = 1.35  # height of an entry, in letters
 _TITLE = 1.9  # height of a title with its distance from the axes, over its letters
 _LETTER = 0.55  # width of one, over their size
-_SHARE = 0.36  # of the height of the axes, which the legend may take from them
+_SHARE, _MOST_SHARE = 0.36, 0.46  # of the height of the axes, for the legend; in small letters
 _SMALLEST, _STEP = 5.5, 0.5  # letters in points
+_BROAD = 3.0  # points from which a line is there for its colour only
 _FREE_ROWS, _MOST_ROWS = 2, 12  # for which a figure is as high as without; that it grows for
 _SEEN = {".": 5.0}  # diameters from which marks are seen in a legend, in points
 _SEEN_ELSE = 3.0
@@ -26,9 +28,13 @@ _SEEN_ELSE = 3.0
 
 class _Layout(NamedTuple):
     size: float  # of the letters, in points
-    columns: int
+    columns: list[int]  # entries in each one
     rows: int
-    shown: int  # entries; those after them are counted only
+
+    @property
+    def shown(self) -> int:
+        """How many entries there is room for; those after them are counted only."""
+        return sum(self.columns)
 
 
 def place_legend(
@@ -37,7 +43,9 @@ def place_legend(
     """Put the legend above the axes; nothing without entries.
 
     Letters are as large as those of the labels, or so much smaller that the legend takes a third
-    of the height of the axes at most. What has no room then is counted only.
+    of the height of the axes, a little more with the smallest ones. What has no room then is
+    counted only. Entries of one sort (lines, broad lines that name colours, marks, areas) share a
+    column, or have several of their own.
 
     Parameters
     ----------
@@ -69,16 +77,19 @@ def place_legend(
     figure = ax.get_figure(root=True)
     assert figure is not None
     above = ScaledTranslation(0.0, _title_height(ax) / 72.0, figure.dpi_scale_trans)
-    layout, labels = _layout(ax, labels, may_grow)
+    layout, labels = _layout(ax, labels, _groups(handles), may_grow)
     if layout.shown < len(labels):
-        labels = [*labels[: layout.shown], f"and {len(labels) - layout.shown} more"]
-        handles = [*handles[: layout.shown], Patch(alpha=0.0)]
+        labels = [*labels[: layout.shown - 1], f"and {len(labels) - layout.shown + 1} more"]
+        handles = [*handles[: layout.shown - 1], Patch(alpha=0.0)]
     box = ax.legend(
-        handles, labels, fontsize=layout.size, ncols=layout.columns, loc="lower left",
-        bbox_to_anchor=(0.0, 1.0), bbox_transform=ax.transAxes + above, borderaxespad=0.2,
-        borderpad=0.2, frameon=False, labelspacing=0.3, handlelength=_HANDLE, handletextpad=_SPACE,
-        columnspacing=_GAP,
+        *_padded(handles, labels, layout), fontsize=layout.size, ncols=len(layout.columns),
+        loc="lower left", bbox_to_anchor=(0.0, 1.0), bbox_transform=ax.transAxes + above,
+        borderaxespad=0.2, borderpad=0.2, frameon=False, labelspacing=0.3, handlelength=_HANDLE,
+        handletextpad=_SPACE, columnspacing=_GAP,
     )  # fmt: skip
+    named = [bool(text.get_text()) for text in box.texts]
+    box.texts[:] = [text for text, there in zip(box.texts, named, strict=True) if there]
+    box.legend_handles[:] = [h for h, there in zip(box.legend_handles, named, strict=True) if there]
     for handle in box.legend_handles:
         _let_see(handle)
     if may_grow:
@@ -87,7 +98,25 @@ def place_legend(
     ax.yaxis.get_offset_text().set_horizontalalignment("right")
 
 
-def _layout(ax: Axes, labels: list[str], may_grow: bool) -> tuple[_Layout, list[str]]:
+def _groups(handles: Sequence[Any]) -> list[int]:
+    """How many entries of one sort follow each other: lines, broad lines, marks or areas."""
+    sorts = [_sort(handle) for handle in handles]
+    return [len(list(same)) for _, same in groupby(sorts)]
+
+
+def _sort(handle: Any) -> str:
+    from matplotlib.lines import Line2D
+
+    if not isinstance(handle, Line2D):
+        return "area"
+    if handle.get_linestyle() == "None":
+        return "marks"
+    return "broad" if handle.get_linewidth() >= _BROAD else "line"
+
+
+def _layout(
+    ax: Axes, labels: list[str], groups: list[int], may_grow: bool
+) -> tuple[_Layout, list[str]]:
     """The largest letters with which all entries have room; texts too long for that wrapped."""
     figure = ax.get_figure(root=True)
     assert figure is not None
@@ -96,31 +125,63 @@ def _layout(ax: Axes, labels: list[str], may_grow: bool) -> tuple[_Layout, list[
     size = float(ax.xaxis.label.get_fontsize())  # those of the caller may be larger than ours
     widths = [_width(label) for label in labels]
     while True:
-        columns = _columns(widths, width / size)
-        most = _MOST_ROWS if may_grow else max(1, int(_SHARE * height / (_ROW * size)))
-        rows = -(-len(labels) // columns)
-        if rows <= most or size - _STEP < _SMALLEST:
+        last = size - _STEP < _SMALLEST
+        share = _MOST_SHARE if last else _SHARE
+        most = _MOST_ROWS if may_grow else max(1, int(share * height / (_ROW * size)))
+        columns = _columns(groups, widths, width / size)
+        if max(columns) > most:  # without regard to what belongs together
+            columns = _columns([len(labels)], widths, width / size)
+        if max(columns) <= most or last:
             break
         size -= _STEP
-    if columns == 1:
+    if len(columns) == 1:
         letters = max(8, int((width / size - _HANDLE - _SPACE) / _LETTER))
         labels = [label if "$" in label else fill(label, letters) for label in labels]
         most = max(1, most // max(label.count("\n") + 1 for label in labels))
-    shown = len(labels) if rows <= most else columns * most - 1
-    return _Layout(size, columns, min(rows, most), shown), labels
+    columns = [min(count, most) for count in columns]
+    return _Layout(size, columns, max(columns)), labels
 
 
-def _columns(widths: list[float], available: float) -> int:
-    """Columns that fit; entries fill one after the other. All lengths are in letters."""
-    for columns in range(len(widths), 1, -1):
-        total = columns * (_HANDLE + _SPACE + _GAP) - _GAP
-        count, more = divmod(len(widths), columns)
-        for k in range(columns):
-            first = k * count + min(k, more)
-            total += max(widths[first : first + count + (k < more)])
+def _columns(groups: list[int], widths: list[float], available: float) -> list[int]:
+    """Entries of each column, in the fewest rows that fit. All lengths are in letters."""
+    for rows in range(1, len(widths)):
+        columns = _filled(groups, rows)
+        first = [0, *accumulate(columns)]
+        total = len(columns) * (_HANDLE + _SPACE + _GAP) - _GAP
+        total += sum(max(widths[begin:end]) for begin, end in pairwise(first))
         if total <= available:
             return columns
-    return 1
+    return [len(widths)]
+
+
+def _filled(groups: list[int], rows: int) -> list[int]:
+    """Columns of so many rows at most: a group begins a new one where the last has no room."""
+    columns: list[int] = []
+    for group in groups:
+        if columns and columns[-1] + group <= rows:
+            columns[-1] += group
+            continue
+        count = -(-group // rows)
+        even, more = divmod(group, count)
+        columns += [even + (k < more) for k in range(count)]
+    return columns
+
+
+def _padded(
+    handles: Sequence[Any], labels: list[str], layout: _Layout
+) -> tuple[list[Any], list[str]]:
+    """Entries with blanks below short columns: matplotlib makes all columns alike."""
+    from matplotlib.lines import Line2D
+
+    entries = list(zip(handles, labels, strict=True))
+    blank = (Line2D([], [], linestyle="none"), "")
+    first = [0, *accumulate(layout.columns)]
+    padded = [
+        entry
+        for begin, end in pairwise(first)
+        for entry in (*entries[begin:end], *[blank] * (layout.rows - (end - begin)))
+    ]
+    return [handle for handle, _ in padded], [label for _, label in padded]
 
 
 def _width(label: str) -> float:

@@ -6,16 +6,19 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from nonsmooth.plot import basins
 from nonsmooth_chapter import evaluate_claims
 from nonsmooth_chapter.claims import _check, _table
 from nonsmooth_chapter.judgement import DIFFERS, HOLDS, OPEN, verdict
 from nonsmooth_chapter.mole.basins import (
+    _DRAWN,
+    _MORE,
     MORE_SECTIONS,
     OMEGAS,
     _distinct_sets,
     _law,
-    _numbered_by_kind,
     _periods,
+    _renumbered,
     by_cells,
     exponents_of_pairs,
     fig12,
@@ -155,9 +158,18 @@ def test_numbers_belong_to_kinds():
         },
         {"attractor": [1, 2, 3, 4, 5]},
     )
-    found = _numbered_by_kind(data)
+    found = _renumbered(data, {0: 16, 4: 8}, (10, 12))
     assert found["attractor"].values.tolist() == [12, 16, 8, 10, 17]
     assert found["label"].values.tolist() == [[12, 16, 8], [10, 17, 0]]
+
+
+def test_a_colour_is_one_period_in_all_panels():
+    """Each period that a panel has is drawn with a number, and so a colour, of its own."""
+    periods = sorted({period for panel in PERIODS.values() for period in panel})
+    label = np.array([[_DRAWN[period] for period in periods]])
+    image = basins(xr.Dataset({"label": (("y", "p"), label)})).images[0]
+    assert len({tuple(colour) for colour in image.to_rgba(image.get_array())[0]}) == 8
+    assert not set(_DRAWN.values()) & set(_MORE)
 
 
 @pytest.mark.slow

@@ -10,7 +10,7 @@ import xarray as xr
 from scipy.interpolate import PchipInterpolator
 
 from nonsmooth.fatigue import CrackCurve, LoadBlock, Specimen, chapter_tests, life
-from nonsmooth.plot import PALETTE, print_figure
+from nonsmooth.plot import PALETTE, place_legend, print_figure
 from nonsmooth_chapter.fatigue.chaotic_loads import (
     DAMPINGS,
     RIGS,
@@ -33,7 +33,15 @@ _FIRST, _LAST = 6.4, 19.0  # mm; the last is ours, 1 mm short of the width
 _POINTS = 400
 _FREE = 3  # constants of the fitted law
 _SCATTER_AT = 18.0  # mm; the bars beside each curve stand below the dots
-_COLOURS = ("black", "blue", "vermilion", "green")
+_COLOURS = {  # of a test, in each figure that shows it
+    "hl0(100)": "black",
+    "hl100(100)": PALETTE["blue"],
+    "hl150(100)": PALETTE["vermilion"],
+    "hl200(100)": PALETTE["green"],
+    "hl0(78.5)": PALETTE["orange"],
+    "hl0(273.5)": PALETTE["purple"],
+    "hl150(50)": PALETTE["sky"],
+}
 _TESTS = {
     "fig18": ("hl0(100)", "hl100(100)", "hl150(100)", "hl200(100)"),
     "fig19": ("hl0(78.5)", "hl0(100)", "hl0(273.5)"),
@@ -189,8 +197,8 @@ def _curve_49(measured: float) -> CrackCurve:
 def _drawn(data: xr.Dataset, tests: xr.Dataset, title: str) -> Figure:
     figure, (ax,) = print_figure(1, 1, width=16.0, height=9.5)
     factor = float(data["scatter"])
-    for k in range(data.sizes["test"]):
-        colour = PALETTE.get(_COLOURS[k], _COLOURS[k])
+    for k, test in enumerate(data["test"].values):
+        colour = _COLOURS[str(test)]
         mean, size = (float(tests[n][k]) for n in ("mean_load", "load_amplitude"))
         measured = float(data["life"][k])
         ax.plot(data["time"][k], data["crack"], color=colour, linewidth=1.4)
@@ -213,8 +221,7 @@ def _drawn(data: xr.Dataset, tests: xr.Dataset, title: str) -> Figure:
     ax.set_ylabel("crack length [mm]")
     ax.set_title(title, loc="left", fontsize=_TEXT)
     _explain_lines(ax)
-    figure.legend(*ax.get_legend_handles_labels(), frameon=False, fontsize=7, ncols=2,
-                  loc="outside upper center")  # fmt: skip
+    place_legend(ax)
     figure.supxlabel(_NOTE, fontsize=7, ha="left", x=0.01)
     return figure
 

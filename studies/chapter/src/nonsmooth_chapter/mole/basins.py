@@ -53,10 +53,13 @@ __all__ = [
 OMEGAS = (1.4, 1.45, 1.56, 1.58, 1.6, 1.7)
 WINDOW = {"p": (-3.0, 1.0), "y": (-1.0, 1.0)}
 SECTION = {"q": "max(0, p - g)"}
-# Numbers, and so colours, that a motion keeps in all panels.
-# Chaos is pale, and the others, whose basins are thin, have full colours.
+# Numbers of a kind of motion in the data of all panels.
 _CHAOS, _PERIOD_FOUR, _OTHERS = 16, 8, (10, 12)
 _KINDS = (_PERIOD_FOUR, _CHAOS, *_OTHERS)
+# Numbers, and so colours, of each period in the picture: chaos is pale, and the others, whose
+# basins are thin, have full colours; a multiple of a shorter period beside it has its hue, paler.
+_DRAWN = {0: _CHAOS, 4: 8, 12: 1, 6: 10, 24: 3, 3: 11, 9: 4, 5: 12}
+_MORE = (13, 14, 9)
 _TEXT = 8  # points, as in the rest of the figure
 
 
@@ -131,8 +134,8 @@ def fig12(cells: int = 300, samples: int = 1000) -> tuple[Figure, xr.Dataset]:
     Returns
     -------
     figure : matplotlib.figure.Figure
-        Panels (a) to (f). A colour means one kind of motion in all of them: pale orange chaos,
-        blue period four, green and purple another period.
+        Panels (a) to (f). A colour means one period in all of them: pale orange chaos, blue four,
+        pale blue 12, green six, pale green 24, vermilion three, pale vermilion nine, purple five.
     data : xarray.Dataset
         Over ``omega``: ``label`` (over ``y`` and ``p``), and ``period``, ``kind``, ``fraction`` and
         ``points`` over ``attractor``, whose numbers are 16 for chaos, 8 for period four, 10 and 12
@@ -147,8 +150,9 @@ def fig12(cells: int = 300, samples: int = 1000) -> tuple[Figure, xr.Dataset]:
     figure, axes = print_figure(3, 2, width=16.0, height=18.0)
     kept = []
     for k, (omega, ax) in enumerate(zip(OMEGAS, axes, strict=True)):
-        data = _numbered_by_kind(section_basins(omega, cells, samples=samples))
-        basins(data, ax=ax)
+        found = section_basins(omega, cells, samples=samples)
+        data = _renumbered(found, {0: _CHAOS, 4: _PERIOD_FOUR}, _OTHERS)
+        basins(_renumbered(found, _DRAWN, _MORE), ax=ax)
         ax.text(
             0.02, 0.03, f"({'abcdef'[k]}) $\\omega$ = {omega:.2f}", transform=ax.transAxes,
             fontsize=_TEXT, bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.5},
@@ -168,14 +172,17 @@ def fig12(cells: int = 300, samples: int = 1000) -> tuple[Figure, xr.Dataset]:
     return figure, data
 
 
-def _numbered_by_kind(data: xr.Dataset) -> xr.Dataset:
-    """The same with one number for one kind of motion, whatever the panel."""
+def _renumbered(
+    data: xr.Dataset, by_period: Mapping[int, int], others: Sequence[int]
+) -> xr.Dataset:
+    """The same with one number for one period, whatever the panel; 0 is chaos."""
     order = data["attractor"].values[np.argsort(-data["fraction"].values, kind="stable")]
-    spare = [*_OTHERS, *range(max(_KINDS) + 1, max(_KINDS) + 1 + len(order))]
+    beyond = max(*by_period.values(), *others) + 1
+    spare = [*others, *range(beyond, beyond + len(order))]
     numbers: dict[int, int] = {}
     for one in order:
         period = int(data["period"].sel(attractor=one))
-        number = {0: _CHAOS, 4: _PERIOD_FOUR}.get(period, spare[0])
+        number = by_period.get(period, spare[0])
         if number in numbers.values():  # a second one of its kind
             number = spare[0]
         if number == spare[0]:

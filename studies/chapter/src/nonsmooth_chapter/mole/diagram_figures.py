@@ -211,11 +211,12 @@ class Panel(NamedTuple):
     curve: str
     values: tuple[float, ...]
     fixed: dict[str, float]
+    lowest: float = 0.0  # progression shown; above zero the axis is logarithmic
 
 
 PANELS = (
     Panel("a", "omega", r"frequency, $\omega$", (0.04, 0.25), "a", (0.3, 0.35, 0.4, 0.5),
-          {"b": 0.15, "xi": _XI_BEST_PROGRESSION}),
+          {"b": 0.15, "xi": _XI_BEST_PROGRESSION}, lowest=1.0),
     Panel("b", "a", "dynamic force, a", (0.1, 1.0), "b", (0.1, 0.15, 0.2, 0.3),
           {"omega": _OMEGA_BEST_PROGRESSION, "xi": _XI_BEST_PROGRESSION}),
     Panel("c", "b", "static force, b", (0.02, 0.8), "a", (0.3, 0.5, 0.7, 0.9),
@@ -276,6 +277,8 @@ def _motions(panel: Panel, value: float, columns: int) -> xr.Dataset:
 
 
 def _draw(panel: Panel, branches: list[xr.Dataset], motions: list[xr.Dataset], ax: Axes) -> None:
+    if panel.lowest:
+        ax.set_yscale("log")
     names = [f"{panel.curve} = {value:g}" for value in panel.values]
     draw_branch(dict(zip(names, branches, strict=True)), "v_per_period", ax=ax, legend=False)
     colours = {line.get_gid(): line.get_color() for line in ax.lines if line.get_gid()}
@@ -294,7 +297,7 @@ def _draw(panel: Panel, branches: list[xr.Dataset], motions: list[xr.Dataset], a
     ax.set_xlabel(panel.label)
     ax.set_ylabel("progression per period")
     ax.set_xlim(*panel.between)
-    ax.set_ylim(bottom=0.0)
+    ax.set_ylim(bottom=panel.lowest)
     place_legend(ax)
 
 

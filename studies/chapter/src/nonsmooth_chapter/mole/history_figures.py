@@ -10,7 +10,7 @@ from matplotlib.patches import Rectangle
 
 from nonsmooth import phase_word, simulate
 from nonsmooth.models import moling, percussive_drilling
-from nonsmooth.plot import PALETTE, phases, print_figure, time_history
+from nonsmooth.plot import PALETTE, phases, place_legend, print_figure, time_history
 from nonsmooth_chapter.mole.model_claims import pushed_slider
 
 if TYPE_CHECKING:
@@ -55,12 +55,12 @@ def fig2a(a: float = 0.3, b: float = 0.15, omega: float = 0.1) -> tuple[Figure, 
     run = simulate(percussive_drilling(a=a, b=b, omega=omega), periods=_PERIODS)
     figure, (model, history) = print_figure(1, 2, width=16.0, height=7.5)
     _model(model)
-    phases(run, ["x", "v"], ax=history, labels=_NAMES)
+    phases(run, ["x", "v"], ax=history, labels=_NAMES, legend=False)
     history.set_xlabel(r"time, $\tau$")
     history.set_ylabel("displacement over $P_f/(m\\Omega_0^2)$")
-    history.legend(loc="upper left", fontsize=_TEXT, framealpha=0.9)
     model.set_title("(a) model", loc="left", fontsize=_TEXT)
     history.set_title("(b) motion from rest", loc="left", fontsize=_TEXT)
+    place_legend(history)
     run.attrs["note"] = f"a = {a:g}, b = {b:g}, omega = {omega:g}; the chapter prints none"
     return figure, run
 
@@ -456,7 +456,7 @@ def period_one_phases(b: float = 0.15) -> tuple[Figure, xr.Dataset]:
         _number_phases(ax, numerals, window)
     handles, labels = axes[0].get_legend_handles_labels()
     figure.legend(
-        handles, labels, loc="outside upper center", ncols=3, frameon=False, fontsize=_TEXT
+        handles, labels, loc="outside upper center", ncols=2, frameon=False, fontsize=_TEXT
     )
     return figure, run
 

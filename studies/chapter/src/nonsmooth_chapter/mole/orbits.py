@@ -353,7 +353,7 @@ def fig9() -> tuple[Figure, xr.Dataset]:
         _number(ax, switches, window)
     handles, labels = axes[0].get_legend_handles_labels()
     figure.legend(
-        handles, labels, loc="outside upper center", ncols=3, frameon=False, fontsize=_TEXT
+        handles, labels, loc="outside upper center", ncols=2, frameon=False, fontsize=_TEXT
     )
     data = run.assign({name: start[name][0] for name in ("psi_0", "x_0", "y_0")})
     data = data.assign(durations=orbit["durations"])

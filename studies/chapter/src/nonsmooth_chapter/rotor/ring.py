@@ -275,6 +275,7 @@ def _enlarge_jump(ax: Axes, run: xr.Dataset) -> None:
     inset.axvline(side, color=PALETTE["blue"], linewidth=0.8, linestyle=":", zorder=0)
     inset.tick_params(labelsize=6, width=0.5, length=2.0)
     inset.set_xticks([side])
+    inset.yaxis.tick_right()  # clear of the line at the end of the spring
     ax.indicate_inset_zoom(inset, edgecolor="0.5", linewidth=0.6)
 
 
