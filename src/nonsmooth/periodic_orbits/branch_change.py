@@ -13,7 +13,7 @@ from nonsmooth.errors import RunError
 from nonsmooth.periodic_orbits.admissibility import Admissibility
 from nonsmooth.periodic_orbits.branch_part import BranchPart, Followed, kind_of, part_of
 from nonsmooth.periodic_orbits.branch_start import begin_change, tangent_at
-from nonsmooth.periodic_orbits.branch_tests import BranchTests, Looked
+from nonsmooth.periodic_orbits.branch_tests import BranchTests, Looked, what_of
 from nonsmooth.periodic_orbits.equations import Turn
 from nonsmooth.periodic_orbits.guess import Guess, driven_guess
 from nonsmooth.periodic_orbits.legs import LegError
@@ -244,7 +244,7 @@ def change_at(
             # at the change itself both words stand, whatever rounding lets the engine find
             stands = replace(looked, admissibility=Admissibility(True))
             return start, part_of(stretch, stands, point, along, kind_of(name), start.detail)
-    detail = _ENDS.get(name.split(":")[0], "no orbit of a changed word begins there")
+    detail = _ENDS.get(what_of(name), "no orbit of a changed word begins there")
     return None, part_of(stretch, looked, point, along, kind_of(name), detail)
 
 
@@ -268,11 +268,11 @@ def _vanishing(looked: Looked, name: str) -> list[str]:
     """Tests of the kind of this one that vanish at the same point; none where it is alone."""
     if name in ("motion", "leg:0", "leg:last") or name.startswith("corner"):
         return []
-    kind = name.split(":")[0]
+    kind = what_of(name)
     found = [
         other
         for other, value in looked.tests.items()
-        if other.split(":")[0] == kind and (other == name or abs(value) <= _TOGETHER)
+        if what_of(other) == kind and (other == name or abs(value) <= _TOGETHER)
     ]
     return found if len(found) > 1 else []
 
@@ -337,7 +337,7 @@ def _detail(stretch: BranchStretch, name: str, start: BranchStart, point: Point)
 
 def end_at(name: str, looked: Looked, stretch: BranchStretch) -> Followed:
     """Why a branch ends at a change of its word behind which it does not go on."""
-    kind = name.split(":")[0]
+    kind = what_of(name)
     if _is_held(stretch, name):
         return Followed(
             kind_of(name),
@@ -374,6 +374,6 @@ def broken_test(looked: Looked) -> str:
     """
     for kind in _MOST_TELLING:
         for name, value in looked.tests.items():
-            if name.split(":")[0] == kind and value < 0.0:
+            if what_of(name) == kind and value < 0.0:
                 return name
     return "motion"
