@@ -261,11 +261,10 @@ class _SlowRun:
     def _samples(self, count: int) -> _Samples:
         """The first samples of the records, so many of them."""
         records = self.records
-        arrays = (
-            records.sample_number, records.sample_phase, records.sample_state, records.sample_mode,
-            self.tangent.samples,
+        return _Samples(
+            records.sample_number[:count], records.sample_phase[:count],
+            records.sample_state[:count], records.sample_mode[:count], self.tangent.samples[:count],
         )  # fmt: skip
-        return _Samples(*(array[:count] for array in arrays))
 
     def _keep_samples(self, part: PlanPart) -> int:
         """Keep the samples that were written, and give their number."""
@@ -473,4 +472,4 @@ def _outcome(
 
 def _joined(pieces: list[_Samples]) -> _Samples:
     """Samples of all periods, one after the other."""
-    return _Samples(*(np.concatenate(arrays) for arrays in zip(*pieces, strict=True)))
+    return _Samples(*map(np.concatenate, zip(*pieces, strict=True)))
