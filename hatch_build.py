@@ -12,7 +12,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 import build_engine
 
 
-class EngineHook(BuildHookInterface):  # type: ignore[type-arg]
+class EngineHook(BuildHookInterface):
     """Compiles the engine for wheels and for editable installations; sources go as they are."""
 
     def dependencies(self) -> list[str]:

@@ -9,10 +9,9 @@ Stiffness should cost nothing: the ratio is that of the first two. The first per
 compared with a run at 50 digits, and the command fails when that is off by more than 1e-12.
 """
 
-# ruff: noqa: E402
+# ruff: noqa: E402 - One thread each, decided before any library reads its environment.
 import os
 
-# One thread each, decided before any library reads its environment.
 for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ[name] = "1"
 

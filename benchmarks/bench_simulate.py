@@ -3,10 +3,9 @@
 python benchmarks/bench_simulate.py [--periods N] [--problem NAME] [--no-scipy] [--json FILE]
 """
 
-# ruff: noqa: E402
+# ruff: noqa: E402 - One thread each, decided before any library reads its environment.
 import os
 
-# One thread each, decided before any library reads its environment.
 for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ[name] = "1"
 

@@ -7,10 +7,9 @@ each system, the Taylor flow runs a tape. The states after the first period are 
 heyoka, and those of tangents with differences; the command fails where they disagree.
 """
 
-# ruff: noqa: E402
+# ruff: noqa: E402 - One thread each, decided before any library reads its environment.
 import os
 
-# One thread each, decided before any library reads its environment.
 for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ[name] = "1"
 

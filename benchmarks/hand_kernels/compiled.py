@@ -13,10 +13,10 @@ from pathlib import Path
 
 import numpy as np
 
-FOLDER = Path(__file__).parent
-sys.path.append(str(FOLDER.parents[1]))
-from build_engine import compiler  # noqa: E402
+sys.path.append(str(Path(__file__).parents[2]))
+from build_engine import compiler
 
+FOLDER = Path(__file__).parent
 # The compiler of the engine takes C as well. Contraction of products and sums, which some compilers
 # leave out where a standard is named, keeps the meaning of every comparison; a free order of sums
 # or the assumption that all numbers are finite would not.

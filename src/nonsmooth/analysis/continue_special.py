@@ -20,7 +20,7 @@ from nonsmooth.continuation.point import Point
 from nonsmooth.continuation.two_parameter import two_parameter
 from nonsmooth.errors import ModelError, NonsmoothError, OptionError, unknown_name
 from nonsmooth.periodic_orbits.branch_part import BranchPart, ending_of_orbits, kind_of
-from nonsmooth.periodic_orbits.branch_tests import WORD_TESTS, BranchTests, Looked
+from nonsmooth.periodic_orbits.branch_tests import BranchTests, Looked, is_of_word
 from nonsmooth.periodic_orbits.equations import OrbitEquations
 from nonsmooth.periodic_orbits.guess import Guess
 from nonsmooth.periodic_orbits.legs import LegError, Legs
@@ -267,7 +267,7 @@ class _Condition:
             name: value
             for name, value in self.look(point).tests.items()
             if name != self.wanted.test
-            and name.split(":")[0] in WORD_TESTS
+            and is_of_word(name)
             # on a curve of grazes the engine sees what rounding makes of them; where an event
             # passes the section nothing happens
             and name not in ("motion", "leg:last", "leg:0" if driven else "")
@@ -310,7 +310,7 @@ def _one_way(
             looked = condition.look(point)
         except LegError:
             continue
-        changes = point.special.split(":")[0] in WORD_TESTS
+        changes = is_of_word(point.special)
         if changes and point.arclength <= _AGAIN:
             continue
         special = kind_of(point.special) if changes else point.special

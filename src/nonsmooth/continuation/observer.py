@@ -37,9 +37,8 @@ _RISE = 1e3  # a value that grows by this much towards its change of sign has a 
 _TRIALS = 80
 _SMALL = 1e-3  # part of the end values below which a determinant is nearly zero
 _STILL = 1e-10  # slopes of the parameter by the arclength that are rounding
-_NEAR_CROSSING = (
-    0.05  # of the step, within which a crossing is the one that was found along the branch
-)
+# part of the step, within which a crossing is the one that was found along the branch
+_NEAR_CROSSING = 0.05
 _VANISHES = 0.1  # part of its larger end value that a determinant must fall to where it is zero
 
 
@@ -122,7 +121,7 @@ class CurveSegment:
             xtol = 2.0 * _EPS * size / self.length
             x = float(brentq(at, 0.0, 1.0, xtol=xtol, maxiter=_TRIALS, disp=False))
             at(x)
-        except PastBound:
+        except PastBound:  # it is one of `Refused`, and the caller ends the branch there
             raise
         except Refused:
             x = _best(ends)

@@ -7,7 +7,7 @@ are those of the struct of one row.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cache, cached_property
 from typing import Any, ClassVar, NamedTuple, TypeVar
 
@@ -147,12 +147,6 @@ def _misfit(name: str, array: Any, dtype: np.dtype[Any], n_axes: int) -> TypeErr
     )
 
 
-@cache
-def _names_of(record: type[Record]) -> dict[str, None]:
-    """Names of the fields of a record, in order."""
-    return dict.fromkeys(field.name for field in fields(record))
-
-
 _Self = TypeVar("_Self", bound="Record")
 
 
@@ -220,7 +214,7 @@ class Record:
 
     def replace(self: _Self, **changes: Any) -> _Self:
         """The record with other arrays in some fields."""
-        unknown = changes.keys() - _names_of(type(self)).keys()
+        unknown = changes.keys() - _dtypes_of(self.struct).keys()
         if unknown:
             raise TypeError(f"{type(self).__name__} has no field {', '.join(unknown)}")
         # `__init__` of a frozen dataclass sets one field after the other, which takes twice as long
@@ -230,7 +224,7 @@ class Record:
 
     def _own_fields(self) -> dict[str, Any]:
         own = self.__dict__
-        return {name: own[name] for name in _names_of(type(self))}
+        return {name: own[name] for name in _dtypes_of(self.struct)}
 
     def __getstate__(self) -> dict[str, Any]:
         return self._own_fields()  # pointers are worth nothing in another process

@@ -187,9 +187,9 @@ def check_preload(delta_x: float, delta_y: float) -> tuple[float, float]:
     return x, y
 
 
-def _number(name: str, value: object) -> float:
+def _number(name: str, value: Any) -> float:
     try:
-        number = float(value)  # type: ignore[arg-type] # whatever else comes is refused
+        number = float(value)
     except (TypeError, ValueError, OverflowError):
         number = math.nan
     if not math.isfinite(number):

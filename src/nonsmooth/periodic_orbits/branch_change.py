@@ -13,7 +13,7 @@ from nonsmooth.errors import RunError
 from nonsmooth.periodic_orbits.admissibility import Admissibility
 from nonsmooth.periodic_orbits.branch_part import BranchPart, Followed, kind_of, part_of
 from nonsmooth.periodic_orbits.branch_start import begin_change, tangent_at
-from nonsmooth.periodic_orbits.branch_tests import BranchTests, Looked
+from nonsmooth.periodic_orbits.branch_tests import BranchTests, Looked, what_of
 from nonsmooth.periodic_orbits.equations import Turn
 from nonsmooth.periodic_orbits.guess import Guess, driven_guess
 from nonsmooth.periodic_orbits.legs import LegError
@@ -46,6 +46,9 @@ _AT_BORDER = {
 _MOST_TELLING = ("shrink", "slide", "short", "leg", "gain", "enter", "graze", "rate", "corner")
 _TOGETHER = 1e-8  # a test that vanishes at the same point as another one
 _NEARBY = 1e-4  # of the size of an orbit: one of another word farther away is no continuation
+
+# how a branch goes on, and the point there if it is special
+_WayOn = tuple[BranchStart, BranchPart | None]
 
 
 def _motion_at(stretch: BranchStretch, looked: Looked, value: float) -> Guess | None:
@@ -196,7 +199,7 @@ def _way(point: Point) -> float:
 def _section_in_chatter(stretch: BranchStretch, word: Word) -> bool:
     """Whether an orbit begins between rebounds."""
     found = chatters(word.modes, word.paths, stretch.legs.tables.wiring)
-    return any(len(word) - 1 in legs or (0 in legs and legs[0] == 0) for legs in found)
+    return any(len(word) - 1 in legs or legs[0] == 0 for legs in found)
 
 
 def _cycle(word: Word, system: System) -> tuple[int, ...]:
@@ -210,42 +213,68 @@ def change_at(
     stretch: BranchStretch, point: Point, looked: Looked, along: float
 ) -> tuple[BranchStart | None, BranchPart | None]:
     """How a branch goes on behind a change of its word, and the point there if it is special."""
+    for way_on in (_with_other_rebounds, _by_change_of_word, _by_motion_beyond):
+        found = way_on(stretch, point, looked, along)
+        if found is not None:
+            return found
+    name = point.special
+    detail = _ENDS.get(what_of(name), "no orbit of a changed word begins there")
+    return None, part_of(stretch, looked, point, along, kind_of(name), detail)
+
+
+def _with_other_rebounds(
+    stretch: BranchStretch, point: Point, looked: Looked, along: float
+) -> _WayOn | None:
+    """The same orbit, of which other rebounds before rest are followed."""
+    for same_orbit in (_over_last_rebounds, _within_chatter):
+        stretch.set_parameter(point.p)  # the other one may have left it beyond
+        start = same_orbit(stretch, looked, point)
+        if start is not None:
+            return start, part_of(stretch, looked, point, along, "section", "")
+    return None
+
+
+def _by_change_of_word(
+    stretch: BranchStretch, point: Point, looked: Looked, along: float
+) -> _WayOn | None:
+    """The orbit of a word to which the test leads that has vanished."""
     name = point.special
     stretch.set_parameter(point.p)
-    same = _over_last_rebounds(stretch, looked, point)
-    if same is None:
-        stretch.set_parameter(point.p)
-        same = _within_chatter(stretch, looked, point)
-    if same is not None:
-        return same, part_of(stretch, looked, point, along, "section", "")
-    stretch.set_parameter(point.p)
     changes = changes_at_once(stretch.equations, looked.turn, _vanishing(looked, name))
-    changes = changes or changes_of_word(stretch.equations, looked.turn, name)
-    for change in changes:
-        start = _over_chatter(stretch, looked, point) if change.kind == "section" else None
+    for change in changes or changes_of_word(stretch.equations, looked.turn, name):
+        passes = change.kind == "section"  # an event passes it, which is no special point
+        start = _over_chatter(stretch, looked, point) if passes else None
         start = start or begin_change(stretch, change, point)
-        if start is not None:
-            if change.kind == "section":
-                return start, part_of(stretch, looked, point, along, "section", "")
-            start.detail = _detail(stretch, name, start, point)
-            if name.startswith("short"):
-                touched = _touched(stretch, start)
-                if touched:  # the graze is located from the other side
-                    start.grows, start.located = touched, True
-                    return start, None
-            return start, part_of(stretch, looked, point, along, change.kind, start.detail)
+        if start is None:
+            continue
+        if passes:
+            return start, part_of(stretch, looked, point, along, "section", "")
+        start.detail = _detail(stretch, name, start, point)
+        touched = _touched(stretch, start) if what_of(name) == "short" else ""
+        if touched:  # the graze is located from the other side
+            start.grows, start.located = touched, True
+            return start, None
+        return start, part_of(stretch, looked, point, along, change.kind, start.detail)
+    return None
+
+
+def _by_motion_beyond(
+    stretch: BranchStretch, point: Point, looked: Looked, along: float
+) -> _WayOn | None:
+    """The orbit near this one on which the engine comes a little beyond."""
+    name = point.special
     for change in _changes_beyond(stretch, looked, point):
         start = begin_change(stretch, change, point)
-        if start is not None and _is_near(start, looked):
-            if name == "motion" and _differs_in_rebounds(stretch, start.equations.word):
-                start.kind = "section"  # nothing happens but that another number is followed
-                return start, part_of(stretch, looked, point, along, "section", "")
-            start.detail = _detail(stretch, name, start, point)
-            # at the change itself both words stand, whatever rounding lets the engine find
-            stands = replace(looked, admissibility=Admissibility(True))
-            return start, part_of(stretch, stands, point, along, kind_of(name), start.detail)
-    detail = _ENDS.get(name.split(":")[0], "no orbit of a changed word begins there")
-    return None, part_of(stretch, looked, point, along, kind_of(name), detail)
+        if start is None or not _is_near(start, looked):
+            continue
+        if name == "motion" and _differs_in_rebounds(stretch, start.equations.word):
+            start.kind = "section"  # nothing happens but that another number is followed
+            return start, part_of(stretch, looked, point, along, "section", "")
+        start.detail = _detail(stretch, name, start, point)
+        # at the change itself both words stand, whatever rounding lets the engine find
+        stands = replace(looked, admissibility=Admissibility(True))
+        return start, part_of(stretch, stands, point, along, kind_of(name), start.detail)
+    return None
 
 
 def _touched(stretch: BranchStretch, start: BranchStart) -> str:
@@ -268,11 +297,11 @@ def _vanishing(looked: Looked, name: str) -> list[str]:
     """Tests of the kind of this one that vanish at the same point; none where it is alone."""
     if name in ("motion", "leg:0", "leg:last") or name.startswith("corner"):
         return []
-    kind = name.split(":")[0]
+    kind = what_of(name)
     found = [
         other
         for other, value in looked.tests.items()
-        if other.split(":")[0] == kind and (other == name or abs(value) <= _TOGETHER)
+        if what_of(other) == kind and (other == name or abs(value) <= _TOGETHER)
     ]
     return found if len(found) > 1 else []
 
@@ -301,8 +330,7 @@ def _changes_beyond(stretch: BranchStretch, looked: Looked, point: Point) -> Ite
 def _motions_beyond(stretch: BranchStretch, looked: Looked, point: Point) -> Iterator[Guess]:
     """What the motion from the orbit does a little beyond, where there is a period to look at."""
     low, high = stretch.options.bounds
-    onwards = float(np.sign(point.tangent_p)) or 1.0
-    for way in (onwards, -onwards):
+    for way in (_way(point), -_way(point)):
         guess = _motion_at(stretch, looked, point.p + way * _BEYOND * (high - low))
         if guess is not None and guess.word != stretch.equations.word:
             yield guess
@@ -337,7 +365,7 @@ def _detail(stretch: BranchStretch, name: str, start: BranchStart, point: Point)
 
 def end_at(name: str, looked: Looked, stretch: BranchStretch) -> Followed:
     """Why a branch ends at a change of its word behind which it does not go on."""
-    kind = name.split(":")[0]
+    kind = what_of(name)
     if _is_held(stretch, name):
         return Followed(
             kind_of(name),
@@ -374,6 +402,6 @@ def broken_test(looked: Looked) -> str:
     """
     for kind in _MOST_TELLING:
         for name, value in looked.tests.items():
-            if name.split(":")[0] == kind and value < 0.0:
+            if what_of(name) == kind and value < 0.0:
                 return name
     return "motion"

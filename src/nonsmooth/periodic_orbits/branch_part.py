@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from nonsmooth.continuation.point import Point
-from nonsmooth.periodic_orbits.branch_tests import Looked
+from nonsmooth.periodic_orbits.branch_tests import Looked, what_of
 from nonsmooth.periodic_orbits.stretch import BranchStretch
 from nonsmooth.periodic_orbits.symmetric import is_antisymmetric
 from nonsmooth.periodic_orbits.word import Word
@@ -80,7 +80,7 @@ class Followed:
 
 def kind_of(name: str) -> str:
     """What a test of the word is called where it ends a branch."""
-    kind = name.split(":")[0]
+    kind = what_of(name)
     return _KINDS.get(kind, kind)
 
 

@@ -14,7 +14,7 @@ from nonsmooth.errors import RunError
 from nonsmooth.periodic_orbits.branch_change import broken_test, change_at, end_at
 from nonsmooth.periodic_orbits.branch_part import BranchPart, Followed, ending_of_orbits, part_of
 from nonsmooth.periodic_orbits.branch_start import tangent_at
-from nonsmooth.periodic_orbits.branch_tests import WORD_TESTS, Looked
+from nonsmooth.periodic_orbits.branch_tests import Looked, is_of_word, what_of
 from nonsmooth.periodic_orbits.equations import OrbitEquations
 from nonsmooth.periodic_orbits.legs import LegError, Legs
 from nonsmooth.periodic_orbits.newton import scale_of
@@ -96,11 +96,11 @@ class _StretchWalk:
         if not name and self.begin > 0.0 and not self._before and not stands:
             return True  # where the word has just changed rounding decides what the engine finds
         # a test of the word that rises
-        return name.split(":")[0] in WORD_TESTS and self._before.get(name, 1.0) < 0.0
+        return is_of_word(name) and self._before.get(name, 1.0) < 0.0
 
     def _locates(self, point: Point) -> bool:
         """Whether a point is the graze on whose other side the stretch begins."""
-        return not self._is_located and point.special.split(":")[0] == "graze"
+        return not self._is_located and what_of(point.special) == "graze"
 
     def _counted(self, point: Point, looked: Looked) -> Iterator[BranchPart]:
         """A point of the branch, and where that leads."""
@@ -109,7 +109,7 @@ class _StretchWalk:
             yield replace(self._part(looked, point, "halving", _HALVING), test="flip")
             self.ended = Followed("halving", f"the branch ends where {_HALVING}")
             return
-        if name.split(":")[0] not in WORD_TESTS:
+        if not is_of_word(name):
             if _may_stand(self.stretch.options, looked):
                 yield from self._ordinary(point, looked)
                 return

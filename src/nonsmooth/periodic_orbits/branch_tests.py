@@ -31,7 +31,7 @@ from nonsmooth.periodic_orbits.rebounds import with_rebounds_of_engine
 from nonsmooth.periodic_orbits.symmetric import Reflection, reflection
 from nonsmooth.periodic_orbits.word import Word
 
-__all__ = ["WORD_TESTS", "BranchTests", "Looked", "is_graze", "largest_along"]
+__all__ = ["BranchTests", "Looked", "is_graze", "is_of_word", "largest_along", "what_of"]
 
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
@@ -41,7 +41,7 @@ _EPS = float(np.finfo(float).eps)
 # roundings in the terms of a guard: those of the flow, and of the equations that are solved. Up to
 # 20 were seen in guards that are zero by construction
 _ROUNDINGS = 500.0
-WORD_TESTS = (
+_OF_WORD = (
     "graze", "corner", "short", "leg", "rate", "gain", "slide", "enter", "shrink", "motion",
 )  # fmt: skip
 # part of the turn: a contact of this duration counts as a graze. It is as long as the root of the
@@ -53,6 +53,16 @@ _SHORT_OF_SLIDE = 1e-3
 _AT_CHANGE = 1e-9  # of a test: the word is about to change
 _OF_GUARDS = ("graze", "corner", "gain")  # what is a guard, and not a rate or a duration
 _ZERO = 1e-10  # a test that is never more than that is zero by construction
+
+
+def what_of(name: str) -> str:
+    """What a test is about: its name without the legs and guards behind it."""
+    return name.split(":")[0]
+
+
+def is_of_word(name: str) -> bool:
+    """Whether a test is one of those that keep the word of an orbit valid."""
+    return what_of(name) in _OF_WORD
 
 
 class _GuardSizes(NamedTuple):

@@ -11,7 +11,13 @@ import numpy.typing as npt
 from nonsmooth.continuation.branch import Branch
 from nonsmooth.continuation.follow import follow
 from nonsmooth.continuation.point import Point
-from nonsmooth.periodic_orbits.branch_tests import WORD_TESTS, BranchTests, Looked, largest_along
+from nonsmooth.periodic_orbits.branch_tests import (
+    BranchTests,
+    Looked,
+    is_of_word,
+    largest_along,
+    what_of,
+)
 from nonsmooth.periodic_orbits.equations import OrbitEquations
 from nonsmooth.periodic_orbits.legs import LegError, Legs
 from nonsmooth.periodic_orbits.newton import scale_of
@@ -102,11 +108,10 @@ class BranchStretch:
         tests = self.look(point).tests
         if not self.options.inadmissible:
             return tests
-        kinds = {name: name.split(":")[0] for name in tests}
         return {
             name: value
             for name, value in tests.items()
-            if kinds[name] in _ALWAYS or kinds[name] not in WORD_TESTS
+            if what_of(name) in _ALWAYS or not is_of_word(name)
         }
 
     def outgrown(self, unknowns: Floats) -> bool:

@@ -222,18 +222,12 @@ def _with_leg_of_path(equations: OrbitEquations, turn: Turn, k: int, j: int) -> 
     """Exit j of the path behind leg k waits: a leg appears in the mode before it."""
     word = equations.word
     path = word.paths[k]
-    cut = Word(word.modes, (*word.paths[:k], path[:j], *word.paths[k + 1 :]))
-    found = equations.legs.follow(cut, turn.states, turn.instants)
     wiring = equations.legs.tables.wiring
-    mode = cut.last_target(wiring, k)
-    modes = (*word.modes[: k + 1], mode, *word.modes[k + 1 :])
-    paths = (*word.paths[:k], path[:j], path[j:], *word.paths[k + 1 :])
-    states = np.insert(turn.states, k + 1, found.nexts[k], axis=0)
-    instants = np.insert(turn.instants, k + 1, turn.instants[k + 1])
-    new = Word(modes, paths)
-    test = "short" if is_graze(new, wiring, k + 1) else "leg"
+    mode = modes_along(wiring, word.modes[k], path[:j])[-1]
+    guess = _with_leg(equations, turn, k, path[:j], mode, path[j:])
+    test = "short" if is_graze(guess.word, wiring, k + 1) else "leg"
     kind = kind_of_leg(wiring, word.modes[k], path[:j], mode, path[j:])
-    return Change(kind or "gained", Guess(new, Turn(states, instants)), f"{test}:{k + 1}")
+    return Change(kind or "gained", guess, f"{test}:{k + 1}")
 
 
 def _without_excursion(equations: OrbitEquations, turn: Turn, k: int) -> list[Change]:

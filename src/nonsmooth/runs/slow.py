@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -24,6 +24,8 @@ from nonsmooth.engine.lanes import (
     WORK,
     Anchor,
     Records,
+    Segment,
+    Tangent,
     allocate_anchor,
     allocate_records,
     allocate_segment,
@@ -41,6 +43,7 @@ from nonsmooth.runs.progress import HeldInterrupts, Progress
 from nonsmooth.runs.runner import (
     NO_DERIVATIVES,
     UNLIMITED,
+    Derivatives,
     NoMode,
     Outcome,
     WorkLimits,
@@ -80,6 +83,16 @@ def tables_of(slow: SlowParameters, values: Mapping[str, float]) -> Tables:
     return tables
 
 
+class _Samples(NamedTuple):
+    """Samples of some periods, s of them; C columns of derivatives."""
+
+    number: Integers  # (s,)
+    phase: Array  # (s,)
+    state: Array  # (s, n)
+    mode: Integers  # (s,)
+    columns: Array  # (s, C, n)
+
+
 @dataclass
 class _SlowRun:
     """A run in progress: its place in the engine and what was recorded."""
@@ -88,16 +101,16 @@ class _SlowRun:
     chosen: tuple[str, ...] | None
     tolerance: float
     anchor: Anchor
-    segment: Any
-    tangent: Any
+    segment: Segment
+    tangent: Tangent
     records: Records
     log: EventLog
     limits: WorkLimits = UNLIMITED
     mode: int = GOES_ON  # how the next period begins, see `run_lane`
     history: History = field(default_factory=History)
-    pieces: list[tuple[Any, ...]] = field(default_factory=list)
-    tables: Any = None
-    derivatives: Any = None
+    pieces: list[_Samples] = field(default_factory=list)
+    tables: Tables = field(init=False)  # of the period that was entered last
+    derivatives: Derivatives = NO_DERIVATIVES
     _lent: Tables | None = None
 
     def enter(self, period: Frozen, tables: Tables) -> None:
@@ -245,19 +258,18 @@ class _SlowRun:
             samples=np.full((count if carried else 0, carried, n), np.nan)
         )
 
+    def _samples(self, count: int) -> _Samples:
+        """The first samples of the records, so many of them."""
+        records = self.records
+        return _Samples(
+            records.sample_number[:count], records.sample_phase[:count],
+            records.sample_state[:count], records.sample_mode[:count], self.tangent.samples[:count],
+        )  # fmt: skip
+
     def _keep_samples(self, part: PlanPart) -> int:
         """Keep the samples that were written, and give their number."""
         written = min(part.phase.size, int(self.records.counters["samples"]))
-        records = self.records
-        self.pieces.append(
-            (
-                records.sample_number[:written],
-                records.sample_phase[:written],
-                records.sample_state[:written],
-                records.sample_mode[:written],
-                self.tangent.samples[:written],
-            )
-        )
+        self.pieces.append(self._samples(written))
         return written
 
 
@@ -432,23 +444,23 @@ def _outcome(
         end = Instant(run.history.last.number + 1, 0.0)
     elif end is None or status != Status.COMPLETED:
         end = last_instant(run.anchor, run.records)
-    arrays = [_joined(run, i) for i in range(5)]
+    samples = _joined([run._samples(0), *run.pieces])
     records = run.records.replace(
-        sample_number=arrays[0],
-        sample_phase=arrays[1],
-        sample_state=arrays[2],
-        sample_mode=arrays[3],
+        sample_number=samples.number,
+        sample_phase=samples.phase,
+        sample_state=samples.state,
+        sample_mode=samples.mode,
     )
     rows, states = run.log.rows(run.records)
     return Outcome(
         status=status,
         tables=run.tables,
-        columns=None if run.chosen is None else arrays[4],
+        columns=None if run.chosen is None else samples.columns,
         chosen=run.chosen or (),
-        plan=Plan(end, arrays[0], arrays[1], times),
+        plan=Plan(end, samples.number, samples.phase, times),
         anchor=run.anchor,
         records=records,
-        n_samples=arrays[0].size,
+        n_samples=samples.number.size,
         events=rows,
         event_states=states,
         keeps_events=run.log.keep,
@@ -458,8 +470,6 @@ def _outcome(
     )
 
 
-def _joined(run: _SlowRun, i: int) -> npt.NDArray[Any]:
-    """Samples of all periods."""
-    empty = (run.records.sample_number, run.records.sample_phase, run.records.sample_state,
-             run.records.sample_mode, run.tangent.samples)[i][:0]  # fmt: skip
-    return np.concatenate([empty, *(piece[i] for piece in run.pieces)])
+def _joined(pieces: list[_Samples]) -> _Samples:
+    """Samples of all periods, one after the other."""
+    return _Samples(*map(np.concatenate, zip(*pieces, strict=True)))

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -166,16 +167,18 @@ def _split(system: System, names: Mapping[str, tuple[str, ...]], text: str, valu
     for name, made in names.items():
         for side, new in enumerate(made):
             modes[new] = _half(system.modes[name], name, side, names, text, gate)
-    changes = {"modes": modes, "equations": None, "outputs": {**system.outputs, value: text}}
-    changes["symmetry"] = {}  # a section has two sides, which need not be images of each other
+    changes: dict[str, Any] = {
+        "modes": modes,
+        "equations": None,
+        "outputs": {**system.outputs, value: text},
+        "symmetry": {},  # a section has two sides, which need not be images of each other
+    }
     try:
-        # the fields have types of their own, which a dictionary of them does not tell
-        return replace(system, **changes)  # type: ignore[arg-type]
+        return replace(system, **changes)
     except ModelError as fault:
         if not str(fault).startswith("drift:"):
             raise
-    # as above
-    return replace(system, **changes, drift=())  # type: ignore[arg-type]
+    return replace(system, **changes, drift=())
 
 
 def _half(

@@ -12,6 +12,7 @@ from collections.abc import Hashable, Mapping
 from dataclasses import replace
 from functools import cached_property
 from threading import Lock
+from typing import Any
 
 from nonsmooth.errors import ModelError
 from nonsmooth.system.algebra.graph import Graph
@@ -83,9 +84,9 @@ class Structure:
             system.slow,
         )
 
-    def _static(self, text: object, where: str) -> Equation:
+    def _static(self, text: Any, where: str) -> Equation:
         # what a user gave may be anything; reading refuses what is no text
-        return Equation.read(text, where, self._known)  # type: ignore[arg-type]
+        return Equation.read(text, where, self._known)
 
     def _equations(self, system: SystemData, known: set[str]) -> list[ModeEquations]:
         shared = {**self.outputs, **self.definitions}

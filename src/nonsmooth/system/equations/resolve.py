@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 
 from nonsmooth.errors import ModelError
 from nonsmooth.system.algebra.differentiate import rate_of_change
@@ -90,9 +91,8 @@ class Resolver:
     def relations(self) -> Relations:
         """Slaved states by their equations."""
         if self._relations is None:
-            # the default binds the equation of this turn; typing does not know defaults of lambdas
             trees = {
-                state: self._by_name(f"relation of {state}", lambda e=equation: self.tree(e))  # type: ignore[misc]
+                state: self._by_name(f"relation of {state}", partial(self.tree, equation))
                 for state, equation in self.equations.slaved.items()
             }
             self._relations = read_relations(self.graph, self.equations, trees)

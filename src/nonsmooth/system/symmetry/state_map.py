@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -82,8 +83,8 @@ def _form(system: EvaluatedSystem, name: str) -> LinearForm:
     return form
 
 
-def _value(system: EvaluatedSystem, name: str, coefficient: object) -> float:
-    value = constant_value(coefficient, system.parameter_values)  # type: ignore[arg-type]
+def _value(system: EvaluatedSystem, name: str, coefficient: Any) -> float:
+    value = constant_value(coefficient, system.parameter_values)
     if not np.isfinite(value):
         raise ModelError(f"symmetry[{name!r}]: a coefficient is {value} for the parameters given")
     return value
