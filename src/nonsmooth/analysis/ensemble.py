@@ -25,7 +25,6 @@ from nonsmooth.runs.options import (
     time_grid,
     whole_number,
 )
-from nonsmooth.runs.start import mode_numbers
 from nonsmooth.runs.strobe_times import check_phase, require_period, strobes
 from nonsmooth.system.system import System
 from nonsmooth.version import __version__
@@ -152,7 +151,7 @@ def ensemble(
         members=members_of(system, initial, several, combine),
         plan=plan,
         n_points=len(next(iter(along.values()))[1]),
-        modes=mode_numbers(system, mode),
+        mode=mode,
     )
     options = {
         "combine": combine,

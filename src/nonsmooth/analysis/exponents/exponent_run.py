@@ -1,4 +1,8 @@
-"""The run behind a spectrum of Lyapunov exponents: transient, then interval by interval."""
+"""The run behind a spectrum of Lyapunov exponents: transient, then interval by interval.
+
+It does not take the path of `settle`: derivatives are carried through the transient as well, so
+that they find their directions, and the engine's runs with derivatives go one by one.
+"""
 
 from __future__ import annotations
 

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import threading
+from functools import partial
+
 import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.exponents.exponent_run import ExponentRun
+from nonsmooth.analysis.settle import Group, ParameterSets, settle
 from nonsmooth.analysis.statistics.block_averages import block_averages
 from nonsmooth.analysis.statistics.periodicity import primitive_period, scales
 from nonsmooth.engine.lanes import SAME
 from nonsmooth.engine.status import Status
-from nonsmooth.runs.clock import Instant
-from nonsmooth.runs.lane_runner import LaneRunner
-from nonsmooth.runs.strobe_times import strobes
+from nonsmooth.runs.start import Start
+from nonsmooth.runs.stroboscopic_map import StroboscopicMap
+from nonsmooth.runs.sweep_runner import Recorded, SweepRunner
 from nonsmooth.system.system import System
 
 __all__ = ["halves_differ", "is_chaotic", "said_of_later"]
@@ -51,24 +55,32 @@ def said_of_later(
     system: System, run: ExponentRun, length: float | None, tolerance: float, confirm: int
 ) -> str:
     """What becomes of a motion after so many more strobes, "" where it does not settle or end."""
-    runner = LaneRunner(system, tolerance)
-    lanes = runner.start(run.end_state[None], run.end, SAME - run.end_mode)
-    numbers, phases = strobes(runner.window, run.end, length, 0.0, confirm, 2 * _RECORD + 1)
-    last = Instant(int(numbers[-1]), float(phases[-1]))
-    states, _ = runner.run(lanes, last, numbers, phases)
-    status = Status(int(lanes.status[0]))
-    if status == Status.INADMISSIBLE and lanes.anchors.place["mode"][0] < 0:
-        return ""  # rounding has taken the state at the end of the record out of its mode
+    start = Start(run.end_state, run.end, (SAME - run.end_mode,))
+    (said,), _ = settle(
+        SweepRunner(system, tolerance),
+        threading.Event(),
+        sets=ParameterSets(StroboscopicMap(system, period=length), {}, start, None),
+        times=lambda group: group.strobes(confirm, 2 * _RECORD + 1),
+        reduce=partial(_said_of_end, confirm),
+        log=False,
+    )
+    return said
+
+
+def _said_of_end(confirm: int, group: Group, recorded: Recorded) -> list[str]:
+    """What a motion has become after so many strobes."""
+    status, states, drifting = Status(int(recorded.statuses[0])), recorded.states[0], group.drifting
+    if group.is_misfit[0]:
+        return [""]  # rounding has taken the state at the end of the record out of its mode
     if status != Status.COMPLETED:
-        return f"the motion ends later ({status.word}): these are exponents of a transient"
-    drifting = np.array([name in system.drift_states for name in system.states])
-    period = primitive_period(states[0], drifting, scales(states[0], drifting), _MATCH)
+        return [f"the motion ends later ({status.word}): these are exponents of a transient"]
+    period = primitive_period(states, drifting, scales(states, drifting), _MATCH)
     if period == 0:
-        return ""
-    return (
+        return [""]
+    return [
         f"{confirm} strobes later the motion repeats with period {period}: these are exponents of a"
         " transient; raise transient="
-    )
+    ]
 
 
 def _duration(run: ExponentRun) -> float:
