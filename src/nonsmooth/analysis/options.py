@@ -21,6 +21,7 @@ __all__ = [
     "check_match",
     "check_seed",
     "completion_rule",
+    "derived_attributes",
     "result_attributes",
     "system_attributes",
 ]
@@ -51,7 +52,7 @@ class SharedOptions:
         Seed of the random numbers: the same seed gives the same result.
     """
 
-    parameters: Mapping[str, float] | None = None
+    parameters: Mapping[str, float | str] | None = None
     tolerance: float = 1e-12
     mode: str | None = None
     threads: int | None = None
@@ -116,6 +117,16 @@ def result_attributes(
 ) -> dict[str, Any]:
     """Attributes that tell of which system a result is, how it ended, and with which options."""
     return {**system_attributes(system), "status": status, "message": message, **options}
+
+
+def derived_attributes(data: Any, *more: str) -> dict[str, Any]:
+    """Attributes of what is made from a result: the system and the status that it tells.
+
+    ``more`` are names of others that are kept.
+    """
+    kept = ("system_name", "system", "status", *more)
+    found = {name: data.attrs[name] for name in kept if name in data.attrs}
+    return found | {"nonsmooth_version": __version__}
 
 
 def system_attributes(system: System) -> dict[str, Any]:

@@ -8,9 +8,10 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.diagrams.columns import DiagramProtocol
+from nonsmooth.analysis.options import check_match
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.runs.maps import Map
-from nonsmooth.runs.options import finite_number, whole_number
+from nonsmooth.runs.options import whole_number
 from nonsmooth.runs.poincare_map import PoincareMap
 from nonsmooth.system.system import System
 
@@ -39,7 +40,7 @@ def read_protocol(
         parameter=parameter,
         transient=0 if transient == 0 else whole_number("transient", transient),
         record=whole_number("record", record),
-        match=_check_match(match),
+        match=check_match(match),
         exits=_exits(chosen, at, side),
         after=side == "after",
         drifting=np.array([name in system.drift_states for name in system.states]),
@@ -61,13 +62,6 @@ def check_values(system: System, parameter: Any, values: Any) -> npt.NDArray[np.
             " np.linspace(0.5, 1.0, 400)"
         )
     return grid
-
-
-def _check_match(match: Any) -> float:
-    number = finite_number("match", match)
-    if not 0.0 < number < 1.0:
-        raise OptionError(f"match = {number:g} must lie between 0 and 1; 1e-6 is usual")
-    return number
 
 
 def _exits(chosen: Map, at: Any, side: Any) -> npt.NDArray[np.bool_] | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from nonsmooth.analysis.options import check_match
 from nonsmooth.analysis.regimes.verdict import TESTED, RegimeProtocol
 from nonsmooth.errors import ModelError, OptionError
 from nonsmooth.runs.options import check_count, finite_number, whole_number
@@ -46,10 +47,8 @@ def make_protocol(
         )
     more = 0 if confirm == 0 else whole_number("confirm", confirm)
     check_count(most + 4 * window + more)
-    number = finite_number("match", match)
-    if not 0.0 < number < 1.0:
-        raise OptionError(f"match = {number:g} must lie between 0 and 1; 1e-6 is usual")
-    return RegimeProtocol(left_out, kept, window, most, more, check_phase(phase), number)
+    close = check_match(match)
+    return RegimeProtocol(left_out, kept, window, most, more, check_phase(phase), close)
 
 
 def check_system(system: System, period: Any, verb: str) -> None:

@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.analysis.options import result_attributes
 from nonsmooth.engine.status import Status
-from nonsmooth.runs.labels import labels_of
 from nonsmooth.system.system import System
-from nonsmooth.version import __version__
 
 __all__ = ["parameter_coordinate", "stacked", "statuses", "sweep_attributes"]
 
@@ -50,11 +49,5 @@ def sweep_attributes(
         )
     elif ended:
         message = "some motions ended early, see status: " + ", ".join(sorted(ended))
-    return {
-        "system_name": system.name,
-        "system": labels_of(system).system,
-        "nonsmooth_version": __version__,
-        "status": "completed" if complete else "interrupted",
-        "message": message,
-        **options,
-    }
+    status = "completed" if complete else "interrupted"
+    return result_attributes(system, status, message, options)
