@@ -10,13 +10,18 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.analysis.diagrams.chain_links import End, links_of
-from nonsmooth.analysis.diagrams.columns import DiagramProtocol, Look, pack_looks, unpack_looks
+from nonsmooth.analysis.diagrams.chain_links import End, check_way, links_of
+from nonsmooth.analysis.diagrams.columns import (
+    DiagramProtocol,
+    Look,
+    pack_looks,
+    read_protocol,
+    unpack_looks,
+)
 from nonsmooth.analysis.diagrams.diagram_dataset import diagram_dataset
-from nonsmooth.analysis.diagrams.diagram_options import check_values, check_way, read_protocol
 from nonsmooth.analysis.diagrams.section_columns import run_section_chain
 from nonsmooth.analysis.diagrams.strobe_columns import strobe_looks
-from nonsmooth.analysis.options import SharedOptions
+from nonsmooth.analysis.options import SharedOptions, check_values
 from nonsmooth.analysis.settle import ParameterSets, at_time_zero, said_of_start, settle
 from nonsmooth.errors import OptionError
 from nonsmooth.runs.maps import Map

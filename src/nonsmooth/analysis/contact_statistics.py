@@ -9,10 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.analysis.diagrams.diagram_options import check_values
-from nonsmooth.analysis.options import SharedOptions
-from nonsmooth.analysis.sweeps.contact_dataset import contact_dataset
-from nonsmooth.analysis.sweeps.contact_numbers import Asked, contact_numbers
+from nonsmooth.analysis.options import SharedOptions, check_values
+from nonsmooth.analysis.sweeps.contacts import Asked, contact_dataset, contact_numbers
 from nonsmooth.analysis.sweeps.sweep import SweepProtocol, make_sweep, run_sweep
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.runs.start import mode_numbers

@@ -9,8 +9,12 @@ import numpy.typing as npt
 import xarray as xr
 
 from nonsmooth.analysis.options import derived_attributes
-from nonsmooth.analysis.regimes.branches import LEAST_VISITS, local_periods
-from nonsmooth.analysis.regimes.stretches import period_words, stretch_columns
+from nonsmooth.analysis.regimes.stretches import (
+    LEAST_VISITS,
+    local_periods,
+    period_words,
+    stretch_columns,
+)
 from nonsmooth.analysis.regimes.strobe_points import StrobePoints, strobe_points
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.runs.options import finite_number, whole_number

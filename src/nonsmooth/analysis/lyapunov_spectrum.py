@@ -10,8 +10,14 @@ from typing import Any
 import xarray as xr
 
 from nonsmooth.analysis.exponents.exponent_dataset import exponent_dataset
-from nonsmooth.analysis.exponents.exponent_run import ExponentProtocol, ExponentRun, run_exponents
-from nonsmooth.analysis.exponents.settling import halves_differ, is_chaotic, said_of_later
+from nonsmooth.analysis.exponents.exponent_run import (
+    ExponentProtocol,
+    ExponentRun,
+    halves_differ,
+    is_chaotic,
+    run_exponents,
+    said_of_later,
+)
 from nonsmooth.analysis.options import SharedOptions, check_seed
 from nonsmooth.engine.status import Status
 from nonsmooth.engine.tables import Tables

@@ -7,6 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+import numpy.typing as npt
+
 from nonsmooth.errors import ModelError, OptionError, unknown_name
 from nonsmooth.runs.crew import check_threads
 from nonsmooth.runs.labels import labels_of
@@ -20,6 +23,7 @@ __all__ = [
     "SharedOptions",
     "check_match",
     "check_seed",
+    "check_values",
     "completion_rule",
     "derived_attributes",
     "result_attributes",
@@ -93,6 +97,22 @@ def check_match(match: Any) -> float:
     if not 0.0 < number < 1.0:
         raise OptionError(f"match = {number:g} must lie between 0 and 1; 1e-6 is usual")
     return number
+
+
+def check_values(system: System, parameter: Any, values: Any) -> npt.NDArray[np.float64]:
+    """Values of the parameter, one for each column."""
+    if parameter not in system.parameters:
+        raise OptionError(unknown_name("parameter", str(parameter), system.parameters))
+    try:
+        grid = np.atleast_1d(np.asarray(values, dtype=float))
+    except (TypeError, ValueError):
+        raise OptionError(f"values = {values!r:.60}: give a list of numbers") from None
+    if grid.ndim != 1 or grid.size == 0 or not np.all(np.isfinite(grid)):
+        raise OptionError(
+            "values= takes a one-dimensional, non-empty list of finite numbers, such as"
+            " np.linspace(0.5, 1.0, 400)"
+        )
+    return grid
 
 
 def completion_rule(place: str, text: str, known: list[str], given: str) -> Expression:

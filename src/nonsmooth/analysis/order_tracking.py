@@ -10,8 +10,8 @@ import numpy.typing as npt
 
 from nonsmooth.analysis.options import derived_attributes
 from nonsmooth.analysis.spectra.segments import check_run, check_window, record_of
+from nonsmooth.analysis.spectra.spectrum_dataset import Rows, check_plane, waterfall_dataset
 from nonsmooth.analysis.spectra.transforms import about_mean, phases
-from nonsmooth.analysis.spectra.waterfall_dataset import Rows, check_plane, waterfall_dataset
 from nonsmooth.analysis.statistics.series import slow_names
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.runs.options import whole_number

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from nonsmooth.analysis.options import derived_attributes
 from nonsmooth.analysis.spectra.segments import check_run
 from nonsmooth.analysis.statistics.series import slow_names
-from nonsmooth.analysis.sweeps.visits import visits_of
+from nonsmooth.analysis.sweeps.contacts import visits_of
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.runs.options import whole_number
 from nonsmooth.runs.start import mode_numbers

@@ -10,11 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from nonsmooth.analysis.options import SharedOptions, result_attributes
-from nonsmooth.analysis.regimes.labels import INADMISSIBLE
-from nonsmooth.analysis.regimes.options import check_system, make_protocol
+from nonsmooth.analysis.regimes.labels import INADMISSIBLE, Verdict
+from nonsmooth.analysis.regimes.options import RegimeProtocol, check_system, make_protocol
 from nonsmooth.analysis.regimes.regime_dataset import numbers_of
 from nonsmooth.analysis.regimes.regime_run import first_windows, settled_regimes
-from nonsmooth.analysis.regimes.verdict import RegimeProtocol, Verdict
 from nonsmooth.analysis.settle import ParameterSets, said_of_start, settle
 from nonsmooth.errors import OptionError
 from nonsmooth.runs.first_mode import explain_misfit

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.analysis.diagrams.diagram_options import check_way
+from nonsmooth.analysis.diagrams.chain_links import check_way
 from nonsmooth.analysis.options import SharedOptions
 from nonsmooth.analysis.regimes.border_refinement import refine_borders, refined_values
 from nonsmooth.analysis.regimes.options import check_system, make_protocol

@@ -9,15 +9,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.analysis.diagrams.diagram_options import check_values
-from nonsmooth.analysis.options import SharedOptions
+from nonsmooth.analysis.options import SharedOptions, check_values
 from nonsmooth.analysis.spectra.segments import check_window, without_drift
+from nonsmooth.analysis.spectra.spectrum_dataset import Rows, check_plane, waterfall_dataset
 from nonsmooth.analysis.spectra.transforms import about_mean, phases
-from nonsmooth.analysis.spectra.waterfall_dataset import Rows, check_plane, waterfall_dataset
 from nonsmooth.analysis.sweeps.settled import SweptMotion
-from nonsmooth.analysis.sweeps.sweep import SweepProtocol, make_sweep, run_sweep
-from nonsmooth.analysis.sweeps.sweep_dataset import (
+from nonsmooth.analysis.sweeps.sweep import (
+    SweepProtocol,
+    make_sweep,
     parameter_coordinate,
+    run_sweep,
     stacked,
     statuses,
     sweep_attributes,

@@ -9,8 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.options import result_attributes
-from nonsmooth.analysis.regimes.labels import INTERRUPTED, LABELS
-from nonsmooth.analysis.regimes.verdict import Verdict
+from nonsmooth.analysis.regimes.labels import INTERRUPTED, LABELS, Verdict
 from nonsmooth.runs.labels import labels_of
 from nonsmooth.system.system import System
 

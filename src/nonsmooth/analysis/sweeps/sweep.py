@@ -1,8 +1,8 @@
-"""SweptMotion motions at many values of a parameter, each reduced to a few arrays."""
+"""Settled motions at many values of a parameter, reduced to a few arrays; parts of a dataset."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -10,9 +10,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.analysis.diagrams.chain_links import End, links_of, pack_end, take_end
-from nonsmooth.analysis.diagrams.diagram_options import check_way
-from nonsmooth.analysis.options import SharedOptions
+from nonsmooth.analysis.diagrams.chain_links import End, check_way, links_of, pack_end, take_end
+from nonsmooth.analysis.options import SharedOptions, result_attributes
 from nonsmooth.analysis.settle import ParameterSets, at_time_zero, said_of_start, settle
 from nonsmooth.analysis.sweeps.settled import SweptMotion, reduce_settled
 from nonsmooth.engine.status import Status
@@ -26,7 +25,16 @@ from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.runs.sweep_runner import SweepRunner
 from nonsmooth.system.system import System
 
-__all__ = ["SweepProtocol", "Swept", "make_sweep", "run_sweep"]
+__all__ = [
+    "SweepProtocol",
+    "Swept",
+    "make_sweep",
+    "parameter_coordinate",
+    "run_sweep",
+    "stacked",
+    "statuses",
+    "sweep_attributes",
+]
 
 Arrays = dict[str, npt.NDArray[Any]]
 Done = tuple[list[Arrays], End | None]  # of some values, and where the last motion has ended
@@ -170,3 +178,39 @@ def _unpack(arrays: Arrays) -> Done:
             results.append({})
         results[int(number)][name] = array
     return results, end
+
+
+def parameter_coordinate(system: System, parameter: str, grid: npt.NDArray[np.float64]) -> Any:
+    """Coordinate of the parameter with its label."""
+    return ("parameter",), grid, {"long_name": system.describe.get(parameter, parameter)}
+
+
+def statuses(found: Sequence[Arrays]) -> Any:
+    """How the motions ended."""
+    words = [Status(int(one["status"])).word for one in found]
+    return ("parameter",), np.array(words, str), {"long_name": "how the motion ended"}
+
+
+def stacked(found: Sequence[Arrays], name: str, shape: tuple[int, ...]) -> npt.NDArray[np.float64]:
+    """One array of each motion below each other; nan where a motion has none."""
+    rows = np.full((len(found), *shape), np.nan)
+    for i, one in enumerate(found):
+        rows[i] = one.get(name, np.nan)
+    return rows
+
+
+def sweep_attributes(
+    system: System, found: Sequence[Arrays], complete: bool, options: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Attributes: the system, how it went, and the options."""
+    ended = {Status(int(one["status"])).word for one in found} - {Status.COMPLETED.word}
+    message = "completed"
+    if not complete:
+        message = (
+            f"interrupted by the user; {len(found)} values are done and kept, the others are left"
+            " out"
+        )
+    elif ended:
+        message = "some motions ended early, see status: " + ", ".join(sorted(ended))
+    status = "completed" if complete else "interrupted"
+    return result_attributes(system, status, message, options)
