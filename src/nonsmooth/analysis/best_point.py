@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 from numpy.polynomial import chebyshev
 
+from nonsmooth.analysis.options import SharedOptions
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.periodic_orbits.guess import Guess
 from nonsmooth.periodic_orbits.legs import LegError, Legs
@@ -114,7 +115,8 @@ def best_point(
     >>> best["limited_by"].item(), round(best["b"].item(), 6), round(best["best"].item(), 6)
     ('interior', 0.163817, 33.849979)
     """
-    wanted = read_best(branch, quantity, largest, unstable, inadmissible, tolerance)
+    shared = SharedOptions(tolerance=tolerance)
+    wanted = read_best(branch, quantity, largest, unstable, inadmissible, shared)
     found = best_along(wanted)
     if isinstance(found, str):
         attrs = wanted.said | {"status": "no_orbit", "message": found}
@@ -163,7 +165,12 @@ class WantedBest:
 
 
 def read_best(
-    branch: Any, quantity: Any, largest: Any, unstable: Any, inadmissible: Any, tolerance: float
+    branch: Any,
+    quantity: Any,
+    largest: Any,
+    unstable: Any,
+    inadmissible: Any,
+    shared: SharedOptions,
 ) -> WantedBest:
     """Options, checked."""
     if not (is_orbit(branch) and "special_point" in branch and branch["leg_mode"].ndim == 2):
@@ -177,7 +184,7 @@ def read_best(
     if branch.sizes["point"] == 0:
         raise OptionError("branch: there are no points in it; see its message")
     try:
-        system = System.from_toml(branch.attrs["system"])
+        system = shared.system_of(System.from_toml(branch.attrs["system"]))
     except KeyError:
         raise OptionError(
             "branch: it does not say of which system it is; give it as continue_orbit gave it"
@@ -204,12 +211,20 @@ def read_best(
     name = quantity if isinstance(quantity, str) else getattr(quantity, "__name__", "function")
     said = {
         "parameter": parameter, "quantity": name, "largest": int(wants_largest),
-        "unstable": int(flags[0]), "inadmissible": int(flags[1]), "tolerance": float(tolerance),
+        "unstable": int(flags[0]), "inadmissible": int(flags[1]),
+        "tolerance": float(shared.tolerance),
         "period": int(branch.attrs["period"]),
         "phase_of_period": float(branch.attrs["phase_of_period"]),
     }  # fmt: skip
     return WantedBest(
-        branch, system, parameter, take, 1.0 if wants_largest else -1.0, *flags, tolerance, said
+        branch,
+        system,
+        parameter,
+        take,
+        1.0 if wants_largest else -1.0,
+        *flags,
+        float(shared.tolerance),
+        said,
     )
 
 

@@ -10,15 +10,20 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.analysis.diagrams.chain_links import End, links_of
-from nonsmooth.analysis.diagrams.columns import DiagramProtocol, Look, pack_looks, unpack_looks
+from nonsmooth.analysis.diagrams.chain_links import End, check_way, links_of
+from nonsmooth.analysis.diagrams.columns import (
+    DiagramProtocol,
+    Look,
+    pack_looks,
+    read_protocol,
+    unpack_looks,
+)
 from nonsmooth.analysis.diagrams.diagram_dataset import diagram_dataset
-from nonsmooth.analysis.diagrams.diagram_options import check_values, check_way, read_protocol
 from nonsmooth.analysis.diagrams.section_columns import run_section_chain
 from nonsmooth.analysis.diagrams.strobe_columns import strobe_looks
+from nonsmooth.analysis.options import SharedOptions, check_values
 from nonsmooth.analysis.settle import ParameterSets, at_time_zero, said_of_start, settle
 from nonsmooth.errors import OptionError
-from nonsmooth.runs.crew import check_threads
 from nonsmooth.runs.maps import Map
 from nonsmooth.runs.of_system import map_of
 from nonsmooth.runs.poincare_map import PoincareMap
@@ -151,6 +156,7 @@ def bifurcation_diagram(
     >>> diagram["x"].shape, diagram["status"].values.ravel().tolist()
     ((2, 1, 20), ['completed', 'completed'])
     """
+    shared = SharedOptions(parameters, tolerance, mode, threads, store)
     chosen = map_of(system, parameters, tolerance, "bifurcation_diagram", phase=phase, mode=mode)
     system = chosen.system
     grid = check_values(system, parameter, values)
@@ -180,14 +186,13 @@ def bifurcation_diagram(
         "at": at,
         **({"side": side} | chosen.protocol),
         "match": protocol.match,
-        "tolerance": float(tolerance),
-        "changed_parameters": str(dict(parameters)) if parameters else "",
+        **shared.recorded,
         "initial": str([said_of_start(each) for each in given]),
     }
     complete = run_stored_tasks(
         work.tasks,
         lambda: _make_worker(chosen, tolerance),
-        store=store,
+        store=shared.store,
         protocol={
             "system": system.to_toml(),
             "parameter": parameter,
@@ -197,7 +202,7 @@ def bifurcation_diagram(
         },
         pack=pack_looks,
         unpack=unpack_looks,
-        threads=check_threads(threads),
+        threads=shared.workers,
         label="bifurcation diagram",
         keep=keep,
         after=work.after,

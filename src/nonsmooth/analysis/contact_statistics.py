@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.analysis.diagrams.diagram_options import check_values
-from nonsmooth.analysis.sweeps.contact_dataset import contact_dataset
-from nonsmooth.analysis.sweeps.contact_numbers import Asked, contact_numbers
+from nonsmooth.analysis.options import SharedOptions, check_values
+from nonsmooth.analysis.sweeps.contacts import Asked, contact_dataset, contact_numbers
 from nonsmooth.analysis.sweeps.sweep import SweepProtocol, make_sweep, run_sweep
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.runs.start import mode_numbers
@@ -131,7 +130,7 @@ def contact_statistics(
         raise OptionError("give both a parameter and its values, or neither for a single motion")
     sweep = make_sweep(
         system, "contact_statistics", initial=initial, start=start, transient=transient,
-        record=record, parameters=parameters, tolerance=tolerance, mode=mode,
+        record=record, shared=SharedOptions(parameters, tolerance, mode, threads, store),
     )  # fmt: skip
     asked = _asked(sweep, contact, of, percentiles)
     model = sweep.system
@@ -140,7 +139,7 @@ def contact_statistics(
         name, grid = parameter, check_values(model, parameter, values)
     swept = run_sweep(
         sweep, name, grid, lambda settled: contact_numbers(settled, asked),
-        label="contact statistics", options=asked.options, threads=threads, store=store,
+        label="contact statistics", options=asked.options,
     )  # fmt: skip
     result = contact_dataset(sweep, name, swept, asked)
     if parameter is None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.analysis.options import SharedOptions
 from nonsmooth.analysis.orbit_search.branches import (
     branch_dataset,
     check_way,
@@ -125,7 +126,8 @@ def continue_special(
     """
     wanted = read_special_options(
         branch, special, parameter, between, direction=direction, steps=steps, step=step,
-        largest_step=largest_step, smallest_step=smallest_step, tolerance=tolerance,
+        largest_step=largest_step, smallest_step=smallest_step,
+        shared=SharedOptions(tolerance=tolerance),
     )  # fmt: skip
     parts, said = follow_special(wanted, direction)
     attrs: dict[str, Any] = {
@@ -164,9 +166,33 @@ def read_special_options(
     step: Any,
     largest_step: Any,
     smallest_step: Any,
-    tolerance: float,
+    shared: SharedOptions,
 ) -> SpecialCurve:
     """The point that is meant, and how it is followed."""
+    number, kind, point = _special_point(branch, special)
+    first = str(branch.attrs["parameter"])
+    try:
+        system = shared.system_of(System.from_toml(branch.attrs["system"]))
+        system = system.with_parameters(**{first: float(point[first])})
+    except (KeyError, ModelError) as fault:
+        raise OptionError(f"branch: its attributes do not give its system: {fault}") from None
+    bounds = _second_bounds(system, first, parameter, between)
+    check_way(direction)
+    shortest, begin, longest = read_steps(smallest_step, step, largest_step)
+    options = BranchOptions(
+        system, parameter, bounds, int(branch.attrs["period"]),
+        float(branch.attrs["phase_of_period"]), not is_driven(build_tables(system)),
+        whole_number("steps", steps), begin, longest, shortest, float(shared.tolerance), False,
+    )  # fmt: skip
+    ends = [float(text) for text in str(branch.attrs["between"]).split()]
+    return SpecialCurve(
+        options, guess_of_dataset(system, point), kind,
+        str(branch["special_test"].values[number]), first, (ends[0], ends[1]),
+    )  # fmt: skip
+
+
+def _special_point(branch: Any, special: Any) -> tuple[int, str, xr.Dataset]:
+    """Number and kind of a special point that can be followed, and the orbit there."""
     if not hasattr(branch, "data_vars") or "special_test" not in branch:
         raise OptionError("branch: give a result of continue_orbit")
     count = branch.sizes["special"]
@@ -181,13 +207,12 @@ def read_special_options(
             f"special = {int(number)} is a {kind} point; curves are followed of the kinds"
             f" {', '.join(_KINDS)}"
         )
-    point = branch.isel(point=int(branch["special_point"].values[int(number)]))
-    first = str(branch.attrs["parameter"])
-    try:
-        system = System.from_toml(branch.attrs["system"])
-        system = system.with_parameters(**{first: float(point[first])})
-    except (KeyError, ModelError) as fault:
-        raise OptionError(f"branch: its attributes do not give its system: {fault}") from None
+    place = int(branch["special_point"].values[int(number)])
+    return int(number), kind, branch.isel(point=place)
+
+
+def _second_bounds(system: System, first: str, parameter: Any, between: Any) -> tuple[float, float]:
+    """Lowest and highest value of the second parameter."""
     known = [name for name in system.parameters if name != first]
     if parameter == first:
         raise OptionError(
@@ -203,18 +228,7 @@ def read_special_options(
             f"between = ({low:g}, {high:g}): the branch has {parameter} = {value:g}, which lies"
             " outside"
         )
-    check_way(direction)
-    shortest, begin, longest = read_steps(smallest_step, step, largest_step)
-    options = BranchOptions(
-        system, parameter, (low, high), int(branch.attrs["period"]),
-        float(branch.attrs["phase_of_period"]), not is_driven(build_tables(system)),
-        whole_number("steps", steps), begin, longest, shortest, tolerance, False,
-    )  # fmt: skip
-    ends = [float(text) for text in str(branch.attrs["between"]).split()]
-    return SpecialCurve(
-        options, guess_of_dataset(system, point), kind,
-        str(branch["special_test"].values[int(number)]), first, (ends[0], ends[1]),
-    )  # fmt: skip
+    return low, high
 
 
 class _Condition:

@@ -13,22 +13,19 @@ from nonsmooth.analysis.ensembles.chunk import EnsembleProtocol
 from nonsmooth.analysis.ensembles.ensemble_dataset import Frame
 from nonsmooth.analysis.ensembles.members import mappings_of, members_of, split_parameters
 from nonsmooth.analysis.ensembles.work import Work
+from nonsmooth.analysis.options import SharedOptions, system_attributes
 from nonsmooth.errors import OptionError
 from nonsmooth.runs.clock import Instant, Plan, plan_run
-from nonsmooth.runs.crew import check_threads
 from nonsmooth.runs.labels import Columns, labels_of
 from nonsmooth.runs.lane_runner import LaneRunner
 from nonsmooth.runs.options import (
     check_count,
-    check_run_options,
     check_signals,
     time_grid,
     whole_number,
 )
-from nonsmooth.runs.start import mode_numbers
 from nonsmooth.runs.strobe_times import check_phase, require_period, strobes
 from nonsmooth.system.system import System
-from nonsmooth.version import __version__
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -139,7 +136,8 @@ def ensemble(
     ({'lane': 30, 'point': 1, 'state': 2}, 'completed')
     """
     single, several = split_parameters(system, parameters)
-    system = check_run_options(system, single, mode, tolerance)
+    shared = SharedOptions(single, tolerance, mode, threads, store)
+    system = shared.system_of(system)
     if system.slow:
         raise OptionError(
             "ensemble: the parameters in slow= change from period to period; simulate the system,"
@@ -152,23 +150,19 @@ def ensemble(
         members=members_of(system, initial, several, combine),
         plan=plan,
         n_points=len(next(iter(along.values()))[1]),
-        modes=mode_numbers(system, mode),
+        mode=mode,
     )
     options = {
         "combine": combine,
         **recorded,
         "tolerance": float(tolerance),
         "initial_mode": mode or "",
-        "changed_parameters": str(single) if single else "",
+        "changed_parameters": shared.changes,
     }
-    attrs = {
-        "system_name": system.name,
-        "system": labels_of(system).system,
-        "nonsmooth_version": __version__,
-    }
+    attrs = system_attributes(system)
     frame = Frame(protocol, along, attrs | options)
     window = LaneRunner(system, tolerance).window
-    work = Work(protocol, plan(window).end.number + 1, tolerance, check_threads(threads))
+    work = Work(protocol, plan(window).end.number + 1, tolerance, shared.workers)
     if store is None:
         return work.in_memory(frame)
     asked = {

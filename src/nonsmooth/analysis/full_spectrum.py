@@ -10,9 +10,8 @@ from nonsmooth.analysis.spectra.segments import (
     record_of,
     segments_of,
 )
-from nonsmooth.analysis.spectra.spectrum_dataset import spectrum_dataset
+from nonsmooth.analysis.spectra.spectrum_dataset import check_plane, plane_label, spectrum_dataset
 from nonsmooth.analysis.spectra.transforms import two_sided
-from nonsmooth.analysis.spectra.waterfall_dataset import check_plane, plane_label
 from nonsmooth.runs.options import whole_number
 
 if TYPE_CHECKING:

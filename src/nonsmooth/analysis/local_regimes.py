@@ -8,12 +8,16 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from nonsmooth.analysis.regimes.branches import LEAST_VISITS, local_periods
-from nonsmooth.analysis.regimes.stretches import period_words, stretch_columns
+from nonsmooth.analysis.options import derived_attributes
+from nonsmooth.analysis.regimes.stretches import (
+    LEAST_VISITS,
+    local_periods,
+    period_words,
+    stretch_columns,
+)
 from nonsmooth.analysis.regimes.strobe_points import StrobePoints, strobe_points
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.runs.options import finite_number, whole_number
-from nonsmooth.version import __version__
 
 __all__ = ["local_regimes"]
 
@@ -218,9 +222,8 @@ def _dataset(
         for n in wanted
         if n in points.data and points.data[n].dims == (points.dim,)
     }
-    kept = ("system_name", "system", "status", "period", "speed")
-    attrs = {key: points.data.attrs[key] for key in kept if key in points.data.attrs}
-    attrs |= {"nonsmooth_version": __version__, "variables": ", ".join(points.names)}
+    attrs = derived_attributes(points.data, "period", "speed")
+    attrs["variables"] = ", ".join(points.names)
     return xr.Dataset(
         {"period": (points.dim, periods, period_words()), **columns}, coords, attrs | used
     )

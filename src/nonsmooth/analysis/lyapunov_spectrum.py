@@ -10,16 +10,24 @@ from typing import Any
 import xarray as xr
 
 from nonsmooth.analysis.exponents.exponent_dataset import exponent_dataset
-from nonsmooth.analysis.exponents.exponent_run import ExponentProtocol, ExponentRun, run_exponents
-from nonsmooth.analysis.exponents.settling import halves_differ, is_chaotic, said_of_later
+from nonsmooth.analysis.exponents.exponent_run import (
+    ExponentProtocol,
+    ExponentRun,
+    halves_differ,
+    is_chaotic,
+    run_exponents,
+    said_of_later,
+)
+from nonsmooth.analysis.options import SharedOptions, check_seed
 from nonsmooth.engine.status import Status
+from nonsmooth.engine.tables import Tables
 from nonsmooth.errors import OptionError, RunWarning
 from nonsmooth.runs.clock import Instant
-from nonsmooth.runs.options import check_run_options, check_signals, finite_number
+from nonsmooth.runs.options import check_signals, finite_number
 from nonsmooth.runs.options import whole_number as whole
 from nonsmooth.runs.poincare_map import PoincareMap
 from nonsmooth.runs.runner import build_derivatives, build_tables
-from nonsmooth.runs.start import resolve_start, start_at_end
+from nonsmooth.runs.start import Start, resolve_start, start_at_end
 from nonsmooth.runs.strobe_times import strobes
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.system.system import System
@@ -153,7 +161,8 @@ def lyapunov_spectrum(
     -0.02
     """
     strobe, system = _system_of(system)
-    system = check_run_options(system, parameters, mode, tolerance)
+    shared = SharedOptions(parameters, tolerance, mode, seed=seed)
+    system = shared.system_of(system)
     if system.slow:
         raise OptionError(
             f"{system.name}: exponents belong to one set of parameters, and slow= varies"
@@ -161,31 +170,27 @@ def lyapunov_spectrum(
         )
     count = _count(system, exponents)
     tables = build_tables(system)
-    start = resolve_start(system, tables, initial, t_start, mode, parameters is not None)
-    start = start_at_end(start)
     window = tables.window
     periodic = system.period_value is not None
     unit = 1.0 if periodic else window
     if strobe is not None:
         strobe = strobe.with_parameters(**parameters) if parameters else strobe
         periodic, unit = True, window / (strobe.every * (strobe.length or window))
-        if t_start is None and not hasattr(initial, "data_vars"):
-            number, phase = strobes(window, Instant(0, 0.0), strobe.length, strobe.phase, 0, 1)
-            start = replace(start, instant=Instant(int(number[0]), float(phase[0])))
+    start = _start(system, tables, strobe, initial, t_start, shared)
     protocol = _protocol(transient, record, interval, unit, periodic)
     more = 0 if confirm == 0 else whole("confirm", confirm)
     first = start.instant.time(window)
     check_signals(system, first, first + (protocol.transient + protocol.record) * window)
-    derivatives = build_derivatives(system, tables, ())
-    run = run_exponents(system, tables, derivatives, start, protocol, count, tolerance, _seed(seed))
+    derivatives, number = build_derivatives(system, tables, ()), check_seed(shared.seed)
+    run = run_exponents(system, tables, derivatives, start, protocol, count, tolerance, number)
     options: dict[str, Any] = {
         "transient": protocol.transient * unit,
         "record": protocol.record * unit,
         "interval": protocol.interval * unit,
         "confirm": more,
         "tolerance": float(tolerance),
-        "seed": _seed(seed),
-        "changed_parameters": str(dict(parameters)) if parameters else "",
+        "seed": number,
+        "changed_parameters": shared.changes,
         **({} if strobe is None else strobe.protocol),
     }
     length = strobe.length if strobe is not None else None
@@ -220,6 +225,23 @@ def _system_of(given: Any) -> tuple[StroboscopicMap | None, Any]:
     return (given, given.system) if isinstance(given, StroboscopicMap) else (None, given)
 
 
+def _start(
+    system: System,
+    tables: Tables,
+    strobe: StroboscopicMap | None,
+    initial: Any,
+    t_start: float | None,
+    shared: SharedOptions,
+) -> Start:
+    """Where derivatives begin: at a state, and without a time of its own at the phase of a map."""
+    repeated = shared.parameters is not None
+    start = start_at_end(resolve_start(system, tables, initial, t_start, shared.mode, repeated))
+    if strobe is None or t_start is not None or hasattr(initial, "data_vars"):
+        return start
+    number, phase = strobes(tables.window, Instant(0, 0.0), strobe.length, strobe.phase, 0, 1)
+    return replace(start, instant=Instant(int(number[0]), float(phase[0])))
+
+
 def _count(system: System, exponents: Any) -> int:
     n = len(system.states)
     count = n if exponents is None else whole("exponents", exponents)
@@ -252,10 +274,3 @@ def _protocol(
             raise OptionError(f"interval = {interval} must be positive")
     parts = max(1, round(whole_record / wanted))
     return ExponentProtocol(float(transient) / unit, whole_record, whole_record / parts, parts)
-
-
-def _seed(seed: Any) -> int:
-    value = finite_number("seed", seed)
-    if value != int(value) or value < 0:
-        raise OptionError(f"seed = {seed!r:.60} must be a whole number, not negative")
-    return int(value)

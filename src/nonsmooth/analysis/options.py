@@ -7,6 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+import numpy.typing as npt
+
 from nonsmooth.errors import ModelError, OptionError, unknown_name
 from nonsmooth.runs.crew import check_threads
 from nonsmooth.runs.labels import labels_of
@@ -20,7 +23,9 @@ __all__ = [
     "SharedOptions",
     "check_match",
     "check_seed",
+    "check_values",
     "completion_rule",
+    "derived_attributes",
     "result_attributes",
     "system_attributes",
 ]
@@ -51,7 +56,7 @@ class SharedOptions:
         Seed of the random numbers: the same seed gives the same result.
     """
 
-    parameters: Mapping[str, float] | None = None
+    parameters: Mapping[str, float | str] | None = None
     tolerance: float = 1e-12
     mode: str | None = None
     threads: int | None = None
@@ -94,6 +99,22 @@ def check_match(match: Any) -> float:
     return number
 
 
+def check_values(system: System, parameter: Any, values: Any) -> npt.NDArray[np.float64]:
+    """Values of the parameter, one for each column."""
+    if parameter not in system.parameters:
+        raise OptionError(unknown_name("parameter", str(parameter), system.parameters))
+    try:
+        grid = np.atleast_1d(np.asarray(values, dtype=float))
+    except (TypeError, ValueError):
+        raise OptionError(f"values = {values!r:.60}: give a list of numbers") from None
+    if grid.ndim != 1 or grid.size == 0 or not np.all(np.isfinite(grid)):
+        raise OptionError(
+            "values= takes a one-dimensional, non-empty list of finite numbers, such as"
+            " np.linspace(0.5, 1.0, 400)"
+        )
+    return grid
+
+
 def completion_rule(place: str, text: str, known: list[str], given: str) -> Expression:
     """What completes a start: a text of what is ``given`` and of the ``known`` names beside it."""
     try:
@@ -116,6 +137,16 @@ def result_attributes(
 ) -> dict[str, Any]:
     """Attributes that tell of which system a result is, how it ended, and with which options."""
     return {**system_attributes(system), "status": status, "message": message, **options}
+
+
+def derived_attributes(data: Any, *more: str) -> dict[str, Any]:
+    """Attributes of what is made from a result: the system and the status that it tells.
+
+    ``more`` are names of others that are kept.
+    """
+    kept = ("system_name", "system", "status", *more)
+    found = {name: data.attrs[name] for name in kept if name in data.attrs}
+    return found | {"nonsmooth_version": __version__}
 
 
 def system_attributes(system: System) -> dict[str, Any]:

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.analysis.options import derived_attributes
 from nonsmooth.analysis.spectra.segments import check_run, check_window, record_of
+from nonsmooth.analysis.spectra.spectrum_dataset import Rows, check_plane, waterfall_dataset
 from nonsmooth.analysis.spectra.transforms import about_mean, phases
-from nonsmooth.analysis.spectra.waterfall_dataset import Rows, check_plane, waterfall_dataset
 from nonsmooth.analysis.statistics.series import slow_names
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.runs.options import whole_number
-from nonsmooth.version import __version__
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -117,9 +117,7 @@ def order_tracking(
     )
     middle = values[first + 1 : places[-1] + 1].reshape(blocks, length).mean(axis=1)
     label = run[name].attrs | {"long_name": run[name].attrs.get("long_name", name)}
-    kept = {key: run.attrs[key] for key in ("system_name", "system", "status") if key in run.attrs}
-    attrs: dict[str, Any] = kept | {
-        "nonsmooth_version": __version__,
+    attrs: dict[str, Any] = derived_attributes(run) | {
         "parameter": name,
         "variable": names[0],
         "second_variable": names[1] if len(names) == 2 else "",

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.analysis.options import derived_attributes
 from nonsmooth.analysis.spectra.segments import check_run
 from nonsmooth.analysis.statistics.series import slow_names
-from nonsmooth.analysis.sweeps.visits import visits_of
+from nonsmooth.analysis.sweeps.contacts import visits_of
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.runs.options import whole_number
 from nonsmooth.runs.start import mode_numbers
 from nonsmooth.system.system import System
-from nonsmooth.version import __version__
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -118,9 +118,7 @@ def period_statistics(
             time | {"long_name": "time at which the period begins"},
         ),
     }  # fmt: skip
-    kept = {key: run.attrs[key] for key in ("system_name", "system", "status") if key in run.attrs}
-    attrs = kept | {
-        "nonsmooth_version": __version__,
+    attrs = derived_attributes(run) | {
         "contact": contact or "",
         "periods": frame.together,
     }

@@ -9,22 +9,20 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from nonsmooth.analysis.regimes.labels import INADMISSIBLE
-from nonsmooth.analysis.regimes.options import check_system, make_protocol
+from nonsmooth.analysis.options import SharedOptions, result_attributes
+from nonsmooth.analysis.regimes.labels import INADMISSIBLE, Verdict
+from nonsmooth.analysis.regimes.options import RegimeProtocol, check_system, make_protocol
 from nonsmooth.analysis.regimes.regime_dataset import numbers_of
 from nonsmooth.analysis.regimes.regime_run import first_windows, settled_regimes
-from nonsmooth.analysis.regimes.verdict import RegimeProtocol, Verdict
 from nonsmooth.analysis.settle import ParameterSets, said_of_start, settle
 from nonsmooth.errors import OptionError
 from nonsmooth.runs.first_mode import explain_misfit
-from nonsmooth.runs.labels import labels_of, with_doubts
-from nonsmooth.runs.options import check_run_options
+from nonsmooth.runs.labels import with_doubts
 from nonsmooth.runs.runner import build_tables
 from nonsmooth.runs.start import resolve_start, start_at_end
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.runs.sweep_runner import SweepRunner
 from nonsmooth.system.system import System
-from nonsmooth.version import __version__
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -190,7 +188,8 @@ def regime(
     >>> float(found["multiplier_modulus"].prod().round(4))
     0.4775
     """
-    system = check_run_options(system, parameters, mode, tolerance)
+    shared = SharedOptions(parameters, tolerance, mode)
+    system = shared.system_of(system)
     check_system(system, period, "regime")
     protocol = make_protocol(transient, record, evidence, longest, confirm, phase, match)
     chosen = StroboscopicMap(system, phase=protocol.phase, period=period)
@@ -207,11 +206,7 @@ def regime(
     )
     if verdict.label == INADMISSIBLE and verdict.transient_used == 0:
         raise OptionError(explain_misfit(system, tables, start, runner.segment.z))
-    options = {
-        "tolerance": float(tolerance),
-        "changed_parameters": str(dict(parameters)) if parameters else "",
-        "initial": said_of_start(initial),
-    }
+    options = {**shared.recorded, "initial": said_of_start(initial)}
     return _dataset(system, protocol, verdict, options)
 
 
@@ -232,14 +227,10 @@ def _dataset(
             ("multiplier",), values.copy(), {"long_name": f"multiplier, {name}"},
         )  # fmt: skip
     coords = {"multiplier": ("multiplier", np.arange(1, multipliers.size + 1))}
-    attrs = {
-        "system_name": system.name,
-        "system": labels_of(system).system,
-        "nonsmooth_version": __version__,
-        "status": "completed",
-        "message": with_doubts(
-            f"{verdict.label}: {verdict.reason}", verdict.uncertain, verdict.estimated
-        ),
+    message = with_doubts(
+        f"{verdict.label}: {verdict.reason}", verdict.uncertain, verdict.estimated
+    )
+    told = {
         "certified": int(verdict.uncertain == verdict.estimated == 0),
         "transient": protocol.transient,
         "record": protocol.record,
@@ -249,5 +240,6 @@ def _dataset(
         "phase_of_period": protocol.phase,
         "strobe_period": verdict.length,
         "match": protocol.match,
+        **options,
     }
-    return xr.Dataset(variables, coords, attrs | options)
+    return xr.Dataset(variables, coords, result_attributes(system, "completed", message, told))

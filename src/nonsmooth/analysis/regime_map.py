@@ -10,15 +10,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.analysis.diagrams.diagram_options import check_way
+from nonsmooth.analysis.diagrams.chain_links import check_way
+from nonsmooth.analysis.options import SharedOptions
 from nonsmooth.analysis.regimes.border_refinement import refine_borders, refined_values
 from nonsmooth.analysis.regimes.options import check_system, make_protocol
 from nonsmooth.analysis.regimes.points import Plane
 from nonsmooth.analysis.regimes.regime_dataset import map_dataset
 from nonsmooth.analysis.settle import said_of_start
 from nonsmooth.errors import OptionError, unknown_name
-from nonsmooth.runs.crew import check_threads
-from nonsmooth.runs.options import check_run_options, finite_number
+from nonsmooth.runs.options import finite_number
 from nonsmooth.runs.runner import build_tables
 from nonsmooth.runs.start import Start, check_carried, resolve_start
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
@@ -161,7 +161,8 @@ def regime_map(
             "tolerance": tolerance, "mode": mode, "threads": threads,
         }  # fmt: skip
         return _maps_of_starts(partial(regime_map, system, over, **same), initial, store)
-    system = check_run_options(system, parameters, mode, tolerance)
+    shared = SharedOptions(parameters, tolerance, mode, threads, store)
+    system = shared.system_of(system)
     check_system(system, period, "regime_map")
     names, values = _check_grid(system, over)
     levels = _check_refine(refine)
@@ -198,7 +199,7 @@ def regime_map(
         "match": protocol.match,
         "tolerance": float(tolerance),
         "mode_of_start": mode or "",
-        "changed_parameters": str(dict(parameters)) if parameters else "",
+        "changed_parameters": shared.changes,
     }
     told = options | {
         "system": system.to_toml(),
@@ -207,7 +208,7 @@ def regime_map(
     }
     plane = Plane(
         protocol, StroboscopicMap(system, phase=protocol.phase, period=period), names, fine,
-        initial, mode, tolerance, check_threads(threads), store, way, told,
+        initial, mode, tolerance, shared.workers, store, way, told,
     )  # fmt: skip
     filled = refine_borders(plane.keys, levels, plane.compute)
     if fill == "motions":

@@ -1,14 +1,14 @@
 """`settle`: the one path from parameter values and a start to what a settled motion leaves behind.
 
-Diagrams, sweeps and regimes are reductions of what it records. Motions at several sets of parameter
-values are set up, settled and recorded side by side, in one call of the engine.
+Diagrams, sweeps, regimes and ensembles are reductions of what it records. Motions at several sets
+of parameter values are set up, settled and recorded side by side, in one call of the engine.
 """
 
 from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Mapping
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, NamedTuple, TypeAlias, TypeVar
 
 import numpy as np
@@ -26,6 +26,7 @@ from nonsmooth.runs.strobe_times import strobes
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.runs.sweep_runner import Recorded, SweepRunner, SweepStarts, Times
 from nonsmooth.system.model.value_checks import rests_alike, sure_values
+from nonsmooth.system.system import System
 
 __all__ = [
     "Group",
@@ -71,14 +72,16 @@ class ParameterSet(NamedTuple):
 class ParameterSets:
     """Sets of parameter values with a start each, checked together where that says enough.
 
-    ``values`` has K values of each parameter that is varied, or none. ``initial`` is what the user
-    gave, or where values are not varied, a start. ``begins`` makes the start of a motion
-    from the one that was asked for; without it that is the start.
+    ``chosen`` is a map, whose points are the times of the motions; or a system, where the times
+    come from elsewhere. ``values`` has K values of each parameter that is varied, or none.
+    ``initial`` is what the user gave, or a list with a mapping for each set, of the same states; or
+    where values are not varied, a start. ``begins`` makes the start of a motion from the one that
+    was asked for; without it that is the start.
     """
 
     def __init__(
         self,
-        chosen: StroboscopicMap,
+        chosen: StroboscopicMap | System,
         values: Mapping[str, Floats],
         initial: Any,
         mode: str | None,
@@ -86,8 +89,9 @@ class ParameterSets:
     ) -> None:
         self.chosen, self._values = chosen, values
         self.count = next(iter(values.values())).size if values else 1
+        self.system = _system_of(chosen)
         self._initial, self._mode, self._begins = initial, mode, begins
-        self._known = chosen.system.parameter_values
+        self._known = self.system.parameter_values
 
     @cached_property
     def _is_named(self) -> bool:
@@ -97,8 +101,10 @@ class ParameterSets:
         with the values that it has had.
         """
         initial = self._initial
-        return initial is None or (
-            isinstance(initial, Mapping) and not hasattr(initial, "data_vars")
+        return (
+            initial is None
+            or isinstance(initial, list)
+            or (isinstance(initial, Mapping) and not hasattr(initial, "data_vars"))
         )
 
     @cached_property
@@ -107,22 +113,29 @@ class ParameterSets:
         chosen, values = self.chosen, self._values
         if not values:
             return np.ones(1, bool)
-        if not self._is_named or isinstance(chosen.period, str):
+        strobes_vary = isinstance(chosen, StroboscopicMap) and isinstance(chosen.period, str)
+        if not self._is_named or strobes_vary or not rests_alike(self.system, values):
             return np.zeros(self.count, bool)
-        if not rests_alike(chosen.system, values):
-            return np.zeros(self.count, bool)
-        return sure_values(chosen.system, values)
+        return sure_values(self.system, values)
 
     @cached_property
-    def _known_start(self) -> Start | None:
-        """The start where it is the same for all that are sure: no mode completes its state."""
-        if isinstance(self._initial, Start):
-            return self._initial
-        open_state = self.chosen.system.open_state
-        left_out = [name for name, value in open_state.items() if np.isnan(value)]
-        if not self._is_named or not set(left_out).issubset(self._initial or {}):
+    def _known_starts(self) -> list[Start] | None:
+        """Starts of sets that are sure; None where a mode completes them, or for points."""
+        initial = self._initial
+        if isinstance(initial, Start):
+            return [initial] * self.count
+        given = initial[0] if isinstance(initial, list) else (initial or {})
+        left_out = [name for name, value in self.system.open_state.items() if np.isnan(value)]
+        if not self._is_named or not set(left_out).issubset(given):
             return None
-        return self._resolved(self.chosen, None)
+        first = self._resolved(0, self.system, None)
+        if not isinstance(initial, list):
+            return [first] * self.count
+        states = np.tile(first.state, (self.count, 1))
+        for k, name in enumerate(self.system.states):
+            if name in given:
+                states[:, k] = [each[name] for each in initial]
+        return [Start(state, first.instant, first.modes) for state in states]
 
     @property
     def varied(self) -> list[str]:
@@ -134,17 +147,31 @@ class ParameterSets:
         changed = {name: float(each[i]) for name, each in self._values.items()}
         if not self._sure[i]:
             chosen = self.chosen.with_parameters(**changed)
+            system = _system_of(chosen)
             return ParameterSet(
-                chosen.system.parameter_values, chosen.length,
-                lambda tables: self._resolved(chosen, tables),
-            )  # fmt: skip
-        values = self._known | changed
-        start = self._known_start or (lambda tables: self._resolved(self.chosen, tables))
-        return ParameterSet(values, self.chosen.length, start)
+                system.parameter_values, _length_of(chosen), partial(self._resolved, i, system)
+            )
+        known = self._known_starts
+        start = partial(self._resolved, i, self.system) if known is None else known[i]
+        return ParameterSet(self._known | changed, self._length, start)
 
-    def _resolved(self, chosen: StroboscopicMap, tables: Any) -> Start:
-        found = resolve_start(chosen.system, tables, self._initial, None, self._mode, repeated=True)
+    @cached_property
+    def _length(self) -> float | None:
+        return _length_of(self.chosen)
+
+    def _resolved(self, i: int, system: System, tables: Any) -> Start:
+        initial = self._initial[i] if isinstance(self._initial, list) else self._initial
+        found = resolve_start(system, tables, initial, None, self._mode, repeated=True)
         return found if self._begins is None else self._begins(found)
+
+
+def _system_of(chosen: StroboscopicMap | System) -> System:
+    return chosen if isinstance(chosen, System) else chosen.system
+
+
+def _length_of(chosen: StroboscopicMap | System) -> float | None:
+    """Time between strobes, None where that is the period or where there are none."""
+    return None if isinstance(chosen, System) else chosen.length
 
 
 class Group:
@@ -157,9 +184,10 @@ class Group:
     def __init__(
         self, runner: SweepRunner, all_sets: ParameterSets, numbers: range, stop: threading.Event
     ) -> None:
-        self.runner, self.chosen, self.stop = runner, all_sets.chosen, stop
-        self.system, self.varied = self.chosen.system, all_sets.varied
-        self.count = len(numbers)
+        self.runner, self.stop = runner, stop
+        self.system, self.varied = all_sets.system, all_sets.varied
+        self._chosen = all_sets.chosen
+        self.numbers, self.count = numbers, len(numbers)
         sets = [_unless_refused(all_sets, i) for i in numbers]
         own = list(self.system.parameter_values.values())
         rows = [own if each is None else list(each.values.values()) for each in sets]
@@ -215,6 +243,12 @@ class Group:
             for old, new in zip(kept[1:], begun[1:], strict=True):
                 old[misfit] = new[misfit]
             self.motions = kept
+
+    @property
+    def chosen(self) -> StroboscopicMap:
+        """The map whose strobes are the times of the motions."""
+        assert isinstance(self._chosen, StroboscopicMap)
+        return self._chosen
 
     @property
     def is_misfit(self) -> Bools:
@@ -300,14 +334,16 @@ def settle(
     reduce: Reduce[T],
     follow: Callable[[], End | None] | None = None,
     alone: bool = False,
+    log: bool = True,
 ) -> tuple[list[T], End | None]:
     """What ``reduce`` makes of a motion at each set of values, and where the last one was left.
 
-    Each motion runs to the first of its ``times`` without a log, and on to the last one with it.
-    Some run side by side; ``reduce`` is given these and may run them further. With ``follow`` a
-    motion begins where the one before was left, and the first one where ``follow()`` says. After
-    values at which the motion has ended early, or that the system refuses, it begins anew. Motions
-    that follow others which ``reduce`` runs further go ``alone``.
+    Each motion runs to the first of its ``times`` without a log of events, and on to the last one
+    with it, unless no ``log`` is wanted. Some run side by side; ``reduce`` is given these and may
+    run them further. With ``follow`` a motion begins where the one before was left, and the first
+    one where ``follow()`` says. After values at which the motion has ended early, or that the
+    system refuses, it begins anew. Motions that follow others which ``reduce`` runs further go
+    ``alone``.
     """
     found: list[T] = []
     end = None if follow is None else follow()
@@ -321,6 +357,7 @@ def settle(
             group.motions,
             times(group),
             follows=None if follow is None else group.strobes(0, 1),
+            log=log,
             stop=stop,
         )
         try:

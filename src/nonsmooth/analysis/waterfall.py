@@ -9,14 +9,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.analysis.diagrams.diagram_options import check_values
+from nonsmooth.analysis.options import SharedOptions, check_values
 from nonsmooth.analysis.spectra.segments import check_window, without_drift
+from nonsmooth.analysis.spectra.spectrum_dataset import Rows, check_plane, waterfall_dataset
 from nonsmooth.analysis.spectra.transforms import about_mean, phases
-from nonsmooth.analysis.spectra.waterfall_dataset import Rows, check_plane, waterfall_dataset
 from nonsmooth.analysis.sweeps.settled import SweptMotion
-from nonsmooth.analysis.sweeps.sweep import SweepProtocol, make_sweep, run_sweep
-from nonsmooth.analysis.sweeps.sweep_dataset import (
+from nonsmooth.analysis.sweeps.sweep import (
+    SweepProtocol,
+    make_sweep,
     parameter_coordinate,
+    run_sweep,
     stacked,
     statuses,
     sweep_attributes,
@@ -138,7 +140,7 @@ def waterfall(
     """
     sweep = make_sweep(
         system, "waterfall", initial=initial, start=start, transient=transient, record=record,
-        parameters=parameters, tolerance=tolerance, mode=mode,
+        shared=SharedOptions(parameters, tolerance, mode, threads, store),
     )  # fmt: skip
     model = sweep.system
     grid = check_values(model, parameter, values)
@@ -171,8 +173,7 @@ def waterfall(
         "second_variable": names[1] if len(names) == 2 else "",
     }
     swept = run_sweep(
-        sweep, parameter, grid, reduce, label="waterfall", options=options, threads=threads,
-        store=store,
+        sweep, parameter, grid, reduce, label="waterfall", options=options,
     )  # fmt: skip
     number = np.arange(length // 2 + 1) if len(names) == 1 else np.arange(length) - length // 2
     rows = Rows(

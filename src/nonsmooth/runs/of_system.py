@@ -17,7 +17,7 @@ __all__ = ["map_of"]
 
 def map_of(
     given: Any,
-    parameters: Mapping[str, float] | None,
+    parameters: Mapping[str, float | str] | None,
     tolerance: float,
     verb: str,
     *,

@@ -109,16 +109,8 @@ def attractor_variables(
 
     ``labels`` are those of the admissible starts, whose shares are the fractions.
     """
-    n, most = len(system.states), max((len(a.points) for a in attractors), default=0)
-    free = n - len(system.drift_states)
-    points = np.full((len(attractors), most, n), np.nan)
     words = labels_of(system)
-    modes = np.full((len(attractors), most), -1, words.mode_type)
-    multipliers = np.full((len(attractors), free), np.nan + 0j)
-    for i, one in enumerate(attractors):
-        points[i, : len(one.points)], modes[i, : len(one.points)] = one.points, one.modes
-        if one.multipliers is not None:
-            multipliers[i] = one.multipliers
+    points, modes, multipliers = _as_arrays(system, attractors)
     # of no starts at all, after an interruption, there is no share
     share = np.full(len(attractors), np.nan)
     if labels.size:
@@ -167,6 +159,22 @@ def attractor_variables(
         "state": (("state",), list(system.states)),
     }
     return variables, coords
+
+
+def _as_arrays(
+    system: System, attractors: list[Attractor]
+) -> tuple[Floats, npt.NDArray[Any], npt.NDArray[np.complex128]]:
+    """Points, modes and multipliers of attractors, filled up with nan and -1."""
+    count, n = len(attractors), len(system.states)
+    most = max((len(one.points) for one in attractors), default=0)
+    points = np.full((count, most, n), np.nan)
+    modes = np.full((count, most), -1, labels_of(system).mode_type)
+    multipliers = np.full((count, n - len(system.drift_states)), np.nan + 0j)
+    for i, one in enumerate(attractors):
+        points[i, : len(one.points)], modes[i, : len(one.points)] = one.points, one.modes
+        if one.multipliers is not None:
+            multipliers[i] = one.multipliers
+    return points, modes, multipliers
 
 
 def share_error(share: Any, count: int) -> Any:

@@ -1,4 +1,8 @@
-"""Finds attractors: motions run until they come to a known one, or recur and so find a new one."""
+"""Finds attractors: motions run until they come to a known one, or recur and so find a new one.
+
+They do not take the path of `settle`: each runs as long as what it comes to demands, block by block
+of images, and thousands of starts at one set of parameter values share their tables.
+"""
 
 from __future__ import annotations
 

@@ -8,8 +8,11 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["End", "links_of", "pack_end", "take_end"]
+from nonsmooth.errors import OptionError, unknown_name
 
+__all__ = ["End", "check_way", "links_of", "pack_end", "take_end"]
+
+_STARTS = ("restart", "follow up", "follow down")
 _TOGETHER = 16  # columns in a link: a few milliseconds of work
 _NAME = "end_of_link"
 
@@ -20,6 +23,13 @@ class End(NamedTuple):
     state: npt.NDArray[np.float64]
     mode: int
     part: float = 0.0  # of the window that has passed, where that is not known otherwise
+
+
+def check_way(start: Any) -> str:
+    """How columns begin."""
+    if start not in _STARTS:
+        raise OptionError(f"start = {start!r}: {unknown_name('way', str(start), _STARTS)}")
+    return str(start)
 
 
 def links_of(grid: npt.NDArray[np.float64], start: str) -> list[list[int]]:

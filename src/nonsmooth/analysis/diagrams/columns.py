@@ -10,16 +10,23 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.diagrams.chain_links import End, pack_end, take_end
+from nonsmooth.analysis.options import check_match
 from nonsmooth.engine.status import Status
 from nonsmooth.engine.tables import Tables
+from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.runs.maps import Map
+from nonsmooth.runs.options import whole_number
 from nonsmooth.runs.outputs import SampleClock, output_values
+from nonsmooth.runs.poincare_map import PoincareMap
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.system.system import System
 
 __all__ = [
-    "DiagramProtocol", "Look", "nothing", "pack_looks", "unpack_looks", "with_outputs",
+    "DiagramProtocol", "Look", "nothing", "pack_looks", "read_protocol", "unpack_looks",
+    "with_outputs",
 ]  # fmt: skip
+
+_SIDES = ("before", "after")
 
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
@@ -77,6 +84,47 @@ class Look:
     uncertain: int
     estimated: int
     window: float  # mean time of an iterate
+
+
+def read_protocol(
+    chosen: Map, parameter: str, transient: Any, record: Any, match: Any, at: Any, side: Any
+) -> DiagramProtocol:
+    """How every column is computed."""
+    system = chosen.system
+    if side not in _SIDES:
+        raise OptionError(f"side = {side!r}: {unknown_name('side', str(side), _SIDES)}")
+    return DiagramProtocol(
+        chosen=chosen,
+        parameter=parameter,
+        transient=0 if transient == 0 else whole_number("transient", transient),
+        record=whole_number("record", record),
+        match=check_match(match),
+        exits=_exits(chosen, at, side),
+        after=side == "after",
+        drifting=np.array([name in system.drift_states for name in system.states]),
+        outputs=bool(system.outputs),
+    )
+
+
+def _exits(chosen: Map, at: Any, side: Any) -> npt.NDArray[np.bool_] | None:
+    """Exits of each mode with a name; None for the points of the map."""
+    system = chosen.system
+    if isinstance(chosen, PoincareMap) and (at, side) != ("strobe", "before"):
+        raise OptionError(
+            f"at = {at!r:.60}, side = {side!r:.60}: the map says itself where its points lie and on"
+            " which side of an event; give these to PoincareMap"
+        )
+    if at == "strobe":
+        return None
+    names = system.compiled.exit_names
+    known = dict.fromkeys(name for of_mode in names for name in of_mode)
+    if at not in known:
+        raise OptionError(f"at: {unknown_name('event', str(at), ['strobe', *known])}")
+    most = max(len(of_mode) for of_mode in names)
+    found = np.zeros((len(names), most), bool)
+    for m, of_mode in enumerate(names):
+        found[m, : len(of_mode)] = [name == at for name in of_mode]
+    return found
 
 
 def with_outputs(

@@ -9,10 +9,10 @@ import numpy.typing as npt
 import xarray as xr
 
 from nonsmooth.analysis.diagrams.columns import DiagramProtocol, Look
+from nonsmooth.analysis.options import result_attributes
 from nonsmooth.analysis.statistics.periodicity import REPEATS
 from nonsmooth.engine.status import Status
 from nonsmooth.runs.labels import labels_of
-from nonsmooth.version import __version__
 
 __all__ = ["diagram_dataset"]
 
@@ -57,15 +57,9 @@ def diagram_dataset(
     message = f"interrupted by the user; {len(done)} of {n_wanted} columns are done and kept"
     if complete:
         message = _message(protocol, [one for _, _, one in _each(looks)])
-    attrs = {
-        "system_name": system.name,
-        "system": labels.system,
-        "nonsmooth_version": __version__,
-        "status": "completed" if complete else "interrupted",
-        "message": message,
-        "parameter": protocol.parameter,
-    }
-    return xr.Dataset(variables, coords, attrs | options)
+    status = "completed" if complete else "interrupted"
+    told = {"parameter": protocol.parameter, **options}
+    return xr.Dataset(variables, coords, result_attributes(system, status, message, told))
 
 
 def _each(looks: list[list[Look | None]]) -> Any:

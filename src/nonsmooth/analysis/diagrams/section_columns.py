@@ -1,4 +1,8 @@
-"""Columns of a bifurcation diagram over a return map: what its points do, once settled."""
+"""Columns of a bifurcation diagram over a return map: what its points do, once settled.
+
+They do not take the path of `settle`, which has to know the times of a record before: how long a
+motion takes to its next point shows when it gets there, so each motion is searched by itself.
+"""
 
 from __future__ import annotations
 
@@ -42,7 +46,7 @@ def run_section_chain(
 ) -> tuple[list[Look], End | None]:
     """Motions at several values of the parameter.
 
-    The same as `settle` does for strobes; a motion is followed from just behind its last point.
+    Where motions follow each other, one goes on from just behind the last point of the other.
     """
     looks: list[Look] = []
     last = None if follow is None else follow()

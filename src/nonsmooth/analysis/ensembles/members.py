@@ -56,6 +56,11 @@ class Members:
             found[:, k] = self.starts[name][starts] if name in self.starts else value
         return found
 
+    def mappings(self, lanes: npt.NDArray[np.int64]) -> list[dict[str, float]]:
+        """What is given of the initial state of each lane."""
+        starts = (lanes if self.paired else lanes % self.n_starts).tolist()
+        return [{name: float(each[i]) for name, each in self.starts.items()} for i in starts]
+
 
 def members_of(system: System, initial: Any, arrays: Mapping[str, Floats], combine: Any) -> Members:
     """Lanes of initial states and of parameters with several values, as users give them."""

@@ -7,9 +7,14 @@ from collections.abc import Callable, Collection, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from nonsmooth.analysis.ensembles.chunk import Chunk, EnsembleProtocol, empty_chunk
+from nonsmooth.analysis.ensembles.chunk import (
+    Chunk,
+    EnsembleProtocol,
+    Runners,
+    empty_chunk,
+    run_chunk,
+)
 from nonsmooth.analysis.ensembles.ensemble_dataset import Frame, dataset_in_file, dataset_in_memory
-from nonsmooth.analysis.ensembles.run_chunk import Runners, run_chunk
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import OptionError
 from nonsmooth.runs.crew import run_tasks

@@ -9,11 +9,11 @@ import numpy.typing as npt
 import xarray as xr
 
 from nonsmooth.analysis.exponents.exponent_run import ExponentRun
+from nonsmooth.analysis.options import result_attributes
 from nonsmooth.analysis.statistics.block_averages import block_averages
 from nonsmooth.engine.status import CURES, Status
 from nonsmooth.runs.labels import labels_of, with_doubts
 from nonsmooth.system.system import System
-from nonsmooth.version import __version__
 
 __all__ = ["exponent_dataset", "kaplan_yorke_dimension"]
 
@@ -65,12 +65,7 @@ def exponent_dataset(
         "exponent": ("exponent", np.arange(1, values.size + 1), {"long_name": "number"}),
         "time": ("time", run.times[1:], time),
     }
-    attrs = {
-        "system_name": system.name,
-        "system": labels_of(system).system,
-        "nonsmooth_version": __version__,
-        "status": run.status.word,
-        "message": _message(run) + (f"; {unsettled}" if unsettled else ""),
+    told = {
         "settled": int(not unsettled),
         "duration": duration,
         "n_events": run.n_events,
@@ -81,10 +76,12 @@ def exponent_dataset(
         "block_length": blocks.length,
         "n_blocks": blocks.n_blocks,
         "blocks_independent": int(blocks.independent),
+        **({} if system.period_value is None else {"period": system.period_value}),
+        **options,
     }
-    if system.period_value is not None:
-        attrs["period"] = system.period_value
-    return xr.Dataset(variables, coords, attrs | options)
+    message = _message(run) + (f"; {unsettled}" if unsettled else "")
+    attrs = result_attributes(system, run.status.word, message, told)
+    return xr.Dataset(variables, coords, attrs)
 
 
 def kaplan_yorke_dimension(

@@ -1,8 +1,11 @@
-"""Labels of regimes, and the rules by which the evidence of a window becomes one."""
+"""Labels of regimes, the rules by which evidence becomes one, and what is known of a motion."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field, replace
+
 import numpy as np
+import numpy.typing as npt
 
 from nonsmooth.engine.status import Status
 
@@ -19,10 +22,13 @@ __all__ = [
     "QUASI_PERIODIC",
     "REPEATING",
     "UNSETTLED",
+    "Verdict",
     "contradiction",
     "label_of_end",
     "label_of_growth",
 ]
+
+Floats = npt.NDArray[np.float64]
 
 EQUILIBRIUM, LOCKED, PERIODIC = "equilibrium", "locked", "periodic"
 LIMIT_CYCLE, QUASI_PERIODIC, CHAOTIC = "limit-cycle", "quasi-periodic", "chaotic"
@@ -46,6 +52,48 @@ FALLING = 0.75  # of an exponent is left in the next window where growth is line
 NEARLY = 0.01  # of the scatter of strobes is left between those that repeat nearly
 ROUNDING = 1e-9  # of the growth in a window
 K_CHAOTIC, K_REGULAR = 0.2, 0.5  # below, and above, the 0-1 test contradicts the exponent
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """Label of a motion and the numbers that it rests on; n states."""
+
+    label: str
+    reason: str
+    transient_used: int
+    length: float  # time between strobes
+    drift: Floats  # (n,): change of each state from strobe to strobe
+    period: int = 0
+    word: str = ""
+    events: float = np.nan  # per strobe interval
+    impacts: float = np.nan
+    multipliers: npt.NDArray[np.complex128] = field(default_factory=lambda: np.zeros(0, complex))
+    exponent: float = np.nan
+    error: float = np.nan
+    k: float = np.nan
+    residual: float = np.nan
+    uncertain: int = 0
+    estimated: int = 0
+    progresses: int = 0  # whether a state drifts from period to period
+    last: tuple[Floats, int] | None = None  # state and mode at the last strobe that was looked at
+
+    @property
+    def is_settled(self) -> bool:
+        """Whether the label is final."""
+        return self.label != UNSETTLED
+
+    def unsettled(self, reason: str) -> Verdict:
+        """The same evidence without a label."""
+        return replace(self, label=UNSETTLED, reason=reason)
+
+    @property
+    def modulus(self) -> float:
+        """Modulus of the largest multiplier, nan where none is known."""
+        return (
+            float(np.abs(self.multipliers).max(initial=-np.inf))
+            if self.multipliers.size
+            else np.nan
+        )
 
 
 def label_of_end(status: Status) -> str:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
-from nonsmooth.analysis.regimes.verdict import TESTED, RegimeProtocol
+from nonsmooth.analysis.options import check_match
 from nonsmooth.errors import ModelError, OptionError
 from nonsmooth.runs.options import check_count, finite_number, whole_number
 from nonsmooth.runs.strobe_times import check_phase, require_period
@@ -12,10 +13,29 @@ from nonsmooth.system.system import System
 from nonsmooth.system.text.evaluate import constant_value
 from nonsmooth.system.text.grammar import parse
 
-__all__ = ["check_system", "make_protocol", "strobe_length"]
+__all__ = ["RegimeProtocol", "check_system", "make_protocol", "strobe_length"]
 
+TESTED = 200  # strobes of evidence from which the 0-1 test says something
 _LEAST_EVIDENCE = 20  # strobes of which averages of an exponent can be told apart
 _DOUBLINGS = 16  # of the transient, as a factor, where no longest one is given
+
+
+@dataclass(frozen=True)
+class RegimeProtocol:
+    """How a motion is looked at; lengths in strobes."""
+
+    transient: int
+    record: int
+    evidence: int
+    longest: int
+    confirm: int  # strobes for which a chaotic motion is run on
+    phase: float
+    match: float
+
+    @property
+    def is_survey(self) -> bool:
+        """Whether exponents alone decide, as there are too few strobes for the 0-1 test."""
+        return self.evidence < TESTED
 
 
 def make_protocol(
@@ -46,10 +66,8 @@ def make_protocol(
         )
     more = 0 if confirm == 0 else whole_number("confirm", confirm)
     check_count(most + 4 * window + more)
-    number = finite_number("match", match)
-    if not 0.0 < number < 1.0:
-        raise OptionError(f"match = {number:g} must lie between 0 and 1; 1e-6 is usual")
-    return RegimeProtocol(left_out, kept, window, most, more, check_phase(phase), number)
+    close = check_match(match)
+    return RegimeProtocol(left_out, kept, window, most, more, check_phase(phase), close)
 
 
 def check_system(system: System, period: Any, verb: str) -> None:

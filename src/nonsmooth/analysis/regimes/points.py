@@ -14,9 +14,9 @@ import numpy.typing as npt
 
 from nonsmooth.analysis.diagrams.chain_links import End, pack_end, take_end
 from nonsmooth.analysis.regimes.border_refinement import UNKNOWN
-from nonsmooth.analysis.regimes.labels import LABELS, REPEATING
+from nonsmooth.analysis.regimes.labels import LABELS, REPEATING, Verdict
+from nonsmooth.analysis.regimes.options import RegimeProtocol
 from nonsmooth.analysis.regimes.regime_run import first_windows, settled_regimes
-from nonsmooth.analysis.regimes.verdict import RegimeProtocol, Verdict
 from nonsmooth.analysis.regimes.window import cyclic_word
 from nonsmooth.analysis.settle import ParameterSets, settle
 from nonsmooth.runs.store import run_stored_tasks

@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.analysis.regimes.labels import INTERRUPTED, LABELS
-from nonsmooth.analysis.regimes.verdict import Verdict
+from nonsmooth.analysis.options import result_attributes
+from nonsmooth.analysis.regimes.labels import INTERRUPTED, LABELS, Verdict
 from nonsmooth.runs.labels import labels_of
 from nonsmooth.system.system import System
-from nonsmooth.version import __version__
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -117,21 +116,12 @@ def map_dataset(
     found, counts = np.unique(codes[computed.ravel() == 1], return_counts=True)
     told = [f"{count} {LABELS[code]}" for code, count in zip(found, counts, strict=True)]
     n_missing = sum(v is None for v in flat)
-    interrupted = n_missing > 0
-    attrs = {
-        "system_name": system.name,
-        "system": labels_of(system).system,
-        "nonsmooth_version": __version__,
-        "status": "interrupted" if interrupted else "completed",
-        "message": (
-            f"interrupted by the user; {len(flat) - n_missing} of {len(flat)} points are done and"
-            " kept; "
-            if interrupted
-            else ""
-        )
-        + f"computed: {', '.join(told) or 'none'}",
-    }
-    return xr.Dataset(variables, coords, attrs | options)
+    message = f"computed: {', '.join(told) or 'none'}"
+    if n_missing:
+        done = f"{len(flat) - n_missing} of {len(flat)} points are done and kept"
+        message = f"interrupted by the user; {done}; {message}"
+    status = "interrupted" if n_missing else "completed"
+    return xr.Dataset(variables, coords, result_attributes(system, status, message, options))
 
 
 def _flags(names: tuple[str, ...]) -> dict[str, Any]:

@@ -9,25 +9,26 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.diagrams.chain_links import End
-from nonsmooth.analysis.exponents.orbit_multipliers import (
+from nonsmooth.analysis.exponents.neighbours import (
+    Neighbours,
     OrbitTangent,
     is_forgetful,
     orbit_multipliers,
-)
-from nonsmooth.analysis.exponents.strobe_growth import (
-    Neighbours,
     strobe_growth,
 )
 from nonsmooth.analysis.regimes import labels
-from nonsmooth.analysis.regimes.recurrence import (
+from nonsmooth.analysis.regimes.labels import Verdict
+from nonsmooth.analysis.regimes.options import RegimeProtocol
+from nonsmooth.analysis.regimes.window import (
     StrobeTest,
+    Windows,
+    cyclic_word,
     no_closed_orbit,
     runs_away,
     strobe_test,
     travels,
+    window_times,
 )
-from nonsmooth.analysis.regimes.verdict import RegimeProtocol, Verdict
-from nonsmooth.analysis.regimes.window import Windows, cyclic_word, window_times
 from nonsmooth.analysis.settle import Group
 from nonsmooth.analysis.statistics.block_averages import block_averages
 from nonsmooth.engine.status import Status

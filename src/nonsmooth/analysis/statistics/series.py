@@ -9,10 +9,10 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from nonsmooth.analysis.options import derived_attributes
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.runs.options import finite_number
 from nonsmooth.system.system import System
-from nonsmooth.version import __version__
 
 __all__ = ["Series", "drifts", "series_of", "slow_names", "uniform_step"]
 
@@ -78,9 +78,8 @@ def series_of(data: Any, variable: str | None) -> Series:
     label = {key: str(array.attrs[key]) for key in ("long_name", "units") if key in array.attrs}
     label.setdefault("long_name", str(array.name or "value"))
     period = float(attrs["period"]) if "period" in attrs and times is not None else None
-    kept = {key: attrs[key] for key in ("system_name", "system", "status") if key in attrs}
-    kept["nonsmooth_version"] = __version__
-    return Series(values, times, phases, period, label, kept | {"variable": variable or ""})
+    kept = derived_attributes(data) | {"variable": variable or ""}
+    return Series(values, times, phases, period, label, kept)
 
 
 def drifts(series: Series) -> bool:

@@ -1,4 +1,4 @@
-"""SweptMotion motions, each of which may be looked at as often as is needed."""
+"""Settled motions, each of which may be looked at as often as is needed."""
 
 from __future__ import annotations
 

@@ -1,23 +1,21 @@
-"""SweptMotion motions at many values of a parameter, each reduced to a few arrays."""
+"""Settled motions at many values of a parameter, reduced to a few arrays; parts of a dataset."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.analysis.diagrams.chain_links import End, links_of, pack_end, take_end
-from nonsmooth.analysis.diagrams.diagram_options import check_way
+from nonsmooth.analysis.diagrams.chain_links import End, check_way, links_of, pack_end, take_end
+from nonsmooth.analysis.options import SharedOptions, result_attributes
 from nonsmooth.analysis.settle import ParameterSets, at_time_zero, said_of_start, settle
 from nonsmooth.analysis.sweeps.settled import SweptMotion, reduce_settled
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import OptionError
-from nonsmooth.runs.crew import check_threads
 from nonsmooth.runs.of_system import map_of
 from nonsmooth.runs.options import whole_number
 from nonsmooth.runs.runner import build_tables
@@ -27,7 +25,16 @@ from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.runs.sweep_runner import SweepRunner
 from nonsmooth.system.system import System
 
-__all__ = ["SweepProtocol", "Swept", "make_sweep", "run_sweep"]
+__all__ = [
+    "SweepProtocol",
+    "Swept",
+    "make_sweep",
+    "parameter_coordinate",
+    "run_sweep",
+    "stacked",
+    "statuses",
+    "sweep_attributes",
+]
 
 Arrays = dict[str, npt.NDArray[Any]]
 Done = tuple[list[Arrays], End | None]  # of some values, and where the last motion has ended
@@ -43,9 +50,7 @@ class SweepProtocol:
     start: str
     transient: int
     record: int
-    mode: str | None
-    tolerance: float
-    changed: Mapping[str, float] | None
+    shared: SharedOptions
 
     @property
     def system(self) -> System:
@@ -60,8 +65,7 @@ class SweepProtocol:
             "transient": self.transient,
             "record": self.record,
             **self.chosen.protocol,
-            "tolerance": self.tolerance,
-            "changed_parameters": str(dict(self.changed)) if self.changed else "",
+            **self.shared.recorded,
             "initial": said_of_start(self.initial),
         }
 
@@ -83,12 +87,10 @@ def make_sweep(
     start: str,
     transient: Any,
     record: Any,
-    parameters: Mapping[str, float] | None,
-    tolerance: float,
-    mode: str | None,
+    shared: SharedOptions,
 ) -> SweepProtocol:
     """The options that all sweeps share, checked."""
-    chosen = map_of(system, parameters, tolerance, verb, mode=mode)
+    chosen = map_of(system, shared.parameters, shared.tolerance, verb, mode=shared.mode)
     if not isinstance(chosen, StroboscopicMap):
         raise OptionError(
             f"{verb} looks at whole periods: give it a system, or a StroboscopicMap with the length"
@@ -97,7 +99,7 @@ def make_sweep(
     return SweepProtocol(
         chosen, initial, check_way(start),
         0 if transient == 0 else whole_number("transient", transient),
-        whole_number("record", record), mode, float(tolerance), parameters,
+        whole_number("record", record), shared,
     )  # fmt: skip
 
 
@@ -109,17 +111,15 @@ def run_sweep(
     *,
     label: str,
     options: Mapping[str, Any],
-    threads: int | None,
-    store: str | Path | None,
 ) -> Swept:
     """What ``reduce`` makes of the motion at each value, with its ``status``.
 
     Where a motion ended early there is only the status. Values that were not computed, as the user
     interrupted, are left out.
     """
-    system = sweep.system
-    check_carried(system, sweep.initial, sweep.changed, (parameter,))
-    begin = resolve_start(system, build_tables(system), sweep.initial, None, sweep.mode, True)
+    system, shared = sweep.system, sweep.shared
+    check_carried(system, sweep.initial, shared.parameters, (parameter,))
+    begin = resolve_start(system, build_tables(system), sweep.initial, None, shared.mode, True)
     found = {} if parameter else {0: {"status": np.array(int(Status.INTERRUPTED))}}
     links = links_of(grid, sweep.start)
     follow = sweep.start != "restart"
@@ -129,7 +129,7 @@ def run_sweep(
             settle,
             sets=ParameterSets(
                 sweep.chosen, {parameter: grid[places]} if parameter else {}, sweep.initial,
-                sweep.mode, at_time_zero,
+                shared.mode, at_time_zero,
             ),
             times=lambda group: group.iterates(sweep.transient, 1),
             reduce=partial(reduce_settled, reduce, sweep.transient + sweep.record),
@@ -145,15 +145,15 @@ def run_sweep(
 
     complete = run_stored_tasks(
         tasks,
-        lambda: SweepRunner(system, sweep.tolerance),
-        store=store,
+        lambda: SweepRunner(system, shared.tolerance),
+        store=shared.store,
         protocol={
             "system": system.to_toml(), "parameter": parameter, "values": grid, **sweep.options,
             **options, "initial_state": [*begin.state, *begin.modes],
         },
         pack=_pack,
         unpack=_unpack,
-        threads=check_threads(threads),
+        threads=shared.workers,
         label=label,
         keep=keep,
         after={i: i - 1 for i in range(1, len(links))} if follow else None,
@@ -178,3 +178,39 @@ def _unpack(arrays: Arrays) -> Done:
             results.append({})
         results[int(number)][name] = array
     return results, end
+
+
+def parameter_coordinate(system: System, parameter: str, grid: npt.NDArray[np.float64]) -> Any:
+    """Coordinate of the parameter with its label."""
+    return ("parameter",), grid, {"long_name": system.describe.get(parameter, parameter)}
+
+
+def statuses(found: Sequence[Arrays]) -> Any:
+    """How the motions ended."""
+    words = [Status(int(one["status"])).word for one in found]
+    return ("parameter",), np.array(words, str), {"long_name": "how the motion ended"}
+
+
+def stacked(found: Sequence[Arrays], name: str, shape: tuple[int, ...]) -> npt.NDArray[np.float64]:
+    """One array of each motion below each other; nan where a motion has none."""
+    rows = np.full((len(found), *shape), np.nan)
+    for i, one in enumerate(found):
+        rows[i] = one.get(name, np.nan)
+    return rows
+
+
+def sweep_attributes(
+    system: System, found: Sequence[Arrays], complete: bool, options: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Attributes: the system, how it went, and the options."""
+    ended = {Status(int(one["status"])).word for one in found} - {Status.COMPLETED.word}
+    message = "completed"
+    if not complete:
+        message = (
+            f"interrupted by the user; {len(found)} values are done and kept, the others are left"
+            " out"
+        )
+    elif ended:
+        message = "some motions ended early, see status: " + ", ".join(sorted(ended))
+    status = "completed" if complete else "interrupted"
+    return result_attributes(system, status, message, options)
