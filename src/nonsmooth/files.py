@@ -40,5 +40,10 @@ def replacing(target: Path) -> Iterator[Path]:
     try:
         yield draft
         os.replace(draft, target)
+    except OSError as error:
+        if error.errno is None:
+            raise
+        # of the file that was named; libraries speak of the draft, some at length
+        raise OSError(error.errno, os.strerror(error.errno), str(target)) from error
     finally:
         draft.unlink(missing_ok=True)

@@ -123,6 +123,40 @@ def test_sticking_loses_every_direction_but_the_motion():
     assert values[1] == -np.inf
 
 
+@pytest.mark.parametrize("count", [None, 1])
+@pytest.mark.parametrize("fall", ["-1", "-1 - 1e-6*y**2"])  # in closed form, by series
+def test_what_a_transient_loses_is_not_lost(fall, count):
+    """A ball rests on its table once, in the fourth period, and hops chaotically for good."""
+    shaken = ns.System(
+        name="shaken table",
+        states=["y", "v"],
+        period="2*pi",
+        parameters={"A": 3.2777, "r": 0.3},
+        modes={
+            "flight": ns.Mode(
+                {"y": "v", "v": fall},
+                exits=[
+                    ns.Exit(
+                        "y - A*sin(t)",
+                        reset={"v": "-r*v + (1 + r)*A*cos(t)"},
+                        sticks="rides",
+                        name="impact",
+                    )
+                ],
+            )
+        },
+    )
+    start = {"y": 10.06}
+    run = ns.simulate(shaken, start, periods=200)
+    rests = run["event_time"].values[run["event_kind"].values == "chatter"]
+    assert rests.size > 0 and rests[-1] < 2 * math.pi * 50
+    found = ns.lyapunov_spectrum(shaken, start, transient=50, record=150, exponents=count)
+    assert float(found["lyapunov_exponent"][0]) > 0.01
+    if count is None:  # flights keep areas, and each impact multiplies them by r^2
+        rate = found.attrs["n_impacts"] / found.attrs["duration"]
+        assert float(found["exponent_sum"]) == pytest.approx(2 * math.log(0.3) * rate, abs=1e-9)
+
+
 def test_a_graze_is_no_loss():
     """An impact at a speed of 1e-7 stretches by 1e7 and contracts by as much."""
     graze = ns.System(

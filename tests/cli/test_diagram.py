@@ -1,3 +1,5 @@
+import json
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -60,3 +62,44 @@ def test_a_section_in_place_of_strobes(call):
     assert "3 of period 1" in result.stdout
     result = call("diagram", *arguments, "--direction", "1")
     assert result.exit_code == 2 and "--section" in result.stderr
+
+
+def test_an_interruption_is_told(call, monkeypatch, tmp_path):
+    """Fewer columns than were asked for must not look like all; a picture of none is not drawn."""
+    from nonsmooth.analysis import bifurcation_diagram as home
+
+    real = home.bifurcation_diagram
+
+    def interrupted(*arguments, **options):
+        options.pop("store")
+        found = real(*arguments, **options).isel(parameter=slice(0, 0))
+        message = "interrupted by the user; 0 of 3 columns are done and kept"
+        found.attrs |= {"status": "interrupted", "message": message}
+        return found
+
+    monkeypatch.setattr(home, "bifurcation_diagram", interrupted)
+    picture, store = tmp_path / "d.png", tmp_path / "kept"
+    words = ["diagram", "soft_impact", "--over", "omega=0.7:0.8:3", "--transient", "5"]
+    result = call(*words, "--plot", picture)
+    assert result.exit_code == 130
+    assert "0 of 3 columns are done and kept" in result.stdout
+    assert "name a folder by --store" in result.stdout
+    assert not picture.exists()
+    result = call(*words, "--store", store, "--json")
+    told = json.loads(result.stdout)
+    assert told["message"].startswith("interrupted by the user; 0 of 3")
+    assert told["to_go_on"] == "repeat the command"
+
+
+def test_why_values_are_refused(call):
+    result = call(
+        "diagram", "soft_impact", "--over", "zeta=-0.1:0.1:3", "--transient", "5", "--record", "5"
+    )
+    assert result.exit_code == 1
+    assert "such as zeta = -0.1: zeta >= 0 is required" in result.stdout
+
+
+def test_a_system_without_a_period(call):
+    result = call("diagram", "chua", "--over", "alpha=7.9:8.1:3")
+    assert result.exit_code == 2
+    assert "take points on a section in place of strobes, such as --section" in result.stderr

@@ -1,5 +1,8 @@
 """Commands with a system of the user's own, in a file."""
 
+import errno
+import os
+
 import pytest
 import xarray as xr
 
@@ -98,7 +101,7 @@ MISUSES = {
     "simulate ball": "unknown model 'ball' (known: belt_oscillator, bouncing_ball,",
     "explain note": "; for the file of that name write ./not",
     "explain nothing": "a file of your own ends in .toml",
-    "simulate ball.toml --periods 5": "periods= needs a system with a period",
+    "simulate ball.toml --periods 5": "--periods needs a system with a period",
     "simulate ball.toml R=1 --t-end 1": "ball.toml: unknown parameter 'R' (known: g, r)",
     "explain ball.toml r": "'r' is not of the form name=value",
     "explain ball.toml r=u": "uses 'u'",
@@ -129,3 +132,16 @@ def test_texts_of_a_file_cannot_command_a_terminal(call, folder):
         result = call(*line.split(" "))
         assert all(row.isprintable() for row in result.output.splitlines()), line
     assert "\\x1b[2J" in call("models", "evil.toml").stdout
+
+
+def test_a_file_that_cannot_be_written_is_named(call, monkeypatch, tmp_path):
+    """The name is that of the command, not of the draft beside it."""
+
+    def full(self, path, **options):
+        raise OSError(errno.ENOSPC, f"Unable to synchronously write file (name = '{path}')")
+
+    monkeypatch.setattr(xr.Dataset, "to_netcdf", full)
+    file = tmp_path / "a.nc"
+    result = call("simulate", "duffing", "--periods", "1", "--save", file)
+    assert result.exit_code == 1
+    assert result.stderr == f"nonsmooth: '{file}': {os.strerror(errno.ENOSPC)}\n"

@@ -159,3 +159,22 @@ def test_no_file(call):
     result = call("measured", "nowhere.csv", "--columns", "x", "--mark", "key")
     assert result.exit_code == 2
     assert "nowhere.csv" in result.stderr
+
+
+def test_a_cure_in_a_message_can_be_followed(call, files):
+    lines = files[0].read_text().splitlines()
+    lines[1000] = lines[1000].replace(",", ",nan,", 1).rpartition(",")[0]
+    files[0].write_text("\n".join(lines))
+    words = ["measured", files[0], "--columns", "x=a", "--mark", "key"]
+    result = call(*words)
+    assert result.exit_code == 2
+    cure = result.stderr.split("without a gap is ")[1].split()
+    assert cure[0] == "--time-range"
+    result = call(*words, *cure)
+    assert result.exit_code == 0, result.stderr
+
+
+def test_where_velocities_come_from(call, files):
+    result = call("measured", files[0], "--columns", "x=a", "--draw", "x,vx", "--plot", "a.png")
+    assert result.exit_code == 2
+    assert "--highest gives vx, the velocity of x" in result.stderr

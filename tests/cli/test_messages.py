@@ -10,6 +10,8 @@ import pytest
 
 import nonsmooth
 from nonsmooth.cli.app import app
+from nonsmooth.cli.arguments import whole_names
+from nonsmooth.cli.options import in_shell_words
 from nonsmooth.cli.table import TABLE
 
 FOLDER = Path(nonsmooth.__file__).parent / "cli"
@@ -151,3 +153,28 @@ def test_options_of_pages_exist(page):
     for command in re.findall(r"`(nonsmooth [^`]+)`", page.read_text()):
         for named, option in spoken(" ".join(command.split())):
             assert named is None or option in options()[named], command
+
+
+@pytest.mark.parametrize(
+    ("said", "shown"),
+    [
+        ("give period= or word=", "give --order or --word"),
+        ("raise transient=;", "raise --transient;"),
+        ("inadmissible=True goes on", "--inadmissible goes on"),
+        ("is time_range=(0.35, 9.99)", "is --time-range 0.35,9.99"),
+        ("start='follow up'", "--start follow-up"),
+        ("x=0.1 and t_end= are", "x=0.1 and t_end= are"),  # no options of the command
+        ("state = 3, a word=b of another", "state = 3, a word=b of another"),
+    ],
+)
+def test_keywords_are_told_as_options(said, shown):
+    flags = {"period": "--order", "word": "--word", "start": "--start", "transient": "--transient"}
+    flags |= {"inadmissible": "--inadmissible", "time_range": "--time-range"}
+    assert in_shell_words(said, flags) == shown
+
+
+def test_names_with_commas():
+    """Cells of declared surfaces are called by their sides, with commas between them."""
+    known = ["free", "touch,up", "touch,down", "touch,up,hard"]
+    parts = ["touch", "up", "touch", "up", "hard", "free", "other"]
+    assert whole_names(parts, known) == ["touch,up", "touch,up,hard", "free", "other"]

@@ -13,8 +13,6 @@ MOST = 6  # lines that two places may share, without imports, docstrings and sig
 KNOWN = {
     ("src/nonsmooth/engine/tables.py", "src/nonsmooth/engine/tables.py"):
         "two records have fields in common, in the order in which `interface.h` declares them",
-    ("src/nonsmooth/files.py", "studies/chapter/src/nonsmooth_chapter/results.py"):
-        "a study uses public names only, and files are written by no public one",
     ("src/nonsmooth/models/massive_ring_rotor.py", "src/nonsmooth/models/rotor.py"):
         "each rotor names its parameters in a table of its own, as its docstring does",
     ("src/nonsmooth/models/rotor.py", "src/nonsmooth/models/snubber_rub.py"): "likewise",

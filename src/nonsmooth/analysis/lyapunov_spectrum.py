@@ -70,7 +70,8 @@ def lyapunov_spectrum(
     ----------------
     transient : float, optional
         What is dropped first, in periods; in units of time for a system without a period.
-        Derivatives are carried there too, so that they have found their directions.
+        Derivatives are carried there too, so that they have found their directions; a direction
+        that is lost there begins anew.
     record : float, optional
         Length over which exponents are averaged, in periods or units of time.
     exponents : int, optional
@@ -128,9 +129,9 @@ def lyapunov_spectrum(
     A forced system has as many exponents as states; that of time itself, zero, is not among
     them. A system without a period has a zero exponent along its motion, and one for each
     symmetry such as a drift, which forced systems may have too: on their periodic motions
-    ``exponents=1`` gives that zero, so ask for one more. A direction that is lost at an event
-    has the exponent minus infinity exactly: a state becomes slaved, or a mass sticks. Strong
-    contraction alone stays a number, however fast.
+    ``exponents=1`` gives that zero, so ask for one more. A direction that is lost at an event of
+    the record has the exponent minus infinity exactly: a state becomes slaved, or a mass sticks.
+    Strong contraction alone stays a number, however fast.
 
     Standard errors come from the averages of 32 blocks of the record, or a few more, each a
     whole number of intervals; ``blocks_independent`` says whether neighbouring blocks are

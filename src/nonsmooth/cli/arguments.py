@@ -31,6 +31,7 @@ __all__ = [
     "time_range",
     "value_limits",
     "value_range",
+    "whole_names",
     "widths",
 ]
 
@@ -132,6 +133,17 @@ def constants(values: dict[str, str], option: str) -> dict[str, float]:
 def names(text: str | None) -> list[str]:
     """Names separated by commas."""
     return [part.strip() for part in (text or "").split(",") if part.strip()]
+
+
+def whole_names(parts: Sequence[str], known: Iterable[str]) -> list[str]:
+    """Names out of the parts between commas: a known name, such as ``touch,up``, may have some."""
+    names, found, k = set(known), [], 0
+    while k < len(parts):
+        ends = range(len(parts), k, -1)
+        end = next((end for end in ends if ",".join(parts[k:end]) in names), k + 1)
+        found.append(",".join(parts[k:end]))
+        k = end
+    return found
 
 
 def number(text: str, option: str) -> float:

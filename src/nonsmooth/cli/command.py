@@ -16,11 +16,11 @@ import click
 from click.core import ParameterSource
 from click.shell_completion import CompletionItem
 
-from nonsmooth.cli.arguments import build_system, model_functions, settings
+from nonsmooth.cli.arguments import build_system, model_functions, settings, whole_names
 from nonsmooth.cli.console import ENDED_EARLY, INTERRUPTED
-from nonsmooth.cli.options import Own, flag, own_option, verb_option
+from nonsmooth.cli.options import Own, flag, in_shell_words, own_option, verb_option
 from nonsmooth.cli.signatures import parameters
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import NonsmoothError, OptionError
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -89,6 +89,12 @@ class Entry(NamedTuple):
     size: tuple[float, float] = (12.0, 8.0)  # of the picture, in cm, between one column and two
     json: bool = True
 
+    def flags(self) -> dict[str, str]:
+        """Options of the parameters of all verbs, by the names of the parameters."""
+        return {
+            name: flag(option) for verb, names in self.verbs for name, option in taken(verb, names)
+        }
+
 
 def taken(verb: str, names: str) -> Iterator[tuple[str, str]]:
     """Parameters of a verb that are options of a command, and the names of these options."""
@@ -137,10 +143,7 @@ class VerbCommand(click.Command):
                     formatter.write_dl(records)
 
     def _options(self) -> Iterator[click.Option]:
-        entry, seen = self.entry, set()
-        flags = {
-            name: flag(option) for verb, names in entry.verbs for name, option in taken(verb, names)
-        }
+        entry, flags, seen = self.entry, self.entry.flags(), set()
         own = [each for each in entry.own if not each.drawn]
         yield from (own_option(each) for each in own)
         seen |= {each.name for each in own}
@@ -169,7 +172,12 @@ class VerbCommand(click.Command):
         context = click.get_current_context()
         unset = (ParameterSource.DEFAULT, ParameterSource.DEFAULT_MAP)
         typed = {name for name in given if context.get_parameter_source(name) not in unset}
-        run(Task(self.entry, given, typed))
+        try:
+            run(Task(self.entry, given, typed))
+        except NonsmoothError as error:
+            if error.args and isinstance(error.args[0], str):
+                error.args = (in_shell_words(error.args[0], self.entry.flags()), *error.args[1:])
+            raise
 
 
 _ARGUMENTS = {
@@ -243,6 +251,9 @@ class Task:
         """Keyword arguments of a verb: what its options are given."""
         names = dict(self.entry.verbs)[verb]
         found = {name: self.given[option] for name, option in taken(verb, names)}
+        for name in ("word", "contact"):
+            if isinstance(found.get(name), list):
+                found[name] = whole_names(found[name], self.system.mode_names)
         return {name: value for name, value in found.items() if name not in without}
 
     def picture(self, function: str, data: Any, *arguments: Any, **options: Any) -> None:
@@ -256,6 +267,9 @@ class Task:
 
         `kept` is a file that has the result already.
         """
+        if code == INTERRUPTED and result is not None:
+            self._add_interruption(report, str(result.attrs["message"]))
+        report.reword(lambda text: in_shell_words(text, self.entry.flags()))
         if self.given.get("json"):
             report.print_json()
         else:
@@ -268,7 +282,8 @@ class Task:
             kept = str(self.save)
         if kept is not None:
             self.say(f"saved {kept}")
-        if self.plot is not None and self._picture is not None:
+        drawn = code != INTERRUPTED or result is None or all(result.sizes.values())
+        if self.plot is not None and self._picture is not None and drawn:
             from nonsmooth import plot
 
             function, arguments, options = self._picture
@@ -279,6 +294,14 @@ class Task:
             self.say(f"drawn {self.plot}")
         if code:
             raise click.exceptions.Exit(code)
+
+    def _add_interruption(self, report: Report, message: str) -> None:
+        """Say what is done, and how to go on where finished parts are kept."""
+        if all(text != message for _, text in report.lines):
+            report.add("message", message)
+        if "store" in self.given:
+            kept = "name a folder by --store, in which finished parts are kept"
+            report.add("to go on", "repeat the command" if self["store"] else kept)
 
     def say(self, text: str) -> None:
         """Print a line; beside a JSON document it goes to the stream of messages."""

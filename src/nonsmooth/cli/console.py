@@ -38,7 +38,9 @@ class Commands(click.Group):
         except BrokenPipeError:  # the reader has seen enough; click ends this quietly
             raise
         except OSError as error:
-            click.echo(f"nonsmooth: {error}", err=True)
+            named = error.filename is not None and error.strerror is not None
+            text = f"{str(error.filename)!r}: {error.strerror}" if named else str(error)
+            click.echo(f"nonsmooth: {text}", err=True)
             raise click.exceptions.Exit(ENDED_EARLY) from None
 
 

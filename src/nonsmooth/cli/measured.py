@@ -188,5 +188,8 @@ def _shown(result: xr.Dataset, text: str | None, fewest: int, most: int) -> list
         raise OptionError(f"--draw: {text!r} must name {count} of {', '.join(known)}")
     for name in found:
         if name not in known:
-            raise OptionError(f"--draw: {unknown_name('variable', name, known)}")
+            sentence = f"--draw: {unknown_name('variable', name, known)}"
+            if name[:1] == "v" and name[1:] in known:
+                sentence += f"; --highest gives {name}, the velocity of {name[1:]}"
+            raise OptionError(sentence)
     return found

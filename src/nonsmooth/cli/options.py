@@ -15,11 +15,21 @@ from typing import Any, NamedTuple
 import click
 from click.shell_completion import CompletionItem
 
-from nonsmooth.cli.arguments import initial_state, names, number, widths
+from nonsmooth.cli.arguments import initial_state, names, number, time_range, widths
 from nonsmooth.cli.signatures import Parameter
 from nonsmooth.errors import NonsmoothError, OptionError
 
-__all__ = ["FORMS", "LEAST", "Kind", "Own", "flag", "own_option", "spoken", "verb_option"]
+__all__ = [
+    "FORMS",
+    "LEAST",
+    "Kind",
+    "Own",
+    "flag",
+    "in_shell_words",
+    "own_option",
+    "spoken",
+    "verb_option",
+]
 
 
 class Form(NamedTuple):
@@ -111,6 +121,8 @@ FORMS = {
     "at": Form("EVENT"),
     "window": Form("NAME", text="Window against leakage, such as hann; boxcar is none."),
     "units": Form("UNIT"),
+    "time_range": Form("A,B", time_range),
+    "delimiter": Form("SIGN"),
     "epsilons": Form("0.1,0.01", widths, "Widths of the smooth switches, two or more."),
     "between": Form("1,2", _labels, "Look only at the boundary between these two outcomes."),
     "time": Form(
@@ -299,3 +311,23 @@ def plain(text: str, flags: Mapping[str, str]) -> str:
         return spoken(word.strip('"')) if word.startswith('"') else word
 
     return re.sub(r"``?([^`]+)``?", shown, first.replace(" (dimensionless)", "")) + "."
+
+
+_KEYWORD = re.compile(r"(?<![\w.'\"-])(\w+)=(True\b|\([^()]*\)|'[^']*'|\"[^\"]*\"|(?=[\s,;:.)]|$))")
+
+
+def in_shell_words(text: str, flags: Mapping[str, str]) -> str:
+    """A message of the library with options in place of keywords, such as --order for period=.
+
+    `flags` has the option of every parameter of the command by its name. What a command has no
+    option for stays as it is.
+    """
+
+    def shown(found: re.Match[str]) -> str:
+        name, value = found[1], found[2]
+        if name not in flags:
+            return found[0]
+        value = value.strip("()'\"").replace(", ", ",").replace(" ", "-")
+        return f"{flags[name]} {value}" if value not in ("", "True") else flags[name]
+
+    return _KEYWORD.sub(shown, text)

@@ -59,6 +59,14 @@ class Report:
             for row in found
         ]
 
+    def reword(self, change: Callable[[str], str]) -> None:
+        """Change the words of all lines, and those of the same texts as JSON."""
+        self.lines = [(label, change(text)) for label, text in self.lines]
+        spoken = ("status", "message")
+        self.data |= {
+            key: change(self.data[key]) for key in spoken if isinstance(self.data.get(key), str)
+        }
+
     def print(self) -> None:
         """Print the lines and the tables."""
         from nonsmooth.system.columns import harmless  # names and texts come from files

@@ -81,7 +81,8 @@ def _quietly(verb: Callable[..., xr.Dataset], *arguments: Any, **options: Any) -
 def _history_variables(system: System, text: str | None) -> list[str]:
     """Variables to draw; by default the motion, and what it drifts by."""
     if text is not None:
-        return chosen(text, [*system.states, *system.outputs])
+        known = [*system.states, *system.outputs]
+        return chosen(text, known, definitions=system.definitions)
     drifting = list(system.drift_states)
     # states beside a drift are relative to it, and the motion itself is an output
     return [*list(system.outputs)[:1], *drifting] if drifting else list(system.states[:1])

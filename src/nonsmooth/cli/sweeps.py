@@ -9,7 +9,7 @@ from nonsmooth.cli.arguments import names, value_range
 from nonsmooth.cli.command import Task
 from nonsmooth.cli.report import Report
 from nonsmooth.cli.variables import single
-from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.errors import ModelError, OptionError, unknown_name
 
 if TYPE_CHECKING:
     import numpy as np
@@ -53,12 +53,31 @@ def diagram(task: Task) -> None:
         options["side"] = "before"
     elif task["direction"] is not None:
         raise OptionError("--direction is that of a section: name it with --section")
+    elif system.period is None:
+        raise OptionError(
+            f"{system.name} has no period; take points on a section in place of strobes, such as"
+            f" --section {system.states[-1]}"
+        )
     starts = list(task["initial"]) or None
     result = bifurcation_diagram(target, parameter, values, initial=starts, **options)
 
     task.picture("bifurcation", result, drawn)
     complete = result.attrs["message"].startswith("completed")
-    task.finish(result, _diagram_report(result), code=task.by_message(result, complete))
+    report = _diagram_report(result)
+    _add_refusal(report, system, result)
+    task.finish(result, report, code=task.by_message(result, complete))
+
+
+def _add_refusal(report: Report, system: System, result: xr.Dataset) -> None:
+    """Say why the system refuses a value, where it refuses some."""
+    refused = (result["status"] == "refused").any("lane").values
+    parameter = result.attrs["parameter"]
+    for value in result["parameter"].values[refused][:1]:
+        try:
+            system.with_parameters(**{parameter: float(value)})
+        except ModelError as error:
+            reason = str(error).splitlines()[0]
+            report.add("refused", f"such as {parameter} = {value:g}: {reason}", refusal=reason)
 
 
 def _diagram_variable(system: System, text: str | None) -> str:

@@ -37,8 +37,9 @@ _SECTION = ("PoincareMap", "section direction side")
 TABLE = {
     "simulate": Entry(
         "Simulate a motion, and print how it ended, its events and its end state.\n\nWithout"
-        " --periods and --t-end the motion takes 20 periods, or about 50 oscillations where there"
-        " is no period.",
+        " --periods and --t-end the motion takes 20 periods. Where there is no period it takes"
+        " about 50 times the shortest natural period or time constant, which may be a part of one"
+        " stick-slip cycle: give --t-end.",
         "runs.simulate",
         (("simulate", ""),),
         (
@@ -342,7 +343,11 @@ TABLE = {
         " filtered, integrated or differentiated.",
         "measured.measured",
         (
-            ("measured.read_csv", "mark time sample_rate edge threshold hysteresis bad_marks"),
+            (
+                "measured.read_csv",
+                "mark time sample_rate time_range edge threshold hysteresis bad_marks delimiter"
+                " decimal",
+            ),
             ("measured.Channel", "sensitivity offset units"),
             ("measured.dimensionless", "length natural_frequency"),
             ("measured.velocities", "highest bias"),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 from typing import TYPE_CHECKING
 
 from nonsmooth.cli.arguments import names
@@ -15,13 +15,21 @@ __all__ = ["chosen", "pair", "single"]
 
 
 def chosen(
-    text: str, known: Sequence[str], option: str = "--draw", kind: str = "variable"
+    text: str,
+    known: Sequence[str],
+    option: str = "--draw",
+    kind: str = "variable",
+    definitions: Container[str] = (),
 ) -> list[str]:
-    """Names of a text, each of which must be known."""
+    """Names of a text, each of which must be known; ``definitions`` are not, but could be."""
     found = names(text)
     for name in found:
-        if name not in known:
-            raise OptionError(f"{option}: {unknown_name(kind, name, known)}")
+        if name in known:
+            continue
+        sentence = f"{option}: {unknown_name(kind, name, known)}"
+        if name in definitions:
+            sentence += f"; {name!r} is a definition: name it among the outputs to record it"
+        raise OptionError(sentence)
     return found
 
 
@@ -40,5 +48,6 @@ def pair(system: System, text: str | None, option: str = "--draw", *more: str) -
         return (states[0], states[1]) if len(states) > 1 else ("time", states[0])
     if len(names(text)) != 2:
         raise OptionError(f"{option}: {text!r} is not two variables, such as x,v")
-    first, second = chosen(text, [*states, *system.outputs, *more], option)
+    known = [*states, *system.outputs, *more]
+    first, second = chosen(text, known, option, definitions=system.definitions)
     return first, second

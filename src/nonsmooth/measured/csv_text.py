@@ -45,6 +45,7 @@ class Table:
     decimal: str
     width: int  # cells in the first line of numbers
     headers: list[list[str]]  # rows above the numbers with as many cells, the last one first
+    narrower: int  # cells of a row of names just above the numbers, which has fewer, or 0
 
     def column(self, wanted: str | int, what: str) -> tuple[int, str]:
         """Number and units of a column by its header or its number."""
@@ -68,6 +69,13 @@ class Table:
                 )
             if places:
                 return places[0], split_units(row[places[0]])[1] or self._units(places[0])
+        if not self.headers and self.narrower:
+            raise OptionError(
+                f"{self.name}: the numbers have {self.width} columns and the header above them has"
+                f" {self.narrower}, so no number stands below {wanted!r}; where commas part the"
+                " columns and stand for decimal points too, export with semicolons or points, or"
+                " give columns by number, from 0"
+            )
         if not self.headers:
             raise OptionError(
                 f"{self.name} has no header above its {self.width} columns, so there is no column"
@@ -116,7 +124,9 @@ def read_table(path: Any, delimiter: str | None, decimal: str | None) -> Table:
         cells = cells_of(line.lstrip("#% "), found)
         if len(cells) == width and any(cells):
             headers.append(cells)
-    return Table(file.name, lines, first, found, decimal, width, headers)
+    above = cells_of(lines[first - 1].lstrip("#% "), found) if first else []
+    narrower = len(above) if 1 < len(above) < width and all(map(_is_name, above)) else 0
+    return Table(file.name, lines, first, found, decimal, width, headers, narrower)
 
 
 def cells_of(line: str, delimiter: str) -> list[str]:
@@ -215,6 +225,7 @@ def numbers_of(table: Table, columns: Sequence[int]) -> npt.NDArray[np.float64]:
             f"{table.name}, line {table.first + blank + 1} is blank and numbers follow; give the"
             " records of a file in files of their own"
         )
+    _check_width(table, rows)
     if table.decimal == table.delimiter:  # cells are quoted
         return _cell_by_cell(table, rows, columns)
     try:
@@ -226,6 +237,19 @@ def numbers_of(table: Table, columns: Sequence[int]) -> npt.NDArray[np.float64]:
     except (ValueError, IndexError):
         return _cell_by_cell(table, rows, columns)
     return found.T.copy()
+
+
+def _check_width(table: Table, rows: list[str]) -> None:
+    """Refuse a row with more numbers than the first one: some stand in wrong columns."""
+    for k, row in enumerate(rows):
+        if row.count(table.delimiter) < table.width:
+            continue
+        cells = cells_of(row, table.delimiter)
+        if len(cells) > table.width and all(map(_is_number, cells[table.width :])):
+            raise OptionError(
+                f"{table.name}, line {table.first + k + 1} has {len(cells)} cells and the first row"
+                f" of numbers has {table.width}; does a delimiter stand for a decimal sign there?"
+            )
 
 
 def _prepared(table: Table, rows: list[str]) -> Iterator[str]:

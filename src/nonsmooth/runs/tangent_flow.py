@@ -174,6 +174,20 @@ class TangentFlow:
         self._tangent.columns[:] = 0.0
         self._tangent.columns[: len(columns), : self.n] = columns
 
+    def columns_of_mode(self) -> Matrix | None:
+        """Derivatives of a start in the mode and the state of the anchor; None where it is none.
+
+        Their span has the directions in which the mode lets the state differ: fewer than all where
+        states are slaved, stick or rest.
+        """
+        other = TangentFlow(self.tables, self.derivatives, self.n, self.tolerance)
+        try:
+            status = other.start(self.anchor.state, self.here, self.mode)
+        except NoMode:
+            return None
+        stays = status == Status.COMPLETED and other.mode == self.mode
+        return other.first_columns if stays and not other.passed_at_start else None
+
     def save(self) -> Saved:
         """Copy of all that changes along a run."""
         return Saved(

@@ -90,7 +90,7 @@ class Exit:
         for label, value in (("to", self.to), ("name", self.name), ("sticks", self.sticks)):
             if value is not None and not (isinstance(value, str) and is_name(value)):
                 raise ModelError(
-                    f"Exit: {label}={value!r:.60} is not a name; use letters, digits and _"
+                    f"Exit: {label}={value!r:.60} is not a name; use ASCII letters, digits and _"
                 )
 
 
@@ -162,6 +162,6 @@ class Mode:
                 if not isinstance(signs, str) or not isinstance(name, str) or not is_name(name):
                     raise ModelError(
                         f"Mode: cells[{signs!r:.60}] = {name!r:.60}: give names by signs, such as"
-                        " {'+-': 'left'}; a name has letters, digits and _"
+                        " {'+-': 'left'}; a name has ASCII letters, digits and _"
                     )
             object.__setattr__(self, "cells", FrozenDict(self.cells) or None)

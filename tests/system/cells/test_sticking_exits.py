@@ -228,3 +228,14 @@ def test_what_is_pulled_off_there_is_released_at_once():
     run = ns.simulate(two_fields("2"), {"x": 0.0, "v": 0.0}, times=[0.0, np.pi / 2 + 0.5])
     assert run["event_path"].values[-1] == "heavy>release"
     assert float(run["x"][-1]) == pytest.approx(0.25, abs=1e-14)
+
+
+def test_a_jump_at_rest_is_named():
+    """The rebound is right, and a loss of speed along the wall is none of its impulse."""
+    way = Exit("x", reset=REBOUND | {"u": "0.6*u"}, sticks="rest")
+    with pytest.raises(ModelError, match="Here the reset of 'u' still changes it at rest"):
+        body(
+            way,
+            states=["x", "v", "u"],
+            modes={"flight": Mode({"x": "v", "v": "-g", "u": "0"}, exits=[way])},
+        )

@@ -1,5 +1,6 @@
 """Declared surfaces: what they may say, and what their sides are called."""
 
+import io
 import re
 
 import numpy as np
@@ -28,7 +29,7 @@ def belt(surface=None, **more):
     [
         ({"function": None}, "Surface: None is no expression; give what is zero on the surface"),
         ({"function": True}, "Surface: True is no expression"),
-        ({"below": "a b"}, "Surface: below='a b' is not a name; use letters, digits and _"),
+        ({"below": "a b"}, "Surface: below='a b' is not a name; use ASCII letters, digits and _"),
         ({"on": 3}, "Surface: on=3 is not a name"),
         ({"above": "3a"}, "Surface: above='3a' is not a name"),
         ({"hold": True}, "Surface: hold=True is no expression; give static over kinetic"),
@@ -267,3 +268,18 @@ def test_too_many_cells_on_surfaces(monkeypatch):
         assert len(system.mode_names) == modes
     with pytest.raises(ModelError, match="there are 192 modes; at most 120 are supported: write"):
         System(states=names, equations={v: f"1 - 2*sign({v})" for v in names})
+
+
+def test_a_cell_is_explained_in_the_order_of_its_signs():
+    """A surface that the text asks for first is the last one that is decided."""
+    system = System(
+        states=["x", "v"],
+        equations={"x": "v", "v": "-x - max(x - 1, 0) - 0.1*sign(slip)"},
+        surfaces={"slip": Surface("v")},
+    )
+    file = io.StringIO()
+    system.explain(file)
+    rows = re.findall(r"flow\[(.)(.)\]  slip (.) 0, s1 (.) 0", file.getvalue())
+    assert len(rows) == 6
+    for row in rows:
+        assert "".join(row[:2]) == "".join({">": "+", "<": "-", "=": "0"}[one] for one in row[2:])

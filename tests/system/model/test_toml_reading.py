@@ -137,9 +137,9 @@ def test_a_symmetry_that_cannot_be_is_refused_as_in_python():
 
 def test_sticks_and_cells_that_cannot_be_are_refused_as_in_python():
     message = refused(changed('name = "impact"', 'sticks = "free"'))
-    assert message.startswith("modes['free'].exits[0]: sticks='free' is the name of a mode already")
+    assert message.startswith("modes.free.exits[0]: sticks='free' is the name of a mode already")
     message = refused(WALL + '\n[modes.free.cells]\n"++" = "i"\n')
-    assert message.startswith("modes['free'].cells: nothing in this mode is piecewise")
+    assert message.startswith("modes.free.cells: nothing in this mode is piecewise")
     message = refused(WALL + '\n[modes.free.cells]\n"++" = 2\n')
     assert message.startswith("modes.free.cells.")
 
@@ -240,6 +240,8 @@ def test_faults_of_the_system_itself_come_through():
     assert "unknown name 'u'" in refused(changed('x = "v"', 'x = "u"'))
     assert "modes.free.exits[0]: name='a b' is not a name" in refused(changed("impact", "a b"))
     assert "w > 0 is required" in refused(changed("2.8", "-1"))
+    message = refused(changed('to = "stop"', 'to = "sto"'))
+    assert message.startswith("modes.free.exits[")  # as the file names it, not ['free']
     assert "letters, digits" in refused(changed("modes.free.flow", 'modes."a b".flow'))
 
 

@@ -101,6 +101,9 @@ def run_exponents(
                 status, part = growth.through(steps[done : min(done + _TOGETHER, limit)])
                 rows.append(part)
                 done += len(part)
+                if status == Status.COMPLETED and done <= n_transient and growth.renew_lost():
+                    status, again = growth.through(steps[done - 1 : done])
+                    part[len(part) - len(again) :] = again  # it belongs to other columns now
                 last = flow.counts
                 first = last if done <= n_transient else first
                 progress.update(done)

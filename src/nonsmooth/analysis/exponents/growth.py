@@ -4,7 +4,8 @@ The engine replaces the columns by an orthonormal basis of what they span before
 towards one direction, and adds up the logarithms of what they are divided by (G. Benettin,
 L. Galgani, A. Giorgilli and J.-M. Strelcyn, Meccanica 15, 9-20, 1980); see ``growth.hpp``. A
 direction that an event wipes out, as where a state becomes slaved or sticks, is lost for good: its
-column is zero and its growth minus infinity.
+column is zero and its growth minus infinity. What is lost in a transient may begin anew behind it,
+since the motion that follows may never pass such an event again.
 """
 
 from __future__ import annotations
@@ -44,8 +45,8 @@ class Growth:
         self.flow = flow
         self._tangent = allocate_columns(flow.tables.sizes, count, 0, measures=True)
         # any directions but the axes, which may belong to invariant subspaces
-        generator = np.random.default_rng(seed)
-        mixed = np.linalg.qr(generator.standard_normal((flow.n, flow.n)))[0][:count]
+        self._generator = np.random.default_rng(seed)
+        mixed = np.linalg.qr(self._generator.standard_normal((flow.n, flow.n)))[0][:count]
         self._begin(mixed @ flow.first_columns, _rank(flow.first_columns))
 
     @property
@@ -76,6 +77,29 @@ class Growth:
             if len(rows):
                 self._run(ends[: len(rows)])
         return status, rows
+
+    def renew_lost(self) -> bool:
+        """Let lost directions begin anew at the anchor, behind those that are left.
+
+        They begin anywhere in the directions that the mode at the anchor has, with the growth
+        zero; where it has no more than are left, as in stick, nothing changes. Returns whether any
+        began anew.
+        """
+        tangent = self._tangent
+        left = np.flatnonzero(~np.isneginf(tangent.growth))
+        if len(left) == len(tangent.growth):
+            return False
+        of_mode = self.flow.columns_of_mode()
+        rank = 0 if of_mode is None else min(len(tangent.growth), _rank(of_mode))
+        if of_mode is None or rank <= len(left):
+            return False
+        kept, growth = self.columns[left], tangent.growth[left]
+        fresh = self._generator.standard_normal((rank - len(left), self.flow.n)) @ of_mode
+        basis = np.linalg.qr(np.concatenate([kept, fresh]).T)[0].T
+        tangent.columns[:], tangent.growth[:], tangent.ready[:] = 0.0, -math.inf, 0
+        self.columns[:rank] = np.concatenate([kept, basis[len(left) :]])
+        tangent.growth[:rank] = np.concatenate([growth, np.zeros(rank - len(left))])
+        return True
 
     def _run(self, ends: Sequence[Instant]) -> tuple[Status, Matrix]:
         shape = len(ends), *self.columns.shape

@@ -124,9 +124,10 @@ class SplitMode:
         return shown(self.nodes[surface])
 
     def surfaces_of(self, cell: Cell) -> Iterator[tuple[str, str]]:
-        """Names of the surfaces of a cell with their signs."""
-        for key in cell.signs:
-            yield self.names[key], self._sign(cell, key)
+        """Names of the surfaces of a cell with their signs, in the order of `signs_of`."""
+        for key in self.names:
+            if key in cell.signs:
+                yield self.names[key], self._sign(cell, key)
 
     def through(self, graph: Graph, cell: Cell, surface: SwitchingSurface) -> ExitEquations:
         """Exit of a cell through one of its surfaces."""

@@ -177,6 +177,7 @@ def _contact(graph: Graph, free: Resolver, way: ExitEquations) -> _Contact:
         )
         for state, e in moved.items()
     }
+    moving: list[str] = []  # states that the reset changes where the guard rests
     # by the state on which the rate depends in the plainest way: a slope may vanish somewhere
     for state, slope in sorted(
         slopes.items(), key=lambda item: (not isinstance(item[1], Number), graph.moves(item[1]))
@@ -190,14 +191,35 @@ def _contact(graph: Graph, free: Resolver, way: ExitEquations) -> _Contact:
             for other, jump in jumps.items()
         }
         push = {other: node for other, node in push.items() if node is not graph.zero}
-        points = put_on(graph, [guard], solved_for(graph, free.equations, [guard]))
-        if push and _stops(graph, jumps, points, rate, state, slope):
+        if not push:
+            continue
+
+        def stops(
+            some: Mapping[str, Expression], by: str = state, slope: Expression = slope
+        ) -> bool:
+            points = put_on(graph, [guard], solved_for(graph, free.equations, [guard]))
+            return _stops(graph, some, points, rate, by, slope)
+
+        if stops(jumps):
             return _Contact(way, guard, rate, push)
+        if stops({state: jumps[state]}):
+            moving = [other for other, jump in jumps.items() if not stops({other: jump})]
     raise ModelError(
         f"{way.guard.where.removesuffix('.guard')}: sticks={way.sticks!r} needs a reset that"
         " changes nothing where the guard rests, and moves a state that its rate depends on, such"
         " as 'v': '-r*v' for a guard of x; a reset with the speed of a moving wall is -r*v +"
-        " (1 + r)*speed"
+        f" (1 + r)*speed{_blamed(moving)}"
+    )
+
+
+def _blamed(moving: Sequence[str]) -> str:
+    """Which states a reset would go on changing at rest, where that alone is the fault."""
+    if not moving:
+        return ""
+    shown = " and ".join(repr(state) for state in moving)
+    return (
+        f". Here the reset of {shown} still changes it at rest: let that change vanish with the"
+        " speed of the impact, as that of friction does, which is a part of its impulse"
     )
 
 

@@ -163,8 +163,8 @@ def _check_text(where: str, text: object) -> None:
 def _check_name(kind: str, name: object) -> None:
     if not isinstance(name, str) or not is_name(name):
         raise ModelError(
-            f"{kind}: {name!r:.60} is not a name; use letters, digits and _, not a reserved word"
-            f"{_why_no_name(name)}"
+            f"{kind}: {name!r:.60} is not a name; use ASCII letters, digits and _, not a reserved"
+            f" word{_why_no_name(name)}"
         )
     if name in _RESERVED:
         raise ModelError(

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import os
+import re
 from collections.abc import Callable, Mapping
 from typing import Any, TypeVar
 
@@ -22,6 +23,9 @@ __all__ = ["read_system"]
 
 T = TypeVar("T")
 
+_PLACE = re.compile(r"\w+(\['\w+'\]|\.\w+|\[\d+\])+(?=[:. ])")
+_KEY = re.compile(r"\['(\w+)'\]")
+
 
 def read_system(make: Callable[..., T], source: str | os.PathLike[str]) -> T:
     """System of a TOML text or file, made by the class given; errors name the file."""
@@ -31,9 +35,15 @@ def read_system(make: Callable[..., T], source: str | os.PathLike[str]) -> T:
         try:
             return make(**_system_words(document))
         except ModelError as fault:
-            raise ModelError(f"{fault}{_misplaced(document)}") from None
+            raise ModelError(f"{_place_in_file(str(fault))}{_misplaced(document)}") from None
     except ModelError as fault:
         raise ModelError(f"{file}: {fault}" if file else str(fault)) from None
+
+
+def _place_in_file(message: str) -> str:
+    """The place at the beginning of a message, as ``modes.free.flow`` in place of brackets."""
+    place = _PLACE.match(message)
+    return message if place is None else _KEY.sub(r".\1", place[0]) + message[place.end() :]
 
 
 def _system_words(document: dict[str, Any]) -> dict[str, Any]:

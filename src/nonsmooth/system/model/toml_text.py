@@ -37,7 +37,8 @@ _MARK = re.compile(
 _PLACE = re.compile(r" \(at (?:line (?P<line>\d+), column (?P<column>\d+)|end of document)\)$")
 _HINTS = {
     "Invalid value": 'an expression stands in quotes, as in x = "2*v"',
-    "Invalid statement": "a line is key = value, [table] or [[array of tables]]",
+    "Invalid statement": "a line is key = value, [table] or [[array of tables]], and a key without"
+    + " quotes has ASCII letters, digits, _ and - only",
     "Expected newline or end of document after a statement": "one key = value on each line, and "
     + 'an expression in quotes, as in x = "2*v"',
     "Cannot overwrite a value": "this is given already, or given both as [table] and as [[array "
