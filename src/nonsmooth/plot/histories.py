@@ -108,7 +108,8 @@ def draw_lines(
     for i, name in enumerate(names):
         trace = curve(run, [name], time_range)
         time, values = thinned(trace.time, trace.values[0])
-        ax.plot(time, values, label=labels.get(name, name), **LINES[i % len(LINES)])
+        alone = {"marker": "."} if time.size == 1 else {}  # no line leads anywhere
+        ax.plot(time, values, label=labels.get(name, name), **LINES[i % len(LINES)], **alone)
     low, high = time_range or (float(run["time"][0]), float(run["time"][-1]))
     if low < high:
         ax.set_xlim(low, high)
