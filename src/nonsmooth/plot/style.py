@@ -51,6 +51,7 @@ LINES: tuple[dict[str, Any], ...] = (
 )
 
 _SHADES = ((0, 0), (0, 9), (255, 10), (0, 14))  # black or white, and twentieths of it
+_PIECE = 0.85  # of the side of the axes: labels of several lines take room from it
 _NOTHING = "no finite values to draw"
 _SYMBOL = re.compile(r"\b([A-Za-z]+)_([A-Za-z0-9]+)\b")  # a unit such as A_b or omega_M
 _GREEK = (
@@ -107,7 +108,7 @@ def _pieces(word: str, letters: float) -> list[str]:
     """A word, or parts of it that fit: a name of a program may be longer than an axis."""
     if "$" in word or text_width(word) <= letters:
         return [word]
-    count = max(1, int(len(word) * letters / text_width(word)))
+    count = max(1, int(_PIECE * len(word) * letters / text_width(word)))
     return [word[k : k + count] for k in range(0, len(word), count)]
 
 
