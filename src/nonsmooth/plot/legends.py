@@ -71,7 +71,8 @@ def place_legend(
     """
     from matplotlib.patches import Patch
 
-    panels = ax.axes if isinstance(ax.axes, list) else [ax.axes]
+    own: Any = ax.axes  # those of a figure are a list
+    panels: list[Axes] = own if isinstance(own, list) else [own]
     shown = _all_labelled(panels) if entries is None else list(entries)
     handles, labels = list(shown), [str(entry.get_label()) for entry in shown]
     if not handles:

@@ -52,6 +52,7 @@ LINES: tuple[dict[str, Any], ...] = (
 
 _SHADES = ((0, 0), (0, 9), (255, 10), (0, 14))  # black or white, and twentieths of it
 _PIECE = 0.85  # of the side of the axes: labels of several lines take room from it
+_OVER = 1.08  # of the height of the axes, for a line beside them
 _NOTHING = "no finite values to draw"
 _SYMBOL = re.compile(r"\b([A-Za-z]+)_([A-Za-z0-9]+)\b")  # a unit such as A_b or omega_M
 _GREEK = (
@@ -186,9 +187,9 @@ def finish_axes(ax: Axes, x_label: str, y_label: str) -> None:
     """Set the labels that the caller has not set before, and say where axes hold nothing."""
     across, up = _sides(ax)
     if not ax.get_xlabel():
-        ax.set_xlabel(wrapped(x_label, across, ax.xaxis.label.get_fontsize()))
+        ax.set_xlabel(wrapped(x_label, across, float(ax.xaxis.label.get_fontsize())))
     if not ax.get_ylabel():
-        ax.set_ylabel(wrapped(y_label, up, ax.yaxis.label.get_fontsize()))
+        ax.set_ylabel(wrapped(y_label, _OVER * up, float(ax.yaxis.label.get_fontsize())))
     if ax.lines and not np.isfinite(ax.dataLim.get_points()).any():
         ax.text(0.5, 0.5, _NOTHING, transform=ax.transAxes, ha="center", va="center", color="0.4",
                 fontsize=ax.xaxis.label.get_fontsize())  # fmt: skip
