@@ -52,7 +52,7 @@ LINES: tuple[dict[str, Any], ...] = (
 
 _SHADES = ((0, 0), (0, 9), (255, 10), (0, 14))  # black or white, and twentieths of it
 _PIECE = 0.78  # of the side of the axes: labels of several lines take room from it
-_OVER = 1.08  # of the height of the axes, for a line beside them
+_OVER = 1.03  # of the height of the axes, for a line beside them
 _NOTHING = "no finite values to draw"
 _SYMBOL = re.compile(r"\b([A-Za-z]+)_([A-Za-z0-9]+)\b")  # a unit such as A_b or omega_M
 _GREEK = (
