@@ -164,3 +164,18 @@ def test_wrong_use(run, record, ax):
         ns.plot.comparison(run, run, "event_time", "x", ax=ax)
     with pytest.raises(OptionError, match="give a dataset"):
         ns.plot.comparison([1.0], record, "x", "vx", ax=ax)
+
+
+def test_what_was_measured_has_one_colour_and_is_seen_below_a_curve_that_agrees(run, record, ax):
+    ns.plot.comparison(run, record, "x", "vx", ax=ax)
+    assert lines(ax)["measured"].get_linewidth() > 2.0 * lines(ax)["computed"].get_linewidth()
+    points = ns.measured.section(record)
+    spectra = [ns.power_spectrum(each, "x") for each in (run, record)]
+    spectra[1]["amplitude"].attrs = spectra[0]["amplitude"].attrs
+    spectra[1]["frequency"].attrs = spectra[0]["frequency"].attrs
+    others = [
+        ns.plot.comparison(points, points, "x", "vx"),
+        ns.plot.comparison(*spectra, "frequency", "amplitude"),
+    ]
+    colours = {lines(each)["measured"].get_color() for each in (ax, *others)}
+    assert len(colours) == 1

@@ -7,6 +7,7 @@ import pytest
 import xarray as xr
 
 import nonsmooth as ns
+from nonsmooth.errors import OptionError
 from nonsmooth.plot.regimes import REGIME_COLOURS
 
 KINDS = ["fold", "flip", "torus", "symmetry_breaking", "branch_point", "grazing", "corner"]
@@ -185,3 +186,84 @@ def oklab(colour, sight):
     cones = np.array([[0.412, 0.536, 0.051], [0.212, 0.681, 0.107], [0.088, 0.282, 0.630]])
     axes = [[0.210, 0.794, -0.004], [1.978, -2.429, 0.451], [0.026, 0.783, -0.809]]
     return axes @ np.cbrt(cones @ np.clip(sight @ linear, 0.0, 1.0))
+
+
+def columns_of_legend(legend):
+    """Texts of each column, from left to right."""
+    legend.figure.draw_without_rendering()
+    places = {}
+    for text in legend.get_texts():
+        places.setdefault(round(text.get_window_extent().x0), []).append(text.get_text())
+    return [places[x] for x in sorted(places)]
+
+
+def test_entries_of_one_sort_have_columns_of_their_own():
+    _, (ax,) = ns.plot.print_figure(width=12.0)
+    some = orbits(kinds=["fold", "flip", "fold"])
+    some["admissible"] = some["p"] < 0.7
+    ns.plot.branch({f"a = 0.{k}": some for k in range(1, 5)}, "x", ax=ax)
+    assert columns_of_legend(ax.get_legend()) == [
+        ["stable", "unstable", "inadmissible"],
+        ["a = 0.1", "a = 0.2", "a = 0.3", "a = 0.4"],
+        ["fold", "flip", "fold, inadmissible"],
+    ]
+
+
+def test_a_legend_of_a_figure_names_each_thing_once():
+    figure, axes = ns.plot.print_figure(1, 2, width=17.0)
+    for ax in axes:
+        ns.plot.branch(orbits(), "x", ax=ax, legend=False)
+    ns.plot.place_legend(figure)
+    (legend,) = figure.legends
+    words = [kind.replace("_", " ") for kind in KINDS]
+    assert [text for column in columns_of_legend(legend) for text in column] == [
+        "stable",
+        "unstable",
+        *words,
+    ]
+    top = max(ax.get_window_extent().y1 for ax in axes)
+    assert legend.get_window_extent().y0 >= top - 1.0
+
+
+@pytest.mark.parametrize("name", ["a rather long name of what stands on this axis", "n_" * 30])
+@pytest.mark.parametrize(("rows", "width"), [(1, 8.0), (2, 17.0)])
+def test_labels_of_axes_are_not_cut(name, rows, width):
+    figure, axes = ns.plot.print_figure(rows, rows, width=width)
+    data = portrait("m")
+    for variable in ("x", "v"):
+        data[variable].attrs["long_name"] = name
+    for ax in axes:
+        ns.plot.section(data, "x", "v", ax=ax)
+    figure.draw_without_rendering()
+    for ax in axes:
+        across, up = ax.xaxis.label.get_window_extent(), ax.yaxis.label.get_window_extent()
+        assert across.x0 >= 0.0 and across.x1 <= figure.bbox.x1
+        assert up.y0 >= 0.0 and up.y1 <= figure.bbox.y1
+
+
+@pytest.mark.parametrize(
+    ("units", "shown"),
+    [("A_b", "$A_{b}$"), ("1/omega_Ls", r"1/$\omega_{Ls}$"), ("mm/s", "mm/s")],
+)
+def test_units_with_an_index(units, shown):
+    assert ns.plot.section(portrait(units), "x", "v").get_xlabel() == f"displacement [{shown}]"
+
+
+def test_axes_without_a_number_say_so():
+    data = portrait("m")
+    assert not ns.plot.section(data, "x", "v").texts
+    (text,) = ns.plot.section(data * np.nan, "x", "v").texts
+    assert text.get_text() == "no finite values to draw"
+
+
+def test_curves_of_a_caller_are_told_apart_with_every_kind_of_colour_vision():
+    _, (ax,) = ns.plot.print_figure()
+    colours = [ax.plot([0.0, 1.0])[0].get_color() for _ in range(6)]
+    for one, other in combinations(colours, 2):
+        apart = [np.linalg.norm(oklab(one, sight) - oklab(other, sight)) for sight in SIGHTS]
+        assert min(apart) > 0.06, (one, other)
+
+
+def test_no_cells_are_refused():
+    with pytest.raises(OptionError, match="no cells to draw"):
+        ns.plot.basins(basins().isel(p=slice(0, 0)))

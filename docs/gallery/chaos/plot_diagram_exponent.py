@@ -24,7 +24,7 @@ exponents = [
 ]
 
 figure, (above, below) = plt.subplots(
-    2, 1, figsize=(4.4, 4.0), dpi=150, sharex=True, layout="constrained"
+    2, 1, figsize=(5.2, 4.2), dpi=150, sharex=True, layout="constrained"
 )
 ns.plot.bifurcation(diagram, "x", ax=above)
 below.plot(frequencies, exponents, color=ns.plot.PALETTE["blue"], linewidth=0.9)

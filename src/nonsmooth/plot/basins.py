@@ -100,6 +100,8 @@ def basins(
         raise OptionError(
             "the dataset has no 'label' over two states; give a result of basins_of_attraction"
         )
+    if data["label"].size == 0:
+        raise OptionError("the dataset has no cells to draw; give more values of both states")
     up, across = (str(name) for name in data["label"].dims)
     labels = data["label"].values.astype(int)
     data = _with_fractions(data, labels)

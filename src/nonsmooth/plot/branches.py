@@ -22,7 +22,7 @@ from nonsmooth.plot.branch_curves import (
 )
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.legends import place_legend
-from nonsmooth.plot.style import LINES, PALETTE, axis_label, finish_axes, wrapped
+from nonsmooth.plot.style import LINES, PALETTE, axis_label, finish_axes
 from nonsmooth.plot.trace import DENSE, broken
 
 if TYPE_CHECKING:
@@ -165,7 +165,8 @@ def branch(
         top = cut_axis(ax, np.concatenate([np.asarray(each, float) for each in heights]))
     for kinds, at_x, at_y in marks if special else ():
         mark_special_points(ax, kinds, at_x, np.minimum(at_y, _BELOW * top))
-    finish_axes(ax, *labels[0])
+    x_label, y_label = labels[0]
+    finish_axes(ax, x_label, y_label if diagram is None else axis_label(diagram[y]))
     if legend:
         place_legend(ax, may_grow=own)
     return ax
@@ -247,8 +248,6 @@ def _draw_diagram(diagram: xr.Dataset, branch: xr.Dataset, x: str | None, y: str
         markersize=3.0 if few else 1.5, markeredgewidth=0.0, zorder=1,
         rasterized=np.count_nonzero(shown) > DENSE, label=_BEHIND, gid="diagram",
     )  # fmt: skip
-    if not ax.get_ylabel():
-        ax.set_ylabel(wrapped(axis_label(diagram[y])))
 
 
 def cut_axis(ax: Axes, values: npt.NDArray[np.float64]) -> float:

@@ -13,8 +13,9 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-__all__ = ["decibel_label", "draw_spectra", "is_spectrum"]
+__all__ = ["MEASURED", "decibel_label", "draw_spectra", "is_spectrum"]
 
+MEASURED = PALETTE["orange"]  # in all comparisons
 _PER_DECADE = {"amplitude": 20.0, "power_density": 10.0}
 _RANGE = 120.0  # decibels below the largest value; what lies lower is drawn there
 _ORDERS = 10.0  # harmonics shown
@@ -30,7 +31,7 @@ def draw_spectra(
 ) -> None:
     """Both as curves; dashed lines stand at the multiples of the forcing's frequency."""
     looks: Any = (
-        (measured, labels[1], {"color": PALETTE["orange"], "linewidth": 0.9}),
+        (measured, labels[1], {"color": MEASURED, "linewidth": 0.9}),
         (computed, labels[0], {"color": LINES[0]["color"], "linewidth": 0.7}),
     )
     largest = max(float(data[y].max()) for data in (computed, measured)) or 1.0

@@ -9,10 +9,10 @@ import numpy.typing as npt
 
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.plot.alignment import folded, shift_to_marks, way_to_align
-from nonsmooth.plot.compared_spectra import decibel_label, draw_spectra, is_spectrum
+from nonsmooth.plot.compared_spectra import MEASURED, decibel_label, draw_spectra, is_spectrum
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.legends import place_legend
-from nonsmooth.plot.style import LINES, PALETTE, axis_label, finish_axes
+from nonsmooth.plot.style import LINES, axis_label, finish_axes
 from nonsmooth.plot.trace import DENSE, curve
 
 if TYPE_CHECKING:
@@ -25,6 +25,7 @@ Floats = npt.NDArray[np.float64]
 
 _SIZES = ((200, 4.0), (2_000, 2.4), (DENSE, 1.4))  # diameters by the number of measured points
 _SMALLEST = 0.8
+_BROAD = 1.6  # width of what was measured, seen on both sides of a computed curve that agrees
 
 
 def comparison(
@@ -133,7 +134,7 @@ def _looks(
 ) -> tuple[tuple[xr.Dataset, dict[str, Any]], ...]:
     """The curve of each of the two, the one below first."""
     return (
-        (measured, {"label": labels[1], "color": PALETTE["sky"], "linewidth": 0.7}),
+        (measured, {"label": labels[1], "color": MEASURED, "linewidth": _BROAD}),
         (computed, {"label": labels[0], "color": LINES[0]["color"], "linewidth": 0.7}),
     )
 
@@ -186,7 +187,7 @@ def _draw_points(
 ) -> None:
     across, up = _points(measured, x, y)
     size = next((size for most, size in _SIZES if up.size <= most), _SMALLEST)
-    _dots(ax, across, up, labels[1], size, PALETTE["orange"])
+    _dots(ax, across, up, labels[1], size, MEASURED)
     across, up = _points(computed, x, y)
     size = next((size for most, size in _SIZES if up.size <= most), _SMALLEST)
     _dots(ax, across, up, labels[0], 0.6 * size, LINES[0]["color"])

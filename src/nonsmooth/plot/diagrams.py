@@ -93,7 +93,20 @@ def bifurcation(
             label=None if single else f"initial state {lane + 1}",
             rasterized=count > _DENSE,
         )
-    finish_axes(ax, axis_label(diagram["parameter"]), axis_label(diagram[variable]))
+    finish_axes(ax, axis_label(diagram["parameter"]), _height_label(diagram, variable))
     if legend:
         place_legend(ax)
     return ax
+
+
+def _height_label(diagram: xr.Dataset, variable: str) -> str:
+    """Label of what is drawn, and on which side of which event; samples at strobes need no word."""
+    event = str(diagram.attrs.get("at", "strobe"))
+    side = str(diagram.attrs.get("side", ""))
+    recorded = {"parameter", "lane"} < set(diagram[variable].dims)
+    if not recorded or not side or event == "strobe":
+        return axis_label(diagram[variable])
+    named = diagram[variable].assign_attrs(
+        long_name=f"{diagram[variable].attrs.get('long_name') or variable} {side} {event}"
+    )
+    return axis_label(named)

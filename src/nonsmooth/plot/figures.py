@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from nonsmooth.files import check_target, replacing
+from nonsmooth.plot.style import PALETTE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -15,7 +16,10 @@ __all__ = ["new_axes", "print_figure", "save_figure"]
 
 _CENTIMETRES = 1.0 / 2.54  # in inches
 _TEXT, _SMALL = 8.0, 7.0  # points; journals ask for at least 6 to 7 after reduction
+# of curves that a caller draws: told apart with every kind of colour vision; yellow is faint
+_COLOURS = [colour for name, colour in PALETTE.items() if name != "yellow"]
 _STYLE: Any = {
+    "axes.prop_cycle": f"cycler('color', {_COLOURS})",
     "font.size": _TEXT,
     "axes.labelsize": _TEXT,
     "axes.titlesize": _TEXT,

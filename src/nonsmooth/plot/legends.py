@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import accumulate, groupby, pairwise
+from itertools import accumulate, compress, groupby, pairwise
 from textwrap import fill
 from typing import TYPE_CHECKING, Any, NamedTuple
+
+from nonsmooth.plot.style import text_width
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 __all__ = ["place_legend"]
 
@@ -38,7 +41,7 @@ class _Layout(NamedTuple):
 
 
 def place_legend(
-    ax: Axes, entries: Sequence[Artist] | None = None, *, may_grow: bool = False
+    ax: Axes | Figure, entries: Sequence[Artist] | None = None, *, may_grow: bool = False
 ) -> None:
     """Put the legend above the axes; nothing without entries.
 
@@ -49,8 +52,9 @@ def place_legend(
 
     Parameters
     ----------
-    ax : matplotlib.axes.Axes
-        The axes, with all that the legend explains.
+    ax : matplotlib.axes.Axes or matplotlib.figure.Figure
+        The axes, with all that the legend explains; or a figure, for one legend above all its
+        axes, in which each label stands once.
     entries : sequence of matplotlib.artist.Artist, optional
         What the legend shows with its label, in place of all that the axes have labels for.
     may_grow : bool, optional
@@ -67,35 +71,63 @@ def place_legend(
     """
     from matplotlib.patches import Patch
 
-    handles, labels = ax.get_legend_handles_labels()
-    if entries is not None:
-        handles, labels = list(entries), [str(entry.get_label()) for entry in entries]
+    own: Any = ax.axes  # those of a figure are a list
+    panels: list[Axes] = own if isinstance(own, list) else [own]
+    shown = _all_labelled(panels) if entries is None else list(entries)
+    handles, labels = list(shown), [str(entry.get_label()) for entry in shown]
     if not handles:
         return
-    from matplotlib.transforms import ScaledTranslation
-
-    figure = ax.get_figure(root=True)
-    assert figure is not None
-    above = ScaledTranslation(0.0, _title_height(ax) / 72.0, figure.dpi_scale_trans)
-    layout, labels = _layout(ax, labels, _groups(handles), may_grow)
+    size = float(panels[0].xaxis.label.get_fontsize())  # the caller's may be larger than ours
+    layout, labels = _layout(_room(ax), size, labels, _groups(handles), may_grow)
     if layout.shown < len(labels):
         labels = [*labels[: layout.shown - 1], f"and {len(labels) - layout.shown + 1} more"]
         handles = [*handles[: layout.shown - 1], Patch(alpha=0.0)]
     box = ax.legend(
         *_padded(handles, labels, layout), fontsize=layout.size, ncols=len(layout.columns),
-        loc="lower left", bbox_to_anchor=(0.0, 1.0), bbox_transform=ax.transAxes + above,
         borderaxespad=0.2, borderpad=0.2, frameon=False, labelspacing=0.3, handlelength=_HANDLE,
-        handletextpad=_SPACE, columnspacing=_GAP,
+        handletextpad=_SPACE, columnspacing=_GAP, **_place(ax),
     )  # fmt: skip
-    named = [bool(text.get_text()) for text in box.texts]
-    box.texts[:] = [text for text, there in zip(box.texts, named, strict=True) if there]
-    box.legend_handles[:] = [h for h, there in zip(box.legend_handles, named, strict=True) if there]
+    there = [bool(text.get_text()) for text in box.texts]
+    box.texts[:] = compress(box.texts, there)
+    box.legend_handles[:] = compress(box.legend_handles, there)
     for handle in box.legend_handles:
         _let_see(handle)
     if may_grow:
-        _grow(ax, layout)
-    # the power of ten of the axis stands beside it, above its numbers
-    ax.yaxis.get_offset_text().set_horizontalalignment("right")
+        _grow(panels[0], layout)
+    for panel in panels:  # the power of ten of the axis stands beside it, above its numbers
+        panel.yaxis.get_offset_text().set_horizontalalignment("right")
+
+
+def _all_labelled(panels: Sequence[Axes]) -> list[Any]:
+    """What axes have labels for; of what several axes have in common, the first."""
+    found: list[Any] = []
+    for panel in panels:
+        known = {entry.get_label() for entry in found}
+        found += [h for h in panel.get_legend_handles_labels()[0] if h.get_label() not in known]
+    return found
+
+
+def _room(ax: Axes | Figure) -> tuple[float, float]:
+    """Width and height of the axes, or of the figure, in points."""
+    figure = ax.get_figure(root=True)
+    assert figure is not None
+    box = ax.get_window_extent()
+    return box.width / figure.dpi * 72.0, box.height / figure.dpi * 72.0
+
+
+def _place(ax: Axes | Figure) -> dict[str, Any]:
+    """Where the legend stands: above the axes and their title, or above all axes."""
+    from matplotlib.figure import Figure
+    from matplotlib.transforms import ScaledTranslation
+
+    if isinstance(ax, Figure):
+        return {"loc": "outside upper center"}
+    figure = ax.get_figure(root=True)
+    assert figure is not None
+    above = ScaledTranslation(0.0, _title_height(ax) / 72.0, figure.dpi_scale_trans)
+    return {
+        "loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "bbox_transform": ax.transAxes + above,
+    }  # fmt: skip
 
 
 def _groups(handles: Sequence[Any]) -> list[int]:
@@ -115,15 +147,11 @@ def _sort(handle: Any) -> str:
 
 
 def _layout(
-    ax: Axes, labels: list[str], groups: list[int], may_grow: bool
+    room: tuple[float, float], size: float, labels: list[str], groups: list[int], may_grow: bool
 ) -> tuple[_Layout, list[str]]:
     """The largest letters with which all entries have room; texts too long for that wrapped."""
-    figure = ax.get_figure(root=True)
-    assert figure is not None
-    box = ax.get_window_extent()
-    width, height = (length / figure.dpi * 72.0 for length in (box.width, box.height))
-    size = float(ax.xaxis.label.get_fontsize())  # those of the caller may be larger than ours
-    widths = [_width(label) for label in labels]
+    width, height = room
+    widths = [text_width(label) for label in labels]
     while True:
         last = size - _STEP < _SMALLEST
         share = _MOST_SHARE if last else _SHARE
@@ -182,14 +210,6 @@ def _padded(
         for entry in (*entries[begin:end], *[blank] * (layout.rows - (end - begin)))
     ]
     return [handle for handle, _ in padded], [label for _, label in padded]
-
-
-def _width(label: str) -> float:
-    """Width of a text, in the size of its letters."""
-    from matplotlib.textpath import TextPath
-
-    size = 100.0  # large, so that hinting does not count
-    return float(TextPath((0.0, 0.0), label, size=size).get_extents().width) / size if label else 0
 
 
 def _title_height(ax: Axes) -> float:

@@ -103,14 +103,14 @@ def multipliers(
     values = np.asarray(data["multipliers"].values, dtype=complex)
     limits = _limits(values, radius)
     ax = new_axes() if ax is None else ax
+    ax.set_aspect("equal", adjustable="box")
+    ax.set_xlim(*limits[:2])
+    ax.set_ylim(-limits[2], limits[2])
     _draw_circle(ax)
     if along:
         _draw_paths(data, ax, special, _FAR * max(limits))
     else:
         _draw_points(values[~np.isnan(np.abs(values))], ax, limits)
-    ax.set_aspect("equal", adjustable="box")
-    ax.set_xlim(*limits[:2])
-    ax.set_ylim(-limits[2], limits[2])
     finish_axes(ax, "real part of the multiplier", "imaginary part")
     if legend:
         place_legend(ax)

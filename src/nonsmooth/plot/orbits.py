@@ -9,7 +9,7 @@ import numpy as np
 from nonsmooth.errors import OptionError
 from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.portrait import phase_portrait
-from nonsmooth.plot.style import LINES, axis_label, wrapped
+from nonsmooth.plot.style import LINES, axis_label, finish_axes
 from nonsmooth.plot.trace import DENSE, check_range, check_variables, curve
 
 if TYPE_CHECKING:
@@ -106,8 +106,7 @@ def orbit(
     if marks:
         _mark_revolutions(run, x, y, ax, time_range)
     ax.set_aspect("equal", adjustable="datalim")
-    ax.set_xlabel(wrapped(axis_label(run[x])))
-    ax.set_ylabel(wrapped(axis_label(run[y])))
+    finish_axes(ax, axis_label(run[x]), axis_label(run[y]))
     if legend:
         place_legend(ax)
     return ax

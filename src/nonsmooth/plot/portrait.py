@@ -99,7 +99,10 @@ def phase_portrait(
     if phases:
         _draw_by_mode(run, trace, ax, dense)
     else:
-        ax.plot(*trace.values, color=LINES[0]["color"], linewidth=0.6, rasterized=dense)
+        alone = "." if trace.time.size == 1 else ""  # no line leads anywhere
+        ax.plot(
+            *trace.values, color=LINES[0]["color"], linewidth=0.6, marker=alone, rasterized=dense
+        )
     if surfaces:
         draw_surfaces(run, x, y, ax)
     finish_axes(ax, axis_label(run[x]), axis_label(run[y]))

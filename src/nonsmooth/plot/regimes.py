@@ -120,6 +120,8 @@ def regime_map(
     """
     from matplotlib.colors import BoundaryNorm, ListedColormap
 
+    if "regime" in grid and grid["regime"].size == 0:
+        raise OptionError("the map has no cells to draw; give more values of both parameters")
     numbers, names, colours = _categories(grid, words)
     if quantity is not None:
         return draw_quantity(grid, quantity, new_axes() if ax is None else ax, legend)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-import textwrap
+import re
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,6 +25,7 @@ __all__ = [
     "mixed",
     "mode_colours",
     "mode_numbers",
+    "text_width",
     "wrapped",
 ]
 
@@ -49,7 +51,15 @@ LINES: tuple[dict[str, Any], ...] = (
 )
 
 _SHADES = ((0, 0), (0, 9), (255, 10), (0, 14))  # black or white, and twentieths of it
-_LABEL_WIDTH = 34  # characters; at 8 points this is the height of a column-wide picture
+_PIECE = 0.78  # of the side of the axes: labels of several lines take room from it
+_OVER = 1.03  # of the height of the axes, for a line beside them
+_NOTHING = "no finite values to draw"
+_SYMBOL = re.compile(r"\b([A-Za-z]+)_([A-Za-z0-9]+)\b")  # a unit such as A_b or omega_M
+_GREEK = (
+    *("alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "kappa", "lambda"),
+    *("mu", "nu", "xi", "rho", "sigma", "tau", "phi", "chi", "psi", "omega", "Gamma", "Delta"),
+    *("Theta", "Lambda", "Xi", "Sigma", "Phi", "Psi", "Omega"),
+)
 
 # from dark blue to ochre in even steps of lightness, alike with every kind of colour vision; the
 # pale end would be lost on white
@@ -83,9 +93,50 @@ def axis_label(variable: xr.DataArray) -> str:
     return name if units in ("", "1", "dimensionless") else f"{name} [{units}]"
 
 
-def wrapped(label: str) -> str:
-    """Label in lines that fit beside axes of a column's width."""
-    return textwrap.fill(label, _LABEL_WIDTH)
+def wrapped(label: str, length: float, size: float) -> str:
+    """Label in lines of a length at most; both it and the size of the letters are in points."""
+    lines: list[str] = []
+    for word in _typeset(label).split():
+        longer = f"{lines[-1]} {word}" if lines else word
+        if lines and text_width(longer) * size <= length:
+            lines[-1] = longer
+        else:
+            lines += _pieces(word, length / size)
+    return "\n".join(lines)
+
+
+def _pieces(word: str, letters: float) -> list[str]:
+    """A word, or parts of it that fit: a name of a program may be longer than an axis."""
+    if "$" in word or text_width(word) <= letters:
+        return [word]
+    count = max(1, int(_PIECE * len(word) * letters / text_width(word)))
+    return [word[k : k + count] for k in range(0, len(word), count)]
+
+
+def _typeset(label: str) -> str:
+    """Label whose units have indices and Greek letters: ``[A_b]`` with b below the line."""
+    start, bracket, units = label.rpartition("[")
+    if "$" in units:
+        return label
+    return start + bracket + (_SYMBOL.sub(_symbol, units) if bracket else units)
+
+
+def _symbol(match: re.Match[str]) -> str:
+    letter, index = match.groups()
+    letter = f"\\{letter}" if letter in _GREEK else letter
+    return f"${letter}_{{{index}}}$"
+
+
+@lru_cache(maxsize=1024)
+def text_width(text: str) -> float:
+    """Width of a text, in the size of its letters."""
+    from matplotlib.font_manager import FontProperties
+    from matplotlib.textpath import text_to_path
+
+    size = 100.0  # large, so that hinting does not count
+    letters = FontProperties(size=size)
+    width, _, _ = text_to_path.get_text_width_height_descent(text, letters, "$" in text)
+    return float(width) / size
 
 
 def mode_colours(run: xr.Dataset) -> dict[str, str]:
@@ -133,11 +184,23 @@ def mixed(colour: str, target: int, twentieths: int) -> str:
 
 
 def finish_axes(ax: Axes, x_label: str, y_label: str) -> None:
-    """Set the labels that the caller has not set before."""
+    """Set the labels that the caller has not set before, and say where axes hold nothing."""
+    across, up = _sides(ax)
     if not ax.get_xlabel():
-        ax.set_xlabel(wrapped(x_label))
+        ax.set_xlabel(wrapped(x_label, across, float(ax.xaxis.label.get_fontsize())))
     if not ax.get_ylabel():
-        ax.set_ylabel(wrapped(y_label))
+        ax.set_ylabel(wrapped(y_label, _OVER * up, float(ax.yaxis.label.get_fontsize())))
+    if ax.lines and not np.isfinite(ax.dataLim.get_points()).any():
+        ax.text(0.5, 0.5, _NOTHING, transform=ax.transAxes, ha="center", va="center", color="0.4",
+                fontsize=ax.xaxis.label.get_fontsize())  # fmt: skip
+
+
+def _sides(ax: Axes) -> tuple[float, float]:
+    """Width and height of axes in points, before the figure makes room for labels."""
+    figure = ax.get_figure(root=True)
+    assert figure is not None
+    box = ax.get_window_extent()
+    return box.width / figure.dpi * 72.0, box.height / figure.dpi * 72.0
 
 
 def growing_colours() -> Colormap:
@@ -146,6 +209,14 @@ def growing_colours() -> Colormap:
     from matplotlib.colors import ListedColormap
 
     return ListedColormap(matplotlib.colormaps[_MAP](np.linspace(0.0, _LAST, 256)))
+
+
+def _drawn_height(ax: Axes) -> float:
+    """Height of axes in points; of those with a shape of their own, what is left of it."""
+    width, height = _sides(ax)
+    if ax.get_aspect() == "auto":
+        return height
+    return min(height, width * float(ax.get_aspect()) * ax.get_data_ratio())
 
 
 def colour_bar(ax: Axes, drawn: Any, label: str, *, inset: bool = False) -> None:
@@ -160,7 +231,7 @@ def colour_bar(ax: Axes, drawn: Any, label: str, *, inset: bool = False) -> None
         place = {"cax": ax.inset_axes((1.03, 0.0, 0.035, 1.0))}
     bar = figure.colorbar(drawn, **place)
     size = float(ax.xaxis.label.get_fontsize())
-    bar.set_label(wrapped(label), fontsize=size)
+    bar.set_label(wrapped(label, _drawn_height(ax), size), fontsize=size)
     bar.ax.tick_params(labelsize=size - 1.0, width=0.6, length=2.5)
     bar.ax.yaxis.get_offset_text().set_fontsize(size - 1.0)
     bar.outline.set_linewidth(0.6)

@@ -19,6 +19,7 @@ from nonsmooth_chapter.fatigue.crack_motions import (
 )
 from nonsmooth_chapter.fatigue.growing_crack import first_loss, label_share, scatter, separators
 from nonsmooth_chapter.fatigue.growth_claims import BETWEEN
+from nonsmooth_chapter.fatigue.life_figures import fig18, fig19, fig20
 from nonsmooth_chapter.judgement import DIFFERS, HOLDS, OPEN, verdict
 
 QUICK_CRACK = ["F33", "F34", "F35", "F40", "F41", "F42", "F43", "F44"]
@@ -220,3 +221,15 @@ def test_verdicts():
         assert found[name] == DIFFERS, name
     open_ones = {f"F{n}" for n in (36, 37, 38, 39, 46, 47, 48, *range(49, 57), 59)}
     assert {name for name, each in found.items() if each == OPEN} == open_ones
+
+
+def test_a_test_has_one_colour_in_all_figures_of_crack_lengths():
+    """Those of Table 3 in Figs. 18 to 20, by their mean load and amplitude."""
+    colours: dict[str, set[str]] = {}
+    for figure, _ in (fig18(), fig19(), fig20()):
+        for line in figure.axes[0].lines:
+            load, found, _ = str(line.get_label()).partition(" N: ")
+            if found:
+                colours.setdefault(load.partition(" ")[2], set()).add(line.get_color())
+    assert len(colours) == 7 and all(len(used) == 1 for used in colours.values())
+    assert len(set.union(*colours.values())) == 7

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from nonsmooth import stroboscopic_map
-from nonsmooth.plot import PALETTE, branch, print_figure
+from nonsmooth.plot import PALETTE, branch, place_legend, print_figure
 from nonsmooth_chapter.rotor.motions import (
     DELTA_40,
     DELTA_41,
@@ -109,15 +109,10 @@ def fig36(
                 loc="left", fontsize=_TEXT,
             )  # fmt: skip
             ax.set_xlim(etas[0], etas[-1])
+        _same_heights(axes[2 * row : 2 * row + 2])
     _label(axes, r"frequency ratio, $\eta$", r"displacement, $x_r/\gamma$")
-    named = {
-        name: handle for ax in axes for handle, name in zip(*ax.get_legend_handles_labels(),
-                                                            strict=True)
-    }  # fmt: skip
-    figure.legend(
-        handles=[_printed_line("bifurcation as printed", _MARKED), *named.values()],
-        loc="outside upper center", ncols=5, frameon=False, fontsize=_TEXT,
-    )  # fmt: skip
+    axes[0].add_line(_printed_line("bifurcation as printed", _MARKED))
+    place_legend(figure)
     data = xr.concat(kept, xr.DataArray(list(PRINTED_36), dims="delta", name="delta"), join="outer")
     data.attrs = {"transient": transient, "record": record, **_version(sweeps)}
     return figure, data
@@ -228,6 +223,7 @@ def _rig_figure(
         _draw(ax, hertz * sweep.eta, machine.gap * sweep.data["x"].values)
         ax.set_title(_TITLES[sweep.start], loc="left", fontsize=_TEXT)
         ax.set_xlim(*span)
+    _same_heights(axes[:2])
     _label(axes[:2], "speed [Hz]", "displacement in x [mm]")
     figure.legend(
         handles=[_printed_line("speeds of the sections")],
@@ -238,6 +234,7 @@ def _rig_figure(
         _draw_section(ax, motions)
         name = _name_of_motion(motions["followed up"], machine.gap)
         ax.set_title(f"section at {speed:g} Hz: {name}", loc="left", fontsize=_TEXT)
+        place_legend(ax)
     _label(axes[2:], "displacement in x [mm]", "velocity in x [mm/s]")
     for axis, name in (("x", "section_x"), ("vx", "section_vx")):
         values = np.stack([motions["followed up"][axis].values for motions in sections])
@@ -282,8 +279,6 @@ def _section(
 
 
 def _draw_section(ax: Axes, found: dict[str, xr.Dataset]) -> None:
-    from matplotlib.artist import setp
-
     styles = (("black", "o"), (PALETTE["vermilion"], "^"), (PALETTE["blue"], "s"))
     for (name, points), (colour, shape) in zip(found.items(), styles, strict=False):
         x, v = points["x"].values, points["vx"].values
@@ -297,9 +292,6 @@ def _draw_section(ax: Axes, found: dict[str, xr.Dataset]) -> None:
             middle = 0.5 * (low + high)
             place(middle - _LEAST_SPAN, middle + _LEAST_SPAN)
     ax.margins(0.1)
-    key = ax.legend(frameon=False, fontsize=7, loc="best")
-    for handle in filter(None, key.legend_handles):
-        setp(handle, markersize=4.0)
 
 
 def _dataset(sweeps: tuple[Sweep, ...]) -> xr.Dataset:
@@ -359,6 +351,13 @@ def _label(axes: Sequence[Axes], across: str, up: str) -> None:
         ax.set_ylabel(up if k % 2 == 0 or "velocity" in up else "")
 
 
+def _same_heights(axes: Sequence[Axes]) -> None:
+    """One range for axes side by side, which are compared."""
+    low, high = zip(*(ax.get_ylim() for ax in axes), strict=True)
+    for ax in axes:
+        ax.set_ylim(min(low), max(high))
+
+
 def _printed_line(label: str, style: dict[str, Any] | None = None) -> Line2D:
     from matplotlib.lines import Line2D
 
@@ -414,8 +413,6 @@ def fig37(transient: int = 1000, record: int = 8000) -> tuple[Figure, xr.Dataset
     >>> data["x"].dims, len(figure.axes)
     (('panel', 'reading', 'point'), 4)
     """
-    from matplotlib.artist import setp
-
     figure, axes = print_figure(2, 2, width=16.0, height=13.0)
     readings = ("printed", "exchanged")
     shape = (len(PANELS), len(readings))
@@ -441,9 +438,7 @@ def fig37(transient: int = 1000, record: int = 8000) -> tuple[Figure, xr.Dataset
             loc="left", fontsize=_TEXT,
         )  # fmt: skip
         if panel in _EXCHANGED:
-            key = ax.legend(frameon=False, fontsize=7, loc="best")
-            for handle in filter(None, key.legend_handles):
-                setp(handle, markersize=4.0)
+            place_legend(ax)
         ax.set_xlabel(r"displacement, $x_r/\gamma$" if row > 1 else "")
         ax.set_ylabel(r"velocity, $v_{x_r}$" if row % 2 == 0 else "")
     over = ("panel", "reading", "point")

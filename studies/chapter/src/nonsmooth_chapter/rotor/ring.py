@@ -266,7 +266,7 @@ def _enlarge_jump(ax: Axes, run: xr.Dataset) -> None:
     size, side, k = max(jumps)
     middle, tall = 0.5 * float(run["ring_vx"][k] + run["ring_vx"][k - 1]), 2.5 * size
     inset = ax.inset_axes(
-        (0.3, 0.38, 0.3, 0.3), xlim=(side - _BESIDE, side + _BESIDE),
+        (0.29, 0.38, 0.22, 0.3), xlim=(side - _BESIDE, side + _BESIDE),
         ylim=(middle - tall, middle + tall),
     )  # fmt: skip
     for line in ax.lines:
