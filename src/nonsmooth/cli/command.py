@@ -7,8 +7,9 @@ imported when the command runs, the source of the verbs is read when its options
 from __future__ import annotations
 
 import importlib
+import warnings
 from collections.abc import Iterator, Mapping
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -18,9 +19,10 @@ from click.shell_completion import CompletionItem
 
 from nonsmooth.cli.arguments import build_system, model_functions, settings, whole_names
 from nonsmooth.cli.console import ENDED_EARLY, INTERRUPTED
-from nonsmooth.cli.options import Own, flag, in_shell_words, own_option, verb_option
+from nonsmooth.cli.options import Own, flag, own_option, verb_option
 from nonsmooth.cli.signatures import parameters
-from nonsmooth.errors import NonsmoothError, OptionError
+from nonsmooth.cli.wording import advice_in_words_of_shell, error_in_words_of_shell
+from nonsmooth.errors import OptionError, ResultWarning, RunError
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -67,6 +69,9 @@ RENAMED = {
     ("measured.diagram", "unit"): "speed_unit",
 }
 
+# Arguments that --over gives.
+_RANGES = ("parameter", "values", "region", "over", "between")
+
 _PLOT = "Draw {} into this file. Its suffix says the format: .png, .pdf or .svg."
 _SAVE = "Save {} into this netCDF file, which ends in .nc."
 _JSON = Own("json", "Print one JSON document, with numbers as numbers, in place of the table.")
@@ -94,6 +99,19 @@ class Entry(NamedTuple):
         return {
             name: flag(option) for verb, names in self.verbs for name, option in taken(verb, names)
         }
+
+    def arguments_as_options(self) -> dict[str, str]:
+        """What the shell calls the arguments that errors of the verbs may name.
+
+        An argument without an option keeps its name, as a plain word.
+        """
+        found = {
+            name: name.replace("_", " ") for verb, _ in self.verbs for name in parameters(verb)
+        }
+        found |= {own.name: flag(own.name) for own in self.own}
+        if any(own.name == "over" for own in self.own):
+            found |= dict.fromkeys(_RANGES, "--over")
+        return found | self.flags()
 
 
 def taken(verb: str, names: str) -> Iterator[tuple[str, str]]:
@@ -172,12 +190,21 @@ class VerbCommand(click.Command):
         context = click.get_current_context()
         unset = (ParameterSource.DEFAULT, ParameterSource.DEFAULT_MAP)
         typed = {name for name in given if context.get_parameter_source(name) not in unset}
-        try:
-            run(Task(self.entry, given, typed))
-        except NonsmoothError as error:
-            if error.args and isinstance(error.args[0], str):
-                error.args = (in_shell_words(error.args[0], self.entry.flags()), *error.args[1:])
-            raise
+        options = self.entry.arguments_as_options()
+        with warnings.catch_warnings():
+            warnings.simplefilter("always", ResultWarning)
+            warnings.showwarning = partial(_tell, options)
+            try:
+                run(Task(self.entry, given, typed))
+            except (OptionError, RunError) as error:
+                error.args = (error_in_words_of_shell(str(error), options),)
+                raise
+
+
+def _tell(options: Mapping[str, str], message: Warning | str, *_: Any) -> None:
+    """Print a warning as one line, without the place in the source where it was raised."""
+    said = advice_in_words_of_shell(str(message), options)
+    click.echo(f"nonsmooth: {said}", err=True)
 
 
 _ARGUMENTS = {
@@ -269,7 +296,8 @@ class Task:
         """
         if code == INTERRUPTED and result is not None:
             self._add_interruption(report, str(result.attrs["message"]))
-        report.reword(lambda text: in_shell_words(text, self.entry.flags()))
+        options = self.entry.arguments_as_options()
+        report.reword(lambda text: advice_in_words_of_shell(text, options))
         if self.given.get("json"):
             report.print_json()
         else:
