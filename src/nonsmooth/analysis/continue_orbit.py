@@ -100,8 +100,8 @@ def continue_orbit(
     smallest_step : float, optional
         Smallest step in arclength, at which the branch ends.
     inadmissible : bool, optional
-        Go on with the same word where no motion follows its orbit. ``admissible`` then tells these
-        points apart; without it the word is changed.
+        Go on with the same word where no motion follows its orbit; without it the word is changed
+        there. ``admissible`` tells these points apart.
     transient, phase : optional
         As in `find_orbit`.
     parameters : mapping of str to float, optional

@@ -93,6 +93,7 @@ class Entry(NamedTuple):
     save: str = ""  # what --save saves
     size: tuple[float, float] = (12.0, 8.0)  # of the picture, in cm, between one column and two
     json: bool = True
+    example: str = ""  # a command that can be typed, and takes seconds
 
     def flags(self) -> dict[str, str]:
         """Options of the parameters of all verbs, by the names of the parameters."""
@@ -105,9 +106,8 @@ class Entry(NamedTuple):
 
         An argument without an option keeps its name, as a plain word.
         """
-        found = {
-            name: name.replace("_", " ") for verb, _ in self.verbs for name in parameters(verb)
-        }
+        names = (name for verb, _ in self.verbs for name in parameters(verb))
+        found = {name: name.replace("_", " ") for name in names}
         found |= {own.name: flag(own.name) for own in self.own}
         if any(own.name == "over" for own in self.own):
             found |= dict.fromkeys(_RANGES, "--over")
@@ -130,7 +130,11 @@ class VerbCommand(click.Command):
     def __init__(self, name: str, entry: Entry) -> None:
         self.entry = entry
         super().__init__(
-            name, callback=self._run, help=entry.about, short_help=entry.about.split("\n")[0]
+            name,
+            callback=self._run,
+            help=entry.about,
+            short_help=entry.about.split("\n")[0],
+            epilog=entry.example,
         )
 
     def get_params(self, ctx: click.Context) -> list[click.Parameter]:
@@ -146,19 +150,28 @@ class VerbCommand(click.Command):
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write arguments, options of the verb, and those of pictures and files apart."""
+        last: list[tuple[str, str]] = []
         groups: dict[str, list[tuple[str, str]]] = {"Arguments": [], "Options": [], "Output": []}
-        output = {"plot", "save", "json", "store", "help"}
+        output = {"plot", "save", "json", "store"}
         output |= {own.name for own in self.entry.own if own.drawn}
         for param in self.get_params(ctx):
             record = param.get_help_record(ctx)
             if isinstance(param, click.Argument):
                 groups["Arguments"].append((param.make_metavar(ctx), _ARGUMENTS[str(param.name)]))
+            elif record is not None and "--help" in param.opts:
+                last = [record]
             elif record is not None:
                 groups["Output" if param.name in output else "Options"].append(record)
+        (groups["Output"] or groups["Options"]).extend(last)
         for title, records in groups.items():
             if records:
                 with formatter.section(title):
                     formatter.write_dl(records)
+
+    def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the example, in one line, so that it can be copied."""
+        with formatter.section("Example"):
+            formatter.write(f"{'':{formatter.current_indent}}{self.epilog}\n")
 
     def _options(self) -> Iterator[click.Option]:
         entry, flags, seen = self.entry, self.entry.flags(), set()

@@ -121,7 +121,11 @@ FORMS = {
     "units": Form("UNIT"),
     "time_range": Form("A,B", time_range),
     "delimiter": Form("SIGN"),
-    "epsilons": Form("0.1,0.01", widths, "Widths of the smooth switches, two or more."),
+    "epsilons": Form(
+        "0.1,0.01",
+        widths,
+        "Widths of the smooth switches, in units of their functions; two or more.",
+    ),
     "between": Form("1,2", _labels, "Look only at the boundary between these two outcomes."),
     "time": Form(
         "COLUMN",

@@ -75,9 +75,8 @@ def advice_in_words_of_shell(message: str, options: Mapping[str, str]) -> str:
         except (ValueError, SyntaxError, TypeError):  # a range in words, such as (low, high)
             return f"{option} {value}"
 
-    return re.sub(
-        rf"(?<![\w.'\"\[{{-])({_any_of(options)})=({_VALUE}|(?=[\s,;:.)]|$))", given, message
-    )
+    argument = rf"(?<![\w.'\"\[{{-])({_any_of(options)})="
+    return re.sub(rf"{argument}({_VALUE}|(?=[\s,;:.)]|$))", given, message)
 
 
 def _any_of(options: Mapping[str, str]) -> str:

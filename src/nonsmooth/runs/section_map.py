@@ -141,7 +141,7 @@ def _read_section(system: System, section: Any, direction: Any) -> tuple[bool, i
         raise OptionError(
             f"direction = {direction}: the event {section!r} has no direction; leave it out"
         )
-    return crossing, int(direction)
+    return crossing, int(float(direction))
 
 
 def _check_side(side: Any) -> None:
