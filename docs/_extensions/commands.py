@@ -55,6 +55,9 @@ def section(path: str, command: Any, context: Any) -> nodes.section:
     records = [record for each in found if (record := each.get_help_record(context))]
     if records:
         made += _table(records)
+    if command.epilog:
+        made += nodes.paragraph("", "Example:")
+        made += nodes.literal_block(command.epilog, command.epilog, language="none")
     return made
 
 

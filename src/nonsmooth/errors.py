@@ -12,7 +12,7 @@ Every message says what was required, what came instead and what to do.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Container, Iterable
 from difflib import get_close_matches
 from typing import Any
 
@@ -23,6 +23,7 @@ __all__ = [
     "ResultWarning",
     "RunError",
     "RunWarning",
+    "is_known",
     "unknown_name",
 ]
 
@@ -140,7 +141,12 @@ class ResultWarning(UserWarning):
     """
 
 
-def unknown_name(kind: str, name: str, known: Iterable[str]) -> str:
+def is_known(value: Any, known: Container[str]) -> bool:
+    """Whether a value is one of some names; what is no text, such as an array, is none of them."""
+    return isinstance(value, str) and value in known
+
+
+def unknown_name(kind: str, name: Any, known: Iterable[str]) -> str:
     """Sentence for a name that is not declared: what is known, and the nearest one."""
     names = sorted(map(str, known))
     near = get_close_matches(str(name), names, n=1)

@@ -281,7 +281,7 @@ def test_an_attractor_that_exists_only_smoothed():
         ({"band": 0.0}, "band"),
         ({"near": 0.0}, "near"),
         ({"starts": 0.5}, "starts"),
-        ({"region": (0, 1)}, "ranges of states"),
+        ({"region": (0, 1)}, "at least one state to ranges"),
         ({"parameter": "F"}, "both parameter= and between="),
         ({"period": 0}, "period"),
         ({"initial": 3}, "mapping of states"),

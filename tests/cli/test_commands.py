@@ -3,6 +3,7 @@
 import json
 import re
 
+import numpy as np
 import pytest
 
 from cli.test_options import SMALL, files
@@ -108,3 +109,20 @@ def test_wrong_use_is_one_sentence_and_code_two(call, run, name):
         assert result.exit_code == 2
         assert result.stderr.startswith("nonsmooth: unknown model 'no_such_model'")
         assert len(result.stderr.splitlines()) == 1
+
+
+@pytest.mark.parametrize("name", TABLE)
+def test_the_example_of_the_help_works(call, tmp_path, monkeypatch, name):
+    """As it is typed, in seconds, beside the files that it names."""
+    monkeypatch.chdir(tmp_path)
+    if name == "measured":
+        t = np.arange(4000) / 2000
+        columns = [t, np.cos(90 * t), np.sin(90 * t), np.cos(90 * t - 0.4)]
+        np.savetxt("speed_1.csv", np.column_stack(columns), delimiter=",", comments="",
+                   header="t,CH1,CH2,KEY")  # fmt: skip
+    if name == "measures":
+        files(name, tmp_path)[0].rename("basins.nc")
+    program, *words = TABLE[name].example.split()
+    result = call(*words)
+    assert program == "nonsmooth" and words[0] == name
+    assert result.exit_code == 0, result.output

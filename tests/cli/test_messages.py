@@ -11,8 +11,8 @@ import pytest
 import nonsmooth
 from nonsmooth.cli.app import app
 from nonsmooth.cli.arguments import whole_names
-from nonsmooth.cli.options import in_shell_words
 from nonsmooth.cli.table import TABLE
+from nonsmooth.cli.wording import advice_in_words_of_shell
 
 FOLDER = Path(nonsmooth.__file__).parent / "cli"
 DOCS = Path(__file__).parents[2] / "docs"
@@ -170,7 +170,7 @@ def test_options_of_pages_exist(page):
 def test_keywords_are_told_as_options(said, shown):
     flags = {"period": "--order", "word": "--word", "start": "--start", "transient": "--transient"}
     flags |= {"inadmissible": "--inadmissible", "time_range": "--time-range"}
-    assert in_shell_words(said, flags) == shown
+    assert advice_in_words_of_shell(said, flags) == shown
 
 
 def test_names_with_commas():

@@ -82,7 +82,9 @@ def test_every_parameter_is_an_option_or_left_out_for_a_reason(name):
 
 @pytest.mark.parametrize("name", TABLE)
 def test_help_is_for_people(call, name):
-    text = " ".join(call(name, "--help").stdout.replace("(nan)", "").split())
+    text, _, example = call(name, "--help").stdout.replace("(nan)", "").partition("\nExample:\n")
+    assert example.strip().startswith(f"nonsmooth {name} ")
+    text = " ".join(text.split())
     assert not PYTHON.search(re.sub(r"NAME=\S+|\w=CH1\S*|\bx=\S+|q=\S+|b=0\.15", "", text))
     found, context = command(name)
     for each in found.get_params(context):

@@ -22,11 +22,12 @@ from nonsmooth.analysis.basins.by_cell_shares import by_cell_shares
 from nonsmooth.analysis.basins.by_recurrences import NOT_COMPUTED, Basins, by_recurrences
 from nonsmooth.analysis.basins.region import Grid, read_grid
 from nonsmooth.analysis.options import SharedOptions, result_attributes
-from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.errors import OptionError, is_known, unknown_name
 from nonsmooth.runs.labels import labels_of
 from nonsmooth.runs.maps import Map
 from nonsmooth.runs.of_system import map_of
 from nonsmooth.runs.poincare_map import PoincareMap
+from nonsmooth.runs.store import check_store
 from nonsmooth.system.system import System
 
 __all__ = ["basins_of_attraction"]
@@ -152,9 +153,9 @@ def basins_of_attraction(
     chosen = map_of(system, parameters, tolerance, "basins_of_attraction", states_only=True)
     grid = read_grid(chosen.system, region, completion)
     check_names(chosen.system, region)
-    if method != _FOLLOWED:
+    if not is_known(method, (_FOLLOWED,)):
         _check_mapping(chosen, region, method, store)
-    how = read_search(samples, cells, longest, record, match, shared)
+    how, workers = read_search(samples, cells, longest, record, match, shared), shared.workers
     options = {
         "method": method,
         "completion": str(dict(grid.completion.texts)),
@@ -169,10 +170,11 @@ def basins_of_attraction(
         },
         **options,
     }
+    check_store(store)
     if method == _FOLLOWED:
         found = by_recurrences(chosen, grid, how, shared, protocol)
     else:
-        found = _MAPPINGS[method](chosen, grid, how, shared.workers)
+        found = _MAPPINGS[method](chosen, grid, how, workers)
     return basin_dataset(chosen, grid, found, options)
 
 
@@ -180,7 +182,7 @@ def _check_mapping(
     chosen: Map, region: Mapping[str, Any], method: Any, store: str | Path | None
 ) -> None:
     """Refuse what a map of cells cannot do."""
-    if method not in _MAPPINGS:
+    if not is_known(method, _MAPPINGS):
         known = [_FOLLOWED, *_MAPPINGS]
         raise OptionError(f"method = {method!r}: {unknown_name('method', str(method), known)}")
     if isinstance(chosen, PoincareMap):

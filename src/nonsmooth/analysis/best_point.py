@@ -18,7 +18,7 @@ from nonsmooth.periodic_orbits.orbit import Orbit, OrbitRequest
 from nonsmooth.periodic_orbits.orbit_dataset import failed_dataset, orbit_dataset, orbit_variables
 from nonsmooth.periodic_orbits.restart import guess_of_dataset, is_orbit
 from nonsmooth.periodic_orbits.search import fitted, solve_guess
-from nonsmooth.runs.options import check_flag
+from nonsmooth.runs.options import check_flag, finite_number
 from nonsmooth.system.system import System
 
 if TYPE_CHECKING:
@@ -206,13 +206,14 @@ def read_best(
             " 'length', or a function of an orbit"
         )
     parameter = str(branch.attrs["parameter"])
+    allowed = finite_number("tolerance", shared.tolerance)
     flags = check_flag("unstable", unstable), check_flag("inadmissible", inadmissible)
     wants_largest = check_flag("largest", largest)
     name = quantity if isinstance(quantity, str) else getattr(quantity, "__name__", "function")
     said = {
         "parameter": parameter, "quantity": name, "largest": int(wants_largest),
         "unstable": int(flags[0]), "inadmissible": int(flags[1]),
-        "tolerance": float(shared.tolerance),
+        "tolerance": allowed,
         "period": int(branch.attrs["period"]),
         "phase_of_period": float(branch.attrs["phase_of_period"]),
     }  # fmt: skip
@@ -223,7 +224,7 @@ def read_best(
         take,
         1.0 if wants_largest else -1.0,
         *flags,
-        float(shared.tolerance),
+        allowed,
         said,
     )
 

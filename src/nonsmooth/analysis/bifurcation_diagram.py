@@ -83,8 +83,8 @@ def bifurcation_diagram(
     record : int, optional
         Periods looked at after that.
     at : str, optional
-        ``"strobe"`` for the states once per period, or the name of an exit or a surface for the
-        states whenever it is passed.
+        When states are taken: ``"strobe"``, once per period; or the name of an exit or a surface,
+        whenever the motion passes it.
     side : {"before", "after"}, optional
         Whether states at events are those before or after it.
     phase : float, optional

@@ -17,7 +17,7 @@ from nonsmooth.analysis.orbit_search.branches import (
 )
 from nonsmooth.analysis.orbit_search.options import period_of, read_wanted, said_of_options
 from nonsmooth.continuation.branch_directions import branch_directions
-from nonsmooth.errors import NonsmoothError, OptionError, unknown_name
+from nonsmooth.errors import NonsmoothError, OptionError, is_known, unknown_name
 from nonsmooth.periodic_orbits.branch_part import BranchPart, Followed
 from nonsmooth.periodic_orbits.branch_run import follow_orbits
 from nonsmooth.periodic_orbits.branch_start import doubled_start, tangent_at
@@ -100,8 +100,8 @@ def continue_orbit(
     smallest_step : float, optional
         Smallest step in arclength, at which the branch ends.
     inadmissible : bool, optional
-        Go on with the same word where no motion follows its orbit. ``admissible`` then tells these
-        points apart; without it the word is changed.
+        Go on with the same word where no motion follows its orbit; without it the word is changed
+        there. ``admissible`` tells these points apart.
     transient, phase : optional
         As in `find_orbit`.
     parameters : mapping of str to float, optional
@@ -254,7 +254,7 @@ def read_branch_options(
 ) -> tuple[BranchOptions, OrbitRequest, tuple[str, ...], Beginning]:
     """Options of a branch, its first orbit, the word given, and where it begins."""
     base = getattr(system, "system", system)
-    if isinstance(base, System) and parameter not in base.parameters:
+    if isinstance(base, System) and not is_known(parameter, base.parameters):
         raise OptionError(unknown_name("parameter", str(parameter), base.parameters))
     beginning = Beginning()
     if special is not None:

@@ -19,7 +19,7 @@ from nonsmooth.analysis.orbit_search.branches import (
 from nonsmooth.continuation.branch import Branch
 from nonsmooth.continuation.point import Point
 from nonsmooth.continuation.two_parameter import two_parameter
-from nonsmooth.errors import ModelError, NonsmoothError, OptionError, unknown_name
+from nonsmooth.errors import ModelError, NonsmoothError, OptionError, is_known, unknown_name
 from nonsmooth.periodic_orbits.branch_part import BranchPart, ending_of_orbits, kind_of
 from nonsmooth.periodic_orbits.branch_tests import BranchTests, Looked, is_of_word
 from nonsmooth.periodic_orbits.equations import OrbitEquations
@@ -214,12 +214,12 @@ def _special_point(branch: Any, special: Any) -> tuple[int, str, xr.Dataset]:
 def _second_bounds(system: System, first: str, parameter: Any, between: Any) -> tuple[float, float]:
     """Lowest and highest value of the second parameter."""
     known = [name for name in system.parameters if name != first]
-    if parameter == first:
+    if is_known(parameter, (first,)):
         raise OptionError(
             f"parameter = {first!r} is that of the branch, the first one already; give another one"
             f" of the system: {', '.join(known) or 'it has none'}"
         )
-    if parameter not in known:
+    if not is_known(parameter, known):
         raise OptionError(unknown_name("second parameter", str(parameter), known))
     low, high = read_bounds(between)
     value = float(system.parameter_values[parameter])

@@ -180,7 +180,7 @@ def _plan(
 ) -> tuple[Callable[[float], Plan], Columns, dict[str, Any]]:
     """What is recorded: a plan for each length of the window, its coordinate, the options."""
     part = check_phase(phase)
-    left_out = 0 if transient == 0 else whole_number("transient", transient)
+    left_out = whole_number("transient", transient, 0)
     count = check_count(whole_number("record", record))
     if times is None:
         require_period(system, "ensemble")

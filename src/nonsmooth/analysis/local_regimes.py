@@ -16,7 +16,7 @@ from nonsmooth.analysis.regimes.stretches import (
     stretch_columns,
 )
 from nonsmooth.analysis.regimes.strobe_points import StrobePoints, strobe_points
-from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.errors import OptionError, is_known, unknown_name
 from nonsmooth.runs.options import finite_number, whole_number
 
 __all__ = ["local_regimes"]
@@ -204,7 +204,7 @@ def _parameters(points: StrobePoints, parameter: str | None) -> list[str]:
     if parameter is None:
         return list(points.slow)
     known = [str(n) for n, v in points.data.variables.items() if v.dims == (points.dim,)]
-    if parameter not in known:
+    if not is_known(parameter, known):
         raise OptionError(f"parameter: {unknown_name('variable', str(parameter), known)}")
     return [parameter] if parameter != "time" else []
 

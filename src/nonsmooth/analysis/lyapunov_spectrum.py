@@ -179,7 +179,7 @@ def lyapunov_spectrum(
         periodic, unit = True, window / (strobe.every * (strobe.length or window))
     start = _start(system, tables, strobe, initial, t_start, shared)
     protocol = _protocol(transient, record, interval, unit, periodic)
-    more = 0 if confirm == 0 else whole("confirm", confirm)
+    more = whole("confirm", confirm, 0)
     first = start.instant.time(window)
     check_signals(system, first, first + (protocol.transient + protocol.record) * window)
     derivatives, number = build_derivatives(system, tables, ()), check_seed(shared.seed)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.errors import ModelError, OptionError, unknown_name
+from nonsmooth.errors import ModelError, OptionError, is_known, unknown_name
 from nonsmooth.runs.crew import check_threads
 from nonsmooth.runs.labels import labels_of
 from nonsmooth.runs.options import check_run_options, finite_number
@@ -101,11 +101,11 @@ def check_match(match: Any) -> float:
 
 def check_values(system: System, parameter: Any, values: Any) -> npt.NDArray[np.float64]:
     """Values of the parameter, one for each column."""
-    if parameter not in system.parameters:
+    if not is_known(parameter, system.parameters):
         raise OptionError(unknown_name("parameter", str(parameter), system.parameters))
     try:
         grid = np.atleast_1d(np.asarray(values, dtype=float))
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise OptionError(f"values = {values!r:.60}: give a list of numbers") from None
     if grid.ndim != 1 or grid.size == 0 or not np.all(np.isfinite(grid)):
         raise OptionError(

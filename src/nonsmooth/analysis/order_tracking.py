@@ -13,7 +13,7 @@ from nonsmooth.analysis.spectra.segments import check_run, check_window, record_
 from nonsmooth.analysis.spectra.spectrum_dataset import Rows, check_plane, waterfall_dataset
 from nonsmooth.analysis.spectra.transforms import about_mean, phases
 from nonsmooth.analysis.statistics.series import slow_names
-from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.errors import OptionError, is_known, unknown_name
 from nonsmooth.runs.options import whole_number
 
 if TYPE_CHECKING:
@@ -155,6 +155,6 @@ def _told_apart(run: xr.Dataset, over: str | None) -> tuple[str, npt.NDArray[np.
     slow = slow_names(run)
     if over is None:
         over = slow[0] if len(slow) == 1 else "time"
-    if over not in ("time", *slow):
+    if not is_known(over, ("time", *slow)):
         raise OptionError(f"over: {unknown_name('slow parameter', str(over), ['time', *slow])}")
     return over, run[over].values.astype(float)

@@ -17,7 +17,7 @@ from nonsmooth.analysis.regimes.options import check_system, make_protocol
 from nonsmooth.analysis.regimes.points import Plane
 from nonsmooth.analysis.regimes.regime_dataset import map_dataset
 from nonsmooth.analysis.settle import said_of_start
-from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.errors import OptionError, is_known, unknown_name
 from nonsmooth.runs.options import finite_number
 from nonsmooth.runs.runner import build_tables
 from nonsmooth.runs.start import Start, check_carried, resolve_start
@@ -172,7 +172,7 @@ def regime_map(
             f"start = {way!r} and refine = {levels}: motions follow each other along whole rows;"
             " take more values of the first parameter, and refine=0"
         )
-    if fill not in _FILLS:
+    if not is_known(fill, _FILLS):
         raise OptionError(f"fill = {fill!r:.60}: {unknown_name('filling', str(fill), _FILLS)}")
     protocol = make_protocol(transient, record, evidence, longest, confirm, phase, match)
     fine = (refined_values(values[0], levels), refined_values(values[1], levels))

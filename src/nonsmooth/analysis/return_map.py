@@ -175,7 +175,7 @@ def return_map(
     >>> found["slope"].values.round(12).tolist()[:3], float(found["spread"])
     ([0.8, 0.8, 0.8], 0.0)
     """
-    chosen, name = _read_map(system, coordinate, parameters, tolerance, order)
+    chosen, name = _read_map(system, coordinate, parameters, tolerance, mode, order)
     count, most = whole_number("samples", samples), whole_number("longest", longest)
     imaging = imaging_of(chosen, tolerance, most)
     options: dict[str, Any] = {
@@ -210,11 +210,12 @@ def _read_map(
     coordinate: str,
     parameters: Mapping[str, float] | None,
     tolerance: float,
+    mode: str | None,
     order: int,
 ) -> tuple[Map, Coordinate]:
     """The map, applied so many times, and the coordinate."""
     hidden = not isinstance(system, PoincareMap)
-    chosen = map_of(system, parameters, tolerance, "return_map", states_only=hidden)
+    chosen = map_of(system, parameters, tolerance, "return_map", mode=mode, states_only=hidden)
     if chosen.system.signals:
         raise OptionError(
             "return_map: a measured input does not repeat, so that there is no map; take"

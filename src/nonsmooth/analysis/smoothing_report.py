@@ -223,7 +223,7 @@ def smoothing_report(
     stretch = read_stretch(ladder.exact, initial, periods, t_end, transient, samples, tolerance)
     if not finite_number("band", band) > 0.0:
         raise OptionError(f"band = {band:g} must be positive")
-    sets = read_sets(region, starts, near)
+    sets = read_sets(ladder.exact, region, starts, near)
     branches = read_branches(ladder.exact, parameter, between, period)
     exact = run_exactly(ladder.exact, stretch)
     runs = [run_smoothed(ladder.at(epsilon), stretch) for epsilon in ladder.epsilons]

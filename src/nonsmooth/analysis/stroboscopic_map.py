@@ -98,7 +98,7 @@ def stroboscopic_map(
     chosen = StroboscopicMap(system, phase=phase, period=period)
     wanted = StrobeRequest(
         initial,
-        transient=0 if transient == 0 else whole_number("transient", transient),
+        transient=whole_number("transient", transient, 0),
         record=whole_number("record", record),
         from_start=True,
         mode=mode,

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from nonsmooth.analysis.options import check_seed
 from nonsmooth.analysis.statistics.series import Series, drifts, series_of, uniform_step
 from nonsmooth.errors import OptionError, ResultWarning
 from nonsmooth.runs.options import whole_number
@@ -116,7 +117,7 @@ def zero_one_test(
     away = values - values.mean()
     if not _is_constant(values, away):
         _warn_of_oversampling(away)
-    c, correlations = correlations_of(values, count, whole_number("seed", seed + 1) - 1)
+    c, correlations = correlations_of(values, count, check_seed(seed))
     middle = float(np.median(correlations))
     shown = float(c[np.argmin(np.abs(correlations - middle))])
     path = np.cumsum(away * np.exp(1j * shown * np.arange(1, values.size + 1)))

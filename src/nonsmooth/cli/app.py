@@ -38,6 +38,9 @@ class _Lazy(Commands):
 def app() -> None:
     """Exact simulation of piecewise-smooth dynamical systems.
 
+    Begin with: nonsmooth models, then nonsmooth simulate soft_impact --plot run.png. For what a
+    command takes, with an example, type nonsmooth COMMAND --help.
+
     Exit codes: 0 done, 1 ended early (files are written), 2 wrong use, 130 interrupted.
     """
 

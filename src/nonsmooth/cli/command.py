@@ -7,8 +7,9 @@ imported when the command runs, the source of the verbs is read when its options
 from __future__ import annotations
 
 import importlib
+import warnings
 from collections.abc import Iterator, Mapping
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -18,9 +19,10 @@ from click.shell_completion import CompletionItem
 
 from nonsmooth.cli.arguments import build_system, model_functions, settings, whole_names
 from nonsmooth.cli.console import ENDED_EARLY, INTERRUPTED
-from nonsmooth.cli.options import Own, flag, in_shell_words, own_option, verb_option
+from nonsmooth.cli.options import Own, flag, own_option, verb_option
 from nonsmooth.cli.signatures import parameters
-from nonsmooth.errors import NonsmoothError, OptionError
+from nonsmooth.cli.wording import advice_in_words_of_shell, error_in_words_of_shell
+from nonsmooth.errors import OptionError, ResultWarning, RunError
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -67,6 +69,9 @@ RENAMED = {
     ("measured.diagram", "unit"): "speed_unit",
 }
 
+# Arguments that --over gives.
+_RANGES = ("parameter", "values", "region", "over", "between")
+
 _PLOT = "Draw {} into this file. Its suffix says the format: .png, .pdf or .svg."
 _SAVE = "Save {} into this netCDF file, which ends in .nc."
 _JSON = Own("json", "Print one JSON document, with numbers as numbers, in place of the table.")
@@ -88,12 +93,25 @@ class Entry(NamedTuple):
     save: str = ""  # what --save saves
     size: tuple[float, float] = (12.0, 8.0)  # of the picture, in cm, between one column and two
     json: bool = True
+    example: str = ""  # a command that can be typed, and takes seconds
 
     def flags(self) -> dict[str, str]:
         """Options of the parameters of all verbs, by the names of the parameters."""
         return {
             name: flag(option) for verb, names in self.verbs for name, option in taken(verb, names)
         }
+
+    def arguments_as_options(self) -> dict[str, str]:
+        """What the shell calls the arguments that errors of the verbs may name.
+
+        An argument without an option keeps its name, as a plain word.
+        """
+        names = (name for verb, _ in self.verbs for name in parameters(verb))
+        found = {name: name.replace("_", " ") for name in names}
+        found |= {own.name: flag(own.name) for own in self.own}
+        if any(own.name == "over" for own in self.own):
+            found |= dict.fromkeys(_RANGES, "--over")
+        return found | self.flags()
 
 
 def taken(verb: str, names: str) -> Iterator[tuple[str, str]]:
@@ -112,7 +130,11 @@ class VerbCommand(click.Command):
     def __init__(self, name: str, entry: Entry) -> None:
         self.entry = entry
         super().__init__(
-            name, callback=self._run, help=entry.about, short_help=entry.about.split("\n")[0]
+            name,
+            callback=self._run,
+            help=entry.about,
+            short_help=entry.about.split("\n")[0],
+            epilog=entry.example,
         )
 
     def get_params(self, ctx: click.Context) -> list[click.Parameter]:
@@ -128,19 +150,28 @@ class VerbCommand(click.Command):
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write arguments, options of the verb, and those of pictures and files apart."""
+        last: list[tuple[str, str]] = []
         groups: dict[str, list[tuple[str, str]]] = {"Arguments": [], "Options": [], "Output": []}
-        output = {"plot", "save", "json", "store", "help"}
+        output = {"plot", "save", "json", "store"}
         output |= {own.name for own in self.entry.own if own.drawn}
         for param in self.get_params(ctx):
             record = param.get_help_record(ctx)
             if isinstance(param, click.Argument):
                 groups["Arguments"].append((param.make_metavar(ctx), _ARGUMENTS[str(param.name)]))
+            elif record is not None and "--help" in param.opts:
+                last = [record]
             elif record is not None:
                 groups["Output" if param.name in output else "Options"].append(record)
+        (groups["Output"] or groups["Options"]).extend(last)
         for title, records in groups.items():
             if records:
                 with formatter.section(title):
                     formatter.write_dl(records)
+
+    def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the example, in one line, so that it can be copied."""
+        with formatter.section("Example"):
+            formatter.write(f"{'':{formatter.current_indent}}{self.epilog}\n")
 
     def _options(self) -> Iterator[click.Option]:
         entry, flags, seen = self.entry, self.entry.flags(), set()
@@ -172,12 +203,21 @@ class VerbCommand(click.Command):
         context = click.get_current_context()
         unset = (ParameterSource.DEFAULT, ParameterSource.DEFAULT_MAP)
         typed = {name for name in given if context.get_parameter_source(name) not in unset}
-        try:
-            run(Task(self.entry, given, typed))
-        except NonsmoothError as error:
-            if error.args and isinstance(error.args[0], str):
-                error.args = (in_shell_words(error.args[0], self.entry.flags()), *error.args[1:])
-            raise
+        options = self.entry.arguments_as_options()
+        with warnings.catch_warnings():
+            warnings.simplefilter("always", ResultWarning)
+            warnings.showwarning = partial(_tell, options)
+            try:
+                run(Task(self.entry, given, typed))
+            except (OptionError, RunError) as error:
+                error.args = (error_in_words_of_shell(str(error), options),)
+                raise
+
+
+def _tell(options: Mapping[str, str], message: Warning | str, *_: Any) -> None:
+    """Print a warning as one line, without the place in the source where it was raised."""
+    said = advice_in_words_of_shell(str(message), options)
+    click.echo(f"nonsmooth: {said}", err=True)
 
 
 _ARGUMENTS = {
@@ -269,7 +309,8 @@ class Task:
         """
         if code == INTERRUPTED and result is not None:
             self._add_interruption(report, str(result.attrs["message"]))
-        report.reword(lambda text: in_shell_words(text, self.entry.flags()))
+        options = self.entry.arguments_as_options()
+        report.reword(lambda text: advice_in_words_of_shell(text, options))
         if self.given.get("json"):
             report.print_json()
         else:

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import warnings
 from typing import TYPE_CHECKING, Any
-
-import click
 
 from nonsmooth.cli.arguments import names, settings
 from nonsmooth.cli.command import Task
 from nonsmooth.cli.report import Report
-from nonsmooth.errors import OptionError, ResultWarning, unknown_name
+from nonsmooth.errors import OptionError, unknown_name
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -77,14 +74,10 @@ def _columns(text: str) -> dict[str, str]:
 
 
 def _record(file: str, columns: dict[str, Any], task: Task) -> xr.Dataset:
-    """Record with velocities, where their band is known; warnings as lines of text."""
+    """Record with velocities, where their band is known."""
     from nonsmooth import measured as rig
 
-    with warnings.catch_warnings(record=True) as raised:
-        warnings.simplefilter("always", ResultWarning)
-        record = rig.read_csv(file, columns, **task.options("measured.read_csv"))
-    for warning in raised:
-        click.echo(f"nonsmooth: {warning.message}", err=True)
+    record = rig.read_csv(file, columns, **task.options("measured.read_csv"))
     if task["low_pass"] is not None:
         record = rig.low_pass(record, task["low_pass"])
     if task["lowest"] is not None:

@@ -8,7 +8,6 @@ command.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
@@ -17,6 +16,7 @@ from click.shell_completion import CompletionItem
 
 from nonsmooth.cli.arguments import initial_state, names, number, time_range, widths
 from nonsmooth.cli.signatures import Parameter
+from nonsmooth.cli.wording import spoken, text_in_words_of_shell
 from nonsmooth.errors import NonsmoothError, OptionError
 
 __all__ = [
@@ -25,9 +25,7 @@ __all__ = [
     "Kind",
     "Own",
     "flag",
-    "in_shell_words",
     "own_option",
-    "spoken",
     "verb_option",
 ]
 
@@ -123,7 +121,11 @@ FORMS = {
     "units": Form("UNIT"),
     "time_range": Form("A,B", time_range),
     "delimiter": Form("SIGN"),
-    "epsilons": Form("0.1,0.01", widths, "Widths of the smooth switches, two or more."),
+    "epsilons": Form(
+        "0.1,0.01",
+        widths,
+        "Widths of the smooth switches, in units of their functions; two or more.",
+    ),
     "between": Form("1,2", _labels, "Look only at the boundary between these two outcomes."),
     "time": Form(
         "COLUMN",
@@ -222,11 +224,6 @@ class Kind(click.ParamType):
         return [CompletionItem(value) for value in self.choices if value.startswith(incomplete)]
 
 
-def spoken(value: Any) -> str:
-    """A value as it is written in a shell, where a blank would need quotes."""
-    return value.replace(" ", "-") if isinstance(value, str) else f"{value:g}"
-
-
 def flag(name: str) -> str:
     """Option of a name."""
     return "--" + name.replace("_", "-")
@@ -252,7 +249,7 @@ def verb_option(
 ) -> click.Option:
     """Option for a parameter of a verb; `flags` has the option of every parameter by its name."""
     form = FORMS.get(f"{verb}.{parameter.name}", FORMS.get(parameter.name, Form("")))
-    text = form.text or plain(parameter.text, flags)
+    text = form.text or text_in_words_of_shell(parameter.text, flags)
     types = parameter.annotation.split(" | ")
     if "bool" in types:
         return click.Option([flag(name), name], is_flag=True, help=text)
@@ -297,37 +294,3 @@ def _help(text: str, choices: tuple[Any, ...], least: float | None, default: Any
     if default not in (None, "", ()):
         parts.append(f"default: {default if isinstance(default, int) else spoken(default)}")
     return f"{text} [{'; '.join(parts)}]" if parts else text
-
-
-def plain(text: str, flags: Mapping[str, str]) -> str:
-    """First sentence of a docstring's text, in words of the shell."""
-    first = re.split(r"(?<=[\w)\"`])\. (?=[A-Z])", text.rstrip("."), maxsplit=1)[0]
-
-    def shown(found: re.Match[str]) -> str:
-        word = found[1]
-        name, sign, value = word.partition("=")
-        if name in flags:
-            return f"{flags[name]} {value}" if sign else flags[name]
-        return spoken(word.strip('"')) if word.startswith('"') else word
-
-    return re.sub(r"``?([^`]+)``?", shown, first.replace(" (dimensionless)", "")) + "."
-
-
-_KEYWORD = re.compile(r"(?<![\w.'\"-])(\w+)=(True\b|\([^()]*\)|'[^']*'|\"[^\"]*\"|(?=[\s,;:.)]|$))")
-
-
-def in_shell_words(text: str, flags: Mapping[str, str]) -> str:
-    """A message of the library with options in place of keywords, such as --order for period=.
-
-    `flags` has the option of every parameter of the command by its name. What a command has no
-    option for stays as it is.
-    """
-
-    def shown(found: re.Match[str]) -> str:
-        name, value = found[1], found[2]
-        if name not in flags:
-            return found[0]
-        value = value.strip("()'\"").replace(", ", ",").replace(" ", "-")
-        return f"{flags[name]} {value}" if value not in ("", "True") else flags[name]
-
-    return _KEYWORD.sub(shown, text)

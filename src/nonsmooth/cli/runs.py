@@ -45,6 +45,8 @@ def simulate(task: Task) -> None:
         raise OptionError(f"{flag(kind)} draws no time history: leave out --draw and --modes")
     coordinates = pair(system, task[kind], flag(kind)) if task[kind] is not None else None
     options = task.options("simulate")
+    if options["periods"] is not None and options["t_end"] is not None:
+        raise OptionError("give one of --periods and --t-end, not both")
     if options["periods"] is None and options["t_end"] is None:
         options |= _default_length(system, options["samples_per_period"])
     window = _window(system, task)

@@ -65,6 +65,8 @@ TABLE = {
         plot="a time history",
         save="the run",
         size=(12.0, 7.5),
+        example="nonsmooth simulate soft_impact omega=0.85"
+        " --initial x=0.1 --periods 50 --plot run.png",
     ),
     "lyapunov": Entry(
         "Find the Lyapunov exponents of a motion, with standard errors.",
@@ -73,6 +75,7 @@ TABLE = {
         plot="how the exponents settle",
         save="the result",
         size=(12.0, 7.5),
+        example="nonsmooth lyapunov soft_impact a=0.9 --record 200",
     ),
     "spectrum": Entry(
         "Find the amplitudes of a variable over frequency.\n\nTwo variables are the coordinates of"
@@ -109,6 +112,7 @@ TABLE = {
         plot="the amplitudes",
         save="the result",
         size=(12.0, 7.5),
+        example="nonsmooth spectrum soft_impact --variable x --record 100 --plot spectrum.svg",
     ),
     "waterfall": Entry(
         "Find the spectra of settled motions for many values of a parameter.",
@@ -142,6 +146,7 @@ TABLE = {
         plot="the spectra",
         save="the result",
         size=(12.0, 9.0),
+        example="nonsmooth waterfall soft_impact --over omega=0.7:0.9:5 --plot waterfall.png",
     ),
     "contacts": Entry(
         "Count the contacts of settled motions, and tell how long they last and how hard they are.",
@@ -153,6 +158,7 @@ TABLE = {
         ),
         plot="a quantity over the parameter",
         save="the result",
+        example="nonsmooth contacts soft_impact --over omega=0.7:0.9:9 --of stop_force",
     ),
     "zero-one": Entry(
         "Test for chaos with the 0-1 test: K is near 1 for chaotic, near 0 for regular motion.",
@@ -166,6 +172,7 @@ TABLE = {
         plot="the translation variables",
         save="the result",
         size=(10.0, 9.0),
+        example="nonsmooth zero-one soft_impact --record 1000",
     ),
     "section": Entry(
         "Take points of a motion where an expression is zero, or at an event.",
@@ -175,6 +182,7 @@ TABLE = {
         plot="the points",
         save="the points",
         size=(10.0, 8.0),
+        example="nonsmooth section soft_impact --section impact --record 50",
     ),
     "strobe": Entry(
         "Take points of a motion, one per period of the forcing.",
@@ -185,6 +193,7 @@ TABLE = {
         plot="the points",
         save="the points",
         size=(10.0, 8.0),
+        example="nonsmooth strobe soft_impact --record 100 --plot points.png",
     ),
     "diagram": Entry(
         "Compute a bifurcation diagram: settled motions for many values of a parameter.",
@@ -198,20 +207,24 @@ TABLE = {
         multiple=("initial",),
         plot="the diagram",
         save="the diagram",
+        example="nonsmooth diagram soft_impact --over omega=0.7:0.9:41 --plot diagram.png",
     ),
     "regime": Entry(
-        "Tell what one motion settles to, and on what evidence.",
+        "Find what one motion settles to, a period or chaos, and on what evidence.",
         "regimes.regime",
         (("regime", ""),),
         save="the result",
+        example="nonsmooth regime soft_impact omega=0.8",
     ),
     "regimes": Entry(
-        "Tell what motions settle to, for many values of two parameters.",
+        "Find what motions settle to, a period or chaos, for many values of two parameters.",
         "regimes.regimes",
         (("regime_map", ""),),
         (_over(_PARAMETER + " Give it twice.", required=True, multiple=True),),
         plot="the map",
         save="the map",
+        example="nonsmooth regimes soft_impact"
+        " --over omega=0.7:0.9:5 --over a=0.5:0.7:5 --plot regimes.png",
     ),
     "orbit": Entry(
         "Find a periodic orbit, stable or not, with its multipliers.",
@@ -226,6 +239,7 @@ TABLE = {
         plot="the orbit",
         save="the orbit",
         size=(10.0, 8.0),
+        example="nonsmooth orbit soft_impact omega=0.8 --plot orbit.png",
     ),
     "continue": Entry(
         "Follow a periodic orbit over a parameter, stable or not, through folds and grazing.\n\n"
@@ -249,6 +263,7 @@ TABLE = {
         plot="the branch",
         save="the branch",
         size=(12.0, 9.0),
+        example="nonsmooth continue soft_impact a=0.4 --over a=0.3:0.5 --plot branch.png",
     ),
     "smoothing": Entry(
         "Compare a system with the same one where smooth functions take the place of switches.\n\n"
@@ -263,7 +278,7 @@ TABLE = {
             ),
             _over(
                 "Of a parameter: follow the orbit in this range. Of states: look for attractors"
-                " in this range.",
+                " in this range. You may give it several times.",
                 "NAME=A:B",
                 multiple=True,
             ),
@@ -279,6 +294,7 @@ TABLE = {
         plot="a quantity",
         save="the report",
         size=(10.0, 8.0),
+        example="nonsmooth smoothing friction_oscillator --epsilons 0.1,0.01 --periods 3",
     ),
     "ensemble": Entry(
         "Run every combination of initial states and parameter values, and keep its strobes.",
@@ -286,12 +302,15 @@ TABLE = {
         (("ensemble", ""),),
         (
             _over(
-                "State or parameter, its first value, its last value and how many values.",
+                "State or parameter, its first value, its last value and how many values. You may"
+                " give it several times.",
                 required=True,
                 multiple=True,
             ),
         ),
         save="the result",
+        example="nonsmooth ensemble soft_impact"
+        " --over x=-1:1:5 --over omega=0.7:0.9:3 --save runs.nc",
     ),
     "attractors": Entry(
         "Find the attractors of a region from random initial states.",
@@ -310,6 +329,7 @@ TABLE = {
         plot="the points",
         save="the result",
         size=(12.0, 9.0),
+        example="nonsmooth attractors soft_impact --over x=-1:1 --over v=-1:1 --starts 20",
     ),
     "basins": Entry(
         "Find which initial states of a grid lead to which attractor.",
@@ -328,14 +348,19 @@ TABLE = {
         plot="the basins",
         save="the result",
         size=(12.0, 10.0),
+        example="nonsmooth basins soft_impact"
+        " --over x=-1:1:20 --over v=-1:1:20 --starts 20 --save basins.nc",
     ),
     "measures": Entry(
-        "Measure how predictable the outcomes of saved basins are.",
+        "Measure how predictable the outcomes of saved basins are.\n\nThe command prints the"
+        " uncertainty exponent, the entropy of the basins, the share of each outcome, and whether"
+        " three or more basins have one boundary.",
         "basins.measures",
         (("uncertainty_exponent", "between"), ("basin_entropy", "box"), ("wada_test", "fatten")),
         arguments="FILE.nc",
         plot="the uncertain part over the distance",
         size=(10.0, 8.0),
+        example="nonsmooth measures basins.nc",
     ),
     "measured": Entry(
         "Read a measured motion with one mark per revolution, and take its section.\n\nSeveral"
@@ -381,16 +406,19 @@ TABLE = {
         plot="the record, the section or the diagram",
         save="the record, the section or the diagram",
         size=(10.0, 8.0),
+        example="nonsmooth measured speed_1.csv --columns x=CH1,y=CH2 --mark KEY",
     ),
     "models": Entry(
         "List the ready-made systems, or print the equations of one.",
         "models.models",
         own=(Own("toml", "Print the system as TOML, to be changed and simulated."),),
         arguments="[MODEL]",
+        example="nonsmooth models moling",
     ),
     "explain": Entry(
         "Print states, natural motions, forcing and exits of a system.",
         "models.explain",
         json=False,
+        example="nonsmooth explain moling b=0.2",
     ),
 }  # fmt: skip

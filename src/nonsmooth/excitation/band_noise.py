@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from nonsmooth.analysis.options import check_seed
 from nonsmooth.errors import OptionError
 from nonsmooth.excitation.record import Excitation, sample_count
 from nonsmooth.fatigue.checks import positive
@@ -63,7 +64,7 @@ def band_noise(
     first, last = positive("low", low, "Hz"), positive("high", high, "Hz")
     if last < first:
         raise OptionError(f"the band ends at {last:g} Hz, below its beginning, {first:g} Hz")
-    size = positive("rms", rms, "m/s^2")
+    size, drawn = positive("rms", rms, "m/s^2"), check_seed(seed)
     count, _ = sample_count(duration, last, samples_per_period)
     step = float(duration) / count  # the whole duration, if it holds no whole number of periods
     frequency = np.fft.rfftfreq(count, step)
@@ -76,10 +77,10 @@ def band_noise(
             f" them between {first:.9g} and {last:.9g} Hz; noise needs {_FEWEST}: give a longer"
             " duration or a wider band"
         )
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(drawn)
     lines = np.zeros(frequency.size, dtype=complex)
     lines[inside] = rng.standard_normal(inside.size) + 1j * rng.standard_normal(inside.size)
     values = np.fft.irfft(lines, count)
     values *= size / np.sqrt(np.mean(values**2))
-    details = {"low": first, "high": last, "gain": size, "seed": int(seed)}
+    details = {"low": first, "high": last, "gain": size, "seed": drawn}
     return Excitation(step * np.arange(count), values, "noise", True, details)

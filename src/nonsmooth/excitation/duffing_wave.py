@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from nonsmooth.analysis.lyapunov_spectrum import lyapunov_spectrum
-from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.analysis.options import check_seed
+from nonsmooth.errors import OptionError, is_known, unknown_name
 from nonsmooth.excitation.record import Excitation, sample_count
 from nonsmooth.fatigue.checks import finite, positive
 from nonsmooth.models.duffing import duffing as oscillator
@@ -105,11 +106,11 @@ def duffing(
     >>> wave.details["exponent"] > 10 * wave.details["exponent_error"]
     True
     """
-    if variable not in _VARIABLES:
+    if not is_known(variable, _VARIABLES):
         raise OptionError(unknown_name("variable", str(variable), _VARIABLES))
     size = positive("rms", rms, "m/s^2")
     system = oscillator(omega=omega, delta=delta, alpha=alpha, beta=beta, gamma=gamma)
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(check_seed(seed))
     x0, v0 = (float(number) for number in rng.uniform(-1.0, 1.0, 2))
     before = _run(system, {"x": x0, "v": v0}, periods=int(positive("transient", transient)))
     look = _run(system, before, periods=_LOOK, samples_per_period=32)

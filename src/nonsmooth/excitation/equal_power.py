@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import OptionError, is_known
 from nonsmooth.excitation.record import MEASURES, Excitation, check_excitation
 from nonsmooth.fatigue.checks import Array, record_values
 
@@ -151,8 +151,8 @@ def equal_power(
 def _power(
     record: Excitation, measure: str, response: Response | None, lowest: float | None
 ) -> float:
-    if measure != "load":
-        if measure not in MEASURES:
+    if not is_known(measure, ("load",)):
+        if not is_known(measure, MEASURES):
             known = ", ".join([*MEASURES, "load"])
             raise OptionError(f"measure = {measure!r:.40}; known are {known}")
         return record.power(measure, lowest=lowest)

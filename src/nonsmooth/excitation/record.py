@@ -80,6 +80,8 @@ class Excitation:
             array = array.copy()
             array.flags.writeable = False
             object.__setattr__(self, name, array)
+        if not isinstance(self.details, Mapping):
+            raise OptionError(f"details = {self.details!r:.60}: give a mapping of names to values")
         object.__setattr__(self, "details", dict(self.details))
 
     @property

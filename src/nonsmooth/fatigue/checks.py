@@ -19,7 +19,9 @@ __all__ = [
     "finite",
     "finite_array",
     "finite_number",
+    "flag",
     "like",
+    "number_array",
     "positive",
     "real_numbers",
     "record_values",
@@ -60,12 +62,24 @@ def positive(name: str, value: Any, unit: str = "") -> float:
     return number
 
 
-def finite_array(name: str, values: Any) -> Array:
-    """Values as numbers that are all finite, or an error that shows the first one that is not."""
+def flag(name: str, value: Any) -> bool:
+    """True or false."""
+    if not isinstance(value, bool | np.bool_):
+        raise OptionError(f"{name} = {value!r:.60}: give True or False")
+    return bool(value)
+
+
+def number_array(name: str, values: Any) -> Array:
+    """Values as numbers, which may be nan."""
     try:
-        numbers = real_numbers(values)
+        return real_numbers(values)
     except (TypeError, ValueError, OverflowError):
         raise OptionError(f"{name} = {values!r:.60} is no number, nor are its parts") from None
+
+
+def finite_array(name: str, values: Any) -> Array:
+    """Values as numbers that are all finite, or an error that shows the first one that is not."""
+    numbers = number_array(name, values)
     if not np.all(np.isfinite(numbers)):
         place = int(np.flatnonzero(~np.isfinite(numbers))[0])
         where = f"{name}[{place}]" if numbers.ndim else name

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.errors import OptionError
-from nonsmooth.fatigue.checks import Array, finite
+from nonsmooth.errors import OptionError, is_known
+from nonsmooth.fatigue.checks import Array, finite, number_array
 
 __all__ = ["Closure", "NewmanClosure", "closure_text", "effective_range"]
 
@@ -122,14 +122,20 @@ def effective_range(
     >>> float(size), float(ratio)
     (10.0, 0.0)
     """
-    low, high = np.broadcast_arrays(np.asarray(K_min, dtype=float), np.asarray(K_max, dtype=float))
+    low, high = number_array("K_min", K_min), number_array("K_max", K_max)
+    try:
+        low, high = np.broadcast_arrays(low, high)
+    except ValueError:
+        raise OptionError(
+            f"K_min and K_max: one value each for every cycle, not {low.size} and {high.size}"
+        ) from None
     # without closure a cycle in compression has a range too, and no ratio below one
     top = np.where(high > 0.0, high, 1.0)
-    if closure == "none":
+    if is_known(closure, ("none",)):
         return high - low, np.where(high > 0.0, low / top, 0.0)
     open_high = np.maximum(high, 0.0)
     ratio = np.where(high > 0.0, low / top, 0.0)
-    if closure == "shut":
+    if is_known(closure, ("shut",)):
         return open_high - np.maximum(np.minimum(low, open_high), 0.0), np.maximum(ratio, 0.0)
     if isinstance(closure, NewmanClosure):
         size = open_high * (1.0 - closure.opening(ratio))

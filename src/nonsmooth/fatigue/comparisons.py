@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from nonsmooth.errors import OptionError
-from nonsmooth.fatigue.checks import Array, crack_lengths, finite_array
+from nonsmooth.fatigue.checks import Array, crack_lengths, finite, finite_array
 from nonsmooth.fatigue.specimen import Specimen
 from nonsmooth.fatigue.stiffness_laws import FACTOR, LENGTH, cubic_stiffness
 
@@ -64,9 +64,9 @@ def compare_stiffness_laws(
     """
     import xarray as xr
 
-    specimen = Specimen() if specimen is None else specimen
+    specimen = _specimen(specimen)
     lengths = _row("crack", crack)
-    at = specimen.notch if reference is None else reference
+    at = specimen.notch if reference is None else finite("reference", reference)
     guinea = specimen.stiffness(lengths)
     cubic = cubic_stiffness(lengths, factor, length)
     first, second = guinea / specimen.stiffness(at), cubic / cubic_stiffness(at, factor, length)
@@ -132,11 +132,11 @@ def compare_stress_intensity(
     """
     import xarray as xr
 
-    specimen = Specimen() if specimen is None else specimen
+    specimen, load = _specimen(specimen), finite("load", load)
     lengths = crack_lengths(_row("crack", crack), specimen.width)
     if np.any(lengths == 0.0):
         raise OptionError("crack = 0 mm has no stress intensity to compare; begin with a short one")
-    if isinstance(formulas, str) or not formulas:
+    if isinstance(formulas, str) or not isinstance(formulas, Sequence) or not formulas:
         raise OptionError(f"formulas = {formulas!r:.60}: give a list such as ['irwin', 'guinea']")
     values = np.stack([specimen.stress_intensity(load, lengths, name) for name in formulas])
     intensity = {"long_name": "stress intensity", "units": "MPa sqrt(m)"}
@@ -154,6 +154,12 @@ def compare_stress_intensity(
         },
         attrs={"load": float(load), "span_ratio": specimen.span_ratio},
     )
+
+
+def _specimen(given: Any) -> Specimen:
+    if given is not None and not isinstance(given, Specimen):
+        raise OptionError(f"specimen = {given!r:.60}: give a Specimen, or leave it out")
+    return Specimen() if given is None else given
 
 
 def _row(name: str, values: Any) -> Array:

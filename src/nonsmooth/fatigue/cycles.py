@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.fatigue.checks import Array, check_times, record_values
+from nonsmooth.fatigue.checks import Array, check_times, flag, record_values
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -131,6 +131,7 @@ def count_cycles(
 
     if isinstance(load, xr.DataArray) and times is None and "time" in load.coords:
         times = load["time"].values
+    repeating, refine = flag("repeating", repeating), flag("refine", refine)
     values = record_values("load", load)
     clock = None if times is None else check_times(times, values.size)
     if clock is None:

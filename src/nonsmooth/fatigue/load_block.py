@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError
-from nonsmooth.fatigue.checks import finite, positive, record_values
+from nonsmooth.fatigue.checks import finite, number_array, positive, record_values
 from nonsmooth.fatigue.cycles import count_cycles
 
 if TYPE_CHECKING:
@@ -55,13 +55,13 @@ class LoadBlock:
     duration: float
 
     def __post_init__(self) -> None:
-        columns = [np.atleast_1d(np.asarray(v, dtype=float)) for v in
-                   (self.minimum, self.maximum, self.count)]  # fmt: skip
+        names = ("minimum", "maximum", "count")
+        columns = [np.atleast_1d(number_array(name, getattr(self, name))) for name in names]
         if len({column.shape for column in columns}) != 1 or columns[0].ndim != 1:
             raise OptionError("minimum, maximum and count: one value each for every cycle")
         if columns[0].size == 0:
             raise OptionError("the load has no cycle: it never turns; give one that varies")
-        for name, column in zip(("minimum", "maximum", "count"), columns, strict=True):
+        for name, column in zip(names, columns, strict=True):
             bad = np.flatnonzero(~np.isfinite(column))
             if bad.size:
                 raise OptionError(f"{name} of cycle {bad[0]} is not finite")

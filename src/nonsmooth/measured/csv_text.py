@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.errors import OptionError, is_known, unknown_name
 from nonsmooth.measured.channel import split_units
 
 __all__ = ["Table", "cells_of", "numbers_of", "read_table"]
@@ -111,7 +111,7 @@ def read_table(path: Any, delimiter: str | None, decimal: str | None) -> Table:
     lines = _LINE_END.split(_decoded(file))  # not the other signs that splitlines takes for ends
     if delimiter is not None and (not isinstance(delimiter, str) or len(delimiter) != 1):
         raise OptionError(f"delimiter = {delimiter!r:.60}: give one character, such as ';'")
-    if decimal not in (None, ".", ","):
+    if decimal is not None and not is_known(decimal, (".", ",")):
         raise OptionError(f"decimal = {decimal!r:.60}: give '.' or ','")
     first, found = _first_numbers(lines, delimiter, decimal, file.name)
     sample = [cells_of(line, found) for line in lines[first : first + _LOOKED_AT]]

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.errors import OptionError, is_known, unknown_name
 
-__all__ = ["check_even", "check_variables", "noise_before_filters", "over_time"]
+__all__ = ["check_even", "check_variables", "listed", "noise_before_filters", "over_time"]
 
 
 _OFF = 1e-6  # of a step, between samples that count as equidistant
@@ -40,6 +41,15 @@ def check_even(data: Any) -> float:
     return step
 
 
+def listed(names: Any, option: str) -> list[Any]:
+    """Names in a list; one name alone stands for a list of it."""
+    if isinstance(names, str):
+        return [names]
+    if not isinstance(names, Iterable):
+        raise OptionError(f"{option} = {names!r:.60}: give a name, or a list of names")
+    return list(names)
+
+
 def check_variables(data: xr.Dataset, names: Any, option: str) -> list[str]:
     """Names of variables over time, each of them finite; all there are without names."""
     known = [
@@ -47,11 +57,11 @@ def check_variables(data: xr.Dataset, names: Any, option: str) -> list[str]:
         for name, v in data.data_vars.items()
         if v.dims == ("time",) and v.dtype.kind == "f"
     ]
-    chosen = known if names is None else [names] if isinstance(names, str) else list(names)
+    chosen = known if names is None else listed(names, option)
     if not chosen:
         raise OptionError(f"{option}: name some of {', '.join(known)}")
     for name in chosen:
-        if name not in known:
+        if not is_known(name, known):
             raise OptionError(f"{option}: {unknown_name('variable', str(name), known)}")
         if not np.all(np.isfinite(data[name].values)):
             raise OptionError(f"{name}: some samples are not finite; cut the data to where all are")

@@ -14,11 +14,12 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import OptionError, is_known
 from nonsmooth.measured.channel import check_name
 from nonsmooth.measured.even_samples import (
     check_even,
     check_variables,
+    listed,
     noise_before_filters,
     over_time,
 )
@@ -385,7 +386,7 @@ def displacements(
         raise OptionError(
             "give lowest=, the lowest frequency to keep, or period=, after which the motion repeats"
         )
-    if edges not in _EDGES:
+    if not is_known(edges, _EDGES):
         raise OptionError(f"edges = {edges!r:.60} must be 'cut' or 'keep'")
     count = data.sizes["time"]
     method: _FourierIntegral | _RegularIntegral
@@ -422,9 +423,9 @@ def _names(data: xr.Dataset, given: Any) -> dict[str, str]:
     if isinstance(given, Mapping):
         sources, wanted = list(given), [given[name] for name in given]
     else:
-        sources = [given] if isinstance(given, str) else list(given)
+        sources = listed(given, "accelerations")
         wanted = [
-            "x" + name.removeprefix("acceleration")
+            "x" + str(name).removeprefix("acceleration")
             if str(name).startswith("acceleration")
             else f"x_{name}"
             for name in sources

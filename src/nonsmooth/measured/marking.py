@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import OptionError, is_known
 from nonsmooth.measured.clock import Clock, Places, check_finite, numbers
 from nonsmooth.runs.options import finite_number
 
@@ -45,7 +45,7 @@ def _find_edges(pulse: Floats, threshold: Any, hysteresis: Any, edge: Any) -> _E
     The signal must go from below the band of width ``hysteresis`` about the threshold to above
     it; the edge is where it last passed the threshold on that way.
     """
-    if edge not in ("rising", "falling"):
+    if not is_known(edge, ("rising", "falling")):
         raise OptionError(f"edge = {edge!r:.60}: give 'rising' or 'falling'")
     low, high = float(pulse.min()), float(pulse.max())
     if low == high:
@@ -113,7 +113,7 @@ def _given_marks(marks: Any) -> Floats:
 
 def _check_marks(times: Floats, bad_marks: Any) -> tuple[Floats, int]:
     """Marks one per revolution, and how many were repaired; refused where one is bad."""
-    if bad_marks not in ("refuse", "repair"):
+    if not is_known(bad_marks, ("refuse", "repair")):
         raise OptionError(f"bad_marks = {bad_marks!r:.60}: give 'refuse' or 'repair'")
     if times.size < _FEWEST:
         raise OptionError(
@@ -232,7 +232,8 @@ def check_marked(record: xr.Dataset, what: str) -> None:
 def _check_unused(given: Marking) -> None:
     """Refuse options about marks that are not there: they would be passed over in silence."""
     for name, default in Marking._field_defaults.items():
-        if getattr(given, name) != default:
+        value = getattr(given, name)
+        if isinstance(value, np.ndarray) or value != default:
             raise OptionError(
                 f"{name}= is about marks of revolutions, and none came; give the column mark= of a"
                 " file, the signal pulse= of arrays, or the times marks= of either"

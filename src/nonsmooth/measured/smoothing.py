@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import OptionError, is_known
 from nonsmooth.measured.even_samples import (
     check_even,
     check_variables,
@@ -109,7 +109,7 @@ def low_pass(
     top, n = finite_number("cutoff", cutoff), whole_number("order", order)
     if n > _MOST_ORDER:
         raise OptionError(f"order = {n} must be from 1 to {_MOST_ORDER}")
-    if edges not in _EDGES:
+    if not is_known(edges, _EDGES):
         raise OptionError(f"edges = {edges!r:.60} must be 'reflect' or 'cut'")
     if top <= 0.0:
         raise OptionError(f"cutoff = {top:g} must be positive")

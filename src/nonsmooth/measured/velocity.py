@@ -118,7 +118,7 @@ def velocities(
             f"the record has {record.sizes['time']} samples, and a window {chosen.window}; give a"
             " higher highest=, or take a longer record"
         )
-    return _with_velocities(record, chosen, bias, _names(record, names or {}))
+    return _with_velocities(record, chosen, bias, _names(record, {} if names is None else names))
 
 
 def displacements_of(record: xr.Dataset) -> list[str]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from nonsmooth.errors import ModelError
+from nonsmooth.errors import ModelError, is_known
 from nonsmooth.system.model.evaluated import parameter_values
 from nonsmooth.system.parts import Text
 from nonsmooth.system.surfaces import Surface
@@ -128,7 +128,7 @@ def belt_oscillator(
     >>> round(2 * 0.2 / 0.3 + 2 * math.pi - 2 * math.atan(0.2 / 0.3), 10)
     6.4405134334
     """
-    if law not in _LAWS:
+    if not is_known(law, _LAWS):
         raise ModelError(f"law = {law!r:.60} must be one of {', '.join(_LAWS)}")
     driven = parameter_values({"F": F})["F"] != 0.0
     coulomb = law == "coulomb"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Literal
 
-from nonsmooth.errors import ModelError
+from nonsmooth.errors import ModelError, is_known
 from nonsmooth.fatigue.specimen import Specimen
 from nonsmooth.fatigue.stiffness_laws import cubic_text, guinea_text
 from nonsmooth.system.parts import Exit, Mode, Text
@@ -152,9 +152,9 @@ def breathing_crack(
     >>> run["crack"].values[[0, -1]].round(3).tolist()
     [10.671, 10.786]
     """
-    if law not in _LEAST:
+    if not is_known(law, _LEAST):
         raise ModelError(f"law = {law!r:.60} must be 'cubic' or 'guinea'")
-    if grows not in ("frozen", "flow"):
+    if not is_known(grows, ("frozen", "flow")):
         raise ModelError(f"grows = {grows!r:.60} must be 'frozen' or 'flow'")
     given = kappa_open is not None or kappa_closed is not None
     _check_arguments(crack, s, law, (kappa_open, kappa_closed), growth, grows)

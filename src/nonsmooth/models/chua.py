@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Literal
 
-from nonsmooth.errors import ModelError
+from nonsmooth.errors import ModelError, is_known
 from nonsmooth.system.parts import Exit, Mode, Text
 from nonsmooth.system.system import System
 
@@ -89,7 +89,7 @@ def chua(
     >>> round(float(run["x"][-1]), 12), round(float(run["y"][-1]), 12)
     (1.5, 0.0)
     """
-    if resistor not in _KINDS:
+    if not is_known(resistor, _KINDS):
         raise ModelError(f"resistor = {resistor!r:.60} must be one of {', '.join(_KINDS)}")
     words: dict[str, Any] = {
         "name": "chua",

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.errors import OptionError, is_known, unknown_name
 from nonsmooth.real_numbers import finite_numbers, finite_real
 from nonsmooth.system.system import System
 
@@ -44,11 +44,11 @@ def positive_number(name: str, value: Any) -> float:
     return number
 
 
-def whole_number(name: str, value: Any) -> int:
-    """Value of an option that must be a whole number of at least one."""
+def whole_number(name: str, value: Any, least: int = 1) -> int:
+    """Value of an option that must be a whole number, not less than the least one allowed."""
     number = finite_number(name, value)
-    if number != int(number) or number < 1:
-        raise OptionError(f"{name} = {number:g} must be a whole number of at least 1")
+    if number != int(number) or number < least:
+        raise OptionError(f"{name} = {number:g} must be a whole number of at least {least}")
     return int(number)
 
 
@@ -95,13 +95,18 @@ def check_signals(system: System, start: float, end: float) -> None:
             )
 
 
+def is_mapping_of_names(value: Any) -> bool:
+    """Whether a value maps texts to something."""
+    return isinstance(value, Mapping) and all(isinstance(name, str) for name in value)
+
+
 def check_run_options(system: Any, parameters: Any, mode: Any, tolerance: Any) -> System:
     """System with its parameters changed; everything else checked for its kind."""
     if not isinstance(system, System):
         raise OptionError(
             f"system = {system!r:.60} is not a System; write one, or take one from ns.models"
         )
-    if parameters is not None and not isinstance(parameters, Mapping):
+    if parameters is not None and not is_mapping_of_names(parameters):
         raise OptionError(f"parameters = {parameters!r:.60}: give a mapping of names to numbers")
     if mode is not None and not isinstance(mode, str):
         raise OptionError(f"mode = {mode!r:.60} is not the name of a mode")
@@ -120,7 +125,7 @@ def parameters_of_tangent(system: System, tangent: Any) -> tuple[str, ...] | Non
             " ['omega'], for derivatives by the initial state and by these"
         )
     for name in tangent:
-        if name not in system.parameters:
+        if not is_known(name, system.parameters):
             raise OptionError(f"tangent: {unknown_name('parameter', str(name), system.parameters)}")
     if len(set(tangent)) < len(tangent):
         raise OptionError("tangent: a parameter is named twice")

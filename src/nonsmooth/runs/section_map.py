@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import KW_ONLY, dataclass
+from numbers import Real
 from typing import Any
 
 from nonsmooth.engine.status import EventKind
 from nonsmooth.engine.tables import Tables
-from nonsmooth.errors import ModelError, OptionError, unknown_name
+from nonsmooth.errors import ModelError, OptionError, is_known, unknown_name
 from nonsmooth.runs.clock import Instant, instants
 from nonsmooth.runs.maps import Map
 from nonsmooth.runs.options import check_run_options, check_signals, finite_number, whole_number
@@ -127,7 +128,11 @@ def _read_section(system: System, section: Any, direction: Any) -> tuple[bool, i
         raise OptionError(f"section: {unknown_name('variable or event', section, known)}")
     if direction is None:
         return crossing, int(crossing)
-    if isinstance(direction, bool) or direction not in (-1, 0, 1):
+    if (
+        isinstance(direction, bool)
+        or not isinstance(direction, Real)
+        or direction not in (-1, 0, 1)
+    ):
         raise OptionError(
             f"direction = {direction!r:.60}: give 1 where the section grows, -1 where it falls, 0"
             " for both"
@@ -136,12 +141,12 @@ def _read_section(system: System, section: Any, direction: Any) -> tuple[bool, i
         raise OptionError(
             f"direction = {direction}: the event {section!r} has no direction; leave it out"
         )
-    return crossing, int(direction)
+    return crossing, int(float(direction))
 
 
 def _check_side(side: Any) -> None:
     """Before or after."""
-    if side not in _SIDES:
+    if not is_known(side, _SIDES):
         raise OptionError(f"side = {side!r:.60}: give 'before' or 'after'")
 
 

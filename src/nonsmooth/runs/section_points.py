@@ -16,7 +16,7 @@ from nonsmooth.errors import OptionError, RunWarning
 from nonsmooth.runs.clock import Instant, instants
 from nonsmooth.runs.first_mode import explain_misfit
 from nonsmooth.runs.labels import labels_of, with_doubts
-from nonsmooth.runs.options import whole_number
+from nonsmooth.runs.options import finite_number, whole_number
 from nonsmooth.runs.outputs import SampleClock, StateRates, output_values
 from nonsmooth.runs.runner import NoMode, build_tables
 from nonsmooth.runs.section_map import SectionMap, folded_tables, set_limits
@@ -99,16 +99,18 @@ def take_points(
     given again to go on from a run made with some.
     """
     system = chosen.system
-    record = whole_number("record", record)
+    record, tolerance = whole_number("record", record), finite_number("tolerance", tolerance)
+    left_out = finite_number("transient", transient)
+    last = math.inf if t_end is None else finite_number("t_end", t_end)
     motion = start_on_section(chosen, initial, mode, t_start, repeated)
     window = motion.given_tables.window
     protocol = chosen.protocol | {
-        "transient": float(transient),
+        "transient": left_out,
         "record": record,
-        "tolerance": float(tolerance),
+        "tolerance": tolerance,
         "mode": mode or "",
         "t_start": motion.given.instant.time(window),
-        "t_end": math.inf if t_end is None else float(t_end),
+        "t_end": last,
         "changed_parameters": changed,
     }
     tables, begin = motion.tables, motion.begin

@@ -105,7 +105,7 @@ def simulate(
         ``work_limit``: it holds everything up to there, and goes on when it is passed as
         ``initial``. The clock decides where the run ends, never what it computes.
     max_events : int, optional
-        Largest number of events, tangencies included; after them the run ends likewise.
+        Largest number of events, tangencies included, after which the run ends.
 
     Returns
     -------

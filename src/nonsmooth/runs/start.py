@@ -135,10 +135,12 @@ def _from_mapping(system: System, initial: Mapping[str, Any]) -> npt.NDArray[np.
     return np.array([values[name] for name in system.states])
 
 
-def mode_numbers(system: System, mode: str | None) -> tuple[int, ...]:
+def mode_numbers(system: System, mode: Any) -> tuple[int, ...]:
     """Modes that a name stands for: a cell, cells of one name, or all cells of a mode."""
     if mode is None:
         return (-1,)
+    if not isinstance(mode, str):
+        raise OptionError(f"mode = {mode!r:.60} is not the name of a mode")
     running = system.structure.running
     found = tuple(i for i, m in enumerate(running) if mode in (m.name, m.label, m.parent))
     if not found:

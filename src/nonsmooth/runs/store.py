@@ -44,6 +44,7 @@ from nonsmooth.version import __version__
 __all__ = [
     "Damaged",
     "Store",
+    "check_store",
     "free_memory",
     "lock",
     "read_arrays",
@@ -296,6 +297,12 @@ class Store:
                 ResultWarning,
                 stacklevel=5,
             )
+
+
+def check_store(store: str | Path | None) -> None:
+    """Refuse a folder that cannot be a store, before long work whose results it would keep."""
+    if store is not None:
+        _refuse_strangers(_folder(store))
 
 
 def _folder(path: str | Path) -> Path:

@@ -7,7 +7,7 @@ count once: how many of infinitely many are followed says nothing of the motion.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -15,6 +15,7 @@ import numpy.typing as npt
 from nonsmooth.engine.status import EventKind
 from nonsmooth.engine.tables import RESTING
 from nonsmooth.errors import OptionError
+from nonsmooth.runs.options import finite_number
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -61,11 +62,10 @@ def phase_word(
     >>> ns.phase_word(run, 18.25 * T, 19.25 * T)
     ('no_contact', 'contact', 'progression', 'contact', 'no_contact')
     """
-    low = -np.inf if start is None else start
-    high = np.inf if stop is None else stop
+    low, high = _time("start", start, -np.inf), _time("stop", stop, np.inf)
     if high < low:
         raise OptionError(f"stop = {high:g} lies before start = {low:g}")
-    if "event_to" not in run:
+    if "event_to" not in getattr(run, "variables", ()):
         raise OptionError(
             "the dataset has no event log; simulate without events=False, or read the word of the"
             " last period in its attribute 'phase_word'"
@@ -156,6 +156,13 @@ def _latest(outcome: Outcome, low: float) -> tuple[np.ndarray, np.ndarray]:
         if enough or count >= len(outcome.events):
             return times, rows["to_mode"][lasting]
         count *= 4
+
+
+def _time(name: str, value: Any, unbounded: float) -> float:
+    """A time, or one without a bound."""
+    if value is None or (isinstance(value, float) and value == unbounded):
+        return unbounded
+    return finite_number(name, value)
 
 
 def _between(times: np.ndarray, low: float, high: float) -> slice:

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from nonsmooth.engine.record import Rows, rows_of
 from nonsmooth.engine.tables import CHAIN
-from nonsmooth.errors import ModelError
+from nonsmooth.errors import ModelError, is_known
 
 __all__ = ["LAST_DERIVATIVE", "METHODS", "Signal", "signal_arrays", "values_of"]
 
@@ -67,7 +67,7 @@ class Signal:
     method: str = "cubic"
 
     def __post_init__(self) -> None:
-        if self.method not in METHODS:
+        if not is_known(self.method, METHODS):
             raise ModelError(
                 f"Signal: method = {self.method!r:.60}; known are {', '.join(METHODS)}"
             )

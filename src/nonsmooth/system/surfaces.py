@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from nonsmooth.errors import ModelError
+from nonsmooth.errors import ModelError, is_known
 from nonsmooth.system.parts import Text
 from nonsmooth.system.text.grammar import is_name
 
@@ -78,7 +78,7 @@ class Surface:
                 raise ModelError(
                     f"Surface: {label}={value!r:.60} is not a name; use ASCII letters, digits and _"
                 )
-        if self.on_nonunique not in (None, "below", "above"):
+        if self.on_nonunique is not None and not is_known(self.on_nonunique, ("below", "above")):
             raise ModelError(
                 f"Surface: on_nonunique={self.on_nonunique!r:.60} is not known; give 'below' or"
                 " 'above', or leave it out"

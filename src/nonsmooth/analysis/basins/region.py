@@ -226,7 +226,7 @@ def read_grid(system: System, region: Any, completion: Any, least: int = 2) -> G
 def _numbers(name: str, given: Any) -> Floats:
     try:
         values = np.asarray(given, dtype=float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         values = np.array(np.nan)
     if values.ndim != 1 or values.size == 0 or not np.all(np.isfinite(values)):
         raise OptionError(

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.errors import OptionError, is_known, unknown_name
 
 __all__ = ["End", "check_way", "links_of", "pack_end", "take_end"]
 
@@ -27,7 +27,7 @@ class End(NamedTuple):
 
 def check_way(start: Any) -> str:
     """How columns begin."""
-    if start not in _STARTS:
+    if not is_known(start, _STARTS):
         raise OptionError(f"start = {start!r}: {unknown_name('way', str(start), _STARTS)}")
     return str(start)
 

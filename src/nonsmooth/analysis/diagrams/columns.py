@@ -13,7 +13,7 @@ from nonsmooth.analysis.diagrams.chain_links import End, pack_end, take_end
 from nonsmooth.analysis.options import check_match
 from nonsmooth.engine.status import Status
 from nonsmooth.engine.tables import Tables
-from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.errors import OptionError, is_known, unknown_name
 from nonsmooth.runs.maps import Map
 from nonsmooth.runs.options import whole_number
 from nonsmooth.runs.outputs import SampleClock, output_values
@@ -91,12 +91,12 @@ def read_protocol(
 ) -> DiagramProtocol:
     """How every column is computed."""
     system = chosen.system
-    if side not in _SIDES:
+    if not is_known(side, _SIDES):
         raise OptionError(f"side = {side!r}: {unknown_name('side', str(side), _SIDES)}")
     return DiagramProtocol(
         chosen=chosen,
         parameter=parameter,
-        transient=0 if transient == 0 else whole_number("transient", transient),
+        transient=whole_number("transient", transient, 0),
         record=whole_number("record", record),
         match=check_match(match),
         exits=_exits(chosen, at, side),
@@ -114,11 +114,11 @@ def _exits(chosen: Map, at: Any, side: Any) -> npt.NDArray[np.bool_] | None:
             f"at = {at!r:.60}, side = {side!r:.60}: the map says itself where its points lie and on"
             " which side of an event; give these to PoincareMap"
         )
-    if at == "strobe":
+    if is_known(at, ("strobe",)):
         return None
     names = system.compiled.exit_names
     known = dict.fromkeys(name for of_mode in names for name in of_mode)
-    if at not in known:
+    if not is_known(at, known):
         raise OptionError(f"at: {unknown_name('event', str(at), ['strobe', *known])}")
     most = max(len(of_mode) for of_mode in names)
     found = np.zeros((len(names), most), bool)

@@ -62,7 +62,12 @@ def outcomes_of(basins: Any, leave_out: Iterable[int] = LEFT_OUT) -> Outcomes:
         attrs = {key: basins.attrs[key] for key in _KEPT if key in basins.attrs}
         known = basins.sizes.get("attractor", 0)
         array = basins["label"]
-    labels = np.asarray(array.values if isinstance(array, xr.DataArray) else array)
+    try:
+        labels = np.asarray(array.values if isinstance(array, xr.DataArray) else array)
+    except ValueError:  # rows of different lengths
+        raise OptionError(
+            f"basins = {basins!r:.60}: give an array of whole numbers, one label per start"
+        ) from None
     if labels.dtype.kind == "b":  # two outcomes; 0 would stand for none
         labels = labels.astype(np.int64) + 1
     if labels.ndim == 0 or labels.size == 0 or labels.dtype.kind not in "iu":

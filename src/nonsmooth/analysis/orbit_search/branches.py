@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import OptionError, is_known
 from nonsmooth.periodic_orbits.branch_part import BranchPart
 from nonsmooth.periodic_orbits.orbit import Orbit
 from nonsmooth.periodic_orbits.orbit_dataset import common, orbit_variables
@@ -27,7 +27,7 @@ _WAYS = ("both", "up", "down")
 
 def check_way(direction: Any) -> None:
     """A direction in which a parameter goes at first."""
-    if direction not in _WAYS:
+    if not is_known(direction, _WAYS):
         raise OptionError(f"direction = {direction!r:.60}: give one of {', '.join(_WAYS)}")
 
 
@@ -47,7 +47,7 @@ def read_bounds(between: Any) -> tuple[float, float]:
     """Lowest and highest value of a parameter."""
     try:
         low, high = (finite_number("between", float(each)) for each in between)
-    except (TypeError, ValueError) as fault:
+    except (TypeError, ValueError, OverflowError) as fault:
         if isinstance(fault, OptionError):
             raise
         raise OptionError(

@@ -48,7 +48,7 @@ def make_protocol(
     match: Any,
 ) -> RegimeProtocol:
     """RegimeProtocol of these options, all of them checked."""
-    left_out = 0 if transient == 0 else whole_number("transient", transient)
+    left_out = whole_number("transient", transient, 0)
     kept = whole_number("record", record)
     if kept < 2:
         raise OptionError("record = 1: a period has to be seen twice; give 2 strobes at least")
@@ -64,7 +64,7 @@ def make_protocol(
             f"longest = {most} is less than transient = {left_out}, from which the transient is"
             " doubled"
         )
-    more = 0 if confirm == 0 else whole_number("confirm", confirm)
+    more = whole_number("confirm", confirm, 0)
     check_count(most + 4 * window + more)
     close = check_match(match)
     return RegimeProtocol(left_out, kept, window, most, more, check_phase(phase), close)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -51,7 +52,7 @@ def strobe_points(data: Any, variables: Any) -> StrobePoints:
         states = system.states if system else [n for n in known if n not in slow]
         names = [n for n in states if n in known and n not in drifting]
     else:
-        names = [variables] if isinstance(variables, str) else [str(n) for n in variables]
+        names = [variables] if isinstance(variables, str) else _listed(variables)
     for name in names:
         if name not in known:
             raise OptionError(f"variables: {unknown_name('variable', name, known)}")
@@ -61,6 +62,12 @@ def strobe_points(data: Any, variables: Any) -> StrobePoints:
         raise OptionError(f"data: there are no points over {dim}; give a run that has samples")
     values = np.stack([data[name].values.astype(float) for name in names], axis=1)
     return StrobePoints(_finite(values, names), tuple(names), dim, data, slow)
+
+
+def _listed(variables: Any) -> list[str]:
+    if not isinstance(variables, Iterable):
+        raise OptionError(f"variables = {variables!r:.60}: give a name, or a list of names")
+    return [str(name) for name in variables]
 
 
 def _of_array(data: Any, variables: Any) -> StrobePoints:

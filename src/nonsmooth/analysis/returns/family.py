@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from nonsmooth.analysis.options import completion_rule
 from nonsmooth.engine.lanes import ANY
-from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.errors import OptionError, is_known, unknown_name
 from nonsmooth.runs.clock import Instant
 from nonsmooth.runs.labels import labels_of
 from nonsmooth.runs.maps import Map
@@ -64,7 +64,7 @@ def read_coordinate(chosen: Map, name: Any) -> Coordinate:
     """The coordinate that a name stands for."""
     system = chosen.system
     labels = labels_of(system)
-    if name in system.states:
+    if is_known(name, system.states):
         turn = _turn(system, name)
         if name in system.drift_states and turn is None:
             raise OptionError(
@@ -72,10 +72,10 @@ def read_coordinate(chosen: Map, name: Any) -> Coordinate:
                 f" take one of {', '.join(_others(chosen))}"
             )
         return Coordinate(name, system.states.index(name), turn, False, labels.attributes(name))
-    if name == PHASE and chosen.points_have_time:
+    if is_known(name, (PHASE,)) and chosen.points_have_time:
         words = {**labels.attributes("time"), "long_name": "time since the period began"}
         return Coordinate(PHASE, len(system.states), system.period_value, True, words)
-    if name == PHASE:
+    if is_known(name, (PHASE,)):
         raise OptionError(
             "coordinate = 'phase': points of a stroboscopic map are all at one phase, and motions"
             " without forcing have none; take a PoincareMap of a system with a period, or one of"

@@ -100,7 +100,10 @@ def read_stretch(
         if system.period_value is None:
             raise OptionError(f"{system.name} has no period; give t_end= instead of periods=")
         unit = system.period_value
-    length = finite_number("periods" if t_end is None else "t_end", periods or t_end)
+    length = finite_number("t_end", t_end) if periods is None else finite_number("periods", periods)
+    if not length > 0.0:
+        name = "t_end" if periods is None else "periods"
+        raise OptionError(f"{name} = {length:g} must be positive")
     begin = finite_number("transient", transient)
     if not 0.0 <= begin < length:
         raise OptionError(

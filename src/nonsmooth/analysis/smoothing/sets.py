@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -11,9 +10,11 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.attractors import attractors
+from nonsmooth.analysis.basins.region import read_box
 from nonsmooth.analysis.continue_orbit import continue_orbit
+from nonsmooth.analysis.orbit_search.branches import read_bounds
 from nonsmooth.analysis.smoothing.motions import Ladder
-from nonsmooth.errors import OptionError, RunWarning
+from nonsmooth.errors import OptionError, RunWarning, is_known, unknown_name
 from nonsmooth.runs.options import finite_number, whole_number
 from nonsmooth.system.system import System
 
@@ -48,15 +49,14 @@ class Branches:
     period: int
 
 
-def read_sets(region: Any, starts: Any, near: Any) -> Sets | None:
+def read_sets(system: System, region: Any, starts: Any, near: Any) -> Sets | None:
     """Check the options of the search for attractors; None where there is none."""
     count, distance = whole_number("starts", starts), finite_number("near", near)
     if not distance > 0.0:
         raise OptionError(f"near = {distance:g} must be positive")
     if region is None:
         return None
-    if not isinstance(region, Mapping):
-        raise OptionError(f"region = {region!r:.60}: give ranges of states, as {{'x': (-1, 1)}}")
+    read_box(system, region, None)  # refused here, before the motions are compared
     return Sets(dict(region), count, distance)
 
 
@@ -65,7 +65,18 @@ def read_branches(system: System, parameter: Any, between: Any, period: Any) -> 
     count = whole_number("period", period)
     if (parameter is None) != (between is None):
         raise OptionError("give both parameter= and between=, or neither")
-    return None if parameter is None else Branches(parameter, between, count)
+    if parameter is None:
+        return None
+    if not is_known(parameter, system.parameters):
+        raise OptionError(unknown_name("parameter", parameter, system.parameters))
+    low, high = read_bounds(between)
+    value = float(system.parameter_values[parameter])
+    if not low <= value <= high:
+        raise OptionError(
+            f"between = ({low:g}, {high:g}): the orbit is found at {parameter} = {value:g}, which"
+            " lies outside; give a range around it, or another value by parameters="
+        )
+    return Branches(parameter, (low, high), count)
 
 
 def compared_attractors(ladder: Ladder, sets: Sets, tolerance: float) -> dict[str, Any]:

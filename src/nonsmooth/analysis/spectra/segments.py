@@ -95,7 +95,7 @@ def check_window(window: Any, length: int) -> Floats:
 
     try:
         return np.asarray(get_window(window, length), dtype=float)
-    except (ValueError, TypeError):
+    except (ValueError, TypeError, IndexError):
         raise OptionError(
             f"window = {window!r:.60} is none of scipy.signal.get_window; for instance boxcar,"
             " hann, blackmanharris or flattop"

@@ -10,7 +10,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from nonsmooth.analysis.options import derived_attributes
-from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.errors import OptionError, is_known, unknown_name
 from nonsmooth.runs.options import finite_number
 from nonsmooth.system.system import System
 
@@ -60,7 +60,7 @@ def series_of(data: Any, variable: str | None) -> Series:
         known = [str(name) for name in data.data_vars if data[name].ndim == 1]
         if variable is None:
             raise OptionError(f"variable= is needed; the dataset has {', '.join(known)}")
-        if variable not in known:
+        if not is_known(variable, known):
             raise OptionError(f"variable: {unknown_name('variable', variable, known)}")
         array: xr.DataArray | None = data[variable]
     elif variable is not None:

@@ -98,7 +98,7 @@ def make_sweep(
         )
     return SweepProtocol(
         chosen, initial, check_way(start),
-        0 if transient == 0 else whole_number("transient", transient),
+        whole_number("transient", transient, 0),
         whole_number("record", record), shared,
     )  # fmt: skip
 

@@ -1,0 +1,84 @@
+"""Words of Python as the shell has them: what docstrings and errors say of keyword arguments.
+
+The library speaks of arguments as a script gives them, such as ``transient=200`` or ``mode = 'x'``.
+A command gives the same values by options. Here, and only here, the first becomes the second.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Mapping
+from typing import Any
+
+__all__ = [
+    "advice_in_words_of_shell",
+    "error_in_words_of_shell",
+    "spoken",
+    "text_in_words_of_shell",
+]
+
+# A value as errors recommend one: a text, a collection, a number or a plain name.
+_VALUE = r"'[^']*'|\"[^\"]*\"|\{[^{}]*\}|\([^()]*\)|\[[^\[\]]*\]|-?\d[\w.+-]*\w|-?\d|True\b"
+
+
+def spoken(value: Any) -> str:
+    """A value as it is written in a shell, where a blank would need quotes."""
+    if isinstance(value, dict):
+        return ",".join(f"{name}={spoken(each)}" for name, each in value.items())
+    if isinstance(value, list | tuple):
+        return ",".join(map(spoken, value))
+    return value.replace(" ", "-") if isinstance(value, str) else f"{value:g}"
+
+
+def text_in_words_of_shell(text: str, options: Mapping[str, str]) -> str:
+    """First sentence of a docstring's text; `options` has the option of every argument."""
+    first = re.split(r"(?<=[\w)\"`])\. (?=[A-Z])", text.rstrip("."), maxsplit=1)[0]
+
+    def shown(found: re.Match[str]) -> str:
+        word = found[1]
+        name, sign, value = word.partition("=")
+        if name in options:
+            return f"{options[name]} {value}" if sign else options[name]
+        return spoken(word.strip('"')) if word.startswith('"') else word
+
+    return re.sub(r"``?([^`]+)``?", shown, first.replace(" (dimensionless)", "")) + "."
+
+
+def error_in_words_of_shell(message: str, options: Mapping[str, str]) -> str:
+    """An error with the options of a command in place of the arguments of its verbs.
+
+    Where the message begins with an argument it has ``record = 1``, ``record:`` or ``record[...]``.
+    Elsewhere such words may be parameters of a system and stay as they are.
+    """
+    names = _any_of(options)
+    if re.match(rf"({names})(?= = |: |\[)", message):
+        message = re.sub(rf"^({names})(?=: |\[)", lambda m: options[m[1]], message)
+        message = re.sub(rf"(?<![\w.'\"-])({names})(?= = )", lambda m: options[m[1]], message)
+    return advice_in_words_of_shell(message, options)
+
+
+def advice_in_words_of_shell(message: str, options: Mapping[str, str]) -> str:
+    """A message with options in place of arguments, which the sign ``=`` right behind marks.
+
+    A choice between an option and an argument that the shell lacks leaves the option.
+    """
+    lacking = _any_of({name: told for name, told in options.items() if not told.startswith("-")})
+    message = re.sub(rf" or ({lacking})=(?!\w)|(?<= )({lacking})= or ", "", message)
+
+    def given(found: re.Match[str]) -> str:
+        option, value = options[found[1]], found[2]
+        if value in ("", "True"):  # of a flag
+            return option
+        try:
+            return f"{option} {spoken(ast.literal_eval(value))}"
+        except (ValueError, SyntaxError, TypeError):  # a range in words, such as (low, high)
+            return f"{option} {value}"
+
+    argument = rf"(?<![\w.'\"\[{{-])({_any_of(options)})="
+    return re.sub(rf"{argument}({_VALUE}|(?=[\s,;:.)]|$))", given, message)
+
+
+def _any_of(options: Mapping[str, str]) -> str:
+    """Expression of any of the arguments, longer ones first."""
+    return "|".join(sorted(map(re.escape, options), key=len, reverse=True)) or "(?!)"

@@ -1,0 +1,259 @@
+"""Whatever is given for an argument of a verb, the answer is a result or one clear error, at once.
+
+The arguments are those of the signatures. Each of them is given every wrong value below, beside
+small and right values for the others. What comes must be a result, or an error of this library
+that names the argument, within a second of the processor. What is refused must be refused as fast
+where the other values ask for long work, so it is looked at before the work begins.
+"""
+
+import inspect
+import time
+import warnings
+from datetime import date
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import nonsmooth as ns
+
+
+class Odd:
+    """A thing that no argument takes."""
+
+    def __repr__(self):
+        return "<odd>"
+
+
+WRONG = {
+    "a thing of another class": Odd(),
+    "a text": "no_such",
+    "an empty text": "",
+    "bytes": b"ab",
+    "a complex number": 1j,
+    "nan": float("nan"),
+    "infinity": float("inf"),
+    "a negative count": -3,
+    "a number between whole ones": 2.5,
+    "a whole number beyond doubles": 10**400,
+    "a truth value": True,
+    "nothing": None,
+    "an empty list": [],
+    "an empty mapping": {},
+    "a list of an unknown name": ["no_such"],
+    "lists of different lengths": [[1], [2, 3]],
+    "an unknown name": {"no_such": 1.0},
+    "a name that is no text": {1: 2.0},
+    "an empty array": np.array([]),
+    "an array with nan": np.array([np.nan, 1.0]),
+    "a matrix": np.zeros((2, 2)),
+    "a range that runs backward": (1.0, -1.0),
+    "an empty dataset": xr.Dataset(),
+    "a function": len,
+    "a date": date(2020, 1, 1),
+    "a missing file": Path("no_such_folder/no_such_file"),
+}
+# Messages that name something nearer to the cause than the argument that was changed.
+TOLD_OTHERWISE = {
+    ("continue_orbit", "initial"): "orbit to begin with",
+    ("full_spectrum", "y"): "variable",
+    ("phase_word", "run"): "the dataset has no event log",
+    ("wada_test", "leave_out"): "basins",
+    ("zero_one_test", "data"): "variable",
+    ("zero_one_test", "every"): "series",
+    ("Surface", "function"): "no expression",
+    ("System", "states"): "state",
+    ("from_arrays", "displacements"): ": ",
+    ("System", "equations"): "state",
+}
+STRUCK = ns.models.soft_impact()
+RUBBING = ns.System(
+    states=["x", "v"],
+    parameters={"mu": 0.6, "omega": 0.5},
+    period="2*pi/omega",
+    equations={"x": "v", "v": "cos(omega*t) - x - mu*sign(v)"},
+)
+EVEN = ns.System(
+    states=["x", "v"],
+    parameters={"omega": 0.5},
+    period="2*pi/omega",
+    equations={"x": "v", "v": "cos(omega*t) - x - x**3 - 0.2*v"},
+    symmetry={"x": "-x", "v": "-v"},
+)
+REGION = {"x": (-1.0, 1.0), "v": (-1.0, 1.0)}
+CELLS = {"x": np.linspace(-1.0, 1.0, 3), "v": np.linspace(-1.0, 1.0, 3)}
+COLUMNS = {"parameter": "omega", "values": [0.8, 0.9], "transient": 2, "record": 4}
+SEARCH = {"samples": 2, "record": 20, "longest": 50}
+SHORT = {"transient": 5, "record": 4, "evidence": 20, "longest": 5, "confirm": 0}
+LATE = {"transient": 100_000, "record": 1000, "evidence": 50_000, "longest": 200_000}
+
+
+@cache
+def data(name):
+    """What verbs work on."""
+    make = {
+        "run": lambda: ns.simulate(STRUCK, periods=20, samples_per_period=32),
+        "points": lambda: ns.stroboscopic_map(STRUCK, transient=10, record=300),
+        "orbit": lambda: ns.find_orbit(STRUCK, transient=300),
+        "even orbit": lambda: ns.find_orbit(EVEN),
+        "branch": lambda: ns.continue_orbit(
+            STRUCK, "omega", (0.7, 0.9), initial=data("orbit"), steps=3
+        ),
+        "special": lambda: ns.continue_orbit(ns.models.soft_impact(a=0.2), "a", (0.05, 0.6)),
+        "grazing": lambda: data("special")["special_kind"].values.tolist().index("grazing"),
+        "basins": lambda: xr.Dataset(
+            {"label": (("y", "x"), np.repeat([1, 2, 3], 20) * np.ones((60, 1), int))}
+        ),
+        "cloud": lambda: np.random.default_rng(0).normal(size=(3000, 2)),
+    }
+    return make[name]()
+
+
+def cases():
+    """Right values of each verb, and those of them that ask for long work."""
+    section = ns.PoincareMap(STRUCK, "v")
+    strobes = ns.StroboscopicMap(STRUCK)
+    struck = {"system": STRUCK}
+    many = np.linspace(0.5, 1.0, 4000)
+    return {
+        "simulate": (struck | {"periods": 1}, {"periods": 200_000}),
+        "stroboscopic_map": (struck | {"record": 3}, {"record": 500_000}),
+        "poincare_section": (struck | {"section": "v", "record": 3}, {"record": 500_000}),
+        "bifurcation_diagram": (struck | COLUMNS, {"values": many, "record": 100}),
+        "ensemble": (struck | {"initial": {"x": [0.0, 0.1]}, "record": 2}, {"record": 100_000}),
+        "lyapunov_spectrum": (
+            struck | {"transient": 2, "record": 4, "confirm": 0},
+            {"transient": 20_000, "record": 100_000},
+        ),
+        "regime": (struck | SHORT, LATE),
+        "regime_map": (struck | {"over": {"omega": [0.8, 0.9], "a": [0.6, 0.7]}} | SHORT, LATE),
+        "waterfall": (struck | COLUMNS | {"variable": "x"}, {"values": many, "record": 60}),
+        "contact_statistics": (struck | {"transient": 2, "record": 4}, {"record": 1_000_000}),
+        "find_orbit": (struck | {"transient": 100}, {"transient": 500_000}),
+        "continue_orbit": (
+            struck | {"parameter": "omega", "between": (0.7, 0.9), "initial": data("orbit")}
+            | {"steps": 2}, {},
+        ),
+        "continue_special": (
+            {"branch": data("special"), "special": data("grazing"), "parameter": "omega"}
+            | {"between": (0.7, 0.9), "steps": 2}, {},
+        ),
+        "attractors": ({"system": strobes, "region": REGION} | SEARCH, {"samples": 10_000}),
+        "basins_of_attraction": (
+            {"system": strobes, "region": CELLS} | SEARCH, {"samples": 10_000},
+        ),
+        "orbits": (struck | {"samples": 2, "record": 20, "guesses": 2}, {"samples": 10_000}),
+        "return_map": (
+            {"system": section, "coordinate": "x", "between": (0.0, 1.0), "samples": 3},
+            {"samples": 100_000},
+        ),
+        "smoothing_report": (
+            {"system": RUBBING, "epsilons": (0.1, 0.01), "periods": 1, "samples": 20},
+            {"samples": 1_000_000, "region": REGION, "parameter": "mu", "between": (0.5, 0.7)},
+        ),
+        "smoothed": ({"system": RUBBING, "epsilon": 0.1}, {}),
+        "tie_parameters": (struck | {"ties": {"zeta": "0.1*a"}}, {}),
+        "basin_entropy": ({"basins": data("basins")}, {}),
+        "basin_fractions": ({"basins": data("basins")}, {}),
+        "uncertainty_exponent": ({"basins": data("basins")}, {}),
+        "wada_test": ({"basins": data("basins")}, {}),
+        "best_point": ({"branch": data("branch"), "quantity": "length"}, {}),
+        "box_dimension": ({"points": data("cloud")}, {}),
+        "correlation_dimension": ({"points": data("cloud")[:300]}, {}),
+        "full_spectrum": ({"run": data("run"), "x": "x", "y": "v"}, {}),
+        "power_spectrum": ({"run": data("run"), "variable": "x"}, {}),
+        "order_tracking": ({"run": data("run"), "variable": "x"}, {}),
+        "period_statistics": ({"run": data("run")}, {}),
+        "phase_word": ({"run": data("run")}, {}),
+        "local_regimes": ({"data": data("points")}, {}),
+        "zero_one_test": ({"data": data("points"), "variable": "x"}, {}),
+        "mirrored_orbit": ({"orbit": data("even orbit")}, {}),
+        "orbit_samples": ({"orbit": data("orbit")}, {}),
+        "PoincareMap": (struck | {"section": "v"}, {}),
+        "StroboscopicMap": (struck, {}),
+        "Exit": ({"guard": "x"}, {}),
+        "Mode": ({"flow": {"x": "v"}}, {}),
+        "Surface": ({"function": "v"}, {}),
+        "Signal": ({"times": [0.0, 1.0, 2.0, 3.0], "values": [0.0, 1.0, 0.0, 1.0]}, {}),
+        "System": ({"states": ["x", "v"], "equations": {"x": "v", "v": "-x"}}, {}),
+    }  # fmt: skip
+
+
+@cache
+def rig():
+    """Right values of the functions that read and treat measured motions."""
+    measured, t = ns.measured, np.arange(1200) / 2000
+    record = measured.from_arrays(
+        {"x": np.cos(90 * t), "y": np.sin(90 * t)}, times=t, pulse=np.cos(90 * t - 0.4)
+    )
+    moving = measured.velocities(record)
+    return {
+        "from_arrays": {"displacements": {"x": np.cos(90 * t)}, "times": t},
+        "velocities": {"record": record},
+        "section": {"record": moving},
+        "diagram": {"records": [moving, moving]},
+        "low_pass": {"data": record, "cutoff": 100.0},
+        "displacements": {"data": record, "accelerations": "x", "lowest": 20.0},
+        "dimensionless": {"record": record, "length": 1.0, "natural_frequency": 2.0},
+        "synchronous": {"record": moving},
+        "Channel": {"column": "x"},
+        "Differentiator": {"step": 0.1, "window": 11},
+    }
+
+
+VERBS = sorted(set(ns.__all__) - {
+    "ModelError", "NonsmoothError", "OptionError", "ResultWarning", "RunError", "RunWarning",
+    "__version__", "continuation", "excitation", "fatigue", "measured", "models", "plot",
+})  # fmt: skip
+RIG = ["from_arrays", "velocities", "section", "diagram", "low_pass", "displacements",
+       "dimensionless", "synchronous", "Channel", "Differentiator"]  # fmt: skip
+
+
+def refusal(verb, given):
+    """What a verb says of its arguments, or nothing where it takes them; and how long it took."""
+    began = time.process_time()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        try:
+            verb(**given)
+            said = None
+        except ns.NonsmoothError as fault:
+            said = str(fault)
+    return said, time.process_time() - began
+
+
+def check(name, verb, right, long):
+    """Give each argument of a verb each of the wrong values."""
+    assert refusal(verb, right)[0] is None
+    for argument in inspect.signature(verb).parameters:
+        for kind, wrong in WRONG.items():
+            case = f"{name}({argument}={kind})"
+            said, took = refusal(verb, right | {argument: wrong})
+            if said is None:
+                continue
+            assert took < 1.0, f"{case} took {took:.1f} s to refuse"
+            other = TOLD_OTHERWISE.get((name, argument), argument)
+            nearer = argument.removesuffix("s")  # an error of one of several
+            assert argument in said or nearer in said or other in said, f"{case} says: {said}"
+            if argument not in long and long:
+                later, took = refusal(verb, right | long | {argument: wrong})
+                assert later is not None and took < 1.0, f"{case} is refused late: {took:.1f} s"
+
+
+@pytest.fixture(autouse=True)
+def elsewhere(tmp_path, monkeypatch):
+    """Folders that a text names are made here."""
+    monkeypatch.chdir(tmp_path)
+
+
+@pytest.mark.parametrize("name", VERBS)
+def test_a_wrong_argument_is_refused_at_once_and_by_its_name(name):
+    right, long = cases()[name]
+    check(name, getattr(ns, name), right, long)
+
+
+@pytest.mark.parametrize("name", RIG)
+def test_a_wrong_argument_of_measured_motions_is_refused(name):
+    check(name, getattr(ns.measured, name), rig()[name], {})
