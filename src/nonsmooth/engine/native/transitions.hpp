@@ -97,6 +97,7 @@ class Transition {
             }
             choose_exit();
             if (e_ < 0) {
+                passage_.is_open = passage_.is_open || tolerance_ <= sharp;
                 end_columns(passage_.mode);
                 return ended(COMPLETED);
             }
@@ -105,6 +106,8 @@ class Transition {
     }
 
   private:
+    static constexpr double sharp = 0x1p-46;  // tolerance above rounding of a few terms
+
     enum class Step { on, again, ends };  // what is to be done after a step of the path
 
     Passage ended(Status status) {
@@ -145,8 +148,10 @@ class Transition {
             start_directions(tables_, m, e_, directions_of(segment_));
         }
         fill_extent(tables_, m, z(), extent());
+        // series and sums over slots leave what follows from others off its relation by the rounding
+        // of its largest values: compared with the relation of the target is that of this mode
+        settle_slaved(tables_, m, z());
         if (e_ < 0) {
-            settle_slaved(tables_, m, z());
             if (carries()) relate_columns(tables_, rates_, segment_, tangent_, m);
         } else if (carries()) {
             start_saltation(tables_, rates_, segment_, tangent_, m, e_);
@@ -265,10 +270,13 @@ class Transition {
             ended(COMPLETED);
             return Step::ends;
         }
-        if (slides || !has_moved()) {
+        const bool turns_round = slides || !has_moved();
+        if (turns_round && tolerance_ <= sharp) {
             ended(slides ? SLIDING : UNDECIDED);
             return Step::ends;
         }
+        // what the tolerance takes for zero may be a slow rate, and the circle none
+        if (turns_round) tolerance_ = sharp;
         fill(segment_.visited, Index(0));  // slaved states have jumped on the way
         copy(z(), segment_.mark.data, tables_.n());
         return Step::on;
@@ -428,7 +436,8 @@ class Transition {
     const Segment& segment_;
     const Tangent& tangent_;
     const Index first_mode_, first_exit_;
-    const double duration_, tolerance_;
+    const double duration_;
+    double tolerance_;  // part of the terms of a guard that is zero; sharp behind a circle
     const bool curved_;  // rows of curved modes hold at a point: free directions go along
     bool followed_;      // whether the basis holds the directions left free by the path so far
     Index e_;            // exit that fires
