@@ -270,14 +270,14 @@ inline bool may_part(const Run& run, Index before, bool begins, bool jumped) {
            tables.families[before] != tables.families[m];
 }
 
-// Choose a side where more than one motion begins at the anchor; false where nothing says which.
-inline bool choose_side(const Run& run, Index before, bool begins, bool jumped) {
+// Choose a side where more than one motion begins at the anchor, some time after the last one; false
+// where nothing says which.
+inline bool choose_side(const Run& run, bool begins, double duration) {
     const Anchor& anchor = run.anchor;
     const Records& records = run.records;
-    if (!may_part(run, before, begins, jumped)) return true;
     for (Index k = 0; k < run.tables.n_modes(); ++k) {  // a choice may lead to another one
         MotionSearch search(run.tables, run.rates, run.segment, anchor.place.mode, begins,
-                            run.tolerance);
+                            duration, run.tolerance);
         const SecondMotion second = search.find(anchor.order);
         if (second.cell < 0) return true;
         if (!second.is_chosen) return false;
@@ -341,7 +341,7 @@ inline Status run_lane(const Run& run) {
             if (begins) write_samples(run, 0.0);
             return end.status;
         }
-        if (!choose_side(run, before, begins, end.jumped)) {
+        if (may_part(run, before, begins, end.jumped) && !choose_side(run, begins, crossing.s)) {
             if (begins) write_samples(run, 0.0);
             return NONUNIQUE;
         }

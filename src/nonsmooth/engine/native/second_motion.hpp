@@ -98,11 +98,12 @@ inline bool rates_part(const Tables& tables, Index m, Index other, const double*
 // One look for another motion.
 class MotionSearch {
   public:
-    // At a start guards are zero up to the tolerance, behind an event as far as it tells.
+    // At a start guards are zero up to the tolerance; behind an event they are where they come to
+    // nothing beside what they have changed by in the motion that has led there, for a duration.
     MotionSearch(const Tables& tables, const Rates& rates, const Segment& segment, Index m,
-                 bool starts, double tolerance)
+                 bool starts, double duration, double tolerance)
         : tables_(tables), rates_(rates), segment_(segment), m_(m), starts_(starts),
-          tolerance_(tolerance) {}
+          duration_(duration), tolerance_(tolerance) {}
 
     // The other motion where segment.z lies on surfaces of mode m; order are those of its guards.
     SecondMotion find(const View<int64_t, 1>& order) {
@@ -153,7 +154,7 @@ class MotionSearch {
         const double* z = segment_.z.data;
         double *extent = segment_.extent.data, *scale = segment_.scale.data;
         fill_extent(tables_, cell, z, extent);
-        fill_scale(tables_, cell, z, 0.0, scale);
+        fill_scale(tables_, cell, z, duration_, scale);
         bool hold = true;
         for (Index g = 0; g < mode_wiring(tables_, cell).n_exits; ++g) {
             const bool near = !starts_ && nearly_zero(tables_, cell, g, z, extent, scale);
@@ -201,7 +202,7 @@ class MotionSearch {
     const Segment& segment_;
     const Index m_;
     const bool starts_;
-    const double tolerance_;
+    const double duration_, tolerance_;
     SecondMotion found_{-1, false};
 };
 

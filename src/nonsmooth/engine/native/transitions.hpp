@@ -97,7 +97,7 @@ class Transition {
             }
             choose_exit();
             if (e_ < 0) {
-                passage_.is_open = passage_.is_open || tolerance_ <= sharp;
+                passage_.is_open = passage_.is_open || is_sharp_;
                 end_columns(passage_.mode);
                 return ended(COMPLETED);
             }
@@ -271,12 +271,16 @@ class Transition {
             return Step::ends;
         }
         const bool turns_round = slides || !has_moved();
-        if (turns_round && tolerance_ <= sharp) {
+        if (turns_round && is_sharp_) {
             ended(slides ? SLIDING : UNDECIDED);
             return Step::ends;
         }
         // what the tolerance takes for zero may be a slow rate, and the circle none
-        if (turns_round) tolerance_ = sharp;
+        if (turns_round) {
+            is_sharp_ = true;
+            tolerance_ = std::min(tolerance_, sharp);
+            if (curved_) linearise_mode(tables_, rates_, segment_, m);  // others were looked at
+        }
         fill(segment_.visited, Index(0));  // slaved states have jumped on the way
         copy(z(), segment_.mark.data, tables_.n());
         return Step::on;
@@ -350,6 +354,7 @@ class Transition {
 
     // Order of zero of guard g that is known by the path.
     Index known_order(Index m, Index g) {
+        if (is_sharp_) return 0;
         Index known = OPEN;
         if (passage_.passes == 1 && first_exit_ >= 0) {
             known = entry_order(tables_, first_mode_, first_exit_, g);
@@ -437,7 +442,8 @@ class Transition {
     const Tangent& tangent_;
     const Index first_mode_, first_exit_;
     const double duration_;
-    double tolerance_;  // part of the terms of a guard that is zero; sharp behind a circle
+    double tolerance_;       // part of the terms of a guard that is zero
+    bool is_sharp_ = false;  // behind a circle: values alone say what is zero, and to rounding
     const bool curved_;  // rows of curved modes hold at a point: free directions go along
     bool followed_;      // whether the basis holds the directions left free by the path so far
     Index e_;            // exit that fires
