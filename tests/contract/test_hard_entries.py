@@ -52,7 +52,7 @@ def test_slaved_state_that_is_another_one_is_still_refused():
 def test_mode_that_is_left_at_once(text, factor, half_width):
     """Between two roots that the tolerance takes for one, w stays: for so short a time.
 
-    Where the guard is that slow beside its terms, its sign is told to rounding and the event flagged.
+    A guard so slow beside its terms is told to rounding, and the event is flagged.
     """
     guard = f"(({text}) - 0.25)**2 - {half_width}**2"
     system = System(
