@@ -272,12 +272,14 @@ class Transition {
         }
         const bool turns_round = slides || !has_moved();
         if (turns_round && is_sharp_) {
+            passage_ = circle_;
             ended(slides ? SLIDING : UNDECIDED);
             return Step::ends;
         }
         // what the tolerance takes for zero may be a slow rate, and the circle none
         if (turns_round) {
             is_sharp_ = true;
+            circle_ = passage_;
             tolerance_ = std::min(tolerance_, sharp);
             if (curved_) linearise_mode(tables_, rates_, segment_, m);  // others were looked at
         }
@@ -452,6 +454,7 @@ class Transition {
     double fired_ = 0.0;       // size of the terms that cancelled in the guard that fired
     double first_rate_ = 0.0;  // largest rate of arrival at this instant
     Passage passage_;
+    Passage circle_ = passage_;  // as it was where modes handed over in a circle first
 };
 
 // Pass exit e of mode m and whatever must fire after it at the same instant.
