@@ -259,6 +259,7 @@ class Transition {
             e_ = met;
             return Step::again;
         }
+        copy(segment_.z, segment_.spare);
         const Index cell = slides ? cell_that_holds(tables_, rates_, segment_, spell_, duration_,
                                                     tolerance_)
                                   : -1;
@@ -267,25 +268,33 @@ class Transition {
             end_columns(cell);
             passage_.mode = cell;
             passage_.corner = true;
+            passage_.is_open = passage_.is_open || is_sharp_;
             ended(COMPLETED);
             return Step::ends;
         }
+        copy(segment_.spare, segment_.z);
         const bool turns_round = slides || !has_moved();
         if (turns_round && is_sharp_) {
             passage_ = circle_;
             ended(slides ? SLIDING : UNDECIDED);
             return Step::ends;
         }
-        // what the tolerance takes for zero may be a slow rate, and the circle none
-        if (turns_round) {
-            is_sharp_ = true;
-            circle_ = passage_;
-            tolerance_ = std::min(tolerance_, sharp);
-            if (curved_) linearise_mode(tables_, rates_, segment_, m);  // others were looked at
-        }
+        if (turns_round) look_closer();
         fill(segment_.visited, Index(0));  // slaved states have jumped on the way
         copy(z(), segment_.mark.data, tables_.n());
         return Step::on;
+    }
+
+    // Go on from the same place by what is zero to rounding: what the tolerance takes for zero may be
+    // a slow rate, and the circle none.
+    void look_closer() {
+        is_sharp_ = true;
+        circle_ = passage_;
+        tolerance_ = std::min(tolerance_, sharp);
+        const Index m = passage_.mode;  // others were looked at since it was entered
+        if (curved_) linearise_mode(tables_, rates_, segment_, m);
+        fill_extent(tables_, m, z(), extent());
+        scale_of(m);
     }
 
     // Whether the state is no longer where it was marked, beyond rounding.
