@@ -82,7 +82,7 @@ class Texts:
         }
 
     def field(self, mode: str, z: np.ndarray, t: Any) -> np.ndarray:
-        """Rates of all states; those of states slaved by an expression along the others."""
+        """Rates of all states; those of slaved ones along the others."""
         flow = self.modes[mode]["flow"]
         rates, names = np.zeros(np.shape(z)), self._names(z, t)
         for i, state in enumerate(self.states):
@@ -91,7 +91,39 @@ class Texts:
         for state, text in self.modes[mode].get("slaved", {}).items():
             if "=" not in text:
                 rates[..., self.states.index(state)] = self.along(text, z, t, rates)
+        given = self.modes[mode].get("slaved", {})
+        solved = {k: text for k, text in self.slaved(mode).items() if "=" in given[k]}
+        if solved:
+            self._add_implicit_rates(solved, z, t, rates)
         return rates
+
+    def _add_implicit_rates(
+        self, vanishing: dict[str, str], z: np.ndarray, t: Any, rates: np.ndarray
+    ) -> None:
+        """Rates of states given by equations, such that what vanishes has no rate.
+
+        Where the equations do not tell them, to first order, they are not a number.
+        """
+        columns = [self.states.index(state) for state in vanishing]
+        texts = list(vanishing.values())
+        moved = np.stack([self.along(text, z, t, rates) for text in texts], axis=-1)
+        slopes = np.empty((*np.shape(moved), len(columns)))
+        for k, column in enumerate(columns):
+            one = np.zeros(np.shape(z))
+            one[..., column] = 1.0
+            for i, text in enumerate(texts):
+                slopes[..., i, k] = self._slope(text, z, t, one)
+        flat = np.linalg.det(slopes) == 0.0
+        slopes[flat] = np.eye(len(columns))
+        found = -np.linalg.solve(slopes, moved[..., None])[..., 0]
+        found[flat] = np.nan
+        rates[..., columns] = found
+
+    def _slope(self, text: str, z: np.ndarray, t: Any, way: np.ndarray, step: float = 1e-5) -> Any:
+        """Derivative of a smooth text in one direction of the states."""
+        return (self.value(text, z + step * way, t) - self.value(text, z - step * way, t)) / (
+            2 * step
+        )
 
     def along(self, text: str, z: np.ndarray, t: Any, rates: np.ndarray, step: float = 1e-5) -> Any:
         """Rate of a smooth text along a field, by differences: to about 1e-9 where sizes are 1."""

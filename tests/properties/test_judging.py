@@ -134,3 +134,13 @@ def test_texts_have_values_of_their_own():
     assert texts.along("x*y", z, 0.0, texts.field("flow", z, 0.0)) == pytest.approx(
         [1.0 - 0.25, 9.0 - 0.25], abs=1e-9
     )
+
+
+def test_states_given_by_equations_have_rates():
+    """z + z^3/9 = y gives z' = y'/(1 + z^2/3), and v = 2 w, w + v = x gives v' = 2 x'/3."""
+    slaved = {"z": "z + z**3/9 = y", "v": "v = 2*w", "w": "w + v = x"}
+    mode = {"flow": {"x": "3", "y": "x"}, "slaved": slaved}
+    texts = Texts({"states": ["x", "y", "z", "v", "w"], "modes": {"m": mode}})
+    z = np.array([[1.5, 1.0 + 1.0 / 9.0, 1.0, 1.0, 0.5], [0.0, 0.0, 0.0, 0.0, 0.0]])
+    rates = [[3.0, 1.5, 1.5 / (4.0 / 3.0), 2.0, 1.0], [3.0, 0.0, 0.0, 2.0, 1.0]]
+    assert texts.field("m", z, 0.0) == pytest.approx(np.array(rates), abs=1e-9)

@@ -43,12 +43,16 @@ inline double change_of_row(const double* row, const double* scale, Index count)
     return change;
 }
 
-// Sizes of the coordinates: of those solved for, the terms that make up the solution.
+// Sizes of the coordinates: of those solved for, the terms that make up the solution; of a cosine and
+// a sine, that of the pair.
 //
-// A ring that rests at zero on a rotor of size one is known to the rounding of the one.
+// A ring that rests at zero on a rotor of size one is known to the rounding of the one, and so is a
+// sine that is zero, for its phase is rounded.
 inline void fill_extent(const Tables& tables, Index m, const double* z, double* extent) {
     const StateSet& implicit = mode_wiring(tables, m).implicit;
     for (Index i = 0; i < tables.size(); ++i) extent[i] = std::fabs(z[i]);
+    const Index first = tables.n() + 1 + tables.sizes.powers;
+    for (Index i = 0; i < 2 * tables.sizes.frequencies; ++i) extent[first + i] = 1.0;
     for (Index i = 0; i < tables.n(); ++i) {
         if (!has_bit(implicit, i)) continue;
         const double* row = relation_coefficients(tables, m, i);

@@ -16,6 +16,7 @@
 #include "records.hpp"
 #include "run.hpp"
 #include "samples.hpp"
+#include "second_motion.hpp"
 #include "start_mode.hpp"
 #include "surfaces.hpp"
 #include "tangent.hpp"
@@ -253,21 +254,38 @@ inline Status interruption(const Run& run) {
     return COMPLETED;
 }
 
-// Choose a side where both sides of a surface lead away from the anchor; false where none is.
-inline bool choose_side(const Run& run) {
+// Whether another motion may begin at the anchor than that of its mode.
+//
+// One surface that is crossed leads nowhere else. Where a run begins, and where motion has slid, has
+// jumped or comes out of another mode, both sides of one surface may lead away; where several
+// meet, one of the cells around them.
+inline bool may_part(const Run& run, Index before, bool begins, bool jumped) {
     const Tables& tables = run.tables;
+    const Index m = run.anchor.place.mode;
+    if (mode_wiring(tables, m).kind == RESTING || (begins && run.mode != ANY)) return false;
+    const Index surfaces = count_surfaces(tables, m, run.anchor.order);
+    if (surfaces == 0) return false;
+    if (begins || surfaces > 1) return true;
+    return jumped || mode_wiring(tables, before).kind == SLIDES ||
+           tables.families[before] != tables.families[m];
+}
+
+// Choose a side where more than one motion begins at the anchor, some time after the last one; false
+// where nothing says which.
+inline bool choose_side(const Run& run, bool begins, double duration) {
     const Anchor& anchor = run.anchor;
     const Records& records = run.records;
-    const Index g = leaves_both_ways(tables, run.rates, run.segment, anchor.place.mode,
-                                     run.tolerance);
-    if (g < 0) return true;
-    const ExitWiring& exit = exit_wiring(tables, anchor.place.mode, g);
-    if (exit.choice == NO_CHOICE) return false;
-    if (exit.choice != CROSS) return true;
-    anchor.place.mode = exit.target;
-    fill(anchor.order, int64_t(0));
-    const Index row = records.counters.events - 1;
-    if (row >= 0) records.rows[row].to_mode = anchor.place.mode;
+    for (Index k = 0; k < run.tables.n_modes(); ++k) {  // a choice may lead to another one
+        MotionSearch search(run.tables, run.rates, run.segment, anchor.place.mode, begins,
+                            duration, run.tolerance);
+        const SecondMotion second = search.find(anchor.order);
+        if (second.cell < 0) return true;
+        if (!second.is_chosen) return false;
+        anchor.place.mode = second.cell;
+        fill(anchor.order, int64_t(0));
+        const Index row = records.counters.events - 1;
+        if (row >= 0) records.rows[row].to_mode = anchor.place.mode;
+    }
     return true;
 }
 
@@ -318,18 +336,14 @@ inline Status run_lane(const Run& run) {
             if (end.behind == Behind::segment) continue;
             crossing = end.crossing;
         }
-        const Status status = pass_event(run, crossing, begins);
-        if (status != COMPLETED) {
+        const EventEnd end = pass_event(run, crossing, begins);
+        if (end.status != COMPLETED) {
             if (begins) write_samples(run, 0.0);
-            return status;
+            return end.status;
         }
-        // a start may lie, and a slide may end, where both sides of a surface lead away from it
-        const bool slid = mode_wiring(run.tables, before).kind == SLIDES && !begins;
-        if ((begins && run.mode == ANY) || slid) {
-            if (!choose_side(run)) {
-                if (begins) write_samples(run, 0.0);
-                return NONUNIQUE;
-            }
+        if (may_part(run, before, begins, end.jumped) && !choose_side(run, begins, crossing.s)) {
+            if (begins) write_samples(run, 0.0);
+            return NONUNIQUE;
         }
         begins = false;
     }

@@ -129,11 +129,17 @@ inline bool events_accumulate(const Counters& counters) {
     return counters.window_events > most_events || counters.stalled > most_stalled;
 }
 
+// How an event has ended, and whether a reset was applied at it.
+struct EventEnd {
+    Status status;
+    bool jumped;
+};
+
 // Log an event, pass its exits and set the anchor behind it.
 //
 // The exit is -1 at a start, where the run begins, and at a knot where guards have jumped: what is
 // negative fires.
-inline Status pass_event(const Run& run, const Crossing& crossing, bool begins) {
+inline EventEnd pass_event(const Run& run, const Crossing& crossing, bool begins) {
     const Index before = run.anchor.place.mode, e = crossing.exit;
     Counters& counters = run.records.counters;
     Index row = begins ? -1 : log_crossing(run, crossing, EVENT_SWITCH);
@@ -151,9 +157,11 @@ inline Status pass_event(const Run& run, const Crossing& crossing, bool begins) 
     log_passage(run, row, kind, passage, e);
     set_anchor(run, when, passage.mode);
     settle_event(run.tables, run.tangent);
-    if (begins || passage.status != COMPLETED) return passage.status;
-    if (!all_finite(run.anchor.state)) return SINGULAR;  // the reset divides by zero
-    return events_accumulate(counters) ? EVENT_LIMIT : COMPLETED;
+    EventEnd end{passage.status, passage.jumped};
+    if (begins || passage.status != COMPLETED) return end;
+    if (events_accumulate(counters)) end.status = EVENT_LIMIT;
+    if (!all_finite(run.anchor.state)) end.status = SINGULAR;  // the reset divides by zero
+    return end;
 }
 
 }  // namespace nonsmooth

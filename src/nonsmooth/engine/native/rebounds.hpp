@@ -70,6 +70,12 @@ inline bool flies_lowest(const Tables& tables, const Rebound& rebound, const dou
     return 0.5 * rate * rate <= lowest * size * -push;
 }
 
+// Whether a guard without a rate is pressed back to zero, now or soon.
+inline bool is_pressed(const TermSum& push, const TermSum& jerk, double tolerance) {
+    if (push.value < -tolerance * push.size) return true;
+    return push.value <= tolerance * push.size && jerk.value < -tolerance * jerk.size;
+}
+
 // Time until rebounds are over; never while they go on. z are the coordinates behind the impact,
 // where rows of the derivatives of the guard are up to date.
 inline double rest_time(const Tables& tables, const Rebound& rebound, const double* z,
@@ -85,13 +91,10 @@ inline double rest_time(const Tables& tables, const Rebound& rebound, const doub
     const TermSum rate = guard_terms(tables, m, e, 1, z, extent);
     const TermSum push = guard_terms(tables, m, e, 2, z, extent);
     const TermSum jerk = guard_terms(tables, m, e, 3, z, extent);
-    const bool pressed = push.value < -tolerance * push.size;
-    if (std::fabs(rate.value) <= tolerance * rate.size ||
-        std::fabs(rate.value) <= gone * rebound.largest) {
-        const bool soon = std::fabs(push.value) <= tolerance * push.size &&
-                          jerk.value < -tolerance * jerk.size;
-        return pressed || soon ? 0.0 : never;
+    if (std::fabs(rate.value) <= std::max(tolerance * rate.size, gone * rebound.largest)) {
+        return is_pressed(push, jerk, tolerance) ? 0.0 : never;
     }
+    const bool pressed = push.value < -tolerance * push.size;
     const double ratio = rebound.arrival < 0.0 ? -rate.value / rebound.arrival : 1.0;
     if (rate.value < 0.0 || !pressed || ratio >= 1.0) return never;
     // the acceleration is -(steady + drift t + damping g')

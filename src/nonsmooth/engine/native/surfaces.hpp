@@ -106,26 +106,4 @@ inline bool in_cell(const Tables& tables, Index m, const double* z, const double
     return true;
 }
 
-// Exit of mode m at whose surface a start lies and another cell leaves too, -1 for none.
-//
-// segment.order holds the orders of zero that pass_exits has found.
-inline Index leaves_both_ways(const Tables& tables, const Rates& rates, const Segment& segment,
-                              Index m, double tolerance) {
-    if (mode_wiring(tables, m).kind != FREE) return -1;
-    for (Index g = 0; g < mode_wiring(tables, m).n_exits; ++g) {
-        const Index cell = exit_wiring(tables, m, g).target, order = segment.order[g];
-        if (order <= 0 || order >= DERIVATIVES || cell < 0 || cell == m) continue;
-        if (tables.families[cell] != tables.families[m]) continue;
-        bring_up_to_date(tables, rates, segment, cell);
-        bool holds = true;
-        for (Index h = 0; h < mode_wiring(tables, cell).n_exits; ++h) {
-            segment.order[h] = 0;
-            holds = holds && !must_fire(tables, cell, h, segment.z.data, segment.extent.data,
-                                        segment.order[h], tolerance);
-        }
-        return holds ? g : -1;
-    }
-    return -1;
-}
-
 }  // namespace nonsmooth

@@ -97,6 +97,7 @@ class Transition {
             }
             choose_exit();
             if (e_ < 0) {
+                passage_.is_open = passage_.is_open || is_sharp_;
                 end_columns(passage_.mode);
                 return ended(COMPLETED);
             }
@@ -105,6 +106,8 @@ class Transition {
     }
 
   private:
+    static constexpr double sharp = 0x1p-46;  // tolerance above rounding of a few terms
+
     enum class Step { on, again, ends };  // what is to be done after a step of the path
 
     Passage ended(Status status) {
@@ -145,8 +148,10 @@ class Transition {
             start_directions(tables_, m, e_, directions_of(segment_));
         }
         fill_extent(tables_, m, z(), extent());
+        // series and sums over slots leave what follows from others off its relation by the rounding
+        // of its largest values: compared with the relation of the target is that of this mode
+        settle_slaved(tables_, m, z());
         if (e_ < 0) {
-            settle_slaved(tables_, m, z());
             if (carries()) relate_columns(tables_, rates_, segment_, tangent_, m);
         } else if (carries()) {
             start_saltation(tables_, rates_, segment_, tangent_, m, e_);
@@ -254,6 +259,7 @@ class Transition {
             e_ = met;
             return Step::again;
         }
+        copy(segment_.z, segment_.spare);
         const Index cell = slides ? cell_that_holds(tables_, rates_, segment_, spell_, duration_,
                                                     tolerance_)
                                   : -1;
@@ -262,16 +268,33 @@ class Transition {
             end_columns(cell);
             passage_.mode = cell;
             passage_.corner = true;
+            passage_.is_open = passage_.is_open || is_sharp_;
             ended(COMPLETED);
             return Step::ends;
         }
-        if (slides || !has_moved()) {
+        copy(segment_.spare, segment_.z);
+        const bool turns_round = slides || !has_moved();
+        if (turns_round && is_sharp_) {
+            passage_ = circle_;
             ended(slides ? SLIDING : UNDECIDED);
             return Step::ends;
         }
+        if (turns_round) look_closer();
         fill(segment_.visited, Index(0));  // slaved states have jumped on the way
         copy(z(), segment_.mark.data, tables_.n());
         return Step::on;
+    }
+
+    // Go on from the same place by what is zero to rounding: what the tolerance takes for zero may be
+    // a slow rate, and the circle none.
+    void look_closer() {
+        is_sharp_ = true;
+        circle_ = passage_;
+        tolerance_ = std::min(tolerance_, sharp);
+        const Index m = passage_.mode;  // others were looked at since it was entered
+        if (curved_) linearise_mode(tables_, rates_, segment_, m);
+        fill_extent(tables_, m, z(), extent());
+        scale_of(m);
     }
 
     // Whether the state is no longer where it was marked, beyond rounding.
@@ -342,6 +365,7 @@ class Transition {
 
     // Order of zero of guard g that is known by the path.
     Index known_order(Index m, Index g) {
+        if (is_sharp_) return 0;
         Index known = OPEN;
         if (passage_.passes == 1 && first_exit_ >= 0) {
             known = entry_order(tables_, first_mode_, first_exit_, g);
@@ -428,7 +452,9 @@ class Transition {
     const Segment& segment_;
     const Tangent& tangent_;
     const Index first_mode_, first_exit_;
-    const double duration_, tolerance_;
+    const double duration_;
+    double tolerance_;       // part of the terms of a guard that is zero
+    bool is_sharp_ = false;  // behind a circle: values alone say what is zero, and to rounding
     const bool curved_;  // rows of curved modes hold at a point: free directions go along
     bool followed_;      // whether the basis holds the directions left free by the path so far
     Index e_;            // exit that fires
@@ -437,6 +463,7 @@ class Transition {
     double fired_ = 0.0;       // size of the terms that cancelled in the guard that fired
     double first_rate_ = 0.0;  // largest rate of arrival at this instant
     Passage passage_;
+    Passage circle_ = passage_;  // as it was where modes handed over in a circle first
 };
 
 // Pass exit e of mode m and whatever must fire after it at the same instant.

@@ -54,23 +54,31 @@ def _somewhere(name: str) -> Array:
 
 
 def put_on(
-    graph: Graph, nodes: Sequence[Expression], relations: Mapping[str, Expression]
+    graph: Graph,
+    nodes: Sequence[Expression],
+    relations: Mapping[str, Expression],
+    first: str | None = None,
 ) -> Points:
-    """Random points on surfaces: by the states that follow from them, or by Newton's method."""
+    """Random points on surfaces: by the states that follow from them, or by Newton's method.
+
+    Where a surface has several branches, the state that is moved ``first`` says which is found.
+    """
     points = Points()
     if relations:
         states = list(relations)
         points |= zip(states, points.of(list(relations.values())), strict=True)
         return points
     for node in nodes:
-        points.able &= _moved(graph, node, points)
+        points.able &= _moved(graph, node, points, first)
     return points
 
 
-def _moved(graph: Graph, node: Expression, points: Points) -> npt.NDArray[np.bool_]:
+def _moved(
+    graph: Graph, node: Expression, points: Points, first: str | None
+) -> npt.NDArray[np.bool_]:
     """Move one coordinate of each point to where an expression is zero; whether that was found."""
     found = np.zeros(COUNT, dtype=bool)
-    for state in sorted(graph.states_in(node)):
+    for state in sorted(graph.states_in(node), key=lambda name: (name != first, name)):
 
         def seed(name: str, state: str = state) -> Expression:
             return graph.one if name == state else graph.zero

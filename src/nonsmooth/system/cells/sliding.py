@@ -102,6 +102,20 @@ class _Faces:
         self._rates: dict[int, Expression] = {}
         self._sides: dict[int, dict[Hashable, float] | None] = {}
 
+    def points_of(self, width: Expression) -> Points | None:
+        """Points of the surface where the difference of two rates does not vanish; None for none.
+
+        A surface such as ``(x - 1)*(y - 2) - 1e-9`` has branches, and on one of them what y does
+        may come to nothing.
+        """
+        if not vanishes([width], points=self.points):
+            return self.points
+        for state in sorted(self.graph.states_in(self.node)) if not self.relations else ():
+            points = put_on(self.graph, [self.node], {}, state)
+            if not vanishes([width], points=points):
+                return points
+        return None
+
     def meet(self, a: Cell, b: Cell) -> bool:
         """Whether two cells beside the surface may have a place on it in common.
 
@@ -157,13 +171,14 @@ class _Faces:
 
 
 def _slide(faces: _Faces, key: SurfaceKey, a: Cell, b: Cell) -> Slide | None:
-    graph, mode, relations, points = faces.graph, faces.mode, faces.relations, faces.points
+    graph, mode, relations = faces.graph, faces.mode, faces.relations
     on_surface = faces.on_surface
     up, down = faces.rate(a), faces.rate(b)
     if up is down:
         return None
     width = on_surface(signed_sum(graph, (down, up), (1, -1)))
-    if vanishes([width], points=points):
+    points = faces.points_of(width)
+    if points is None:
         return None
     cell = cell_on(mode, (a, b), (key,))
     sides = [mode.resolver(c.signs) for c in (a, b)]
