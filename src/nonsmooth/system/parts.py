@@ -90,7 +90,7 @@ class Exit:
         for label, value in (("to", self.to), ("name", self.name), ("sticks", self.sticks)):
             if value is not None and not (isinstance(value, str) and is_name(value)):
                 raise ModelError(
-                    f"Exit: {label}={value!r:.60} is not a name; use letters, digits and _"
+                    f"Exit: {label}={value!r:.60} is not a name; use the letters a to z and A to Z, digits and _"
                 )
 
 

@@ -76,7 +76,7 @@ class Surface:
             value = getattr(self, label)
             if value is not None and not (isinstance(value, str) and is_name(value)):
                 raise ModelError(
-                    f"Surface: {label}={value!r:.60} is not a name; use letters, digits and _"
+                    f"Surface: {label}={value!r:.60} is not a name; use the letters a to z and A to Z, digits and _"
                 )
         if self.on_nonunique not in (None, "below", "above"):
             raise ModelError(

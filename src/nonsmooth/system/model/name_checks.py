@@ -163,7 +163,7 @@ def _check_text(where: str, text: object) -> None:
 def _check_name(kind: str, name: object) -> None:
     if not isinstance(name, str) or not is_name(name):
         raise ModelError(
-            f"{kind}: {name!r:.60} is not a name; use letters, digits and _, not a reserved word"
+            f"{kind}: {name!r:.60} is not a name; use the letters a to z and A to Z, digits and _, not a reserved word"
             f"{_why_no_name(name)}"
         )
     if name in _RESERVED:
