@@ -259,3 +259,44 @@ def test_of_many_modes_the_nearest_are_explained():
     assert len(lines) == 10
     assert lines[7] == "  and 6 other modes, with as many faults or more"
     assert "give p = 0.6 by '2*u', not 0.6000000006" in lines[1]
+
+
+def test_a_mode_of_rest_that_does_not_hold_is_told_in_the_words_of_its_wall():
+    box = System(
+        states=["x", "v"],
+        parameters={"F": 1.0},
+        surfaces={"slip": ns.Surface("v", below="back", on="stick", above="forth")},
+        modes={
+            "free": Mode(
+                {"x": "v", "v": "-F - 0.2*sign(slip)"},
+                exits=[Exit("1 - x", reset={"v": "-0.5*v"}, sticks="wall", name="impact")],
+            )
+        },
+    )
+    with pytest.raises(OptionError) as pulled:
+        ns.simulate(box, {"x": 1.0}, t_end=1.0, mode="wall")
+    assert "wall[forth]: nothing presses at 1 - x = 0, so it would leave at once" in str(
+        pulled.value
+    )
+    with pytest.raises(OptionError) as apart:
+        ns.simulate(box, {"x": 0.5}, t_end=1.0, mode="wall")
+    assert "wall[forth]: x is slaved here: give x = 1 by" in str(apart.value)
+    assert "nothing presses" not in str(apart.value)
+    with pytest.raises(OptionError, match=r"free.stick.: nothing holds the motion on 'slip'"):
+        ns.simulate(box, {"x": 0.5}, t_end=1.0, mode="free[stick]")
+    with pytest.raises(OptionError, match="and 1 other mode, with as many faults"):
+        ns.simulate(
+            System(states=["x"], modes={f"m{k}": Mode({"x": "1"}, exits=[Exit("-x", to="stop")])
+                                        for k in range(7)}),
+            {"x": 1.0}, t_end=1.0,
+        )  # fmt: skip
+
+
+def test_a_start_is_one_point_of_a_dataset():
+    system = ns.models.soft_impact()
+    diagram = ns.bifurcation_diagram(system, "omega", [0.7, 0.8], transient=5, record=4)
+    with pytest.raises(OptionError, match=r"dimensions parameter, lane, point.*isel\(parameter=0"):
+        ns.simulate(system, diagram, periods=1)
+    point = diagram.isel(parameter=0, lane=0, point=0)
+    again = ns.simulate(system, point, periods=1, parameters={"omega": 0.7})
+    assert again.attrs["status"] == "completed"

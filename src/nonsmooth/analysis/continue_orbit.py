@@ -25,7 +25,7 @@ from nonsmooth.periodic_orbits.legs import Legs
 from nonsmooth.periodic_orbits.newton import scale_of
 from nonsmooth.periodic_orbits.orbit import OrbitRequest
 from nonsmooth.periodic_orbits.restart import guess_of_dataset, is_orbit
-from nonsmooth.periodic_orbits.search import search_orbit, solve_guess
+from nonsmooth.periodic_orbits.search import other_ways, search_orbit, solve_guess
 from nonsmooth.periodic_orbits.stretch import BranchOptions, BranchStart, BranchStretch
 from nonsmooth.runs.options import check_flag, finite_number, whole_number
 from nonsmooth.runs.progress import HeldInterrupts, Progress
@@ -440,7 +440,8 @@ def _first(
         if found.status == "inadmissible" and not options.inadmissible:
             raise OptionError(
                 f"the orbit to begin with is no motion: {found.orbit.admissibility.reason};"
-                " inadmissible=True follows the equations of its word all the same"
+                f" {other_ways(wanted)}; inadmissible=True follows the equations of its word all"
+                " the same"
             )
         equations = found.equations
         unknowns = equations.pack(found.orbit.turn)

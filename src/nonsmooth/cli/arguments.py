@@ -78,6 +78,11 @@ def _with_others(
 ) -> System:
     """System with values of parameters that are not arguments of its function."""
     for name in values:
+        if name in system.states:
+            raise OptionError(
+                f"{model}: {name!r} is a state and no parameter; a start is given by --initial,"
+                f" as in --initial {name}={values[name]}"
+            )
         if name not in system.parameters:
             known = {*arguments, *system.parameters}
             raise OptionError(f"{model}: {unknown_name('parameter', name, known)}")

@@ -344,21 +344,21 @@ def _detail(stretch: BranchStretch, name: str, start: BranchStart, point: Point)
     mode = system.mode_names[word.modes[k]]
     exits = system.compiled.exit_names
     what = {
-        "graze": f"leg {k + 1} ({mode})",
-        "rate": f"leg {k + 1} ({mode}) touches {word.exit_text(system, k)!r} at its end",
         "short": f"leg {k + 1} ({mode}) vanishes",
         "leg": f"leg {k + 1} ({mode}) vanishes",
         "gain": f"a leg appears behind leg {k + 1} ({mode})",
-        "corner": f"two guards of leg {k + 1} ({mode})",
         "slide": f"both sides of a surface behind leg {k + 1} ({mode}) point at it",
         "enter": f"the surface behind leg {k + 1} ({mode}) does not hold the motion",
     }.get(kind, "the motion changes")
     if start.kind in _AT_BORDER:
-        k -= kind == "leg" and k > 0
+        k -= kind in ("leg", "rate") and k > 0
         what = f"leg {k + 1} ({system.mode_names[word.modes[k]]}) {_AT_BORDER[start.kind]}"
-    elif kind in ("graze", "corner"):
-        what += f" touches {exits[word.modes[k]][int(numbers[1])]!r}"
-    turns = start.direction[1] * point.tangent_p < 0.0
+    elif kind in ("graze", "rate", "corner"):
+        e = word.paths[k][0] if kind == "rate" else int(numbers[1])
+        at_end = "" if kind == "graze" else " at its end"
+        what = f"leg {k + 1} ({mode}) touches {exits[word.modes[k]][e]!r}{at_end}"
+    # at the border of what slides an orbit is there on either side
+    turns = start.kind not in _AT_BORDER and start.direction[1] * point.tangent_p < 0.0
     way = "the branch turns back" if turns else "the branch goes on"
     return f"{what}; {way} as '{start.equations.word.text(system)}'"
 

@@ -34,6 +34,7 @@ __all__ = [
     "equations_for",
     "fitted",
     "is_autonomous",
+    "other_ways",
     "search_orbit",
     "solve_guess",
 ]
@@ -269,11 +270,21 @@ def finish(wanted: OrbitRequest, equations: OrbitEquations, solution: Solution) 
     if not orbit.admissibility.admissible:
         said.append(
             f"the equations of the word have this solution, but it is no motion:"
-            f" {orbit.admissibility.reason}; simulate it, or give another word="
+            f" {orbit.admissibility.reason}; {other_ways(wanted)}"
         )
         return OrbitResult(orbit, equations, "inadmissible", "; ".join(said))
     said = said or ["completed"]
     return OrbitResult(orbit, equations, "completed", "; ".join(said))
+
+
+def other_ways(wanted: OrbitRequest) -> str:
+    """What to try in place of a solution that is no motion."""
+    if wanted.words:
+        return "simulate it, or give another word="
+    return (
+        f"a motion there need not repeat after period={wanted.period}, and regime says after how"
+        " many periods it does: give that period=, initial= near an orbit of this one, or word="
+    )
 
 
 def _is_in_family(equations: OrbitEquations, orbit: Orbit) -> bool:

@@ -28,6 +28,7 @@ from nonsmooth.periodic_orbits.branch_tests import is_graze
 from nonsmooth.periodic_orbits.equations import OrbitEquations, Turn
 from nonsmooth.periodic_orbits.guess import Guess
 from nonsmooth.periodic_orbits.onto import (
+    is_onto,
     joined,
     kind_of_excursion,
     kind_of_leg,
@@ -146,6 +147,8 @@ def changes_of_word(equations: OrbitEquations, turn: Turn, name: str) -> list[Ch
         return _without_excursion(equations, turn, k)
     if kind == "rate":
         return _without_event(equations, turn, k)
+    if kind == "corner":
+        return _with_event_first(equations, turn, k, int(numbers[1]))
     if kind == "graze":
         return _with_excursion(equations, turn, k, int(numbers[1]))
     if kind == "slide":
@@ -156,12 +159,19 @@ def changes_of_word(equations: OrbitEquations, turn: Turn, name: str) -> list[Ch
 
 
 def _vanishing_leg(equations: OrbitEquations, turn: Turn, name: str) -> str:
-    """The leg behind a surface where it vanishes together with what keeps motion on it or off."""
+    """The leg behind a surface where it vanishes together with what keeps motion on it or off.
+
+    A leg that leaves a surface and comes back to it has a duration, and a rate at its end, that
+    vanish together: rounding decides whose zero is found first.
+    """
     kind, *numbers = name.split(":")
-    if kind not in ("slide", "enter"):
+    if kind not in ("slide", "enter", "rate"):
         return name
-    word = equations.word
-    k = (int(numbers[0]) + 1) % len(word)
+    word, k = equations.word, int(numbers[0])
+    if kind != "rate":
+        k = (k + 1) % len(word)
+    elif word.last_target(equations.legs.tables.wiring, k) == word.modes[k]:
+        return name  # an impact that is only touched
     length = float(turn.instants[-1] - turn.instants[0])
     gone = abs(float(turn.durations[k])) <= _GONE * length and bool(word.paths[k])
     return f"leg:{k}" if gone else name
@@ -276,17 +286,40 @@ def _away_from_ends(equations: OrbitEquations, turn: Turn, k: int) -> tuple[Word
 
 
 def _without_event(equations: OrbitEquations, turn: Turn, k: int) -> list[Change]:
-    """The exit of leg k is only touched: where it leads back to its mode, it is left out."""
+    """The exit of leg k is only touched: where it leads back to its mode, it is left out.
+
+    Exits that are passed at the same instant stay, as where a body that slides along another one
+    is turned round by an impact: its slip and the rate of the gap vanish together.
+    """
     word, wiring = equations.word, equations.legs.tables.wiring
-    back = word.last_target(wiring, k) == word.modes[k]
-    if not back or len(word.paths[k]) != 1 or len(word) < 2 or k == len(word) - 1:
+    mode, path = word.modes[k], word.paths[k]
+    if int(wiring.exits["target"][mode, path[0]]) != mode:
+        return []
+    rest = path[1:]
+    if rest:
+        if is_onto(wiring, mode, rest[0]):
+            return []
+        new = Word(word.modes, (*word.paths[:k], rest, *word.paths[k + 1 :]))
+        return [Change("grazing", Guess(new, turn), f"corner:{k}:{path[0]}")]
+    if len(word) < 2 or k == len(word) - 1:
         return []
     modes = word.modes[: k + 1] + word.modes[k + 2 :]
     paths = word.paths[:k] + word.paths[k + 1 :]
     states = np.delete(turn.states, k + 1, axis=0)
     instants = np.delete(turn.instants, k + 1)
-    grows = f"graze:{k}:{word.paths[k][0]}"
+    grows = f"graze:{k}:{path[0]}"
     return [Change("grazing", Guess(Word(modes, paths), Turn(states, instants)), grows)]
+
+
+def _with_event_first(equations: OrbitEquations, turn: Turn, k: int, g: int) -> list[Change]:
+    """Guard g is touched just where leg k ends: its impact comes first, and the exits behind it."""
+    word, wiring = equations.word, equations.legs.tables.wiring
+    mode, path = word.modes[k], (g, *word.paths[k])
+    leads_back = int(wiring.exits["target"][mode, g]) == mode
+    if not leads_back or len(path) > PATH_LENGTH:
+        return []
+    new = Word(word.modes, (*word.paths[:k], path, *word.paths[k + 1 :]))
+    return [Change("grazing", Guess(new, turn), f"rate:{k}")]
 
 
 def _with_excursion(equations: OrbitEquations, turn: Turn, k: int, g: int) -> list[Change]:

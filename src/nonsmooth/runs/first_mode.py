@@ -13,6 +13,8 @@ from nonsmooth.engine.tables import Tables, members
 from nonsmooth.errors import OptionError
 from nonsmooth.runs.runner import NoMode
 from nonsmooth.runs.start import Start, begin
+from nonsmooth.system.cells.pieces import RELEASE
+from nonsmooth.system.compile.mode_forms import ModeForms
 from nonsmooth.system.system import System
 
 __all__ = ["explain_misfit", "in_first_mode"]
@@ -44,12 +46,14 @@ def in_first_mode(
 def explain_misfit(system: System, tables: Tables, start: Start, z: Floats) -> str:
     """What fails in each mode for a start that no mode admits."""
     asked = start.modes if start.modes != (-1,) else range(len(system.structure.modes))
-    names = list(system.structure.modes)
+    names = system.mode_names
     faults = {m: _faults_of(system, tables, start, z, m) for m in asked}
     nearest = sorted(sorted(faults, key=lambda m: len(faults[m]))[:_SHOWN])
     lines = [f"  {names[m]}: {'; '.join(faults[m])}" for m in nearest]
     if len(faults) > len(nearest):
-        lines.append(f"  and {len(faults) - len(nearest)} other modes, with as many faults or more")
+        more = len(faults) - len(nearest)
+        modes = "mode" if more == 1 else "modes"
+        lines.append(f"  and {more} other {modes}, with as many faults or more")
     given = ", ".join(f"{k} = {v:.6g}" for k, v in zip(system.states, z, strict=False))
     return (
         f"the initial state ({given}) fits no mode of {system.name!r}:\n"
@@ -61,19 +65,44 @@ def explain_misfit(system: System, tables: Tables, start: Start, z: Floats) -> s
 
 def _faults_of(system: System, tables: Tables, start: Start, z: Floats, m: int) -> list[str]:
     """Guards of a mode that are negative, and slaved states off their relations."""
-    n = len(system.states)
-    equations = list(system.structure.modes.values())[m].equations
-    slaved = members(tables.modes["slaved"][m], n)
-    implicit = members(tables.modes["implicit"][m], n)
+    forms = list(system.structure.modes.values())[m]
+    slaved = _slaved_faults(system, tables, start, z, m)
+    derived = _derived_guards(system, forms)
     faults = []
     for e in range(int(tables.modes["n_exits"][m])):
         with np.errstate(invalid="ignore"):  # a guard may divide by zero there
             value = float(tables.guard_row(m, e) @ z)
-        guard = equations.exits[e].guard.text
-        if value < 0.0:
+        guard = forms.equations.exits[e].guard.text
+        if e in derived:
+            # a force that is asked for where the state is not on its surface says nothing
+            if not slaved and not value >= 0.0:
+                faults.append(derived[e])
+        elif value < 0.0:
             faults.append(f"guard {guard!r} is {value:.6g}, it must not be negative")
         elif not math.isfinite(value):
             faults.append(f"guard {guard!r} is not a finite number there")
+    return faults + slaved
+
+
+def _derived_guards(system: System, forms: ModeForms) -> dict[int, str]:
+    """What is wrong where a guard that nobody wrote is negative: of sliding, and of rest."""
+    equations, family = forms.equations, system.structure.families[forms.family]
+    names = [way.name for way in equations.exits]
+    n_sliding = 2 * len(forms.cell.on)  # a surface lets motion off to either side
+    found = {e: f"nothing holds the motion on {names[e]!r}" for e in range(n_sliding)}
+    releases = [e for e, name in enumerate(names) if name == RELEASE]
+    for e, i in zip(releases, family.resting, strict=False):
+        wall = family.free.equations.exits[i].guard.text
+        found[e] = f"nothing presses at {wall} = 0, so it would leave at once"
+    return found
+
+
+def _slaved_faults(system: System, tables: Tables, start: Start, z: Floats, m: int) -> list[str]:
+    """Slaved states of a mode that are off their relations."""
+    n, faults = len(system.states), []
+    equations = list(system.structure.modes.values())[m].equations
+    slaved = members(tables.modes["slaved"][m], n)
+    implicit = members(tables.modes["implicit"][m], n)
     solution = _solution(system, tables, start, z[:n], m) if implicit.any() else z[:n]
     for i, state in enumerate(system.states):
         if not slaved[i]:

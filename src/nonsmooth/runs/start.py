@@ -173,6 +173,13 @@ def _from_point(
 ) -> Start:
     if not repeated:
         refuse_other_parameters(system, data, "point")
+    axes = dict.fromkeys(str(each) for name in system.states for each in data[name].dims)
+    if axes:
+        points = ", ".join(f"{each}=0" for each in axes)
+        raise OptionError(
+            f"initial: the states of the dataset have the dimensions {', '.join(axes)}, and a run"
+            f" starts from one point; choose it, as by .isel({points})"
+        )
     state = np.array([float(data[name]) for name in system.states])
     if not np.all(np.isfinite(state)):
         raise OptionError("initial: the point of the dataset has states that are not finite")

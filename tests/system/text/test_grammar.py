@@ -316,6 +316,8 @@ def test_joined_conditions_are_choices_in_a_row():
         ("where((a), 1, 2)", 8, "needs a comparison"),
         ("where(a > 1 & b > 1, 1, 2)", 12, "join conditions by 'and'"),
         ("where(a > 1 | b > 1, 1, 2)", 12, "join conditions by 'or'"),
+        ("-|a|*b", 1, "write a size as abs"),
+        ("a if a > 0 else b", 2, "write a choice as where"),
         ("where(!(a > 1), 1, 2)", 6, "write not"),
         ("a > 1 and b > 1", 2, "first argument of where"),
         ("a and b", 2, "first argument of where"),

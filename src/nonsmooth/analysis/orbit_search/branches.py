@@ -12,6 +12,7 @@ from nonsmooth.periodic_orbits.branch_part import BranchPart
 from nonsmooth.periodic_orbits.orbit import Orbit
 from nonsmooth.periodic_orbits.orbit_dataset import common, orbit_variables
 from nonsmooth.periodic_orbits.stretch import BranchOptions
+from nonsmooth.real_numbers import shown
 from nonsmooth.runs.labels import Columns
 from nonsmooth.runs.options import finite_number
 
@@ -51,7 +52,7 @@ def read_bounds(between: Any) -> tuple[float, float]:
         if isinstance(fault, OptionError):
             raise
         raise OptionError(
-            f"between = {between!r:.60}: give the lowest and the highest value, such as (0.1, 0.2)"
+            f"between = {shown(between)}: give the lowest and the highest value, such as (0.1, 0.2)"
         ) from None
     if not low < high:
         raise OptionError(f"between = ({low:g}, {high:g}): the first must be below the second")

@@ -33,9 +33,9 @@ from nonsmooth.system.equations.resolve import Resolver
 from nonsmooth.system.equations.switching import Declared, SurfaceKey
 from nonsmooth.system.text.expressions import Expression
 
-__all__ = ["Family", "Piece", "families_of", "pieces_of"]
+__all__ = ["RELEASE", "Family", "Piece", "families_of", "pieces_of"]
 
-_RELEASE = "release"
+RELEASE = "release"  # exit of a mode of rest, where nothing presses any more
 
 
 @dataclass(eq=False)
@@ -259,7 +259,7 @@ class _Maker:
         for i, reaction in rest.reactions.items():
             fewer = self._resting(tuple(k for k in which if k != i))
             assert fewer is not None
-            yield self._way(_RELEASE, reaction, fewer.split.cell(self.cell.signs))
+            yield self._way(RELEASE, reaction, fewer.split.cell(self.cell.signs))
 
     @cached_property
     def _free(self) -> Resolver:

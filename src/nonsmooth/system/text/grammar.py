@@ -39,7 +39,7 @@ _HINTS = {
     ".": "there are no attributes: write cos, not np.cos; a number needs a digit",
     ";": "one expression per text",
     "&": "join conditions by 'and'",
-    "|": "join conditions by 'or'",
+    "|": "join conditions by 'or', and write a size as abs(x)",
     "!": "write not (a > b)",
     "\N{MINUS SIGN}": "write the sign of the keyboard, -",
     "\N{MIDDLE DOT}": "write a product as *",
@@ -144,6 +144,11 @@ def point_at(text: str, at: int, message: str) -> str:
 
 def _number(value: object, where: str) -> Number:
     """A plain number, Python's or numpy's, as an expression."""
+    if getattr(value, "ndim", None) == 0:
+        raise ModelError(
+            f"{where}: an array without axes, such as a value of a dataset, is not taken for a"
+            " number; write float(...) around it"
+        )
     if isinstance(value, bool) or not isinstance(value, Real):
         raise ModelError(
             f"{where}: an expression is a text or a number, such as '-2*v', not {value!r:.60}"
@@ -208,6 +213,8 @@ class _Parser:
                 token.at,
                 f"{token.text!r} joins comparisons, as in where(a > b {token.text} c > d, x, y)",
             )
+        if token.text in ("if", "else"):
+            self.fail(token.at, "write a choice as where(x > 0, a, b), not with if and else")
         if token.kind in ("name", "number") or token.text == "(":
             self.fail(token.at, "an operator is missing before this; write products with *")
 
