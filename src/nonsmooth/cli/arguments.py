@@ -80,8 +80,8 @@ def _with_others(
     for name in values:
         if name in system.states:
             raise OptionError(
-                f"{model}: {name!r} is a state and no parameter; a start is given by --initial,"
-                f" as in --initial {name}={values[name]}"
+                f"{model}: {name!r} is a state and no parameter; where a run begins is said by"
+                f" initial={{{name!r}: {values[name]}}}"
             )
         if name not in system.parameters:
             known = {*arguments, *system.parameters}

@@ -5,6 +5,7 @@ import time
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import nonsmooth as ns
 from nonsmooth import Exit, Mode, ModelError, System
@@ -413,7 +414,9 @@ def test_parameters_that_are_not_numbers(value):
     refused(["parameters['w']"], parameters={"w": value, "zeta": 0.1})
 
 
-@pytest.mark.parametrize("value", [np.int64(2), np.float32(2.0), np.float64(2.0)])
+@pytest.mark.parametrize(
+    "value", [np.int64(2), np.float32(2.0), np.float64(2.0), np.array(2.0), xr.DataArray(2)]
+)
 def test_parameters_from_numpy(value):
     assert oscillator(parameters={"w": value, "zeta": 0.1}).parameter_values["w"] == 2.0
 

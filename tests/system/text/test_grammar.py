@@ -165,7 +165,7 @@ REFUSED = [
     ("rate(x + 1)", 0, "name of a state"),
     ("x[0]", 1, "no indexing"),
     ("x; y", 1, "one expression"),
-    ("x if y", 2, "operator is missing"),
+    ("x y", 2, "operator is missing"),
     ("a@b", 1, "no meaning"),
     ("x\u00b2", 1, "no meaning"),
     ("\u03c9*t", 0, "no meaning"),

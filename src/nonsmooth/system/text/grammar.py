@@ -143,12 +143,12 @@ def point_at(text: str, at: int, message: str) -> str:
 
 
 def _number(value: object, where: str) -> Number:
-    """A plain number, Python's or numpy's, as an expression."""
-    if getattr(value, "ndim", None) == 0:
-        raise ModelError(
-            f"{where}: an array without axes, such as a value of a dataset, is not taken for a"
-            " number; write float(...) around it"
-        )
+    """A plain number, Python's or numpy's, as an expression.
+
+    A value that was taken from a dataset is an array without axes, and a number too.
+    """
+    if getattr(value, "ndim", None) == 0 and isinstance(value.item(), float | int):
+        value = value.item()
     if isinstance(value, bool) or not isinstance(value, Real):
         raise ModelError(
             f"{where}: an expression is a text or a number, such as '-2*v', not {value!r:.60}"
