@@ -53,6 +53,7 @@ FIRST_PART = 8  # windows of the first part
 _MOST_EVENTS = 200_000  # that a part should have
 _SPARE = 1.1  # points come unevenly
 _STUCK = (Status.UNDECIDED, Status.STEP_LIMIT, Status.EVENT_LIMIT)
+_STILL = 2.0**-40  # change of a state, beside one or its size, that is rounding of a motion at rest
 _NO_SAMPLES = np.zeros(0, np.int64), np.zeros(0)
 
 
@@ -314,6 +315,7 @@ def search(
                     break
                 if limits.end is None and waited >= PATIENCE:
                     found.gave_up = True
+                    _look_whether_at_rest(found, outcome.records.end_state)
                     break
                 outcome = _next_part(tables, outcome, stop, tolerance)
                 count = _take(found, outcome, limits.record, pick)
@@ -351,6 +353,17 @@ def _take(found: SectionSearch, outcome: Outcome, record: int, pick: Pick) -> in
     found.n_points += points.number.size
     found.n_grazes += int(grazes.sum())
     return points.number.size
+
+
+def _look_whether_at_rest(found: SectionSearch, end_state: npt.NDArray[np.float64]) -> None:
+    """Say that a motion rests that has stayed at a point which rounding leaves open."""
+    last = next((part for part in reversed(found.parts) if part.number.size), None)
+    if last is None or last.certified[-1]:
+        return
+    gone = np.abs(end_state - last.states[1, -1])
+    found.at_rest = bool(np.all(gone <= _STILL * np.maximum(1.0, np.abs(end_state))))
+    if found.at_rest:
+        found.instant = Instant(int(last.number[-1]), float(last.phase[-1]))
 
 
 def to_begin(tables: Tables, start: Start, begin: Instant, tolerance: float) -> Outcome:
