@@ -229,35 +229,32 @@ def _tasks(
     """Tasks, and the lane and the columns that each one computes."""
     found = _Tasks([], [], {}, {})
     for lane, each in enumerate(given):
+        make = _maker(protocol, grid, each, mode)
         for k, columns in enumerate(links_of(grid, start)):
             number = len(found.tasks)
             follow = None if start == "restart" else partial(found.ends.get, -1)
             if k and start != "restart":
                 found.after[number] = number - 1
                 follow = partial(found.ends.get, number - 1)
-            found.tasks.append(_task(protocol, grid[columns], each, mode, follow))
+            found.tasks.append(make(columns, follow))
             found.places.append((lane, columns))
     return found
 
 
-def _task(
-    protocol: DiagramProtocol,
-    values: npt.NDArray[np.float64],
-    initial: Any,
-    mode: str | None,
-    follow: Callable[[], End | None] | None,
-) -> Any:
-    """Some columns of one lane, each by itself or one after the other."""
+def _maker(
+    protocol: DiagramProtocol, grid: npt.NDArray[np.float64], initial: Any, mode: str | None
+) -> Callable[[list[int], Callable[[], End | None] | None], Any]:
+    """Makes tasks: some columns of one lane, each by itself or one after the other."""
     if isinstance(protocol.chosen, PoincareMap):
-        return partial(
-            run_section_chain, protocol=protocol, values=values.tolist(), initial=initial,
+        return lambda columns, follow: partial(
+            run_section_chain, protocol=protocol, values=grid[columns].tolist(), initial=initial,
             mode=mode, follow=follow,
         )  # fmt: skip
-    return partial(
+    sets = ParameterSets(protocol.strobed, {protocol.parameter: grid}, initial, mode, at_time_zero)
+    return lambda columns, follow: partial(
         settle,
-        sets=ParameterSets(
-            protocol.strobed, {protocol.parameter: values}, initial, mode, at_time_zero
-        ),
+        sets=sets,
+        which=columns,
         times=lambda group: group.iterates(protocol.transient, protocol.record + 1),
         reduce=partial(strobe_looks, protocol),
         follow=follow,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import numpy.typing as npt
 
@@ -47,10 +49,11 @@ class PassedEvents:
         """Modes from one sample of each motion on, through some events; "" where not wanted."""
         recorded = self._recorded
         counts = np.bincount(self.motion[rows], minlength=wanted.size)
-        entered = np.split(recorded.rows["to_mode"][rows], np.cumsum(counts)[:-1])
+        entered = recorded.rows["to_mode"][rows]
+        ends = np.cumsum(counts).tolist()
         return [
-            self._word(np.append(recorded.modes[k, first[k]], entered[k])) if wanted[k] else ""
-            for k in range(wanted.size)
+            self._word(np.append(recorded.modes[k, first[k]], entered[a:b])) if wanted[k] else ""
+            for k, (a, b) in enumerate(pairwise([0, *ends]))
         ]
 
     def _word(self, modes: Integers) -> str:

@@ -7,7 +7,7 @@ of parameter values are set up, settled and recorded side by side, in one call o
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property, partial
 from typing import Any, NamedTuple, TypeAlias, TypeVar
 
@@ -182,7 +182,11 @@ class Group:
     """
 
     def __init__(
-        self, runner: SweepRunner, all_sets: ParameterSets, numbers: range, stop: threading.Event
+        self,
+        runner: SweepRunner,
+        all_sets: ParameterSets,
+        numbers: Sequence[int],
+        stop: threading.Event,
     ) -> None:
         self.runner, self.stop = runner, stop
         self.system, self.varied = all_sets.system, all_sets.varied
@@ -330,6 +334,7 @@ def settle(
     stop: threading.Event,
     *,
     sets: ParameterSets,
+    which: Sequence[int] | None = None,
     times: Callable[[Group], Times],
     reduce: Reduce[T],
     follow: Callable[[], End | None] | None = None,
@@ -338,6 +343,7 @@ def settle(
 ) -> tuple[list[T], End | None]:
     """What ``reduce`` makes of a motion at each set of values, and where the last one was left.
 
+    Of all sets those are taken that ``which`` numbers, in this order; without it each of them.
     Each motion runs to the first of its ``times`` without a log of events, and on to the last one
     with it, unless no ``log`` is wanted. Some run side by side; ``reduce`` is given these and may
     run them further. With ``follow`` a motion begins where the one before was left, and the first
@@ -348,8 +354,9 @@ def settle(
     found: list[T] = []
     end = None if follow is None else follow()
     size = 1 if alone else runner.most
-    for first in range(0, sets.count, size):
-        group = Group(runner, sets, range(first, min(first + size, sets.count)), stop)
+    numbers = range(sets.count) if which is None else which
+    for first in range(0, len(numbers), size):
+        group = Group(runner, sets, numbers[first : first + size], stop)
         if follow is not None:
             group.follow(end)
         group.choose_modes()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import numpy.typing as npt
 
@@ -78,9 +80,10 @@ class _Judged:
             clock = SweptClock(numbers, phases, windows, parameters)
             found = output_values(self._protocol.system, clock, points.T, modes)
             points = np.column_stack([points, *found.values()])
-        ends = np.cumsum(counts)[:-1]
-        parts = (np.split(each, ends) for each in (points, numbers, phases, modes))
-        return list(zip(*parts, strict=True))
+        ends = np.cumsum(counts).tolist()
+        return [
+            (points[a:b], numbers[a:b], phases[a:b], modes[a:b]) for a, b in pairwise([0, *ends])
+        ]
 
     def _strobes(self) -> tuple[Integers, Floats, Integers, Floats, Integers]:
         """Number of strobes in each column, and all of them.

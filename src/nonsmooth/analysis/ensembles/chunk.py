@@ -111,8 +111,9 @@ def _run_sets(
     sets = {name: values[numbers] for name, values in members.sets.items()}
 
     def write(group: Group, recorded: Recorded) -> list[None]:
-        motions, rows, windows = group.motions, group.numbers, recorded.windows
-        for row, start in zip(rows, group.starts, strict=True):
+        motions, windows = group.motions, recorded.windows
+        rows = slice(group.numbers[0], group.numbers[-1] + 1)
+        for row, start in zip(group.numbers, group.starts, strict=True):
             chunk["initial"][row] = (
                 _refused_start(protocol, int(numbers[row]), lanes[row : row + 1])
                 if start is None
@@ -124,11 +125,11 @@ def _run_sets(
         count = recorded.numbers.shape[1]
         clock = SweptClock(
             recorded.numbers.ravel(), recorded.phases.ravel(), np.repeat(windows, count),
-            {name: np.repeat(values[rows.start : rows.stop], count)
+            {name: np.repeat(values[rows], count)
              for name, values in sets.items()},
         )  # fmt: skip
-        part = {name: values[rows.start : rows.stop] for name, values in chunk.items()}
-        _write_points(system, part, np.arange(len(rows)), recorded.states, recorded.modes, clock)
+        part = {name: values[rows] for name, values in chunk.items()}
+        _write_points(system, part, np.arange(group.count), recorded.states, recorded.modes, clock)
         part["status"][:], part["end"][:] = recorded.statuses, motions.end_states
         part["uncertain"][:], part["estimated"][:] = motions.uncertain, motions.estimated
         part["end_time"][:] = at_end * windows + phase_at_end

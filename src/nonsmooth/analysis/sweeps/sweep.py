@@ -124,13 +124,15 @@ def run_sweep(
     links = links_of(grid, sweep.start)
     follow = sweep.start != "restart"
     ends: dict[int, End | None] = {}
+    sets = ParameterSets(
+        sweep.chosen, {parameter: grid} if parameter else {}, sweep.initial, shared.mode,
+        at_time_zero,
+    )  # fmt: skip
     tasks: list[Any] = [
         partial(
             settle,
-            sets=ParameterSets(
-                sweep.chosen, {parameter: grid[places]} if parameter else {}, sweep.initial,
-                shared.mode, at_time_zero,
-            ),
+            sets=sets,
+            which=places,
             times=lambda group: group.iterates(sweep.transient, 1),
             reduce=partial(reduce_settled, reduce, sweep.transient + sweep.record),
             follow=partial(ends.get, i - 1) if follow else None,
