@@ -15,7 +15,7 @@ import keyword
 import re
 from itertools import pairwise
 from numbers import Real
-from typing import NamedTuple, NoReturn
+from typing import Any, NamedTuple, NoReturn
 
 from nonsmooth.errors import ModelError, unknown_name
 from nonsmooth.real_numbers import finite_real
@@ -142,7 +142,7 @@ def point_at(text: str, at: int, message: str) -> str:
     return f"{message}\n    {lead}{shown}{tail}\n    {caret}"
 
 
-def _number(value: object, where: str) -> Number:
+def _number(value: Any, where: str) -> Number:
     """A plain number, Python's or numpy's, as an expression.
 
     A value that was taken from a dataset is an array without axes, and a number too.
