@@ -150,3 +150,22 @@ def test_a_cycle_counts_once_although_a_state_vanishes_at_its_events():
     found = ns.orbits(clock, {"x": (-1.0, 1.0), "v": (-1.0, 1.0)}, longest=2, samples=30)
     assert found.sizes["orbit"] == 1
     assert float(found["length"][0]) == pytest.approx(2 * np.pi / np.sqrt(1 - 0.01), rel=1e-12)
+
+
+def test_a_fold_just_before_a_graze_is_found():
+    """Folds alternate: the branch rises at both ends, so their number is even.
+
+    The third fold lies 1.5e-6 before a graze. Its place comes from a computation that shares no
+    code with this one.
+    """
+    beam = ns.models.breathing_crack(crack=5.01, d=-0.5)
+    branch = ns.continue_orbit(beam, "crack", (5.0, 19.9), steps=4000, transient=1500)
+    kinds, values = branch["special_kind"].values, branch["special_value"].values
+    folds = values[kinds == "fold"]
+    assert folds.size == 6
+    turns = np.diff(folds)
+    assert np.all(turns[::2] < 0.0)
+    assert np.all(turns[1::2] > 0.0)
+    assert folds[2] == pytest.approx(8.160295712253212, abs=1e-12)
+    graze = values[kinds == "grazing"]
+    assert np.min(np.abs(graze - folds[2])) == pytest.approx(1.479e-6, abs=1e-9)

@@ -97,6 +97,26 @@ def test_fold_and_test_within_one_step():
     assert [name for name, _ in found][:3] == ["before", "fold", "after"]
 
 
+def test_two_folds_about_a_test_within_one_step():
+    """p = u^3 - w^2 u turns back at u = -w/sqrt(3) and w/sqrt(3), and rises at both ends."""
+    width = 0.01
+
+    def wiggle(u, p):
+        return u**3 - width**2 * u - p, 3 * u**2 - width**2, -1.0
+
+    branch = follow(
+        wiggle, -0.5, -0.125 + 0.5 * width**2, bounds=(-0.2, 0.2), step=0.3, largest_step=0.3,
+        tests=lambda point: {"middle": point.u[0] - 1e-4}, scale=1.0, parameter_scale=1.0,
+    )  # fmt: skip
+    points = list(branch)
+    found = [(point.special, point.p) for point in points if point.special]
+    assert [name for name, _ in found] == ["fold", "middle", "fold", "bound"]
+    highest = 2 * width**3 / math.sqrt(27)
+    assert [p for _, p in found][::2] == pytest.approx([highest, -highest], abs=1e-12)
+    inside = [point for point in points if abs(point.u[0]) < width and not point.special]
+    assert not inside  # the step has passed all of it
+
+
 def test_identical_points_do_not_make_folds():
     """A branch on which p stands still has no folds, though rounding has signs."""
     branch = follow(lambda u, p: (p - 0.3 + 0.0 * u, 0.0, 1.0), 0.0, 0.3, steps=30)

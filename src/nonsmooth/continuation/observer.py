@@ -36,6 +36,7 @@ _NEAR = 1e-6  # of the segment: a bracket in which a refused trial no longer mat
 _RISE = 1e3  # a value that grows by this much towards its change of sign has a pole there
 _TRIALS = 80
 _SMALL = 1e-3  # part of the end values below which a determinant is nearly zero
+_CLEAR = 1e-6  # part of the slopes at the ends, above which one beside a crossing is no rounding
 _STILL = 1e-10  # slopes of the parameter by the arclength that are rounding
 # part of the step, within which a crossing is the one that was found along the branch
 _NEAR_CROSSING = 0.05
@@ -176,7 +177,8 @@ class Observer:
         """All special points of a step, in order; `Jump` where it joins two branches."""
         found = [*self._branch_point(segment), *self._fold(segment), *self._tests(segment)]
         found += self._unknown_bound(segment)
-        return sorted(found, key=lambda mark: mark.x)
+        found.sort(key=lambda mark: mark.x)
+        return sorted([*found, *self._folds_between(segment, found)], key=lambda mark: mark.x)
 
     def _branch_point(self, segment: CurveSegment) -> Iterator[Mark]:
         """Where the bordered determinant changes its sign and vanishes.
@@ -220,6 +222,24 @@ class Observer:
             if found:
                 still = abs(float(found[1].tangent[-2])) < self.options.cusps
                 yield Mark(*found, "cusp" if still else "fold")
+
+    def _folds_between(self, segment: CurveSegment, marks: list[Mark]) -> Iterator[Mark]:
+        """Folds that the ends of the step do not tell, since another one undoes them.
+
+        A curve that turns back just before another one crosses it is left for that one: only the
+        special points in between have its direction.
+        """
+        before = Mark(0.0, segment.first, "")
+        clear = _CLEAR * max(abs(float(end.tangent[-1])) for end in (segment.first, segment.last))
+        for mark in [*marks, Mark(1.0, segment.last, "")]:
+            if mark.name in ("fold", "cusp", "branch_point"):
+                return
+            slopes = [float(each.node.tangent[-1]) for each in (before, mark)]
+            if slopes[0] * slopes[1] < 0.0 and min(map(abs, slopes)) > clear:
+                part = CurveSegment(segment.corrector, before.node, mark.node)
+                for found in self._fold(part):
+                    yield found._replace(x=before.x + found.x * (mark.x - before.x))
+            before = mark
 
     def _unknown_bound(self, segment: CurveSegment) -> Iterator[Mark]:
         """Where the last unknown comes to a bound that it has."""
