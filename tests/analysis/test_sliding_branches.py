@@ -176,3 +176,44 @@ def test_friction_from_no_stop_to_stops_and_to_stick_for_ever():
     assert np.ptp(held["x"].values) == 0.0
     assert np.all(held["multipliers"].values == [1.0, 0.0])
     assert not held["stable"].any()
+
+
+def test_three_changes_that_follow_a_graze_at_once_come_in_their_order():
+    """A rubbing tip that stops touches the surface of no slip, and the part that slides is short.
+
+    The excursion begins as a slide, comes to the surface later and later, and crosses it in the end:
+    all within 0.013 of the parameter. Where a slide of the length with which excursions begin would be
+    expected, the motion crosses already.
+    """
+    beam = ns.System(
+        states=["q1", "p1", "q2", "p2"],
+        parameters={"Omega": 54.4},
+        period="2*pi/Omega",
+        definitions={
+            "tip": "2*q1 - 2*q2",
+            "wall": "4e4*max(tip - 1, 0) + 4e5*max(tip - 1.3, 0)",
+            "Q": "800*cos(Omega*t) - wall - 50*sign(slide)",
+        },
+        surfaces={"slide": ns.Surface("2*p1 - 2*p2")},
+        equations={
+            "q1": "p1",
+            "p1": "-1.256*p1 - 62.8**2*q1 + 2*Q",
+            "q2": "p2",
+            "p2": "-7.88*p2 - 394**2*q2 - 2*Q",
+        },
+    )
+    branch = ns.continue_orbit(
+        beam, "Omega", (54.29, 54.4), period=2, transient=600, direction="down"
+    )
+    assert branch.attrs["end_first"] == "bound"
+    assert np.all(np.diff(branch["Omega"].values) >= 0.0)  # it turns back nowhere
+    kinds = branch["special_kind"].values.tolist()
+    assert [kind for kind in kinds if "sliding" in kind] == [
+        "crossing_sliding", "switching_sliding", "grazing_sliding",
+    ]  # fmt: skip
+    for value in (54.292, 54.3, 54.306, 54.35):
+        near = branch.isel(point=int(np.abs(branch["Omega"].values - value).argmin()))
+        parameters = {"Omega": float(near["Omega"])}
+        run = ns.simulate(beam, near, periods=2, parameters=parameters)
+        start = [float(near[name]) for name in beam.states]
+        assert np.abs(run["end_state"].values - start).max() < 1e-8

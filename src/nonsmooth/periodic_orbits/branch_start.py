@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ import numpy.typing as npt
 from nonsmooth.continuation.follow import follow
 from nonsmooth.continuation.point import Point
 from nonsmooth.errors import NonsmoothError
-from nonsmooth.periodic_orbits.branch_tests import BranchTests
+from nonsmooth.periodic_orbits.branch_tests import BranchTests, is_of_word, what_of
 from nonsmooth.periodic_orbits.equations import OrbitEquations, Turn
 from nonsmooth.periodic_orbits.guess import Guess
 from nonsmooth.periodic_orbits.legs import LegError, Legs
@@ -26,6 +27,8 @@ Floats = npt.NDArray[np.float64]
 _SOLVED = 1e-7  # scaled residual of a start where the equations are singular
 _NEWTON = 20
 _SMALL = 1e-6  # scaled step that tells which way a test grows
+_BEYOND = 1e-6  # of a test of the word that is negative at a start, more than rounding is
+_SHORTER = (1.0, 0.1, 0.02)  # parts of the first duration of an excursion
 _FIRST = 0.2  # part of the first step by which a new word is tried
 
 
@@ -41,7 +44,21 @@ def tangent_at(equations: OrbitEquations, unknowns: Floats) -> tuple[Floats, flo
 
 
 def begin_change(stretch: BranchStretch, change: Change, point: Point) -> BranchStart | None:
-    """Start of the stretch behind a change; None where no motion of the new word begins there."""
+    """Start of the stretch behind a change; None where no motion of the new word begins there.
+
+    An excursion that has changed once more when it is as long as it should be to begin with is
+    tried at a shorter one.
+    """
+    for part in _SHORTER if change.opens >= 0 else (1.0,):
+        shorter = replace(change, duration=part * change.duration)
+        start = _begin_change(stretch, shorter, point)
+        if start is not None:
+            return start
+    return None
+
+
+def _begin_change(stretch: BranchStretch, change: Change, point: Point) -> BranchStart | None:
+    """Start of the stretch behind a change with an excursion of its duration."""
     equations = stretch.equations.of_word(change.guess.word, change.guess.turn.states[0])
     try:
         unknowns, value = equations.pack(change.guess.turn), point.p
@@ -59,6 +76,8 @@ def begin_change(stretch: BranchStretch, change: Change, point: Point) -> Branch
     except LegError:
         return None
     start = BranchStart(equations, unknowns, value, (way * du, way * dp), change.grows, change.kind)
+    if change.opens >= 0 and _has_changed_again(stretch, start):
+        return None
     return start if _goes_on(stretch, start) else None
 
 
@@ -152,6 +171,19 @@ def _goes_on(stretch: BranchStretch, start: BranchStart) -> bool:
     if stretch.options.inadmissible or start.kind == "section":  # where nothing happens to it
         return len(points) > 1
     return any(trial.look(point).admissibility.admissible for point in points[1:])
+
+
+def _has_changed_again(stretch: BranchStretch, start: BranchStart) -> bool:
+    """Whether the word has changed once more where an excursion has its first duration."""
+    if stretch.options.inadmissible:
+        return False
+    stretch.set_parameter(start.value)
+    tests = BranchTests(start.equations, stretch.options.tolerance, whole=False, grows=start.grows)
+    return any(
+        value < -_BEYOND
+        for name, value in tests.look(start.unknowns).tests.items()
+        if is_of_word(name) and what_of(name) != "short"
+    )
 
 
 def _solved_start(
