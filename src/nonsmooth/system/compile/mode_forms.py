@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
+from nonsmooth.engine.tables import FREE, RESTING
 from nonsmooth.errors import ModelError
 from nonsmooth.system.algebra.differentiate import derivative
 from nonsmooth.system.algebra.graph import Graph
@@ -22,6 +23,7 @@ from nonsmooth.system.text.grammar import point_at
 __all__ = ["ExitForms", "Forms", "ModeForms"]
 
 T = TypeVar("T")
+_SHOWN = 100  # letters of an equation up to which it is repeated
 
 
 @dataclass(frozen=True, slots=True)
@@ -207,10 +209,21 @@ class ModeForms:
 
     @property
     def reason(self) -> str:
-        """What makes the mode nonlinear, in words; empty for a linear one."""
+        """What makes the mode nonlinear, in words; empty for a linear one.
+
+        A cell reads piecewise texts in a form that nobody has written, so the equation is told
+        there as it was written.
+        """
         if self.nonlinear is None:
             return ""
-        return f"{self.nonlinear.reason}: {to_text(self.nonlinear.node)}"
+        reason, equation = self.nonlinear.reason, self.nonlinear.equation
+        if self._as_written:
+            return f"{reason}: {to_text(self.nonlinear.node)}"
+        if self.kind != FREE:
+            place = "where the exit sticks" if self.kind == RESTING else "along the surface"
+            return f"{reason}, in the equations of the motion {place}"
+        written = f" = {equation.text!r}" if len(equation.text) <= _SHOWN else ""
+        return f"{reason}, in {equation.where}{written}"
 
     @property
     def _readable(self) -> Resolver:
