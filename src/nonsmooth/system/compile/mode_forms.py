@@ -12,7 +12,7 @@ from nonsmooth.system.algebra.differentiate import derivative
 from nonsmooth.system.algebra.graph import Graph
 from nonsmooth.system.algebra.linear import LinearForm, NotLinear
 from nonsmooth.system.algebra.quadratic import quadratic
-from nonsmooth.system.cells.pieces import Piece
+from nonsmooth.system.cells.pieces import RELEASE, Piece
 from nonsmooth.system.equations.equation import Equation
 from nonsmooth.system.equations.linear_mode import LinearReader, NonlinearText
 from nonsmooth.system.equations.mode_equations import ExitEquations, ModeEquations
@@ -98,6 +98,7 @@ class ModeForms:
         self.cell = cell
         self.kind = piece.kind
         self.sides = tuple(mode.surfaces_of(cell))
+        self._surfaces = {surface: mode.text_of(surface) for surface in mode.nodes}
         self.equations = equations = piece.equations
         self.resolver = resolver = piece.resolver
         self.targets = tuple(
@@ -137,6 +138,20 @@ class ModeForms:
     def exit_names(self) -> tuple[str, ...]:
         """Names of the exits in the order in which they are tried."""
         return tuple(way.name for way in self.equations.exits)
+
+    def exit_in_words(self, number: int) -> str:
+        """An exit by its name and what the user has written for it; of sliding and rest in words.
+
+        The guards that end sliding and rest are derived, and nobody would know them again.
+        """
+        way = self.equations.exits[number]
+        if number < 2 * len(self.cell.on):
+            return f"the limit of what the surface {way.name!r} holds"
+        if way.name in self._surfaces and not way.guard.where.endswith(".guard"):
+            return f"the surface {way.name!r} ({self._surfaces[way.name]} = 0)"
+        if way.guard.where.endswith(f", {RELEASE}"):
+            return "the limit at which nothing presses any more"
+        return f"{way.name!r} ({way.guard.text} = 0)"
 
     @property
     def all_forms(self) -> list[LinearForm]:
