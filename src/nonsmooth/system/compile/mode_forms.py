@@ -75,6 +75,7 @@ class ModeForms:
     ``nonlinear`` says what keeps a mode from being linear. A mode with piecewise
     texts runs as several, its cells: ``parent`` is the name of all of them, ``name``
     that of one, ``label`` what results call it, ``sides`` its surfaces with their signs.
+    ``surfaces`` are the switching functions as texts.
     ``kind`` tells cells on a surface and modes at rest from others; ``declared`` is the mode whose
     texts these are. Exits from ``n_searched`` on lead ``onto`` the surfaces of others.
     """
@@ -98,7 +99,7 @@ class ModeForms:
         self.cell = cell
         self.kind = piece.kind
         self.sides = tuple(mode.surfaces_of(cell))
-        self._surfaces = {surface: mode.text_of(surface) for surface in mode.nodes}
+        self.surfaces = {surface: mode.text_of(surface) for surface in mode.nodes}
         self.equations = equations = piece.equations
         self.resolver = resolver = piece.resolver
         self.targets = tuple(
@@ -147,11 +148,16 @@ class ModeForms:
         way = self.equations.exits[number]
         if number < 2 * len(self.cell.on):
             return f"the limit of what the surface {way.name!r} holds"
-        if way.name in self._surfaces and not way.guard.where.endswith(".guard"):
-            return f"the surface {way.name!r} ({self._surfaces[way.name]} = 0)"
+        if self.is_surface(number):
+            return f"the surface {way.name!r} ({self.surfaces[way.name]} = 0)"
         if way.guard.where.endswith(f", {RELEASE}"):
             return "the limit at which nothing presses any more"
         return f"{way.name!r} ({way.guard.text} = 0)"
+
+    def is_surface(self, number: int) -> bool:
+        """Whether an exit leads through a surface of a piecewise text, and is none of the mode."""
+        way = self.equations.exits[number]
+        return way.name in self.surfaces and not way.guard.where.endswith(".guard")
 
     @property
     def all_forms(self) -> list[LinearForm]:
