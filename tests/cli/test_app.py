@@ -40,7 +40,9 @@ def test_exit_codes_and_plain_text_in_a_pipe():
 def test_an_unknown_command_comes_with_the_nearest_one(call):
     result = call("simulat", "duffing")
     assert result.exit_code == 2
-    assert "unknown command 'simulat'; did you mean 'simulate'? (known: attractors," in result.stderr
+    assert (
+        "unknown command 'simulat'; did you mean 'simulate'? (known: attractors," in result.stderr
+    )
 
 
 @pytest.mark.parametrize(

@@ -84,7 +84,9 @@ def test_the_guide_has_a_section_and_an_example(name):
 def test_an_argument_that_is_not_known_comes_with_those_that_are(maker):
     make = getattr(ns.models, maker)
     known = list(inspect.signature(make).parameters)
-    with pytest.raises(TypeError, match=rf"{maker}\(\): unknown argument 'no_such' \(known: ") as told:
+    with pytest.raises(
+        TypeError, match=rf"{maker}\(\): unknown argument 'no_such' \(known: "
+    ) as told:
         make(no_such=1.0)
     assert all(name in str(told.value) for name in known)
     with pytest.raises(TypeError, match=f"did you mean '{known[-1]}'"):

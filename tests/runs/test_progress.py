@@ -31,7 +31,9 @@ LONG = {
     "waterfall": lambda: ns.waterfall(STRUCK, "omega", [0.8], variable="x", record=4),
     "contact_statistics": lambda: ns.contact_statistics(STRUCK, record=5),
     "find_orbit": lambda: ns.find_orbit(STRUCK, transient=20_000),
-    "continue_orbit": lambda: ns.continue_orbit(ns.models.duffing(F=0.2), "F", (0.1, 0.3), steps=2),
+    "continue_orbit": lambda: ns.continue_orbit(
+        ns.models.duffing(gamma=0.2), "gamma", (0.1, 0.3), steps=2
+    ),
     "attractors": lambda: ns.attractors(ns.StroboscopicMap(STRUCK), REGION, **FEW),
     "basins_of_attraction": lambda: ns.basins_of_attraction(
         ns.StroboscopicMap(STRUCK), {name: np.linspace(-1.0, 1.0, 3) for name in REGION}, **FEW

@@ -207,7 +207,11 @@ def regime(
         reduce=partial(settled_regimes, protocol),
     )
     if not run_tasks(
-        [task], lambda: runner, threads=1, label="regime", keep=lambda _, done: found.extend(done[0])
+        [task],
+        lambda: runner,
+        threads=1,
+        label="regime",
+        keep=lambda _, done: found.extend(done[0]),
     ):
         raise KeyboardInterrupt
     (verdict,) = found

@@ -41,7 +41,9 @@ class Progress:
             from rich.progress import Progress as RichProgress
 
             self._bar = RichProgress(console=Console(stderr=True), transient=True)
-            self._task = self._bar.add_task(self.label, total=self.total if self.total > 1 else None)
+            self._task = self._bar.add_task(
+                self.label, total=self.total if self.total > 1 else None
+            )
             self._bar.start()
         self._bar.update(self._task, completed=done)
 

@@ -221,7 +221,9 @@ def _with_slaved(system: EvaluatedSystem, forms: ModeForms, moving: list[str]) -
     values, declared = system.parameter_values, system.modes[forms.declared].slaved
     together = {*moving}
     for state, form in forms.slaved.items():
-        if state not in declared and any(constant_value(form.coefficient(State(name)), values) for name in moving):
+        if state not in declared and any(
+            constant_value(form.coefficient(State(name)), values) for name in moving
+        ):
             together.add(state)
     return [state for state in system.states if state in together]
 
