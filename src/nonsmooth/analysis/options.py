@@ -114,6 +114,13 @@ def check_values(system: System, parameter: Any, values: Any) -> npt.NDArray[np.
             "values= takes a one-dimensional, non-empty list of finite numbers, such as"
             " np.linspace(0.5, 1.0, 400)"
         )
+    if isinstance(values, tuple) and grid.size == 2:
+        low, high = grid.tolist()
+        raise OptionError(
+            f"values = ({low:g}, {high:g}) looks like a range, and each value is needed here, such"
+            f" as np.linspace({low:g}, {high:g}, 400); for these two values alone give the list"
+            f" [{low:g}, {high:g}]"
+        )
     return grid
 
 
