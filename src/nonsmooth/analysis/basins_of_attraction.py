@@ -67,10 +67,11 @@ def basins_of_attraction(
     region : mapping of str to array_like
         Increasing values of two states or more; each combination is the centre of a cell.
     method : {"recurrences", "cell mapping", "generalised cell mapping"}, optional
-        Whether each centre is run until it has come to an attractor, or cells are mapped to cells
-        and their chains followed, or each cell is shared among the cells to which nine of its
-        points go (three along each state), which gives probabilities. The last two need all states
-        that do not drift in the region, are as exact as its cells are small, and do not go with a
+        ``"recurrences"`` runs the centre of each cell until it has come to an attractor; ``"cell
+        mapping"`` finds to which cell each centre goes in one step, and follows these chains of
+        cells; ``"generalised cell mapping"`` finds to which cells nine points of each cell go
+        (three along each state), and gives probabilities. The last two need all states that do not
+        drift in the region, are as exact as its cells are small, and do not go with a
         `PoincareMap`.
     completion : mapping of str to float or str, optional
         States that are not in the region, as in `attractors`: a section of the state space that

@@ -76,8 +76,9 @@ def bifurcation_diagram(
         Initial state as in `simulate`, or several: each is a ``lane`` of its own. States that are
         not given are those at rest, for each value anew.
     start : {"restart", "follow up", "follow down"}, optional
-        Whether the motion at each value begins at the initial state, or where the motion at the
-        next lower (higher) value has ended. Where several attractors coexist, the answers differ.
+        ``"restart"`` begins the motion at each value at the initial state; ``"follow up"`` where
+        the motion at the next lower value has ended, and ``"follow down"`` where that at the next
+        higher one has. Where several attractors coexist, the answers differ.
     transient : int, optional
         Periods left out at the beginning of each column.
     record : int, optional

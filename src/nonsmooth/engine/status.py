@@ -119,8 +119,9 @@ CURES: dict[Status, str] = {
         " motion comes through it in the direction that counts"
     ),
     Status.WORK_LIMIT: (
-        "the run has reached max_seconds= or max_events=; all until then is kept, and it goes on"
-        " from there when it is passed as initial="
+        "the run has reached max_seconds= or max_events=; all until then is kept. For more give"
+        " larger limits, or go on in Python by simulate(system, run, ...) with the result as the"
+        " start"
     ),
     Status.INTERRUPTED: "by the user; what was computed is kept",
 }
