@@ -165,6 +165,6 @@ def attractors(
     message = "interrupted by the user; the attractors found until then are kept"
     if found.complete:
         message = search_message(
-            "starts", counts["unsettled_starts"], counts["ended_starts"], len(order)
+            "starts", counts["unsettled_starts"], counts["ended_starts"], order
         )
     return xr.Dataset(variables, coords, result_attributes(chosen.system, status, message, options))

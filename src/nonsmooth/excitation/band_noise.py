@@ -64,7 +64,7 @@ def band_noise(
     first, last = positive("low", low, "Hz"), positive("high", high, "Hz")
     if last < first:
         raise OptionError(
-            f"high = {last:g} Hz is below low = {first:g} Hz; the band goes from low to high"
+            f"high = {last:g} Hz: the band ends below its beginning, low = {first:g} Hz"
         )
     size, drawn = positive("rms", rms, "m/s^2"), check_seed(seed)
     count, _ = sample_count(duration, last, samples_per_period)
