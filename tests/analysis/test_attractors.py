@@ -7,6 +7,8 @@ import pytest
 
 import nonsmooth as ns
 from analysis.wells import forced_wells, narrow_well, runaway
+from nonsmooth.analysis.basins.attractor import Attractor
+from nonsmooth.analysis.basins.attractor_dataset import search_message
 
 SQUARE = {"x": (-2.0, 2.0), "y": (-2.0, 2.0)}
 
@@ -311,3 +313,12 @@ def test_results_survive_a_file(tmp_path) -> None:
     found.to_netcdf(tmp_path / "found.nc", engine="h5netcdf")
     again = xr.load_dataset(tmp_path / "found.nc", engine="h5netcdf")
     xr.testing.assert_identical(found, again)
+
+
+def test_a_set_that_converges_too_slowly_comes_with_a_cure():
+
+    one = Attractor(np.zeros((1, 1)), np.zeros(1, int), 0, np.zeros(1), exponent=-0.1)
+    said = search_message("starts", 0, 0, [one])
+    assert said.startswith("1 of 1 attractors are aperiodic with an exponent below zero")
+    assert "raise longest= and record=" in said
+    assert search_message("starts", 0, 0, []) == "completed"

@@ -260,3 +260,11 @@ def test_wrong_use(options, message):
 def test_a_system_without_a_period():
     with pytest.raises(OptionError, match="has no period"):
         ns.bifurcation_diagram(ns.models.chua(), "alpha", [9.0])
+
+
+@pytest.mark.parametrize("verb", [ns.bifurcation_diagram, ns.waterfall, ns.contact_statistics])
+def test_a_tuple_of_two_values_is_taken_for_a_range_and_refused(verb):
+    """`continue_orbit` takes it as one; two columns would be a surprise."""
+    more = {"variable": "x"} if verb is ns.waterfall else {}
+    with pytest.raises(ns.OptionError, match=r"such as np.linspace\(0.7, 0.9, 400\)"):
+        verb(ns.models.soft_impact(), parameter="omega", values=(0.7, 0.9), **more)

@@ -76,7 +76,7 @@ def test_grazing_from_the_side_of_impacts():
     there = list(branch["special_kind"].values).index("grazing")
     graze = float(branch["special_value"][there])
     assert 0.1 * reach(graze, 0.02) == pytest.approx(1.0, rel=1e-12)
-    assert "touches 'impact' at its end" in str(branch["special_detail"].values[there])
+    assert "comes with zero speed to 'impact'" in str(branch["special_detail"].values[there])
 
 
 def test_from_a_graze_far_away():

@@ -125,3 +125,13 @@ def test_samples_that_do_not_fit():
         ns.power_spectrum(ns.simulate(spring(), times=[0, 1, 3, 4, 9]), "x")
     with pytest.raises(ns.OptionError, match="give a result of simulate"):
         ns.power_spectrum(np.ones(300), "x")
+
+
+@pytest.mark.parametrize(
+    ("values", "said"),
+    [([1.0], "1 samples are too few"), (1e200 * np.ones(400), "whose squares no double holds")],
+)
+def test_series_of_which_there_is_no_spectrum(values, said):
+    data = xr.Dataset({"x": ("time", values)}, {"time": np.arange(len(values)) / 10.0})
+    with pytest.raises(ns.OptionError, match=said):
+        ns.power_spectrum(data, "x")

@@ -2,6 +2,7 @@
 
 import ast
 import inspect
+import pickle
 from pathlib import Path
 
 import pytest
@@ -77,3 +78,21 @@ def test_the_guide_has_a_section_and_an_example(name):
     text = GUIDE.read_text(encoding="utf-8")
     assert f": `{name}`\n" in text
     assert f"models.{name}(" in text
+
+
+@pytest.mark.parametrize("maker", ns.models.__all__)
+def test_an_argument_that_is_not_known_comes_with_those_that_are(maker):
+    make = getattr(ns.models, maker)
+    known = list(inspect.signature(make).parameters)
+    with pytest.raises(
+        TypeError, match=rf"{maker}\(\): unknown argument 'no_such' \(known: "
+    ) as told:
+        make(no_such=1.0)
+    assert all(name in str(told.value) for name in known)
+    with pytest.raises(TypeError, match=f"did you mean '{known[-1]}'"):
+        make(**{known[-1] + "_": 1.0})
+
+
+def test_functions_of_models_can_be_sent_to_other_processes(name):
+    make = getattr(ns.models, name)
+    assert pickle.loads(pickle.dumps(make)) is make

@@ -149,3 +149,9 @@ def test_what_the_curve_does_not_reach_is_refused(drifting, ax):
         ns.plot.growth_curve(drifting, {6.0: some}, ax=ax, places=[])
     with pytest.raises(OptionError, match="growing"):
         ns.plot.growth_curve(drifting, growing="length", ax=ax)
+
+
+def test_a_run_of_one_sample_is_a_point_of_the_stack():
+    run = ns.simulate(ns.models.soft_impact(), periods=2, samples_per_period=8)
+    ax = ns.plot.phase_portrait_3d({1.0: run.isel(time=slice(1)), 2.0: run}, "x", "v")
+    ax.figure.draw_without_rendering()

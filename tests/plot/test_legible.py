@@ -209,6 +209,15 @@ def test_entries_of_one_sort_have_columns_of_their_own():
     ]
 
 
+def test_a_long_legend_is_broad_and_not_high():
+    kinds = ["fold", "flip", "torus", "symmetry_breaking", "grazing", "crossing_sliding",
+             "grazing_sliding", "switching_sliding", "sliding", "bound"]  # fmt: skip
+    ax = ns.plot.branch(orbits(kinds=kinds), "x")
+    assert max(map(len, columns_of_legend(ax.get_legend()))) <= 6
+    legend, inside = ax.get_legend().get_window_extent(), ax.get_window_extent()
+    assert legend.height < 0.5 * inside.height
+
+
 def test_a_legend_of_a_figure_names_each_thing_once():
     figure, axes = ns.plot.print_figure(1, 2, width=17.0)
     for ax in axes:

@@ -292,6 +292,21 @@ def test_a_mode_of_rest_that_does_not_hold_is_told_in_the_words_of_its_wall():
         )  # fmt: skip
 
 
+def test_a_cell_on_the_other_side_is_told_by_its_surface():
+    slide = System(
+        states=["x", "v"],
+        surfaces={"slip": ns.Surface("v - 1")},
+        modes={"free": Mode({"x": "v", "v": "-sign(slip)"}, exits=[Exit("1 - x", to="stop")])},
+    )
+    with pytest.raises(OptionError) as refused:
+        ns.simulate(slide, {"x": 2.0, "v": 1.5}, t_end=1.0)
+    assert "free[-]: slip (v - 1) is 0.5, and this cell has slip < 0; guard '1 - x' is -1" in str(
+        refused.value
+    )
+    with pytest.raises(OptionError, match=r"slip .v - 1. is -0.5, and this cell has slip > 0"):
+        ns.simulate(slide, {"x": 2.0, "v": 0.5}, t_end=1.0)
+
+
 def test_a_start_is_one_point_of_a_dataset():
     system = ns.models.soft_impact()
     diagram = ns.bifurcation_diagram(system, "omega", [0.7, 0.8], transient=5, record=4)

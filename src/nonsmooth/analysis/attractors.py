@@ -78,8 +78,10 @@ def attractors(
     parameters : mapping of str to float, optional
         Values of parameters that differ from those of the system.
     tolerance : float, optional
-        What counts as zero for a start, relative to the terms of the guard. Events and the accuracy
-        of the flow do not depend on it.
+        How near to zero a guard counts as zero at a start, relative to the size of its terms. A
+        start on a wall is seldom there to the last digit; within the tolerance it counts as on the
+        wall. You seldom need to change it: the accuracy of motions and events does not depend on
+        it.
 
     Returns
     -------
@@ -163,6 +165,6 @@ def attractors(
     message = "interrupted by the user; the attractors found until then are kept"
     if found.complete:
         message = search_message(
-            "starts", counts["unsettled_starts"], counts["ended_starts"], len(order)
+            "starts", counts["unsettled_starts"], counts["ended_starts"], order
         )
     return xr.Dataset(variables, coords, result_attributes(chosen.system, status, message, options))

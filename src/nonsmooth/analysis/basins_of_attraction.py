@@ -67,10 +67,11 @@ def basins_of_attraction(
     region : mapping of str to array_like
         Increasing values of two states or more; each combination is the centre of a cell.
     method : {"recurrences", "cell mapping", "generalised cell mapping"}, optional
-        Whether each centre is run until it has come to an attractor, or cells are mapped to cells
-        and their chains followed, or each cell is shared among the cells to which nine of its
-        points go (three along each state), which gives probabilities. The last two need all states
-        that do not drift in the region, are as exact as its cells are small, and do not go with a
+        ``"recurrences"`` runs the centre of each cell until it has come to an attractor; ``"cell
+        mapping"`` finds to which cell each centre goes in one step, and follows these chains of
+        cells; ``"generalised cell mapping"`` finds to which cells nine points of each cell go
+        (three along each state), and gives probabilities. The last two need all states that do not
+        drift in the region, are as exact as its cells are small, and do not go with a
         `PoincareMap`.
     completion : mapping of str to float or str, optional
         States that are not in the region, as in `attractors`: a section of the state space that
@@ -83,8 +84,10 @@ def basins_of_attraction(
     parameters : mapping of str to float, optional
         Values of parameters that differ from those of the system.
     tolerance : float, optional
-        What counts as zero for a start, relative to the terms of the guard. Events and the accuracy
-        of the flow do not depend on it.
+        How near to zero a guard counts as zero at a start, relative to the size of its terms. A
+        start on a wall is seldom there to the last digit; within the tolerance it counts as on the
+        wall. You seldom need to change it: the accuracy of motions and events does not depend on
+        it.
     threads : int, optional
         Number of threads; without it, one for each processor. The result does not depend on it.
     store : str or Path, optional
@@ -257,9 +260,7 @@ def basin_dataset(chosen: Any, grid: Grid, basins: Basins, options: dict[str, An
     status = "completed" if basins.complete else "interrupted"
     message = "interrupted by the user; the cells that are done are kept"
     if basins.complete:
-        message = search_message(
-            "cells", counts["unsettled_cells"], counts["ended_cells"], len(order)
-        )
+        message = search_message("cells", counts["unsettled_cells"], counts["ended_cells"], order)
     if basins.remark:
         message = f"{message}; {basins.remark}"
     attrs = result_attributes(system, status, message, options | counts | dict(basins.notes))

@@ -76,8 +76,9 @@ def bifurcation_diagram(
         Initial state as in `simulate`, or several: each is a ``lane`` of its own. States that are
         not given are those at rest, for each value anew.
     start : {"restart", "follow up", "follow down"}, optional
-        Whether the motion at each value begins at the initial state, or where the motion at the
-        next lower (higher) value has ended. Where several attractors coexist, the answers differ.
+        ``"restart"`` begins the motion at each value at the initial state; ``"follow up"`` where
+        the motion at the next lower value has ended, and ``"follow down"`` where that at the next
+        higher one has. Where several attractors coexist, the answers differ.
     transient : int, optional
         Periods left out at the beginning of each column.
     record : int, optional
@@ -95,8 +96,10 @@ def bifurcation_diagram(
     parameters : mapping of str to float, optional
         Values of parameters that differ from those of the system.
     tolerance : float, optional
-        What counts as zero for a start, relative to the terms of the guard. Events and the accuracy
-        of the flow do not depend on it.
+        How near to zero a guard counts as zero at a start, relative to the size of its terms. A
+        start on a wall is seldom there to the last digit; within the tolerance it counts as on the
+        wall. You seldom need to change it: the accuracy of motions and events does not depend on
+        it.
     mode : str, optional
         Mode to start in, where several would fit; a cell, or a mode for any of its cells.
     threads : int, optional

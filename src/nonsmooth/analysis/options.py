@@ -43,8 +43,10 @@ class SharedOptions:
     parameters : mapping of str to float, optional
         Values of parameters that differ from those of the system.
     tolerance : float, optional
-        What counts as zero for a start, relative to the terms of the guard. Events and the
-        accuracy of the flow do not depend on it.
+        How near to zero a guard counts as zero at a start, relative to the size of its terms. A
+        start on a wall is seldom there to the last digit; within the tolerance it counts as on the
+        wall. You seldom need to change it: the accuracy of motions and events does not depend on
+        it.
     mode : str, optional
         Mode to start in, where several would fit; a cell, or a mode for any of its cells.
     threads : int, optional
@@ -111,6 +113,13 @@ def check_values(system: System, parameter: Any, values: Any) -> npt.NDArray[np.
         raise OptionError(
             "values= takes a one-dimensional, non-empty list of finite numbers, such as"
             " np.linspace(0.5, 1.0, 400)"
+        )
+    if isinstance(values, tuple) and grid.size == 2:
+        low, high = grid.tolist()
+        raise OptionError(
+            f"values = ({low:g}, {high:g}) looks like a range, and each value is needed here, such"
+            f" as np.linspace({low:g}, {high:g}, 400); for these two values alone give the list"
+            f" [{low:g}, {high:g}]"
         )
     return grid
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -16,6 +15,7 @@ from nonsmooth.analysis.regimes.regime_dataset import numbers_of
 from nonsmooth.analysis.regimes.regime_run import first_windows, settled_regimes
 from nonsmooth.analysis.settle import ParameterSets, said_of_start, settle
 from nonsmooth.errors import OptionError
+from nonsmooth.runs.crew import run_tasks
 from nonsmooth.runs.first_mode import explain_misfit
 from nonsmooth.runs.labels import with_doubts
 from nonsmooth.runs.runner import build_tables
@@ -82,8 +82,10 @@ def regime(
     parameters : mapping of str to float, optional
         Values of parameters that differ from those of the system.
     tolerance : float, optional
-        What counts as zero for a start, relative to the terms of the guard. Events and the accuracy
-        of the flow do not depend on it.
+        How near to zero a guard counts as zero at a start, relative to the size of its terms. A
+        start on a wall is seldom there to the last digit; within the tolerance it counts as on the
+        wall. You seldom need to change it: the accuracy of motions and events does not depend on
+        it.
     mode : str, optional
         Mode to start in, where several would fit; a cell, or a mode for any of its cells.
     t_start : float, optional
@@ -197,13 +199,22 @@ def regime(
     start = resolve_start(system, tables, initial, t_start, mode, parameters is not None)
     start = start_at_end(start)
     runner = SweepRunner(system, tolerance)
-    (verdict,), _ = settle(
-        runner,
-        threading.Event(),
+    found: list[Verdict] = []
+    task = partial(
+        settle,
         sets=ParameterSets(chosen, {}, start, mode),
         times=partial(first_windows, protocol),
         reduce=partial(settled_regimes, protocol),
     )
+    if not run_tasks(
+        [task],
+        lambda: runner,
+        threads=1,
+        label="regime",
+        keep=lambda _, done: found.extend(done[0]),
+    ):
+        raise KeyboardInterrupt
+    (verdict,) = found
     if verdict.label == INADMISSIBLE and verdict.transient_used == 0:
         raise OptionError(explain_misfit(system, tables, start, runner.segment.z))
     options = {**shared.recorded, "initial": said_of_start(initial)}

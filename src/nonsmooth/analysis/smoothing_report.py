@@ -125,8 +125,10 @@ def smoothing_report(
     parameters : mapping of str to float, optional
         Values of parameters that differ from those of the system.
     tolerance : float, optional
-        What counts as zero for a start, relative to the terms of the guard. Events and the accuracy
-        of the flow do not depend on it.
+        How near to zero a guard counts as zero at a start, relative to the size of its terms. A
+        start on a wall is seldom there to the last digit; within the tolerance it counts as on the
+        wall. You seldom need to change it: the accuracy of motions and events does not depend on
+        it.
 
     Returns
     -------

@@ -148,6 +148,27 @@ class VerbCommand(click.Command):
         self.get_params(ctx)
         return super().make_parser(ctx)
 
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Parse; an argument of Python that has another name here is told by that."""
+        try:
+            return super().parse_args(ctx, args)
+        except click.NoSuchOption as fault:
+            instead = self._instead(fault.option_name)
+            if instead:
+                fault.message = f"No such option {fault.option_name!r}: {instead}."
+                fault.possibilities = None
+            raise
+
+    def _instead(self, option: str) -> str:
+        """What stands for an argument of Python that is no option under its own name."""
+        name = option.lstrip("-").replace("-", "_")
+        called = self.entry.flags().get(name)
+        if called is not None:
+            return f"it is called {called} here, as in all commands"
+        if not any(name in parameters(verb) for verb, _ in self.entry.verbs):
+            return ""
+        return LEFT_OUT.get(name, "")
+
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write arguments, options of the verb, and those of pictures and files apart."""
         last: list[tuple[str, str]] = []

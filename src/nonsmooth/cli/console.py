@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from nonsmooth.errors import NonsmoothError, RunError
+from nonsmooth.errors import NonsmoothError, RunError, unknown_name
 
 __all__ = ["ENDED_EARLY", "INTERRUPTED", "MISUSE", "Commands", "print_table"]
 
@@ -21,6 +21,16 @@ _PIPE_WIDTH = 120  # characters; what reads a pipe has no screen to fit
 
 class Commands(click.Group):
     """Group of commands that turns what the library raises into a message and an exit code."""
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """The command that is called; for an unknown name the nearest one is told."""
+        name = args[0]
+        is_option = name.startswith("-")
+        if not is_option and not ctx.resilient_parsing and self.get_command(ctx, name) is None:
+            ctx.fail(unknown_name("command", name, self.list_commands(ctx)))
+        return super().resolve_command(ctx, args)
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run the command."""

@@ -82,10 +82,11 @@ CURES: dict[Status, str] = {
     Status.EVENT_LIMIT: (
         "impacts accumulate: more than 100 at one instant or 10000 events in one period. Does"
         " the reset reverse the speed? If it does, the motion comes to rest on the surface: give"
-        " the exit a mode for that, sticks='rest'. Where another mode or a jump has put the state"
-        " behind the surface, no reset of a speed leads back: let it be put before. Switches"
-        " without a reset accumulate where motion winds itself into the meeting of two surfaces:"
-        " smooth one of them"
+        " the exit a mode for that, sticks='rest'. If another mode or a reset has put the state"
+        " behind the surface, where the guard is negative, a reversed speed does not bring it back:"
+        " change that mode or reset so that the guard is not negative behind it. Switches without"
+        " a reset accumulate where the motion winds itself into the meeting of two surfaces: smooth"
+        " one of them"
     ),
     Status.STEP_LIMIT: (
         "the run hardly advances: more than a million looks at one flight, or steps so short that"
@@ -118,8 +119,9 @@ CURES: dict[Status, str] = {
         " motion comes through it in the direction that counts"
     ),
     Status.WORK_LIMIT: (
-        "the run has reached max_seconds= or max_events=; all until then is kept, and it goes on"
-        " from there when it is passed as initial="
+        "the run has reached max_seconds= or max_events=; all until then is kept. For more give"
+        " larger limits, or go on in Python by simulate(system, run, ...) with the result as the"
+        " start"
     ),
     Status.INTERRUPTED: "by the user; what was computed is kept",
 }

@@ -63,7 +63,9 @@ def band_noise(
     """
     first, last = positive("low", low, "Hz"), positive("high", high, "Hz")
     if last < first:
-        raise OptionError(f"the band ends at {last:g} Hz, below its beginning, {first:g} Hz")
+        raise OptionError(
+            f"high = {last:g} Hz: the band ends below its beginning, low = {first:g} Hz"
+        )
     size, drawn = positive("rms", rms, "m/s^2"), check_seed(seed)
     count, _ = sample_count(duration, last, samples_per_period)
     step = float(duration) / count  # the whole duration, if it holds no whole number of periods

@@ -10,8 +10,9 @@ from nonsmooth.analysis.lyapunov_spectrum import lyapunov_spectrum
 from nonsmooth.analysis.options import check_seed
 from nonsmooth.errors import OptionError, is_known, unknown_name
 from nonsmooth.excitation.record import Excitation, sample_count
-from nonsmooth.fatigue.checks import finite, positive
+from nonsmooth.fatigue.checks import finite, flag, positive
 from nonsmooth.models.duffing import duffing as oscillator
+from nonsmooth.runs.options import whole_number
 from nonsmooth.runs.simulate import simulate
 from nonsmooth.system.system import System
 
@@ -109,10 +110,11 @@ def duffing(
     if not is_known(variable, _VARIABLES):
         raise OptionError(unknown_name("variable", str(variable), _VARIABLES))
     size = positive("rms", rms, "m/s^2")
+    flag("require_chaos", require_chaos)
     system = oscillator(omega=omega, delta=delta, alpha=alpha, beta=beta, gamma=gamma)
     rng = np.random.default_rng(check_seed(seed))
     x0, v0 = (float(number) for number in rng.uniform(-1.0, 1.0, 2))
-    before = _run(system, {"x": x0, "v": v0}, periods=int(positive("transient", transient)))
+    before = _run(system, {"x": x0, "v": v0}, periods=whole_number("transient", transient))
     look = _run(system, before, periods=_LOOK, samples_per_period=32)
     dominant = _dominant(look, variable, float(omega))
     scale = positive("frequency", frequency, "Hz") / dominant

@@ -60,8 +60,8 @@ def harmonic(
     turns = duration * frequency
     if abs(turns - round(turns)) > 1e-9 * turns:
         raise OptionError(
-            f"{duration:g} s hold {turns:.9g} periods of {frequency:g} Hz; give a duration of a"
-            " whole number of them"
+            f"duration = {duration:g} s holds {turns:.9g} periods of frequency = {frequency:g} Hz;"
+            " give a duration of a whole number of them"
         )
     angle = 2.0 * np.pi * (np.arange(count) % samples_per_period) / samples_per_period
     values = size * np.sin(angle + finite("phase", phase))

@@ -10,11 +10,11 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import OptionError, is_known
 from nonsmooth.excitation.equal_power import equal_power, power_ratio
 from nonsmooth.excitation.record import MEASURES, Excitation, check_excitation
 from nonsmooth.excitation.shaken_specimen import ShakenSpecimen
-from nonsmooth.fatigue.checks import positive, record_values
+from nonsmooth.fatigue.checks import finite, listed, positive, record_values
 from nonsmooth.fatigue.closure import NewmanClosure
 from nonsmooth.fatigue.cycles import count_cycles
 from nonsmooth.fatigue.growth_laws import GrowthLaw
@@ -226,14 +226,23 @@ def spread_of_life_ratio(
     ('mean_load', 'damping', 'record', 'measure', 'law')
     """
     lengths = _lengths(cracks)
-    _check(rig, {"reference": reference, **records}, laws, measures, lowest)
+    for name, given in (("records", records), ("laws", laws)):
+        if not isinstance(given, Mapping):
+            raise OptionError(f"{name} = {given!r:.60}: give a mapping of names to {name}")
+    mean_loads = listed("mean_loads", mean_loads, "forces in N")
+    dampings = listed("dampings", dampings, "damping ratios")
+    measures = listed("measures", measures, "measures of power")
+    means = [finite(f"mean_loads[{i}]", value) for i, value in enumerate(mean_loads)]
+    ratios = [positive(f"dampings[{i}]", value) for i, value in enumerate(dampings)]
+    _check(rig, {"reference": reference}, {}, measures, lowest)
+    _check(rig, {f"records[{k!r}]": one for k, one in records.items()}, laws, measures, lowest)
     options: dict[str, Any] = {"initial": float(lengths[0]), "final": float(lengths[-1]),
                                "toughness": toughness, "closure": closure}  # fmt: skip
-    shape = (len(mean_loads), len(dampings), len(records), len(measures), len(laws))
+    shape = (len(means), len(ratios), len(records), len(measures), len(laws))
     ratio = np.full(shape, np.nan)
-    for i, mean in enumerate(mean_loads):
-        for j, damping in enumerate(dampings):
-            own = replace(rig, mean_load=float(mean), damping=float(damping))
+    for i, mean in enumerate(means):
+        for j, damping in enumerate(ratios):
+            own = replace(rig, mean_load=mean, damping=damping)
             base = scaled_to_load(own, reference, lengths[0], load_amplitude, transient)
             first = answer(own, base, lengths, transient)
 
@@ -250,8 +259,8 @@ def spread_of_life_ratio(
                         for law in laws.values()
                     ]  # fmt: skip
     coords: dict[str, Any] = {
-        "mean_load": ("mean_load", list(map(float, mean_loads)), {"units": "N"}),
-        "damping": list(map(float, dampings)),
+        "mean_load": ("mean_load", means, {"units": "N"}),
+        "damping": ratios,
         "record": list(records),
         "measure": list(measures),
         "law": list(laws),
@@ -277,7 +286,7 @@ def _check(
     for name, record in records.items():
         check_excitation(name, record)
         for measure in measures:
-            if measure in MEASURES:
+            if is_known(measure, MEASURES):
                 record.power(measure, lowest=lowest)
     for law in laws.values():
         check_law(law)

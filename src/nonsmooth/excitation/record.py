@@ -272,7 +272,8 @@ def sample_count(duration: Any, frequency: Any, samples_per_period: Any) -> tupl
     count = round(span * cycles * per)
     if per < 8 or not _FEWEST <= count <= 190_000:
         raise OptionError(
-            f"{count} samples, {per:g} in a period: a signal needs 8 in a period and 190,000 in"
-            " all at most; change duration= or samples_per_period="
+            f"duration = {span:g} s of frequency = {cycles:g} Hz has {count:.6g} samples,"
+            f" {per:g} in a period: a signal needs 8 in a period and 190,000 in all at most;"
+            " change duration= or samples_per_period="
         )
     return count, 1.0 / (cycles * per)

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import fields
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.errors import ModelError, OptionError
+from nonsmooth.errors import ModelError, NonsmoothError, OptionError
 from nonsmooth.real_numbers import finite_real
 
 __all__ = [
@@ -21,6 +21,7 @@ __all__ = [
     "finite_number",
     "flag",
     "like",
+    "listed",
     "number_array",
     "positive",
     "real_numbers",
@@ -30,6 +31,7 @@ __all__ = [
 ]
 
 Array = npt.NDArray[np.float64]
+_REACH = 1e60  # largest size, and the inverse of the least
 
 
 def set_numbers(thing: Any, positive: Mapping[str, str]) -> None:
@@ -42,6 +44,7 @@ def set_numbers(thing: Any, positive: Mapping[str, str]) -> None:
     for name, reason in positive.items():
         if getattr(thing, name) <= 0.0:
             raise ModelError(f"{name} = {getattr(thing, name):g} must be positive: {reason}")
+        _in_reach(name, getattr(thing, name), ModelError)
 
 
 def finite_number(name: str, value: Any) -> float:
@@ -59,7 +62,21 @@ def positive(name: str, value: Any, unit: str = "") -> float:
     number = finite(name, value)
     if number <= 0.0:
         raise OptionError(f"{name} = {number:g}{unit and ' ' + unit}: it must be above zero")
+    _in_reach(name, number, OptionError)
     return number
+
+
+def _in_reach(name: str, number: float, error: type[NonsmoothError]) -> None:
+    """Refuse sizes whose powers no double holds."""
+    if not 1.0 / _REACH <= number <= _REACH:
+        raise error(f"{name} = {number:g} is no size of anything; check its unit")
+
+
+def listed(name: str, values: Any, what: str) -> list[Any]:
+    """The entries of a list, or an error that says ``what`` they are to be."""
+    if isinstance(values, str | bytes | Mapping) or not isinstance(values, Iterable):
+        raise OptionError(f"{name} = {values!r:.60}: give a list of {what}")
+    return list(values)
 
 
 def flag(name: str, value: Any) -> bool:

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.errors import OptionError, unknown_name
-from nonsmooth.fatigue.checks import Array
+from nonsmooth.errors import OptionError, is_known, unknown_name
+from nonsmooth.fatigue.checks import Array, listed
 from nonsmooth.fatigue.closure import NewmanClosure, closure_text
 from nonsmooth.fatigue.compared_lives import check_tests, predicted_lives
 from nonsmooth.fatigue.growth_laws import Paris, Walker
@@ -198,10 +198,11 @@ def _free(free: Any, law: Any, n_tests: int) -> list[str]:
     if law.threshold > 0.0:
         raise OptionError("a law with a threshold is not fitted: lives below it are infinite")
     known = ["C", "m"] + (["gamma"] if isinstance(law, Walker) else [])
-    for name in free:
-        if name not in known:
-            raise OptionError(unknown_name("constant", str(name), known))
-    names = [name for name in known[1:] if name in free]
+    wanted = listed("free", free, "names of constants, such as ('C', 'm')")
+    for name in wanted:
+        if not is_known(name, known):
+            raise OptionError(f"free: {unknown_name('constant', str(name), known)}")
+    names = [name for name in known[1:] if name in wanted]
     if len(names) + 1 > n_tests:
         raise OptionError(f"{len(names) + 1} constants need as many tests; {n_tests} came")
     return names

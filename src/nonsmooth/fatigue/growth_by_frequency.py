@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError
-from nonsmooth.fatigue.checks import positive, record_values
+from nonsmooth.fatigue.checks import number_array, positive, record_values
 from nonsmooth.fatigue.closure import NewmanClosure, effective_range
 from nonsmooth.fatigue.growth_laws import GrowthLaw
 from nonsmooth.fatigue.growth_rate import StressIntensity, check_law, intensity
@@ -81,10 +81,11 @@ def growth_by_frequency(
     """
     import xarray as xr
 
-    if "cycle" not in cycles.dims or "duration" not in cycles.attrs:
-        raise OptionError("give a result of count_cycles")
+    is_data = isinstance(cycles, xr.Dataset)
+    if not is_data or "cycle" not in cycles.dims or "duration" not in cycles.attrs:
+        raise OptionError(f"cycles = {cycles!r:.60}: give a result of count_cycles")
     check_law(law)
-    inner = np.atleast_1d(np.asarray(edges, dtype=float))
+    inner = np.atleast_1d(number_array("edges", edges))
     if inner.size > 1:
         inner = record_values("edges", inner)
     if np.any(np.diff(inner) <= 0.0) or not np.all(inner > 0.0):

@@ -30,11 +30,11 @@ Loads = Any  # LoadBlock, LoadTable, or a function of the crack that gives a Loa
 _AT_ONCE = 2_000_000  # numbers
 
 
-def check_loads(loads: Loads) -> None:
+def check_loads(loads: Loads, name: str = "loads") -> None:
     """Refuse what is no load."""
     if not isinstance(loads, LoadBlock | LoadTable) and not callable(loads):
         raise OptionError(
-            f"loads = {loads!r:.60}: give a LoadBlock, a LoadTable, or a function of the length of"
+            f"{name} = {loads!r:.60}: give a LoadBlock, a LoadTable, or a function of the length of"
             " the crack in mm that gives a LoadBlock"
         )
 

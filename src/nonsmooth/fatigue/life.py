@@ -238,7 +238,7 @@ def life(
 
 
 def _lengths(initial: Any, final: Any) -> tuple[float, float]:
-    first, last = positive("initial", initial, "mm"), finite("final", final)
+    first, last = positive("initial", initial, "mm"), positive("final", final, "mm")
     if last <= first:
         raise OptionError(
             f"final = {last:g} mm is not above initial = {first:g} mm: cracks do not heal"

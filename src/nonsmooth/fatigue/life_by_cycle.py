@@ -83,7 +83,9 @@ def life_by_cycle(
     (160, 158)
     """
     if not isinstance(loads, LoadBlock):
-        raise OptionError("life_by_cycle takes one LoadBlock, the same at every length")
+        raise OptionError(
+            f"loads = {loads!r:.60}: life_by_cycle takes one LoadBlock, the same at every length"
+        )
     check_law(law)
     first, last = _lengths(initial, final)
     most = _whole(most_cycles)

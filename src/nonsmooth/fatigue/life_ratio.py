@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from nonsmooth.fatigue.closure import NewmanClosure
 from nonsmooth.fatigue.growth_laws import GrowthLaw
-from nonsmooth.fatigue.growth_rate import Loads, StressIntensity
+from nonsmooth.fatigue.growth_rate import Loads, StressIntensity, check_loads
 from nonsmooth.fatigue.life import life
 
 if TYPE_CHECKING:
@@ -74,6 +74,7 @@ def life_ratio(
 
     options: dict[str, Any] = {"initial": initial, "final": final, "toughness": toughness,
                                "closure": closure}  # fmt: skip
+    check_loads(reference, "reference")
     first = life(stress_intensity, law, reference, **options)
     second = life(stress_intensity, law, loads, **options)
     kept = ("law", "source", "closure", "initial", "final")

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from nonsmooth.errors import OptionError
-from nonsmooth.fatigue.checks import Array, record_values
+from nonsmooth.fatigue.checks import Array, listed, record_values
 from nonsmooth.fatigue.load_block import LoadBlock
 
 __all__ = ["LoadTable"]
@@ -47,12 +47,13 @@ class LoadTable:
 
     def __post_init__(self) -> None:
         lengths = record_values("cracks", self.cracks)
-        blocks = tuple(self.blocks)
+        blocks = tuple(listed("blocks", self.blocks, "LoadBlocks, one for each length"))
         if np.any(np.diff(lengths) <= 0.0):
             raise OptionError("cracks must increase, in mm")
         if len(blocks) != lengths.size or not all(isinstance(b, LoadBlock) for b in blocks):
             raise OptionError(
-                f"{lengths.size} lengths of the crack need as many LoadBlocks; {len(blocks)} came"
+                f"blocks: {lengths.size} lengths of the crack need as many LoadBlocks, and"
+                f" {len(blocks)} entries came"
             )
         object.__setattr__(self, "cracks", lengths)
         object.__setattr__(self, "blocks", blocks)

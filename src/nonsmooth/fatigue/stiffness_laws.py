@@ -18,7 +18,7 @@ from __future__ import annotations
 from typing import Any
 
 from nonsmooth.errors import OptionError
-from nonsmooth.fatigue.checks import Array, crack_lengths, finite_array, like
+from nonsmooth.fatigue.checks import Array, crack_lengths, finite_array, like, positive
 from nonsmooth.fatigue.compliance import TERMS, beam_part
 from nonsmooth.fatigue.expression_text import expression_text
 from nonsmooth.fatigue.specimen import Specimen
@@ -250,4 +250,4 @@ def _positive(name: str, value: Any) -> float:
     number: Array = finite_array(name, value)
     if number.ndim or number <= 0.0:
         raise OptionError(f"{name} = {value!r:.60} must be one positive number")
-    return float(number)
+    return positive(name, value)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from nonsmooth.errors import with_known_arguments as _with_known_arguments
 from nonsmooth.models.belt_oscillator import belt_oscillator
 from nonsmooth.models.bouncing_ball import bouncing_ball
 from nonsmooth.models.brake_mode_coupling import brake_mode_coupling
@@ -82,3 +83,12 @@ __all__ = [
     "static_contact",
     "trilinear",
 ]
+
+# once for all of them, and not in each file
+for _name in __all__:
+    _made = globals()[_name]
+    if isinstance(_made, type):
+        setattr(_made, "__init__", _with_known_arguments(vars(_made)["__init__"]))  # noqa: B010
+    else:
+        globals()[_name] = _with_known_arguments(_made)
+        globals()[_name].__module__ = __name__  # where pickle finds it

@@ -21,7 +21,12 @@ from nonsmooth.periodic_orbits.newton import solve_orbit
 from nonsmooth.periodic_orbits.onto import chatters
 from nonsmooth.periodic_orbits.stretch import BranchStart, BranchStretch
 from nonsmooth.periodic_orbits.word import Word
-from nonsmooth.periodic_orbits.word_change import Change, changes_at_once, changes_of_word
+from nonsmooth.periodic_orbits.word_change import (
+    Change,
+    changes_at_once,
+    changes_of_word,
+    vanishing_leg,
+)
 from nonsmooth.system.system import System
 
 __all__ = ["broken_test", "change_at", "end_at"]
@@ -42,6 +47,11 @@ _ENDS = {
 _AT_BORDER = {
     "crossing_sliding": "ends where a surface is crossed at the border of the part that slides",
     "switching_sliding": "ends where the part of a surface that slides begins",
+}
+_TOUCHES = {
+    "graze": "touches {}",
+    "rate": "comes with zero speed to {}",
+    "corner": "reaches {} just as it ends",
 }
 _MOST_TELLING = ("shrink", "slide", "short", "leg", "gain", "enter", "graze", "rate", "corner")
 _TOGETHER = 1e-8  # a test that vanishes at the same point as another one
@@ -249,7 +259,8 @@ def _by_change_of_word(
             continue
         if passes:
             return start, part_of(stretch, looked, point, along, "section", "")
-        start.detail = _detail(stretch, name, start, point)
+        leg = vanishing_leg(stretch.equations, looked.turn, name)
+        start.detail = _detail(stretch, leg, start, point)
         touched = _touched(stretch, start) if what_of(name) == "short" else ""
         if touched:  # the graze is located from the other side
             start.grows, start.located = touched, True
@@ -342,7 +353,7 @@ def _detail(stretch: BranchStretch, name: str, start: BranchStart, point: Point)
     kind, *numbers = name.split(":")
     k = int(numbers[0]) if numbers and numbers[0].isdigit() else 0
     mode = system.mode_names[word.modes[k]]
-    exits = system.compiled.exit_names
+    forms = system.structure.running
     what = {
         "short": f"leg {k + 1} ({mode}) vanishes",
         "leg": f"leg {k + 1} ({mode}) vanishes",
@@ -353,10 +364,10 @@ def _detail(stretch: BranchStretch, name: str, start: BranchStart, point: Point)
     if start.kind in _AT_BORDER:
         k -= kind in ("leg", "rate") and k > 0
         what = f"leg {k + 1} ({system.mode_names[word.modes[k]]}) {_AT_BORDER[start.kind]}"
-    elif kind in ("graze", "rate", "corner"):
+    elif kind in _TOUCHES:
         e = word.paths[k][0] if kind == "rate" else int(numbers[1])
-        at_end = "" if kind == "graze" else " at its end"
-        what = f"leg {k + 1} ({mode}) touches {exits[word.modes[k]][e]!r}{at_end}"
+        touched = _TOUCHES[kind].format(forms[word.modes[k]].exit_in_words(e))
+        what = f"leg {k + 1} ({mode}) {touched}"
     # at the border of what slides an orbit is there on either side
     turns = start.kind not in _AT_BORDER and start.direction[1] * point.tangent_p < 0.0
     way = "the branch turns back" if turns else "the branch goes on"

@@ -38,7 +38,7 @@ from nonsmooth.periodic_orbits.onto import (
 )
 from nonsmooth.periodic_orbits.word import Word, shortest_paths
 
-__all__ = ["Change", "changes_at_once", "changes_of_word"]
+__all__ = ["Change", "changes_at_once", "changes_of_word", "vanishing_leg"]
 
 Integers = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
@@ -130,7 +130,7 @@ def changes_of_word(equations: OrbitEquations, turn: Turn, name: str) -> list[Ch
 
     The legs of the equations stand for the parameters of the point.
     """
-    name = _vanishing_leg(equations, turn, name)
+    name = vanishing_leg(equations, turn, name)
     kind, *numbers = name.split(":")
     if name == "leg:last":
         return [_section_before_last(equations, turn)]
@@ -158,23 +158,24 @@ def changes_of_word(equations: OrbitEquations, turn: Turn, name: str) -> list[Ch
     return []
 
 
-def _vanishing_leg(equations: OrbitEquations, turn: Turn, name: str) -> str:
+def vanishing_leg(equations: OrbitEquations, turn: Turn, name: str) -> str:
     """The leg behind a surface where it vanishes together with what keeps motion on it or off.
 
-    A leg that leaves a surface and comes back to it has a duration, and a rate at its end, that
-    vanish together: rounding decides whose zero is found first.
+    A leg that leaves a surface and comes back to it has a duration, a rate at its end, and a rate
+    behind it, that vanish together: rounding decides whose zero is found first.
     """
     kind, *numbers = name.split(":")
     if kind not in ("slide", "enter", "rate"):
         return name
     word, k = equations.word, int(numbers[0])
-    if kind != "rate":
-        k = (k + 1) % len(word)
-    elif word.last_target(equations.legs.tables.wiring, k) == word.modes[k]:
+    if kind == "rate" and word.last_target(equations.legs.tables.wiring, k) == word.modes[k]:
         return name  # an impact that is only touched
+    behind = (k + 1) % len(word)
     length = float(turn.instants[-1] - turn.instants[0])
-    gone = abs(float(turn.durations[k])) <= _GONE * length and bool(word.paths[k])
-    return f"leg:{k}" if gone else name
+    for leg in {"slide": (behind,), "enter": (behind, k), "rate": (k,)}[kind]:
+        if abs(float(turn.durations[leg])) <= _GONE * length and word.paths[leg]:
+            return f"leg:{leg}"
+    return name
 
 
 def _section_behind_first(equations: OrbitEquations, turn: Turn) -> Change:

@@ -25,6 +25,7 @@ _SHARE, _MOST_SHARE = 0.36, 0.46  # of the height of the axes, for the legend; i
 _SMALLEST, _STEP = 5.5, 0.5  # letters in points
 _BROAD = 3.0  # points from which a line is there for its colour only
 _FREE_ROWS, _MOST_ROWS = 2, 12  # for which a figure is as high as without; that it grows for
+_USUAL_ROWS = 6  # that it grows for before letters get smaller
 _SEEN = {".": 5.0}  # diameters from which marks are seen in a legend, in points
 _SEEN_ELSE = 3.0
 
@@ -58,7 +59,8 @@ def place_legend(
     entries : sequence of matplotlib.artist.Artist, optional
         What the legend shows with its label, in place of all that the axes have labels for.
     may_grow : bool, optional
-        Whether the figure is made taller for a long legend: one of our own with single axes.
+        Whether the figure is made taller for a long legend: one of our own with single axes. Up
+        to six rows keep the size of the letters.
 
     Examples
     --------
@@ -155,13 +157,14 @@ def _layout(
     while True:
         last = size - _STEP < _SMALLEST
         share = _MOST_SHARE if last else _SHARE
-        most = _MOST_ROWS if may_grow else max(1, int(share * height / (_ROW * size)))
+        most = _USUAL_ROWS if may_grow else max(1, int(share * height / (_ROW * size)))
         columns = _columns(groups, widths, width / size)
         if max(columns) > most:  # without regard to what belongs together
             columns = _columns([len(labels)], widths, width / size)
         if max(columns) <= most or last:
             break
         size -= _STEP
+    most = max(most, _MOST_ROWS * may_grow)
     if len(columns) == 1:
         letters = max(8, int((width / size - _HANDLE - _SPACE) / _LETTER))
         labels = [label if "$" in label else fill(label, letters) for label in labels]

@@ -116,6 +116,8 @@ def _orbit(run: Any, x: str, y: str, periods: float | None) -> Any:
     length = finite_number("periods", periods) * float(run.attrs["period"])
     if length <= 0.0:
         raise OptionError(f"periods = {periods} must be positive")
+    if run.sizes["time"] == 1:  # a point, which is all there is
+        return curve(run, names).values
     last = float(run["time"][-1])
     first = max(last - length, float(run["time"][0]))
     return curve(run, names, check_range(run, (first, last))).values

@@ -94,9 +94,8 @@ def run_tasks(
                     break
                 try:
                     i, result, fault = take(results)
-                except Empty:
-                    if measure is not None:
-                        progress.update(measure()[0])
+                except Empty:  # a first task may take long
+                    progress.update(done_so_far if measure is None else measure()[0])
                     continue
                 under_way -= 1
                 if fault is not None:

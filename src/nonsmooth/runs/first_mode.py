@@ -77,11 +77,22 @@ def _faults_of(system: System, tables: Tables, start: Start, z: Floats, m: int) 
             # a force that is asked for where the state is not on its surface says nothing
             if not slaved and not value >= 0.0:
                 faults.append(derived[e])
+        elif value < 0.0 and forms.is_surface(e):
+            faults.append(_other_side(forms, e, value))
         elif value < 0.0:
             faults.append(f"guard {guard!r} is {value:.6g}, it must not be negative")
         elif not math.isfinite(value):
             faults.append(f"guard {guard!r} is not a finite number there")
     return faults + slaved
+
+
+def _other_side(forms: ModeForms, e: int, value: float) -> str:
+    """What is wrong where a start lies on the other side of a surface than a cell."""
+    name = forms.equations.exits[e].name
+    above = dict(forms.sides)[name] == "+"
+    side = ">" if above else "<"
+    there = value if above else -value
+    return f"{name} ({forms.surfaces[name]}) is {there:.6g}, and this cell has {name} {side} 0"
 
 
 def _derived_guards(system: System, forms: ModeForms) -> dict[int, str]:

@@ -16,7 +16,10 @@ _PATIENCE = 1.0  # seconds before a bar appears
 
 
 class Progress:
-    """Context that shows how much of a known amount of work is done."""
+    """Context that shows how much of a known amount of work is done.
+
+    Of one task only that it is under way: it is not known how much of it is done.
+    """
 
     def __init__(self, label: str, total: float) -> None:
         self.label = label
@@ -38,7 +41,9 @@ class Progress:
             from rich.progress import Progress as RichProgress
 
             self._bar = RichProgress(console=Console(stderr=True), transient=True)
-            self._task = self._bar.add_task(self.label, total=self.total)
+            self._task = self._bar.add_task(
+                self.label, total=self.total if self.total > 1 else None
+            )
             self._bar.start()
         self._bar.update(self._task, completed=done)
 

@@ -20,6 +20,7 @@ from nonsmooth.system.model.evaluated import EvaluatedSystem
 from nonsmooth.system.model.explain import explanation
 from nonsmooth.system.model.matrices import matrix_words
 from nonsmooth.system.model.name_checks import check_kinds, check_words, modes_of
+from nonsmooth.system.model.structures import first_order
 from nonsmooth.system.model.toml_reading import read_system
 from nonsmooth.system.model.toml_writing import system_to_toml
 from nonsmooth.system.model.value_checks import check_structure, check_values
@@ -200,17 +201,21 @@ class System(EvaluatedSystem):
     @classmethod
     def from_matrices(
         cls,
-        matrix: Any,
+        matrix: Any = None,
         offset: Any = None,
         *,
+        mass: Any = None,
+        damping: Any = None,
+        stiffness: Any = None,
+        force: Any = None,
         exits: Any = (),
         states: Sequence[str] | None = None,
         **rest: Any,
     ) -> System:
-        """Make a system x' = A x + b(t) from arrays, one pair (A, b) for each mode.
+        """Make a system x' = A x + b(t), or M x'' + C x' + K x = f(t), from arrays.
 
         The numbers are written into the texts of the flow so that no digit is lost, and
-        zeros are left out.
+        zeros are left out. Each mode may have arrays of its own.
 
         Parameters
         ----------
@@ -221,10 +226,18 @@ class System(EvaluatedSystem):
             b, with an entry for each state: a number, or a text such as
             ``"F*cos(omega*t)"``. A mapping gives one for each mode; a mode that it leaves
             out has none.
+        mass, stiffness : array_like or mapping of str to array_like, optional
+            M and K, in place of ``matrix``: square, with a row for each degree of freedom. M must
+            have an inverse.
+        damping : array_like or mapping of str to array_like, optional
+            C; zero where it is not given.
+        force : sequence of float or str, or mapping of str to that, optional
+            f, in place of ``offset``: a number or a text for each degree of freedom.
         exits : sequence of Exit, or mapping of str to that, optional
             Ways out of each mode.
         states : sequence of str, optional
-            Names of the states; by default ``x1``, ``x2``, ...
+            Names of the states; by default ``x1``, ``x2``, ... With ``mass`` these are the
+            positions, and the velocities ``v1``, ``v2``, ... follow.
         **rest
             ``parameters``, ``period``, ``outputs``, and all else that `System` takes.
 
@@ -253,12 +266,33 @@ class System(EvaluatedSystem):
         ... )
         >>> wall.modes["flow"].flow["v"]
         '-4.0*x - 0.5*v + F*cos(omega*t)'
+
+        Two masses on springs, of which the first is shaken:
+
+        >>> frame = ns.System.from_matrices(
+        ...     mass=[[2.0, 0.0], [0.0, 1.0]],
+        ...     stiffness=[[300.0, -100.0], [-100.0, 100.0]],
+        ...     force=["F*cos(omega*t)", 0],
+        ...     parameters={"F": 40.0, "omega": 7.0},
+        ...     period="2*pi/omega",
+        ... )
+        >>> frame.states, frame.modes["flow"].flow["v1"]
+        (('x1', 'x2', 'v1', 'v2'), '-150.0*x1 + 50.0*x2 + 0.5*(F*cos(omega*t))')
         """
         if "modes" in rest or "equations" in rest:
             raise ModelError(
                 "modes: from_matrices makes the modes; name them by a mapping in matrix, offset or"
                 " exits"
             )
+        if mass is not None or stiffness is not None or damping is not None or force is not None:
+            if matrix is not None or offset is not None:
+                raise ModelError(
+                    "matrix: give matrix= with offset=, for x' = A x + b, or mass= and stiffness="
+                    " with force=, for M x'' + C x' + K x = f; not some of both"
+                )
+            matrix, offset, n = first_order(mass, damping, stiffness, force, exits)
+            if states is None:
+                states = [f"{letter}{i + 1}" for letter in "xv" for i in range(n)]
         return cls(**matrix_words(matrix, offset, exits, states), **rest)
 
     @classmethod

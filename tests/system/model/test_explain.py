@@ -201,3 +201,46 @@ def test_an_empty_name_and_nothing_that_flows():
         "system", "states", "x", "period none declared", "", "mode m: exact linear",
         "slaved", "x = 2",
     ]  # fmt: skip
+
+
+def test_what_is_not_linear_in_a_cell_is_told_as_it_was_written():
+    text = told(
+        System(
+            states=["x", "v"],
+            definitions={"u": "x - clip(x, -1, 1)"},
+            equations={"x": "v", "v": "-u**3"},
+        )
+    )
+    assert "a product of states is not linear, in equations['v'] = '-u**3'" in text
+    assert "min(" not in text
+
+
+STICKING = {
+    "states": ["x", "vx", "y", "vy"],
+    "surfaces": {"slip": ns.Surface("vy - vx", on="stick")},
+    "definitions": {"friction": "0.3*sign(slip)"},
+}
+
+
+def test_no_equation_is_blamed_for_motion_along_a_surface():
+    text = told(
+        System(
+            equations={"x": "vx", "vx": "-x**3 + friction", "y": "vy", "vy": "-friction"},
+            **STICKING,
+        )
+    )
+    assert "in equations['vx'] = '-x**3 + friction'" in text
+    stick = text[text.index("cell flow[0]") :]
+    assert "not linear, in the equations of the motion along the surface" in stick
+
+
+def test_bodies_that_stick_together_are_named_together():
+    text = told(
+        System(
+            equations={"x": "vx", "vx": "-x + friction", "y": "vy", "vy": "-friction"},
+            **STICKING,
+        )
+    )
+    stick = rows(text[text.index("cell flow[0]") :])
+    (row,) = [line for line in stick if "oscillates" in line]
+    assert row.startswith("x, vx, vy oscillates")

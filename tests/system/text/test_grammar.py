@@ -319,6 +319,8 @@ def test_joined_conditions_are_choices_in_a_row():
         ("-|a|*b", 1, "write a size as abs"),
         ("a if a > 0 else b", 2, "write a choice as where"),
         ("where(!(a > 1), 1, 2)", 6, "write not"),
+        ("where(a == 0, 1, 2)", 8, "'==' has no meaning here; .* compare by <, <=, > or >="),
+        ("where(a != 0, 1, 2)", 8, "'!=' has no meaning here; .* compare by <, <=, > or >="),
         ("a > 1 and b > 1", 2, "first argument of where"),
         ("a and b", 2, "first argument of where"),
         ("max(a or b, 1)", 6, "'or' joins comparisons"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -182,9 +183,15 @@ def share_error(share: Any, count: int) -> Any:
     return np.sqrt(share * (1.0 - share) / max(1, count))
 
 
-def search_message(what: str, unsettled: int, ended: int, found: int) -> str:
-    """What a finished search has to say of its starts or cells."""
-    said = []
+def search_message(what: str, unsettled: int, ended: int, attractors: Sequence[Attractor]) -> str:
+    """What a finished search has to say of its starts or cells, and of what it has found."""
+    said, found = [], len(attractors)
+    slow = sum(each.kind == "aperiodic" and each.exponent < 0.0 for each in attractors)
+    if slow:
+        said.append(
+            f"{slow} of {found} attractors are aperiodic with an exponent below zero, so their"
+            " motions converge, perhaps to a long cycle: raise longest= and record="
+        )
     if unsettled:
         said.append(
             f"{unsettled} {what} came to no attractor: they stay on a motion that is not stable, or"

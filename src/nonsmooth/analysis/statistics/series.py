@@ -17,6 +17,7 @@ from nonsmooth.system.system import System
 __all__ = ["Series", "drifts", "series_of", "slow_names", "uniform_step"]
 
 _SAME = 1e-6  # of a step, between samples that count as equidistant
+_LARGEST = 1e100  # of the numbers of a series
 
 Vector = npt.NDArray[np.float64]
 
@@ -93,7 +94,11 @@ def uniform_step(series: Series) -> float:
     """Time between samples, which must be equidistant."""
     assert series.times is not None
     steps = np.diff(series.times)
-    if steps.size == 0 or steps.max() - steps.min() > _SAME * steps.mean():
+    if steps.size == 0:
+        raise OptionError(
+            f"{series.times.size} samples are too few for a step between them; take a longer run"
+        )
+    if steps.max() - steps.min() > _SAME * steps.mean():
         raise OptionError(
             "the samples are not equidistant; simulate with samples_per_period=, or with"
             " equidistant times="
@@ -108,6 +113,11 @@ def _numbers(values: Any) -> Vector:
         raise OptionError(f"data = {values!r:.60}: give a run, or a list of numbers") from None
     if numbers.ndim != 1 or not np.all(np.isfinite(numbers)):
         raise OptionError("data: give numbers in one dimension, all of them finite")
+    if np.any(np.abs(numbers) > _LARGEST):
+        raise OptionError(
+            f"data: there are numbers above {_LARGEST:g}, whose squares no double holds; take"
+            " another unit"
+        )
     return numbers
 
 

@@ -6,12 +6,13 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
+from nonsmooth.engine.tables import FREE, RESTING
 from nonsmooth.errors import ModelError
 from nonsmooth.system.algebra.differentiate import derivative
 from nonsmooth.system.algebra.graph import Graph
 from nonsmooth.system.algebra.linear import LinearForm, NotLinear
 from nonsmooth.system.algebra.quadratic import quadratic
-from nonsmooth.system.cells.pieces import Piece
+from nonsmooth.system.cells.pieces import RELEASE, Piece
 from nonsmooth.system.equations.equation import Equation
 from nonsmooth.system.equations.linear_mode import LinearReader, NonlinearText
 from nonsmooth.system.equations.mode_equations import ExitEquations, ModeEquations
@@ -22,6 +23,7 @@ from nonsmooth.system.text.grammar import point_at
 __all__ = ["ExitForms", "Forms", "ModeForms"]
 
 T = TypeVar("T")
+_SHOWN = 100  # letters of an equation up to which it is repeated
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,6 +75,7 @@ class ModeForms:
     ``nonlinear`` says what keeps a mode from being linear. A mode with piecewise
     texts runs as several, its cells: ``parent`` is the name of all of them, ``name``
     that of one, ``label`` what results call it, ``sides`` its surfaces with their signs.
+    ``surfaces`` are the switching functions as texts.
     ``kind`` tells cells on a surface and modes at rest from others; ``declared`` is the mode whose
     texts these are. Exits from ``n_searched`` on lead ``onto`` the surfaces of others.
     """
@@ -96,6 +99,7 @@ class ModeForms:
         self.cell = cell
         self.kind = piece.kind
         self.sides = tuple(mode.surfaces_of(cell))
+        self.surfaces = {surface: mode.text_of(surface) for surface in mode.nodes}
         self.equations = equations = piece.equations
         self.resolver = resolver = piece.resolver
         self.targets = tuple(
@@ -135,6 +139,25 @@ class ModeForms:
     def exit_names(self) -> tuple[str, ...]:
         """Names of the exits in the order in which they are tried."""
         return tuple(way.name for way in self.equations.exits)
+
+    def exit_in_words(self, number: int) -> str:
+        """An exit by its name and what the user has written for it; of sliding and rest in words.
+
+        The guards that end sliding and rest are derived, and nobody would know them again.
+        """
+        way = self.equations.exits[number]
+        if number < 2 * len(self.cell.on):
+            return f"the limit of what the surface {way.name!r} holds"
+        if self.is_surface(number):
+            return f"the surface {way.name!r} ({self.surfaces[way.name]} = 0)"
+        if way.guard.where.endswith(f", {RELEASE}"):
+            return "the limit at which nothing presses any more"
+        return f"{way.name!r} ({way.guard.text} = 0)"
+
+    def is_surface(self, number: int) -> bool:
+        """Whether an exit leads through a surface of a piecewise text, and is none of the mode."""
+        way = self.equations.exits[number]
+        return way.name in self.surfaces and not way.guard.where.endswith(".guard")
 
     @property
     def all_forms(self) -> list[LinearForm]:
@@ -207,10 +230,21 @@ class ModeForms:
 
     @property
     def reason(self) -> str:
-        """What makes the mode nonlinear, in words; empty for a linear one."""
+        """What makes the mode nonlinear, in words; empty for a linear one.
+
+        A cell reads piecewise texts in a form that nobody has written, so the equation is told
+        there as it was written.
+        """
         if self.nonlinear is None:
             return ""
-        return f"{self.nonlinear.reason}: {to_text(self.nonlinear.node)}"
+        reason, equation = self.nonlinear.reason, self.nonlinear.equation
+        if self._as_written:
+            return f"{reason}: {to_text(self.nonlinear.node)}"
+        if self.kind != FREE:
+            place = "where the exit sticks" if self.kind == RESTING else "along the surface"
+            return f"{reason}, in the equations of the motion {place}"
+        written = f" = {equation.text!r}" if len(equation.text) <= _SHOWN else ""
+        return f"{reason}, in {equation.where}{written}"
 
     @property
     def _readable(self) -> Resolver:

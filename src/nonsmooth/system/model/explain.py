@@ -186,7 +186,10 @@ def _behaviour(system: EvaluatedSystem, forms: ModeForms, time_unit: str) -> Ite
         lost = "not found in double precision; choose units in which coefficients are nearer to 1"
         yield "natural motions", [(lost,)]
         return
-    rows = [(_few([names[i] for i in m.states]), _manner(m, time_unit)) for m in motions]
+    rows = [
+        (_few(_with_slaved(system, forms, [names[i] for i in m.states])), _manner(m, time_unit))
+        for m in motions
+    ]
     yield "natural motions", rows
     driven: dict[Expression, set[int]] = {}
     for i, name in enumerate(names):
@@ -198,14 +201,31 @@ def _behaviour(system: EvaluatedSystem, forms: ModeForms, time_unit: str) -> Ite
         value = abs(constant_value(frequency, system.parameter_values))
         following = reached(matrix, states)
         notes = [
-            _resonance(value, motion, [names[i] for i in motion.states if i in following])
+            _resonance(value, motion, _with_slaved(system, forms, excited))
             for motion in motions
+            if (excited := [names[i] for i in motion.states if i in following])
         ]
         cells = [to_text(frequency), f"= {_angular(value, time_unit)}"]
         if isinstance(frequency, Number):
             cells = [_angular(value, time_unit), ""]
         forcing.append((*cells, "; ".join(filter(None, notes))))
     yield "forced at", forcing
+
+
+def _with_slaved(system: EvaluatedSystem, forms: ModeForms, moving: list[str]) -> list[str]:
+    """States of a motion and those that follow them, in the order of the system.
+
+    Of two velocities that are one while bodies stick, either might be left out, so both are named.
+    States that are declared as slaved have rows of their own.
+    """
+    values, declared = system.parameter_values, system.modes[forms.declared].slaved
+    together = {*moving}
+    for state, form in forms.slaved.items():
+        if state not in declared and any(
+            constant_value(form.coefficient(State(name)), values) for name in moving
+        ):
+            together.add(state)
+    return [state for state in system.states if state in together]
 
 
 def _flow_matrix(system: EvaluatedSystem, forms: ModeForms) -> tuple[list[str], np.ndarray]:
@@ -253,7 +273,7 @@ def _few(names: Sequence[str]) -> str:
 
 def _resonance(value: float, motion: Motion, states: Sequence[str]) -> str:
     """Note when a forcing frequency is near that of a motion that it reaches, else empty."""
-    if not states or not motion.frequency:
+    if not motion.frequency:
         return ""
     ratio = value / motion.frequency
     if abs(ratio - 1.0) > max(_NEAR, abs(motion.damping)):

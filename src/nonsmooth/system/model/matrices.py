@@ -17,16 +17,16 @@ from nonsmooth.system.model.name_checks import MOST_STATES, ONE_MODE
 from nonsmooth.system.parts import Mode, items_of
 from nonsmooth.system.text.grammar import parse
 
-__all__ = ["matrix_words"]
+__all__ = ["by_mode", "matrix_words", "mode_names", "numbers", "offsets", "square"]
 
 
 def matrix_words(matrix: Any, offset: Any, exits: Any, states: Any) -> dict[str, Any]:
     """``states`` and ``modes`` of a system given by arrays."""
     offset, exits = (tuple(v) if isinstance(v, Iterator) else v for v in (offset, exits))
-    modes = _mode_names(matrix=matrix, offset=offset, exits=exits)
+    modes = mode_names(matrix=matrix, offset=offset, exits=exits)
     arrays = {
-        name: _matrix(value, where)
-        for name, (where, value) in _by_mode("matrix", matrix, modes).items()
+        name: square(value, where)
+        for name, (where, value) in by_mode("matrix", matrix, modes).items()
     }
     first, *others = modes
     n = len(arrays[first])
@@ -37,25 +37,25 @@ def matrix_words(matrix: Any, offset: Any, exits: Any, states: Any) -> dict[str,
                 f" {_size(n)}; all modes have the same states"
             )
     names = _state_names(states, n)
-    numbers = {
-        name: _numbers(array, _place("matrix", matrix, name), names)
+    rows = {
+        name: numbers(array, _place("matrix", matrix, name), names)
         for name, array in arrays.items()
     }
-    offsets = {
-        name: _offset(value, where, names)
-        for name, (where, value) in _by_mode("offset", offset, modes).items()
+    constants = {
+        name: offsets(value, where, names)
+        for name, (where, value) in by_mode("offset", offset, modes).items()
     }
-    ways = _by_mode("exits", exits, modes)
+    ways = by_mode("exits", exits, modes)
     return {
         "states": names,
         "modes": {
-            name: Mode(_flow(numbers[name], offsets.get(name), names), ways.get(name, ("", ()))[1])
+            name: Mode(_flow(rows[name], constants.get(name), names), ways.get(name, ("", ()))[1])
             for name in modes
         },
     }
 
 
-def _mode_names(**given: Any) -> list[str]:
+def mode_names(**given: Any) -> list[str]:
     """Modes in order: those of the first mapping; the other mappings may not have more."""
     mappings = {key: value for key, value in given.items() if isinstance(value, Mapping)}
     if not mappings:
@@ -73,7 +73,7 @@ def _mode_names(**given: Any) -> list[str]:
     return modes
 
 
-def _by_mode(key: str, given: Any, modes: list[str]) -> dict[str, tuple[str, Any]]:
+def by_mode(key: str, given: Any, modes: list[str]) -> dict[str, tuple[str, Any]]:
     """What is given for each mode, with its place; one array or list is for all of them."""
     names = [name for name in modes if name in given] if isinstance(given, Mapping) else modes
     return {
@@ -102,7 +102,7 @@ def _size(n: int) -> str:
     return f"{n} x {n}"
 
 
-def _matrix(given: Any, where: str) -> np.ndarray:
+def square(given: Any, where: str) -> np.ndarray:
     """Square array of entries that are not looked at yet."""
     shape = getattr(given, "shape", None)
     if shape is None:
@@ -147,7 +147,8 @@ def _objects(given: Any, where: str) -> np.ndarray:
     return array
 
 
-def _numbers(array: np.ndarray, where: str, names: tuple[str, ...]) -> list[list[float]]:
+def numbers(array: np.ndarray, where: str, names: tuple[str, ...]) -> list[list[float]]:
+    """Entries as finite real numbers."""
     return [
         [
             _number(entry, f"{where}[{i}, {j}] (rate of {names[i]}, column of {names[j]})")
@@ -182,7 +183,7 @@ def _number(entry: Any, where: str) -> float:
     return number
 
 
-def _offset(given: Any, where: str, names: tuple[str, ...]) -> list[float | str] | None:
+def offsets(given: Any, where: str, names: tuple[str, ...]) -> list[float | str] | None:
     """Entries of b: numbers, or texts of the grammar."""
     if given is None:
         return None

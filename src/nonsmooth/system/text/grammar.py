@@ -32,7 +32,10 @@ _TOKEN = re.compile(
     r"|(?P<name>[A-Za-z_][A-Za-z0-9_]*)"
     r"|(?P<operator>\*\*|>=|<=|[-+*/(),<>]))"
 )
+_EQUAL = "a motion meets single values only at instants; compare by <, <=, > or >="
 _HINTS = {
+    "==": _EQUAL,
+    "!=": _EQUAL,
     "^": "write a power as **",
     "=": "an equation is given as a right-hand side only",
     "[": "there is no indexing",
@@ -174,9 +177,10 @@ class _Parser:
             match = _TOKEN.match(self.text, position)
             if match is None:
                 position += len(self.text[position:]) - len(self.text[position:].lstrip())
-                character = self.text[position]
-                hint = _HINTS.get(character, "allowed are numbers, names, + - * / ** ( ) ,")
-                self.fail(position, f"{character!r} has no meaning here; {hint}")
+                sign = self.text[position : position + 2]
+                sign = sign if sign in _HINTS else sign[0]
+                hint = _HINTS.get(sign, "allowed are numbers, names, + - * / ** ( ) ,")
+                self.fail(position, f"{sign!r} has no meaning here; {hint}")
             kind = str(match.lastgroup)
             found.append(_Token(kind, match.group(kind), match.start(kind)))
             position = match.end()
