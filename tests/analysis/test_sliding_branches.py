@@ -181,8 +181,8 @@ def test_friction_from_no_stop_to_stops_and_to_stick_for_ever():
 def test_three_changes_that_follow_a_graze_at_once_come_in_their_order():
     """A rubbing tip that stops touches the surface of no slip, and the part that slides is short.
 
-    The excursion begins as a slide, comes to the surface later and later, and crosses it in the end:
-    all within 0.013 of the parameter. Where a slide of the length with which excursions begin would be
+    The excursion begins as a slide, comes to the surface later and later, and crosses it in the
+    end: all within 0.013 of the parameter. Where a slide of the usual first length would be
     expected, the motion crosses already.
     """
     beam = ns.System(
