@@ -281,8 +281,8 @@ class _FourierIntegral:
 def _check_enough(good: int, unknown: int) -> None:
     if good < 2 * unknown:
         raise OptionError(
-            f"{good} samples are left without a flaw, too few to fit {unknown} numbers; give a lower"
-            " highest=, or a part of the data"
+            f"{good} samples are left without a flaw, too few to fit {unknown} numbers; give a"
+            " lower highest=, or a part of the data"
         )
 
 

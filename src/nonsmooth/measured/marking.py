@@ -180,9 +180,7 @@ def faulty_marks(times: Floats) -> tuple[list[int], list[tuple[int, int]]]:
     return sorted(set(doubled)), missed
 
 
-def _repaired(
-    times: Floats, arrays: Mapping[str, Floats], clock: Clock
-) -> tuple[Floats, int]:
+def _repaired(times: Floats, arrays: Mapping[str, Floats], clock: Clock) -> tuple[Floats, int]:
     """Marks without the double ones, the missing ones put in evenly."""
     doubled, _ = faulty_marks(times)
     kept = np.delete(times, doubled)

@@ -1,4 +1,4 @@
-"""`check`: flaws of a record, each with its channel and place; `flagged`: a record with its mask."""
+"""`check`: flaws of a record, with channel and place; `flagged`: a record with its mask."""
 
 from __future__ import annotations
 
@@ -86,10 +86,10 @@ def check(
     *Frozen.* White noise before rounding makes L equal samples in a row with a known probability;
     a longer row than that is frozen. Where the noise is too small to move the last digit, a
     motion at rest stands still, too: then a stretch is frozen only if it is much longer than the
-    second longest. *Clipped.* More samples at an extreme value than the top of any parabola has.
+    second longest. *Clipped.* More samples at an extreme value than the top of a smooth arch has.
     *Spike.* One sample off the cubic through its eight neighbours, while these are on it. An
     impact bends them; contacts that span fewer than three samples cannot be told from spikes, nor
-    can spikes of two samples be told from impacts. *Drift.* A straight line through means of
+    can spikes of two samples be told from impacts. *Drift.* A parabola through means of
     blocks, against their scatter. *Hum.* A line at the mains against the lines beside it, left out
     where a multiple of the speed falls on it.
 
@@ -122,7 +122,9 @@ def check(
         data = Samples(name, times, values, units, noise_of(values), rate / _TESTS)
         own = [one for one in _of_channel(data, lines, speed) if one.kind not in left]
         found += own
-        flags[f"{name}_quality"] = "time", _mask(own, values.size), _words(data)
+        mask = _mask(own, values.size)
+        good = np.where(mask > 0, np.nan, values)
+        flags[f"{name}_quality"] = "time", mask, _words(data._replace(noise=noise_of(good)))
     kept = sorted((one for one in found if one.kind not in left), key=lambda one: one.begin)
     return _dataset(record, kept, flags, rate)
 
@@ -180,9 +182,11 @@ def _of_channel(data: Samples, mains: tuple[float, ...], speed: float | None) ->
     """Findings of one channel; what is known as bad is left out of the later tests."""
     own = [*missing_findings(data), *still_findings(data)]
     bad = _mask(own, data.values.size) > 0
-    own += spike_findings(data, bad)
+    noise = noise_of(np.where(bad, np.nan, data.values))
+    own += spike_findings(data._replace(noise=noise), bad)
     yield from own
-    good = data._replace(values=np.where(_mask(own, bad.size) > 0, np.nan, data.values))
+    values = np.where(_mask(own, bad.size) > 0, np.nan, data.values)
+    good = data._replace(values=values, noise=noise)
     if good.values.size and np.isfinite(good.values).mean() > 0.5:
         low, high = np.nanmin(good.values), np.nanmax(good.values)
         if high > low:

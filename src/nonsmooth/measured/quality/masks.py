@@ -1,7 +1,8 @@
 """Quality flags beside a channel: a mask over time that filters and integrals carry on.
 
-A mask is a coordinate ``x_quality`` of the channel ``x``, an ancillary variable of the standard name
-``quality_flag`` as the CF conventions have it. Flaws may meet in one sample, so the flags are bits.
+A mask is a coordinate ``x_quality`` of the channel ``x``, an ancillary variable of the standard
+name ``quality_flag`` as the CF conventions have it. Flaws may meet in one sample, so the flags are
+bits.
 """
 
 from __future__ import annotations

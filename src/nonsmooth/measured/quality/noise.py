@@ -17,6 +17,8 @@ _SHARE = 0.25  # of the differences, the smallest ones: impacts are among the ot
 _QUANTILE = 0.318639363964375  # of the size of a standard normal variable, for that share
 _WHITE = 1.25  # largest ratio between the estimates of both orders where noise is white
 _UNSURE = 0.05  # of an estimate, from its own scatter
+_ROUNDING = 1e-9  # of the range; recorders have coarser steps, and what is below is arithmetic
+_SEEN = 0.35  # of a step of the recorder; less noise cannot be told from rounding
 _FEWEST_EQUAL = 3  # samples in a row that are told as equal at all
 
 
@@ -31,7 +33,8 @@ class Noise(NamedTuple):
     def least(self) -> float:
         """Standard deviation of what was there before quantisation, from below."""
         before = (self.deviation * (1.0 - _UNSURE)) ** 2 - self.step**2 / 12.0
-        return math.sqrt(max(before, 0.0)) if self.visible else 0.0
+        found = math.sqrt(max(before, 0.0))
+        return found if self.visible and found > _SEEN * self.step else 0.0
 
     @property
     def most(self) -> float:
@@ -47,7 +50,9 @@ def noise_of(values: Floats) -> Noise:
     """
     finite = values[np.isfinite(values)]
     levels = np.unique(finite)
-    step = float(np.diff(levels).min()) if levels.size > 1 else 0.0
+    apart = np.diff(levels)
+    apart = apart[apart > _ROUNDING * np.ptp(levels)] if levels.size > 1 else apart
+    step = float(apart.min()) if apart.size else 0.0
     found = [_deviation(values, order) for order in _ORDERS]
     if min(found) <= 0.0:
         return Noise(max(found), step, False)
@@ -57,8 +62,11 @@ def noise_of(values: Floats) -> Noise:
 
 def _deviation(values: Floats, order: int) -> float:
     with np.errstate(invalid="ignore"):
+        moves = (np.diff(values) != 0.0).astype(float)
         differences = np.abs(np.diff(values, order))
-    differences = differences[np.isfinite(differences)]
+    # where all samples are equal there is no noise to be learned: those may be frozen
+    alive = np.convolve(moves, np.ones(order), "valid") > 0.0
+    differences = differences[np.isfinite(differences) & alive]
     if differences.size < 8:
         return 0.0
     gain = math.sqrt(math.comb(2 * order, order))
@@ -83,7 +91,9 @@ def longest_by_chance(noise: Noise, count: int, rate: float) -> float:
         return math.inf
     while low < high:
         middle = (low + high) // 2
-        low, high = (low, middle) if _expected(shares, middle, count) <= rate else (middle + 1, high)
+        low, high = (
+            (low, middle) if _expected(shares, middle, count) <= rate else (middle + 1, high)
+        )
     return max(low, _FEWEST_EQUAL) - 1
 
 

@@ -81,11 +81,11 @@ def _clipped(data: Samples, runs: Runs, here: Mask, rail: float, word: str) -> F
 
 
 def _is_clipped(data: Samples, runs: Runs, here: Mask, rail: float, limit: float) -> bool:
-    """Whether samples pile up at an extreme value more than at the top of any smooth arch.
+    """Whether samples pile up at an extreme value more than at the top of a smooth arch.
 
-    The time that a parabola spends within a depth d of its top goes as the root of d, so of the
-    samples in the uppermost m + 1 steps at most the share 1 / sqrt(m + 1) is in the uppermost
-    one. The number of samples there is binomial at worst.
+    The time that a parabola spends within a depth d of its top goes as the root of d, and that of
+    an arch as flat as x^4 as the fourth root. So of the samples in the uppermost m + 1 steps at
+    most the share (m + 1)^(-1/4) is in the uppermost one. The number there is binomial at worst.
     """
     from scipy.stats import binom
 
@@ -97,7 +97,7 @@ def _is_clipped(data: Samples, runs: Runs, here: Mask, rail: float, limit: float
         near = int((np.abs(values - rail) < (width + 0.5) * noise.step).sum())
     at = int(runs.length[here].sum())
     # one sample is the extreme one of any record
-    by_chance = float(binom.sf(at - 2, max(near - 1, at - 1), 1.0 / math.sqrt(width + 1.0)))
+    by_chance = float(binom.sf(at - 2, max(near - 1, at - 1), (width + 1.0) ** -0.25))
     if by_chance > data.rate:
         return False
     return noise.least > 0.0 or _leaves_as_it_came(values, runs, here)
@@ -121,14 +121,14 @@ def _leaves_as_it_came(values: Floats, runs: Runs, here: Mask) -> bool:
 
 def _frozen(data: Samples, runs: Runs, chosen: Mask, limit: float) -> Iterator[Finding]:
     lengths = runs.length[chosen]
-    if lengths.size == 0:
-        return
-    if math.isfinite(limit):
+    others = _longest_of_others(lengths, data.rate)
+    if math.isfinite(limit) and (data.noise.least >= data.noise.step or others <= limit):
         why = f"its noise of {data.size(data.noise.deviation)} lets chance give {limit:.0f} at most"
+    elif others > 0.0:
+        # noise of less than a step may be rounding: then rests of the motion are compared, too
+        limit = others
+        why = f"its noise hardly shows, and all other rests are far below {limit:.0f} samples"
     else:
-        limit = _longest_of_others(lengths, data.rate)
-        why = f"its noise does not show, and all other rests are shorter than {limit:.0f} samples"
-    if limit == 0.0:
         return
     for k in np.flatnonzero(chosen & (runs.length > limit)):
         begin, count = int(runs.first[k]), int(runs.length[k])
@@ -146,9 +146,10 @@ def _longest_of_others(lengths: npt.NDArray[np.int64], rate: float) -> float:
     """Length that a rest has by chance, judged by the second longest one; 0 where few are known.
 
     Lengths that fall off as fast as exponential ones, N of them, have a longest one beyond r
-    times the second longest with a probability of about N^(1 - r).
+    times the second longest with a probability of about N^(1 - r). The excess counts twice, since
+    a last digit that moves once may cut all other rests in two.
     """
     if lengths.size < _FEWEST_RUNS:
         return 0.0
     second = float(np.sort(lengths)[-2])
-    return second * (1.0 + math.log(1.0 / rate) / math.log(lengths.size))
+    return second * (1.0 + 2.0 * math.log(1.0 / rate) / math.log(lengths.size))

@@ -17,6 +17,8 @@ Floats = npt.NDArray[np.float64]
 _BLOCKS = 24  # whose means are compared
 _FEWEST_BLOCKS = 8
 _CYCLES = 6.0  # of the slowest strong motion in a block, so that its window takes it off
+_DEGREE = 2  # of the curve of a drift: an integrated offset is a parabola
+_TAKEN_OFF = 4  # degree of what is taken for a trend and no motion
 _FEWEST = 16  # samples of a block
 _STRONG = 0.01  # of the power is in what is slower than the slowest strong motion
 
@@ -28,7 +30,7 @@ def trend_findings(data: Samples) -> Iterator[Finding]:
     means, ranges, middles = _blocks(values, data)
     if means.size < _FEWEST_BLOCKS:
         return
-    change, chance = _change(means, middles, data.span)
+    change, chance = _change(means, middles)
     if not chance < data.rate or abs(change) <= data.noise.most:
         return
     typical = float(np.median(ranges))
@@ -45,27 +47,30 @@ def trend_findings(data: Samples) -> Iterator[Finding]:
     )  # fmt: skip
 
 
-def _change(means: Floats, middles: Floats, span: tuple[float, float]) -> tuple[float, float]:
-    """Change along a straight line over the record, and the chance that there is none.
+def _change(means: Floats, middles: Floats) -> tuple[float, float]:
+    """Change along a parabola through the means, and the chance that there is none.
 
     Means of blocks that follow each other are correlated by slow motions: as those of a process
     of first order, whose correlation is estimated.
     """
-    from scipy.stats import t as student
+    from scipy.stats import f as fisher
 
-    place = middles - middles.mean()
-    slope = float(place @ means / (place @ place))
-    left = means - means.mean() - slope * place
-    free = means.size - 2
-    total = float(left @ left)
-    length = span[1] - span[0]
+    place = 2.0 * (middles - middles[0]) / (middles[-1] - middles[0]) - 1.0
+    powers = np.polynomial.legendre.legvander(place, _DEGREE)
+    curve = powers @ np.linalg.lstsq(powers, means, rcond=None)[0]
+    left = means - curve
+    free = means.size - _DEGREE - 1
+    total, told = float(left @ left), float(((curve - means.mean()) ** 2).sum())
+    # over the record, and not from the middle of the first block to that of the last one
+    change = math.copysign(float(np.ptp(curve)), curve[-1] - curve[0])
+    change *= means.size / (means.size - 1.0)
     if total <= 0.0:
-        return slope * length, 0.0 if slope else 1.0
-    # the estimate is too low by about (1 + 4 rho) / n, for what a line takes off
+        return change, 0.0 if told else 1.0
+    # the estimate is too low by about 2 / n, for what the curve takes off
     rho = float(left[1:] @ left[:-1]) / total + 2.0 / means.size
     rho = min(max(rho, 0.0), 0.9)
-    error = math.sqrt(total / free / float(place @ place) * (1.0 + rho) / (1.0 - rho))
-    return slope * length, 2.0 * float(student.sf(abs(slope) / error, free))
+    larger = (1.0 + rho) / (1.0 - rho)
+    return change, float(fisher.sf(told / _DEGREE / (total / free * larger), _DEGREE, free))
 
 
 def _blocks(values: Floats, data: Samples) -> tuple[Floats, Floats, Floats]:
@@ -90,12 +95,14 @@ def _blocks(values: Floats, data: Samples) -> tuple[Floats, Floats, Floats]:
 
 
 def _slowest_cycle(values: Floats) -> float:
-    """Samples of a cycle of the slowest motion that matters, with a straight line taken off."""
-    from scipy.signal import detrend, periodogram
+    """Samples of a cycle of the slowest motion that matters, a slow trend taken off."""
+    from scipy.signal import periodogram
 
-    frequencies, power = periodogram(detrend(values), window="hann")
-    # a trend that is no straight line is in the first lines, and is what is looked for
-    power[:3] = 0.0
+    place = np.linspace(-1.0, 1.0, values.size)
+    powers = np.polynomial.legendre.legvander(place, _TAKEN_OFF)
+    left = values - powers @ np.linalg.lstsq(powers, values, rcond=None)[0]
+    frequencies, power = periodogram(left, window="hann")
+    power[:3] = 0.0  # what is left of a trend
     total = power.sum()
     if total <= 0.0:
         return 2.0
