@@ -94,7 +94,9 @@ def check(task: Task) -> None:
     """``nonsmooth check``."""
     from nonsmooth import measured as rig
 
-    options = task.options("measured.read_csv") | {"bad_marks": "keep", "bad_samples": "keep"}
+    options = task.options("measured.read_csv") | {"bad_samples": "keep"}
+    if task["mark"] is not None:
+        options["bad_marks"] = "keep"
     record = rig.read_csv(task["record"], channels(task), **options)
     record, found = checked(record, task)
     channel = _drawn(record, found, task["draw"])

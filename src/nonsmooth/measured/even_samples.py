@@ -90,9 +90,10 @@ def over_time(
     kept = {
         name: coord
         for name, coord in data.coords.items()
-        if (coord.dims == ("time",) or "mark" in coord.dims) and not is_mask(data, str(name))
+        if (coord.dims == ("time",) or "mark" in coord.dims)
     }
     bare = xr.Dataset(coords=kept, attrs=dict(data.attrs)).isel(time=part)
+    bare = bare.drop_vars([name for name in bare.coords if is_mask(bare, str(name))])
     return carried(data, bare.assign(variables), sources, reach, part)
 
 

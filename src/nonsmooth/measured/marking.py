@@ -287,6 +287,6 @@ def _check_unused(given: Marking) -> None:
         value = getattr(given, name)
         if isinstance(value, np.ndarray) or value != default:
             raise OptionError(
-                f"{name}= is about marks of revolutions, and none came; give the column mark= of a"
-                " file, the signal pulse= of arrays, or the times marks= of either"
+                f"{name}= is about marks of revolutions, and none came; give mark=, the column of a"
+                " pulse in a file; or of arrays the signal of the pulse, or the times of the marks"
             )

@@ -11,7 +11,7 @@ import xarray as xr
 
 from nonsmooth.errors import OptionError, is_known, unknown_name
 from nonsmooth.measured.even_samples import FEWEST, listed
-from nonsmooth.measured.quality.finding import FLAGS, KINDS, Finding, Samples
+from nonsmooth.measured.quality.flaw import FLAGS, KINDS, Flaw, Readings
 from nonsmooth.measured.quality.mains import hum_findings
 from nonsmooth.measured.quality.masks import mask_words, masked, quality_of
 from nonsmooth.measured.quality.noise import longest_by_chance, noise_of
@@ -119,7 +119,7 @@ def check(
     for name in names:
         values = record[name].values.astype(float)
         units = str(record[name].attrs.get("units", ""))
-        data = Samples(name, times, values, units, noise_of(values), rate / _TESTS)
+        data = Readings(name, times, values, units, noise_of(values), rate / _TESTS)
         own = [one for one in _of_channel(data, lines, speed) if one.kind not in left]
         found += own
         mask = _mask(own, values.size)
@@ -178,7 +178,7 @@ def flagged(record: xr.Dataset, found: xr.Dataset | None = None) -> xr.Dataset:
     return masked(record, {name: each for name, each in masks.items() if each is not None})
 
 
-def _of_channel(data: Samples, mains: tuple[float, ...], speed: float | None) -> Iterator[Finding]:
+def _of_channel(data: Readings, mains: tuple[float, ...], speed: float | None) -> Iterator[Flaw]:
     """Findings of one channel; what is known as bad is left out of the later tests."""
     own = [*missing_findings(data), *still_findings(data)]
     bad = _mask(own, data.values.size) > 0
@@ -194,7 +194,7 @@ def _of_channel(data: Samples, mains: tuple[float, ...], speed: float | None) ->
             yield from hum_findings(good, mains, speed)
 
 
-def _mask(findings: Iterable[Finding], count: int) -> np.ndarray[Any, np.dtype[np.uint8]]:
+def _mask(findings: Iterable[Flaw], count: int) -> np.ndarray[Any, np.dtype[np.uint8]]:
     flags = np.zeros(count, dtype=np.uint8)
     for one in findings:
         if one.places is not None:
@@ -202,7 +202,7 @@ def _mask(findings: Iterable[Finding], count: int) -> np.ndarray[Any, np.dtype[n
     return flags
 
 
-def _words(data: Samples) -> dict[str, Any]:
+def _words(data: Readings) -> dict[str, Any]:
     noise = data.noise
     longest = longest_by_chance(noise, data.values.size, data.rate)
     return mask_words(data.name) | {
@@ -214,7 +214,7 @@ def _words(data: Samples) -> dict[str, Any]:
 
 
 def _dataset(
-    record: xr.Dataset, found: list[Finding], flags: dict[str, Any], rate: float
+    record: xr.Dataset, found: list[Flaw], flags: dict[str, Any], rate: float
 ) -> xr.Dataset:
     units = {key: record["time"].attrs[key] for key in ("units",) if key in record["time"].attrs}
     columns: dict[str, Any] = {

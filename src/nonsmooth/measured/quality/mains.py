@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.measured.quality.finding import Finding, Samples
+from nonsmooth.measured.quality.flaw import Flaw, Readings
 
 __all__ = ["hum_findings"]
 
@@ -23,7 +23,7 @@ _WEAKER = 10.0  # times in power that such a line may be below that of the mains
 _FRACTIONS = (1, 2, 3, 4)  # of the speed, whose multiples are those of a machine
 
 
-def hum_findings(data: Samples, mains: Sequence[float], speed: float | None) -> Iterator[Finding]:
+def hum_findings(data: Readings, mains: Sequence[float], speed: float | None) -> Iterator[Flaw]:
     """Lines of the mains in a channel over a time in s.
 
     speed: revolutions per s, where known; else the strongest line stands for them
@@ -51,7 +51,7 @@ def hum_findings(data: Samples, mains: Sequence[float], speed: float | None) -> 
         found = _line(frequencies, power, line, others, data.rate)
         if found is not None:
             at, height = found
-            yield Finding(
+            yield Flaw(
                 data.name, "hum", *data.span, values.size, height,
                 f"{data.name} has a line of {data.size(height)} at {at:.5g} Hz, which is that of"
                 " the mains and no multiple of the motion",

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from nonsmooth.measured.quality.finding import FLAGS
+from nonsmooth.measured.quality.flaw import FLAGS
 
 __all__ = ["carried", "is_mask", "mask_words", "masked", "masks_at", "quality_of"]
 

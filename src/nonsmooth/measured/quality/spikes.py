@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.measured.quality.finding import Finding, Samples
+from nonsmooth.measured.quality.flaw import Flaw, Readings
 
 __all__ = ["spike_findings"]
 
@@ -24,8 +24,8 @@ _SHARPER = 3.0  # times the distance of its neighbours from their polynomial tha
 _LEAST_STEPS = 3.0  # of the recorder: rounding is no spike
 
 
-def spike_findings(data: Samples, bad: Mask) -> Iterator[Finding]:
-    """Samples that stand out of a cubic through the six on either side.
+def spike_findings(data: Readings, bad: Mask) -> Iterator[Flaw]:
+    """Readings that stand out of a cubic through the six on either side.
 
     bad: samples that are known to be bad already; what has one about it is not judged
     """
@@ -40,21 +40,21 @@ def spike_findings(data: Samples, bad: Mask) -> Iterator[Finding]:
         if not _is_no_impact(about[k], data):
             continue
         size, at = float(off[k]), float(data.times[k])
-        yield Finding(
+        yield Flaw(
             data.name, "spike", at, at, 1, size,
             f"{data.name} has a spike of {data.size(size)} at t = {at:.7g}, one sample",
             np.array([k]),
         )  # fmt: skip
 
 
-def _deviations(data: Samples) -> float:
+def _deviations(data: Readings) -> float:
     """Standard deviations that none of the samples exceeds by chance."""
     from scipy.stats import norm
 
     return float(norm.isf(0.5 * data.rate / data.values.size))
 
 
-def _limits(data: Samples) -> tuple[float, float]:
+def _limits(data: Readings) -> tuple[float, float]:
     """How far off a sample may be by chance, and how far its neighbours from their cubic."""
     from scipy.stats import chi2
 
@@ -86,7 +86,7 @@ def _about_neighbours(values: Floats) -> tuple[Floats, Floats, Floats]:
     return values - around @ fit[0], np.sqrt(np.mean(left * left, axis=1)), about
 
 
-def _is_no_impact(about: Floats, data: Samples) -> bool:
+def _is_no_impact(about: Floats, data: Readings) -> bool:
     """Whether a spike explains samples so much better than any impact that chance does not.
 
     Both models are a cubic and one shape more. If an impact is the truth, the sum of squares that

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.measured.quality.finding import Finding, Samples
+from nonsmooth.measured.quality.flaw import Flaw, Readings
 from nonsmooth.measured.quality.noise import longest_by_chance
 
 __all__ = ["equal_runs", "still_findings"]
@@ -44,7 +44,7 @@ def equal_runs(values: Floats) -> Runs:
     return Runs(first, last - first + 1)
 
 
-def still_findings(data: Samples) -> Iterator[Finding]:
+def still_findings(data: Readings) -> Iterator[Flaw]:
     """What stands still in a channel, and whether noise tells why."""
     values = data.values
     finite = np.isfinite(values)
@@ -52,7 +52,7 @@ def still_findings(data: Samples) -> Iterator[Finding]:
         return
     low, high = float(values[finite].min()), float(values[finite].max())
     if low == high:
-        yield Finding(
+        yield Flaw(
             data.name, "constant", *data.span, int(finite.sum()), low,
             f"{data.name} is {data.size(low)} throughout: at rest, or the probe is dead",
             doubtful=False,
@@ -69,9 +69,9 @@ def still_findings(data: Samples) -> Iterator[Finding]:
     yield from _frozen(data, runs, ~railed, limit)
 
 
-def _clipped(data: Samples, runs: Runs, here: Mask, rail: float, word: str) -> Finding:
+def _clipped(data: Readings, runs: Runs, here: Mask, rail: float, word: str) -> Flaw:
     at = runs.places(here)
-    return Finding(
+    return Flaw(
         data.name, "clipped", float(data.times[at[0]]), float(data.times[at[-1]]), at.size, rail,
         f"{data.name} is clipped at {data.size(rail)}, its {word} value: {at.size} samples in"
         f" {int(here.sum())} flat tops, the longest of {int(runs.length[here].max())}; the true"
@@ -80,7 +80,7 @@ def _clipped(data: Samples, runs: Runs, here: Mask, rail: float, word: str) -> F
     )  # fmt: skip
 
 
-def _is_clipped(data: Samples, runs: Runs, here: Mask, rail: float, limit: float) -> bool:
+def _is_clipped(data: Readings, runs: Runs, here: Mask, rail: float, limit: float) -> bool:
     """Whether samples pile up at an extreme value more than at the top of a smooth arch.
 
     The time that a parabola spends within a depth d of its top goes as the root of d, and that of
@@ -119,7 +119,7 @@ def _leaves_as_it_came(values: Floats, runs: Runs, here: Mask) -> bool:
         return bool(np.nanmedian(out / into) >= _LEAVING)
 
 
-def _frozen(data: Samples, runs: Runs, chosen: Mask, limit: float) -> Iterator[Finding]:
+def _frozen(data: Readings, runs: Runs, chosen: Mask, limit: float) -> Iterator[Flaw]:
     lengths = runs.length[chosen]
     others = _longest_of_others(lengths, data.rate)
     if math.isfinite(limit) and (data.noise.least >= data.noise.step or others <= limit):
@@ -134,7 +134,7 @@ def _frozen(data: Samples, runs: Runs, chosen: Mask, limit: float) -> Iterator[F
         begin, count = int(runs.first[k]), int(runs.length[k])
         value = float(data.values[begin])
         first, last = float(data.times[begin]), float(data.times[begin + count - 1])
-        yield Finding(
+        yield Flaw(
             data.name, "frozen", first, last, count, value,
             f"{data.name} stands still at {data.size(value)} from t = {first:.6g} to {last:.6g},"
             f" {count} samples; {why}",

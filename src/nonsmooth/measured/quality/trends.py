@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.measured.quality.finding import Finding, Samples
+from nonsmooth.measured.quality.flaw import Flaw, Readings
 
 __all__ = ["trend_findings"]
 
@@ -23,7 +23,7 @@ _FEWEST = 16  # samples of a block
 _STRONG = 0.01  # of the power is in what is slower than the slowest strong motion
 
 
-def trend_findings(data: Samples) -> Iterator[Finding]:
+def trend_findings(data: Readings) -> Iterator[Flaw]:
     """Trend of the means of blocks of a channel."""
     good = np.isfinite(data.values)
     values = np.where(good, data.values, np.nanmean(data.values) if good.any() else 0.0)
@@ -41,7 +41,7 @@ def trend_findings(data: Samples) -> Iterator[Finding]:
         if away
         else f"beside a motion of {data.size(typical)}, from largest to smallest"
     )
-    yield Finding(
+    yield Flaw(
         data.name, "runaway" if away else "drift", *data.span, data.values.size, change,
         f"the mean of {data.name} moves by {data.size(change)} over the record, {what}",
     )  # fmt: skip
@@ -73,7 +73,7 @@ def _change(means: Floats, middles: Floats) -> tuple[float, float]:
     return change, float(fisher.sf(told / _DEGREE / (total / free * larger), _DEGREE, free))
 
 
-def _blocks(values: Floats, data: Samples) -> tuple[Floats, Floats, Floats]:
+def _blocks(values: Floats, data: Readings) -> tuple[Floats, Floats, Floats]:
     """Weighted mean and range of blocks, and their middles in time.
 
     The weights leave less than 3e-5 of what turns several times within a block, so a motion need
@@ -95,7 +95,7 @@ def _blocks(values: Floats, data: Samples) -> tuple[Floats, Floats, Floats]:
 
 
 def _slowest_cycle(values: Floats) -> float:
-    """Samples of a cycle of the slowest motion that matters, a slow trend taken off."""
+    """Readings of a cycle of the slowest motion that matters, a slow trend taken off."""
     from scipy.signal import periodogram
 
     place = np.linspace(-1.0, 1.0, values.size)

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from nonsmooth.measured.quality.noise import Noise
 
-__all__ = ["FLAGS", "KINDS", "Finding", "Samples", "stretches"]
+__all__ = ["FLAGS", "KINDS", "Flaw", "Readings", "stretches"]
 
 Floats = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
@@ -23,7 +23,7 @@ FLAGS = {"missing": 1, "frozen": 2, "clipped": 4, "spike": 8}
 KINDS = (*FLAGS, "constant", "drift", "runaway", "hum", "gap", "uneven", "marks")
 
 
-class Finding(NamedTuple):
+class Flaw(NamedTuple):
     """One flaw; ``places`` are the numbers of its samples, where it is one of samples."""
 
     channel: str
@@ -37,7 +37,7 @@ class Finding(NamedTuple):
     doubtful: bool = True  # False for what the reader should know, and what is no flaw by itself
 
 
-class Samples(NamedTuple):
+class Readings(NamedTuple):
     """One channel: its readings over time, their noise, and what the limits are made for."""
 
     name: str
