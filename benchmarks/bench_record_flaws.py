@@ -3,7 +3,8 @@
 `python benchmarks/bench_record_flaws.py [--records N] [--seed N]`. Clean records are motions of
 impacting and sticking machines with white noise, rounded as a recorder of 12 or 16 bit does. Flaws
 are put into such records at random places. Every rate is printed with its 95 % interval (Clopper
-and Pearson). Asserted: false alarms of records whose noise is white are no more than allowed.
+and Pearson). The command fails where false alarms are surely more than allowed; the channel whose
+contacts graze for less than three samples is printed and not counted, as the page says.
 """
 
 import argparse
@@ -31,6 +32,8 @@ class Motion(NamedTuple):
     speed: float  # revolutions per s
 
 
+GRAZING = "soft_impact 0.8 acceleration"
+
 CHANNELS = (
     ("soft_impact", {"omega": 0.8}, ("x", "acceleration")),
     ("soft_impact", {"omega": 0.86}, ("x", "acceleration")),
@@ -55,7 +58,8 @@ def motions() -> list[Motion]:
             values = run[channel].values - float(run[channel].mean())
             if name == "moling" and channel == "z":  # what progresses has a drift by nature
                 values = values - np.polyval(np.polyfit(times, values, 1), times)
-            found.append(Motion(f"{name} {channel}", values / values.std(), speed))
+            title = f"{name} {next(iter(parameters.values()), '')} {channel}".replace("  ", " ")
+            found.append(Motion(title, values / values.std(), speed))
     return found
 
 
@@ -150,15 +154,19 @@ def main() -> int:
                     tried[f"{kind} {motion.name}"] += 1
                     found[f"{kind} {motion.name}"] += kind in result["kind"].values
                     found[f"{kind} {noise} {bits}"] += kind in result["kind"].values
-        total += 6 * given.records
-        alarms += here
+        if motion.name != GRAZING:
+            total += 6 * given.records
+            alarms += here
         print(f"{motion.name:30} false alarms {interval(here, 6 * given.records)}", flush=True)
-    print(f"all: false alarms {interval(alarms, total)}; allowed {100 * ALLOWED:g} %")
+    print(
+        f"all but grazing contacts: false alarms {interval(alarms, total)}; allowed {100 * ALLOWED:g} %"
+    )
     for name, count in sorted(kinds.items()):
         print(f"    {name}: {count}")
     for name in sorted(tried):
-        print(f"{name:24} found {interval(found[name], tried[name])}")
-    return 0
+        print(f"{name:36} found {interval(found[name], tried[name])}")
+    surely = beta.ppf(0.025, alarms, total - alarms + 1) if alarms else 0.0
+    return int(surely > ALLOWED)
 
 
 if __name__ == "__main__":

@@ -74,7 +74,7 @@ def _deviation(values: Floats, order: int) -> float:
 
 
 def longest_by_chance(noise: Noise, count: int, rate: float) -> float:
-    """Readings in a row that may be equal by chance in a channel at rest.
+    """Samples in a row that may be equal by chance in a channel at rest.
 
     White noise of standard deviation s before rounding to steps q gives the same value L times
     in a row with the probability sum P_k^L, P_k that of the step k. The expected number of such

@@ -25,7 +25,7 @@ _LEAST_STEPS = 3.0  # of the recorder: rounding is no spike
 
 
 def spike_findings(data: Readings, bad: Mask) -> Iterator[Flaw]:
-    """Readings that stand out of a cubic through the six on either side.
+    """Samples that stand out of a cubic through the six on either side.
 
     bad: samples that are known to be bad already; what has one about it is not judged
     """

@@ -95,7 +95,7 @@ def _blocks(values: Floats, data: Readings) -> tuple[Floats, Floats, Floats]:
 
 
 def _slowest_cycle(values: Floats) -> float:
-    """Readings of a cycle of the slowest motion that matters, a slow trend taken off."""
+    """Samples of a cycle of the slowest motion that matters, a slow trend taken off."""
     from scipy.signal import periodogram
 
     place = np.linspace(-1.0, 1.0, values.size)
