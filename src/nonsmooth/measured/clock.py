@@ -119,8 +119,7 @@ class Clock(NamedTuple):
         """Time of each sample that is kept."""
         if self.uneven is not None:
             return self.uneven
-        found: Floats = self.start + self.step * np.arange(self.last - self.first)
-        return found
+        return self.at(np.arange(self.last - self.first, dtype=np.float64))
 
     def at(self, places: Floats) -> Floats:
         """Times at some places, in samples from the first one that is kept."""

@@ -263,7 +263,7 @@ class _FourierIntegral:
             left = values - q @ shares
         else:
             _check_enough(int(good.sum()), q.shape[1])
-            shares = np.linalg.lstsq(q[good], values[good], rcond=None)[0]
+            shares = np.asarray(np.linalg.lstsq(q[good], values[good], rcond=None)[0], dtype=float)
             left = values[good] - q[good] @ shares
         found = solve_triangular(r, shares)
         real, imaginary = np.split(found[self.drift + 1 :], 2)

@@ -85,7 +85,8 @@ def _is_clipped(data: Readings, runs: Runs, here: Mask, rail: float, limit: floa
 
     The time that a parabola spends within a depth d of its top goes as the root of d, and that of
     an arch as flat as x^4 as the fourth root. So of the samples in the uppermost m + 1 steps at
-    most the share (m + 1)^(-1/4) is in the uppermost one. The number there is binomial at worst.
+    most the share (m + 1)^(-1/2) or (m + 1)^(-1/4) is in the uppermost one; the latter counts
+    where no noise mixes the steps. The number there is binomial at worst.
     """
     from scipy.stats import binom
 
@@ -96,8 +97,9 @@ def _is_clipped(data: Readings, runs: Runs, here: Mask, rail: float, limit: floa
     with np.errstate(invalid="ignore"):
         near = int((np.abs(values - rail) < (width + 0.5) * noise.step).sum())
     at = int(runs.length[here].sum())
+    power = -0.5 if noise.least > 0.0 else -0.25
     # one sample is the extreme one of any record
-    by_chance = float(binom.sf(at - 2, max(near - 1, at - 1), (width + 1.0) ** -0.25))
+    by_chance = float(binom.sf(at - 2, max(near - 1, at - 1), (width + 1.0) ** power))
     if by_chance > data.rate:
         return False
     return noise.least > 0.0 or _leaves_as_it_came(values, runs, here)
