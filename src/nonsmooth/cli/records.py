@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 __all__ = ["channels", "check", "checked", "code_of_flaws", "columns_of"]
 
 _MOST_TOLD = 20  # findings of a record
-_CALIBRATION = {"sensitivity": None, "offset": 0.0, "units": ""}
+_CALIBRATION: dict[str, Any] = {"sensitivity": None, "offset": 0.0, "units": ""}
 
 
 def columns_of(text: str) -> dict[str, str]:
@@ -63,7 +63,9 @@ def checked(record: xr.Dataset, task: Task, *more: str) -> tuple[xr.Dataset, xr.
     options["leave_out"] = [*(options["leave_out"] or ()), *more]
     found = check(record, **{key: each for key, each in options.items() if each is not None})
     _tell(record, found)
-    bad = any(found[name].values.any() for name in found.data_vars if name.endswith("_quality"))
+    bad = any(
+        found[name].values.any() for name in found.data_vars if str(name).endswith("_quality")
+    )
     return flagged(record, found) if bad else record, found
 
 

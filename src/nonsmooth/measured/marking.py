@@ -120,7 +120,9 @@ def _check_marks(
     arrays: samples of the channels, by which a recorder is told that stood still
     """
     if not is_known(bad_marks, ("refuse", "repair", "keep")):
-        raise OptionError(f"bad_marks = {bad_marks!r:.60}: give 'refuse', 'repair' or 'keep'")
+        raise OptionError(
+            f"bad_marks = {bad_marks!r:.60}: give 'refuse' or 'repair', or 'keep' to look at them"
+        )
     if times.size < _FEWEST:
         raise OptionError(
             f"{times.size or 'no'} marks lie within the record, and {_FEWEST} are needed at least;"
