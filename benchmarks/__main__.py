@@ -1,5 +1,5 @@
 """`python benchmarks` runs all: long runs, set-up, the stiff rig, Taylor steps, sweeps, basins,
-rotor, growing crack, continuation, orbits, impacts and friction, starts.
+rotor, growing crack, continuation, orbits, impacts and friction, starts, flaws of records.
 """
 
 import subprocess
@@ -38,6 +38,7 @@ sys.exit(
                 "bench_orbits.py",
                 "bench_rest.py",
                 "bench_start.py",
+                "bench_record_flaws.py",
             ),
         ),
     )

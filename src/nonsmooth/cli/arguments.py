@@ -21,12 +21,15 @@ if TYPE_CHECKING:
 
 __all__ = [
     "build_system",
+    "by_column",
     "constants",
     "initial_state",
     "is_file",
     "model_functions",
     "names",
     "number",
+    "number_list",
+    "numbers_by_column",
     "settings",
     "time_range",
     "value_limits",
@@ -175,6 +178,22 @@ def widths(text: str, option: str) -> list[float] | str:
         return parts[0]
     numbered = {str(k): part for k, part in enumerate(parts, 1)}
     return list(constants(numbered, option).values())
+
+
+def by_column(text: str, option: str) -> str | dict[str, str]:
+    """A text for all columns, or one for each, such as ``x=mm,y=g``."""
+    return settings(names(text), option) if "=" in text else text
+
+
+def numbers_by_column(text: str, option: str) -> float | dict[str, float]:
+    """A number for all columns, or one for each, such as ``x=7.87,y=8.1``."""
+    found = by_column(text, option)
+    return constants(found, option) if isinstance(found, dict) else number(found, option)
+
+
+def number_list(text: str, option: str) -> tuple[float, ...]:
+    """Numbers separated by commas."""
+    return tuple(number(part, option) for part in names(text))
 
 
 def time_range(text: str, option: str) -> tuple[float, float]:

@@ -246,6 +246,7 @@ _ARGUMENTS = {
     " which ends in .toml (nonsmooth models moling --toml prints one to start from).",
     "settings": "Values of parameters, such as b=0.15; a value may be an expression such as pi/2.",
     "files": "CSV files, one for each speed.",
+    "record": "CSV file of the record.",
     "file": "File of basins, which nonsmooth basins --save basins.nc writes.",
 }
 
@@ -270,6 +271,8 @@ def _arguments(shape: str) -> Iterator[click.Argument]:
             yield click.Argument(["settings"], nargs=-1, metavar="[NAME=VALUE...]")
     elif shape == "FILE...":
         yield click.Argument(["files"], nargs=-1, required=True, metavar=shape, type=click.Path())
+    elif shape == "FILE.csv":
+        yield click.Argument(["record"], metavar=shape, type=click.Path())
     else:
         yield click.Argument(["file"], metavar=shape, type=click.Path())
 

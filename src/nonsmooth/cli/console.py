@@ -10,10 +10,11 @@ import click
 
 from nonsmooth.errors import NonsmoothError, RunError, unknown_name
 
-__all__ = ["ENDED_EARLY", "INTERRUPTED", "MISUSE", "Commands", "print_table"]
+__all__ = ["DOUBTFUL", "ENDED_EARLY", "INTERRUPTED", "MISUSE", "Commands", "print_table"]
 
 ENDED_EARLY = 1  # the work was begun and could not be finished
 MISUSE = 2  # the command line or the model cannot be right
+DOUBTFUL = 3  # the work is done, from a record with flaws
 INTERRUPTED = 130  # 128 + SIGINT, as shells report it
 
 _PIPE_WIDTH = 120  # characters; what reads a pipe has no screen to fit

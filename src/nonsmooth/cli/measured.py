@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from nonsmooth.cli.arguments import names, settings
+from nonsmooth.cli.arguments import names
 from nonsmooth.cli.command import Task
+from nonsmooth.cli.records import channels, checked, code_of_flaws
 from nonsmooth.cli.report import Report
 from nonsmooth.errors import OptionError, unknown_name
 
@@ -22,13 +23,9 @@ def measured(task: Task) -> None:
     _check(task)
     from nonsmooth import measured as rig
 
-    before = "" if task["lowest"] is None else _READING
-    probe = task.options("measured.Channel")
-    columns = {
-        before + name: rig.Channel(int(column) if column.isdecimal() else column, **probe)
-        for name, column in _columns(task["columns"]).items()
-    }
-    records = [_record(file, columns, task) for file in task["files"]]
+    columns = channels(task, "" if task["lowest"] is None else _READING)
+    read = [_record(file, columns, task) for file in task["files"]]
+    records, flaws = [one for one, _ in read], [found for _, found in read]
     if task["mark"] is None:
         result = records[0]
         shown = _shown(result, task["draw"], 1, 2)
@@ -47,7 +44,10 @@ def measured(task: Task) -> None:
         task.picture("time_history" if len(shown) == 1 else "phase_portrait", result, *shown)
     else:
         task.picture("bifurcation" if len(shown) == 1 else "section", result, *shown)
-    task.finish(result, report)
+    told = sum(one.attrs["n_findings"] for one in flaws)
+    if told:
+        report.number("flaws", told)
+    task.finish(result, report, code=code_of_flaws(task, *flaws))
 
 
 def _check(task: Task) -> None:
@@ -67,17 +67,13 @@ def _check(task: Task) -> None:
         raise OptionError("--highest is of velocities, which --lowest integrates; use --low-pass")
 
 
-def _columns(text: str) -> dict[str, str]:
-    """Names with their columns; a name alone is that of its column."""
-    parts = [part if "=" in part else f"{part}={part}" for part in names(text)]
-    return settings(parts, "--columns")
-
-
-def _record(file: str, columns: dict[str, Any], task: Task) -> xr.Dataset:
-    """Record with velocities, where their band is known."""
+def _record(file: str, columns: dict[str, Any], task: Task) -> tuple[xr.Dataset, xr.Dataset]:
+    """Record with velocities, where their band is known, and what is wrong with it."""
     from nonsmooth import measured as rig
 
     record = rig.read_csv(file, columns, **task.options("measured.read_csv"))
+    # integration from a lowest frequency on takes a drift off
+    record, flaws = checked(record, task, *(() if task["lowest"] is None else ("drift",)))
     if task["low_pass"] is not None:
         record = rig.low_pass(record, task["low_pass"])
     if task["lowest"] is not None:
@@ -88,8 +84,8 @@ def _record(file: str, columns: dict[str, Any], task: Task) -> xr.Dataset:
         record = rig.dimensionless(record, **task.options("measured.dimensionless"))
     unmarked = "speed" not in record.attrs and task["highest"] is None
     if task["lowest"] is not None or unmarked:
-        return record
-    return rig.velocities(record, **task.options("measured.velocities"))
+        return record, flaws
+    return rig.velocities(record, **task.options("measured.velocities")), flaws
 
 
 def _record_report(record: xr.Dataset) -> Report:

@@ -14,7 +14,16 @@ from typing import Any, NamedTuple
 import click
 from click.shell_completion import CompletionItem
 
-from nonsmooth.cli.arguments import initial_state, names, number, time_range, widths
+from nonsmooth.cli.arguments import (
+    by_column,
+    initial_state,
+    names,
+    number,
+    number_list,
+    numbers_by_column,
+    time_range,
+    widths,
+)
 from nonsmooth.cli.signatures import Parameter
 from nonsmooth.cli.wording import spoken, text_in_words_of_shell
 from nonsmooth.errors import NonsmoothError, OptionError
@@ -118,7 +127,21 @@ FORMS = {
     "of": Form("NAME[,NAME...]", _names),
     "at": Form("EVENT"),
     "window": Form("NAME", text="Window against leakage, such as hann; boxcar is none."),
-    "units": Form("UNIT"),
+    "measured.Channel.units": Form(
+        "UNIT", by_column, "Units of the displacements, such as mm; or of each, such as x=mm,y=g."
+    ),
+    "measured.Channel.sensitivity": Form(
+        "A or x=A,y=B",
+        numbers_by_column,
+        "Reading per unit of displacement, such as 7.87; or of each column, such as x=7.87,y=8.1.",
+    ),
+    "measured.Channel.offset": Form(
+        "A or x=A,y=B",
+        numbers_by_column,
+        "Reading at zero displacement, such as -9.6; or of each column, such as x=-9.6,y=-9.4.",
+    ),
+    "mains": Form("50,60", number_list),
+    "leave_out": Form("KIND[,KIND...]", _names),
     "time_range": Form("A,B", time_range),
     "delimiter": Form("SIGN"),
     "epsilons": Form(

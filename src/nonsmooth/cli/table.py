@@ -34,6 +34,14 @@ _ON_SECTION = Own(
 _STROBES = ("StroboscopicMap", "phase period every")
 _SECTION = ("PoincareMap", "section direction side")
 
+
+def _columns(what: str) -> Own:
+    text = f"{what} and their columns; a name alone is that of its column."
+    return Own("columns", text, "x=CH1,y=CH2", required=True)
+
+
+_ACCEPT = Own("accept_flaws", "Leave with the exit code 0 also where a record has flaws.")
+
 TABLE = {
     "simulate": Entry(
         "Simulate a motion, and print how it ended, its events and its end state.\n\nWithout"
@@ -365,7 +373,8 @@ TABLE = {
     "measured": Entry(
         "Read a measured motion with one mark per revolution, and take its section.\n\nSeveral"
         " files give a diagram over the speed. Without marks the command gives the motion itself,"
-        " filtered, integrated or differentiated.",
+        " filtered, integrated or differentiated. Flaws of a record are told one by one, and the"
+        " exit code is then 3.",
         "measured.measured",
         (
             (
@@ -374,6 +383,7 @@ TABLE = {
                 " decimal",
             ),
             ("measured.Channel", "sensitivity offset units"),
+            ("measured.check", "false_alarms mains leave_out"),
             ("measured.dimensionless", "length natural_frequency"),
             ("measured.velocities", "highest bias"),
             ("measured.low_pass", "cutoff"),
@@ -382,12 +392,8 @@ TABLE = {
             ("measured.diagram", "unit"),
         ),
         (
-            Own(
-                "columns",
-                "Names of the displacements and their columns; a name alone is that of its column.",
-                "x=CH1,y=CH2",
-                required=True,
-            ),
+            _columns("Names of the displacements"),
+            _ACCEPT,
             Own("length", "Unit of length, such as the gap, for a record without dimensions.",
                 "NUMBER"),
             Own("natural_frequency", "Natural frequency in rad/s, which goes with --length.",
@@ -407,6 +413,31 @@ TABLE = {
         save="the record, the section or the diagram",
         size=(10.0, 8.0),
         example="nonsmooth measured speed_1.csv --columns x=CH1,y=CH2 --mark KEY",
+    ),
+    "check": Entry(
+        "Check a measured record: frozen, clipped and drifting channels, spikes, hum, gaps, marks."
+        "\n\nEach flaw is told with its channel and its place. The exit code is 0 for a record"
+        " without flaws and 3 for one with some. What other commands refuse, such as missing"
+        " samples, is told here.",
+        "records.check",
+        (
+            (
+                "measured.read_csv",
+                "mark time sample_rate time_range edge threshold hysteresis delimiter decimal",
+            ),
+            ("measured.Channel", "sensitivity offset units"),
+            ("measured.check", "false_alarms mains leave_out"),
+        ),
+        (
+            _columns("Names of the channels"),
+            _ACCEPT,
+            _draw("Channel to draw; the first one with a flaw by default.", "NAME"),
+        ),
+        arguments="FILE.csv",
+        plot="a channel with its flaws",
+        save="the findings and the masks",
+        size=(14.0, 7.0),
+        example="nonsmooth check run.csv --columns x=CH1,y=CH2 --mark KEY --plot quality.png",
     ),
     "models": Entry(
         "List the ready-made systems, or print the equations of one.",

@@ -10,6 +10,7 @@ from nonsmooth.measured.channel import Channel
 from nonsmooth.measured.columns import read_columns
 from nonsmooth.measured.differentiator import Differentiator
 from nonsmooth.measured.integration import displacements
+from nonsmooth.measured.quality.checking import check, flagged
 from nonsmooth.measured.reading import read_csv
 from nonsmooth.measured.record import from_arrays
 from nonsmooth.measured.resampling import synchronous
@@ -22,9 +23,11 @@ from nonsmooth.measured.velocity import velocities
 __all__ = [
     "Channel",
     "Differentiator",
+    "check",
     "diagram",
     "dimensionless",
     "displacements",
+    "flagged",
     "from_arrays",
     "low_pass",
     "read_columns",

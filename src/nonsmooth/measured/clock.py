@@ -112,10 +112,30 @@ class Clock(NamedTuple):
     off: float
     first: int
     last: int
+    uneven: Floats | None = None  # the times themselves, where they are kept as they are
+
+    @property
+    def times(self) -> Floats:
+        """Time of each sample that is kept."""
+        if self.uneven is not None:
+            return self.uneven
+        return self.at(np.arange(self.last - self.first, dtype=np.float64))
+
+    def at(self, places: Floats) -> Floats:
+        """Times at some places, in samples from the first one that is kept."""
+        if self.uneven is None:
+            found: Floats = self.start + self.step * places
+            return found
+        return np.interp(places, np.arange(self.uneven.size), self.uneven)
 
 
-def clock_of(times: Any, sample_rate: Any, count: int, time_range: Any, places: Places) -> Clock:
-    """Even times of the samples that are kept, by their times or their rate."""
+def clock_of(
+    times: Any, sample_rate: Any, count: int, time_range: Any, places: Places, keep: bool = False
+) -> Clock:
+    """Even times of the samples that are kept, by their times or their rate.
+
+    keep: whether uneven times stay as they are, to be looked at
+    """
     if (times is None) == (sample_rate is None):
         raise OptionError("give either the times= of the samples or their sample_rate=")
     low, high = (-math.inf, math.inf) if time_range is None else _two_times(time_range)
@@ -146,7 +166,25 @@ def clock_of(times: Any, sample_rate: Any, count: int, time_range: Any, places: 
         )
     if times is None:
         return Clock(float(part[0]), 1.0 / rate, 0.0, first, last)
+    if keep:
+        return _kept_clock(part, first, last, places)
     return Clock(*_even_grid(part, first, places), first, last)
+
+
+def _kept_clock(times: Floats, first: int, last: int, places: Places) -> Clock:
+    """Even times where the given ones are even, and else the given ones."""
+    try:
+        return Clock(*_even_grid(times, first, places), first, last)
+    except OptionError:
+        if times.size < FEWEST:
+            raise
+    step = float(np.median(np.diff(times)))
+    if step <= 0.0:
+        raise OptionError(
+            "times: most samples have the time of the one before; give sample_rate= instead"
+        )
+    off = float(np.abs(np.diff(times) / step - 1.0).max())
+    return Clock(float(times[0]), step, off, first, last, times)
 
 
 def _even_grid(times: Floats, first: int, places: Places) -> tuple[float, float, float]:

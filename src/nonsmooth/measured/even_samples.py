@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -11,12 +11,20 @@ import numpy.typing as npt
 import xarray as xr
 
 from nonsmooth.errors import OptionError, is_known, unknown_name
+from nonsmooth.measured.quality.masks import carried, is_mask
 
-__all__ = ["check_even", "check_variables", "listed", "noise_before_filters", "over_time"]
+__all__ = [
+    "FEWEST",
+    "check_even",
+    "check_variables",
+    "listed",
+    "noise_before_filters",
+    "over_time",
+]
 
 
 _OFF = 1e-6  # of a step, between samples that count as equidistant
-_FEWEST = 16  # samples
+FEWEST = 16  # samples
 _NOISE_ORDER = 6  # of the differences by which noise is told from a sampled motion
 _NORMAL = 0.674489750196082  # median of the size of a standard normal variable
 
@@ -28,8 +36,8 @@ def check_even(data: Any) -> float:
             "data: give a record (measured.read_csv, measured.from_arrays) or a result of simulate"
         )
     times = data["time"].values.astype(float)
-    if times.size < _FEWEST:
-        raise OptionError(f"data: {times.size} samples are too few; {_FEWEST} are needed at least")
+    if times.size < FEWEST:
+        raise OptionError(f"data: {times.size} samples are too few; {FEWEST} are needed at least")
     steps = np.diff(times)
     step = float((times[-1] - times[0]) / steps.size)
     slack = _OFF * step + 4.0 * np.finfo(float).eps * np.abs(times).max()
@@ -68,18 +76,25 @@ def check_variables(data: xr.Dataset, names: Any, option: str) -> list[str]:
     return [str(name) for name in chosen]
 
 
-def over_time(data: xr.Dataset, variables: dict[str, Any], part: slice) -> xr.Dataset:
+def over_time(
+    data: xr.Dataset, variables: dict[str, Any], part: slice, sources: Mapping[str, str], reach: int
+) -> xr.Dataset:
     """Dataset of new variables with the coordinates and attributes of the old one.
 
     The log of events of a run stays behind: the states in it have not been through the filter.
+    Masks go on: a sample is as bad as those that it was made of.
+
+    sources: the old variable of each new one; reach: samples that the filter takes in on either
+    side
     """
     kept = {
         name: coord
         for name, coord in data.coords.items()
-        if coord.dims == ("time",) or "mark" in coord.dims
+        if (coord.dims == ("time",) or "mark" in coord.dims)
     }
     bare = xr.Dataset(coords=kept, attrs=dict(data.attrs)).isel(time=part)
-    return bare.assign(variables)
+    bare = bare.drop_vars([name for name in bare.coords if is_mask(bare, str(name))])
+    return carried(data, bare.assign(variables), sources, reach, part)
 
 
 def _white_noise(values: npt.NDArray[np.float64]) -> float:

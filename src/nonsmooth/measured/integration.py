@@ -23,11 +23,13 @@ from nonsmooth.measured.even_samples import (
     noise_before_filters,
     over_time,
 )
+from nonsmooth.measured.quality.masks import quality_of
 from nonsmooth.runs.options import finite_number, whole_number
 
 __all__ = ["displacements"]
 
 Floats = npt.NDArray[np.float64]
+Mask = npt.NDArray[np.bool_]
 
 _G = 9.80665  # m/s^2, standard gravity, exactly
 _GRAVITY = ("g", "gn", "g_n")
@@ -139,8 +141,8 @@ class _RegularIntegral:
         v = math.sqrt(density * 3.0 * _NOISE / frequency) / (2.0 * math.pi)
         return x, v
 
-    def __call__(self, values: Floats) -> tuple[Floats, Floats, dict[str, Any]]:
-        """Displacement and velocity at the samples."""
+    def __call__(self, values: Floats, good: Mask | None) -> tuple[Floats, Floats, dict[str, Any]]:
+        """Displacement and velocity at the samples; bad ones are felt about themselves only."""
         from scipy.linalg import cho_solve_banded, cholesky_banded
 
         # an offset does nothing but at the ends, where it would be large
@@ -250,14 +252,19 @@ class _FourierIntegral:
         q, r = np.linalg.qr(np.hstack([drifts, turns.real, turns.imag]))
         return q, r, turns
 
-    def __call__(self, values: Floats) -> tuple[Floats, Floats, dict[str, Any]]:
-        """Displacement and velocity at the samples."""
+    def __call__(self, values: Floats, good: Mask | None) -> tuple[Floats, Floats, dict[str, Any]]:
+        """Displacement and velocity at the samples; only the good ones are fitted."""
         from scipy.linalg import solve_triangular
 
         q, r, turns = self._fit
         orders = np.arange(1, self.harmonics + 1)
-        shares = values @ q
-        left = values - q @ shares
+        if good is None or good.all():
+            shares = values @ q
+            left = values - q @ shares
+        else:
+            _check_enough(int(good.sum()), q.shape[1])
+            shares = np.asarray(np.linalg.lstsq(q[good], values[good], rcond=None)[0], dtype=float)
+            left = values[good] - q[good] @ shares
         found = solve_triangular(r, shares)
         real, imaginary = np.split(found[self.drift + 1 :], 2)
         amplitude = (real - 1j * imaginary) / (1j * self.rate * orders)  # of the velocity
@@ -269,6 +276,14 @@ class _FourierIntegral:
             "residual": float(np.sqrt(np.mean(left * left))),
         }
         return displacement, velocity, words
+
+
+def _check_enough(good: int, unknown: int) -> None:
+    if good < 2 * unknown:
+        raise OptionError(
+            f"{good} samples are left without a flaw, too few to fit {unknown} numbers; give a"
+            " lower highest=, or a part of the data"
+        )
 
 
 def displacements(
@@ -331,7 +346,10 @@ def displacements(
         acceleration, which is estimated;
         and ``lowest`` with ``bias`` and ``edge``, or ``period`` with ``harmonics`` and
         ``residual``, what is not periodic in the acceleration (root mean square). Velocities have
-        ``derivative_of``, ``noise_gain`` and ``noise`` likewise.
+        ``derivative_of``, ``noise_gain`` and ``noise`` likewise. The flags of a quality mask,
+        that of `flagged`, spread with ``lowest`` over two edges to either side, behind which a
+        ten-thousandth of what a flaw does is left; with ``period`` flagged samples are left out of
+        the fit.
 
     Raises
     ------
@@ -405,7 +423,8 @@ def displacements(
             source, data[source].attrs.get("units"), data["time"].attrs.get("units")
         )
         values = units.factor * data[source].values.astype(float)
-        x, v, words = method(values)
+        flags = quality_of(data, source)
+        x, v, words = method(values, None if flags is None else flags == 0)
         noise = units.factor * noise_before_filters(data[source])
         about = {"integral_of": source} | words
         costs = [{"noise_gain": gain, "noise": gain * noise} for gain in method.noise_gains]
@@ -415,7 +434,10 @@ def displacements(
             {"long_name": f"velocity of {name}"} | _unit(units.velocity) | {"derivative_of": name}
         )
         rates[f"v{name}"] = ("time", v[part], words | costs[1])
-    return over_time(data, found | rates, part)
+    sources = {name: source for source, name in names.items()}
+    sources |= {f"v{name}": source for name, source in sources.items()}
+    # behind one edge a hundredth of what a flaw does is left, behind two of them a ten-thousandth
+    return over_time(data, found | rates, part, sources, 2 * method.edge)
 
 
 def _names(data: xr.Dataset, given: Any) -> dict[str, str]:

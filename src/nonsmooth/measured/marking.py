@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,7 +14,7 @@ from nonsmooth.errors import OptionError, is_known
 from nonsmooth.measured.clock import Clock, Places, check_finite, numbers
 from nonsmooth.runs.options import finite_number
 
-__all__ = ["Marking", "check_marked", "marks_of", "speed_attributes"]
+__all__ = ["Marking", "check_marked", "faulty_marks", "marks_of", "speed_attributes"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -111,17 +112,26 @@ def _given_marks(marks: Any) -> Floats:
     return times
 
 
-def _check_marks(times: Floats, bad_marks: Any) -> tuple[Floats, int]:
-    """Marks one per revolution, and how many were repaired; refused where one is bad."""
-    if not is_known(bad_marks, ("refuse", "repair")):
-        raise OptionError(f"bad_marks = {bad_marks!r:.60}: give 'refuse' or 'repair'")
+def _check_marks(
+    times: Floats, bad_marks: Any, arrays: Mapping[str, Floats], clock: Clock
+) -> tuple[Floats, int]:
+    """Marks one per revolution, and how many were repaired; refused where one is bad.
+
+    arrays: samples of the channels, by which a recorder is told that stood still
+    """
+    if not is_known(bad_marks, ("refuse", "repair", "keep")):
+        raise OptionError(
+            f"bad_marks = {bad_marks!r:.60}: give 'refuse' or 'repair', or 'keep' to look at them"
+        )
     if times.size < _FEWEST:
         raise OptionError(
             f"{times.size or 'no'} marks lie within the record, and {_FEWEST} are needed at least;"
             " take a longer record, or look at threshold= and hysteresis="
         )
-    kept, count = _repaired(times) if bad_marks == "repair" else (times, 0)
-    doubled, missed = _faults(kept)
+    if bad_marks == "keep":
+        return times, 0
+    kept, count = _repaired(times, arrays, clock) if bad_marks == "repair" else (times, 0)
+    doubled, missed = faulty_marks(kept)
     if not (doubled or missed):
         return kept, count
     told = [f"a double one at t = {kept[k]:.7g} (mark {k})" for k in doubled[:_TOLD]]
@@ -152,7 +162,7 @@ def _usual(intervals: Floats) -> Floats:
     return usual
 
 
-def _faults(times: Floats) -> tuple[list[int], list[tuple[int, int]]]:
+def faulty_marks(times: Floats) -> tuple[list[int], list[tuple[int, int]]]:
     """Marks that are one too many, and after which marks how many are missing."""
     intervals = np.diff(times)
     usual = _usual(intervals)
@@ -172,15 +182,44 @@ def _faults(times: Floats) -> tuple[list[int], list[tuple[int, int]]]:
     return sorted(set(doubled)), missed
 
 
-def _repaired(times: Floats) -> tuple[Floats, int]:
+def _repaired(times: Floats, arrays: Mapping[str, Floats], clock: Clock) -> tuple[Floats, int]:
     """Marks without the double ones, the missing ones put in evenly."""
-    doubled, _ = _faults(times)
+    doubled, _ = faulty_marks(times)
     kept = np.delete(times, doubled)
     if kept.size < _FEWEST:
         return times, 0
-    _, missed = _faults(kept)
+    _, missed = faulty_marks(kept)
+    if missed:
+        _check_moving(kept, missed, arrays, clock)
     put_in = [kept[k] + (kept[k + 1] - kept[k]) * np.arange(1, n + 1) / (n + 1) for k, n in missed]
     return np.sort(np.concatenate([kept, *put_in])), len(doubled) + sum(n for _, n in missed)
+
+
+def _check_moving(
+    marks: Floats, missed: list[tuple[int, int]], arrays: Mapping[str, Floats], clock: Clock
+) -> None:
+    """Refuse to put marks in where all channels stand still: nobody knows how many are missing.
+
+    A turn counts as standing still where all channels keep their values for half of it.
+    """
+    times = clock.times
+    still = np.ones(times.size - 1, dtype=bool)
+    for values in arrays.values():
+        still &= np.diff(values) == 0.0
+    changes = np.flatnonzero(np.diff(np.concatenate([[0], still.astype(np.int8), [0]])))
+    begins, ends = times[changes[::2]], times[changes[1::2]]
+    for k, count in missed:
+        within = np.minimum(ends, marks[k + 1]) - np.maximum(begins, marks[k])
+        usual = (marks[k + 1] - marks[k]) / (count + 1)
+        if within.size and within.max() > 0.5 * usual:
+            j = int(np.argmax(within))
+            raise OptionError(
+                f"{count} marks are missing between t = {marks[k]:.7g} and {marks[k + 1]:.7g}, and"
+                f" all channels stand still from t = {begins[j]:.7g} to {ends[j]:.7g}: the recorder"
+                " may have stopped, and turns put in there would be invented. Read the part before"
+                f" it, time_range=({times[0]:.7g}, {marks[k]:.7g}), or that behind it,"
+                f" time_range=({marks[k + 1]:.7g}, {times[-1]:.7g})"
+            )
 
 
 class Marking(NamedTuple):
@@ -194,14 +233,20 @@ class Marking(NamedTuple):
     bad_marks: Any = "refuse"
 
 
-def marks_of(given: Marking, clock: Clock, places: Places) -> tuple[Floats, dict[str, Any]] | None:
-    """Marks within a record and the attributes they give it; None without any."""
+def marks_of(
+    given: Marking, clock: Clock, places: Places, arrays: Mapping[str, Floats]
+) -> tuple[Floats, dict[str, Any]] | None:
+    """Marks within a record and the attributes they give it; None without any.
+
+    arrays: the channels of the record
+    """
     start, step, first, last = clock.start, clock.step, clock.first, clock.last
     if given.marks is not None and given.pulse is not None:
         raise OptionError("give the marks of revolutions by either marks= or pulse=")
     if given.marks is not None:
         found, error = _given_marks(given.marks), 0.0
-        found = found[(found >= start) & (found <= start + (last - first - 1) * step)]
+        end = float(clock.at(np.array([last - first - 1.0]))[0])
+        found = found[(found >= start) & (found <= end)]
     elif given.pulse is not None:
         signal = numbers(places.pulse, given.pulse)
         if signal.size < last:
@@ -209,14 +254,23 @@ def marks_of(given: Marking, clock: Clock, places: Places) -> tuple[Floats, dict
                 f"{places.pulse}: {signal.size} samples came, and displacements have more"
             )
         signal = signal[first:last]
+        if given.bad_marks == "keep":
+            signal = _held(signal)
         check_finite({places.pulse: signal}, start, step, first, places)
         edges = _find_edges(signal, given.threshold, given.hysteresis, given.edge)
-        found, error = start + step * edges.places, step * edges.error
+        found, error = clock.at(edges.places), step * edges.error
     else:
         _check_unused(given)
         return None
-    kept, repaired = _check_marks(found, given.bad_marks)
+    kept, repaired = _check_marks(found, given.bad_marks, arrays, clock)
     return kept, {**speed_attributes(kept), "mark_error": error, "n_repaired": repaired}
+
+
+def _held(signal: Floats) -> Floats:
+    """A pulse whose missing samples are as the last one before."""
+    good = np.isfinite(signal)
+    last = np.maximum.accumulate(np.where(good, np.arange(signal.size), 0))
+    return np.where(good, signal, signal[last])
 
 
 def check_marked(record: xr.Dataset, what: str) -> None:
@@ -235,6 +289,6 @@ def _check_unused(given: Marking) -> None:
         value = getattr(given, name)
         if isinstance(value, np.ndarray) or value != default:
             raise OptionError(
-                f"{name}= is about marks of revolutions, and none came; give the column mark= of a"
-                " file, the signal pulse= of arrays, or the times marks= of either"
+                f"{name}= is about marks of revolutions, and none came; give mark=, the column of a"
+                " pulse in a file; or of arrays the signal of the pulse, or the times of the marks"
             )

@@ -35,6 +35,7 @@ def read_csv(
     hysteresis: float | None = None,
     edge: str = "rising",
     bad_marks: str = "refuse",
+    bad_samples: str = "refuse",
     time_range: tuple[float, float] | None = None,
     delimiter: str | None = None,
     decimal: str | None = None,
@@ -73,8 +74,11 @@ def read_csv(
         the range of the column.
     edge : {"rising", "falling"}, optional
         Which edges are marks.
-    bad_marks : {"refuse", "repair"}, optional
+    bad_marks : {"refuse", "repair", "keep"}, optional
         What to do about double and missing marks, as in `from_arrays`.
+    bad_samples : {"refuse", "keep"}, optional
+        What to do about samples that are not finite and times that are not even, as in
+        `from_arrays`.
     time_range : tuple of float, optional
         First and last time in s of the part that is kept, such as one without a gap.
     delimiter : str, optional
@@ -152,6 +156,7 @@ def read_csv(
             (units, {name: one.long_name for name, one in channels.items()}),
             os.path.splitext(table.name)[0],
             FilePlaces(table, places),
+            bad_samples,
         )
     except OptionError as error:
         between = ", " if str(error).startswith("line ") else ": "

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import OptionError, is_known
 from nonsmooth.measured.channel import check_name
 from nonsmooth.measured.clock import FEWEST, Places, check_finite, clock_of, numbers
 from nonsmooth.measured.marking import Marking, marks_of
@@ -33,6 +33,7 @@ def from_arrays(
     hysteresis: float | None = None,
     edge: str = "rising",
     bad_marks: str = "refuse",
+    bad_samples: str = "refuse",
     time_range: tuple[float, float] | None = None,
     name: str = "measured",
 ) -> xr.Dataset:
@@ -67,9 +68,14 @@ def from_arrays(
         the range of the signal.
     edge : {"rising", "falling"}, optional
         Which edges are marks.
-    bad_marks : {"refuse", "repair"}, optional
+    bad_marks : {"refuse", "repair", "keep"}, optional
         What to do about revolutions shorter than 2/3 or longer than 3/2 of the median of eleven:
-        refuse the record, or leave double marks out and put missing ones in evenly.
+        refuse the record, or leave double marks out and put missing ones in evenly, but not where
+        all channels stand still for half a turn. Marks that are kept as they are can be looked at
+        by `check`.
+    bad_samples : {"refuse", "keep"}, optional
+        What to do about samples that are not finite, and times that are not even: refuse the
+        record, or keep both as they are for `check`.
     time_range : tuple of float, optional
         First and last time of the part that is kept; before anything else is checked.
     name : str, optional
@@ -114,6 +120,7 @@ def from_arrays(
         (units, labels),
         name,
         Places(),
+        bad_samples,
     )
 
 
@@ -124,21 +131,28 @@ def record_of(
     words: tuple[Any, Any],
     name: str,
     places: Places,
+    bad_samples: str = "refuse",
 ) -> xr.Dataset:
     """Record of checked arrays.
 
     timing: times, sample rate and the range of time that is kept; words: units and labels
     """
+    if not is_known(bad_samples, ("refuse", "keep")):
+        raise OptionError(f"bad_samples = {bad_samples!r:.60}: give 'refuse' or 'keep'")
+    keep = bad_samples == "keep"
     arrays = _arrays(displacements)
     times, sample_rate, time_range = timing
     count = next(iter(arrays.values())).size
-    clock = clock_of(times, sample_rate, count, time_range, places)
+    clock = clock_of(times, sample_rate, count, time_range, places, keep)
     arrays = {key: values[clock.first : clock.last] for key, values in arrays.items()}
     count = clock.last - clock.first
     if count < FEWEST:
         raise OptionError(f"{count} samples are too few; {FEWEST} are needed at least")
-    check_finite(arrays, clock.start, clock.step, clock.first, places)
-    marks = marks_of(marking, clock, places)
+    if keep:
+        arrays = {key: np.where(np.isfinite(each), each, np.nan) for key, each in arrays.items()}
+    else:
+        check_finite(arrays, clock.start, clock.step, clock.first, places)
+    marks = marks_of(marking, clock, places, arrays)
     attrs: dict[str, Any] = {
         "system_name": str(name),
         "nonsmooth_version": __version__,
@@ -148,7 +162,7 @@ def record_of(
         "time_off": clock.off,
     }
     about = {"long_name": "time", "units": "s"}
-    coords: dict[str, Any] = {"time": ("time", clock.start + clock.step * np.arange(count), about)}
+    coords: dict[str, Any] = {"time": ("time", clock.times, about)}
     if marks is not None:
         about = {"long_name": "time of the mark", "units": "s"}
         coords["mark_time"] = "mark", marks[0], about

@@ -10,8 +10,9 @@ import xarray as xr
 
 from nonsmooth.errors import OptionError
 from nonsmooth.measured.marking import check_marked
+from nonsmooth.measured.quality.masks import masked, masks_at
 from nonsmooth.measured.record import check_record
-from nonsmooth.measured.sections import inside, interpolated, revolutions_of
+from nonsmooth.measured.sections import first_samples, inside, interpolated, revolutions_of
 from nonsmooth.runs.options import whole_number
 
 __all__ = ["synchronous"]
@@ -85,7 +86,7 @@ def synchronous(record: xr.Dataset, samples_per_period: int = 64) -> xr.Dataset:
         "sample_rate": count / period,
         "speed": speed,
     }
-    return xr.Dataset(
+    found = xr.Dataset(
         variables,
         {
             "time": (
@@ -100,3 +101,5 @@ def synchronous(record: xr.Dataset, samples_per_period: int = 64) -> xr.Dataset:
         },
         attrs,
     )  # fmt: skip
+    flags = masks_at(record, first_samples(places[k], record.sizes["time"]), 4)
+    return masked(found, flags) if flags else found

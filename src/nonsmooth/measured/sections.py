@@ -11,10 +11,11 @@ import xarray as xr
 
 from nonsmooth.errors import OptionError
 from nonsmooth.measured.marking import check_marked, speed_attributes
+from nonsmooth.measured.quality.masks import masked, masks_at
 from nonsmooth.measured.record import check_record
 from nonsmooth.runs.options import finite_number
 
-__all__ = ["inside", "interpolated", "revolutions_of", "section"]
+__all__ = ["first_samples", "inside", "interpolated", "revolutions_of", "section"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -35,13 +36,18 @@ def interpolated(values: Floats, places: Floats) -> Floats:
     Local, so that a contact is felt one sample away and not, as with a spline, by all others. Its
     error is at most 3/128 of the fourth derivative by the step; white noise is not enlarged.
     """
-    first = np.clip(np.floor(places).astype(np.int64) - 1, 0, values.size - 4)
+    first = first_samples(places, values.size)
     s = places - first  # from 0 to 3, between 1 and 2 but at the ends
     total: Floats = values[first] * (-(s - 1.0) * (s - 2.0) * (s - 3.0) / 6.0)
     total += values[first + 1] * (s * (s - 2.0) * (s - 3.0) / 2.0)
     total += values[first + 2] * (-s * (s - 1.0) * (s - 3.0) / 2.0)
     total += values[first + 3] * (s * (s - 1.0) * (s - 2.0) / 6.0)
     return total
+
+
+def first_samples(places: Floats, count: int) -> npt.NDArray[np.int64]:
+    """The first of the four samples about each place."""
+    return np.clip(np.floor(places).astype(np.int64) - 1, 0, count - 4)
 
 
 def section(record: xr.Dataset, *, transient: int = 0, phase: float = 0.0) -> xr.Dataset:
@@ -121,7 +127,7 @@ def section(record: xr.Dataset, *, transient: int = 0, phase: float = 0.0) -> xr
     if summary:
         attrs["period"] = 2.0 * math.pi / summary["speed"]
     attrs |= {"n_points": int(here.sum()), "phase": part, "transient": int(first)}
-    return xr.Dataset(
+    points = xr.Dataset(
         variables,
         {
             "point": ("point", np.arange(chosen.size), {"long_name": "revolution"}),
@@ -130,6 +136,8 @@ def section(record: xr.Dataset, *, transient: int = 0, phase: float = 0.0) -> xr
         },
         attrs,
     ).drop_indexes("point")
+    flags = masks_at(record, first_samples(places[here], record.sizes["time"]), 4)
+    return masked(points, flags, "point") if flags else points
 
 
 def speed_words(record: xr.Dataset) -> dict[str, str]:

@@ -63,7 +63,8 @@ def low_pass(
         ``low_pass``, the cut-off frequency, ``low_pass_order``; ``edge``, the time at either
         end which reflection reaches: outside of it less than a thousandth of it is felt;
         ``noise_gain``, what is left of white noise, and ``noise``, that times the noise of the
-        samples, which is estimated (standard deviations).
+        samples, which is estimated (standard deviations). The flags of a quality mask, that of
+        `flagged`, spread over ``edge`` to either side.
 
     Raises
     ------
@@ -132,7 +133,7 @@ def low_pass(
     for name in names:
         words = data[name].attrs | added | {"noise": gain * noise_before_filters(data[name])}
         found[name] = ("time", _filtered(sections, data[name].values, edge)[part], words)
-    return over_time(data, found, part)
+    return over_time(data, found, part, {name: name for name in names}, edge)
 
 
 def _design(cutoff: float, order: int) -> tuple[Floats, int]:

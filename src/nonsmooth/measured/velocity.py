@@ -12,6 +12,7 @@ from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.measured.channel import check_name
 from nonsmooth.measured.differentiator import Differentiator
 from nonsmooth.measured.even_samples import noise_before_filters
+from nonsmooth.measured.quality.masks import carried, is_mask
 from nonsmooth.measured.record import check_record
 
 __all__ = ["displacements_of", "velocities"]
@@ -170,4 +171,8 @@ def _with_velocities(
              "noise": before * chosen.noise_gain},
         )  # fmt: skip
     order = [*names, *names.values()]
-    return cut.drop_vars(list(cut.data_vars)).assign({n: variables[n] for n in order})
+    gone = [*cut.data_vars, *(name for name in cut.coords if is_mask(cut, str(name)))]
+    found = cut.drop_vars(gone).assign({n: variables[n] for n in order})
+    part = slice(half, record.sizes["time"] - half)
+    found = carried(record, found, {name: name for name in names}, 0, part)
+    return carried(record, found, {rate: name for name, rate in names.items()}, half, part)

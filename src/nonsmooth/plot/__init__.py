@@ -24,6 +24,7 @@ from nonsmooth.plot.orbits import orbit
 from nonsmooth.plot.periodic_orbits import orbit_history, periodic_orbit
 from nonsmooth.plot.portrait import phase_portrait
 from nonsmooth.plot.portrait_stack import phase_portrait_3d
+from nonsmooth.plot.record_quality import quality
 from nonsmooth.plot.regimes import regime_map
 from nonsmooth.plot.return_maps import cobweb, return_map
 from nonsmooth.plot.ring_regions import contact_regions
@@ -62,6 +63,7 @@ __all__ = [
     "phases",
     "place_legend",
     "print_figure",
+    "quality",
     "regime_map",
     "return_map",
     "save_figure",

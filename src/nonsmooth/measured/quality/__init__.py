@@ -1,0 +1,1 @@
+"""Flaws of records: what is looked for, and how it is told from a clean motion."""
