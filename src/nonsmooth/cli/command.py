@@ -154,10 +154,10 @@ class VerbCommand(click.Command):
             return super().parse_args(ctx, args)
         except click.NoSuchOption as fault:
             instead = self._instead(fault.option_name)
-            if instead:
-                fault.message = f"No such option {fault.option_name!r}: {instead}."
-                fault.possibilities = None
-            raise
+            if not instead:
+                raise
+            said = f"No such option {fault.option_name!r}: {instead}."
+            raise click.NoSuchOption(fault.option_name, said, ctx=fault.ctx) from None
 
     def _instead(self, option: str) -> str:
         """What stands for an argument of Python that is no option under its own name."""

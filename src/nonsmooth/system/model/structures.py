@@ -94,7 +94,8 @@ def _over_mass(mass: Floats, right: Floats, where: str) -> Floats:
             f"{where} has no inverse, so some degree of freedom has no acceleration; leave those"
             " without mass out, by static condensation for example"
         )
-    return np.linalg.solve(mass, right)
+    solved: Floats = np.asarray(np.linalg.solve(mass, right), dtype=float)
+    return solved
 
 
 def _accelerated(row: Floats, forces: list[float | str]) -> float | str:
