@@ -186,7 +186,7 @@ class Shooting:
             here = np.flatnonzero(np.isfinite(each.values))
             channel.append(np.full(here.size, c))
             place.append(here)
-            moment.append(self.times[here] - self._nuisance(c, "delay", u))
+            moment.append(self.times[here] - self.nuisance(c, "delay", u))
         of, where, when = (np.concatenate(each) for each in (channel, place, moment))
         segment = np.searchsorted(self.bounds[1:-1], when, side="right")
         when = np.clip(when, self.bounds[0], self.bounds[-1])
@@ -200,7 +200,11 @@ class Shooting:
             self._plans.append(Plan(times, instant, of[here], data, where[here]))
         return self._plans
 
-    def _nuisance(self, c: int, key: str, u: Floats) -> float:
+    def forget_plans(self) -> None:
+        """Read the data anew at the next evaluation."""
+        self._plans = None
+
+    def nuisance(self, c: int, key: str, u: Floats) -> float:
         """Gain, offset or delay of a channel."""
         if (c, key) in self.nuisances:
             k = self.p + self.nuisances.index((c, key))
@@ -229,7 +233,7 @@ class Shooting:
         of = np.concatenate([plan.channel for plan in plans])
         columns = np.concatenate([flight.columns[:-1] for flight in flown])[at]
         gain, offset, _ = (
-            np.array([self._nuisance(c, key, u) for c in range(len(self.channels))])[of]
+            np.array([self.nuisance(c, key, u) for c in range(len(self.channels))])[of]
             for key in _NUISANCES
         )
         weight = gain / noise[of]

@@ -22,16 +22,16 @@ from scipy.optimize import least_squares
 from nonsmooth.fitting.beginning import first_states
 from nonsmooth.fitting.shooting import Evaluation, Shooting
 
-__all__ = ["LOSSES", "Fitted", "minimise", "solve_from"]
+__all__ = ["LOSSES", "Fitted", "close_gaps", "gap_matrix", "minimise", "solve_from"]
 
 Floats = npt.NDArray[np.float64]
 
 LOSSES = ("linear", "soft_l1", "huber", "cauchy", "arctan")
-_WEIGHTS = (0.3, 3.0, 30.0, 300.0)
+_WEIGHTS = (0.3, 3.0, 30.0, 300.0, 3000.0)
 _ROUNDS = 6  # with the last weight
 _CLOSED = 1e-4  # largest gap that is none, in units of a fiftieth of the size of a state
 _SETTLED = 1e-3  # change of the noise from round to round
-_EVALUATIONS = (25, 25, 25, 60)
+_EVALUATIONS = (25, 25, 25, 25, 60)
 _PENALTY = 1e4  # residual in each row of a run that ends early
 _MEDIAN = 0.6744897501960817  # of the size of a normal variable
 
@@ -222,26 +222,33 @@ def solve_from(
     states = first_states(shooting, head, initial, noise, seed)
     if states is None:
         return None
-    u, count, found = shooting.join(head, states), 0, None
     shift = np.zeros((shooting.n_segments - 1, shooting.n))
-    weights = _WEIGHTS if shooting.n_segments > 1 else _WEIGHTS[-1:]
-    for stage in range(len(weights) + _ROUNDS):
-        k = min(stage, len(weights) - 1)
-        if stage and weights[k] != weights[k - 1] and stage < len(weights):
-            shift = shift * (weights[k - 1] / weights[k]) ** 2
-        most = _EVALUATIONS[min(stage, len(_EVALUATIONS) - 1)]
-        found = minimise(shooting, u, noise, shift, weights[k], loss=loss, most=most)
+    u = shooting.join(head, states)
+    return close_gaps(shooting, u, noise, shift, loss, 0 if shooting.n_segments > 1 else -1)
+
+
+def close_gaps(
+    shooting: Shooting, u: Floats, noise: Floats, shift: Floats, loss: str, stage: int = -1
+) -> Fitted | None:
+    """Minimum with closed gaps and the noise that belongs to it, from some stage of weights on."""
+    found, count = None, 0
+    weights, evaluations = _WEIGHTS[stage:], _EVALUATIONS[stage:]
+    for k in range(len(weights) + _ROUNDS):
+        now, following = (min(each, len(weights) - 1) for each in (k, k + 1))
+        found = minimise(
+            shooting, u, noise, shift, weights[now], loss=loss, most=evaluations[now]
+        )  # fmt: skip
         if found is None:
             return None
         u, count = found.u, count + found.n_evaluations
         level = noise_level(shooting, found.evaluation, noise, loss)
         gap = float(np.abs(found.evaluation.gap).max(initial=0.0))
         settled = bool(np.all(np.abs(level / noise - 1.0) < _SETTLED))
-        if stage >= len(weights) - 1 and settled and gap < _CLOSED:
+        if now == len(weights) - 1 and settled and gap < _CLOSED:
             break
-        # a change of noise changes what the multipliers weigh against
-        shift = (shift + found.evaluation.gap) * float(np.mean((noise / level) ** 2))
-        noise = level
+        # the force of a multiplier stays while weight and noise change what it weighs against
+        force = (weights[now] / weights[following]) ** 2 * float(np.mean((noise / level) ** 2))
+        shift, noise = (shift + found.evaluation.gap) * force, level
     assert found is not None
     return found._replace(n_evaluations=count, closed=found.closed and gap < 10.0 * _CLOSED)
 
