@@ -5,7 +5,7 @@ import xarray as xr
 from scipy.integrate import solve_ivp
 
 SOFT = {"omega": 0.85, "zeta": 0.01, "beta": 29.0, "e": 1.26, "a": 0.7}
-RIGID = {"omega": 2.2, "zeta": 0.05, "F": 1.0, "sigma": 0.4, "r": 0.8}
+RIGID = {"omega": 1.3, "zeta": 0.05, "F": 1.0, "sigma": 0.4, "r": 0.8}
 _ACCURACY = {"method": "DOP853", "rtol": 1e-12, "atol": 1e-13}
 
 
@@ -23,7 +23,7 @@ def soft_motion(times, start, **changed):
         return y[0] - p["e"]
 
     wall.terminal = True
-    return _piecewise(rate, wall, times, start, lambda t, y: (y[0] > p["e"]), lambda y: y)
+    return _piecewise(rate, wall, times, start, lambda t, y: y[0] > p["e"], lambda y: y)
 
 
 def rigid_motion(times, start, **changed):

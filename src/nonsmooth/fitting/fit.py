@@ -10,7 +10,7 @@ import numpy.typing as npt
 from scipy.stats import qmc
 
 from nonsmooth.analysis.options import SharedOptions, check_seed
-from nonsmooth.errors import OptionError, RunError
+from nonsmooth.errors import ModelError, OptionError, RunError
 from nonsmooth.fitting.beginning import sizes_of_states
 from nonsmooth.fitting.channels import (
     ObservedChannel,
@@ -69,7 +69,7 @@ def fit(
     system : System
         The system. Parameters that are not named in ``free`` keep their values.
     record : xarray.Dataset
-        Channels over ``time``, from `measured.read_csv` or made by hand. Samples that are nan
+        Channels over ``time``, from `measured.read_csv` or made by hand. MotionSamples that are nan
         are left out. Times are those of the system: the forcing has the phase that its equations
         say.
     free : mapping of str to (float, float)
@@ -223,8 +223,7 @@ def _shooting(
     begin = used[0] - max(channel.delay.high for channel in channels)
     end = used[-1] - min(channel.delay.low for channel in channels)
     if segments is None:
-        middle = {name: each.guess for name, each in free.items()}
-        period = system.with_parameters(**middle).period_value
+        period = _period(system, free)
         number = used.size / _PER_SEGMENT if period is None else (end - begin) / period
         most = used.size // (4 * (len(system.states) + 1))
         number = int(np.clip(round(number), 1, max(1, most)))
@@ -239,9 +238,16 @@ def _shooting(
     )  # fmt: skip
 
 
-def _search(
-    shooting: Shooting, initial: Floats, loss: str, count: int, seed: int
-) -> Search:
+def _period(system: System, free: Mapping[str, Range]) -> float | None:
+    """Period in the middle of the bounds, or where the system refuses that, its own."""
+    middle = {name: each.guess for name, each in free.items()}
+    try:
+        return system.with_parameters(**middle).period_value
+    except ModelError:
+        return system.period_value
+
+
+def _search(shooting: Shooting, initial: Floats, loss: str, count: int, seed: int) -> Search:
     """The best minimum of several starts."""
     guesses = np.tile(shooting.guess(), (count, 1))
     if count > 1:

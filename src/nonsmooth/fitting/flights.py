@@ -23,7 +23,7 @@ from nonsmooth.engine.lanes import (
 )
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import ModelError
-from nonsmooth.fitting.observer import Samples
+from nonsmooth.fitting.observation import MotionSamples
 from nonsmooth.runs.clock import instants
 from nonsmooth.runs.runner import build_derivatives, build_tables
 from nonsmooth.system.model.value_checks import sure_values
@@ -37,7 +37,7 @@ Floats = npt.NDArray[np.float64]
 class Flight(NamedTuple):
     """States at the samples of a run, and their derivatives by start and parameters."""
 
-    samples: Samples  # K of them
+    samples: MotionSamples  # K of them
     columns: Floats  # (K, n, n + p)
 
 
@@ -93,5 +93,5 @@ class Flights:
         self.n_runs += 1
         if status != Status.COMPLETED or not np.isfinite(tangent.samples).all():
             return None
-        samples = Samples(numbers[1:], phases[1:], records.sample_mode, records.sample_state)
+        samples = MotionSamples(numbers[1:], phases[1:], records.sample_mode, records.sample_state)
         return Flight(samples, tangent.samples.transpose(0, 2, 1))

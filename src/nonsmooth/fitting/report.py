@@ -22,7 +22,7 @@ from nonsmooth.fitting.intervals import (
     profile_intervals,
     threshold,
 )
-from nonsmooth.fitting.shooting import Plan, Shooting
+from nonsmooth.fitting.shooting import SegmentData, Shooting
 from nonsmooth.fitting.solver import Fitted, close_gaps
 
 __all__ = ["Search", "fit_dataset"]
@@ -108,9 +108,7 @@ def fit_dataset(
     return xr.Dataset(variables, coords, attrs)
 
 
-def _certain(
-    shooting: Shooting, best: Fitted, loss: str
-) -> tuple[Fitted, Floats, list[Interval]]:
+def _certain(shooting: Shooting, best: Fitted, loss: str) -> tuple[Fitted, Floats, list[Interval]]:
     """The minimum with its intervals; a lower one that a profile finds takes its place."""
     for _ in range(_LOWER_MINIMA):
         covariance = covariance_of(shooting, best)
@@ -165,9 +163,7 @@ def _estimates(
     }  # fmt: skip
 
 
-def _bootstrap(
-    shooting: Shooting, best: Fitted, loss: str, drawn: int, seed: int
-) -> Variables:
+def _bootstrap(shooting: Shooting, best: Fitted, loss: str, drawn: int, seed: int) -> Variables:
     """95 % intervals from residuals drawn anew in blocks."""
     found = block_bootstrap(shooting, best, loss, drawn, seed)
     ends = np.full((2, shooting.h), np.nan)
@@ -216,7 +212,7 @@ def _predict(
     begin = float(shooting.bounds[m])
     moments = np.maximum(shooting.times[place] - delays[channel], begin)
     instants, which = np.unique(moments, return_inverse=True)
-    plan = Plan(instants, which, channel, measured[channel, place], place)
+    plan = SegmentData(instants, which, channel, measured[channel, place], place)
     state = shooting.states_of(best.u)[m]
     flight = shooting.flights.fly(state, begin, np.append(instants, instants[-1]))
     if flight is None:

@@ -19,7 +19,7 @@ import numpy.typing as npt
 
 from nonsmooth.fitting.channels import ObservedChannel, Range
 from nonsmooth.fitting.flights import Flight, Flights
-from nonsmooth.fitting.observer import Observer, Samples
+from nonsmooth.fitting.observation import MotionSamples, Observation
 from nonsmooth.system.system import System
 
 __all__ = ["Evaluation", "Shooting"]
@@ -31,7 +31,7 @@ _NUISANCES = ("gain", "offset", "delay")
 _UNIT = 0.02  # of the size of a state: what a gap between segments is measured in
 
 
-class Plan(NamedTuple):
+class SegmentData(NamedTuple):
     """Which samples of which channel lie in a segment; those of one instant are run once."""
 
     times: Floats  # (K,)
@@ -41,7 +41,7 @@ class Plan(NamedTuple):
     place: Integers  # (N,): sample of the record
 
 
-class Rows(NamedTuple):
+class Residuals(NamedTuple):
     """Residuals of data in order, in units of each channel, with derivatives."""
 
     residual: Floats  # (N,)
@@ -55,7 +55,7 @@ class Rows(NamedTuple):
 class Evaluation(NamedTuple):
     """Residuals of all data, and the gaps between segments; M segments, h unknowns of the head."""
 
-    rows: Rows
+    rows: Residuals
     gap: Floats  # (M - 1, n): end of a segment less the start of the next
     gap_head: Floats  # (M - 1, n, h)
     gap_state: Floats  # (M - 1, n, n), by the start of the segment
@@ -85,7 +85,7 @@ class Shooting:
         self.names = [*free, *(f"{channels[c].name} {key}" for c, key in self.nuisances)]
         self.flights = Flights(system, tuple(free), tolerance)
         moves = any(channel.delay.is_free for channel in channels)
-        self.observer = Observer(
+        self.observation = Observation(
             system, {c.name: c.text for c in channels}, tuple(free), rates=moves
         )
         self.step = float(np.median(np.diff(times)))
@@ -95,7 +95,7 @@ class Shooting:
         self.scales = np.ones(self.n)  # of the states
         self._origin = np.array([r.low if np.isfinite(r.low) else r.guess for r in self.ranges])
         self._units = np.array([r.scale for r in self.ranges])
-        self._plans: list[Plan] | None = None
+        self._plans: list[SegmentData] | None = None
         self._fixed_plans = not moves
 
     # ------------------------------------------------------------ unknowns
@@ -172,12 +172,12 @@ class Shooting:
             rows, (ends - states[1:]) / unit, by_head, columns[:, :, : self.n] * self.scales
         )
 
-    def fly(self, m: int, state: Floats, plan: Plan) -> Flight | None:
+    def fly(self, m: int, state: Floats, plan: SegmentData) -> Flight | None:
         """Run through a segment; its end is the last sample."""
         times = np.append(plan.times, self.bounds[m + 1])
         return self.flights.fly(state, float(self.bounds[m]), times)
 
-    def plans(self, u: Floats) -> list[Plan]:
+    def plans(self, u: Floats) -> list[SegmentData]:
         """Data of each segment, for the delays of the head."""
         if self._plans is not None and self._fixed_plans:
             return self._plans
@@ -197,7 +197,7 @@ class Shooting:
             data = np.array(
                 [self.channels[c].values[k] for c, k in zip(of[here], where[here], strict=True)]
             )
-            self._plans.append(Plan(times, instant, of[here], data, where[here]))
+            self._plans.append(SegmentData(times, instant, of[here], data, where[here]))
         return self._plans
 
     def forget_plans(self) -> None:
@@ -215,19 +215,19 @@ class Shooting:
         self,
         segments: Sequence[int],
         flown: Sequence[Flight],
-        plans: Sequence[Plan],
+        plans: Sequence[SegmentData],
         u: Floats,
         noise: Floats,
-    ) -> Rows | None:
+    ) -> Residuals | None:
         """Residuals of the data of some segments; None where a quantity is no finite number."""
         kept = [flight.samples._replace(states=flight.samples.states[:-1]) for flight in flown]
-        samples = Samples(
+        samples = MotionSamples(
             *(np.concatenate([getattr(each, key)[:-1] for each in kept])
               for key in ("number", "phase", "modes")),
             np.concatenate([each.states for each in kept]),
         )  # fmt: skip
         values = self.flights.values
-        seen = self.observer.look(samples, self.flights.window, values, self.step)
+        seen = self.observation.look(samples, self.flights.window, values, self.step)
         first = np.cumsum([0, *(plan.times.size for plan in plans)])
         at = np.concatenate([plan.instant + first[i] for i, plan in enumerate(plans)])
         of = np.concatenate([plan.channel for plan in plans])
@@ -255,4 +255,4 @@ class Shooting:
             return None
         place = np.concatenate([plan.place for plan in plans])
         segment = np.repeat(segments, [plan.channel.size for plan in plans])
-        return Rows(residual, head, state, of, place, segment)
+        return Residuals(residual, head, state, of, place, segment)

@@ -49,7 +49,7 @@ class Fitted(NamedTuple):
 
 
 class _Equations:
-    """Rows and Jacobian for the solver, of the unknowns that are not held fixed."""
+    """Residuals and Jacobian for the solver, of the unknowns that are not held fixed."""
 
     def __init__(
         self,

@@ -111,7 +111,9 @@ def _panel_below(ax: Axes) -> Axes:
     """New axes in the lower part of the place of others, with the same range in x."""
     place, figure = ax.get_subplotspec(), ax.get_figure(root=True)
     if place is None or figure is None:
-        raise OptionError("ax: give axes of a grid, as plot.print_figure and plt.subplots make them")
+        raise OptionError(
+            "ax: give axes of a grid, as plot.print_figure and plt.subplots make them"
+        )
     upper, lower = place.subgridspec(2, 1, height_ratios=_HEIGHTS)
     ax.set_subplotspec(upper)
     panel = figure.add_subplot(lower, sharex=ax)

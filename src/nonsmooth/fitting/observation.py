@@ -18,7 +18,7 @@ from nonsmooth.errors import ModelError, OptionError
 from nonsmooth.runs.outputs import SweptClock, output_values
 from nonsmooth.system.system import System
 
-__all__ = ["Observed", "Observer", "Samples"]
+__all__ = ["MotionSamples", "Observation", "Observed"]
 
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
@@ -26,7 +26,7 @@ Integers = npt.NDArray[np.int64]
 _STEP = 6e-6  # cube root of the rounding unit: errors of rounding and of the step are alike
 
 
-class Samples(NamedTuple):
+class MotionSamples(NamedTuple):
     """States of a motion at K instants, each in a mode."""
 
     number: Integers  # (K,)
@@ -44,7 +44,7 @@ class Observed(NamedTuple):
     in_time: Floats  # (C, K): rate along the motion; nan where it was not asked for
 
 
-class Observer:
+class Observation:
     """Values of expressions on samples of motions of a system."""
 
     def __init__(
@@ -61,7 +61,7 @@ class Observer:
         self.system = _with_outputs(system, outputs, texts)
 
     def look(
-        self, samples: Samples, window: float, values: Mapping[str, float], step: float
+        self, samples: MotionSamples, window: float, values: Mapping[str, float], step: float
     ) -> Observed:
         """Quantities and their derivatives; ``step`` is a short time."""
         n, p, count = samples.states.shape[1], len(self.chosen), samples.modes.size
