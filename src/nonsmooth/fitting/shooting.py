@@ -220,12 +220,13 @@ class Shooting:
         noise: Floats,
     ) -> Residuals | None:
         """Residuals of the data of some segments; None where a quantity is no finite number."""
-        kept = [flight.samples._replace(states=flight.samples.states[:-1]) for flight in flown]
+        seen_at = [flight.samples for flight in flown]
         samples = MotionSamples(
-            *(np.concatenate([getattr(each, key)[:-1] for each in kept])
-              for key in ("number", "phase", "modes")),
-            np.concatenate([each.states for each in kept]),
-        )  # fmt: skip
+            np.concatenate([each.number[:-1] for each in seen_at]),
+            np.concatenate([each.phase[:-1] for each in seen_at]),
+            np.concatenate([each.modes[:-1] for each in seen_at]),
+            np.concatenate([each.states[:-1] for each in seen_at]),
+        )
         values = self.flights.values
         seen = self.observation.look(samples, self.flights.window, values, self.step)
         first = np.cumsum([0, *(plan.times.size for plan in plans)])

@@ -70,6 +70,8 @@ class _Equations:
         self.evaluation: Evaluation | None = None
         self.n_evaluations = 0
         self.n_data = 0
+        self._rows = np.zeros(0)
+        self._matrix = np.zeros((0, shooting.size))
 
     def evaluate(self, x: Floats) -> Evaluation | None:
         if self.at is None or not np.array_equal(x, self.at):

@@ -114,9 +114,9 @@ def _panel_below(ax: Axes) -> Axes:
         raise OptionError(
             "ax: give axes of a grid, as plot.print_figure and plt.subplots make them"
         )
-    upper, lower = place.subgridspec(2, 1, height_ratios=_HEIGHTS)
-    ax.set_subplotspec(upper)
-    panel = figure.add_subplot(lower, sharex=ax)
+    parts = place.subgridspec(2, 1, height_ratios=_HEIGHTS)
+    ax.set_subplotspec(parts[0])
+    panel = figure.add_subplot(parts[1], sharex=ax)
     size = float(ax.xaxis.label.get_fontsize()) - 1.0
     panel.tick_params(labelsize=size, width=0.6, length=2.5)
     for side in panel.spines.values():
