@@ -116,6 +116,52 @@ def test_rigid_impacts_are_fitted():
     assert (errors < 4.0 * found["standard_error"]).all()
 
 
+def random_case(seed):
+    """Record of a soft or rigid oscillator with parameters, length and noise by chance."""
+    rng = np.random.default_rng(seed)
+    share, periods = (0.01, 0.02, 0.05)[seed % 3], (5, 12, 40)[seed // 2 % 3]
+    if seed % 2:
+        truth = {
+            "r": rng.uniform(0.5, 0.9), "sigma": rng.uniform(0.1, 0.5),
+            "zeta": rng.uniform(0.02, 0.1), "omega": rng.uniform(0.9, 1.5),
+        }  # fmt: skip
+        motion, model, start = rigid_motion, ns.models.impact_oscillator, [-0.2, 0.1]
+    else:
+        truth = {
+            "beta": rng.uniform(10, 40), "e": rng.uniform(0.4, 0.8),
+            "zeta": rng.uniform(0.01, 0.05), "omega": rng.uniform(0.7, 1.0),
+        }  # fmt: skip
+        motion, model, start = soft_motion, ns.models.soft_impact, [0.3, 0.1]
+    period = 2.0 * np.pi / truth["omega"]
+    times = np.arange(0.0, periods * period, period / 50)
+    x, _, _, events = motion(times, start, **truth)
+    system = model(omega=truth.pop("omega"))
+    return system, truth, dataset(times, x=noisy(x, share, rng)), len(events)
+
+
+def is_right(seed):
+    """Whether the fit of a case, in ranges of +-50 %, is within five standard errors."""
+    system, truth, record, n_events = random_case(seed)
+    assert n_events
+    free = {name: (0.5 * each, min(1.5 * each, 0.99 if name == "r" else np.inf))
+            for name, each in truth.items()}  # fmt: skip
+    found = ns.fit(system, record, free, {"x": "x"}, starts=3, seed=seed)
+    off = np.abs(found["estimate"] - list(truth.values())) / found["standard_error"]
+    return bool(found.attrs["status"] == "completed" and (off < 5.0).all())
+
+
+def test_a_cut_near_an_impact_is_moved():
+    """40 periods at a rigid wall with 5 % of noise: some impacts are at the ends of segments."""
+    assert is_right(5)
+
+
+@pytest.mark.slow
+def test_nearly_all_records_lead_to_the_right_optimum():
+    """At least 95 % of 40, with 3 to 80 impacts and 1 to 5 % of noise."""
+    wrong = [seed for seed in range(40) if not is_right(seed)]
+    assert len(wrong) <= 2, wrong
+
+
 def two_springs():
     """A mass on two springs side by side."""
     return ns.System(

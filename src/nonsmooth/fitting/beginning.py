@@ -3,6 +3,9 @@
 Each segment is fitted by itself, one after the other: its state is unknown and its first guess is
 the end of the segment before. A segment is short, so this succeeds also where the parameters are
 far off, and where only some of the states are observed.
+
+At a rigid wall no motion begins behind the wall. A cut between segments that falls near an impact
+would keep the solver from steps that it needs, so such a cut is moved.
 """
 
 from __future__ import annotations
@@ -24,6 +27,9 @@ Floats = npt.NDArray[np.float64]
 _STEPS = 12  # of Gauss and Newton for one segment
 _TRIES = 8  # other guesses where the first one does not do
 _GOOD = 9.0  # mean square of a residual, in units of the first guess of the noise
+_SHIFTS = (0.0, -0.125, 0.125, -0.25, 0.25, 0.375)  # of a cut, in lengths of a segment
+_NEAR = 0.1  # of the size of a state: how far from the wall of a mode a cut is safe
+_SHORT = 1e-3  # of a segment: long enough to see whether a motion begins
 _PRIOR = 0.3  # weight of the guess, in units of the size of a state: for what is not observed
 
 
@@ -77,8 +83,29 @@ def first_states(
                     best = tried
         if best is None:
             return None
+        if m < shooting.n_segments - 1 and _move_cut(shooting, m, best.state):
+            best = _fit_segment(shooting, m, best.state, head, noise) or best
         found[m], guess = best.state, best.flight.samples.states[-1]
     return found
+
+
+def _move_cut(shooting: Shooting, m: int, state: Floats) -> bool:
+    """Move the end of a segment away from places where no motion begins; whether it moved."""
+    place, flights, bounds = shooting.bounds[m + 1], shooting.flights, shooting.bounds
+    length = (bounds[-1] - bounds[0]) / shooting.n_segments
+    changes = _NEAR * np.diag(shooting.scales)
+    for shift in _SHIFTS:
+        cut = place + shift * length
+        flight = flights.fly(state, float(bounds[m]), np.array([cut]))
+        if flight is None:
+            continue
+        end, soon = flight.samples.states[-1], np.array([cut + _SHORT * length])
+        if all(flights.fly(end + each, float(cut), soon) for each in (*changes, *-changes)):
+            bounds[m + 1] = cut
+            if shift:
+                shooting.forget_plans()
+            return shift != 0.0
+    return False
 
 
 def _with_data(shooting: Shooting, m: int, guess: Floats) -> Floats:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -180,14 +181,14 @@ def fit(
         raise OptionError(f"hold_back = {share:g} must lie between 0 and 0.9")
     count, drawn = whole_number("starts", starts), whole_number("bootstrap", bootstrap, 0)
     chosen = check_seed(seed)
-    shooting = _shooting(system, bounds, channels, times, share, segments, tolerance)
-    found = _search(shooting, _rest(system, initial), loss, count, chosen)
+    make = partial(_shooting, system, bounds, channels, times, share, segments, tolerance)
+    found = _search(make, _rest(system, initial), loss, count, chosen)
     told = options.recorded | {
         "free": str({name: (each.low, each.high) for name, each in bounds.items()}),
         "observe": str({channel.name: channel.text for channel in channels}),
         "hold_back": share, "loss": loss, "starts": count, "bootstrap": drawn, "seed": chosen,
     }  # fmt: skip
-    return fit_dataset(shooting, channels, times, found, told, loss, drawn, chosen)
+    return fit_dataset(channels, times, found, told, loss, drawn, chosen)
 
 
 def _rest(system: System, initial: Any) -> Floats:
@@ -247,27 +248,30 @@ def _period(system: System, free: Mapping[str, Range]) -> float | None:
         return system.period_value
 
 
-def _search(shooting: Shooting, initial: Floats, loss: str, count: int, seed: int) -> Search:
+def _search(
+    make: Callable[[], Shooting], initial: Floats, loss: str, count: int, seed: int
+) -> Search:
     """The best minimum of several starts."""
-    guesses = np.tile(shooting.guess(), (count, 1))
+    shootings = [make() for _ in range(count)]
+    first = shootings[0]
+    guesses = np.tile(first.guess(), (count, 1))
     if count > 1:
-        sampler = qmc.LatinHypercube(shooting.p, rng=np.random.default_rng(seed))
-        low = np.array([each.low for each in shooting.free.values()])
-        width = np.array([each.scale for each in shooting.free.values()])
-        guesses[1:, : shooting.p] = low + width * sampler.random(count - 1)
-    noise = np.array([channel.noise.guess for channel in shooting.channels])
+        sampler = qmc.LatinHypercube(first.p, rng=np.random.default_rng(seed))
+        low = np.array([each.low for each in first.free.values()])
+        width = np.array([each.scale for each in first.free.values()])
+        guesses[1:, : first.p] = low + width * sampler.random(count - 1)
+    noise = np.array([channel.noise.guess for channel in first.channels])
     found: list[Fitted | None] = []
-    for k, guess in enumerate(guesses):
+    for k, (shooting, guess) in enumerate(zip(shootings, guesses, strict=True)):
         if shooting.set_up(shooting.head_of(guess)):
-            if not found or all(each is None for each in found):
-                shooting.scales = sizes_of_states(shooting, initial)
+            shooting.scales = sizes_of_states(shooting, initial)
             found.append(solve_from(shooting, guess, initial, noise, loss, seed + k))
         else:
             found.append(None)
     if all(each is None for each in found):
         raise RunError(
-            f"{shooting.system.name}: no motion could be computed from any of {count} starts; give"
+            f"{first.system.name}: no motion could be computed from any of {count} starts; give"
             " initial= a state that one of the modes admits, narrower bounds in free=, or more"
             " starts="
         )
-    return Search(found)
+    return Search(found, shootings)

@@ -38,12 +38,13 @@ _POOR = 2.0  # prediction error in units of the noise that is worth a word
 
 
 class Search:
-    """What each start has come to; None where it could not begin."""
+    """What each start has come to, with its own cuts; None where it could not begin."""
 
-    def __init__(self, found: Sequence[Fitted | None]) -> None:
+    def __init__(self, found: Sequence[Fitted | None], shootings: Sequence[Shooting]) -> None:
         self.found = list(found)
         self.heights = np.array([np.inf if each is None else height(each) for each in found])
-        best = self.found[int(self.heights.argmin())]
+        place = int(self.heights.argmin())
+        best, self.shooting = self.found[place], shootings[place]
         assert best is not None
         self.best: Fitted = best
 
@@ -60,7 +61,6 @@ def height(fitted: Fitted) -> float:
 
 
 def fit_dataset(
-    shooting: Shooting,
     channels: Sequence[ObservedChannel],
     times: Floats,
     search: Search,
@@ -70,6 +70,7 @@ def fit_dataset(
     seed: int,
 ) -> xr.Dataset:
     """Dataset of a fit."""
+    shooting = search.shooting
     best, covariance, intervals = _certain(shooting, search.best, loss)
     head = covariance[: shooting.h, : shooting.h]
     directions = open_directions(shooting, covariance)

@@ -70,6 +70,7 @@ class _Equations:
         self.evaluation: Evaluation | None = None
         self.n_evaluations = 0
         self.n_data = 0
+        self.lowest: tuple[float, Floats] = np.inf, np.zeros(0)  # sum of squares, and where
         self._rows = np.zeros(0)
         self._matrix = np.zeros((0, shooting.size))
 
@@ -80,6 +81,9 @@ class _Equations:
             self.at = x.copy()
             self.n_evaluations += 1
             self._assemble()
+            square = float(self._rows @ self._rows)
+            if self.evaluation is not None and square < self.lowest[0]:
+                self.lowest = square, self.at
         return self.evaluation
 
     def residual(self, x: Floats) -> Floats:
@@ -94,7 +98,8 @@ class _Equations:
     def _assemble(self) -> None:
         shooting, found = self.shooting, self.evaluation
         if found is None:  # a penalty of full length, from which no step leads
-            self._rows = np.full(self._rows.size, _PENALTY)
+            least = np.sqrt(self.lowest[0] / max(1, self._rows.size))
+            self._rows = np.full(self._rows.size, max(_PENALTY, 10.0 * least))
             return
         blocks = self._blocks(found)
         n_data, gaps = sum(len(block[0]) for block in blocks), found.gap.size
@@ -206,12 +211,14 @@ def minimise(
         equations.residual, start, equations.jacobian, bounds=(low, high), method="trf",
         loss=equations.loss(loss), max_nfev=most, ftol=1e-10, xtol=1e-9, gtol=1e-10,
     )  # fmt: skip
-    evaluation = equations.evaluate(found.x)
-    assert evaluation is not None  # a step into a run that ends early is never taken
+    evaluation, ended = equations.evaluate(found.x), found.status > 0
+    if evaluation is None:  # the solver moves a start at a bound inside before it begins
+        evaluation, ended = equations.evaluate(equations.lowest[1]), False
+    assert evaluation is not None
     cost = data_cost(evaluation.rows.residual, loss)
     added = 0.5 * weight**2 * float(np.sum((evaluation.gap + shift) ** 2) - np.sum(shift**2))
     return Fitted(
-        equations.u.copy(), cost + added, noise, shift, evaluation, found.status > 0,
+        equations.u.copy(), cost + added, noise, shift, evaluation, ended,
         equations.n_evaluations,
     )  # fmt: skip
 
