@@ -54,6 +54,7 @@ if TYPE_CHECKING:
         RunError,
         RunWarning,
     )
+    from nonsmooth.fitting.fit import fit
     from nonsmooth.runs.poincare_map import PoincareMap
     from nonsmooth.runs.simulate import simulate
     from nonsmooth.runs.stroboscopic_map import StroboscopicMap
@@ -95,6 +96,7 @@ __all__ = [
     "excitation",
     "fatigue",
     "find_orbit",
+    "fit",
     "full_spectrum",
     "local_regimes",
     "lyapunov_spectrum",
@@ -148,6 +150,7 @@ _HOME = {
     "correlation_dimension": "nonsmooth.analysis.correlation_dimension",
     "ensemble": "nonsmooth.analysis.ensemble",
     "find_orbit": "nonsmooth.analysis.find_orbit",
+    "fit": "nonsmooth.fitting.fit",
     "continue_orbit": "nonsmooth.analysis.continue_orbit",
     "mirrored_orbit": "nonsmooth.analysis.mirrored_orbit",
     "orbit_samples": "nonsmooth.analysis.orbit_samples",

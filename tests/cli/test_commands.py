@@ -6,7 +6,7 @@ import re
 import numpy as np
 import pytest
 
-from cli.test_options import SMALL, files
+from cli.test_options import SMALL, files, write_record
 from nonsmooth.cli.table import TABLE
 
 FEW = {
@@ -25,6 +25,7 @@ FEW = {
     "ensemble": ["--record", "5"],
     "attractors": ["--starts", "4", "--record", "500"],
     "basins": ["--starts", "4", "--record", "500"],
+    "fit": ["--starts", "1"],
     "smoothing": ["--periods", "2", "--samples-per-period", "50", "--starts", "2"],
 }
 SMALLER = {**SMALL, "smoothing": ["--epsilons", "0.1,0.01"], "continue": ["--over", "a=0.4:0.5"]}
@@ -105,7 +106,8 @@ def test_wrong_use_is_one_sentence_and_code_two(call, run, name):
         assert "Traceback" not in result.stderr
         assert re.search(r"(Error|nonsmooth): .*[a-z']", result.stderr)
     if TABLE[name].arguments.startswith("MODEL"):
-        result = call(name, "no_such_model", *SMALLER.get(name, []))
+        record = ["record.csv"] if "RECORD" in TABLE[name].arguments else []
+        result = call(name, "no_such_model", *record, *SMALLER.get(name, []))
         assert result.exit_code == 2
         assert result.stderr.startswith("nonsmooth: unknown model 'no_such_model'")
         assert len(result.stderr.splitlines()) == 1
@@ -122,6 +124,8 @@ def test_the_example_of_the_help_works(call, tmp_path, monkeypatch, name):
                    header="t,CH1,CH2,KEY")  # fmt: skip
     if name == "measures":
         files(name, tmp_path)[0].rename("basins.nc")
+    if name == "fit":
+        write_record(tmp_path)
     program, *words = TABLE[name].example.split()
     result = call(*words)
     assert program == "nonsmooth" and words[0] == name

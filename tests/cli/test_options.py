@@ -134,6 +134,7 @@ SMALL = {
     "attractors": ["--over", "x=-1:1", "--over", "v=-1:1"],
     "basins": ["--over", "x=-1:1:4", "--over", "v=-1:1:4"],
     "section": ["--section", "v"],
+    "fit": ["--free", "beta=15:45", "--observe", "x=x"],
     "smoothing": ["--epsilons", "0.1,0.01", "--over", "x=-1:1", "--over", "mu=0.5:0.7"],
 }
 
@@ -150,6 +151,14 @@ v = "cos(omega*t) - x - mu*sign(v)"
 """
 
 
+def write_record(folder):
+    """Record for a fit, with something added that stands for noise."""
+    run = ns.simulate(ns.models.soft_impact(), {"x": 0.3}, periods=3, samples_per_period=40)
+    columns = np.column_stack([run["time"], run["x"] + 0.01 * np.cos(7.0 * run["time"] ** 2)])
+    np.savetxt(folder / "record.csv", columns, delimiter=",", header="t,x", comments="")
+    return folder / "record.csv"
+
+
 def files(name, folder):
     """What a command works on."""
     if name == "measured":
@@ -157,6 +166,8 @@ def files(name, folder):
         columns = np.column_stack([t, np.cos(90 * t), np.cos(90 * t - 0.4)])
         np.savetxt(folder / "a.csv", columns, delimiter=",", header="t,x,key", comments="")
         return [folder / "a.csv", "--columns", "x", "--mark", "key"]
+    if name == "fit":
+        return ["soft_impact", write_record(folder)]
     if name == "measures":
         label = np.repeat([1, 2, 3], 20) * np.ones((60, 1), int)
         basins = xr.Dataset({"label": (("y", "x"), label)})

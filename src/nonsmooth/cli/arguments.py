@@ -205,18 +205,20 @@ def time_range(text: str, option: str) -> tuple[float, float]:
     return times["begin"], times["end"]
 
 
-def _limits(text: str, shape: Sequence[str]) -> tuple[str, dict[str, float]]:
+def _limits(
+    text: str, shape: Sequence[str], option: str = "--over"
+) -> tuple[str, dict[str, float]]:
     """Name and numbers of ``name=first:last``, or of ``name=first:last:count``."""
-    ((name, value),) = settings([text], "--over").items()
+    ((name, value),) = settings([text], option).items()
     parts = [part.strip() for part in value.split(":")]
     if len(parts) != len(shape) or not all(parts):
-        raise OptionError(f"--over: {text!r} is not of the form name={':'.join(shape)}")
-    return name, constants(dict(zip(shape, parts, strict=True)), "--over")
+        raise OptionError(f"{option}: {text!r} is not of the form name={':'.join(shape)}")
+    return name, constants(dict(zip(shape, parts, strict=True)), option)
 
 
-def value_limits(text: str) -> tuple[str, tuple[float, float]]:
+def value_limits(text: str, option: str = "--over") -> tuple[str, tuple[float, float]]:
     """Name and ends of ``name=low:high``."""
-    name, numbers = _limits(text, ("low", "high"))
+    name, numbers = _limits(text, ("low", "high"), option)
     return name, (numbers["low"], numbers["high"])
 
 

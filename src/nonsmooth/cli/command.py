@@ -246,7 +246,8 @@ _ARGUMENTS = {
     " which ends in .toml (nonsmooth models moling --toml prints one to start from).",
     "settings": "Values of parameters, such as b=0.15; a value may be an expression such as pi/2.",
     "files": "CSV files, one for each speed.",
-    "record": "CSV file of the record.",
+    "record": "File of the record: .csv with a column for the times and one for each channel;"
+    " a fit takes .nc too.",
     "file": "File of basins, which nonsmooth basins --save basins.nc writes.",
 }
 
@@ -267,6 +268,8 @@ def _arguments(shape: str) -> Iterator[click.Argument]:
         yield click.Argument(
             ["model"], type=_Model(), required=shape.startswith("MODEL"), metavar=shape.split()[0]
         )
+        if "RECORD" in shape:
+            yield click.Argument(["record"], metavar="RECORD", type=click.Path())
         if "NAME=VALUE" in shape:
             yield click.Argument(["settings"], nargs=-1, metavar="[NAME=VALUE...]")
     elif shape == "FILE...":

@@ -187,6 +187,8 @@ LEAST: Mapping[str, float | None] = {
     "frequencies": 1,
     "seed": 0,
     "segments": 1,
+    "bootstrap": 0,
+    "hold_back": 0,
     "samples": 1,
     "samples_per_period": 1,
     "max_events": 1,

@@ -370,6 +370,36 @@ TABLE = {
         size=(10.0, 8.0),
         example="nonsmooth measures basins.nc",
     ),
+    "fit": Entry(
+        "Fit parameters of a system to a record, and print 95 % intervals.",
+        "fitting.fit",
+        (
+            ("fit", "initial segments hold_back starts loss bootstrap tolerance seed"),
+            ("measured.read_csv", "time sample_rate time_range delimiter decimal"),
+        ),
+        (
+            Own("free", "Parameter to find, with its least and its largest value. You may give it"
+                " several times.", "NAME=A:B", multiple=True, required=True),
+            Own("observe", "What a channel shows: an expression of states, outputs and rates. You"
+                " may give it several times.", "NAME=EXPRESSION", multiple=True),
+            *(
+                Own(name, f"{text} It is a number, a range or free. You may give it several times.",
+                    "NAME=VALUE", multiple=True)
+                for name, text in (
+                    ("gain", "Factor of a channel, with a range such as 0.9:1.1."),
+                    ("channel_offset", "What a channel adds to its quantity."),
+                    ("delay", "Time by which a channel is late, never free."),
+                    ("noise", "Standard deviation of the noise of a channel; without it, free."),
+                )
+            ),
+            _draw("Channel to draw, the first one by default.", "x"),
+        ),
+        arguments="MODEL RECORD [NAME=VALUE...]",
+        plot="measured and fitted samples, with the residuals",
+        save="the result",
+        size=(12.0, 8.0),
+        example="nonsmooth fit soft_impact record.csv --free beta=15:45 --observe x=x",
+    ),
     "measured": Entry(
         "Read a measured motion with one mark per revolution, and take its section.\n\nSeveral"
         " files give a diagram over the speed. Without marks the command gives the motion itself,"

@@ -13,6 +13,7 @@ from nonsmooth.plot.comparisons import comparison
 from nonsmooth.plot.diagrams import bifurcation
 from nonsmooth.plot.exponents import exponents, translation
 from nonsmooth.plot.figures import print_figure, save_figure
+from nonsmooth.plot.fitted_records import fit
 from nonsmooth.plot.fracture import crack_lengths, stiffness_laws, stress_intensity
 from nonsmooth.plot.growth_curves import growth_curve
 from nonsmooth.plot.histories import phases, time_history
@@ -50,6 +51,7 @@ __all__ = [
     "crack_lengths",
     "event_markers",
     "exponents",
+    "fit",
     "growth_curve",
     "lives",
     "load_cycles",

@@ -1,0 +1,1 @@
+"""Fits of systems to measured records: parameters with intervals, from motions and derivatives."""

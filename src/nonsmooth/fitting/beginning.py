@@ -1,0 +1,155 @@
+"""States at the starts of the segments for parameters that are only guessed.
+
+Each segment is fitted by itself, one after the other: its state is unknown and its first guess is
+the end of the segment before. A segment is short, so this succeeds also where the parameters are
+far off, and where only some of the states are observed.
+
+At a rigid wall no motion begins behind the wall. A cut between segments that falls near an impact
+would keep the solver from steps that it needs, so such a cut is moved.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from scipy.stats import qmc
+
+from nonsmooth.fitting.channels import ObservedChannel
+from nonsmooth.fitting.flights import Flight
+from nonsmooth.fitting.shooting import Shooting
+
+__all__ = ["first_states", "sizes_of_states"]
+
+Floats = npt.NDArray[np.float64]
+
+_STEPS = 12  # of Gauss and Newton for one segment
+_TRIES = 8  # other guesses where the first one does not do
+_GOOD = 9.0  # mean square of a residual, in units of the first guess of the noise
+_SHIFTS = (0.0, -0.125, 0.125, -0.25, 0.25, 0.375)  # of a cut, in lengths of a segment
+_NEAR = 0.1  # of the size of a state: how far from the wall of a mode a cut is safe
+_SHORT = 1e-3  # of a segment: long enough to see whether a motion begins
+_PRIOR = 0.3  # weight of the guess, in units of the size of a state: for what is not observed
+
+
+class _Fitted(NamedTuple):
+    """A segment fitted by itself."""
+
+    state: Floats
+    cost: float
+    flight: Flight
+
+
+def sizes_of_states(shooting: Shooting, initial: Floats) -> Floats:
+    """Sizes of the states: of what is observed directly from the data, else of a run."""
+    sizes = np.zeros(shooting.n)
+    begin, end = shooting.bounds[0], shooting.bounds[-1]
+    flight = shooting.flights.fly(initial, float(begin), np.linspace(begin, end, 400))
+    if flight is not None:
+        sizes = np.abs(flight.samples.states).max(axis=0)
+    for channel, j in _direct(shooting):
+        sizes[j] = float(np.nanmax(np.abs(channel.values)))
+    return np.where((sizes > 0.0) & np.isfinite(sizes), sizes, 1.0)
+
+
+def _direct(shooting: Shooting) -> list[tuple[ObservedChannel, int]]:
+    """Channels that show a state as it is."""
+    states = shooting.system.states
+    return [
+        (channel, states.index(channel.text))
+        for channel in shooting.channels
+        if channel.text in states and channel.gain == (1.0, 1.0, 1.0)
+    ]
+
+
+def first_states(
+    shooting: Shooting, head: Floats, initial: Floats, noise: Floats, seed: int
+) -> Floats | None:
+    """States (M, n) at the starts of all segments; None where the parameters admit none."""
+    if not shooting.set_up(head):
+        return None
+    found = np.empty((shooting.n_segments, shooting.n))
+    tries = qmc.Sobol(shooting.n, rng=np.random.default_rng(seed)).random(_TRIES)
+    spread = (2.0 * tries - 1.0) * shooting.scales
+    guess = initial
+    for m in range(shooting.n_segments):
+        best = _fit_segment(shooting, m, _with_data(shooting, m, guess), head, noise)
+        if best is None or best.cost > _GOOD:
+            others = [guess, *(spread if m == 0 or best is None else [])]
+            for other in others:
+                tried = _fit_segment(shooting, m, other, head, noise)
+                if tried is not None and (best is None or tried.cost < best.cost):
+                    best = tried
+        if best is None:
+            return None
+        if m < shooting.n_segments - 1 and _move_cut(shooting, m, best.state):
+            best = _fit_segment(shooting, m, best.state, head, noise) or best
+        found[m], guess = best.state, best.flight.samples.states[-1]
+    return found
+
+
+def _move_cut(shooting: Shooting, m: int, state: Floats) -> bool:
+    """Move the end of a segment away from places where no motion begins; whether it moved."""
+    place, flights, bounds = shooting.bounds[m + 1], shooting.flights, shooting.bounds
+    length = (bounds[-1] - bounds[0]) / shooting.n_segments
+    changes = _NEAR * np.diag(shooting.scales)
+    for shift in _SHIFTS:
+        cut = place + shift * length
+        flight = flights.fly(state, float(bounds[m]), np.array([cut]))
+        if flight is None:
+            continue
+        end, soon = flight.samples.states[-1], np.array([cut + _SHORT * length])
+        if all(flights.fly(end + each, float(cut), soon) for each in (*changes, *-changes)):
+            bounds[m + 1] = cut
+            if shift:
+                shooting.forget_plans()
+            return shift != 0.0
+    return False
+
+
+def _with_data(shooting: Shooting, m: int, guess: Floats) -> Floats:
+    """A guess in which states that are observed directly are those of the data."""
+    found = guess.copy()
+    for channel, j in _direct(shooting):
+        good = np.isfinite(channel.values)
+        times = shooting.times[good] - channel.delay.guess
+        found[j] = np.interp(shooting.bounds[m], times, channel.values[good])
+        found[j] -= channel.offset.guess
+    return found
+
+
+def _fit_segment(
+    shooting: Shooting, m: int, guess: Floats, head: Floats, noise: Floats
+) -> _Fitted | None:
+    """The state that fits the data of one segment best, near a guess."""
+    plan = shooting.plans(head)[m]
+    scales, damping = shooting.scales, 1e-3
+
+    def look(state: Floats) -> tuple[float, Floats, Floats, Flight] | None:
+        flight = shooting.fly(m, state, plan)
+        rows = None
+        if flight is not None:
+            rows = shooting.rows([m], [flight], [plan], head, noise)
+        if flight is None or rows is None:
+            return None
+        residual = np.append(rows.residual, _PRIOR * (state - guess) / scales)
+        jacobian = np.vstack([rows.state, _PRIOR * np.eye(shooting.n)])
+        return float(residual @ residual), residual, jacobian, flight
+
+    state, here = guess, look(guess)
+    if here is None:
+        return None
+    for _ in range(_STEPS):
+        cost, residual, jacobian, _ = here
+        square = jacobian.T @ jacobian
+        matrix = square + damping * np.diag(np.diag(square))
+        step = -np.linalg.solve(matrix, jacobian.T @ residual)
+        there = look(state + step * scales)
+        if there is None or not there[0] < cost:
+            damping *= 10.0
+            continue
+        state, here, damping = state + step * scales, there, damping / 10.0
+        if cost - there[0] < 1e-3 * cost:
+            break
+    return _Fitted(state, here[0] / max(1, plan.data.size), here[3])

@@ -1,0 +1,205 @@
+"""What is fitted: the channels of a record, what the model says of each, and how it was measured.
+
+A channel shows ``gain * quantity(t - delay) + offset`` and noise. Each of the four is fixed by a
+number, bounded by a pair, or free.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.errors import OptionError, is_known, unknown_name
+from nonsmooth.real_numbers import finite_real
+from nonsmooth.system.system import System
+
+__all__ = ["FREE", "ObservedChannel", "Range", "check_free", "check_record_times", "read_channels"]
+
+Floats = npt.NDArray[np.float64]
+Bools = npt.NDArray[np.bool_]
+
+FREE = "free"
+_DEFAULTS = {"gain": 1.0, "offset": 0.0, "delay": 0.0}
+_FEWEST = 10  # samples of a channel that are numbers
+
+
+class Range(NamedTuple):
+    """A number that is fixed, where both ends are equal, or that lies between them."""
+
+    low: float
+    high: float
+    guess: float
+
+    @property
+    def is_free(self) -> bool:
+        """Whether the fit finds it."""
+        return self.low < self.high
+
+    @property
+    def scale(self) -> float:
+        """Unit in which the solver counts it."""
+        width = self.high - self.low
+        return width if np.isfinite(width) else max(1.0, abs(self.guess))
+
+
+class ObservedChannel(NamedTuple):
+    """One channel of a record, and how the model sees it."""
+
+    name: str
+    text: str  # the observed quantity
+    values: Floats  # (K,), nan where a sample is left out
+    gain: Range
+    offset: Range
+    delay: Range
+    noise: Range
+
+    @property
+    def spread(self) -> float:
+        """Standard deviation of the samples."""
+        return float(np.nanstd(self.values))
+
+
+def check_free(system: System, free: Any) -> dict[str, Range]:
+    """Parameters to be found with their bounds."""
+    if not isinstance(free, Mapping) or not free:
+        raise OptionError(
+            f"free = {free!r:.60}: give the bounds of each parameter to be found, such as"
+            f" {{{next(iter(system.parameters), 'k')!r}: (0.5, 2.0)}}"
+        )
+    found = {}
+    for name, bounds in free.items():
+        if not is_known(name, system.parameters):
+            raise OptionError(f"free: {unknown_name('parameter', str(name), system.parameters)}")
+        if name in system.slow:
+            raise OptionError(f"free: {name!r} is in slow= of the system, so it is no number")
+        found[name] = _bounds(f"free[{name!r}]", bounds, None)
+    return found
+
+
+def _bounds(where: str, bounds: Any, guess: float | None) -> Range:
+    """A pair of finite numbers in order."""
+    try:
+        low, high = bounds
+    except (TypeError, ValueError):
+        raise OptionError(f"{where} = {bounds!r:.60}: give two numbers, (low, high)") from None
+    low, high = finite_real(f"{where}[0]", low), finite_real(f"{where}[1]", high)
+    if not low < high:
+        raise OptionError(f"{where} = ({low:g}, {high:g}): the first must be below the second")
+    middle = 0.5 * (low + high)
+    return Range(low, high, middle if guess is None or not low < guess < high else guess)
+
+
+def check_record_times(record: Any) -> Floats:
+    """Times of a record."""
+    if not hasattr(record, "data_vars") or "time" not in record.dims or "time" not in record.coords:
+        raise OptionError(
+            f"record = {type(record).__name__}: give a dataset over time, such as a result of"
+            " measured.read_csv, or xarray.Dataset({'x': ('time', x)}, {'time': t})"
+        )
+    times = np.asarray(record["time"].values, dtype=float)
+    if not np.all(np.isfinite(times)) or np.any(np.diff(times) <= 0.0):
+        raise OptionError("record: its times must be finite numbers that increase")
+    return times
+
+
+def read_channels(
+    system: System, record: Any, observe: Any, nuisances: Mapping[str, Any], noise: Any
+) -> list[ObservedChannel]:
+    """Channels of a record with what the model says of each."""
+    texts = _observed(system, record, observe)
+    settings = {key: _settings(key, given, texts) for key, given in nuisances.items()}
+    levels = _settings("noise", noise, texts)
+    found = []
+    for name, text in texts.items():
+        values = _samples(record, name)
+        ranges = {key: _range(key, name, given.get(name)) for key, given in settings.items()}
+        found.append(
+            ObservedChannel(name, text, values, **ranges, noise=_noise(name, levels, values))
+        )
+    return found
+
+
+def _observed(system: System, record: Any, observe: Any) -> dict[str, str]:
+    """Expressions by channel; without any, channels that are called like a state or an output."""
+    channels = [str(name) for name in record.data_vars if record[name].dims == ("time",)]
+    if observe is None:
+        same = [name for name in channels if name in (*system.states, *system.outputs)]
+        if not same:
+            raise OptionError(
+                f"observe: no channel of the record ({', '.join(channels) or 'none'}) is called"
+                " like a state or an output; say what each shows, such as"
+                f" {{{channels[0] if channels else 'a1'!r}: {system.states[0]!r}}}"
+            )
+        return {name: name for name in same}
+    if not isinstance(observe, Mapping) or not observe:
+        raise OptionError(
+            f"observe = {observe!r:.60}: give an expression of states, outputs and rates for each"
+            f" channel, such as {{'a1': 'rate({system.states[-1]})'}}"
+        )
+    for name, text in observe.items():
+        if name not in channels:
+            raise OptionError(f"observe: {unknown_name('channel', str(name), channels)}")
+        if not isinstance(text, str):
+            raise OptionError(f"observe[{name!r}] = {text!r:.60}: give an expression as a text")
+    return dict(observe)
+
+
+def _samples(record: Any, name: str) -> Floats:
+    try:
+        values = np.array(record[name].values, dtype=float)
+    except (TypeError, ValueError):
+        raise OptionError(f"record[{name!r}]: its samples must be numbers") from None
+    values[~np.isfinite(values)] = np.nan
+    count = int(np.count_nonzero(np.isfinite(values)))
+    if count < _FEWEST:
+        raise OptionError(
+            f"record[{name!r}]: {count} samples are numbers; at least {_FEWEST} are needed"
+        )
+    return values
+
+
+def _settings(key: str, given: Any, texts: Mapping[str, str]) -> dict[str, Any]:
+    """What is given for each channel; what is no mapping holds for all of them."""
+    if not isinstance(given, Mapping):
+        return dict.fromkeys(texts, given)
+    for name in given:
+        if name not in texts:
+            raise OptionError(f"{key}: {unknown_name('channel', str(name), texts)}")
+    return dict(given)
+
+
+def _range(key: str, name: str, given: Any) -> Range:
+    """Gain, offset or delay of a channel."""
+    default, where = _DEFAULTS[key], f"{key}[{name!r}]"
+    if given is None:
+        return Range(default, default, default)
+    if isinstance(given, str):
+        if given != FREE or key == "delay":
+            allowed = "a number or (low, high)" if key == "delay" else "a number, (low, high), free"
+            raise OptionError(f"{where} = {given!r:.60}: give {allowed}")
+        return Range(-np.inf, np.inf, default)
+    if np.ndim(given) == 0:
+        value = finite_real(where, given)
+        return Range(value, value, value)
+    return _bounds(where, given, default)
+
+
+def _noise(name: str, levels: Mapping[str, Any], values: Floats) -> Range:
+    """Standard deviation of the noise: what is not given is found."""
+    given, where = levels.get(name), f"noise[{name!r}]"
+    first = 0.05 * float(np.nanstd(values)) or 1.0
+    if given is None or (isinstance(given, str) and given == FREE):
+        return Range(0.0, np.inf, first)
+    if isinstance(given, str):
+        raise OptionError(f"{where} = {given!r:.60}: give a number, (low, high), or {FREE!r}")
+    if np.ndim(given) == 0:
+        value = finite_real(where, given)
+        found = Range(value, value, value)
+    else:
+        found = _bounds(where, given, first)
+    if not found.guess > 0.0 or found.low < 0.0:
+        raise OptionError(f"{where} = {given!r:.60}: noise is a standard deviation, above zero")
+    return found

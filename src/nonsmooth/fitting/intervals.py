@@ -1,0 +1,202 @@
+"""What a record says of the parameters: covariance, intervals, and what it leaves open."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from scipy.linalg import null_space
+from scipy.stats import f as f_distribution
+
+from nonsmooth.fitting.shooting import Shooting
+from nonsmooth.fitting.solver import Fitted, gap_matrix, minimise
+
+__all__ = [
+    "Direction",
+    "Interval",
+    "block_bootstrap",
+    "covariance_of",
+    "open_directions",
+    "profile_intervals",
+]
+
+Floats = npt.NDArray[np.float64]
+
+LEVEL = 0.95
+_OPEN = 0.3  # standard deviation, as a part of the range, beyond which a parameter is open
+_SMALLEST = 1e-9  # singular value, as a part of the largest, that tells nothing
+_CLOSE = 0.01  # of the threshold: how near the end of an interval is found
+_STEPS = 6  # for one end of an interval
+_LOWER = -0.02  # of the threshold: a profile that goes below has found a better minimum
+_PART = 0.25  # of a direction: parameters with less do not belong to it
+
+
+class Interval(NamedTuple):
+    """Ends of a 95 % interval in units of the solver, and whether each was reached."""
+
+    low: float
+    high: float
+    is_open: tuple[bool, bool]  # where a bound of the parameter cuts it off
+
+
+class Direction(NamedTuple):
+    """A combination of parameters that the record does not determine."""
+
+    parts: Floats  # (h,), of length one, in parts of the ranges
+    spread: float  # standard deviation along it, in parts of the ranges
+
+
+class Better(Exception):
+    """A profile came to a minimum that lies lower."""
+
+    def __init__(self, found: Fitted) -> None:
+        super().__init__("a lower minimum")
+        self.found = found
+
+
+def covariance_of(shooting: Shooting, fitted: Fitted) -> Floats:
+    """Covariance of all unknowns with the gaps closed; units of the solver.
+
+    The unknowns move in the null space of the equations of continuity only. What the data do not
+    tell at all has a spread that is huge but finite.
+    """
+    rows = fitted.evaluation.rows
+    jacobian = np.zeros((rows.residual.size, shooting.size))
+    jacobian[:, : shooting.h] = rows.head
+    columns = shooting.h + rows.segment[:, None] * shooting.n + np.arange(shooting.n)
+    np.put_along_axis(jacobian, columns, rows.state, axis=1)
+    basis = np.eye(shooting.size)
+    if shooting.n_segments > 1:
+        basis = null_space(gap_matrix(shooting, fitted.evaluation), rcond=1e-13)
+    _, sizes, turned = np.linalg.svd(np.linalg.qr(jacobian @ basis, mode="r"))
+    sizes = np.maximum(sizes, _SMALLEST * sizes.max(initial=1e-300))
+    root = basis @ turned.T / sizes
+    covariance: Floats = root @ root.T
+    return covariance
+
+
+def open_directions(shooting: Shooting, covariance: Floats) -> list[Direction]:
+    """Combinations of bounded parameters along which the spread is of the size of the range."""
+    low, high = shooting.limits
+    bounded = np.flatnonzero(np.isfinite(low[: shooting.h]) & np.isfinite(high[: shooting.h]))
+    spreads, vectors = np.linalg.eigh(covariance[np.ix_(bounded, bounded)])
+    found = []
+    for square, vector in zip(spreads[::-1], vectors.T[::-1], strict=True):
+        if not square > _OPEN**2:
+            break
+        parts = np.zeros(shooting.h)
+        parts[bounded] = vector * np.sign(vector[np.abs(vector).argmax()])
+        parts[np.abs(parts) < _PART] = 0.0
+        found.append(Direction(parts, float(np.sqrt(square))))
+    return found
+
+
+def threshold(shooting: Shooting, count: int) -> float:
+    """Rise of twice the cost at the ends of a 95 % interval."""
+    spent = shooting.h + shooting.n
+    return float(f_distribution.ppf(LEVEL, 1, max(1, count - spent)))
+
+
+def profile_intervals(
+    shooting: Shooting, fitted: Fitted, covariance: Floats, loss: str
+) -> list[Interval]:
+    """95 % intervals of parameters and nuisances from the profile of the likelihood.
+
+    One of them is held away from its estimate and everything else is found anew, until the cost
+    has risen by the threshold. `Better` where the cost falls instead.
+    """
+    rise = threshold(shooting, fitted.evaluation.rows.residual.size)
+    found = []
+    for i in range(shooting.h):
+        ends = [_end(shooting, fitted, covariance, loss, i, side, rise) for side in (-1, 1)]
+        found.append(Interval(ends[0][0], ends[1][0], (ends[0][1], ends[1][1])))
+    return found
+
+
+def _end(
+    shooting: Shooting,
+    fitted: Fitted,
+    covariance: Floats,
+    loss: str,
+    i: int,
+    side: int,
+    rise: float,
+) -> tuple[float, bool]:
+    """One end of an interval, and whether a bound cuts it off."""
+    low, high = shooting.limits
+    bound = (low if side < 0 else high)[i]
+    room = abs(bound - fitted.u[i])
+    deviation = float(np.sqrt(covariance[i, i]))
+    along = covariance[:, i] / covariance[i, i]
+    distance, best, inside = deviation * np.sqrt(rise), fitted.u[i], (0.0, 0.0)
+    outside = np.inf
+    for _ in range(_STEPS):
+        distance = min(distance, room)
+        if distance <= 0.0:
+            return float(best), True
+        u = np.clip(fitted.u + side * distance * along, low, high)
+        u[i] = fitted.u[i] + side * distance
+        held = minimise(
+            shooting, u, fitted.noise, fitted.multipliers, loss=loss, held=i, most=25
+        )  # fmt: skip
+        risen = np.inf if held is None else 2.0 * (held.cost - fitted.cost)
+        if held is not None and risen < _LOWER * rise:
+            raise Better(held)
+        if abs(risen - rise) <= _CLOSE * rise:
+            return float(u[i]), False
+        if risen < rise:
+            inside = (distance, max(risen, 0.0))
+            if distance >= room:
+                return float(bound), True
+        else:
+            outside = distance
+        distance = _next_distance(distance, risen, rise, inside[0], outside)
+    return float(fitted.u[i] + side * distance), False
+
+
+def _next_distance(
+    distance: float, risen: float, rise: float, inside: float, outside: float
+) -> float:
+    """Where the root of the rise, which is nearly straight, meets its threshold."""
+    if not np.isfinite(risen):
+        return 0.5 * (inside + distance)
+    guess = distance * np.sqrt(rise / risen) if risen > 1e-3 * rise else 4.0 * distance
+    if inside < guess < outside:
+        return float(guess)
+    return 2.0 * inside if not np.isfinite(outside) else 0.5 * (inside + outside)
+
+
+def block_bootstrap(
+    shooting: Shooting, fitted: Fitted, loss: str, count: int, seed: int
+) -> Floats | None:
+    """Estimates (count, h) from records with residuals drawn anew, in blocks, with replacement.
+
+    Blocks keep the correlation of residuals that a wrong model or coloured noise leaves.
+    """
+    rng = np.random.default_rng(seed)
+    rows, found = fitted.evaluation.rows, []
+    kept = [channel.values.copy() for channel in shooting.channels]
+    length = max(1, round(rows.residual.size ** (1.0 / 3.0) * 2.0))
+    try:
+        for _ in range(count):
+            for c, channel in enumerate(shooting.channels):
+                own = rows.channel == c
+                order = np.argsort(rows.place[own])
+                place, residual = rows.place[own][order], rows.residual[own][order]
+                size = residual.size
+                first = rng.integers(0, size, -(-size // length))
+                drawn = (first[:, None] + np.arange(length)).ravel()[:size] % size
+                noise = fitted.noise[c]
+                channel.values[place] = kept[c][place] + noise * (
+                    residual - residual[drawn]
+                )  # the fitted value less a residual of another place
+            shooting.forget_plans()
+            again = minimise(shooting, fitted.u, fitted.noise, fitted.multipliers, loss=loss)
+            if again is not None:
+                found.append(again.u[: shooting.h])
+    finally:
+        for channel, values in zip(shooting.channels, kept, strict=True):
+            channel.values[:] = values
+        shooting.forget_plans()
+    return np.array(found) if found else None

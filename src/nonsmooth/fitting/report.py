@@ -1,0 +1,348 @@
+"""A fit as a dataset: estimates, intervals, residuals, and what is wrong, in words."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+from scipy.stats import chi2
+
+from nonsmooth.analysis.options import result_attributes
+from nonsmooth.fitting.channels import ObservedChannel
+from nonsmooth.fitting.intervals import (
+    Better,
+    Direction,
+    Interval,
+    block_bootstrap,
+    covariance_of,
+    open_directions,
+    profile_intervals,
+    threshold,
+)
+from nonsmooth.fitting.shooting import SegmentData, Shooting
+from nonsmooth.fitting.solver import Fitted, close_gaps
+
+__all__ = ["Search", "fit_dataset"]
+
+Floats = npt.NDArray[np.float64]
+Bools = npt.NDArray[np.bool_]
+Variables = dict[str, Any]
+
+_LOWER_MINIMA = 3  # that profiles may find before they are taken as they are
+_LAGS = 20
+_NOT_WHITE = 0.01
+_POOR = 2.0  # prediction error in units of the noise that is worth a word
+
+
+class Search:
+    """What each start has come to, with its own cuts; None where it could not begin."""
+
+    def __init__(self, found: Sequence[Fitted | None], shootings: Sequence[Shooting]) -> None:
+        self.found = list(found)
+        self.heights = np.array([np.inf if each is None else height(each) for each in found])
+        place = int(self.heights.argmin())
+        best, self.shooting = self.found[place], shootings[place]
+        assert best is not None
+        self.best: Fitted = best
+
+    @property
+    def n_evaluations(self) -> int:
+        """Evaluations of all starts."""
+        return sum(each.n_evaluations for each in self.found if each is not None)
+
+
+def height(fitted: Fitted) -> float:
+    """Minus the logarithm of the likelihood, up to a constant, with the noise that was found."""
+    counts = np.bincount(fitted.evaluation.rows.channel, minlength=fitted.noise.size)
+    return fitted.cost + float(counts @ np.log(fitted.noise))
+
+
+def fit_dataset(
+    channels: Sequence[ObservedChannel],
+    times: Floats,
+    search: Search,
+    options: dict[str, Any],
+    loss: str,
+    drawn: int,
+    seed: int,
+) -> xr.Dataset:
+    """Dataset of a fit."""
+    shooting = search.shooting
+    best, covariance, intervals = _certain(shooting, search.best, loss)
+    head = covariance[: shooting.h, : shooting.h]
+    directions = open_directions(shooting, covariance)
+    variables = _estimates(shooting, best, head, intervals, directions)
+    if drawn:
+        variables |= _bootstrap(shooting, best, loss, drawn, seed)
+    residuals = _over_time(shooting, channels, times, best)
+    whiteness = _whiteness(residuals)
+    variables |= residuals | whiteness | _segments(shooting, best)
+    variables["noise"] = ("channel", best.noise, {"long_name": "standard deviation of the noise"})
+    variables["prediction_error"] = _prediction_error(residuals, best.noise)
+    agrees = search.heights - height(best) < 0.5 * threshold(
+        shooting, best.evaluation.rows.residual.size
+    )
+    variables |= _starts(shooting, search, agrees, height(best))
+    variables |= _directions(directions)
+    words = _open_words(shooting, best, directions)
+    told = _message(best, agrees, words, variables, channels)
+    status = "completed" if best.closed else "not_converged"
+    gap = float(np.abs(best.evaluation.gap).max(initial=0.0)) * shooting.gap_unit
+    attrs = result_attributes(shooting.system, status, told, options) | {
+        "open_parameters": words,
+        "largest_gap": gap,
+        "cost": best.cost,
+        "n_fitted": int(best.evaluation.rows.residual.size),
+        "n_evaluations": search.n_evaluations,
+    }
+    names = np.array(shooting.names)
+    coords = {
+        "parameter": ("parameter", names, {"long_name": "what is found"}),
+        "parameter_0": ("parameter_0", names, {"long_name": "what is found"}),
+        "channel": ("channel", np.array([each.name for each in channels])),
+        "time": ("time", times, {"long_name": "time"}),
+        "state": ("state", np.array(shooting.system.states)),
+    }
+    return xr.Dataset(variables, coords, attrs)
+
+
+def _certain(shooting: Shooting, best: Fitted, loss: str) -> tuple[Fitted, Floats, list[Interval]]:
+    """The minimum with its intervals; a lower one that a profile finds takes its place."""
+    for _ in range(_LOWER_MINIMA):
+        covariance = covariance_of(shooting, best)
+        try:
+            return best, covariance, profile_intervals(shooting, best, covariance, loss)
+        except Better as lower:
+            u, noise, shift = lower.found.u, best.noise, best.multipliers
+            again = close_gaps(shooting, u, noise, shift, loss)
+            if again is None or height(again) >= height(best):
+                break
+            best = again
+    covariance = covariance_of(shooting, best)
+    nothing = Interval(np.nan, np.nan, (False, False))
+    return best._replace(closed=False), covariance, [nothing] * shooting.h
+
+
+def _estimates(
+    shooting: Shooting,
+    best: Fitted,
+    head: Floats,
+    intervals: list[Interval],
+    directions: list[Direction],
+) -> Variables:
+    """Everything over ``parameter``."""
+    units, deviation = shooting.head_units(), np.sqrt(np.diag(head))
+    low, high = (
+        shooting.head_values(np.array([getattr(each, side) for each in intervals]))
+        for side in ("low", "high")
+    )
+    touched = np.array([each.is_open for each in intervals]).reshape(-1, 2)
+    is_open = np.zeros(shooting.h, bool)
+    for each in directions:
+        is_open |= each.parts != 0.0
+    identified = ~(is_open | touched.all(axis=1))
+    over = "parameter"
+    square = (over, "parameter_0")
+    columns = {
+        "estimate": (over, shooting.head_values(best.u), "estimate"),
+        "standard_error": (over, deviation * units, "standard error of the estimate"),
+        "interval_low": (over, low, "lower end of the 95 % interval"),
+        "interval_high": (over, high, "upper end of the 95 % interval"),
+        "interval_open": (over, touched.any(axis=1), "whether a bound cuts the interval off"),
+        "identified": (over, identified, "whether the record determines it"),
+        "lower_bound": (over, np.array([r.low for r in shooting.ranges]), "least value allowed"),
+        "upper_bound": (over, np.array([r.high for r in shooting.ranges]), "largest allowed"),
+        "covariance": (square, head * np.outer(units, units), "covariance of the estimates"),
+        "correlation": (square, head / np.outer(deviation, deviation), "correlation"),
+    }
+    return {
+        name: (dims, values, {"long_name": words}) for name, (dims, values, words) in
+        columns.items()
+    }  # fmt: skip
+
+
+def _bootstrap(shooting: Shooting, best: Fitted, loss: str, drawn: int, seed: int) -> Variables:
+    """95 % intervals from residuals drawn anew in blocks."""
+    found = block_bootstrap(shooting, best, loss, drawn, seed)
+    ends = np.full((2, shooting.h), np.nan)
+    if found is not None:
+        ends = np.quantile(found, [0.025, 0.975], axis=0)
+    return {
+        f"bootstrap_{side}": (
+            "parameter",
+            shooting.head_values(end),
+            {"long_name": f"{side} end of the 95 % interval by block bootstrap"},
+        )
+        for side, end in zip(("low", "high"), ends, strict=True)
+    }
+
+
+def _over_time(
+    shooting: Shooting, channels: Sequence[ObservedChannel], times: Floats, best: Fitted
+) -> Variables:
+    """Measured, fitted and residual of each channel, what was held back included."""
+    measured = np.array([channel.values for channel in channels])
+    residual = np.full(measured.shape, np.nan)
+    rows = best.evaluation.rows
+    residual[rows.channel, rows.place] = -rows.residual * best.noise[rows.channel]
+    left = np.isfinite(measured) & ~np.isfinite(
+        np.array([channel.values for channel in shooting.channels])
+    )
+    _predict(shooting, measured, left, best, residual)
+    both = ("channel", "time")
+    return {
+        "measured": (both, measured, {"long_name": "measured"}),
+        "fitted": (both, measured - residual, {"long_name": "fitted, and predicted at the end"}),
+        "residual": (both, residual, {"long_name": "measured less fitted"}),
+        "held_back": ("time", left.any(axis=0), {"long_name": "whether it was held back"}),
+    }
+
+
+def _predict(
+    shooting: Shooting, measured: Floats, left: Bools, best: Fitted, residual: Floats
+) -> None:
+    """Residuals of what was held back, from a run that goes on where the fit has ended."""
+    if not left.any() or not shooting.set_up(best.u):
+        return
+    m = shooting.n_segments - 1
+    channel, place = np.nonzero(left)
+    delays = np.array([shooting.nuisance(c, "delay", best.u) for c in range(len(measured))])
+    begin = float(shooting.bounds[m])
+    moments = np.maximum(shooting.times[place] - delays[channel], begin)
+    instants, which = np.unique(moments, return_inverse=True)
+    plan = SegmentData(instants, which, channel, measured[channel, place], place)
+    state = shooting.states_of(best.u)[m]
+    flight = shooting.flights.fly(state, begin, np.append(instants, instants[-1]))
+    if flight is None:
+        return
+    rows = shooting.rows([m], [flight], [plan], best.u, best.noise)
+    if rows is not None:
+        residual[channel, place] = -rows.residual * best.noise[channel]
+
+
+def _whiteness(residuals: Variables) -> Variables:
+    """Ljung-Box statistic of the fitted residuals of each channel, and its probability."""
+    values, held = residuals["residual"][1], residuals["held_back"][1]
+    statistics, chances = [], []
+    for series in values[:, ~held]:
+        series = series[np.isfinite(series)]
+        series = series - series.mean()
+        count, lags = series.size, max(1, min(_LAGS, series.size // 5))
+        total = float(series @ series) or 1.0
+        squares = [
+            (float(series[k:] @ series[:-k]) / total) ** 2 / (count - k) for k in range(1, lags + 1)
+        ]
+        statistics.append(count * (count + 2) * sum(squares))
+        chances.append(float(chi2.sf(statistics[-1], lags)))
+    return {
+        "ljung_box": ("channel", np.array(statistics), {"long_name": "Ljung-Box statistic"}),
+        "whiteness": (
+            "channel",
+            np.array(chances),
+            {"long_name": "probability of so large a Ljung-Box statistic of white residuals"},
+        ),
+    }
+
+
+def _prediction_error(residuals: Variables, noise: Floats) -> Any:
+    """Root mean square of what was held back, in units of the noise."""
+    held = residuals["held_back"][1]
+    found = np.full(noise.size, np.nan)
+    if held.any():
+        for c, series in enumerate(residuals["residual"][1][:, held]):
+            series = series[np.isfinite(series)]
+            if series.size:
+                found[c] = np.sqrt(np.mean(series**2)) / noise[c]
+    words = {"long_name": "error of the prediction of what was held back, in units of the noise"}
+    return ("channel", found, words)
+
+
+def _segments(shooting: Shooting, best: Fitted) -> Variables:
+    about = {"long_name": "states at the starts of the segments"}
+    return {
+        "segment_time": ("segment", shooting.bounds[:-1], {"long_name": "starts of the segments"}),
+        "segment_state": (("segment", "state"), shooting.states_of(best.u), about),
+    }
+
+
+def _starts(shooting: Shooting, search: Search, agrees: Bools, lowest: float) -> Variables:
+    estimates = np.array(
+        [
+            np.full(shooting.h, np.nan) if each is None else shooting.head_values(each.u)
+            for each in search.found
+        ]
+    )
+    rise = {"long_name": "how much less likely than the best, as a logarithm"}
+    return {
+        "start_estimate": (("start", "parameter"), estimates, {"long_name": "found from a start"}),
+        "start_cost": ("start", search.heights - lowest, rise),
+        "start_agrees": ("start", agrees, {"long_name": "whether a start leads to the best"}),
+    }
+
+
+def _directions(directions: list[Direction]) -> Variables:
+    if not directions:
+        return {}
+    parts = np.array([each.parts for each in directions])
+    spreads = np.array([each.spread for each in directions])
+    return {
+        "direction_part": (
+            ("direction", "parameter"), parts, {"long_name": "part, in units of the range"},
+        ),
+        "direction_spread": (
+            "direction", spreads, {"long_name": "standard deviation, in units of the ranges"},
+        ),
+    }  # fmt: skip
+
+
+def _open_words(shooting: Shooting, best: Fitted, directions: list[Direction]) -> str:
+    """What the record does not determine, a sentence each."""
+    sentences = []
+    for each in directions:
+        members = np.flatnonzero(each.parts)
+        if members.size == 1:
+            sentences.append(f"the record does not determine {shooting.names[members[0]]}")
+            continue
+        names = [shooting.names[k] for k in members]
+        steps = each.parts[members] * shooting.head_units()[members]
+        steps = steps / steps[0]
+        moves = ", ".join(
+            f"{name} {'rises' if step > 0 else 'falls'} by {abs(step):.3g}"
+            for name, step in zip(names, steps, strict=True)
+        )
+        sentences.append(
+            f"the record determines {', '.join(names[:-1])} and {names[-1]} only together: it"
+            f" hardly changes where {moves}"
+        )
+    return "; ".join(sentences)
+
+
+def _message(
+    best: Fitted,
+    agrees: Bools,
+    words: str,
+    variables: Variables,
+    channels: Sequence[ObservedChannel],
+) -> str:
+    """How the fit ended, and what speaks against it."""
+    parts = ["completed"] if best.closed else [
+        "not_converged: segments do not join, or intervals could not be found; give narrower bounds"
+        " in free=, more starts=, or another number of segments="
+    ]  # fmt: skip
+    parts.append(f"{int(agrees.sum())} of {agrees.size} starts agree")
+    if words:
+        parts.append(words)
+    if variables["interval_open"][1].any():
+        parts.append("bounds cut intervals off, see interval_open")
+    for c, channel in enumerate(channels):
+        if variables["whiteness"][1][c] < _NOT_WHITE:
+            parts.append(
+                f"residuals of {channel.name} are correlated, so the model or the noise is not what"
+                " the intervals assume; compare them with those of bootstrap="
+            )
+        if variables["prediction_error"][1][c] > _POOR:
+            parts.append(f"what was held back of {channel.name} is predicted poorly")
+    return "; ".join(parts)

@@ -1,0 +1,279 @@
+"""The solver: least squares with bounds in which continuity of the segments comes to hold.
+
+Continuity is an equation, and `scipy.optimize.least_squares` has none. The method of multipliers
+adds it: gaps are residuals with a weight, shifted by multipliers that are brought forward from
+round to round, so that the gaps vanish at a weight that is still harmless. The weight grows in
+stages. At first the segments follow the data whatever the parameters are, and then they grow
+together; that is what makes long and chaotic records converge.
+
+Where the loss is linear, the rows of each segment are replaced by the triangular factor of their QR
+decomposition. Cost, gradient and Gauss-Newton matrix stay the same, so the solver takes the same
+steps, with a few rows per segment in place of hundreds.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from scipy.optimize import least_squares
+
+from nonsmooth.fitting.beginning import first_states
+from nonsmooth.fitting.shooting import Evaluation, Shooting
+
+__all__ = ["LOSSES", "Fitted", "close_gaps", "gap_matrix", "minimise", "solve_from"]
+
+Floats = npt.NDArray[np.float64]
+
+LOSSES = ("linear", "soft_l1", "huber", "cauchy", "arctan")
+_WEIGHTS = (0.3, 3.0, 30.0, 300.0, 3000.0)
+_ROUNDS = 6  # with the last weight
+_CLOSED = 1e-4  # largest gap that is none, in units of a fiftieth of the size of a state
+_SETTLED = 1e-3  # change of the noise from round to round
+_EVALUATIONS = (25, 25, 25, 25, 60)
+_PENALTY = 1e4  # residual in each row of a run that ends early
+_MEDIAN = 0.6744897501960817  # of the size of a normal variable
+
+
+class Fitted(NamedTuple):
+    """Unknowns at a minimum, and what holds there."""
+
+    u: Floats
+    cost: float  # half the sum of squares of the data, or of their losses
+    noise: Floats  # (C,)
+    multipliers: Floats  # (M - 1, n)
+    evaluation: Evaluation
+    closed: bool  # whether the gaps are closed and the steps have ended
+    n_evaluations: int
+
+
+class _Equations:
+    """Residuals and Jacobian for the solver, of the unknowns that are not held fixed."""
+
+    def __init__(
+        self,
+        shooting: Shooting,
+        noise: Floats,
+        weight: float,
+        shift: Floats,
+        loss: str,
+        held: tuple[int, Floats] | None = None,
+    ) -> None:
+        self.shooting, self.noise, self.weight, self.shift = shooting, noise, weight, shift
+        self.compress = loss == "linear"
+        self.u = np.empty(shooting.size) if held is None else held[1].copy()
+        self.open = np.arange(shooting.size)
+        if held is not None:
+            self.open = np.delete(self.open, held[0])
+        self.at: Floats | None = None
+        self.evaluation: Evaluation | None = None
+        self.n_evaluations = 0
+        self.n_data = 0
+        self.lowest: tuple[float, Floats] = np.inf, np.zeros(0)  # sum of squares, and where
+        self._rows = np.zeros(0)
+        self._matrix = np.zeros((0, shooting.size))
+
+    def evaluate(self, x: Floats) -> Evaluation | None:
+        if self.at is None or not np.array_equal(x, self.at):
+            self.u[self.open] = x
+            self.evaluation = self.shooting.evaluate(self.u, self.noise)
+            self.at = x.copy()
+            self.n_evaluations += 1
+            self._assemble()
+            square = float(self._rows @ self._rows)
+            if self.evaluation is not None and square < self.lowest[0]:
+                self.lowest = square, self.at
+        return self.evaluation
+
+    def residual(self, x: Floats) -> Floats:
+        self.evaluate(x)
+        return self._rows.copy()
+
+    def jacobian(self, x: Floats) -> Floats:
+        self.evaluate(x)
+        matrix: Floats = self._matrix[:, self.open]
+        return matrix
+
+    def _assemble(self) -> None:
+        shooting, found = self.shooting, self.evaluation
+        if found is None:  # a penalty of full length, from which no step leads
+            least = np.sqrt(self.lowest[0] / max(1, self._rows.size))
+            self._rows = np.full(self._rows.size, max(_PENALTY, 10.0 * least))
+            return
+        blocks = self._blocks(found)
+        n_data, gaps = sum(len(block[0]) for block in blocks), found.gap.size
+        rows, h, n = np.zeros(n_data + gaps), shooting.h, shooting.n
+        matrix = np.zeros((n_data + gaps, shooting.size))
+        first = 0
+        for m, (head, state, residual) in enumerate(blocks):
+            last = first + len(residual)
+            rows[first:last] = residual
+            matrix[first:last, :h] = head
+            matrix[first:last, h + m * n : h + (m + 1) * n] = state
+            first = last
+        self.n_data = n_data
+        rows[n_data:] = self.weight * (found.gap + self.shift).ravel()
+        matrix[n_data:] = self.weight * gap_matrix(shooting, found)
+        self._rows, self._matrix = rows, matrix
+
+    def _blocks(self, found: Evaluation) -> list[tuple[Floats, Floats, Floats]]:
+        shooting, rows = self.shooting, found.rows
+        ends = np.searchsorted(rows.segment, np.arange(shooting.n_segments + 1))
+        blocks, columns = [], shooting.h + shooting.n
+        for m in range(shooting.n_segments):
+            here = slice(ends[m], ends[m + 1])
+            parts = rows.head[here], rows.state[here], rows.residual[here]
+            if self.compress:
+                factor = np.zeros((columns + 1, columns + 1))
+                whole = np.column_stack(parts)
+                if len(whole):
+                    triangle = np.linalg.qr(whole, mode="r")
+                    factor[: len(triangle)] = triangle
+                parts = factor[:, : shooting.h], factor[:, shooting.h : -1], factor[:, -1]
+            blocks.append(parts)
+        return blocks
+
+    def loss(self, name: str) -> Any:
+        """Loss for the solver: robust for the data, the plain square for gaps."""
+        if name == "linear":
+            return name
+
+        def of(z: Floats) -> Floats:
+            values = np.array([z, np.ones_like(z), np.zeros_like(z)])
+            values[:, : self.n_data] = robust(name, z[: self.n_data])
+            return values
+
+        return of
+
+
+def gap_matrix(shooting: Shooting, found: Evaluation) -> Floats:
+    """Derivatives of the gaps by all unknowns."""
+    h, n = shooting.h, shooting.n
+    matrix = np.zeros((found.gap.size, shooting.size))
+    for m in range(len(found.gap)):
+        rows, own = slice(m * n, (m + 1) * n), h + m * n
+        matrix[rows, :h] = found.gap_head[m]
+        matrix[rows, own : own + n] = found.gap_state[m]
+        matrix[rows, own + n : own + 2 * n] = -np.eye(n) / shooting.gap_unit
+    return matrix
+
+
+def robust(name: str, z: Floats) -> Floats:
+    """A loss of squares, with its first and second derivative, as scipy defines them."""
+    if name == "soft_l1":
+        t = 1.0 + z
+        return np.array([2.0 * (t**0.5 - 1.0), t**-0.5, -0.5 * t**-1.5])
+    if name == "huber":
+        small, root = z <= 1.0, np.sqrt(np.maximum(z, 1e-300))
+        return np.array(
+            [
+                np.where(small, z, 2.0 * root - 1.0),
+                np.where(small, 1.0, 1.0 / root),
+                np.where(small, 0.0, -0.5 / root**3),
+            ]
+        )
+    if name == "cauchy":
+        t = 1.0 + z
+        return np.array([np.log1p(z), 1.0 / t, -1.0 / t**2])
+    t = 1.0 + z**2
+    return np.array([np.arctan(z), 1.0 / t, -2.0 * z / t**2])
+
+
+def data_cost(residual: Floats, loss: str) -> float:
+    """Half the sum of the losses of the data."""
+    z = residual**2
+    return 0.5 * float(np.sum(z if loss == "linear" else robust(loss, z)[0]))
+
+
+def minimise(
+    shooting: Shooting,
+    u: Floats,
+    noise: Floats,
+    shift: Floats,
+    weight: float = _WEIGHTS[-1],
+    *,
+    loss: str = "linear",
+    held: int | None = None,
+    most: int = 60,
+) -> Fitted | None:
+    """Minimum near some unknowns for given multipliers, one unknown held where it is.
+
+    None where the motion ends early at the start.
+    """
+    fixed = None if held is None else (held, u)
+    equations = _Equations(shooting, noise, weight, shift, loss, fixed)
+    low, high = (each[equations.open] for each in shooting.limits)
+    start = np.clip(u[equations.open], low, high)
+    if equations.evaluate(start) is None:
+        return None
+    found = least_squares(
+        equations.residual, start, equations.jacobian, bounds=(low, high), method="trf",
+        loss=equations.loss(loss), max_nfev=most, ftol=1e-10, xtol=1e-9, gtol=1e-10,
+    )  # fmt: skip
+    evaluation, ended = equations.evaluate(found.x), found.status > 0
+    if evaluation is None:  # the solver moves a start at a bound inside before it begins
+        evaluation, ended = equations.evaluate(equations.lowest[1]), False
+    assert evaluation is not None
+    cost = data_cost(evaluation.rows.residual, loss)
+    added = 0.5 * weight**2 * float(np.sum((evaluation.gap + shift) ** 2) - np.sum(shift**2))
+    return Fitted(
+        equations.u.copy(), cost + added, noise, shift, evaluation, ended,
+        equations.n_evaluations,
+    )  # fmt: skip
+
+
+def solve_from(
+    shooting: Shooting, values: Floats, initial: Floats, noise: Floats, loss: str, seed: int
+) -> Fitted | None:
+    """The minimum to which one start leads; None where no motion begins there."""
+    head = shooting.head_of(values)
+    states = first_states(shooting, head, initial, noise, seed)
+    if states is None:
+        return None
+    shift = np.zeros((shooting.n_segments - 1, shooting.n))
+    u = shooting.join(head, states)
+    return close_gaps(shooting, u, noise, shift, loss, 0 if shooting.n_segments > 1 else -1)
+
+
+def close_gaps(
+    shooting: Shooting, u: Floats, noise: Floats, shift: Floats, loss: str, stage: int = -1
+) -> Fitted | None:
+    """Minimum with closed gaps and the noise that belongs to it, from some stage of weights on."""
+    found, count = None, 0
+    weights, evaluations = _WEIGHTS[stage:], _EVALUATIONS[stage:]
+    for k in range(len(weights) + _ROUNDS):
+        now, following = (min(each, len(weights) - 1) for each in (k, k + 1))
+        found = minimise(
+            shooting, u, noise, shift, weights[now], loss=loss, most=evaluations[now]
+        )  # fmt: skip
+        if found is None:
+            return None
+        u, count = found.u, count + found.n_evaluations
+        level = noise_level(shooting, found.evaluation, noise, loss)
+        gap = float(np.abs(found.evaluation.gap).max(initial=0.0))
+        settled = bool(np.all(np.abs(level / noise - 1.0) < _SETTLED))
+        if now == len(weights) - 1 and settled and gap < _CLOSED:
+            break
+        # the force of a multiplier stays while weight and noise change what it weighs against
+        force = (weights[now] / weights[following]) ** 2 * float(np.mean((noise / level) ** 2))
+        shift, noise = (shift + found.evaluation.gap) * force, level
+    assert found is not None
+    return found._replace(n_evaluations=count, closed=found.closed and gap < 10.0 * _CLOSED)
+
+
+def noise_level(shooting: Shooting, found: Evaluation, noise: Floats, loss: str) -> Floats:
+    """Standard deviation of the residuals of each channel, within its limits."""
+    rows = found.rows
+    total = rows.residual.size
+    spent = min(0.5, (shooting.h + shooting.n) / total)
+    levels = np.empty(len(shooting.channels))
+    for c, channel in enumerate(shooting.channels):
+        own = rows.residual[rows.channel == c] * noise[c]
+        if loss == "linear":
+            level = float(np.sqrt(np.mean(own**2) / (1.0 - spent)))
+        else:  # of those that are no outliers
+            level = float(np.median(np.abs(own)) / _MEDIAN)
+        least = max(channel.noise.low, 1e-9 * (channel.spread or 1.0))
+        levels[c] = np.clip(level, least, max(least, channel.noise.high))
+    return levels

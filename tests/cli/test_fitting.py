@@ -1,0 +1,66 @@
+"""``nonsmooth fit``: a record in a file, ranges and sensors in the words of the shell."""
+
+import json
+
+import numpy as np
+import pytest
+import xarray as xr
+
+RAMP = """
+states = ["x"]
+[parameters]
+k = 1.0
+[equations]
+x = "k"
+"""
+
+
+@pytest.fixture
+def ramp(tmp_path):
+    """A straight line of slope 0.7, shown with the factor 2 and 0.5 more, and its system."""
+    (tmp_path / "ramp.toml").write_text(RAMP)
+    t = np.linspace(0.0, 4.0, 101)
+    noise = 0.01 * np.random.default_rng(1).standard_normal(t.size)
+    table = np.column_stack([t, 2.0 * (0.1 + 0.7 * t) + 0.5 + noise])
+    np.savetxt(tmp_path / "a.csv", table, delimiter=",", header="t,ch1", comments="")
+    return [tmp_path / "ramp.toml", tmp_path / "a.csv", "--observe", "ch1=x"]
+
+
+def test_a_fit_from_a_file(call, ramp, tmp_path):
+    result = call(
+        "fit", *ramp, "--free", "k=0:2", "--gain", "ch1=2", "--channel-offset", "ch1=0.5",
+        "--starts", "1", "--save", tmp_path / "f.nc", "--json",
+    )  # fmt: skip
+    assert result.exit_code == 0, result.stderr
+    found = json.loads(result.stdout)
+    (row,) = found["parameters"]
+    assert row["interval_low"] < row["estimate"] < row["interval_high"]
+    assert row["estimate"] == pytest.approx(0.7, abs=0.01)
+    with xr.open_dataset(tmp_path / "f.nc", engine="h5netcdf") as saved:
+        assert float(saved["estimate"][0]) == row["estimate"]
+
+
+def test_a_record_in_netcdf(call, ramp, tmp_path):
+    t = np.linspace(0.0, 4.0, 101)
+    xr.Dataset({"ch1": ("time", 0.7 * t)}, {"time": t}).to_netcdf(
+        tmp_path / "a.nc", engine="h5netcdf"
+    )
+    words = [ramp[0], tmp_path / "a.nc", *ramp[2:]]
+    result = call("fit", *words, "--free", "k=0:2", "--noise", "ch1=0.1:1", "--starts", "1")
+    assert result.exit_code == 0, result.stderr
+    assert "k           0.7" in result.stdout
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        (["--free", "q=0:1"], "--free: unknown parameter 'q' (known: k)"),
+        (["--free", "k=0.5"], "--free: 'k=0.5' is not of the form name=low:high"),
+        (["--free", "k=0:1", "--gain", "y=1"], "--gain: unknown channel 'y'"),
+        (["--free", "k=0:1", "--delay", "ch1=free"], "give a number or (low, high)"),
+    ],
+)
+def test_wrong_words(call, ramp, more, said):
+    result = call("fit", *ramp, *more)
+    assert result.exit_code == 2
+    assert said in result.stderr

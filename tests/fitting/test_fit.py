@@ -1,0 +1,354 @@
+"""Fits of records that another integrator or a closed form has made."""
+
+import numpy as np
+import pytest
+from scipy import stats
+
+import nonsmooth as ns
+from fitting.truth import RIGID, SOFT, dataset, noisy, rigid_motion, soft_motion
+
+PERIOD = 2.0 * np.pi / SOFT["omega"]
+RANGES = {"beta": (15.0, 45.0), "e": (0.9, 1.6), "zeta": (0.002, 0.05)}
+
+
+def soft_record(periods, share, seed, per_period=60, **changed):
+    """Record of the soft impact oscillator on its way to its attractor."""
+    rng = np.random.default_rng(seed)
+    times = np.arange(0.0, periods * PERIOD, PERIOD / per_period)
+    x, _, acceleration, events = soft_motion(times, [0.3, 0.1], **changed)
+    record = dataset(times, x=noisy(x, share, rng), a=noisy(acceleration, share, rng))
+    return record, events
+
+
+def within(found, truth):
+    """Whether every interval holds its true value."""
+    low, high = found["interval_low"], found["interval_high"]
+    return {
+        name: bool(low.sel(parameter=name) <= value <= high.sel(parameter=name))
+        for name, value in truth.items()
+        if name in found["parameter"]
+    }
+
+
+def line(k=0.7, offset=0.3, count=50, level=0.05, seed=1):
+    """A straight line with noise: the fit is then linear regression, known in closed form."""
+    rng = np.random.default_rng(seed)
+    times = np.linspace(0.0, 2.0, count)
+    ramp = ns.System(states=["x"], parameters={"k": 1.0}, equations={"x": "k"})
+    return ramp, dataset(times, x=offset + k * times + level * rng.standard_normal(count))
+
+
+@pytest.fixture(scope="module")
+def long_record():
+    """40 periods with 2 % of noise."""
+    return soft_record(40, 0.02, 1)
+
+
+@pytest.mark.parametrize("segments", [1, 5])
+def test_a_straight_line_is_linear_regression(segments):
+    """Slope, its error and its t-interval are those of the closed form, in any segments."""
+    ramp, record = line()
+    found = ns.fit(ramp, record, {"k": (-5, 5)}, hold_back=0.0, starts=1, segments=segments)
+    known = stats.linregress(record["time"], record["x"])
+    assert float(found["estimate"][0]) == pytest.approx(known.slope, rel=1e-6)
+    assert float(found["standard_error"][0]) == pytest.approx(known.stderr, rel=1e-3)
+    half = stats.t.ppf(0.975, 48) * known.stderr
+    # an end is found to 1 % of the rise of the cost, so to 0.5 % of the distance
+    assert float(found["interval_high"][0]) == pytest.approx(known.slope + half, abs=0.006 * half)
+    assert float(found["interval_low"][0]) == pytest.approx(known.slope - half, abs=0.006 * half)
+
+
+def test_forty_periods_are_fitted(long_record):
+    """From all starts, spread over ranges of a factor of three, to the one optimum."""
+    record, events = long_record
+    assert len(events) > 30
+    found = ns.fit(ns.models.soft_impact(), record, RANGES, {"x": "x"}, starts=3)
+    assert found.attrs["status"] == "completed"
+    assert found["start_agrees"].all()
+    errors = found["estimate"] - [SOFT[name] for name in RANGES]
+    assert (np.abs(errors) < 3.0 * found["standard_error"]).all()
+    assert found.attrs["largest_gap"] < 1e-6
+    # the standard deviation of 2400 normal values is known to 1.5 %; four of these
+    level = 0.02 * record["x"].std()
+    assert float(found["noise"][0]) == pytest.approx(float(level), rel=0.06)
+    # 240 samples that the fit has not seen are as far off as the noise, to 4.6 %; four of these
+    assert float(found["prediction_error"][0]) == pytest.approx(1.0, abs=0.2)
+    assert float(found["whiteness"][0]) > 0.01
+
+
+def test_single_shooting_fails_on_forty_periods(long_record):
+    """The same record in one segment: this is what multiple shooting is for."""
+    record, _ = long_record
+    found = ns.fit(ns.models.soft_impact(), record, RANGES, {"x": "x"}, segments=1, starts=1)
+    assert abs(float(found["estimate"].sel(parameter="beta")) - SOFT["beta"]) > 5.0
+    assert float(found["whiteness"][0]) < 1e-6
+    assert "residuals of x are correlated" in found.attrs["message"]
+
+
+def test_acceleration_with_gain_offset_and_delay():
+    """A sensor that shows 0.9 times the acceleration 0.05 late, and 0.2 more."""
+    rng = np.random.default_rng(3)
+    times = np.arange(0.0, 15 * PERIOD, PERIOD / 80)
+    *_, late, _ = soft_motion(np.append(0.0, times + 0.05), [0.3, 0.1])
+    shown = dataset(times + 0.1, a=noisy(0.9 * late[1:] + 0.2, 0.02, rng))
+    found = ns.fit(
+        ns.models.soft_impact(), shown, {"beta": (20, 40), "e": (1.1, 1.4)}, {"a": "acceleration"},
+        gain="free", offset={"a": (-1.0, 1.0)}, delay={"a": (-0.1, 0.2)}, starts=2,
+    )  # fmt: skip
+    truth = {"beta": 29.0, "e": 1.26, "a gain": 0.9, "a offset": 0.2, "a delay": 0.05}
+    assert list(found["parameter"].values) == list(truth)
+    errors = np.abs(found["estimate"] - list(truth.values()))
+    assert (errors < 4.0 * found["standard_error"]).all()
+
+
+def test_rigid_impacts_are_fitted():
+    """Coefficient of restitution and place of the wall, from positions with 2 % of noise."""
+    rng = np.random.default_rng(5)
+    period = 2.0 * np.pi / RIGID["omega"]
+    times = np.arange(0.0, 20 * period, period / 50)
+    x, _, _, events = rigid_motion(times, [0.1, 0.2])
+    assert len(events) > 10
+    free = {"r": (0.5, 0.95), "sigma": (0.2, 0.6), "zeta": (0.01, 0.1)}
+    found = ns.fit(
+        ns.models.impact_oscillator(**RIGID), dataset(times, x=noisy(x, 0.02, rng)), free, starts=2
+    )  # fmt: skip
+    errors = np.abs(found["estimate"] - [RIGID[name] for name in free])
+    assert (errors < 4.0 * found["standard_error"]).all()
+
+
+def random_case(seed):
+    """Record of a soft or rigid oscillator with parameters, length and noise by chance."""
+    rng = np.random.default_rng(seed)
+    share, periods = (0.01, 0.02, 0.05)[seed % 3], (5, 12, 40)[seed // 2 % 3]
+    if seed % 2:
+        truth = {
+            "r": rng.uniform(0.5, 0.9), "sigma": rng.uniform(0.1, 0.5),
+            "zeta": rng.uniform(0.02, 0.1), "omega": rng.uniform(0.9, 1.5),
+        }  # fmt: skip
+        motion, model, start = rigid_motion, ns.models.impact_oscillator, [-0.2, 0.1]
+    else:
+        truth = {
+            "beta": rng.uniform(10, 40), "e": rng.uniform(0.4, 0.8),
+            "zeta": rng.uniform(0.01, 0.05), "omega": rng.uniform(0.7, 1.0),
+        }  # fmt: skip
+        motion, model, start = soft_motion, ns.models.soft_impact, [0.3, 0.1]
+    period = 2.0 * np.pi / truth["omega"]
+    times = np.arange(0.0, periods * period, period / 50)
+    x, _, _, events = motion(times, start, **truth)
+    system = model(omega=truth.pop("omega"))
+    return system, truth, dataset(times, x=noisy(x, share, rng)), len(events)
+
+
+def is_right(seed):
+    """Whether the fit of a case, in ranges of +-50 %, is within five standard errors."""
+    system, truth, record, n_events = random_case(seed)
+    assert n_events
+    free = {name: (0.5 * each, min(1.5 * each, 0.99 if name == "r" else np.inf))
+            for name, each in truth.items()}  # fmt: skip
+    found = ns.fit(system, record, free, {"x": "x"}, starts=3, seed=seed)
+    off = np.abs(found["estimate"] - list(truth.values())) / found["standard_error"]
+    return bool(found.attrs["status"] == "completed" and (off < 5.0).all())
+
+
+def test_a_cut_near_an_impact_is_moved():
+    """40 periods at a rigid wall with 5 % of noise: some impacts are at the ends of segments."""
+    assert is_right(5)
+
+
+@pytest.mark.slow
+def test_nearly_all_records_lead_to_the_right_optimum():
+    """At least 95 % of 40, with 3 to 80 impacts and 1 to 5 % of noise."""
+    wrong = [seed for seed in range(40) if not is_right(seed)]
+    assert len(wrong) <= 2, wrong
+
+
+def two_springs():
+    """A mass on two springs side by side."""
+    return ns.System(
+        states=["x", "v"], parameters={"k1": 1.0, "k2": 1.0, "c": 0.1},
+        equations={"x": "v", "v": "-(k1 + k2)*x - c*v"},
+    )  # fmt: skip
+
+
+def test_two_springs_are_not_told_apart():
+    """Of k1 and k2 the sum alone counts."""
+    times = np.linspace(0.0, 20.0, 300)
+    rate = np.sqrt(4.0 - 0.05**2)
+    x = np.exp(-0.05 * times) * np.cos(rate * times)
+    record = dataset(times, x=noisy(x, 0.02, np.random.default_rng(2)))
+    free = {"k1": (0.5, 4), "k2": (0.5, 3), "c": (0.01, 0.5)}
+    found = ns.fit(two_springs(), record, free, starts=2)
+    assert found["identified"].values.tolist() == [False, False, True]
+    assert "determines k1 and k2 only together" in found.attrs["open_parameters"]
+    assert "k1 rises by 1, k2 falls by 1" in found.attrs["message"]
+    together = float(found["estimate"][:2].sum())
+    assert together == pytest.approx(4.0, abs=0.02)  # the frequency is known to 1e-3
+    assert abs(float(found["correlation"].sel(parameter="k1", parameter_0="k2"))) > 0.999
+
+
+def test_a_spring_that_is_never_met_is_not_determined():
+    record, events = soft_record(8, 0.02, 1, e=100.0)
+    assert not len(events)
+    system = ns.models.soft_impact(e=100.0)
+    found = ns.fit(system, record, {"beta": (15, 45), "zeta": (0.002, 0.05)}, {"x": "x"}, starts=1)
+    assert found.attrs["open_parameters"] == "the record does not determine beta"
+    assert found["identified"].values.tolist() == [False, True]
+    assert found["interval_low"].values[0] == 15.0
+    assert found["interval_high"].values[0] == 45.0
+
+
+def test_samples_that_are_nan_are_left_out():
+    """As if the record had no such samples."""
+    ramp, record = line()
+    holes = record.copy(deep=True)
+    holes["x"][10:20] = np.nan
+    options = {"hold_back": 0.0, "starts": 1, "segments": 2}
+    one = ns.fit(ramp, holes, {"k": (-5, 5)}, **options)
+    other = ns.fit(ramp, record.isel(time=np.r_[:10, 20:50]), {"k": (-5, 5)}, **options)
+    assert np.allclose(one["estimate"], other["estimate"], rtol=1e-9)
+    assert np.isnan(one["residual"][0, 10:20]).all()
+    assert one.attrs["n_fitted"] == 40
+
+
+def test_outliers_count_less_with_a_robust_loss():
+    """One sample in ten is off by 20 times the noise."""
+    ramp, record = line(count=200)
+    record["x"][::10] += 1.0 * np.linspace(0.0, 2.0, 20)
+    options = {"hold_back": 0.0, "starts": 1, "segments": 1}
+    plain, robust = (
+        abs(float(ns.fit(ramp, record, {"k": (-5, 5)}, loss=loss, **options)["estimate"][0]) - 0.7)
+        for loss in ("linear", "cauchy")
+    )
+    assert plain > 0.05
+    assert robust < 0.02
+
+
+@pytest.mark.parametrize("loss", ["soft_l1", "huber", "arctan"])
+def test_every_loss_comes_near(loss):
+    ramp, record = line()
+    found = ns.fit(ramp, record, {"k": (-5, 5)}, loss=loss, starts=1, segments=2)
+    assert float(found["estimate"][0]) == pytest.approx(0.7, abs=0.1)
+
+
+def test_values_that_the_system_refuses_are_passed_by():
+    """Half of the range is negative damping, at which the model refuses to run."""
+    record, _ = soft_record(8, 0.01, 4)
+    free = {"zeta": (-0.07, 0.06), "beta": (20, 40)}
+    found = ns.fit(ns.models.soft_impact(), record, free, {"x": "x"}, starts=3)
+    assert np.isinf(found["start_cost"]).any()
+    errors = np.abs(found["estimate"] - [SOFT[name] for name in free])
+    assert (errors < 4.0 * found["standard_error"]).all()
+
+
+def test_block_bootstrap_is_that_of_regression():
+    """Blocks of residuals drawn by hand, and a line through them by another function.
+
+    Both ends of an interval of 200 draws are known to about 10 % of its width.
+    """
+    ramp, record = line(count=200)
+    found = ns.fit(ramp, record, {"k": (-5, 5)}, bootstrap=200, starts=1, segments=1)
+    kept = ~found["held_back"].values
+    times, residual = found["time"].values[kept], found["residual"].values[0, kept]
+    rng, length, drawn = np.random.default_rng(7), 11, []
+    for _ in range(1000):
+        first = rng.integers(0, residual.size, residual.size // length + 1)
+        place = (first[:, None] + np.arange(length)).ravel()[: residual.size] % residual.size
+        drawn.append(np.polyfit(times, residual[place], 1)[0])
+    low, high = np.quantile(drawn, [0.025, 0.975])
+    width = float((found["bootstrap_high"] - found["bootstrap_low"])[0])
+    assert width == pytest.approx(high - low, rel=0.3)
+
+
+def test_noise_that_is_given_or_bounded_stays():
+    ramp, record = line()
+    one = ns.fit(ramp, record, {"k": (-5, 5)}, noise=0.2, starts=1)
+    assert one["noise"].values.tolist() == [0.2]
+    other = ns.fit(ramp, record, {"k": (-5, 5)}, noise={"x": (0.1, 0.3)}, starts=1)
+    assert other["noise"].values.tolist() == [0.1]
+
+
+def test_a_result_comes_back_from_a_file(tmp_path):
+    import xarray as xr
+
+    ramp, record = line()
+    found = ns.fit(ramp, record, {"k": (-5, 5)}, starts=2)
+    again = ns.fit(ramp, record, {"k": (-5, 5)}, starts=2)
+    assert found.identical(again)
+    found.to_netcdf(tmp_path / "fit.nc", engine="h5netcdf")
+    with xr.open_dataset(tmp_path / "fit.nc", engine="h5netcdf") as read:
+        assert read["estimate"].values.tolist() == found["estimate"].values.tolist()
+
+
+BAD = [
+    ({"free": {}}, "give the bounds of each parameter to be found"),
+    ({"free": {"q": (0, 1)}}, r"free: unknown parameter 'q' \(known: k\)"),
+    ({"free": {"k": 3.0}}, r"free\['k'\] = 3.0: give two numbers, \(low, high\)"),
+    ({"free": {"k": (2, 1)}}, "the first must be below the second"),
+    ({"free": {"k": (0, np.inf)}}, "not a finite number"),
+    ({"record": 3}, "give a dataset over time"),
+    ({"observe": {"y": "x"}}, r"observe: unknown channel 'y' \(known: x\)"),
+    ({"observe": {"x": "y + 1"}}, "no expression of states, outputs, parameters and rates"),
+    ({"observe": {"x": 1}}, "give an expression as a text"),
+    ({"observe": "x"}, "give an expression of states, outputs and rates for each channel"),
+    ({"gain": {"y": 1.0}}, r"gain: unknown channel 'y' \(known: x\)"),
+    ({"gain": "loose"}, r"give a number, \(low, high\), free"),
+    ({"delay": "free"}, r"delay\['x'\] = 'free': give a number or \(low, high\)"),
+    ({"noise": 0.0}, "noise is a standard deviation, above zero"),
+    ({"segments": 0}, "segments = 0 must be a whole number of at least 1"),
+    ({"segments": 40}, "at most 22, half the samples that are fitted"),
+    ({"hold_back": 0.95}, "hold_back = 0.95 must lie between 0 and 0.9"),
+    ({"loss": "square"}, "give one of linear, soft_l1, huber, cauchy, arctan"),
+    ({"starts": 0}, "starts = 0 must be a whole number of at least 1"),
+    ({"seed": -1}, "seed = -1 must be a whole number, not negative"),
+    ({"initial": {"z": 1}}, r"initial: unknown state 'z' \(known: x\)"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("options", "words"), BAD, ids=lambda each: str(each)[:30])
+def test_bad_input_is_named_with_what_is_allowed(options, words):
+    ramp, record = line()
+    given = {"record": record, "free": {"k": (-5, 5)}} | options
+    with pytest.raises(ns.OptionError, match=words):
+        ns.fit(ramp, **given)
+
+
+def test_records_that_cannot_be_fitted_are_refused():
+    ramp, record = line()
+    with pytest.raises(ns.OptionError, match="called like a state or an output"):
+        ns.fit(ramp, record.rename(x="a1"), {"k": (-5, 5)})
+    with pytest.raises(ns.OptionError, match="its times must be finite numbers that increase"):
+        ns.fit(ramp, record.isel(time=slice(None, None, -1)), {"k": (-5, 5)})
+    empty = record.copy(deep=True)
+    empty["x"][5:] = np.nan
+    with pytest.raises(ns.OptionError, match="5 samples are numbers; at least 10 are needed"):
+        ns.fit(ramp, empty, {"k": (-5, 5)})
+
+
+def test_a_motion_that_begins_nowhere_is_an_error():
+    """A root of a negative number all over the range."""
+    ball = ns.System(
+        states=["x", "v"], parameters={"d": -2.0}, equations={"x": "v", "v": "-sqrt(-1 - d)"}
+    )
+    record = dataset(np.linspace(0.0, 1.0, 40), x=np.linspace(1.0, 2.0, 40))
+    with pytest.raises(ns.RunError, match="no motion could be computed from any of 2 starts"):
+        ns.fit(ball, record, {"d": (0.1, 0.9)}, starts=2)
+
+
+@pytest.mark.slow
+def test_intervals_cover_as_often_as_they_say():
+    """Of 80 intervals of 40 records 95 % hold the truth.
+
+    The two of a record are nearly independent. A binomial number of 80 with 0.95 lies between 69
+    and 80 with a probability above 0.998, whose lower end is checked; a coverage of 80 % would
+    pass with 7 %.
+    """
+    least = int(stats.binom.ppf(0.001, 80, 0.95))
+    hits = 0
+    for seed in range(40):
+        record, _ = soft_record(5, 0.03, 100 + seed, per_period=40)
+        found = ns.fit(
+            ns.models.soft_impact(), record, {"beta": (20, 40), "e": (1.1, 1.4)}, {"x": "x"},
+            starts=1, hold_back=0.0,
+        )  # fmt: skip
+        hits += sum(within(found, SOFT).values())
+    assert hits >= least

@@ -1,0 +1,72 @@
+"""Derivatives of residuals and gaps: those of the engine against central differences."""
+
+import numpy as np
+import pytest
+
+import nonsmooth as ns
+from fitting.truth import RIGID, SOFT, dataset, rigid_motion, soft_motion
+from nonsmooth.fitting.beginning import first_states, sizes_of_states
+from nonsmooth.fitting.channels import check_free, read_channels
+from nonsmooth.fitting.shooting import Shooting
+
+
+def soft_case():
+    times = np.linspace(0.0, 30.0, 300)
+    x, _, a, _ = soft_motion(times, [0.3, 0.1])
+    free = {"beta": (15, 45), "e": (0.9, 1.6), "omega": (0.8, 0.9)}
+    nuisances = {"gain": {"a": (0.5, 2)}, "offset": {"x": "free"}, "delay": {"a": (-0.5, 0.5)}}
+    observe = {"x": "x + 0.1*x**2", "a": "acceleration"}
+    return ns.models.soft_impact(**SOFT), dataset(times, x=x, a=a), free, nuisances, observe
+
+
+def rigid_case():
+    times = np.linspace(0.0, 15.0, 200)
+    x, _, _, _ = rigid_motion(times, [0.1, 0.2])
+    free = {"r": (0.5, 0.95), "sigma": (0.35, 0.6), "omega": (1.2, 1.4)}
+    nuisances = {"gain": None, "offset": None, "delay": None}
+    return ns.models.impact_oscillator(**RIGID), dataset(times, x=x), free, nuisances, {"x": "x"}
+
+
+@pytest.mark.parametrize("case", [soft_case, rigid_case])
+def test_derivatives_agree_with_differences(case):
+    """Through impacts, by parameters that move events, by the frequency, and by a delay."""
+    system, record, free, nuisances, observe = case()
+    times = record["time"].values
+    channels = read_channels(system, record, observe, nuisances, None)
+    bounds = np.linspace(times[0] - 0.5, times[-1] + 0.5, 6)
+    shooting = Shooting(system, check_free(system, free), channels, times, bounds, 1e-12)
+    values = shooting.guess()
+    values[: len(free)] = [system.parameter_values[name] * 1.01 for name in free]
+    head, noise = shooting.head_of(values), np.full(len(channels), 0.1)
+    rest = np.zeros(shooting.n)
+    assert shooting.set_up(head)
+    shooting.scales = sizes_of_states(shooting, rest)
+    states = first_states(shooting, head, rest, noise, 0)
+    u = shooting.join(head, states)
+    found = shooting.evaluate(u, noise)
+    step = 1e-6
+    for k in range(shooting.size):
+        ahead, behind = (
+            shooting.evaluate(u + way * step * np.eye(shooting.size)[k], noise) for way in (1, -1)
+        )
+        rows = found.rows
+        residual, gap = np.zeros_like(rows.residual), np.zeros_like(found.gap)
+        if k < shooting.h:
+            residual, gap = rows.head[:, k], found.gap_head[:, :, k]
+        else:
+            m, j = divmod(k - shooting.h, shooting.n)
+            residual = np.where(rows.segment == m, rows.state[:, j], 0.0)
+            if m < len(gap):
+                gap[m] = found.gap_state[m, :, j]
+            if m:
+                gap[m - 1, j] -= 1.0 / shooting.gap_unit
+        for exact, one, other in (
+            (residual, ahead.rows.residual, behind.rows.residual),
+            (gap, ahead.gap, behind.gap),
+        ):
+            if exact.size:
+                difference = (one - other) / (2.0 * step)
+                off = np.abs(difference - exact)
+                # a sample between two positions of an event sees neither derivative
+                apart = np.sort(off.ravel())[-3] if exact is residual else off.max()
+                assert apart < 1e-5 * max(1.0, np.abs(exact).max())
