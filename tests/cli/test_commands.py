@@ -117,10 +117,11 @@ def test_wrong_use_is_one_sentence_and_code_two(call, run, name):
 def test_the_example_of_the_help_works(call, tmp_path, monkeypatch, name):
     """As it is typed, in seconds, beside the files that it names."""
     monkeypatch.chdir(tmp_path)
-    if name == "measured":
+    if name in ("measured", "check"):
         t = np.arange(4000) / 2000
         columns = [t, np.cos(90 * t), np.sin(90 * t), np.cos(90 * t - 0.4)]
-        np.savetxt("speed_1.csv", np.column_stack(columns), delimiter=",", comments="",
+        record = "run.csv" if name == "check" else "speed_1.csv"
+        np.savetxt(record, np.column_stack(columns), delimiter=",", comments="",
                    header="t,CH1,CH2,KEY")  # fmt: skip
     if name == "measures":
         files(name, tmp_path)[0].rename("basins.nc")

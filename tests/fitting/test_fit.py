@@ -210,6 +210,20 @@ def test_samples_that_are_nan_are_left_out():
     assert one.attrs["n_fitted"] == 40
 
 
+def test_samples_that_a_check_has_flagged_are_left_out():
+    """A channel that freezes for a fifth of the record: the mask does what nan does."""
+    ramp, record = line(count=400)
+    record["x"][100:180] = float(record["x"][100])
+    checked = ns.measured.check(record, leave_out="drift")
+    assert checked["kind"].values.tolist() == ["frozen"]
+    flagged = ns.measured.flagged(record, checked)
+    gone = record.assign(x=record["x"].where(flagged["x_quality"] == 0))
+    one, other = (ns.fit(ramp, each, {"k": (-5, 5)}, starts=1) for each in (flagged, gone))
+    assert one["estimate"].item() == other["estimate"].item()
+    low, high = one["interval_low"].item(), one["interval_high"].item()
+    assert low < 0.7 < high
+
+
 def test_outliers_count_less_with_a_robust_loss():
     """One sample in ten is off by 20 times the noise."""
     ramp, record = line(count=200)
@@ -320,7 +334,7 @@ def test_records_that_cannot_be_fitted_are_refused():
         ns.fit(ramp, record.isel(time=slice(None, None, -1)), {"k": (-5, 5)})
     empty = record.copy(deep=True)
     empty["x"][5:] = np.nan
-    with pytest.raises(ns.OptionError, match="5 samples are numbers; at least 10 are needed"):
+    with pytest.raises(ns.OptionError, match="5 samples are numbers without a flaw"):
         ns.fit(ramp, empty, {"k": (-5, 5)})
 
 

@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError, is_known, unknown_name
+from nonsmooth.measured.quality.masks import quality_of
 from nonsmooth.real_numbers import finite_real
 from nonsmooth.system.system import System
 
@@ -153,10 +154,14 @@ def _samples(record: Any, name: str) -> Floats:
     except (TypeError, ValueError):
         raise OptionError(f"record[{name!r}]: its samples must be numbers") from None
     values[~np.isfinite(values)] = np.nan
+    flags = quality_of(record, name)
+    if flags is not None:
+        values[flags != 0] = np.nan
     count = int(np.count_nonzero(np.isfinite(values)))
     if count < _FEWEST:
         raise OptionError(
-            f"record[{name!r}]: {count} samples are numbers; at least {_FEWEST} are needed"
+            f"record[{name!r}]: {count} samples are numbers without a flaw; at least {_FEWEST} are"
+            " needed"
         )
     return values
 

@@ -70,9 +70,9 @@ def fit(
     system : System
         The system. Parameters that are not named in ``free`` keep their values.
     record : xarray.Dataset
-        Channels over ``time``, from `measured.read_csv` or made by hand. Samples that are nan
-        are left out. Times are those of the system: the forcing has the phase that its equations
-        say.
+        Channels over ``time``, from `measured.read_csv` or made by hand. Samples that are nan, and
+        those that `measured.flagged` has marked, are left out. Times are those of the system: the
+        forcing has the phase that its equations say.
     free : mapping of str to (float, float)
         Parameters to find, each with its least and largest value.
     observe : mapping of str to str, optional
@@ -103,8 +103,10 @@ def fit(
     parameters : mapping of str to float, optional
         Values of parameters that differ from those of the system.
     tolerance : float, optional
-        What counts as zero for a start, relative to the terms of the guard. Events and the
-        accuracy of the flow do not depend on it.
+        How near to zero a guard counts as zero at a start, relative to the size of its terms. A
+        start on a wall is seldom there to the last digit; within the tolerance it counts as on the
+        wall. You seldom need to change it: the accuracy of motions and events does not depend on
+        it.
     seed : int, optional
         Seed of the random numbers: the same seed gives the same result.
 
