@@ -118,6 +118,16 @@ def data(name):
     return make[name]()
 
 
+SPRING = ns.System(states=["x", "v"], parameters={"k": 3.0}, equations={"x": "v", "v": "-k*x"})
+
+
+def swing():
+    """A short record of a spring of stiffness 4."""
+    times = np.linspace(0.0, 4.0, 40)
+    noise = 0.01 * np.random.default_rng(1).standard_normal(times.size)
+    return xr.Dataset({"x": ("time", np.cos(2.0 * times) + noise)}, {"time": times})
+
+
 def cases():
     """Right values of each verb, and those of them that ask for long work."""
     section = ns.PoincareMap(STRUCK, "v")
@@ -129,6 +139,10 @@ def cases():
         "stroboscopic_map": (struck | {"record": 3}, {"record": 500_000}),
         "poincare_section": (struck | {"section": "v", "record": 3}, {"record": 500_000}),
         "bifurcation_diagram": (struck | COLUMNS, {"values": many, "record": 100}),
+        "fit": (
+            {"system": SPRING, "record": swing(), "free": {"k": (1.0, 9.0)}, "starts": 1},
+            {},
+        ),
         "ensemble": (struck | {"initial": {"x": [0.0, 0.1]}, "record": 2}, {"record": 100_000}),
         "lyapunov_spectrum": (
             struck | {"transient": 2, "record": 4, "confirm": 0},

@@ -186,7 +186,7 @@ def _range(key: str, name: str, given: Any) -> Range:
             allowed = "a number or (low, high)" if key == "delay" else "a number, (low, high), free"
             raise OptionError(f"{where} = {given!r:.60}: give {allowed}")
         return Range(-np.inf, np.inf, default)
-    if np.ndim(given) == 0:
+    if not hasattr(given, "__len__"):
         value = finite_real(where, given)
         return Range(value, value, value)
     return _bounds(where, given, default)
@@ -200,7 +200,7 @@ def _noise(name: str, levels: Mapping[str, Any], values: Floats) -> Range:
         return Range(0.0, np.inf, first)
     if isinstance(given, str):
         raise OptionError(f"{where} = {given!r:.60}: give a number, (low, high), or {FREE!r}")
-    if np.ndim(given) == 0:
+    if not hasattr(given, "__len__"):
         value = finite_real(where, given)
         found = Range(value, value, value)
     else:

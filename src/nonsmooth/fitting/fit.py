@@ -11,7 +11,7 @@ import numpy.typing as npt
 from scipy.stats import qmc
 
 from nonsmooth.analysis.options import SharedOptions, check_seed
-from nonsmooth.errors import ModelError, OptionError, RunError
+from nonsmooth.errors import ModelError, OptionError, RunError, is_known
 from nonsmooth.fitting.beginning import sizes_of_states
 from nonsmooth.fitting.channels import (
     ObservedChannel,
@@ -176,7 +176,7 @@ def fit(
     channels = read_channels(
         system, record, observe, {"gain": gain, "offset": offset, "delay": delay}, noise
     )
-    if loss not in LOSSES:
+    if not is_known(loss, LOSSES):
         raise OptionError(f"loss = {loss!r:.60}: give one of {', '.join(LOSSES)}")
     share = finite_real("hold_back", hold_back)
     if not 0.0 <= share <= 0.9:

@@ -294,7 +294,7 @@ def force_sweep(
     array([2, 1])
     """
     diagram = bifurcation_diagram(
-        moling(a=a, xi=xi, omega=omega), "b", forces, start=start, transient=transient,
+        moling(a=a, xi=xi, omega=omega), "b", list(forces), start=start, transient=transient,
         record=record,
     )  # fmt: skip
     labels, exponents = settled_labels(diagram, a=a, xi=xi, omega=omega)
@@ -364,7 +364,7 @@ def first_fifty(a: float, forces: tuple[float, ...]) -> np.ndarray:
     >>> first_fifty(0.3, (0.1, 0.15)).round()
     array([ 697., 1554.])
     """
-    diagram = bifurcation_diagram(moling(a=a), "b", forces, transient=0, record=50)
+    diagram = bifurcation_diagram(moling(a=a), "b", list(forces), transient=0, record=50)
     return 50.0 * diagram["v_per_period"].values[:, 0]
 
 

@@ -138,7 +138,7 @@ def _sweep(
 ) -> Sweep:
     """Diagram by one protocol."""
     found = bifurcation_diagram(
-        system, "eta", etas, start=start, transient=transient, record=record
+        system, "eta", list(etas), start=start, transient=transient, record=record
     ).isel(lane=0)
     periods = found["period"].values.astype(int)
     labels = np.where(periods > 0, periods, UNKNOWN)
