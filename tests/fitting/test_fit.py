@@ -315,6 +315,10 @@ BAD = [
     ({"starts": 0}, "starts = 0 must be a whole number of at least 1"),
     ({"seed": -1}, "seed = -1 must be a whole number, not negative"),
     ({"initial": {"z": 1}}, r"initial: unknown state 'z' \(known: x\)"),
+    ({"form": "chaotic"}, "form = 'chaotic': give one of transient, steady"),
+    ({"cycle": 2}, "cycle = 2: only form='steady' takes it"),
+    ({"cycle": 0}, "cycle = 0 must be a whole number of at least 1"),
+    ({"form": "steady"}, "has no period, so nothing says after which time the motion repeats"),
 ]  # fmt: skip
 
 

@@ -186,6 +186,7 @@ LEAST: Mapping[str, float | None] = {
     "exponents": 1,
     "frequencies": 1,
     "seed": 0,
+    "cycle": 1,
     "segments": 1,
     "bootstrap": 0,
     "hold_back": 0,

@@ -374,7 +374,7 @@ TABLE = {
         "Fit parameters of a system to a record, and print 95 % intervals.",
         "fitting.fit",
         (
-            ("fit", "initial segments hold_back starts loss bootstrap tolerance seed"),
+            ("fit", "initial form cycle segments hold_back starts loss bootstrap tolerance seed"),
             ("measured.read_csv", "time sample_rate time_range delimiter decimal"),
         ),
         (

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -36,6 +36,16 @@ __all__ = ["fit"]
 Floats = npt.NDArray[np.float64]
 
 _PER_SEGMENT = 50  # samples, without a period
+_FORMS = ("transient", "steady")
+_SAME = 1e-12  # of a period: a difference that is rounding
+
+
+class _Cut(NamedTuple):
+    """Which part of a record is fitted, and into what it is cut."""
+
+    held_back: float  # part at the end
+    segments: Any  # number of segments as the caller gave it
+    cycle: float | None  # after which a steady motion repeats itself
 
 
 def fit(
@@ -49,6 +59,8 @@ def fit(
     offset: Any = None,
     delay: Any = None,
     noise: Any = None,
+    form: str = "transient",
+    cycle: int = 1,
     segments: int | None = None,
     hold_back: float = 0.1,
     starts: int = 4,
@@ -89,6 +101,12 @@ def fit(
         needs bounds. A mapping says it by channel. Without them 1, 0 and 0.
     noise : float, (float, float), "free" or mapping, optional
         Standard deviation of the noise of a channel, likewise; found by default.
+    form : {"transient", "steady"}, optional
+        What the record shows. ``"transient"`` takes any motion. ``"steady"`` takes a motion that
+        repeats itself in the whole record, and fits a periodic orbit to all its periods at once;
+        this costs no more for a long record than for a short one.
+    cycle : int, optional
+        Number of periods of the forcing after which a steady motion repeats itself.
     segments : int, optional
         Number of segments; one per period by default, or per 50 samples without a period.
     hold_back : float, optional
@@ -126,7 +144,8 @@ def fit(
         ``start_cost``, ``start_agrees``. Over ``direction``, combinations of parameters that
         are not determined: ``direction_part``, ``direction_spread``. Attributes: ``status``
         (completed, not_converged), ``message``, ``open_parameters`` in words, ``largest_gap``
-        between segments in parts of the states, ``n_evaluations``.
+        between segments in parts of the states, ``n_evaluations``; for a steady motion
+        ``largest_multiplier``, above 1 where the fitted orbit is unstable.
 
     Raises
     ------
@@ -183,12 +202,14 @@ def fit(
         raise OptionError(f"hold_back = {share:g} must lie between 0 and 0.9")
     count, drawn = whole_number("starts", starts), whole_number("bootstrap", bootstrap, 0)
     chosen = check_seed(seed)
-    make = partial(_shooting, system, bounds, channels, times, share, segments, tolerance)
+    cut = _Cut(share, segments, _cycle_length(system, bounds, form, cycle))
+    make = partial(_shooting, system, bounds, channels, times, cut, tolerance)
     found = _search(make, _rest(system, initial), loss, count, chosen)
     told = options.recorded | {
         "free": str({name: (each.low, each.high) for name, each in bounds.items()}),
         "observe": str({channel.name: channel.text for channel in channels}),
-        "hold_back": share, "loss": loss, "starts": count, "bootstrap": drawn, "seed": chosen,
+        "form": form, "cycle": cycle, "hold_back": share, "loss": loss,
+        "starts": count, "bootstrap": drawn, "seed": chosen,
     }  # fmt: skip
     return fit_dataset(channels, times, found, told, loss, drawn, chosen)
 
@@ -206,12 +227,11 @@ def _shooting(
     free: Mapping[str, Range],
     channels: list[ObservedChannel],
     times: Floats,
-    share: float,
-    segments: Any,
+    cut: _Cut,
     tolerance: float,
 ) -> Shooting:
     """The equations of the part of the record that is fitted, cut into segments."""
-    last = times[0] + (1.0 - share) * (times[-1] - times[0])
+    last = times[0] + (1.0 - cut.held_back) * (times[-1] - times[0])
     kept = times <= last
     fitted = [c._replace(values=np.where(kept, c.values, np.nan)) for c in channels]
     for channel in fitted:
@@ -225,20 +245,59 @@ def _shooting(
     used = times[kept]
     begin = used[0] - max(channel.delay.high for channel in channels)
     end = used[-1] - min(channel.delay.low for channel in channels)
-    if segments is None:
+    if cut.cycle is not None:
+        if end - begin < cut.cycle:
+            raise OptionError(
+                f"form = 'steady': what is fitted lasts {end - begin:.6g}, less than one cycle of"
+                f" {cut.cycle:.6g}; give a longer record, or a smaller hold_back="
+            )
+        end = begin + cut.cycle
+    if cut.segments is None:
         period = _period(system, free)
         number = used.size / _PER_SEGMENT if period is None else (end - begin) / period
         most = used.size // (4 * (len(system.states) + 1))
         number = int(np.clip(round(number), 1, max(1, most)))
     else:
-        number = whole_number("segments", segments)
+        number = whole_number("segments", cut.segments)
         if number > used.size // 2:
             raise OptionError(
                 f"segments = {number}: at most {used.size // 2}, half the samples that are fitted"
             )
     return Shooting(
-        system, free, fitted, times, np.linspace(begin, end, number + 1), tolerance
+        system, free, fitted, times, np.linspace(begin, end, number + 1), tolerance,
+        is_cycle=cut.cycle is not None,
     )  # fmt: skip
+
+
+def _cycle_length(system: System, free: Mapping[str, Range], form: Any, cycle: Any) -> float | None:
+    """Time after which a steady motion repeats itself; None for a transient one."""
+    if not is_known(form, _FORMS):
+        raise OptionError(f"form = {form!r:.60}: give one of {', '.join(_FORMS)}")
+    number = whole_number("cycle", cycle)
+    if form == "transient":
+        if number != 1:
+            raise OptionError(f"cycle = {number}: only form='steady' takes it")
+        return None
+    if system.drift:
+        raise OptionError(
+            f"form = 'steady': {', '.join(system.drift)} may drift, so the motion need not come"
+            " back after a cycle; give form='transient'"
+        )
+    period = _period(system, free)
+    if period is None:
+        raise OptionError(
+            f"form = 'steady': {system.name} has no period, so nothing says after which time the"
+            " motion repeats itself; give form='transient'"
+        )
+    for name, each in free.items():
+        for value in (each.low, each.high):
+            other = _period(system, {**free, name: Range(value, value, value)})
+            if other is None or abs(other - period) > _SAME * period:
+                raise OptionError(
+                    f"form = 'steady': the period depends on {name!r}, which is in free=, so it is"
+                    " not known where the motion repeats itself; give form='transient'"
+                )
+    return number * period
 
 
 def _period(system: System, free: Mapping[str, Range]) -> float | None:

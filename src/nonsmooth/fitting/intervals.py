@@ -67,7 +67,7 @@ def covariance_of(shooting: Shooting, fitted: Fitted) -> Floats:
     columns = shooting.h + rows.segment[:, None] * shooting.n + np.arange(shooting.n)
     np.put_along_axis(jacobian, columns, rows.state, axis=1)
     basis = np.eye(shooting.size)
-    if shooting.n_segments > 1:
+    if shooting.n_gaps:
         basis = null_space(gap_matrix(shooting, fitted.evaluation), rcond=1e-13)
     _, sizes, turned = np.linalg.svd(np.linalg.qr(jacobian @ basis, mode="r"))
     sizes = np.maximum(sizes, _SMALLEST * sizes.max(initial=1e-300))
@@ -94,8 +94,7 @@ def open_directions(shooting: Shooting, covariance: Floats) -> list[Direction]:
 
 def threshold(shooting: Shooting, count: int) -> float:
     """Rise of twice the cost at the ends of a 95 % interval."""
-    spent = shooting.h + shooting.n
-    return float(f_distribution.ppf(LEVEL, 1, max(1, count - spent)))
+    return float(f_distribution.ppf(LEVEL, 1, max(1, count - shooting.n_spent)))
 
 
 def profile_intervals(

@@ -22,7 +22,7 @@ from nonsmooth.fitting.intervals import (
     profile_intervals,
     threshold,
 )
-from nonsmooth.fitting.shooting import SegmentData, Shooting
+from nonsmooth.fitting.shooting import Shooting
 from nonsmooth.fitting.solver import Fitted, close_gaps
 
 __all__ = ["Search", "fit_dataset"]
@@ -89,11 +89,21 @@ def fit_dataset(
     variables |= _directions(directions)
     words = _open_words(shooting, best, directions)
     told = _message(best, agrees, words, variables, channels)
+    steady: dict[str, Any] = {}
+    if shooting.is_cycle:
+        growth = np.abs(shooting.multipliers(best.evaluation))
+        steady["largest_multiplier"] = float(growth.max(initial=0.0))
+        if steady["largest_multiplier"] > 1.0:
+            told += (
+                "; the fitted orbit is unstable, so a machine does not stay on it: give other"
+                " bounds in free=, or form='transient'"
+            )
     status = "completed" if best.closed else "not_converged"
     gap = float(np.abs(best.evaluation.gap).max(initial=0.0)) * shooting.gap_unit
     attrs = result_attributes(shooting.system, status, told, options) | {
         "open_parameters": words,
         "largest_gap": gap,
+        **steady,
         "cost": best.cost,
         "n_fitted": int(best.evaluation.rows.residual.size),
         "n_evaluations": search.n_evaluations,
@@ -207,20 +217,19 @@ def _predict(
     """Residuals of what was held back, from a run that goes on where the fit has ended."""
     if not left.any() or not shooting.set_up(best.u):
         return
-    m = shooting.n_segments - 1
-    channel, place = np.nonzero(left)
-    delays = np.array([shooting.nuisance(c, "delay", best.u) for c in range(len(measured))])
-    begin = float(shooting.bounds[m])
-    moments = np.maximum(shooting.times[place] - delays[channel], begin)
-    instants, which = np.unique(moments, return_inverse=True)
-    plan = SegmentData(instants, which, channel, measured[channel, place], place)
-    state = shooting.states_of(best.u)[m]
-    flight = shooting.flights.fly(state, begin, np.append(instants, instants[-1]))
-    if flight is None:
-        return
-    rows = shooting.rows([m], [flight], [plan], best.u, best.noise)
-    if rows is not None:
-        residual[channel, place] = -rows.residual * best.noise[channel]
+    states = shooting.states_of(best.u)
+    plans = shooting.plans_of(np.where(left, measured, np.nan), best.u, np.inf)
+    for m, plan in enumerate(plans):
+        if not plan.times.size:
+            continue
+        begin = float(shooting.bounds[m])
+        times = np.append(plan.times, plan.times[-1])
+        flight = shooting.flights.fly(states[m], begin, times)
+        rows = None
+        if flight is not None:
+            rows = shooting.rows([m], [flight], [plan], best.u, best.noise)
+        if rows is not None:
+            residual[rows.channel, rows.place] = -rows.residual * best.noise[rows.channel]
 
 
 def _whiteness(residuals: Variables) -> Variables:

@@ -5,6 +5,9 @@ short and an error of the parameters cannot grow over the whole record, nor can 
 lose it. That the end of a segment is the start of the next one is an equation, which the solver
 brings to hold (`nonsmooth.fitting.solver`).
 
+A steady motion repeats itself after a cycle. All samples are folded into the first cycle, and the
+last segment ends where the first one begins, so that one cycle is run however long the record is.
+
 Unknowns are counted in units of their ranges: first the head, which has the parameters and what is
 free of gain, offset and delay, then the states of all segments.
 """
@@ -29,6 +32,7 @@ Integers = npt.NDArray[np.int64]
 
 _NUISANCES = ("gain", "offset", "delay")
 _UNIT = 0.02  # of the size of a state: what a gap between segments is measured in
+_INSTANT = 1e-12  # of a cycle: samples that lie closer after folding are at one instant
 
 
 class SegmentData(NamedTuple):
@@ -53,12 +57,12 @@ class Residuals(NamedTuple):
 
 
 class Evaluation(NamedTuple):
-    """Residuals of all data, and the gaps between segments; M segments, h unknowns of the head."""
+    """Residuals of all data, and the gaps between segments; G gaps, h unknowns of the head."""
 
     rows: Residuals
-    gap: Floats  # (M - 1, n): end of a segment less the start of the next
-    gap_head: Floats  # (M - 1, n, h)
-    gap_state: Floats  # (M - 1, n, n), by the start of the segment
+    gap: Floats  # (G, n): end of a segment less the start of the next
+    gap_head: Floats  # (G, n, h)
+    gap_state: Floats  # (G, n, n), by the start of the segment
 
 
 class Shooting:
@@ -72,8 +76,11 @@ class Shooting:
         times: Floats,
         bounds: Floats,
         tolerance: float,
+        *,
+        is_cycle: bool = False,
     ) -> None:
         self.system, self.channels, self.times, self.bounds = system, channels, times, bounds
+        self.is_cycle = is_cycle  # whether the motion repeats itself after the last segment
         self.free = dict(free)
         self.nuisances = [
             (c, key)
@@ -99,6 +106,16 @@ class Shooting:
         self._fixed_plans = not moves
 
     # ------------------------------------------------------------ unknowns
+
+    @property
+    def n_gaps(self) -> int:
+        """Number of places where a segment must end where the next one begins."""
+        return self.n_segments - (0 if self.is_cycle else 1)
+
+    @property
+    def n_spent(self) -> int:
+        """Number of unknowns that only the data determine: a cycle has no free start."""
+        return self.h + (0 if self.is_cycle else self.n)
 
     @property
     def limits(self) -> tuple[Floats, Floats]:
@@ -163,13 +180,15 @@ class Shooting:
         if rows is None:
             return None
         unit = _UNIT * self.scales
-        ends = np.array([flight.samples.states[-1] for flight in flown[:-1]]).reshape(-1, self.n)
-        columns = np.array([flight.columns[-1] for flight in flown[:-1]])
+        followed = flown[: self.n_gaps]
+        ends = np.array([flight.samples.states[-1] for flight in followed]).reshape(-1, self.n)
+        columns = np.array([flight.columns[-1] for flight in followed])
         columns = columns.reshape(-1, self.n, self.n + self.p) / unit[:, None]
+        starts = np.roll(states, -1, axis=0)[: self.n_gaps]
         by_head = np.zeros((len(ends), self.n, self.h))
         by_head[:, :, : self.p] = columns[:, :, self.n :] * self._units[: self.p]
         return Evaluation(
-            rows, (ends - states[1:]) / unit, by_head, columns[:, :, : self.n] * self.scales
+            rows, (ends - starts) / unit, by_head, columns[:, :, : self.n] * self.scales
         )
 
     def fly(self, m: int, state: Floats, plan: SegmentData) -> Flight | None:
@@ -181,24 +200,37 @@ class Shooting:
         """Data of each segment, for the delays of the head."""
         if self._plans is not None and self._fixed_plans:
             return self._plans
-        channel, place, moment = [], [], []
-        for c, each in enumerate(self.channels):
-            here = np.flatnonzero(np.isfinite(each.values))
-            channel.append(np.full(here.size, c))
-            place.append(here)
-            moment.append(self.times[here] - self.nuisance(c, "delay", u))
-        of, where, when = (np.concatenate(each) for each in (channel, place, moment))
+        values = np.array([each.values for each in self.channels])
+        self._plans = self.plans_of(values, u, self.bounds[-1])
+        return self._plans
+
+    def plans_of(self, values: Floats, u: Floats, last: float) -> list[SegmentData]:
+        """Data (C, K) that are numbers, by segment; times beyond the last one are cut to it."""
+        of, where = np.nonzero(np.isfinite(values))
+        delays = np.array([self.nuisance(c, "delay", u) for c in range(len(self.channels))])
+        when = self.times[where] - delays[of]
+        first = self.bounds[0]
+        if self.is_cycle:
+            length = self.bounds[-1] - first
+            part = np.mod((when - first) / length, 1.0)
+            when = first + length * (np.round(part / _INSTANT) * _INSTANT)
         segment = np.searchsorted(self.bounds[1:-1], when, side="right")
-        when = np.clip(when, self.bounds[0], self.bounds[-1])
-        self._plans = []
+        when = np.clip(when, first, last)
+        plans = []
         for m in range(self.n_segments):
             here = np.flatnonzero(segment == m)
             times, instant = np.unique(when[here], return_inverse=True)
-            data = np.array(
-                [self.channels[c].values[k] for c, k in zip(of[here], where[here], strict=True)]
-            )
-            self._plans.append(SegmentData(times, instant, of[here], data, where[here]))
-        return self._plans
+            data = values[of[here], where[here]]
+            plans.append(SegmentData(times, instant, of[here], data, where[here]))
+        return plans
+
+    def multipliers(self, found: Evaluation) -> npt.NDArray[np.complex128]:
+        """Multipliers (n,) of a cycle: how disturbances have grown after it."""
+        growth = np.eye(self.n)
+        for each in found.gap_state:
+            growth = _UNIT * each @ growth
+        multipliers: npt.NDArray[np.complex128] = np.linalg.eigvals(growth).astype(complex)
+        return multipliers
 
     def forget_plans(self) -> None:
         """Read the data anew at the next evaluation."""

@@ -42,7 +42,7 @@ class Fitted(NamedTuple):
     u: Floats
     cost: float  # half the sum of squares of the data, or of their losses
     noise: Floats  # (C,)
-    multipliers: Floats  # (M - 1, n)
+    multipliers: Floats  # (G, n)
     evaluation: Evaluation
     closed: bool  # whether the gaps are closed and the steps have ended
     n_evaluations: int
@@ -155,7 +155,9 @@ def gap_matrix(shooting: Shooting, found: Evaluation) -> Floats:
         rows, own = slice(m * n, (m + 1) * n), h + m * n
         matrix[rows, :h] = found.gap_head[m]
         matrix[rows, own : own + n] = found.gap_state[m]
-        matrix[rows, own + n : own + 2 * n] = -np.eye(n) / shooting.gap_unit
+        following = h + (m + 1) % shooting.n_segments * n
+        # taken away from what is there, since a cycle of one segment follows itself
+        matrix[rows, following : following + n] -= np.eye(n) / shooting.gap_unit
     return matrix
 
 
@@ -231,9 +233,9 @@ def solve_from(
     states = first_states(shooting, head, initial, noise, seed)
     if states is None:
         return None
-    shift = np.zeros((shooting.n_segments - 1, shooting.n))
+    shift = np.zeros((shooting.n_gaps, shooting.n))
     u = shooting.join(head, states)
-    return close_gaps(shooting, u, noise, shift, loss, 0 if shooting.n_segments > 1 else -1)
+    return close_gaps(shooting, u, noise, shift, loss, 0 if shooting.n_gaps else -1)
 
 
 def close_gaps(
@@ -266,7 +268,7 @@ def noise_level(shooting: Shooting, found: Evaluation, noise: Floats, loss: str)
     """Standard deviation of the residuals of each channel, within its limits."""
     rows = found.rows
     total = rows.residual.size
-    spent = min(0.5, (shooting.h + shooting.n) / total)
+    spent = min(0.5, shooting.n_spent / total)
     levels = np.empty(len(shooting.channels))
     for c, channel in enumerate(shooting.channels):
         own = rows.residual[rows.channel == c] * noise[c]

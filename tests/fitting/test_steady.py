@@ -1,0 +1,149 @@
+"""Fits of periodic orbits to records of motions that have settled."""
+
+import numpy as np
+import pytest
+from scipy.optimize import curve_fit
+
+import nonsmooth as ns
+from fitting.truth import RIGID, SOFT, dataset, noisy, rigid_motion, soft_motion
+
+SPEED = 1.7
+
+
+def driven():
+    """A linear oscillator, whose response to the forcing is known in closed form."""
+    return ns.System(
+        states=["x", "v"],
+        parameters={"k": 2.0, "c": 0.2, "omega": SPEED},
+        equations={"x": "v", "v": "cos(omega*t) - k*x - c*v"},
+        period="2*pi/omega",
+    )
+
+
+def response(times, k, c):
+    """Real part of exp(i w t) / (k - w^2 + i w c)."""
+    return np.real(np.exp(1j * SPEED * times) / (k - SPEED**2 + 1j * SPEED * c))
+
+
+def linear_record(periods=30, per_period=24, late=0.0):
+    """Samples of the response with noise."""
+    times = np.arange(periods * per_period) * 2.0 * np.pi / SPEED / per_period
+    return dataset(times, x=noisy(response(times - late, 1.5, 0.3), 0.05, np.random.default_rng(4)))
+
+
+@pytest.mark.parametrize(("cycle", "segments"), [(1, 1), (1, 3), (2, None)])
+def test_a_linear_oscillator_gives_the_regression_of_its_response(cycle, segments):
+    record = linear_record()
+    found = ns.fit(
+        driven(), record, {"k": (0.5, 2.5), "c": (0.05, 0.6)}, hold_back=0.0, starts=1,
+        form="steady", cycle=cycle, segments=segments,
+    )  # fmt: skip
+    known, covariance = curve_fit(response, record["time"], record["x"], [1.4, 0.2])
+    # the solver ends at a relative change of 1e-9 of unknowns, and the gaps are closed to 2e-6 of
+    # the states, against a standard error of 1e-3
+    np.testing.assert_allclose(found["estimate"], known, rtol=1e-5)
+    np.testing.assert_allclose(found["standard_error"], np.sqrt(np.diag(covariance)), rtol=2e-3)
+    # multipliers are exp(-c T/2) in size, for an oscillator that swings
+    growth = np.exp(-0.5 * known[1] * cycle * 2.0 * np.pi / SPEED)
+    assert found.attrs["largest_multiplier"] == pytest.approx(growth, rel=1e-4)
+    assert found.attrs["status"] == "completed"
+
+
+def test_a_delay_shifts_samples_around_the_cycle():
+    """Samples before the end of the cycle are folded to its beginning where they are late."""
+    found = ns.fit(
+        driven(), linear_record(late=0.2), {"k": (0.5, 2.5)}, delay=(0.0, 0.5), starts=1,
+        parameters={"c": 0.3}, form="steady",
+    )  # fmt: skip
+    for name, truth in (("k", 1.5), ("x delay", 0.2)):
+        one = found.sel(parameter=name)
+        # four standard errors fail once in 16,000 records
+        assert abs(float(one["estimate"]) - truth) < 4.0 * float(one["standard_error"])
+
+
+@pytest.fixture(scope="module")
+def settled():
+    """30 periods of the soft impact oscillator after 60, which repeat every second period."""
+    period = 2.0 * np.pi / SOFT["omega"]
+    times = np.arange(90 * 40) * period / 40
+    x = soft_motion(times, [0.3, 0.1])[0]
+    return dataset(times[60 * 40 :], x=noisy(x[60 * 40 :], 0.02, np.random.default_rng(7)))
+
+
+def fit_settled(record, **options):
+    machine = ns.models.soft_impact(zeta=SOFT["zeta"], omega=SOFT["omega"])
+    return ns.fit(machine, record, {"beta": (15, 45), "e": (0.9, 1.6)}, starts=2, **options)
+
+
+def test_steady_impacts_are_fitted_as_well_as_the_whole_record(settled):
+    steady = fit_settled(settled, form="steady", cycle=2)
+    whole = fit_settled(settled)
+    assert steady["start_agrees"].all()
+    for name in ("beta", "e"):
+        one, other = steady.sel(parameter=name), whole.sel(parameter=name)
+        assert one["interval_low"] <= SOFT[name] <= one["interval_high"]
+        # the start that a transient leaves free costs a little of what 1620 samples say
+        ratio = float(one["standard_error"] / other["standard_error"])
+        assert ratio == pytest.approx(1.0, abs=0.05)
+        difference = abs(float(one["estimate"] - other["estimate"]))
+        assert difference < float(one["standard_error"])
+    assert float(steady["prediction_error"][0]) == pytest.approx(1.0, abs=0.2)
+    assert float(steady["whiteness"][0]) > 0.01
+    assert steady.attrs["largest_multiplier"] < 1.0
+
+
+def test_a_wrong_cycle_leaves_residuals_that_are_no_noise(settled):
+    found = fit_settled(settled, form="steady", cycle=1)
+    assert float(found["whiteness"][0]) < 1e-6
+    assert "residuals of x are correlated" in found.attrs["message"]
+
+
+def test_rigid_impacts_repeat_too():
+    period = 2.0 * np.pi / RIGID["omega"]
+    times = np.arange(100 * 50) * period / 50
+    x = rigid_motion(times, [0.0, 0.0])[0]
+    last = x[-50 * 30 :]
+    assert np.abs(last[50:] - last[:-50]).max() < 1e-8  # period one
+    record = dataset(times[-50 * 30 :], x=noisy(last, 0.02, np.random.default_rng(2)))
+    system = ns.models.impact_oscillator(**RIGID)
+    free = {"r": (0.5, 0.95), "sigma": (0.2, 0.6)}
+    found = ns.fit(system, record, free, form="steady", starts=2)
+    for name in ("r", "sigma"):
+        one = found.sel(parameter=name)
+        assert abs(float(one["estimate"]) - RIGID[name]) < 4.0 * float(one["standard_error"])
+    assert found.attrs["status"] == "completed"
+
+
+def test_an_orbit_that_is_unstable_is_told():
+    """A pendulum that stands on its head has a steady motion that no machine would keep."""
+    upright = ns.System(
+        states=["x", "v"],
+        parameters={"k": 1.0},
+        equations={"x": "v", "v": "k*x - 0.1*v + cos(t)"},
+        period="2*pi",
+    )
+    times = np.arange(20 * 30) * 2.0 * np.pi / 30
+    truth = np.real(np.exp(1j * times) / (-1.0 - 1.2 + 0.1j))
+    record = dataset(times, x=noisy(truth, 0.02, np.random.default_rng(1)))
+    found = ns.fit(upright, record, {"k": (0.5, 2.0)}, form="steady", starts=1)
+    one = found.isel(parameter=0)
+    assert abs(float(one["estimate"]) - 1.2) < 4.0 * float(one["standard_error"])
+    assert found.attrs["largest_multiplier"] > 1.0
+    assert "unstable" in found.attrs["message"]
+
+
+def test_what_need_not_repeat_is_refused():
+    record = linear_record()
+    with pytest.raises(ns.OptionError, match="the period depends on 'omega', which is in free="):
+        ns.fit(driven(), record, {"omega": (1.0, 2.0)}, form="steady")
+    with pytest.raises(ns.OptionError, match="less than one cycle of"):
+        ns.fit(driven(), record, {"k": (0.5, 2.5)}, form="steady", cycle=40)
+    drifting = ns.System(
+        states=["x", "s"],
+        parameters={"k": 1.0},
+        equations={"x": "cos(t) - k*x", "s": "x"},
+        drift=["s"],
+        period="2*pi",
+    )
+    with pytest.raises(ns.OptionError, match="s may drift"):
+        ns.fit(drifting, record, {"k": (0.5, 2.5)}, form="steady")
