@@ -219,6 +219,7 @@ def rig():
         "displacements": {"data": record, "accelerations": "x", "lowest": 20.0},
         "dimensionless": {"record": record, "length": 1.0, "natural_frequency": 2.0},
         "synchronous": {"record": moving},
+        "alarm": {"healthy": xr.Dataset({"a": ("window", np.sin(np.arange(400.0)))})},
         "Channel": {"column": "x"},
         "Differentiator": {"step": 0.1, "window": 11},
     }
@@ -228,7 +229,7 @@ VERBS = sorted(set(ns.__all__) - {
     "ModelError", "NonsmoothError", "OptionError", "ResultWarning", "RunError", "RunWarning",
     "__version__", "continuation", "excitation", "fatigue", "measured", "models", "plot",
 })  # fmt: skip
-RIG = ["from_arrays", "velocities", "section", "diagram", "low_pass", "displacements",
+RIG = ["alarm", "from_arrays", "velocities", "section", "diagram", "low_pass", "displacements",
        "dimensionless", "synchronous", "Channel", "Differentiator"]  # fmt: skip
 
 

@@ -6,6 +6,7 @@ Displacements and marks in, the datasets of `simulate`, `stroboscopic_map` and
 
 from __future__ import annotations
 
+from nonsmooth.measured.alarms import alarm
 from nonsmooth.measured.channel import Channel
 from nonsmooth.measured.columns import read_columns
 from nonsmooth.measured.differentiator import Differentiator
@@ -23,6 +24,7 @@ from nonsmooth.measured.velocity import velocities
 __all__ = [
     "Channel",
     "Differentiator",
+    "alarm",
     "check",
     "diagram",
     "dimensionless",
