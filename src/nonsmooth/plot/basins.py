@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError
+from nonsmooth.plot.arguments import checked
 from nonsmooth.plot.attractor_style import (
     ENDED_EARLY,
     INADMISSIBLE,
@@ -43,6 +44,7 @@ Points = tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]
 _EVEN = 1e-6  # of a step, between cells that count as equally wide
 
 
+@checked
 def basins(
     data: xr.Dataset,
     *,
@@ -214,6 +216,7 @@ def _entries(styles: dict[int, AttractorStyle], labels: npt.NDArray[np.int_]) ->
     return entries
 
 
+@checked
 def attractors(
     data: xr.Dataset,
     x: str | None = None,

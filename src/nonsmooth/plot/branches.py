@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.plot.arguments import checked
 from nonsmooth.plot.branch_curves import (
     INADMISSIBLE,
     STABLE,
@@ -51,6 +52,7 @@ _SHARE, _TIMES, _LEAST = 0.9, 3.0, 10.0
 _LOW = 0.04  # of the height, below zero
 
 
+@checked
 def branch(
     branches: Branches,
     y: str,

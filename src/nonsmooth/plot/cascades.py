@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.plot.arguments import checked
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.style import PALETTE, axis_label, finish_axes
 
@@ -39,6 +40,7 @@ def check_drawing(chosen: Mapping[str, str]) -> None:
             raise OptionError(f"{name} = {value!r}: {unknown_name(word, str(value), known)}")
 
 
+@checked
 def waterfall(
     data: xr.Dataset,
     *,

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError
+from nonsmooth.plot.arguments import checked
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.style import PALETTE, axis_label, finish_axes
@@ -32,6 +33,7 @@ _ROUNDS = 4
 _ON_OTHER, _OUTSIDE, _ON_LINE = 50.0, 500.0, 0.3  # costs by the distance
 
 
+@checked
 def lives(
     compared: xr.Dataset,
     *,

@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.plot.alignment import folded, shift_to_marks, way_to_align
+from nonsmooth.plot.arguments import checked
 from nonsmooth.plot.compared_spectra import MEASURED, decibel_label, draw_spectra, is_spectrum
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.legends import place_legend
@@ -28,6 +29,7 @@ _SMALLEST = 0.8
 _BROAD = 1.6  # width of what was measured, seen on both sides of a computed curve that agrees
 
 
+@checked
 def comparison(
     computed: xr.Dataset,
     measured: xr.Dataset,

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.plot.arguments import checked
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.style import PALETTE, axis_label, finish_axes
@@ -22,6 +23,7 @@ _FEW = 3_000  # points that are drawn large enough to be seen one by one
 _MARKERS = "osD^v<>"
 
 
+@checked
 def bifurcation(
     diagram: xr.Dataset,
     variable: str,

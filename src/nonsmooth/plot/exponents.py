@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nonsmooth.errors import OptionError
+from nonsmooth.plot.arguments import checked
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.style import LINES, axis_label, finish_axes
@@ -21,6 +22,7 @@ _ROUNDING = 1e-12  # part of the largest exponent
 _ERRORS = 2.0  # standard errors on either side of the final value
 
 
+@checked
 def exponents(spectrum: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     """Lyapunov exponents averaged up to each time, with a band of two standard errors.
 
@@ -83,6 +85,7 @@ def _without_rounding(spectrum: xr.Dataset, i: int) -> float:
     return 0.0 if abs(value) <= _ROUNDING * largest else value
 
 
+@checked
 def translation(test: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     """Translation p, q of the 0-1 test: bounded for regular motion, wandering for chaotic motion.
 

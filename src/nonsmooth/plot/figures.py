@@ -5,8 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from nonsmooth.errors import OptionError
 from nonsmooth.files import check_target, replacing
+from nonsmooth.plot.arguments import checked
 from nonsmooth.plot.style import PALETTE
+from nonsmooth.runs.options import positive_number, whole_number
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -15,6 +18,7 @@ if TYPE_CHECKING:
 __all__ = ["new_axes", "print_figure", "save_figure"]
 
 _CENTIMETRES = 1.0 / 2.54  # in inches
+_COARSEST = 10  # dots per inch
 _TEXT, _SMALL = 8.0, 7.0  # points; journals ask for at least 6 to 7 after reduction
 # of curves that a caller draws: told apart with every kind of colour vision; yellow is faint
 _COLOURS = [colour for name, colour in PALETTE.items() if name != "yellow"]
@@ -29,6 +33,7 @@ _STYLE: Any = {
 }
 
 
+@checked
 def print_figure(
     rows: int = 1,
     columns: int = 1,
@@ -69,8 +74,12 @@ def print_figure(
     import matplotlib
     from matplotlib.figure import Figure
 
+    for name, count in (("rows", rows), ("columns", columns)):
+        whole_number(name, count)
+    positive_number("width", width)
     if height is None:
         height = 0.75 * width * rows / columns
+    positive_number("height", height)
     size = (width * _CENTIMETRES, height * _CENTIMETRES)
     with matplotlib.rc_context(_STYLE):
         figure = Figure(figsize=size, layout="constrained")
@@ -103,6 +112,7 @@ def _set_ticks(ax: Axes) -> None:
         set_numbers(ax)
 
 
+@checked
 def save_figure(figure: Figure, path: str | Path, *, dpi: float = 300.0) -> Path:
     """Write a figure to a PNG, PDF or SVG file, whole or not at all.
 
@@ -136,6 +146,8 @@ def save_figure(figure: Figure, path: str | Path, *, dpi: float = 300.0) -> Path
     """
     import matplotlib
 
+    if dpi < _COARSEST:
+        raise OptionError(f"dpi = {dpi:g} must be at least {_COARSEST}, or texts cannot be drawn")
     target = check_target(path, (".png", ".pdf", ".svg"))
     kind = target.suffix.lower()[1:]
     # without its date the same figure gives the same file

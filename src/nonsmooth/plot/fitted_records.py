@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.plot.arguments import checked
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.style import LINES, PALETTE, axis_label, finish_axes
@@ -21,6 +22,7 @@ _HEIGHTS = (5, 2)  # of the record and of the residuals
 _BAND = 1.96  # standard deviations that hold 95 % of a normal variable
 
 
+@checked
 def fit(
     data: xr.Dataset,
     channel: str | None = None,

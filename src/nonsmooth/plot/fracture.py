@@ -8,6 +8,7 @@ import numpy as np
 
 from nonsmooth.errors import OptionError
 from nonsmooth.fatigue.crack_curve import CrackCurve
+from nonsmooth.plot.arguments import checked
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.style import LINES, axis_label, finish_axes
@@ -22,6 +23,7 @@ __all__ = ["crack_lengths", "stiffness_laws", "stress_intensity"]
 _FINE = 400  # points of a curve
 
 
+@checked
 def stiffness_laws(data: xr.Dataset, *, ax: Axes | None = None, legend: bool = True) -> Axes:
     """Both laws of the open stiffness over the crack length, and the stiffness without a crack.
 
@@ -68,6 +70,7 @@ def stiffness_laws(data: xr.Dataset, *, ax: Axes | None = None, legend: bool = T
     return ax
 
 
+@checked
 def stress_intensity(
     data: xr.Dataset,
     variable: str = "stress_intensity",
@@ -124,6 +127,7 @@ def stress_intensity(
     return ax
 
 
+@checked
 def crack_lengths(
     curve: CrackCurve,
     times: npt.ArrayLike,

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.plot.arguments import checked
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.sections import section
 from nonsmooth.plot.style import LINES, axis_label, finish_axes
@@ -31,6 +32,7 @@ _ROOM = 0.08  # beside the points, in parts of their range
 _TITLE = 0.09  # height of the text above each
 
 
+@checked
 def growth_curve(
     curve: xr.Dataset,
     sections: Mapping[float, xr.Dataset] | None = None,

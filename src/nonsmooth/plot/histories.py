@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.plot.arguments import checked
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.markers import event_markers
@@ -23,6 +24,7 @@ __all__ = ["common_label", "mode_label", "phases", "time_history"]
 _PALE = 0.3  # opacity behind curves: told apart in print, and black lines stay black
 
 
+@checked
 def time_history(
     run: xr.Dataset,
     variables: str | Sequence[str],
@@ -128,6 +130,7 @@ def common_label(run: xr.Dataset, names: Sequence[str]) -> str:
     )
 
 
+@checked
 def phases(
     run: xr.Dataset,
     variables: str | Sequence[str],

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nonsmooth.errors import OptionError
+from nonsmooth.plot.arguments import checked
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.style import PALETTE, axis_label, finish_axes
 
@@ -19,6 +20,7 @@ __all__ = ["load_cycles"]
 _WIDE = 30.0  # factor between bars from which on they are logarithmic
 
 
+@checked
 def load_cycles(
     cycles: xr.Dataset,
     *,

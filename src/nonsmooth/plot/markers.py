@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from nonsmooth.plot.arguments import checked
 from nonsmooth.plot.trace import DENSE, check_log, check_range, check_variables
 
 if TYPE_CHECKING:
@@ -26,6 +27,7 @@ EVENT_MARK: dict[str, Any] = {
 }
 
 
+@checked
 def event_markers(
     run: xr.Dataset, variable: str, ax: Axes, *, time_range: tuple[float, float] | None = None
 ) -> Axes:

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError
+from nonsmooth.plot.arguments import checked
 from nonsmooth.plot.branch_curves import check_branch, mark_special_points
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.legends import place_legend
@@ -37,6 +38,7 @@ NO_BOUND = 1e8  # larger at a graze of a rigid wall: infinite but for rounding, 
 _JUMP = 0.1  # beyond it a line would show a motion that there is none of
 
 
+@checked
 def multipliers(
     data: xr.Dataset,
     *,

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nonsmooth.errors import OptionError
+from nonsmooth.plot.arguments import checked
 from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.portrait import phase_portrait
 from nonsmooth.plot.style import LINES, axis_label, finish_axes
@@ -21,6 +22,7 @@ __all__ = ["orbit"]
 _FEW = 200  # marks that are drawn large enough to be told apart from the curve
 
 
+@checked
 def orbit(
     run: xr.Dataset,
     x: str = "x",

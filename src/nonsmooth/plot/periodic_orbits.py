@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.plot.arguments import checked
 from nonsmooth.plot.histories import common_label, phases
 from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.markers import EVENT_MARK, EVENT_SHAPES, event_markers
@@ -32,6 +33,7 @@ _SECTION: dict[str, Any] = {
 Floats = npt.NDArray[np.float64]
 
 
+@checked
 def periodic_orbit(
     samples: xr.Dataset,
     x: str,
@@ -115,6 +117,7 @@ def periodic_orbit(
     return ax
 
 
+@checked
 def orbit_history(
     samples: xr.Dataset,
     variables: str | Sequence[str],

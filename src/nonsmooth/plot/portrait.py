@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError
+from nonsmooth.plot.arguments import checked
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.histories import mode_label
 from nonsmooth.plot.legends import place_legend
@@ -33,6 +34,7 @@ _SAME = 1e-9  # of two guards that differ by a factor
 Plane = npt.NDArray[np.float64]
 
 
+@checked
 def phase_portrait(
     run: xr.Dataset,
     x: str,

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from nonsmooth.errors import OptionError
+from nonsmooth.plot.arguments import checked
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.style import axis_label, growing_colours
 from nonsmooth.plot.trace import DENSE, check_range, check_variables, curve
@@ -25,6 +26,7 @@ _PLACE = (-0.04, 0.07, 1.0, 1.02)  # of axes within the figure
 _ZOOM = 0.98  # as much as leaves room for the labels
 
 
+@checked
 def phase_portrait_3d(
     runs: Mapping[float, xr.Dataset],
     x: str,

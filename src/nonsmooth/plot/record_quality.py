@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from nonsmooth.errors import OptionError
+from nonsmooth.plot.arguments import checked
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.histories import draw_lines
 from nonsmooth.plot.legends import place_legend
@@ -32,6 +33,7 @@ _PALE = 0.55  # opacity of what is shaded
 _LEAST = 0.004  # of the width of the picture, so that a short stretch is seen
 
 
+@checked
 def quality(
     record: xr.Dataset,
     found: xr.Dataset,

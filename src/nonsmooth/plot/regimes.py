@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.plot.arguments import checked
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.style import axis_label, finish_axes
 
@@ -65,6 +66,7 @@ Mask = npt.NDArray[np.bool_]
 _Part = tuple[str, str, Mask]  # name, colour, where
 
 
+@checked
 def regime_map(
     grid: xr.Dataset,
     *,

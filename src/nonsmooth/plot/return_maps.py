@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError
+from nonsmooth.plot.arguments import checked
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.style import PALETTE, axis_label, finish_axes
@@ -107,6 +108,7 @@ def _image_label(data: xr.Dataset) -> str:
     return axis_label(data["start"].assign_attrs(words))
 
 
+@checked
 def return_map(
     data: xr.Dataset,
     *,
@@ -218,6 +220,7 @@ def _repeats(names: list[str], length: int) -> int:
     return count
 
 
+@checked
 def cobweb(
     data: xr.Dataset,
     start: float | None = None,

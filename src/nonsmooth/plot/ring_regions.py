@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from nonsmooth.errors import OptionError
+from nonsmooth.plot.arguments import checked
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.style import PALETTE, axis_label, finish_axes, mixed
 
@@ -22,6 +23,7 @@ _LETTER = 1.4  # heights of a letter that a label needs
 _DOWN, _UP = -1, 1
 
 
+@checked
 def contact_regions(
     boundaries: xr.Dataset,
     *,

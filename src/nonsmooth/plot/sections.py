@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.plot.arguments import checked
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.histories import mode_label
 from nonsmooth.plot.legends import place_legend
@@ -27,6 +28,7 @@ _SMALLEST = 0.3  # a little more than a pixel of a print at 300 dots per inch
 _PLACES = 1_000  # per side
 
 
+@checked
 def section(
     points: xr.Dataset,
     x: str,

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nonsmooth.errors import OptionError
+from nonsmooth.plot.arguments import checked
 from nonsmooth.plot.figures import print_figure
 from nonsmooth.plot.style import LINES, PALETTE, axis_label, finish_axes
 
@@ -20,6 +21,7 @@ __all__ = ["shaking"]
 _FLOOR = 1e-6  # of the largest line
 
 
+@checked
 def shaking(
     record: xr.Dataset,
     variable: str = "acceleration",

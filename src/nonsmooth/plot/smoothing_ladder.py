@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from nonsmooth.errors import OptionError
+from nonsmooth.plot.arguments import checked
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.style import LINES, axis_label, finish_axes
@@ -21,6 +22,7 @@ _QUANTITIES = ("error", "stick_time_error", "creep", "special_shift", "extra_wid
 _MARKERS = ("o", "s", "^", "D")
 
 
+@checked
 def smoothing(
     data: xr.Dataset, quantity: str = "error", *, ax: Axes | None = None, legend: bool = True
 ) -> Axes:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nonsmooth.errors import OptionError
+from nonsmooth.plot.arguments import checked
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.style import LINES, PALETTE, axis_label, finish_axes
 
@@ -20,6 +21,7 @@ _FLOOR = 1e-12  # of the largest value; rounding lies below
 _ORDERS = 10.0  # harmonics shown
 
 
+@checked
 def spectrum(
     data: xr.Dataset,
     variable: str = "amplitude",

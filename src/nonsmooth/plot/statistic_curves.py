@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.plot.arguments import checked
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.style import LINES, PALETTE, axis_label, finish_axes
@@ -23,6 +24,7 @@ _CURVES = (
 _PALE = 0.25  # opacity of bands
 
 
+@checked
 def statistics(
     data: xr.Dataset,
     variable: str,

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.plot.arguments import checked
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.sections import diameter_of
 from nonsmooth.plot.style import axis_label, colour_bar, finish_axes, growing_colours
@@ -37,6 +38,7 @@ class _PeriodicPart(NamedTuple):
     period: int
 
 
+@checked
 def transient_section(
     points: xr.Dataset,
     x: str,

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError
+from nonsmooth.plot.arguments import checked
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.style import LINES, axis_label, finish_axes
@@ -30,6 +31,7 @@ _PER_DIGIT = 0.035  # of the width of axes, with space on either side of a label
 _LARGEST = 2000.0  # number of cells that is written out
 
 
+@checked
 def uncertainty(data: xr.Dataset, *, ax: Axes | None = None, legend: bool = True) -> Axes:
     """Fraction of uncertain starts over the distance, with the fitted power law.
 

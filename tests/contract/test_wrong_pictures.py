@@ -1,0 +1,115 @@
+"""Whatever is given to a plot function, the answer is a picture or a clear error."""
+
+import inspect
+import warnings
+from functools import cache
+
+import matplotlib
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+import xarray as xr
+
+import nonsmooth as ns
+from contract.test_wrong_arguments import RUBBING, SPRING, STRUCK, WRONG, data, swing
+
+# What a message may say in place of the argument: which variable or kind of dataset is missing.
+TOLD = ("unknown variable", "unknown state", "the dataset", "variable = ", "has no suffix")
+LINE, SQUARE = np.linspace(-1.0, 1.0, 5), {"x": (-1.0, 1.0), "v": (-1.0, 1.0)}
+FEW = {"samples": 2, "record": 20, "longest": 50}
+BRIEF = {"transient": 5, "record": 4, "evidence": 20, "longest": 5, "confirm": 0}
+SPEEDS = {"parameter": "omega", "values": [0.8, 0.9], "transient": 2, "record": 4}
+MAKE = {
+    "attractors": lambda: {"data": ns.attractors(ns.StroboscopicMap(STRUCK), SQUARE, **FEW)},
+    "basins": lambda: {
+        "data": ns.basins_of_attraction(
+            ns.StroboscopicMap(STRUCK), {"x": LINE, "v": LINE}, **FEW
+        )
+    },
+    "bifurcation": lambda: {
+        "diagram": ns.bifurcation_diagram(STRUCK, **SPEEDS), "variable": "x",
+    },
+    "branch": lambda: {"branches": data("branch"), "y": "x"},
+    "cobweb": lambda: {"data": returns()},
+    "comparison": lambda: {
+        "computed": data("run"), "measured": data("run"), "x": "time", "y": "x",
+    },
+    "event_markers": lambda: {
+        "run": data("run"), "variable": "x", "ax": ns.plot.print_figure()[1][0],
+    },
+    "exponents": lambda: {
+        "spectrum": ns.lyapunov_spectrum(STRUCK, transient=2, record=4, confirm=0)
+    },
+    "fit": lambda: {"data": ns.fit(SPRING, swing(), {"k": (1.0, 9.0)}, starts=1)},
+    "load_cycles": lambda: {
+        "cycles": ns.fatigue.count_cycles(np.sin(6.0 * LINE), np.arange(5.0))
+    },
+    "multipliers": lambda: {"data": data("branch")},
+    "orbit": lambda: {"run": data("run"), "x": "x", "y": "v"},
+    "orbit_history": lambda: {"samples": ns.orbit_samples(data("orbit")), "variables": "x"},
+    "periodic_orbit": lambda: {
+        "samples": ns.orbit_samples(data("orbit")), "x": "x", "y": "v",
+    },
+    "phase_portrait": lambda: {"run": data("run"), "x": "x", "y": "v"},
+    "phase_portrait_3d": lambda: {"runs": {0.8: data("run")}, "x": "x", "y": "v"},
+    "phases": lambda: {"run": data("run"), "variables": "x"},
+    "print_figure": dict,
+    "quality": lambda: {
+        "record": swing(), "found": ns.measured.check(swing()), "channel": "x",
+    },
+    "regime_map": lambda: {
+        "grid": ns.regime_map(STRUCK, over={"omega": [0.8, 0.9], "a": [0.6, 0.7]}, **BRIEF)
+    },
+    "return_map": lambda: {"data": returns()},
+    "save_figure": lambda: {"figure": ns.plot.print_figure()[0], "path": "a.png"},
+    "section": lambda: {"points": data("points"), "x": "x", "y": "v"},
+    "smoothing": lambda: {
+        "data": ns.smoothing_report(RUBBING, epsilons=(0.1, 0.01), periods=1, samples=20)
+    },
+    "spectrum": lambda: {"data": ns.power_spectrum(data("run"), "x")},
+    "stiffness_laws": lambda: {"data": ns.fatigue.compare_stiffness_laws(crack=[5.0, 10.0])},
+    "stress_intensity": lambda: {
+        "data": ns.fatigue.compare_stress_intensity(crack=[5.0, 10.0])
+    },
+    "time_history": lambda: {"run": data("run"), "variables": "x"},
+    "transient_section": lambda: {"points": data("points"), "x": "x", "y": "v"},
+    "translation": lambda: {"test": ns.zero_one_test(data("points"), "x")},
+    "uncertainty": lambda: {"data": ns.uncertainty_exponent(data("basins"))},
+    "waterfall": lambda: {"data": ns.waterfall(STRUCK, variable="x", **SPEEDS)},
+}  # fmt: skip
+
+
+@cache
+def returns():
+    section = ns.PoincareMap(STRUCK, "v")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ns.ResultWarning)
+        return ns.return_map(section, coordinate="x", between=(0.0, 1.0), samples=20)
+
+
+@pytest.fixture(autouse=True)
+def aside(tmp_path, monkeypatch):
+    """No windows, and files that a text names lie in a folder of the test."""
+    monkeypatch.chdir(tmp_path)
+    with matplotlib.rc_context({"backend": "Agg"}):
+        yield
+    plt.close("all")
+
+
+@pytest.mark.parametrize("name", MAKE)
+def test_a_wrong_argument_of_a_picture_is_refused_by_its_name(name):
+    draw, right = getattr(ns.plot, name), MAKE[name]()
+    draw(**right)
+    for argument in inspect.signature(draw).parameters:
+        for kind, wrong in {**WRONG, "another dataset": xr.Dataset({"q": ("k", [1.0])})}.items():
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                try:
+                    draw(**{**right, argument: wrong})
+                except ns.NonsmoothError as fault:
+                    said = str(fault)
+                    named = argument in said or argument.removesuffix("s") in said
+                    assert named or any(words in said for words in TOLD), (
+                        f"{name}({argument}={kind}) says: {said}"
+                    )
+            plt.close("all")
