@@ -12,6 +12,7 @@ import xarray as xr
 
 import nonsmooth as ns
 from contract.test_wrong_arguments import RUBBING, SPRING, STRUCK, WRONG, data, swing
+from nonsmooth.plot.arguments import CHECKS
 
 # What a message may say in place of the argument: which variable or kind of dataset is missing.
 TOLD = ("unknown variable", "unknown state", "the dataset", "variable = ", "has no suffix")
@@ -33,6 +34,9 @@ MAKE = {
     "cobweb": lambda: {"data": returns()},
     "comparison": lambda: {
         "computed": data("run"), "measured": data("run"), "x": "time", "y": "x",
+    },
+    "crack_lengths": lambda: {
+        "curve": ns.fatigue.CrackCurve(5.0, 1e-3, 426925.0, 54734.0), "times": [0.0, 4e5],
     },
     "event_markers": lambda: {
         "run": data("run"), "variable": "x", "ax": ns.plot.print_figure()[1][0],
@@ -77,6 +81,23 @@ MAKE = {
     "uncertainty": lambda: {"data": ns.uncertainty_exponent(data("basins"))},
     "waterfall": lambda: {"data": ns.waterfall(STRUCK, variable="x", **SPEEDS)},
 }  # fmt: skip
+
+
+# Arguments that the function itself looks at, since their annotation is no single kind.
+OWN = {("branch", "leg"), ("growth_curve", "places"), ("phase_portrait_3d", "ax")}
+
+
+def test_every_annotation_of_a_picture_has_a_check():
+    """Otherwise a new kind of argument would pass unseen."""
+    drawn = [name for name in ns.plot.__all__ if hasattr(getattr(ns.plot, name), "__wrapped__")]
+    assert set(MAKE) <= set(drawn)
+    open_ = {
+        (name, argument)
+        for name in drawn
+        for argument, each in inspect.signature(getattr(ns.plot, name)).parameters.items()
+        if str(each.annotation).removesuffix(" | None") not in CHECKS
+    }
+    assert open_ == OWN
 
 
 @cache

@@ -87,6 +87,7 @@ def test_steady_impacts_are_fitted_as_well_as_the_whole_record(settled):
         assert ratio == pytest.approx(1.0, abs=0.05)
         difference = abs(float(one["estimate"] - other["estimate"]))
         assert difference < float(one["standard_error"])
+    # of 120 samples a root mean square has a spread of 1 / sqrt(240) = 0.065: three of them
     assert float(steady["prediction_error"][0]) == pytest.approx(1.0, abs=0.2)
     assert float(steady["whiteness"][0]) > 0.01
     assert steady.attrs["largest_multiplier"] < 1.0
@@ -130,6 +131,23 @@ def test_an_orbit_that_is_unstable_is_told():
     assert abs(float(one["estimate"]) - 1.2) < 4.0 * float(one["standard_error"])
     assert found.attrs["largest_multiplier"] > 1.0
     assert "unstable" in found.attrs["message"]
+
+
+def test_an_orbit_without_damping_is_not_called_unstable():
+    """Its multipliers are 1 in size but for rounding."""
+    free = ns.System(
+        states=["x", "v"],
+        parameters={"k": 2.0},
+        equations={"x": "v", "v": "cos(t) - k*x"},
+        period="2*pi",
+    )
+    times = np.arange(20 * 30) * 2.0 * np.pi / 30
+    record = dataset(times, x=noisy(np.cos(times) / 1.3, 0.02, np.random.default_rng(3)))
+    found = ns.fit(free, record, {"k": (1.5, 3.0)}, form="steady", starts=1)
+    one = found.isel(parameter=0)
+    assert abs(float(one["estimate"]) - 2.3) < 4.0 * float(one["standard_error"])
+    assert found.attrs["largest_multiplier"] == pytest.approx(1.0, abs=1e-9)
+    assert "unstable" not in found.attrs["message"]
 
 
 def test_what_need_not_repeat_is_refused():

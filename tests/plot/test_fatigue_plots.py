@@ -96,7 +96,7 @@ def test_bad_input(cycles):
     with pytest.raises(OptionError, match="no 'load' over time"):
         ns.plot.shaking(ns.excitation.harmonic().to_dataset(), "load")
     with pytest.raises(OptionError, match="1 axes came"):
-        ns.plot.shaking(ns.excitation.harmonic().to_dataset(), axes=[None])
+        ns.plot.shaking(ns.excitation.harmonic().to_dataset(), axes=ns.plot.print_figure()[1])
     with pytest.raises(OptionError, match="compare_lives"):
         ns.plot.lives(table_3())
     with pytest.raises(OptionError, match="below one"):

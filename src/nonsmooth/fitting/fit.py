@@ -104,7 +104,7 @@ def fit(
     form : {"transient", "steady"}, optional
         What the record shows. ``"transient"`` takes any motion. ``"steady"`` takes a motion that
         repeats itself in the whole record, and fits a periodic orbit to all its periods at once;
-        this costs no more for a long record than for a short one.
+        only one cycle is run, however long the record is.
     cycle : int, optional
         Number of periods of the forcing after which a steady motion repeats itself.
     segments : int, optional

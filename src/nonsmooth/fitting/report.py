@@ -34,6 +34,7 @@ Variables = dict[str, Any]
 _LOWER_MINIMA = 3  # that profiles may find before they are taken as they are
 _LAGS = 20
 _NOT_WHITE = 0.01
+_NEUTRAL = 1e-6  # above 1: a multiplier of 1, of a motion without damping, is known about so well
 _POOR = 2.0  # prediction error in units of the noise that is worth a word
 
 
@@ -93,7 +94,7 @@ def fit_dataset(
     if shooting.is_cycle:
         growth = np.abs(shooting.multipliers(best.evaluation))
         steady["largest_multiplier"] = float(growth.max(initial=0.0))
-        if steady["largest_multiplier"] > 1.0:
+        if steady["largest_multiplier"] > 1.0 + _NEUTRAL:
             told += (
                 "; the fitted orbit is unstable, so a machine does not stay on it: give other"
                 " bounds in free=, or form='transient'"

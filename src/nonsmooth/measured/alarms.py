@@ -92,7 +92,8 @@ def alarm(
     scores, if windows are independent. Successive windows are not: both parameters are divided by
     the integrated autocorrelation time of the ranks of the scores, which is an approximation. The
     rates are those of single windows, before ``needed`` and ``among``, and hold only while
-    healthy windows stay as they were: a change of load or temperature is an alarm, too.
+    healthy windows stay as they were: a change of load or temperature is an alarm, too. The
+    interval is too narrow where healthy records differ from each other.
 
     Examples
     --------

@@ -14,10 +14,10 @@ from typing import Any, ParamSpec, TypeVar
 import numpy as np
 
 from nonsmooth.errors import OptionError
-from nonsmooth.real_numbers import finite_real
+from nonsmooth.real_numbers import finite_numbers, finite_real
 from nonsmooth.runs.options import whole_number
 
-__all__ = ["checked"]
+__all__ = ["CHECKS", "checked"]
 
 Given = ParamSpec("Given")
 Drawn = TypeVar("Drawn")
@@ -29,12 +29,15 @@ def checked(draw: Callable[Given, Drawn]) -> Callable[Given, Drawn]:
 
     @wraps(draw)
     def drawn(*args: Given.args, **kwargs: Given.kwargs) -> Drawn:
-        bound = signature.bind(*args, **kwargs)
+        try:
+            bound = signature.bind(*args, **kwargs)
+        except TypeError:  # an argument is missing or unknown, and Python says so with more words
+            return draw(*args, **kwargs)
         for name, value in bound.arguments.items():
             told = str(signature.parameters[name].annotation)
             if value is None and told.endswith("| None"):
                 continue
-            check = _CHECKS.get(told.removesuffix(" | None"))
+            check = CHECKS.get(told.removesuffix(" | None"))
             if check is not None:
                 check(name, value)
         return draw(*args, **kwargs)
@@ -84,6 +87,27 @@ def _axes(name: str, value: Any) -> None:
         raise OptionError(
             f"{name} = {value!r:.60}: give axes of matplotlib, such as one of those that"
             " plot.print_figure makes"
+        )
+
+
+def _several_axes(name: str, value: Any) -> None:
+    if not isinstance(value, Iterable) or isinstance(value, str | bytes | Mapping):
+        raise OptionError(f"{name} = {value!r:.60}: give a list of axes of matplotlib")
+    for each in value:
+        _axes(name, each)
+
+
+def _numbers(name: str, value: Any) -> None:
+    finite_numbers(name, value)
+
+
+def _crack_curve(name: str, value: Any) -> None:
+    from nonsmooth.fatigue.crack_curve import CrackCurve
+
+    if not isinstance(value, CrackCurve):
+        raise OptionError(
+            f"{name} = {value!r:.60}: give a CrackCurve of nonsmooth.fatigue, which"
+            " CrackCurve.from_measured fits to lengths"
         )
 
 
@@ -151,10 +175,13 @@ def _figure(name: str, value: Any) -> None:
         raise OptionError(f"{name} = {value!r:.60}: give a figure of matplotlib")
 
 
-_CHECKS: dict[str, Callable[[str, Any], None]] = {
+CHECKS: dict[str, Callable[[str, Any], None]] = {
     "xr.Dataset": _dataset,
     "Axes": _axes,
+    "Sequence[Axes]": _several_axes,
     "Figure": _figure,
+    "CrackCurve": _crack_curve,
+    "npt.ArrayLike": _numbers,
     "Branches": _branches,
     "Mapping[float, xr.Dataset]": _runs,
     "bool": _flag,
