@@ -231,7 +231,13 @@ def largest_exponent(system: System, start: Any, *, record: int = _SPAN) -> Evid
     True
     """
     found = lyapunov_spectrum(
-        system, start, transient=20, record=record, interval=_INTERVAL, exponents=1
+        system,
+        start,
+        transient=20,
+        record=record,
+        interval=_INTERVAL,
+        exponents=1,
+        confirm=0,
     )
     value = turn(system) * float(found["lyapunov_exponent"][0])
     error = turn(system) * float(found["standard_error"][0])

@@ -96,7 +96,12 @@ def _strange_and_four(
         on_set = [each["point"] for each in found if not each["period"]]
         if on_set:
             spectrum = lyapunov_spectrum(
-                oscillator(omega), on_set[0], transient=100, record=record, exponents=1
+                oscillator(omega),
+                on_set[0],
+                transient=100,
+                record=record,
+                exponents=1,
+                confirm=0,
             )
             period = 2.0 * np.pi / omega
             row["exponent"] = period * float(spectrum["lyapunov_exponent"][0])

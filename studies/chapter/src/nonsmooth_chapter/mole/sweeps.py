@@ -337,6 +337,7 @@ def settled_labels(
             transient=10,
             record=_SPAN,
             exponents=1,
+            confirm=0,
         )
         exponents[i] = turn * float(found["lyapunov_exponent"][0])
         error = turn * float(found["standard_error"][0])

@@ -495,7 +495,7 @@ def _on(orbit: np.ndarray, point: np.ndarray) -> bool:
 
 
 def _exponent(system: System, state: Evidence) -> Evidence:
-    spectrum = lyapunov_spectrum(system, state, transient=10, record=_SPAN, exponents=1)
+    spectrum = lyapunov_spectrum(system, state, transient=10, record=_SPAN, exponents=1, confirm=0)
     turn = float(system.period_value or 0.0)
     value = turn * float(spectrum["lyapunov_exponent"][0])
     error = turn * float(spectrum["standard_error"][0])
