@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from nonsmooth_chapter.fatigue.crack_motions import beam, largest_exponent, motions
+from nonsmooth_chapter.fatigue.crack_motions import beam, exponent_of_beam, motions
 
 XI, ETA = 0.014, 1.1475
 TURN = 2 * np.pi / ETA
@@ -90,6 +90,6 @@ def test_exponent_of_chaos(crack, periods=250):
         y[2:] /= size
     blocks = np.array(growth[50:]).reshape(-1, 25).mean(axis=1)
     error = blocks.std(ddof=1) / np.sqrt(blocks.size)
-    ours = largest_exponent(beam(crack), {"u": 0.0, "v": 0.0}, record=3000)
+    ours = exponent_of_beam(beam(crack), {"u": 0.0, "v": 0.0}, record=3000)
     assert ours["chaotic"] and blocks.mean() > 5 * error
     assert abs(blocks.mean() - ours["exponent"]) < 4 * np.hypot(error, ours["error"])

@@ -26,7 +26,7 @@ from nonsmooth_chapter.fatigue.crack_motions import (
     WIDTH,
     XI,
     beam,
-    largest_exponent,
+    exponent_of_beam,
     motions,
     motions_from,
     period_of,
@@ -448,7 +448,7 @@ def _followed(crack: float, start: Any) -> Evidence:
     ).sel(parameter=crack, method="nearest").isel(lane=0)  # fmt: skip
     row: Evidence = {"start": start, "from": begin, "period": int(found["period"])}
     if not row["period"]:
-        row |= largest_exponent(beam(crack), found.isel(point=-1))
+        row |= exponent_of_beam(beam(crack), found.isel(point=-1))
     return row
 
 

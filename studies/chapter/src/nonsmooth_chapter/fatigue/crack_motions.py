@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from nonsmooth import System, attractors, bifurcation_diagram, ensemble, lyapunov_spectrum
+from nonsmooth import System, attractors, bifurcation_diagram, ensemble
 from nonsmooth.models import breathing_crack
+from nonsmooth_chapter.exponents import largest_exponent
 from nonsmooth_chapter.judgement import Evidence
 
 __all__ = [
@@ -31,9 +32,9 @@ __all__ = [
     "beam",
     "crack_at",
     "crack_grid",
+    "exponent_of_beam",
     "followed_periods",
     "grid_of_missing_data",
-    "largest_exponent",
     "motions",
     "motions_from",
     "onset_along_growth",
@@ -207,7 +208,7 @@ def period_of(points: np.ndarray, longest: int = _LONGEST) -> int:
     return 0
 
 
-def largest_exponent(system: System, start: Any, *, record: int = _SPAN) -> Evidence:
+def exponent_of_beam(system: System, start: Any, *, record: int = _SPAN) -> Evidence:
     """Largest exponent per period with its error, and whether it means chaos.
 
     Parameters
@@ -227,20 +228,10 @@ def largest_exponent(system: System, start: Any, *, record: int = _SPAN) -> Evid
 
     Examples
     --------
-    >>> largest_exponent(beam(14.5), {"u": 0.0}, record=300)["chaotic"]
+    >>> exponent_of_beam(beam(14.5), {"u": 0.0}, record=300)["chaotic"]
     True
     """
-    found = lyapunov_spectrum(
-        system,
-        start,
-        transient=20,
-        record=record,
-        interval=_INTERVAL,
-        exponents=1,
-        confirm=0,
-    )
-    value = turn(system) * float(found["lyapunov_exponent"][0])
-    error = turn(system) * float(found["standard_error"][0])
+    value, error = largest_exponent(system, start, transient=20, record=record, interval=_INTERVAL)
     chaotic = value > 3.0 * max(error, 1.0 / record)
     return {"exponent": value, "error": error, "chaotic": bool(chaotic)}
 
@@ -320,7 +311,7 @@ def motions_from(
         row: Evidence = {name: float(starts[name][lane]) for name in ("u", "v")}
         row["period"] = period_of(np.stack([run["u"].values, run["v"].values], axis=1))
         if not row["period"]:
-            row |= largest_exponent(system, {name: float(run[name][-1]) for name in ("u", "v")})
+            row |= exponent_of_beam(system, {name: float(run[name][-1]) for name in ("u", "v")})
         rows.append(row)
     return rows
 
@@ -427,7 +418,7 @@ def scan_of_missing_data(crack: float, transient: int = 2000) -> Evidence:
 def _chaotic(system: System, end: xr.Dataset) -> bool:
     there = system.with_parameters(s=float(end["s"]), d=float(end["d"]))
     start = {name: float(end[name]) for name in ("u", "v")}
-    return bool(largest_exponent(there, start, record=400)["chaotic"])
+    return bool(exponent_of_beam(there, start, record=400)["chaotic"])
 
 
 # At which crack length the strange attractor is born: followed as the crack grows, or from starts.
@@ -515,7 +506,7 @@ def onset_along_growth(step: float = STEP, **parameters: float) -> Evidence:
     row["other_than_one"] = float(cracks[other[0]]) if other.size else None
     for column in np.flatnonzero(periods == 0):
         there = beam(float(cracks[column]), **parameters)
-        tried = largest_exponent(there, found.isel(parameter=column, point=-1), record=600)
+        tried = exponent_of_beam(there, found.isel(parameter=column, point=-1), record=600)
         if tried["chaotic"]:
             return row | {
                 "crack": float(cracks[column]),
@@ -554,7 +545,7 @@ def onset_from_starts(step: float = 0.05, **parameters: float) -> Evidence:
         if crack in found or period_of(points[lane]):
             continue
         there = beam(crack, **parameters)
-        tried = largest_exponent(there, runs.isel(lane=lane, point=-1), record=600)
+        tried = exponent_of_beam(there, runs.isel(lane=lane, point=-1), record=600)
         if tried["chaotic"]:
             found[crack] = tried
     if not found:

@@ -20,7 +20,7 @@ from nonsmooth_chapter.fatigue.crack_motions import (
     XI,
     beam,
     crack_grid,
-    largest_exponent,
+    exponent_of_beam,
     period_of,
 )
 from nonsmooth_chapter.judgement import Evidence
@@ -459,7 +459,7 @@ def strobed_motions(
     labels = np.array([period_of(orbit) for orbit in points])
     for lane in np.flatnonzero(labels == 0):
         there = beam(float(cracks[lane]))
-        known = largest_exponent(there, runs.isel(lane=lane, point=-1), record=600)
+        known = exponent_of_beam(there, runs.isel(lane=lane, point=-1), record=600)
         labels[lane] = 0 if known["chaotic"] else -1
     return cracks, points[:, :, 0], _amplitudes(runs, cracks), labels
 

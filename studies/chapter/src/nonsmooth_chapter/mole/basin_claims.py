@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cache
 
-import numpy as np
-
-from nonsmooth import lyapunov_spectrum
+from nonsmooth_chapter.exponents import largest_exponent
 from nonsmooth_chapter.judgement import Evidence, Finding
 from nonsmooth_chapter.mole.basins import (
     DISTANCES,
@@ -95,17 +93,9 @@ def _strange_and_four(
         }
         on_set = [each["point"] for each in found if not each["period"]]
         if on_set:
-            spectrum = lyapunov_spectrum(
-                oscillator(omega),
-                on_set[0],
-                transient=100,
-                record=record,
-                exponents=1,
-                confirm=0,
+            row["exponent"], row["error"] = largest_exponent(
+                oscillator(omega), on_set[0], transient=100, record=record
             )
-            period = 2.0 * np.pi / omega
-            row["exponent"] = period * float(spectrum["lyapunov_exponent"][0])
-            row["error"] = period * float(spectrum["standard_error"][0])
         rows.append(row)
     return {"record": record, "rows": rows}
 

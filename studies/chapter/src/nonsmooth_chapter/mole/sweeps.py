@@ -10,8 +10,9 @@ from itertools import groupby, product
 import numpy as np
 import xarray as xr
 
-from nonsmooth import System, bifurcation_diagram, lyapunov_spectrum, regime
+from nonsmooth import System, bifurcation_diagram, regime
 from nonsmooth.models import moling
+from nonsmooth_chapter.exponents import largest_exponent
 from nonsmooth_chapter.judgement import Evidence
 
 __all__ = [
@@ -329,18 +330,13 @@ def settled_labels(
     """
     labels = diagram["period"].isel(lane=0).values.astype(int)
     exponents = np.full(labels.size, np.nan)
-    turn = 2.0 * np.pi / omega
     for i in np.flatnonzero(labels == 0):
-        found = lyapunov_spectrum(
+        exponents[i], error = largest_exponent(
             moling(a=a, b=float(diagram["parameter"][i]), xi=xi, omega=omega),
             diagram.isel(parameter=i, lane=0, point=-1),
             transient=10,
             record=_SPAN,
-            exponents=1,
-            confirm=0,
         )
-        exponents[i] = turn * float(found["lyapunov_exponent"][0])
-        error = turn * float(found["standard_error"][0])
         labels[i] = CHAOTIC if exponents[i] > max(3.0 * error, 1.0 / _SPAN) else UNSETTLED
     return labels, exponents
 

@@ -15,9 +15,9 @@ from nonsmooth import (
     continue_orbit,
     ensemble,
     find_orbit,
-    lyapunov_spectrum,
 )
 from nonsmooth.models import RotorRig, rotor
+from nonsmooth_chapter.exponents import largest_exponent
 from nonsmooth_chapter.judgement import Evidence
 
 __all__ = [
@@ -495,10 +495,7 @@ def _on(orbit: np.ndarray, point: np.ndarray) -> bool:
 
 
 def _exponent(system: System, state: Evidence) -> Evidence:
-    spectrum = lyapunov_spectrum(system, state, transient=10, record=_SPAN, exponents=1, confirm=0)
-    turn = float(system.period_value or 0.0)
-    value = turn * float(spectrum["lyapunov_exponent"][0])
-    error = turn * float(spectrum["standard_error"][0])
+    value, error = largest_exponent(system, state, transient=10, record=_SPAN)
     return {"exponent": value, "error": error, "chaotic": bool(value > 3.0 * max(error, 1 / _SPAN))}
 
 

@@ -11,7 +11,8 @@ from itertools import groupby, pairwise
 import numpy as np
 import xarray as xr
 
-from nonsmooth import System, bifurcation_diagram, continue_orbit, ensemble, lyapunov_spectrum
+from nonsmooth import System, bifurcation_diagram, continue_orbit, ensemble
+from nonsmooth_chapter.exponents import largest_exponent
 from nonsmooth_chapter.judgement import Evidence
 from nonsmooth_chapter.results import processors
 from nonsmooth_chapter.rotor.motions import follow_orbit, orbit_near, set_a
@@ -174,14 +175,10 @@ def with_exponents(system: System, sweep: Sweep) -> Sweep:
 
     def exponent(column: int) -> tuple[float, bool]:
         there = system.with_parameters(eta=float(sweep.eta[column]))
-        start, turn = sweep.data.isel(parameter=column, point=-1), float(there.period_value or 0.0)
+        start = sweep.data.isel(parameter=column, point=-1)
         value, chaotic = np.nan, False
         for span, clearly in _SPANS:
-            found = lyapunov_spectrum(
-                there, start, transient=10, record=span, exponents=1, confirm=0
-            )
-            value = turn * float(found["lyapunov_exponent"][0])
-            error = turn * float(found["standard_error"][0])
+            value, error = largest_exponent(there, start, transient=10, record=span)
             chaotic = value > clearly * max(error, 1.0 / span)
             if chaotic:
                 break
