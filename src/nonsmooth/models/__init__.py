@@ -88,6 +88,7 @@ __all__ = [
 for _name in __all__:
     _made = globals()[_name]
     if isinstance(_made, type):
+        # setattr: an assignment to __init__ of a class is an error for type checkers
         setattr(_made, "__init__", _with_known_arguments(vars(_made)["__init__"]))  # noqa: B010
     else:
         globals()[_name] = _with_known_arguments(_made)
