@@ -51,6 +51,44 @@ def test_a_record_in_netcdf(call, ramp, tmp_path):
     assert "k           0.7" in result.stdout
 
 
+def test_several_records(call, ramp, tmp_path):
+    """A second line of slope 0.9: shared, the slope lies between; by itself, each has its own."""
+    t = np.linspace(0.0, 4.0, 101)
+    noise = 0.01 * np.random.default_rng(2).standard_normal(t.size)
+    table = np.column_stack([t, 0.4 + 0.9 * t + noise])
+    np.savetxt(tmp_path / "b.csv", table, delimiter=",", header="t,ch1", comments="")
+    words = [*ramp, "--more", f"late={tmp_path / 'b.csv'}", "--free", "k=0:2", "--starts", "1"]
+    result = call("fit", *words, "--private", "k", "--json")
+    assert result.exit_code == 0, result.stderr
+    rows = json.loads(result.stdout)["parameters"]
+    assert [row["parameter"] for row in rows] == ["a k", "late k"]
+    # the first record shows its slope twice as large
+    assert [row["estimate"] for row in rows] == pytest.approx([1.4, 0.9], abs=0.01)
+
+
+def test_instants_beside_a_record(call, tmp_path):
+    """A ball that falls from 1.2: the instant of a bounce says what its height does."""
+    (tmp_path / "ball.toml").write_text(
+        'states = ["x", "v"]\n[parameters]\ng = 9.81\nr = 0.9\n[modes.flight.flow]\nx = "v"\n'
+        'v = "-g"\n[[modes.flight.exits]]\nguard = "x"\nname = "bounce"\nreset = { v = "-r*v" }\n'
+    )
+    first = np.sqrt(2.0 * 1.2 / 9.81)
+    bounces = first + np.concatenate([[0.0], np.cumsum(2.0 * first * 0.8 ** np.arange(1, 5))])
+    np.savetxt(tmp_path / "bounces.csv", bounces, header="instant", comments="")
+    t = np.linspace(0.0, 0.45, 46)
+    table = np.column_stack([t, 1.2 - 0.5 * 9.81 * t**2])
+    np.savetxt(tmp_path / "fall.csv", table, delimiter=",", header="t,x", comments="")
+    result = call(
+        "fit", tmp_path / "ball.toml", tmp_path / "fall.csv", "--observe", "x=x",
+        "--events", f"hit={tmp_path / 'bounces.csv'}", "--observe", "hit=bounce", "--free",
+        "r=0.5:0.95", "--initial", "x=1.2", "--noise", "x=0.001", "--noise", "hit=0.001",
+        "--hold-back", "0", "--json",
+    )  # fmt: skip
+    assert result.exit_code == 0, result.stderr
+    (row,) = json.loads(result.stdout)["parameters"]
+    assert row["estimate"] == pytest.approx(0.8, abs=1e-3)
+
+
 @pytest.mark.parametrize(
     ("more", "said"),
     [
@@ -58,6 +96,10 @@ def test_a_record_in_netcdf(call, ramp, tmp_path):
         (["--free", "k=0.5"], "--free: 'k=0.5' is not of the form name=low:high"),
         (["--free", "k=0:1", "--gain", "y=1"], "--gain: unknown channel 'y'"),
         (["--free", "k=0:1", "--delay", "ch1=free"], "give a number or (low, high)"),
+        (["--free", "k=0:1", "--more", "a=b.csv"], "--more: a is the name of RECORD"),
+        (["--free", "k=0:1", "--by-record", "k=1"], "is not of the form record.parameter"),
+        (["--free", "k=0:1", "--shift", "1:0"], "--shift"),
+        (["--free", "k=0:1", "--private", "k"], "--private: there is one record"),
     ],
 )
 def test_wrong_words(call, ramp, more, said):

@@ -261,7 +261,7 @@ def test_block_bootstrap_is_that_of_regression():
     """
     ramp, record = line(count=200)
     found = ns.fit(ramp, record, {"k": (-5, 5)}, bootstrap=200, starts=1, segments=1)
-    kept = ~found["held_back"].values
+    kept = ~found["held_back"].values[0]
     times, residual = found["time"].values[kept], found["residual"].values[0, kept]
     rng, length, drawn = np.random.default_rng(7), 11, []
     for _ in range(1000):
@@ -316,7 +316,7 @@ BAD = [
     ({"seed": -1}, "seed = -1 must be a whole number, not negative"),
     ({"initial": {"z": 1}}, r"initial: unknown state 'z' \(known: x\)"),
     ({"form": "chaotic"}, "form = 'chaotic': give one of transient, steady"),
-    ({"cycle": 2}, "cycle = 2: only form='steady' takes it"),
+    ({"cycle": 2, "form": "transient"}, "cycle = 2: form='transient' has no cycle"),
     ({"cycle": 0}, "cycle = 0 must be a whole number of at least 1"),
     ({"form": "steady"}, "has no period, so nothing says after which time the motion repeats"),
 ]  # fmt: skip

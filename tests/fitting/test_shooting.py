@@ -7,6 +7,7 @@ import nonsmooth as ns
 from fitting.truth import RIGID, SOFT, dataset, rigid_motion, soft_motion
 from nonsmooth.fitting.beginning import first_states, sizes_of_states
 from nonsmooth.fitting.channels import check_free, read_channels
+from nonsmooth.fitting.record_equations import RecordEquations
 from nonsmooth.fitting.shooting import Shooting
 
 
@@ -34,14 +35,16 @@ def test_derivatives_agree_with_differences(case):
     times = record["time"].values
     channels = read_channels(system, record, observe, nuisances, None)
     bounds = np.linspace(times[0] - 0.5, times[-1] + 0.5, 6)
-    shooting = Shooting(system, check_free(system, free), channels, times, bounds, 1e-12)
+    ranges = check_free(system, free)
+    record = RecordEquations(system, tuple(free), channels, times, bounds, 1e-12)
+    shooting = Shooting([record], list(ranges.values()), [""])
     values = shooting.guess()
     values[: len(free)] = [system.parameter_values[name] * 1.01 for name in free]
     head, noise = shooting.head_of(values), np.full(len(channels), 0.1)
     rest = np.zeros(shooting.n)
     assert shooting.set_up(head)
-    shooting.scales = sizes_of_states(shooting, rest)
-    states = first_states(shooting, head, rest, noise, 0)
+    shooting.scale_states(sizes_of_states(record, rest))
+    states = first_states(record, values, rest, noise, 0)
     u = shooting.join(head, states)
     found = shooting.evaluate(u, noise)
     step = 1e-6

@@ -2,12 +2,16 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 from scipy.optimize import curve_fit
 
 import nonsmooth as ns
 from fitting.truth import RIGID, SOFT, dataset, noisy, rigid_motion, soft_motion
+from nonsmooth.fitting.channels import read_channels
+from nonsmooth.fitting.repetition import repeats_after
 
 SPEED = 1.7
+SENSOR = {"gain": None, "offset": None, "delay": None}
 
 
 def driven():
@@ -77,7 +81,7 @@ def fit_settled(record, **options):
 
 def test_steady_impacts_are_fitted_as_well_as_the_whole_record(settled):
     steady = fit_settled(settled, form="steady", cycle=2)
-    whole = fit_settled(settled)
+    whole = fit_settled(settled, form="transient")
     assert steady["start_agrees"].all()
     for name in ("beta", "e"):
         one, other = steady.sel(parameter=name), whole.sel(parameter=name)
@@ -91,6 +95,90 @@ def test_steady_impacts_are_fitted_as_well_as_the_whole_record(settled):
     assert float(steady["prediction_error"][0]) == pytest.approx(1.0, abs=0.2)
     assert float(steady["whiteness"][0]) > 0.01
     assert steady.attrs["largest_multiplier"] < 1.0
+
+
+def test_the_data_choose_the_form(settled):
+    """A record that repeats every second period, against the first periods of the same motion."""
+    found = fit_settled(settled)
+    assert (found.attrs["form"], found.attrs["cycle"]) == ("steady", "2")
+    period = 2.0 * np.pi / SOFT["omega"]
+    times = np.arange(30 * 40) * period / 40
+    x = soft_motion(times, [0.3, 0.1])[0]
+    early = fit_settled(dataset(times, x=noisy(x, 0.02, np.random.default_rng(7))))
+    assert (early.attrs["form"], early.attrs["cycle"]) == ("transient", "none")
+
+
+def chaotic(times):
+    """Position of the soft impact oscillator at a force where it is chaotic."""
+    return soft_motion(times, [0.3, 0.1], a=1.2, e=0.5, omega=1.0)[0]
+
+
+@pytest.mark.parametrize(
+    ("motion", "expected"),
+    [
+        (lambda t: np.cos(t) + np.cos(3 * t) ** 5, 1),
+        (lambda t: np.cos(t) + 0.2 * np.cos(t / 3), 3),
+        (lambda t: np.cos(t) + 0.1 * np.cos(np.sqrt(2) * t), None),
+        (lambda t: np.cos(t) + np.exp(-0.02 * t) * np.cos(1.3 * t), None),
+        (lambda t: np.cos(t) * (1.0 + 0.02 * t / 250), None),
+        (chaotic, None),
+    ],
+    ids=["period one", "period three", "two frequencies", "decaying", "growing", "chaotic"],
+)
+def test_what_repeats_is_told(motion, expected):
+    """With 2 % of noise; 1 % of steady records are taken for others by each of the two tests."""
+    times = np.arange(0.0, 40 * 2.0 * np.pi, 2.0 * np.pi / 60)
+    right, values = 0, motion(times)
+    for seed in range(6):
+        record = dataset(times, x=noisy(values, 0.02, np.random.default_rng(seed)))
+        channels = read_channels(driven(), record, None, SENSOR, None)
+        right += repeats_after(channels, times, 2.0 * np.pi) == expected
+    # by chance 2 % each: two in six happen once in 170 times
+    assert right >= 5
+
+
+def test_the_phase_of_the_forcing_is_found():
+    """A record that begins at an unknown time of the forcing, 2.3 after its phase zero."""
+    record = linear_record(late=-2.3)
+    found = ns.fit(
+        driven(), record, {"k": (0.5, 2.5), "c": (0.05, 0.6)}, form="steady", starts=4,
+        shift=(0.0, 2.0 * np.pi / SPEED),
+    )  # fmt: skip
+    assert list(found["parameter"].values) == ["k", "c", "shift"]
+    errors = np.abs(found["estimate"] - [1.5, 0.3, 2.3])
+    assert (errors < 4.0 * found["standard_error"]).all()
+
+
+def test_a_transient_begins_at_an_unknown_phase():
+    times = np.arange(0.0, 60.0, 0.1)
+    x, *_ = soft_motion(np.append(0.0, times + 1.1), [0.3, 0.1])
+    record = dataset(times, x=noisy(x[1:], 0.02, np.random.default_rng(8)))
+    found = ns.fit(
+        ns.models.soft_impact(**SOFT), record, {"e": (0.9, 1.6)}, shift=(0.0, 2.0), starts=3,
+        form="transient",
+    )  # fmt: skip
+    errors = np.abs(found["estimate"] - [SOFT["e"], 1.1])
+    assert (errors < 4.0 * found["standard_error"]).all()
+
+
+def test_steady_events_are_fitted():
+    """Impacts of a settled motion: all periods share one instant of the cycle."""
+    period = 2.0 * np.pi / RIGID["omega"]
+    times = np.arange(130 * 30) * period / 30
+    events = rigid_motion(times, [0.0, 0.0])[3]
+    last = events[events > 90 * period]
+    assert np.abs(np.diff(last) - period).max() < 1e-6  # one in each period
+    instants = last + 0.01 * np.random.default_rng(4).standard_normal(last.size)
+    record = xr.Dataset({"impact": ("hit", instants)})
+    found = ns.fit(
+        ns.models.impact_oscillator(**RIGID), record, {"sigma": (0.2, 0.6)}, form="steady",
+        cycle=1, starts=2, hold_back=0.0,
+    )  # fmt: skip
+    assert found["segment_time"].size == 1
+    error = abs(float(found["estimate"][0]) - RIGID["sigma"])
+    assert error < 4.0 * float(found["standard_error"][0])
+    # the mean of 40 instants says as much as the 40 instants: a hundredth over their root
+    assert float(found["noise"][0]) == pytest.approx(0.01, rel=0.35)
 
 
 def test_a_wrong_cycle_leaves_residuals_that_are_no_noise(settled):

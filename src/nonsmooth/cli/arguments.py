@@ -29,6 +29,7 @@ __all__ = [
     "names",
     "number",
     "number_list",
+    "number_or_limits",
     "numbers_by_column",
     "settings",
     "time_range",
@@ -194,6 +195,13 @@ def numbers_by_column(text: str, option: str) -> float | dict[str, float]:
 def number_list(text: str, option: str) -> tuple[float, ...]:
     """Numbers separated by commas."""
     return tuple(number(part, option) for part in names(text))
+
+
+def number_or_limits(text: str, option: str) -> float | tuple[float, float]:
+    """A number, or two separated by a colon."""
+    if ":" not in text:
+        return number(text, option)
+    return value_limits(f"{option.lstrip('-')}={text}", option)[1]
 
 
 def time_range(text: str, option: str) -> tuple[float, float]:

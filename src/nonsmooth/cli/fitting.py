@@ -29,11 +29,14 @@ def fit(task: Task) -> None:
     system = task.system
     ranges = (value_limits(text, "--free") for text in task["free"])
     observe = settings(task["observe"], "--observe")
-    record = _record(task, observe)
+    records = _records(task, observe)
     sensor: dict[str, Any] = {
         name: _by_channel(flag(own), task[own]) for name, own in _SENSOR.items()
     }
-    found = verb(system, record, dict(ranges), observe or None, **sensor, **task.options("fit"))
+    found = verb(
+        system, records, dict(ranges), observe or None, by_record=_by_record(task), **sensor,
+        **task.options("fit"),
+    )  # fmt: skip
     report = Report(str(found.attrs["system_name"]))
     report.add("message", str(found.attrs["message"]))
     columns: list[Any] = [
@@ -57,20 +60,51 @@ def fit(task: Task) -> None:
     task.finish(found, report, code=task.by_status(found))
 
 
-def _record(task: Task, observe: dict[str, str]) -> xr.Dataset:
-    """Record of a file: CSV with a column for each channel, or netCDF."""
-    file = Path(task["record"])
+def _records(task: Task, observe: dict[str, str]) -> Any:
+    """The record of the command, or all by their names where there are more."""
+    first = Path(task["record"])
+    more = {name: Path(text) for name, text in settings(task["more"], "--more").items()}
+    events = settings(task["events"], "--events")
+    if not more:
+        return _record(task, first, observe, events)
+    if events:
+        raise OptionError("--events: with --more the instants must stand in netCDF files")
+    if first.stem in more:
+        raise OptionError(f"--more: {first.stem} is the name of RECORD; give another one")
+    files = {first.stem: first, **more}
+    return {name: _record(task, file, observe, {}) for name, file in files.items()}
+
+
+def _record(task: Task, file: Path, observe: dict[str, str], events: dict[str, str]) -> xr.Dataset:
+    """Record of a file: CSV with a column for each channel, or netCDF; with instants of events."""
+    from nonsmooth import measured
+
+    instants = {
+        name: (name, measured.read_columns(text, {"instant": 0})["instant"].values)
+        for name, text in events.items()
+    }
     if file.suffix.lower() == ".nc":
         import xarray as xr
 
         if not file.is_file():
             raise OptionError(f"{file} is no file")
-        return xr.load_dataset(file, engine="h5netcdf")
-    from nonsmooth import measured
-
-    if not observe:
+        return xr.load_dataset(file, engine="h5netcdf").assign(instants)
+    columns = [name for name in observe if name not in events]
+    if not columns:
         raise OptionError("--observe: name the columns of a CSV file, such as --observe a1=rate(v)")
-    return measured.read_csv(file, list(observe), **task.options("measured.read_csv"))
+    options = task.options("measured.read_csv")
+    return measured.read_csv(file, columns, **options).assign(instants)
+
+
+def _by_record(task: Task) -> dict[str, dict[str, float]] | None:
+    """Values such as ``slow.omega=0.8``, by record."""
+    found: dict[str, dict[str, float]] = {}
+    for name, text in settings(task["by_record"], "--by-record").items():
+        label, dot, parameter = name.rpartition(".")
+        if not (dot and label and parameter):
+            raise OptionError(f"--by-record: {name!r} is not of the form record.parameter")
+        found.setdefault(label, {})[parameter] = number(text, "--by-record")
+    return found or None
 
 
 def _by_channel(option: str, texts: tuple[str, ...]) -> dict[str, Any] | None:

@@ -20,6 +20,7 @@ from nonsmooth.cli.arguments import (
     names,
     number,
     number_list,
+    number_or_limits,
     numbers_by_column,
     time_range,
     widths,
@@ -143,6 +144,8 @@ FORMS = {
     "mains": Form("50,60", number_list),
     "leave_out": Form("KIND[,KIND...]", _names),
     "time_range": Form("A,B", time_range),
+    "shift": Form("NUMBER or A:B", number_or_limits),
+    "private": Form("NAME[,NAME...]", _names),
     "delimiter": Form("SIGN"),
     "epsilons": Form(
         "0.1,0.01",

@@ -371,17 +371,27 @@ TABLE = {
         example="nonsmooth measures basins.nc",
     ),
     "fit": Entry(
-        "Fit parameters of a system to a record, and print 95 % intervals.",
+        "Fit parameters of a system to records, and print 95 % intervals.",
         "fitting.fit",
         (
-            ("fit", "initial form cycle segments hold_back starts loss bootstrap tolerance seed"),
+            ("fit", "initial shift private form cycle segments hold_back starts loss bootstrap"
+             " tolerance seed"),
             ("measured.read_csv", "time sample_rate time_range delimiter decimal"),
         ),
         (
             Own("free", "Parameter to find, with its least and its largest value. You may give it"
                 " several times.", "NAME=A:B", multiple=True, required=True),
-            Own("observe", "What a channel shows: an expression of states, outputs and rates. You"
-                " may give it several times.", "NAME=EXPRESSION", multiple=True),
+            Own("observe", "What a channel shows: an expression of states, outputs and rates, or"
+                " an event for the instants of --events. You may give it several times.",
+                "NAME=EXPRESSION", multiple=True),
+            Own("events", "Channel of the instants of events, picked from the record, and a CSV"
+                " file of which they are the first column. You may give it several times.",
+                "NAME=FILE", multiple=True),
+            Own("more", "A further record of the same machine with its name; RECORD has the name of"
+                " its file, without the ending. You may give it several times.", "NAME=FILE",
+                multiple=True),
+            Own("by_record", "Value of a parameter that is known and differs from record to record."
+                " You may give it several times.", "RECORD.NAME=VALUE", multiple=True),
             *(
                 Own(name, f"{text} It is a number, a range or free. You may give it several times.",
                     "NAME=VALUE", multiple=True)

@@ -18,7 +18,7 @@ from scipy.stats import qmc
 
 from nonsmooth.fitting.channels import ObservedChannel
 from nonsmooth.fitting.flights import Flight
-from nonsmooth.fitting.shooting import Shooting
+from nonsmooth.fitting.record_equations import RecordEquations
 
 __all__ = ["first_states", "sizes_of_states"]
 
@@ -41,59 +41,59 @@ class _Fitted(NamedTuple):
     flight: Flight
 
 
-def sizes_of_states(shooting: Shooting, initial: Floats) -> Floats:
-    """Sizes of the states: of what is observed directly from the data, else of a run."""
-    sizes = np.zeros(shooting.n)
-    begin, end = shooting.bounds[0], shooting.bounds[-1]
-    flight = shooting.flights.fly(initial, float(begin), np.linspace(begin, end, 400))
+def sizes_of_states(record: RecordEquations, initial: Floats) -> Floats:
+    """Sizes of the states: of what is observed directly from the data, else of a run, else 0."""
+    sizes = np.zeros(record.n)
+    begin, end = record.bounds[0], record.bounds[-1]
+    flight = record.flights.fly(initial, float(begin), np.linspace(begin, end, 400))
     if flight is not None:
         sizes = np.abs(flight.samples.states).max(axis=0)
-    for channel, j in _direct(shooting):
+    for channel, j in _direct(record):
         sizes[j] = float(np.nanmax(np.abs(channel.values)))
-    return np.where((sizes > 0.0) & np.isfinite(sizes), sizes, 1.0)
+    return np.where(np.isfinite(sizes), sizes, 0.0)
 
 
-def _direct(shooting: Shooting) -> list[tuple[ObservedChannel, int]]:
+def _direct(record: RecordEquations) -> list[tuple[ObservedChannel, int]]:
     """Channels that show a state as it is."""
-    states = shooting.system.states
+    states = record.system.states
     return [
         (channel, states.index(channel.text))
-        for channel in shooting.channels
-        if channel.text in states and channel.gain == (1.0, 1.0, 1.0)
+        for channel in record.channels
+        if channel.text in states and channel.gain == (1.0, 1.0, 1.0) and not channel.shows_events
     ]
 
 
 def first_states(
-    shooting: Shooting, head: Floats, initial: Floats, noise: Floats, seed: int
+    record: RecordEquations, head: Floats, initial: Floats, noise: Floats, seed: int
 ) -> Floats | None:
     """States (M, n) at the starts of all segments; None where the parameters admit none."""
-    if not shooting.set_up(head):
+    if not record.set_up(head):
         return None
-    found = np.empty((shooting.n_segments, shooting.n))
-    tries = qmc.Sobol(shooting.n, rng=np.random.default_rng(seed)).random(_TRIES)
-    spread = (2.0 * tries - 1.0) * shooting.scales
+    found = np.empty((record.n_segments, record.n))
+    tries = qmc.Sobol(record.n, rng=np.random.default_rng(seed)).random(_TRIES)
+    spread = (2.0 * tries - 1.0) * record.scales
     guess = initial
-    for m in range(shooting.n_segments):
-        best = _fit_segment(shooting, m, _with_data(shooting, m, guess), head, noise)
+    for m in range(record.n_segments):
+        best = _fit_segment(record, m, _with_data(record, m, guess), head, noise)
         if best is None or best.cost > _GOOD:
             others = [guess, *(spread if m == 0 or best is None else [])]
             for other in others:
-                tried = _fit_segment(shooting, m, other, head, noise)
+                tried = _fit_segment(record, m, other, head, noise)
                 if tried is not None and (best is None or tried.cost < best.cost):
                     best = tried
         if best is None:
             return None
-        if m < shooting.n_segments - 1 and _move_cut(shooting, m, best.state):
-            best = _fit_segment(shooting, m, best.state, head, noise) or best
+        if m < record.n_segments - 1 and _move_cut(record, m, best.state):
+            best = _fit_segment(record, m, best.state, head, noise) or best
         found[m], guess = best.state, best.flight.samples.states[-1]
     return found
 
 
-def _move_cut(shooting: Shooting, m: int, state: Floats) -> bool:
+def _move_cut(record: RecordEquations, m: int, state: Floats) -> bool:
     """Move the end of a segment away from places where no motion begins; whether it moved."""
-    place, flights, bounds = shooting.bounds[m + 1], shooting.flights, shooting.bounds
-    length = (bounds[-1] - bounds[0]) / shooting.n_segments
-    changes = _NEAR * np.diag(shooting.scales)
+    place, flights, bounds = record.bounds[m + 1], record.flights, record.bounds
+    length = (bounds[-1] - bounds[0]) / record.n_segments
+    changes = _NEAR * np.diag(record.scales)
     for shift in _SHIFTS:
         cut = place + shift * length
         flight = flights.fly(state, float(bounds[m]), np.array([cut]))
@@ -103,38 +103,41 @@ def _move_cut(shooting: Shooting, m: int, state: Floats) -> bool:
         if all(flights.fly(end + each, float(cut), soon) for each in (*changes, *-changes)):
             bounds[m + 1] = cut
             if shift:
-                shooting.forget_plans()
+                record.forget_plans()
             return shift != 0.0
     return False
 
 
-def _with_data(shooting: Shooting, m: int, guess: Floats) -> Floats:
+def _with_data(record: RecordEquations, m: int, guess: Floats) -> Floats:
     """A guess in which states that are observed directly are those of the data."""
     found = guess.copy()
-    for channel, j in _direct(shooting):
+    for channel, j in _direct(record):
         good = np.isfinite(channel.values)
-        times = shooting.times[good] - channel.delay.guess
-        found[j] = np.interp(shooting.bounds[m], times, channel.values[good])
+        times = record.times[good] - channel.delay.guess + record.shift.guess
+        found[j] = np.interp(record.bounds[m], times, channel.values[good])
         found[j] -= channel.offset.guess
     return found
 
 
 def _fit_segment(
-    shooting: Shooting, m: int, guess: Floats, head: Floats, noise: Floats
+    record: RecordEquations, m: int, guess: Floats, head: Floats, noise: Floats
 ) -> _Fitted | None:
     """The state that fits the data of one segment best, near a guess."""
-    plan = shooting.plans(head)[m]
-    scales, damping = shooting.scales, 1e-3
+    plan = record.plans(head)[m]
+    scales, damping = record.scales, 1e-3
 
     def look(state: Floats) -> tuple[float, Floats, Floats, Flight] | None:
-        flight = shooting.fly(m, state, plan)
+        flight = record.fly(m, state, plan)
         rows = None
         if flight is not None:
-            rows = shooting.rows([m], [flight], [plan], head, noise)
+            rows = record.rows([m], [flight], [plan], head, noise)
         if flight is None or rows is None:
             return None
-        residual = np.append(rows.residual, _PRIOR * (state - guess) / scales)
-        jacobian = np.vstack([rows.state, _PRIOR * np.eye(shooting.n)])
+        prior = _PRIOR * (state - guess) / scales
+        residual = np.concatenate([rows.residual, prior, rows.surplus])
+        jacobian = np.zeros((residual.size, record.n))
+        jacobian[: len(rows.state)] = rows.state
+        jacobian[len(rows.state) : len(rows.state) + record.n] = _PRIOR * np.eye(record.n)
         return float(residual @ residual), residual, jacobian, flight
 
     state, here = guess, look(guess)
@@ -152,4 +155,5 @@ def _fit_segment(
         state, here, damping = state + step * scales, there, damping / 10.0
         if cost - there[0] < 1e-3 * cost:
             break
-    return _Fitted(state, here[0] / max(1, plan.data.size), here[3])
+    count = plan.data.size + plan.event_time.size
+    return _Fitted(state, here[0] / max(1, count), here[3])

@@ -1,7 +1,8 @@
 """What is fitted: the channels of a record, what the model says of each, and how it was measured.
 
-A channel shows ``gain * quantity(t - delay) + offset`` and noise. Each of the four is fixed by a
-number, bounded by a pair, or free.
+A channel over ``time`` shows ``gain * quantity(t - delay) + offset`` and noise. Each of the four is
+fixed by a number, bounded by a pair, or free. A channel over a dimension of its own has the
+instants of events, of which only delay and noise can be said.
 """
 
 from __future__ import annotations
@@ -15,16 +16,28 @@ import numpy.typing as npt
 from nonsmooth.errors import OptionError, is_known, unknown_name
 from nonsmooth.measured.quality.masks import quality_of
 from nonsmooth.real_numbers import finite_real
+from nonsmooth.runs.section_search import event_names
 from nonsmooth.system.system import System
 
-__all__ = ["FREE", "ObservedChannel", "Range", "check_free", "check_record_times", "read_channels"]
+__all__ = [
+    "FREE",
+    "ObservedChannel",
+    "Range",
+    "check_free",
+    "check_record_times",
+    "read_channels",
+    "read_shift",
+]
 
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
 
 FREE = "free"
 _DEFAULTS = {"gain": 1.0, "offset": 0.0, "delay": 0.0}
+_OF_EVENTS = {"gain": 1.0, "offset": 0.0}
 _FEWEST = 10  # samples of a channel that are numbers
+_FEWEST_EVENTS = 3
+_KINDS = "iuf"  # of numpy: numbers that may be instants
 
 
 class Range(NamedTuple):
@@ -50,17 +63,25 @@ class ObservedChannel(NamedTuple):
     """One channel of a record, and how the model sees it."""
 
     name: str
-    text: str  # the observed quantity
-    values: Floats  # (K,), nan where a sample is left out
+    text: str  # the observed quantity, or the name of the events
+    values: Floats  # (K,) samples, or instants of events; nan where one is left out
     gain: Range
     offset: Range
     delay: Range
     noise: Range
+    shows_events: bool = False
 
     @property
     def spread(self) -> float:
-        """Standard deviation of the samples."""
+        """Standard deviation of the samples; half the usual time between events."""
+        if self.shows_events:
+            return _half_a_wait(self.values)
         return float(np.nanstd(self.values))
+
+
+def _half_a_wait(values: Floats) -> float:
+    """Half the usual time between events."""
+    return 0.5 * float(np.median(np.diff(values[np.isfinite(values)])))
 
 
 def check_free(system: System, free: Any) -> dict[str, Range]:
@@ -93,17 +114,36 @@ def _bounds(where: str, bounds: Any, guess: float | None) -> Range:
     return Range(low, high, middle if guess is None or not low < guess < high else guess)
 
 
-def check_record_times(record: Any) -> Floats:
-    """Times of a record."""
-    if not hasattr(record, "data_vars") or "time" not in record.dims or "time" not in record.coords:
+def check_record_times(where: str, record: Any) -> Floats:
+    """Times of the samples of a record, none where it has events only."""
+    samples = hasattr(record, "data_vars") and "time" in record.dims and "time" in record.coords
+    if not samples and not (hasattr(record, "data_vars") and _event_channels(record)):
         raise OptionError(
-            f"record = {type(record).__name__}: give a dataset over time, such as a result of"
+            f"{where} = {type(record).__name__}: give a dataset over time, such as a result of"
             " measured.read_csv, or xarray.Dataset({'x': ('time', x)}, {'time': t})"
         )
-    times = np.asarray(record["time"].values, dtype=float)
+    times = np.asarray(record["time"].values, dtype=float) if samples else np.zeros(0)
     if not np.all(np.isfinite(times)) or np.any(np.diff(times) <= 0.0):
-        raise OptionError("record: its times must be finite numbers that increase")
+        raise OptionError(f"{where}: its times must be finite numbers that increase")
     return times
+
+
+def _event_channels(record: Any) -> list[str]:
+    """Variables that may be instants of events: numbers over a dimension that is not the time."""
+    return [
+        str(name) for name, each in record.variables.items()
+        if len(each.dims) == 1 and each.dims != ("time",) and each.dtype.kind in _KINDS
+    ]  # fmt: skip
+
+
+def read_shift(given: Any) -> Range:
+    """Time of the system at time zero of the record."""
+    if given is None:
+        return Range(0.0, 0.0, 0.0)
+    if not hasattr(given, "__len__") or isinstance(given, str):
+        value = finite_real("shift", given)
+        return Range(value, value, value)
+    return _bounds("shift", given, None)
 
 
 def read_channels(
@@ -113,25 +153,52 @@ def read_channels(
     texts = _observed(system, record, observe)
     settings = {key: _settings(key, given, texts) for key, given in nuisances.items()}
     levels = _settings("noise", noise, texts)
+    events, known = _event_channels(record), event_names(system)
     found = []
     for name, text in texts.items():
-        values = _samples(record, name)
+        shows_events = name in events
+        if shows_events and text not in known:
+            raise OptionError(
+                f"observe[{name!r}]: {unknown_name('event', text, known)}; a channel that is not"
+                " over time has the instants of an event"
+            )
+        values = _instants(record, name) if shows_events else _samples(record, name)
         ranges = {key: _range(key, name, given.get(name)) for key, given in settings.items()}
-        found.append(
-            ObservedChannel(name, text, values, **ranges, noise=_noise(name, levels, values))
-        )
+        if shows_events:
+            _check_sensor_of_events(name, nuisances, ranges)
+            ranges |= {key: Range(each, each, each) for key, each in _OF_EVENTS.items()}
+        size = 2.0 * _half_a_wait(values) if shows_events else float(np.nanstd(values))
+        level = _noise(name, levels, 0.05 * size or 1.0)
+        found.append(ObservedChannel(name, text, values, **ranges, noise=level,
+                                     shows_events=shows_events))  # fmt: skip
     return found
+
+
+def _check_sensor_of_events(
+    name: str, nuisances: Mapping[str, Any], ranges: Mapping[str, Range]
+) -> None:
+    """Refuse a gain or an offset that was given for instants of events."""
+    for key, fixed in _OF_EVENTS.items():
+        asked = isinstance(nuisances[key], Mapping) and name in nuisances[key]
+        if asked and ranges[key] != (fixed, fixed, fixed):
+            raise OptionError(
+                f"{key}[{name!r}]: the channel has instants of events, which have no {key}; give"
+                " delay="
+            )
 
 
 def _observed(system: System, record: Any, observe: Any) -> dict[str, str]:
     """Expressions by channel; without any, channels that are called like a state or an output."""
     channels = [str(name) for name in record.data_vars if record[name].dims == ("time",)]
+    events = _event_channels(record)
     if observe is None:
         same = [name for name in channels if name in (*system.states, *system.outputs)]
+        same += [name for name in events if name in event_names(system)]
         if not same:
             raise OptionError(
                 f"observe: no channel of the record ({', '.join(channels) or 'none'}) is called"
-                " like a state or an output; say what each shows, such as"
+                " like a state or an output, nor one of instants like an event; say what each"
+                " shows, such as"
                 f" {{{channels[0] if channels else 'a1'!r}: {system.states[0]!r}}}"
             )
         return {name: name for name in same}
@@ -141,8 +208,8 @@ def _observed(system: System, record: Any, observe: Any) -> dict[str, str]:
             f" channel, such as {{'a1': 'rate({system.states[-1]})'}}"
         )
     for name, text in observe.items():
-        if name not in channels:
-            raise OptionError(f"observe: {unknown_name('channel', str(name), channels)}")
+        if name not in channels + events:
+            raise OptionError(f"observe: {unknown_name('channel', str(name), channels + events)}")
         if not isinstance(text, str):
             raise OptionError(f"observe[{name!r}] = {text!r:.60}: give an expression as a text")
     return dict(observe)
@@ -162,6 +229,18 @@ def _samples(record: Any, name: str) -> Floats:
         raise OptionError(
             f"record[{name!r}]: {count} samples are numbers without a flaw; at least {_FEWEST} are"
             " needed"
+        )
+    return values
+
+
+def _instants(record: Any, name: str) -> Floats:
+    """Instants of events, in order."""
+    values = np.array(record[name].values, dtype=float)
+    if not np.all(np.isfinite(values)) or np.any(np.diff(values) <= 0.0):
+        raise OptionError(f"record[{name!r}]: instants of events must be numbers that increase")
+    if values.size < _FEWEST_EVENTS:
+        raise OptionError(
+            f"record[{name!r}]: {values.size} events; at least {_FEWEST_EVENTS} are needed"
         )
     return values
 
@@ -192,10 +271,9 @@ def _range(key: str, name: str, given: Any) -> Range:
     return _bounds(where, given, default)
 
 
-def _noise(name: str, levels: Mapping[str, Any], values: Floats) -> Range:
-    """Standard deviation of the noise: what is not given is found."""
+def _noise(name: str, levels: Mapping[str, Any], first: float) -> Range:
+    """Standard deviation of the noise: what is not given is found, from a first guess on."""
     given, where = levels.get(name), f"noise[{name!r}]"
-    first = 0.05 * float(np.nanstd(values)) or 1.0
     if given is None or (isinstance(given, str) and given == FREE):
         return Range(0.0, np.inf, first)
     if isinstance(given, str):

@@ -1,25 +1,26 @@
-"""`fit`: parameters of a system, with intervals, from a measured record."""
+"""`fit`: parameters of a system, with intervals, from measured records."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 from scipy.stats import qmc
 
 from nonsmooth.analysis.options import SharedOptions, check_seed
-from nonsmooth.errors import ModelError, OptionError, RunError, is_known
+from nonsmooth.errors import OptionError, RunError, is_known, unknown_name
 from nonsmooth.fitting.beginning import sizes_of_states
 from nonsmooth.fitting.channels import (
-    ObservedChannel,
     Range,
     check_free,
     check_record_times,
     read_channels,
+    read_shift,
 )
+from nonsmooth.fitting.cuts import Cut, GivenRecord, cut_for, equations_of
 from nonsmooth.fitting.report import Search, fit_dataset
 from nonsmooth.fitting.shooting import Shooting
 from nonsmooth.fitting.solver import LOSSES, Fitted, solve_from
@@ -35,22 +36,10 @@ __all__ = ["fit"]
 
 Floats = npt.NDArray[np.float64]
 
-_PER_SEGMENT = 50  # samples, without a period
-_FORMS = ("transient", "steady")
-_SAME = 1e-12  # of a period: a difference that is rounding
-
-
-class _Cut(NamedTuple):
-    """Which part of a record is fitted, and into what it is cut."""
-
-    held_back: float  # part at the end
-    segments: Any  # number of segments as the caller gave it
-    cycle: float | None  # after which a steady motion repeats itself
-
 
 def fit(
     system: System,
-    record: xr.Dataset,
+    record: xr.Dataset | Mapping[str, xr.Dataset],
     free: Mapping[str, tuple[float, float]],
     observe: Mapping[str, str] | None = None,
     *,
@@ -59,8 +48,11 @@ def fit(
     offset: Any = None,
     delay: Any = None,
     noise: Any = None,
-    form: str = "transient",
-    cycle: int = 1,
+    shift: Any = None,
+    private: Sequence[str] = (),
+    by_record: Mapping[str, Mapping[str, float]] | None = None,
+    form: str | None = None,
+    cycle: int | None = None,
     segments: int | None = None,
     hold_back: float = 0.1,
     starts: int = 4,
@@ -70,26 +62,29 @@ def fit(
     tolerance: float = 1e-12,
     seed: int = 0,
 ) -> xr.Dataset:
-    r"""Fit parameters of a system to a record, and say how well the record determines them.
+    r"""Fit parameters of a system to records, and say how well these determine them.
 
-    The record may be long, and the motion may be transient, periodic or chaotic. It is cut into
+    A record may be long, and the motion may be transient, periodic or chaotic. It is cut into
     segments whose initial states are found together with the parameters, under the condition that
-    each segment ends where the next one begins. All derivatives of motions, also through impacts
-    and switches, are those of the engine.
+    each segment ends where the next one begins. All derivatives of motions and of instants of
+    events, also through impacts and switches, are those of the engine.
 
     Parameters
     ----------
     system : System
         The system. Parameters that are not named in ``free`` keep their values.
-    record : xarray.Dataset
+    record : xarray.Dataset or mapping of str to xarray.Dataset
         Channels over ``time``, from `measured.read_csv` or made by hand. Samples that are nan, and
         those that `measured.flagged` has marked, are left out. Times are those of the system: the
-        forcing has the phase that its equations say.
+        forcing has the phase that its equations say, or ``shift`` later. A channel over a
+        dimension of its own has the instants of events, such as impacts picked from an
+        accelerometer. Several records are given by their names.
     free : mapping of str to (float, float)
         Parameters to find, each with its least and largest value.
     observe : mapping of str to str, optional
         What each channel shows: an expression of states, outputs, parameters and rates such as
-        ``"rate(v)"``. Without it, the channels that are called like a state or an output.
+        ``"rate(v)"``; for instants the name of an event, which is that of an exit or of the mode
+        it enters. Without it, the channels that are called like a state, an output or an event.
 
     Other Parameters
     ----------------
@@ -101,12 +96,23 @@ def fit(
         needs bounds. A mapping says it by channel. Without them 1, 0 and 0.
     noise : float, (float, float), "free" or mapping, optional
         Standard deviation of the noise of a channel, likewise; found by default.
+    shift : float or (float, float), optional
+        Time of the system at time zero of the record, or its bounds, where it is not known with
+        which phase of the forcing the record begins; 0 by default.
+    private : sequence of str, optional
+        Parameters, ``shift``, or entries such as ``"a1 gain"`` that are found for each of several
+        records by itself; they are named ``"RECORD a1 gain"``. All others are shared.
+    by_record : mapping of str to mapping of str to float, optional
+        Values of parameters that are known and differ from record to record, such as the speed, by
+        the name of the record.
     form : {"transient", "steady"}, optional
-        What the record shows. ``"transient"`` takes any motion. ``"steady"`` takes a motion that
+        What a record shows. ``"transient"`` takes any motion. ``"steady"`` takes a motion that
         repeats itself in the whole record, and fits a periodic orbit to all its periods at once;
-        only one cycle is run, however long the record is.
+        only one cycle is run, however long the record is. By default it is steady where two tests
+        say so: the halves of the record have the same Fourier series, and leave white residuals.
     cycle : int, optional
-        Number of periods of the forcing after which a steady motion repeats itself.
+        Number of periods of the forcing after which a steady motion repeats itself; by default the
+        smallest one that passes the tests.
     segments : int, optional
         Number of segments; one per period by default, or per 50 samples without a period.
     hold_back : float, optional
@@ -139,13 +145,16 @@ def fit(
         ``bootstrap_low`` and ``bootstrap_high``. Over ``channel``: ``noise``,
         ``prediction_error`` (root mean square of what was held back, in units of the noise),
         ``ljung_box`` and ``whiteness`` (its probability for white residuals). Over ``channel``
-        and ``time``: ``measured``, ``fitted``, ``residual``; ``held_back`` over ``time``. Over
-        ``segment``: ``segment_time``, ``segment_state``. Over ``start``: ``start_estimate``,
+        and ``time``: ``measured``, ``fitted``, ``residual``, ``held_back``. Over ``picked``, the
+        events of all channels: ``picked_channel``, ``picked_measured``, ``picked_fitted``,
+        ``picked_residual``, ``picked_held_back``, and ``picked_missed`` where the motion has no
+        such event. Over ``segment``: ``segment_time``, ``segment_state`` and the number of its
+        record, ``segment_record``. Over ``start``: ``start_estimate``,
         ``start_cost``, ``start_agrees``. Over ``direction``, combinations of parameters that
         are not determined: ``direction_part``, ``direction_spread``. Attributes: ``status``
         (completed, not_converged), ``message``, ``open_parameters`` in words, ``largest_gap``
-        between segments in parts of the states, ``n_evaluations``; for a steady motion
-        ``largest_multiplier``, above 1 where the fitted orbit is unstable.
+        between segments in parts of the states, ``n_evaluations``; ``form`` and ``cycle`` of each
+        record; for steady motions ``largest_multiplier``, above 1 where a fitted orbit is unstable.
 
     Raises
     ------
@@ -190,11 +199,15 @@ def fit(
     """
     options = SharedOptions(parameters=parameters, tolerance=tolerance)
     system = options.system_of(system)
-    bounds = check_free(system, free)
-    times = check_record_times(record)
-    channels = read_channels(
-        system, record, observe, {"gain": gain, "offset": offset, "delay": delay}, noise
-    )
+    bounds, moved = check_free(system, free), read_shift(shift)
+    nuisances = {"gain": gain, "offset": offset, "delay": delay}
+    records = [
+        GivenRecord(
+            label, each, read_channels(each, data, observe, nuisances, noise),
+            check_record_times(f"record {label!r}" if label else "record", data),
+        )
+        for label, data, each in _records(system, record, by_record)
+    ]  # fmt: skip
     if not is_known(loss, LOSSES):
         raise OptionError(f"loss = {loss!r:.60}: give one of {', '.join(LOSSES)}")
     share = finite_real("hold_back", hold_back)
@@ -202,16 +215,53 @@ def fit(
         raise OptionError(f"hold_back = {share:g} must lie between 0 and 0.9")
     count, drawn = whole_number("starts", starts), whole_number("bootstrap", bootstrap, 0)
     chosen = check_seed(seed)
-    cut = _Cut(share, segments, _cycle_length(system, bounds, form, cycle))
-    make = partial(_shooting, system, bounds, channels, times, cut, tolerance)
+    cuts = [cut_for(each, bounds, form, cycle, segments, share) for each in records]
+    own = _private(private, records)
+    make = partial(_shooting, records, bounds, moved, cuts, own, tolerance)
     found = _search(make, _rest(system, initial), loss, count, chosen)
     told = options.recorded | {
         "free": str({name: (each.low, each.high) for name, each in bounds.items()}),
-        "observe": str({channel.name: channel.text for channel in channels}),
-        "form": form, "cycle": cycle, "hold_back": share, "loss": loss,
+        "observe": str({c.name: c.text for each in records for c in each.channels}),
+        "form": ", ".join("transient" if cut.cycle is None else "steady" for cut in cuts),
+        "cycle": ", ".join("none" if cut.cycle is None else str(cut.cycle) for cut in cuts),
+        "private": ", ".join(own), "hold_back": share, "loss": loss,
         "starts": count, "bootstrap": drawn, "seed": chosen,
     }  # fmt: skip
-    return fit_dataset(channels, times, found, told, loss, drawn, chosen)
+    channels = [channel for each in records for channel in each.channels]
+    return fit_dataset(channels, found, told, loss, drawn, chosen)
+
+
+def _records(system: System, record: Any, by_record: Any) -> list[tuple[str, Any, System]]:
+    """Name, dataset and system of each record; a single one has no name."""
+    several = isinstance(record, Mapping) and not hasattr(record, "data_vars")
+    named = dict(record) if several else {"": record}
+    if not named:
+        raise OptionError("record: give a dataset, or several by their names")
+    values = {} if by_record is None else by_record
+    if not isinstance(values, Mapping) or not all(
+        isinstance(each, Mapping) for each in values.values()
+    ):
+        raise OptionError(
+            f"by_record = {by_record!r:.60}: give parameters by the name of the record, such as"
+            " {'slow': {'omega': 0.8}}"
+        )
+    for label in values:
+        if label not in named or not several:
+            raise OptionError(f"by_record: {unknown_name('record', str(label), named)}")
+    return [
+        (str(label), data, SharedOptions(parameters=values.get(label)).system_of(system))
+        for label, data in named.items()
+    ]
+
+
+def _private(private: Any, records: Sequence[GivenRecord]) -> tuple[str, ...]:
+    """Names of what is found for each record by itself."""
+    if isinstance(private, str) or not hasattr(private, "__iter__"):
+        raise OptionError(f"private = {private!r:.60}: give a list of names")
+    names = tuple(map(str, private))
+    if names and len(records) == 1:
+        raise OptionError("private: there is one record; give several by their names, or leave it")
+    return names
 
 
 def _rest(system: System, initial: Any) -> Floats:
@@ -223,90 +273,20 @@ def _rest(system: System, initial: Any) -> Floats:
 
 
 def _shooting(
-    system: System,
+    records: Sequence[GivenRecord],
     free: Mapping[str, Range],
-    channels: list[ObservedChannel],
-    times: Floats,
-    cut: _Cut,
+    shift: Range,
+    cuts: Sequence[Cut],
+    private: Collection[str],
     tolerance: float,
 ) -> Shooting:
-    """The equations of the part of the record that is fitted, cut into segments."""
-    last = times[0] + (1.0 - cut.held_back) * (times[-1] - times[0])
-    kept = times <= last
-    fitted = [c._replace(values=np.where(kept, c.values, np.nan)) for c in channels]
-    for channel in fitted:
-        count = int(np.count_nonzero(np.isfinite(channel.values)))
-        if count < len(system.states) + len(free) + 2:
-            raise OptionError(
-                f"record[{channel.name!r}]: {count} samples are fitted, too few for {len(free)}"
-                f" parameters and {len(system.states)} states; give a longer record, or a smaller"
-                " hold_back="
-            )
-    used = times[kept]
-    begin = used[0] - max(channel.delay.high for channel in channels)
-    end = used[-1] - min(channel.delay.low for channel in channels)
-    if cut.cycle is not None:
-        if end - begin < cut.cycle:
-            raise OptionError(
-                f"form = 'steady': what is fitted lasts {end - begin:.6g}, less than one cycle of"
-                f" {cut.cycle:.6g}; give a longer record, or a smaller hold_back="
-            )
-        end = begin + cut.cycle
-    if cut.segments is None:
-        period = _period(system, free)
-        number = used.size / _PER_SEGMENT if period is None else (end - begin) / period
-        most = used.size // (4 * (len(system.states) + 1))
-        number = int(np.clip(round(number), 1, max(1, most)))
-    else:
-        number = whole_number("segments", cut.segments)
-        if number > used.size // 2:
-            raise OptionError(
-                f"segments = {number}: at most {used.size // 2}, half the samples that are fitted"
-            )
-    return Shooting(
-        system, free, fitted, times, np.linspace(begin, end, number + 1), tolerance,
-        is_cycle=cut.cycle is not None,
-    )  # fmt: skip
-
-
-def _cycle_length(system: System, free: Mapping[str, Range], form: Any, cycle: Any) -> float | None:
-    """Time after which a steady motion repeats itself; None for a transient one."""
-    if not is_known(form, _FORMS):
-        raise OptionError(f"form = {form!r:.60}: give one of {', '.join(_FORMS)}")
-    number = whole_number("cycle", cycle)
-    if form == "transient":
-        if number != 1:
-            raise OptionError(f"cycle = {number}: only form='steady' takes it")
-        return None
-    if system.drift:
-        raise OptionError(
-            f"form = 'steady': {', '.join(system.drift)} may drift, so the motion need not come"
-            " back after a cycle; give form='transient'"
-        )
-    period = _period(system, free)
-    if period is None:
-        raise OptionError(
-            f"form = 'steady': {system.name} has no period, so nothing says after which time the"
-            " motion repeats itself; give form='transient'"
-        )
-    for name, each in free.items():
-        for value in (each.low, each.high):
-            other = _period(system, {**free, name: Range(value, value, value)})
-            if other is None or abs(other - period) > _SAME * period:
-                raise OptionError(
-                    f"form = 'steady': the period depends on {name!r}, which is in free=, so it is"
-                    " not known where the motion repeats itself; give form='transient'"
-                )
-    return number * period
-
-
-def _period(system: System, free: Mapping[str, Range]) -> float | None:
-    """Period in the middle of the bounds, or where the system refuses that, its own."""
-    middle = {name: each.guess for name, each in free.items()}
-    try:
-        return system.with_parameters(**middle).period_value
-    except ModelError:
-        return system.period_value
+    """The equations of all records."""
+    equations = [
+        equations_of(each, free, shift, cut, tolerance)
+        for each, cut in zip(records, cuts, strict=True)
+    ]
+    labels = [each.label for each in records]
+    return Shooting(equations, list(free.values()), labels, private)
 
 
 def _search(
@@ -317,15 +297,18 @@ def _search(
     first = shootings[0]
     guesses = np.tile(first.guess(), (count, 1))
     if count > 1:
-        sampler = qmc.LatinHypercube(first.p, rng=np.random.default_rng(seed))
-        low = np.array([each.low for each in first.free.values()])
-        width = np.array([each.scale for each in first.free.values()])
-        guesses[1:, : first.p] = low + width * sampler.random(count - 1)
+        spread = np.flatnonzero(first.is_spread)
+        sampler = qmc.LatinHypercube(spread.size, rng=np.random.default_rng(seed))
+        low = np.array([first.ranges[k].low for k in spread])
+        width = np.array([first.ranges[k].scale for k in spread])
+        guesses[1:, spread] = low + width * sampler.random(count - 1)
     noise = np.array([channel.noise.guess for channel in first.channels])
     found: list[Fitted | None] = []
     for k, (shooting, guess) in enumerate(zip(shootings, guesses, strict=True)):
         if shooting.set_up(shooting.head_of(guess)):
-            shooting.scales = sizes_of_states(shooting, initial)
+            sizes = [sizes_of_states(each, initial) for each in shooting.records]
+            largest = np.max(sizes, axis=0)
+            shooting.scale_states(np.where(largest > 0.0, largest, 1.0))
             found.append(solve_from(shooting, guess, initial, noise, loss, seed + k))
         else:
             found.append(None)

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
-from scipy.stats import chi2
 
 from nonsmooth.analysis.options import result_attributes
 from nonsmooth.fitting.channels import ObservedChannel
@@ -22,6 +21,12 @@ from nonsmooth.fitting.intervals import (
     profile_intervals,
     threshold,
 )
+from nonsmooth.fitting.residual_series import (
+    Series,
+    residual_series,
+    series_variables,
+    tests_of_series,
+)
 from nonsmooth.fitting.shooting import Shooting
 from nonsmooth.fitting.solver import Fitted, close_gaps
 
@@ -32,7 +37,6 @@ Bools = npt.NDArray[np.bool_]
 Variables = dict[str, Any]
 
 _LOWER_MINIMA = 3  # that profiles may find before they are taken as they are
-_LAGS = 20
 _NOT_WHITE = 0.01
 _NEUTRAL = 1e-6  # above 1: a multiplier of 1, of a motion without damping, is known about so well
 _POOR = 2.0  # prediction error in units of the noise that is worth a word
@@ -63,7 +67,6 @@ def height(fitted: Fitted) -> float:
 
 def fit_dataset(
     channels: Sequence[ObservedChannel],
-    times: Floats,
     search: Search,
     options: dict[str, Any],
     loss: str,
@@ -78,22 +81,23 @@ def fit_dataset(
     variables = _estimates(shooting, best, head, intervals, directions)
     if drawn:
         variables |= _bootstrap(shooting, best, loss, drawn, seed)
-    residuals = _over_time(shooting, channels, times, best)
-    whiteness = _whiteness(residuals)
-    variables |= residuals | whiteness | _segments(shooting, best)
+    series = residual_series(shooting, channels, best)
+    record_times = [record.times for record in shooting.records]
+    times = np.unique(np.concatenate(record_times))
+    variables |= series_variables(series, times, record_times)
+    variables |= tests_of_series(series, best.noise) | _segments(shooting, best)
     variables["noise"] = ("channel", best.noise, {"long_name": "standard deviation of the noise"})
-    variables["prediction_error"] = _prediction_error(residuals, best.noise)
     agrees = search.heights - height(best) < 0.5 * threshold(
         shooting, best.evaluation.rows.residual.size
     )
     variables |= _starts(shooting, search, agrees, height(best))
     variables |= _directions(directions)
     words = _open_words(shooting, best, directions)
-    told = _message(best, agrees, words, variables, channels)
+    names_of_channels = _names_of_channels(shooting)
+    told = _message(best, agrees, words, variables, names_of_channels) + _events_words(best, series)
     steady: dict[str, Any] = {}
-    if shooting.is_cycle:
-        growth = np.abs(shooting.multipliers(best.evaluation))
-        steady["largest_multiplier"] = float(growth.max(initial=0.0))
+    if growth := shooting.multipliers(best.evaluation):
+        steady["largest_multiplier"] = float(np.abs(growth).max())
         if steady["largest_multiplier"] > 1.0 + _NEUTRAL:
             told += (
                 "; the fitted orbit is unstable, so a machine does not stay on it: give other"
@@ -113,7 +117,7 @@ def fit_dataset(
     coords = {
         "parameter": ("parameter", names, {"long_name": "what is found"}),
         "parameter_0": ("parameter_0", names, {"long_name": "what is found"}),
-        "channel": ("channel", np.array([each.name for each in channels])),
+        "channel": ("channel", np.array(names_of_channels)),
         "time": ("time", times, {"long_name": "time"}),
         "state": ("state", np.array(shooting.system.states)),
     }
@@ -191,89 +195,32 @@ def _bootstrap(shooting: Shooting, best: Fitted, loss: str, drawn: int, seed: in
     }
 
 
-def _over_time(
-    shooting: Shooting, channels: Sequence[ObservedChannel], times: Floats, best: Fitted
-) -> Variables:
-    """Measured, fitted and residual of each channel, what was held back included."""
-    measured = np.array([channel.values for channel in channels])
-    residual = np.full(measured.shape, np.nan)
-    rows = best.evaluation.rows
-    residual[rows.channel, rows.place] = -rows.residual * best.noise[rows.channel]
-    left = np.isfinite(measured) & ~np.isfinite(
-        np.array([channel.values for channel in shooting.channels])
-    )
-    _predict(shooting, measured, left, best, residual)
-    both = ("channel", "time")
-    return {
-        "measured": (both, measured, {"long_name": "measured"}),
-        "fitted": (both, measured - residual, {"long_name": "fitted, and predicted at the end"}),
-        "residual": (both, residual, {"long_name": "measured less fitted"}),
-        "held_back": ("time", left.any(axis=0), {"long_name": "whether it was held back"}),
-    }
+def _names_of_channels(shooting: Shooting) -> list[str]:
+    """Names of all channels, with their record where there are several."""
+    return [
+        f"{label} {channel.name}" if label else channel.name
+        for label, record in zip(shooting.labels, shooting.records, strict=True)
+        for channel in record.channels
+    ]
 
 
-def _predict(
-    shooting: Shooting, measured: Floats, left: Bools, best: Fitted, residual: Floats
-) -> None:
-    """Residuals of what was held back, from a run that goes on where the fit has ended."""
-    if not left.any() or not shooting.set_up(best.u):
-        return
-    states = shooting.states_of(best.u)
-    plans = shooting.plans_of(np.where(left, measured, np.nan), best.u, np.inf)
-    for m, plan in enumerate(plans):
-        if not plan.times.size:
-            continue
-        begin = float(shooting.bounds[m])
-        times = np.append(plan.times, plan.times[-1])
-        flight = shooting.flights.fly(states[m], begin, times)
-        rows = None
-        if flight is not None:
-            rows = shooting.rows([m], [flight], [plan], best.u, best.noise)
-        if rows is not None:
-            residual[rows.channel, rows.place] = -rows.residual * best.noise[rows.channel]
-
-
-def _whiteness(residuals: Variables) -> Variables:
-    """Ljung-Box statistic of the fitted residuals of each channel, and its probability."""
-    values, held = residuals["residual"][1], residuals["held_back"][1]
-    statistics, chances = [], []
-    for series in values[:, ~held]:
-        series = series[np.isfinite(series)]
-        series = series - series.mean()
-        count, lags = series.size, max(1, min(_LAGS, series.size // 5))
-        total = float(series @ series) or 1.0
-        squares = [
-            (float(series[k:] @ series[:-k]) / total) ** 2 / (count - k) for k in range(1, lags + 1)
-        ]
-        statistics.append(count * (count + 2) * sum(squares))
-        chances.append(float(chi2.sf(statistics[-1], lags)))
-    return {
-        "ljung_box": ("channel", np.array(statistics), {"long_name": "Ljung-Box statistic"}),
-        "whiteness": (
-            "channel",
-            np.array(chances),
-            {"long_name": "probability of so large a Ljung-Box statistic of white residuals"},
-        ),
-    }
-
-
-def _prediction_error(residuals: Variables, noise: Floats) -> Any:
-    """Root mean square of what was held back, in units of the noise."""
-    held = residuals["held_back"][1]
-    found = np.full(noise.size, np.nan)
-    if held.any():
-        for c, series in enumerate(residuals["residual"][1][:, held]):
-            series = series[np.isfinite(series)]
-            if series.size:
-                found[c] = np.sqrt(np.mean(series**2)) / noise[c]
-    words = {"long_name": "error of the prediction of what was held back, in units of the noise"}
-    return ("channel", found, words)
+def _events_words(best: Fitted, series: Sequence[Series]) -> str:
+    """Picked events that the motion does not have, and those of it that were not picked."""
+    words = ""
+    missed = sum(int(np.count_nonzero(each.missed & ~each.held_back)) for each in series)
+    if missed:
+        words += f"; the motion has no event near {missed} of those that were picked"
+    if best.evaluation.rows.surplus.any():
+        words += "; the motion has events that were not picked"
+    return words
 
 
 def _segments(shooting: Shooting, best: Fitted) -> Variables:
     about = {"long_name": "states at the starts of the segments"}
+    of = np.repeat(np.arange(len(shooting.records)), [r.n_segments for r in shooting.records])
     return {
-        "segment_time": ("segment", shooting.bounds[:-1], {"long_name": "starts of the segments"}),
+        "segment_record": ("segment", of, {"long_name": "number of the record of a segment"}),
+        "segment_time": ("segment", shooting.bounds, {"long_name": "starts of the segments"}),
         "segment_state": (("segment", "state"), shooting.states_of(best.u), about),
     }
 
@@ -335,7 +282,7 @@ def _message(
     agrees: Bools,
     words: str,
     variables: Variables,
-    channels: Sequence[ObservedChannel],
+    channels: Sequence[str],
 ) -> str:
     """How the fit ended, and what speaks against it."""
     parts = ["completed"] if best.closed else [
@@ -350,9 +297,9 @@ def _message(
     for c, channel in enumerate(channels):
         if variables["whiteness"][1][c] < _NOT_WHITE:
             parts.append(
-                f"residuals of {channel.name} are correlated, so the model or the noise is not what"
+                f"residuals of {channel} are correlated, so the model or the noise is not what"
                 " the intervals assume; compare them with those of bootstrap="
             )
         if variables["prediction_error"][1][c] > _POOR:
-            parts.append(f"what was held back of {channel.name} is predicted poorly")
+            parts.append(f"what was held back of {channel} is predicted poorly")
     return "; ".join(parts)

@@ -1,59 +1,34 @@
-"""Multiple shooting: residuals of a record and their derivatives, with continuity as equations.
+"""Multiple shooting: records as equations for one set of unknowns, with continuity as equations.
 
-The record is cut into segments. The state at the start of each segment is unknown, so each run is
+Each record is cut into segments. The state at the start of each segment is unknown, so each run is
 short and an error of the parameters cannot grow over the whole record, nor can a chaotic motion
 lose it. That the end of a segment is the start of the next one is an equation, which the solver
-brings to hold (`nonsmooth.fitting.solver`).
-
-A steady motion repeats itself after a cycle. All samples are folded into the first cycle, and the
-last segment ends where the first one begins, so that one cycle is run however long the record is.
+brings to hold (`nonsmooth.fitting.solver`). The last segment of a steady motion ends where the
+first one begins.
 
 Unknowns are counted in units of their ranges: first the head, which has the parameters and what is
-free of gain, offset and delay, then the states of all segments.
+free of the sensors, then the states of all segments. Records share the entries of the head but for
+those that are private to each.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Sequence
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.fitting.channels import ObservedChannel, Range
-from nonsmooth.fitting.flights import Flight, Flights
-from nonsmooth.fitting.observation import MotionSamples, Observation
-from nonsmooth.system.system import System
+from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.fitting.channels import Range
+from nonsmooth.fitting.record_equations import RecordEquations, Residuals, joined
 
 __all__ = ["Evaluation", "Shooting"]
 
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
 
-_NUISANCES = ("gain", "offset", "delay")
 _UNIT = 0.02  # of the size of a state: what a gap between segments is measured in
-_INSTANT = 1e-12  # of a cycle: samples that lie closer after folding are at one instant
-
-
-class SegmentData(NamedTuple):
-    """Which samples of which channel lie in a segment; those of one instant are run once."""
-
-    times: Floats  # (K,)
-    instant: Integers  # (N,) of each datum
-    channel: Integers  # (N,)
-    data: Floats  # (N,)
-    place: Integers  # (N,): sample of the record
-
-
-class Residuals(NamedTuple):
-    """Residuals of data in order, in units of each channel, with derivatives."""
-
-    residual: Floats  # (N,)
-    head: Floats  # (N, h)
-    state: Floats  # (N, n), by the state at the start of the own segment
-    channel: Integers  # (N,)
-    place: Integers  # (N,)
-    segment: Integers  # (N,)
 
 
 class Evaluation(NamedTuple):
@@ -66,56 +41,73 @@ class Evaluation(NamedTuple):
 
 
 class Shooting:
-    """A record as equations for parameters, nuisances and states."""
+    """Records as equations for parameters, what their sensors do, and states."""
 
     def __init__(
         self,
-        system: System,
-        free: Mapping[str, Range],
-        channels: Sequence[ObservedChannel],
-        times: Floats,
-        bounds: Floats,
-        tolerance: float,
-        *,
-        is_cycle: bool = False,
+        records: Sequence[RecordEquations],
+        free: Sequence[Range],
+        labels: Sequence[str],
+        private: Collection[str] = (),
     ) -> None:
-        self.system, self.channels, self.times, self.bounds = system, channels, times, bounds
-        self.is_cycle = is_cycle  # whether the motion repeats itself after the last segment
-        self.free = dict(free)
-        self.nuisances = [
-            (c, key)
-            for c, channel in enumerate(channels)
-            for key in _NUISANCES
-            if getattr(channel, key).is_free
+        self.records, self.labels = list(records), list(labels)
+        first = self.records[0]
+        self.system, self.n, self.p = first.system, first.n, first.p
+        self.channels = [channel for record in records for channel in record.channels]
+        self._check_private(private)
+        self.names: list[str] = []
+        self.ranges: list[Range] = []
+        self._places = [
+            self._enter(record, free, label, private)
+            for record, label in zip(records, labels, strict=True)
         ]
-        self.ranges = [*free.values(), *(getattr(channels[c], key) for c, key in self.nuisances)]
-        self.names = [*free, *(f"{channels[c].name} {key}" for c, key in self.nuisances)]
-        self.flights = Flights(system, tuple(free), tolerance)
-        moves = any(channel.delay.is_free for channel in channels)
-        self.observation = Observation(
-            system, {c.name: c.text for c in channels}, tuple(free), rates=moves
-        )
-        self.step = float(np.median(np.diff(times)))
-        self.n, self.p, self.h = len(system.states), len(free), len(self.ranges)
-        self.n_segments = bounds.size - 1
-        self.size = self.h + self.n_segments * self.n
-        self.scales = np.ones(self.n)  # of the states
+        self.h = len(self.ranges)
         self._origin = np.array([r.low if np.isfinite(r.low) else r.guess for r in self.ranges])
         self._units = np.array([r.scale for r in self.ranges])
-        self._plans: list[SegmentData] | None = None
-        self._fixed_plans = not moves
+        counts = [record.n_segments for record in records]
+        self._first_segment = np.cumsum([0, *counts])
+        self._first_channel = np.cumsum([0, *(len(record.channels) for record in records)])
+        self.n_segments = int(self._first_segment[-1])
+        self.links = np.concatenate([self._links(r) for r in range(len(records))])
+        self.size = self.h + self.n_segments * self.n
+
+    def _enter(
+        self, record: RecordEquations, free: Sequence[Range], label: str, private: Collection[str]
+    ) -> Integers:
+        """Places in the head of what a record has in its own; what is new is entered."""
+        ranges = [*free, *(record.range_of(each) for each in record.nuisances)]
+        places = []
+        for name, each in zip(record.names, ranges, strict=True):
+            called = f"{label} {name}" if name in private and label else name
+            if called not in self.names:
+                self.names.append(called)
+                self.ranges.append(each)
+            places.append(self.names.index(called))
+        return np.array(places, np.int64)
+
+    def _check_private(self, private: Collection[str]) -> None:
+        known = {name for record in self.records for name in record.names}
+        for name in private:
+            if name not in known:
+                raise OptionError(f"private: {unknown_name('name of what is found', name, known)}")
+
+    def _links(self, r: int) -> Integers:
+        """Segments of a record that must end where another one begins, and which, (G, 2)."""
+        record, first = self.records[r], self._first_segment[r]
+        before = np.arange(record.n_gaps)
+        return first + np.stack([before, (before + 1) % record.n_segments], axis=1)
 
     # ------------------------------------------------------------ unknowns
 
     @property
     def n_gaps(self) -> int:
-        """Number of places where a segment must end where the next one begins."""
-        return self.n_segments - (0 if self.is_cycle else 1)
+        """Number of places where a segment must end where another one begins."""
+        return len(self.links)
 
     @property
     def n_spent(self) -> int:
         """Number of unknowns that only the data determine: a cycle has no free start."""
-        return self.h + (0 if self.is_cycle else self.n)
+        return self.h + sum(0 if record.is_cycle else self.n for record in self.records)
 
     @property
     def limits(self) -> tuple[Floats, Floats]:
@@ -125,6 +117,21 @@ class Shooting:
             if np.isfinite(each.low):
                 low[k], high[k] = 0.0, 1.0
         return low, high
+
+    @property
+    def scales(self) -> Floats:
+        """Sizes of the states, in which they are counted."""
+        return self.records[0].scales
+
+    def scale_states(self, sizes: Floats) -> None:
+        """Take the sizes of the states."""
+        for record in self.records:
+            record.scales = sizes
+
+    @property
+    def bounds(self) -> Floats:
+        """Starts of all segments."""
+        return np.concatenate([record.bounds[:-1] for record in self.records])
 
     def head_values(self, head: Floats) -> Floats:
         """Parameters and nuisances in their own units."""
@@ -144,6 +151,36 @@ class Shooting:
         """Parameters and nuisances to begin with, in their own units."""
         return np.array([each.guess for each in self.ranges])
 
+    @property
+    def is_spread(self) -> npt.NDArray[np.bool_]:
+        """Which entries of the head are spread over their ranges by starts: no gains and the like.
+
+        Those are as well from any start; parameters and the shift of a clock are not.
+        """
+        found = np.zeros(self.h, bool)
+        for record, places in zip(self.records, self._places, strict=True):
+            found[places[: self.p]] = True
+            for place, (c, _) in zip(places[self.p :], record.nuisances, strict=True):
+                found[place] |= c < 0
+        return found
+
+    def values_in(self, r: int, values: Floats) -> Floats:
+        """What a record has in its head, of the values of all."""
+        own: Floats = values[self._places[r]]
+        return own
+
+    def noise_in(self, r: int, noise: Floats) -> Floats:
+        """Noise of the channels of a record."""
+        return noise[self._first_channel[r] : self._first_channel[r + 1]]
+
+    def channels_in(self, r: int) -> range:
+        """Which of all channels are those of a record."""
+        return range(self._first_channel[r], self._first_channel[r + 1])
+
+    def segments_in(self, r: int) -> slice:
+        """Which of all segments are those of a record."""
+        return slice(self._first_segment[r], self._first_segment[r + 1])
+
     def join(self, head: Floats, states: Floats) -> Floats:
         """All unknowns; states (M, n) in their own units."""
         return np.concatenate([head, (states / self.scales).ravel()])
@@ -155,13 +192,20 @@ class Shooting:
 
     def set_up(self, head: Floats) -> bool:
         """Take the parameters of the head; whether the system admits them."""
-        values = self.head_values(head)[: self.p]
-        return self.flights.set_up(dict(zip(self.free, map(float, values), strict=True)))
+        values = self.head_values(head)
+        return all(
+            record.set_up(self.values_in(r, values)) for r, record in enumerate(self.records)
+        )
 
     @property
     def gap_unit(self) -> float:
         """What a gap between segments is measured in, as a part of the size of a state."""
         return _UNIT
+
+    def forget_plans(self) -> None:
+        """Read the data anew at the next evaluation."""
+        for record in self.records:
+            record.forget_plans()
 
     # ------------------------------------------------------------ residuals
 
@@ -169,123 +213,64 @@ class Shooting:
         """Residuals and gaps with their derivatives; None where a segment ends early."""
         if not self.set_up(u):
             return None
-        states, plans = self.states_of(u), self.plans(u)
+        parts = []
+        for r in range(len(self.records)):
+            part = self._evaluate_record(r, u, noise)
+            if part is None:
+                return None
+            parts.append(part)
+        rows = joined([part.rows for part in parts])
+        gaps = (np.concatenate(each) for each in zip(*(part[1:] for part in parts), strict=True))
+        return Evaluation(rows, *gaps)
+
+    def _evaluate_record(self, r: int, u: Floats, noise: Floats) -> Evaluation | None:
+        record, values = self.records[r], self.values_in(r, self.head_values(u))
+        states, plans = self.states_of(u)[self.segments_in(r)], record.plans(values)
         flown = []
         for m, plan in enumerate(plans):
-            flight = self.fly(m, states[m], plan)
+            flight = record.fly(m, states[m], plan)
             if flight is None:
                 return None
             flown.append(flight)
-        rows = self.rows(list(range(self.n_segments)), flown, plans, u, noise)
+        rows = record.rows(
+            list(range(record.n_segments)), flown, plans, values, self.noise_in(r, noise)
+        )
         if rows is None:
             return None
         unit = _UNIT * self.scales
-        followed = flown[: self.n_gaps]
+        followed = flown[: record.n_gaps]
         ends = np.array([flight.samples.states[-1] for flight in followed]).reshape(-1, self.n)
         columns = np.array([flight.columns[-1] for flight in followed])
         columns = columns.reshape(-1, self.n, self.n + self.p) / unit[:, None]
-        starts = np.roll(states, -1, axis=0)[: self.n_gaps]
-        by_head = np.zeros((len(ends), self.n, self.h))
-        by_head[:, :, : self.p] = columns[:, :, self.n :] * self._units[: self.p]
+        starts = np.roll(states, -1, axis=0)[: record.n_gaps]
+        by_own = np.zeros((len(ends), self.n, record.h))
+        by_own[:, :, : self.p] = columns[:, :, self.n :]
         return Evaluation(
-            rows, (ends - starts) / unit, by_head, columns[:, :, : self.n] * self.scales
+            rows._replace(
+                head=self._spread(r, rows.head),
+                channel=rows.channel + self._first_channel[r],
+                segment=rows.segment + self._first_segment[r],
+            ),
+            (ends - starts) / unit,
+            self._spread(r, by_own),
+            columns[:, :, : self.n] * self.scales,
         )
 
-    def fly(self, m: int, state: Floats, plan: SegmentData) -> Flight | None:
-        """Run through a segment; its end is the last sample."""
-        times = np.append(plan.times, self.bounds[m + 1])
-        return self.flights.fly(state, float(self.bounds[m]), times)
+    def _spread(self, r: int, by_own: Floats) -> Floats:
+        """Derivatives by the head, in units of the solver, from those by what a record has."""
+        found = np.zeros((*by_own.shape[:-1], self.h))
+        found[..., self._places[r]] = by_own
+        found *= self._units
+        return found
 
-    def plans(self, u: Floats) -> list[SegmentData]:
-        """Data of each segment, for the delays of the head."""
-        if self._plans is not None and self._fixed_plans:
-            return self._plans
-        values = np.array([each.values for each in self.channels])
-        self._plans = self.plans_of(values, u, self.bounds[-1])
-        return self._plans
-
-    def plans_of(self, values: Floats, u: Floats, last: float) -> list[SegmentData]:
-        """Data (C, K) that are numbers, by segment; times beyond the last one are cut to it."""
-        of, where = np.nonzero(np.isfinite(values))
-        delays = np.array([self.nuisance(c, "delay", u) for c in range(len(self.channels))])
-        when = self.times[where] - delays[of]
-        first = self.bounds[0]
-        if self.is_cycle:
-            length = self.bounds[-1] - first
-            part = np.mod((when - first) / length, 1.0)
-            when = first + length * (np.round(part / _INSTANT) * _INSTANT)
-        segment = np.searchsorted(self.bounds[1:-1], when, side="right")
-        when = np.clip(when, first, last)
-        plans = []
-        for m in range(self.n_segments):
-            here = np.flatnonzero(segment == m)
-            times, instant = np.unique(when[here], return_inverse=True)
-            data = values[of[here], where[here]]
-            plans.append(SegmentData(times, instant, of[here], data, where[here]))
-        return plans
-
-    def multipliers(self, found: Evaluation) -> npt.NDArray[np.complex128]:
-        """Multipliers (n,) of a cycle: how disturbances have grown after it."""
-        growth = np.eye(self.n)
-        for each in found.gap_state:
-            growth = _UNIT * each @ growth
-        multipliers: npt.NDArray[np.complex128] = np.linalg.eigvals(growth).astype(complex)
+    def multipliers(self, found: Evaluation) -> list[npt.NDArray[np.complex128]]:
+        """Multipliers (n,) of each cycle: how disturbances have grown after it."""
+        multipliers = []
+        for r, record in enumerate(self.records):
+            if record.is_cycle:
+                growth = np.eye(self.n)
+                here = np.isin(self.links[:, 0], np.arange(self.n_segments)[self.segments_in(r)])
+                for each in found.gap_state[here]:
+                    growth = _UNIT * each @ growth
+                multipliers.append(np.linalg.eigvals(growth).astype(complex))
         return multipliers
-
-    def forget_plans(self) -> None:
-        """Read the data anew at the next evaluation."""
-        self._plans = None
-
-    def nuisance(self, c: int, key: str, u: Floats) -> float:
-        """Gain, offset or delay of a channel."""
-        if (c, key) in self.nuisances:
-            k = self.p + self.nuisances.index((c, key))
-            return float(self._origin[k] + self._units[k] * u[k])
-        return float(getattr(self.channels[c], key).guess)
-
-    def rows(
-        self,
-        segments: Sequence[int],
-        flown: Sequence[Flight],
-        plans: Sequence[SegmentData],
-        u: Floats,
-        noise: Floats,
-    ) -> Residuals | None:
-        """Residuals of the data of some segments; None where a quantity is no finite number."""
-        seen_at = [flight.samples for flight in flown]
-        samples = MotionSamples(
-            np.concatenate([each.number[:-1] for each in seen_at]),
-            np.concatenate([each.phase[:-1] for each in seen_at]),
-            np.concatenate([each.modes[:-1] for each in seen_at]),
-            np.concatenate([each.states[:-1] for each in seen_at]),
-        )
-        values = self.flights.values
-        seen = self.observation.look(samples, self.flights.window, values, self.step)
-        first = np.cumsum([0, *(plan.times.size for plan in plans)])
-        at = np.concatenate([plan.instant + first[i] for i, plan in enumerate(plans)])
-        of = np.concatenate([plan.channel for plan in plans])
-        columns = np.concatenate([flight.columns[:-1] for flight in flown])[at]
-        gain, offset, _ = (
-            np.array([self.nuisance(c, key, u) for c in range(len(self.channels))])[of]
-            for key in _NUISANCES
-        )
-        weight = gain / noise[of]
-        moved = np.einsum("kn,knc->kc", seen.by_state[of, at], columns)
-        head = np.zeros((at.size, self.h))
-        head[:, : self.p] = moved[:, self.n :] + seen.by_parameter[of, at]
-        head[:, : self.p] *= weight[:, None]
-        for k, (c, key) in enumerate(self.nuisances, start=self.p):
-            own = of == c
-            here = at[own]
-            by = {"gain": seen.values[c, here], "offset": 1.0, "delay": -gain[own] *
-                  seen.in_time[c, here]}[key]  # fmt: skip
-            head[own, k] = by / noise[c]
-        head *= self._units
-        data = np.concatenate([plan.data for plan in plans])
-        residual = (gain * seen.values[of, at] + offset - data) / noise[of]
-        state = moved[:, : self.n] * weight[:, None] * self.scales
-        if not (np.isfinite(residual).all() and np.isfinite(head).all()):
-            return None
-        place = np.concatenate([plan.place for plan in plans])
-        segment = np.repeat(segments, [plan.channel.size for plan in plans])
-        return Residuals(residual, head, state, of, place, segment)

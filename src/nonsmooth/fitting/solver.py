@@ -103,8 +103,9 @@ class _Equations:
             return
         blocks = self._blocks(found)
         n_data, gaps = sum(len(block[0]) for block in blocks), found.gap.size
-        rows, h, n = np.zeros(n_data + gaps), shooting.h, shooting.n
-        matrix = np.zeros((n_data + gaps, shooting.size))
+        surplus = found.rows.surplus  # no step changes it, but a step that adds to it is refused
+        rows, h, n = np.zeros(n_data + gaps + surplus.size), shooting.h, shooting.n
+        matrix = np.zeros((rows.size, shooting.size))
         first = 0
         for m, (head, state, residual) in enumerate(blocks):
             last = first + len(residual)
@@ -113,8 +114,10 @@ class _Equations:
             matrix[first:last, h + m * n : h + (m + 1) * n] = state
             first = last
         self.n_data = n_data
-        rows[n_data:] = self.weight * (found.gap + self.shift).ravel()
-        matrix[n_data:] = self.weight * gap_matrix(shooting, found)
+        ends = slice(n_data, n_data + gaps)
+        rows[ends] = self.weight * (found.gap + self.shift).ravel()
+        matrix[ends] = self.weight * gap_matrix(shooting, found)
+        rows[n_data + gaps :] = surplus
         self._rows, self._matrix = rows, matrix
 
     def _blocks(self, found: Evaluation) -> list[tuple[Floats, Floats, Floats]]:
@@ -151,11 +154,11 @@ def gap_matrix(shooting: Shooting, found: Evaluation) -> Floats:
     """Derivatives of the gaps by all unknowns."""
     h, n = shooting.h, shooting.n
     matrix = np.zeros((found.gap.size, shooting.size))
-    for m in range(len(found.gap)):
-        rows, own = slice(m * n, (m + 1) * n), h + m * n
-        matrix[rows, :h] = found.gap_head[m]
-        matrix[rows, own : own + n] = found.gap_state[m]
-        following = h + (m + 1) % shooting.n_segments * n
+    for g, (m, next_one) in enumerate(shooting.links):
+        rows, own = slice(g * n, (g + 1) * n), h + m * n
+        matrix[rows, :h] = found.gap_head[g]
+        matrix[rows, own : own + n] = found.gap_state[g]
+        following = h + next_one * n
         # taken away from what is there, since a cycle of one segment follows itself
         matrix[rows, following : following + n] -= np.eye(n) / shooting.gap_unit
     return matrix
@@ -218,6 +221,7 @@ def minimise(
         evaluation, ended = equations.evaluate(equations.lowest[1]), False
     assert evaluation is not None
     cost = data_cost(evaluation.rows.residual, loss)
+    cost += 0.5 * float(evaluation.rows.surplus @ evaluation.rows.surplus)
     added = 0.5 * weight**2 * float(np.sum((evaluation.gap + shift) ** 2) - np.sum(shift**2))
     return Fitted(
         equations.u.copy(), cost + added, noise, shift, evaluation, ended,
@@ -229,12 +233,15 @@ def solve_from(
     shooting: Shooting, values: Floats, initial: Floats, noise: Floats, loss: str, seed: int
 ) -> Fitted | None:
     """The minimum to which one start leads; None where no motion begins there."""
-    head = shooting.head_of(values)
-    states = first_states(shooting, head, initial, noise, seed)
-    if states is None:
-        return None
+    states = []
+    for r, record in enumerate(shooting.records):
+        own, level = shooting.values_in(r, values), shooting.noise_in(r, noise)
+        begun = first_states(record, own, initial, level, seed)
+        if begun is None:
+            return None
+        states.append(begun)
     shift = np.zeros((shooting.n_gaps, shooting.n))
-    u = shooting.join(head, states)
+    u = shooting.join(shooting.head_of(values), np.concatenate(states))
     return close_gaps(shooting, u, noise, shift, loss, 0 if shooting.n_gaps else -1)
 
 
@@ -271,7 +278,10 @@ def noise_level(shooting: Shooting, found: Evaluation, noise: Floats, loss: str)
     spent = min(0.5, shooting.n_spent / total)
     levels = np.empty(len(shooting.channels))
     for c, channel in enumerate(shooting.channels):
-        own = rows.residual[rows.channel == c] * noise[c]
+        own = rows.residual[(rows.channel == c) & rows.matched] * noise[c]
+        if not own.size:
+            levels[c] = noise[c]
+            continue
         if loss == "linear":
             level = float(np.sqrt(np.mean(own**2) / (1.0 - spent)))
         else:  # of those that are no outliers

@@ -1,0 +1,344 @@
+"""One record as equations: residuals of its data and their derivatives, segment by segment.
+
+The head of a record has the parameters that are found and what is free of its sensors, in their own
+units. Samples are residuals of observed quantities; picked events are residuals of the instants
+at which the motion has such an event.
+
+A steady motion repeats itself after a cycle. All data are folded into the first cycle, so that one
+cycle is run however long the record is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.fitting.channels import ObservedChannel, Range
+from nonsmooth.fitting.event_matching import matched_to
+from nonsmooth.fitting.flights import EventInstants, Flight, Flights
+from nonsmooth.fitting.observation import MotionSamples, Observation
+from nonsmooth.system.system import System
+
+__all__ = ["RecordEquations", "Residuals", "SegmentData", "joined"]
+
+Floats = npt.NDArray[np.float64]
+Integers = npt.NDArray[np.int64]
+Bools = npt.NDArray[np.bool_]
+
+NO_SHIFT = Range(0.0, 0.0, 0.0)
+_NUISANCES = ("gain", "offset", "delay")
+_INSTANT = 1e-12  # of a cycle: samples that lie closer after folding are at one instant
+
+
+class SegmentData(NamedTuple):
+    """Which data lie in a segment; samples of one instant are run once."""
+
+    times: Floats  # (K,) of samples
+    instant: Integers  # (N,) of each sample
+    channel: Integers  # (N,)
+    data: Floats  # (N,)
+    place: Integers  # (N,): sample of the record
+    event_channel: Integers  # (E,) of picked events, in order of time
+    event_time: Floats  # (E,)
+    event_place: Integers  # (E,)
+
+
+class Residuals(NamedTuple):
+    """Residuals of data, in units of the noise of each channel, with derivatives."""
+
+    residual: Floats  # (N,)
+    head: Floats  # (N, h)
+    state: Floats  # (N, n), by the state at the start of the own segment
+    channel: Integers  # (N,)
+    place: Integers  # (N,): sample of the record, or picked event
+    segment: Integers  # (N,)
+    matched: Bools  # (N,): not so where the motion has no event for a picked one
+    surplus: Floats  # (M,): weight of the events of each segment that were not picked
+
+
+class RecordEquations:
+    """A record as equations for parameters, what its sensors do, and states of its segments."""
+
+    def __init__(
+        self,
+        system: System,
+        free: Sequence[str],
+        channels: Sequence[ObservedChannel],
+        times: Floats,
+        bounds: Floats,
+        tolerance: float,
+        shift: Range = NO_SHIFT,
+        *,
+        is_cycle: bool = False,
+    ) -> None:
+        self.system, self.channels, self.times, self.bounds = system, channels, times, bounds
+        self.free, self.shift = tuple(free), shift
+        self.is_cycle = is_cycle  # whether the motion repeats itself after the last segment
+        self.nuisances = [
+            (c, key)
+            for c, channel in enumerate(channels)
+            for key in _NUISANCES
+            if getattr(channel, key).is_free
+        ]
+        self.nuisances += [(-1, "shift")] if shift.is_free else []
+        self._sampled = [c for c, channel in enumerate(channels) if not channel.shows_events]
+        self._picked = [c for c, channel in enumerate(channels) if channel.shows_events]
+        events = [channels[c].text for c in self._picked]
+        self.flights = Flights(system, self.free, tolerance, events)
+        self._moves = any(key in ("delay", "shift") for _, key in self.nuisances)
+        texts = {channels[c].name: channels[c].text for c in self._sampled}
+        self.observation = Observation(system, texts, self.free, rates=self._moves)
+        self.step = float(np.median(np.diff(times))) if times.size > 1 else 1.0
+        self.n, self.p = len(system.states), len(self.free)
+        self.h = self.p + len(self.nuisances)
+        self.n_segments = bounds.size - 1
+        self.scales = np.ones(self.n)  # of the states
+        self._plans: list[SegmentData] | None = None
+
+    @property
+    def n_gaps(self) -> int:
+        """Number of places where a segment must end where another one begins."""
+        return self.n_segments - (0 if self.is_cycle else 1)
+
+    def range_of(self, nuisance: tuple[int, str]) -> Range:
+        """Bounds of something that is free of the sensors."""
+        c, key = nuisance
+        found: Range = self.shift if c < 0 else getattr(self.channels[c], key)
+        return found
+
+    @property
+    def names(self) -> list[str]:
+        """Names of all entries of the head, such as ``a1 gain``."""
+        sensors = [key if c < 0 else f"{self.channels[c].name} {key}" for c, key in self.nuisances]
+        return [*self.free, *sensors]
+
+    def nuisance(self, c: int, key: str, head: Floats) -> float:
+        """Gain, offset or delay of a channel; the shift of the clock for channel -1."""
+        if (c, key) in self.nuisances:
+            return float(head[self.p + self.nuisances.index((c, key))])
+        return float(self.range_of((c, key)).guess)
+
+    def set_up(self, head: Floats) -> bool:
+        """Take the parameters of the head; whether the system admits them."""
+        return self.flights.set_up(dict(zip(self.free, map(float, head), strict=False)))
+
+    def fly(self, m: int, state: Floats, plan: SegmentData) -> Flight | None:
+        """Run through a segment; its end is the last sample."""
+        times = np.append(plan.times, self.bounds[m + 1])
+        return self.flights.fly(state, float(self.bounds[m]), times, events=bool(self._picked))
+
+    def without_events_before(self, flight: Flight, plan: SegmentData) -> Flight:
+        """A flight without events before the first picked one, of which a part was picked only."""
+        events = flight.events
+        if events is None:
+            none = EventInstants(np.zeros(0), np.zeros(0, np.int64), np.zeros((0, self.n + self.p)))
+            return flight._replace(events=none)
+        late = events.times > plan.event_time[0] - self.wait
+        kept = EventInstants(events.times[late], events.name[late], events.columns[late])
+        return flight._replace(events=kept)
+
+    @property
+    def wait(self) -> float:
+        """How far an event of the motion may be from the picked one that it is, at most."""
+        return max((self.channels[c].spread for c in self._picked), default=0.0)
+
+    # ------------------------------------------------------------ data
+
+    def plans(self, head: Floats) -> list[SegmentData]:
+        """Data of each segment, for the delays of the head."""
+        if self._plans is None or self._moves:
+            values = [channel.values for channel in self.channels]
+            self._plans = self.plans_of(values, head, self.bounds[-1])
+        return self._plans
+
+    def forget_plans(self) -> None:
+        """Read the data anew at the next evaluation."""
+        self._plans = None
+
+    def plans_of(self, values: Sequence[Floats], head: Floats, last: float) -> list[SegmentData]:
+        """Data that are numbers, by segment; times beyond the last one are cut to it."""
+        late = [
+            self.nuisance(c, "delay", head) - self.nuisance(-1, "shift", head)
+            for c in range(len(values))
+        ]
+        first = self.bounds[0]
+        samples = np.array([values[c] for c in self._sampled])
+        samples = samples.reshape(len(self._sampled), self.times.size)
+        row, place = np.nonzero(np.isfinite(samples))
+        of = np.array(self._sampled, np.int64)[row]
+        when = self._folded(self.times[place] - np.array(late)[of])
+        segment = np.searchsorted(self.bounds[1:-1], when, side="right")
+        when = np.clip(when, first, last)
+        data = samples[row, place]
+        picks = [np.flatnonzero(np.isfinite(values[c])) for c in self._picked]
+        event_place = np.concatenate([*picks, np.zeros(0, np.int64)])
+        event_of = np.repeat(np.array(self._picked, np.int64), [each.size for each in picks])
+        happened = [values[c][here] - late[c] for c, here in zip(self._picked, picks, strict=True)]
+        event_time = self._folded(np.concatenate([*happened, np.zeros(0)]))
+        order = np.argsort(event_time, kind="stable")
+        event_time, event_of, event_place = event_time[order], event_of[order], event_place[order]
+        event_segment = np.searchsorted(self.bounds[1:-1], event_time, side="right")
+        plans = []
+        for m in range(self.n_segments):
+            here, there = np.flatnonzero(segment == m), np.flatnonzero(event_segment == m)
+            times, instant = np.unique(when[here], return_inverse=True)
+            plans.append(
+                SegmentData(
+                    times, instant, of[here], data[here], place[here],
+                    event_of[there], event_time[there], event_place[there],
+                )
+            )  # fmt: skip
+        return plans
+
+    def _folded(self, when: Floats) -> Floats:
+        """Times in the first cycle, where the motion repeats itself."""
+        if not self.is_cycle:
+            return when
+        first, length = self.bounds[0], self.bounds[-1] - self.bounds[0]
+        part = np.mod((when - first) / length, 1.0)
+        folded: Floats = first + length * (np.round(part / _INSTANT) * _INSTANT)
+        return folded
+
+    # ------------------------------------------------------------ residuals
+
+    def rows(
+        self,
+        segments: Sequence[int],
+        flown: Sequence[Flight],
+        plans: Sequence[SegmentData],
+        head: Floats,
+        noise: Floats,
+    ) -> Residuals | None:
+        """Residuals of the data of some segments; None where a quantity is no finite number."""
+        parts = [self._of_samples(segments, flown, plans, head, noise)]
+        if self._picked:
+            together = zip(segments, flown, plans, strict=True)
+            parts += [self._of_events(m, flight, plan, head, noise)
+                      for m, flight, plan in together]  # fmt: skip
+        found = joined(parts)
+        if not (np.isfinite(found.residual).all() and np.isfinite(found.head).all()):
+            return None
+        return in_order_of_segments(found) if self._picked else found
+
+    def _of_samples(
+        self,
+        segments: Sequence[int],
+        flown: Sequence[Flight],
+        plans: Sequence[SegmentData],
+        head: Floats,
+        noise: Floats,
+    ) -> Residuals:
+        """Residuals of samples."""
+        seen_at = [flight.samples for flight in flown]
+        samples = MotionSamples(
+            np.concatenate([each.number[:-1] for each in seen_at]),
+            np.concatenate([each.phase[:-1] for each in seen_at]),
+            np.concatenate([each.modes[:-1] for each in seen_at]),
+            np.concatenate([each.states[:-1] for each in seen_at]),
+        )
+        if not self._sampled:
+            return self._nothing(0)
+        values = self.flights.values
+        seen = self.observation.look(samples, self.flights.window, values, self.step)
+        first = np.cumsum([0, *(plan.times.size for plan in plans)])
+        at = np.concatenate([plan.instant + first[i] for i, plan in enumerate(plans)])
+        of = np.concatenate([plan.channel for plan in plans])
+        row = np.searchsorted(self._sampled, of)
+        columns = np.concatenate([flight.columns[:-1] for flight in flown])[at]
+        gain, offset, _ = (
+            np.array([self.nuisance(c, key, head) for c in range(len(self.channels))])[of]
+            for key in _NUISANCES
+        )
+        weight = gain / noise[of]
+        moved = np.einsum("kn,knc->kc", seen.by_state[row, at], columns)
+        by_head = np.zeros((at.size, self.h))
+        by_head[:, : self.p] = moved[:, self.n :] + seen.by_parameter[row, at]
+        by_head[:, : self.p] *= weight[:, None]
+        for k, (c, key) in enumerate(self.nuisances, start=self.p):
+            own = of == c if c >= 0 else np.ones(of.size, bool)
+            here = row[own], at[own]
+            if key in ("gain", "offset"):
+                by = seen.values[here] if key == "gain" else 1.0
+                by_head[own, k] = by / noise[c]
+            else:
+                by = weight[own] * seen.in_time[here]
+                by_head[own, k] = by if key == "shift" else -by
+        data = np.concatenate([plan.data for plan in plans])
+        residual = (gain * seen.values[row, at] + offset - data) / noise[of]
+        return self._nothing(0)._replace(
+            residual=residual,
+            head=by_head,
+            state=moved[:, : self.n] * weight[:, None] * self.scales,
+            channel=of,
+            place=np.concatenate([plan.place for plan in plans]),
+            segment=np.repeat(segments, [plan.channel.size for plan in plans]),
+            matched=np.ones(of.size, bool),
+        )
+
+    def _of_events(
+        self, m: int, flight: Flight, plan: SegmentData, head: Floats, noise: Floats
+    ) -> Residuals:
+        """Residuals of the events that were picked in a segment."""
+        assert flight.events is not None
+        found, count = flight.events, plan.event_time.size
+        result = self._nothing(1)._replace(
+            residual=np.empty(count),
+            head=np.zeros((count, self.h)),
+            state=np.zeros((count, self.n)),
+            channel=plan.event_channel,
+            place=plan.event_place,
+            segment=np.full(count, m),
+            matched=np.zeros(count, bool),
+        )
+        for k, c in enumerate(self._picked):
+            own = np.flatnonzero(plan.event_channel == c)
+            self._match(c, found, np.flatnonzero(found.name == k), own, plan, noise[c], result)
+        for k, (c, key) in enumerate(self.nuisances, start=self.p):
+            if key in ("delay", "shift"):
+                own = result.matched & ((plan.event_channel == c) | (c < 0))
+                sign = 1.0 if key == "delay" else -1.0
+                result.head[own, k] = sign / noise[plan.event_channel[own]]
+        return result
+
+    def _match(
+        self, c: int, found: EventInstants, there: Integers, own: Integers, plan: SegmentData,
+        noise: float, result: Residuals,
+    ) -> None:  # fmt: skip
+        """Residuals of the picked events of one channel; ``there`` are those of the motion."""
+        wait = self.channels[c].spread
+        of = matched_to(plan.event_time[own], found.times[there], wait, repeats=self.is_cycle)
+        missed = of < 0
+        result.residual[own[missed]] = wait / noise
+        here, event = own[~missed], there[of[~missed]]
+        result.residual[here] = (found.times[event] - plan.event_time[here]) / noise
+        columns = found.columns[event] / noise
+        result.head[here, : self.p] = columns[:, self.n :]
+        result.state[here] = columns[:, : self.n] * self.scales
+        result.matched[here] = True
+        more = there.size - np.unique(of[~missed]).size
+        result.surplus[0] = np.hypot(result.surplus[0], np.sqrt(more) * wait / noise)
+
+    def _nothing(self, count: int) -> Residuals:
+        """Residuals of no data in some segments."""
+        none, whole = np.zeros(0), np.zeros(0, np.int64)
+        return Residuals(
+            none, np.zeros((0, self.h)), np.zeros((0, self.n)), whole, whole, whole,
+            np.zeros(0, bool), np.zeros(count),
+        )  # fmt: skip
+
+
+def in_order_of_segments(found: Residuals) -> Residuals:
+    """The same residuals as the solver takes them."""
+    order = np.argsort(found.segment, kind="stable")
+    return Residuals(
+        found.residual[order], found.head[order], found.state[order], found.channel[order],
+        found.place[order], found.segment[order], found.matched[order], found.surplus,
+    )  # fmt: skip
+
+
+def joined(parts: Sequence[Residuals]) -> Residuals:
+    """Residuals one after the other."""
+    return Residuals(*(np.concatenate(each) for each in zip(*parts, strict=True)))

@@ -1,0 +1,173 @@
+"""Fits to instants of events that another integrator or a closed form has found."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import nonsmooth as ns
+from fitting.truth import RIGID, SOFT, rigid_motion, soft_motion
+from nonsmooth.fitting.event_matching import matched_to
+from nonsmooth.fitting.flights import Flights
+
+PERIOD = 2.0 * np.pi / RIGID["omega"]
+
+
+def ball(gravity=9.81, r=0.9, height=1.0, count=12):
+    """Instants at which a ball that is let fall meets the floor: a geometric series."""
+    first = np.sqrt(2.0 * height / gravity)
+    flights = 2.0 * first * r ** np.arange(1, count)
+    return first + np.concatenate([[0.0], np.cumsum(flights)])
+
+
+def falling():
+    return ns.System(
+        states=["x", "v"],
+        parameters={"g": 9.81, "r": 0.9},
+        modes={
+            "flight": ns.Mode(
+                {"x": "v", "v": "-g"}, exits=[ns.Exit("x", reset={"v": "-r*v"}, name="bounce")]
+            )
+        },
+    )
+
+
+def picked(**instants):
+    """A record of instants, each over a dimension of its own."""
+    return xr.Dataset({name: (name, np.asarray(each)) for name, each in instants.items()})
+
+
+@pytest.mark.parametrize("name", ["rigid", "soft"])
+def test_instants_change_as_differences_say(name):
+    """By start and parameters, through the events before; central differences of 1e-6."""
+    if name == "rigid":
+        system, events = ns.models.impact_oscillator(**RIGID), ["impact"]
+        start, values = [0.1, 0.2], {key: RIGID[key] for key in ("r", "sigma", "omega")}
+    else:
+        system, events = ns.models.soft_impact(**SOFT), ["release", "impact"]
+        start, values = [0.3, 0.1], {key: SOFT[key] for key in ("beta", "e", "omega")}
+    flights = Flights(system, tuple(values), 1e-12, events)
+
+    def look(state, changed):
+        assert flights.set_up(changed)
+        return flights.fly(state, 16.3, np.array([25.0, 40.0]), events=True).events
+
+    found = look(np.array(start), dict(values))
+    assert found.times.size > 3
+    step = 1e-6
+    for j in range(2 + len(values)):
+        ends = []
+        for way in (step, -step):
+            state, changed = np.array(start), dict(values)
+            if j < 2:
+                state[j] += way
+            else:
+                changed[list(values)[j - 2]] += way
+            ends.append(look(state, changed).times)
+        difference = (ends[0] - ends[1]) / (2.0 * step)
+        largest = np.abs(found.columns[:, j]).max()
+        assert np.abs(difference - found.columns[:, j]).max() < 1e-6 * largest
+
+
+def test_a_ball_tells_its_coefficient_of_restitution():
+    """Bounces of a geometric series; the gravity is that of the first flight too."""
+    noise = 1e-3 * np.random.default_rng(1).standard_normal(12)
+    record = picked(bounce=ball() + noise)
+    found = ns.fit(
+        falling(), record, {"r": (0.7, 0.99), "g": (5.0, 15.0)}, initial={"x": 1.5},
+        segments=1, hold_back=0.0, starts=3,
+    )  # fmt: skip
+    assert found.attrs["status"] == "completed"
+    r = found.sel(parameter="r")
+    assert float(r["interval_low"]) < 0.9 < float(r["interval_high"])
+    assert float(r["standard_error"]) < 2e-3
+    # heights are not seen, so height and gravity are told together only: gravity stays open
+    assert "does not determine g" in found.attrs["message"] or not found["identified"][1]
+    assert np.abs(found["picked_residual"]).max() < 5e-3
+    assert not found["picked_missed"].any()
+
+
+def test_impacts_at_a_rigid_wall_tell_its_place():
+    """Restitution and gap from instants alone, over 40 periods, and some held back."""
+    times = np.arange(0.0, 40 * PERIOD, PERIOD / 40)
+    _, _, _, events = rigid_motion(times, [0.1, 0.2])
+    assert events.size > 20
+    rng = np.random.default_rng(3)
+    record = picked(hits=events + 0.01 * rng.standard_normal(events.size))
+    free = {"r": (0.5, 0.95), "sigma": (0.25, 0.6)}
+    found = ns.fit(ns.models.impact_oscillator(**RIGID), record, free, {"hits": "impact"}, starts=3)
+    assert found.attrs["status"] == "completed", found.attrs["message"]
+    errors = np.abs(found["estimate"] - [RIGID[name] for name in free])
+    assert (errors < 4.0 * found["standard_error"]).all()
+    assert float(found["noise"][0]) == pytest.approx(0.01, rel=0.5)
+    held = found["picked_held_back"].values
+    assert held.sum() >= 2
+    assert np.isfinite(found["picked_residual"].values[held]).all()
+
+
+def test_instants_and_samples_are_fitted_together():
+    """Contacts of a soft stop beside a noisy probe make the intervals smaller."""
+    period = 2.0 * np.pi / SOFT["omega"]
+    times = np.arange(0.0, 12 * period, period / 40)
+    x, _, _, events = soft_motion(times, [0.3, 0.1])
+    rng = np.random.default_rng(5)
+    begins = events[::2] + 2e-3 * rng.standard_normal(events[::2].size)
+    probe = x + 0.05 * x.std() * rng.standard_normal(x.size)
+    record = xr.Dataset({"x": ("time", probe), "hits": ("hits", begins)}, {"time": times})
+    free = {"beta": (15, 45), "e": (0.9, 1.6)}
+    both = ns.fit(
+        ns.models.soft_impact(), record, free, {"x": "x", "hits": "impact"}, starts=2,
+    )  # fmt: skip
+    alone = ns.fit(ns.models.soft_impact(), record, free, {"x": "x"}, starts=2)
+    errors = np.abs(both["estimate"] - [SOFT[name] for name in free])
+    assert (errors < 4.0 * both["standard_error"]).all()
+    gap = [float(each["standard_error"].sel(parameter="e")) for each in (both, alone)]
+    assert gap[0] < gap[1]
+
+
+def test_an_impact_that_was_not_picked_and_one_that_is_none():
+    """One instant is left out, one is put in where nothing happens: the others decide."""
+    times = np.arange(0.0, 40 * PERIOD, PERIOD / 40)
+    _, _, _, events = rigid_motion(times, [0.1, 0.2])
+    instants = np.sort(np.append(np.delete(events, 7), 0.5 * (events[12] + events[13])))
+    record = picked(impact=instants + 1e-3 * np.random.default_rng(2).standard_normal(events.size))
+    free = {"r": (0.7, 0.9), "sigma": (0.35, 0.45)}
+    found = ns.fit(
+        ns.models.impact_oscillator(**RIGID), record, free, starts=2, hold_back=0.0, loss="soft_l1",
+    )  # fmt: skip
+    assert int(found["picked_missed"].sum()) == 1
+    assert "no event near 1 of those that were picked" in found.attrs["message"]
+    assert "events that were not picked" in found.attrs["message"]
+    errors = np.abs(found["estimate"] - [RIGID[name] for name in free])
+    assert (errors < 0.02).all()
+
+
+def test_matching():
+    three = np.array([1.0, 2.0, 3.0])
+    assert matched_to(three, three + 0.8, 0.5, repeats=False).tolist() == [0, 1, 2]
+    assert matched_to(three, np.array([1.1, 3.1]), 0.5, repeats=False).tolist() == [0, -1, 1]
+    assert matched_to(np.array([1.0, 3.0]), three, 0.5, repeats=False).tolist() == [0, 2]
+    often = np.array([1.0, 1.1, 2.9])
+    assert matched_to(often, np.array([1.05, 3.0, 4.0]), 0.5, repeats=True).tolist() == [0, 0, 1]
+    assert matched_to(three, np.zeros(0), 0.5, repeats=False).tolist() == [-1, -1, -1]
+
+
+BAD = [
+    ({"observe": {"bounce": "impact"}}, r"observe\['bounce'\]: unknown event 'impact'"),
+    ({"gain": {"bounce": 2.0}}, r"gain\['bounce'\]: the channel has instants"),
+    ({"offset": {"bounce": (0, 1)}}, "which have no offset; give delay="),
+]
+
+
+@pytest.mark.parametrize(("options", "words"), BAD, ids=["event", "gain", "offset"])
+def test_bad_input_is_named(options, words):
+    with pytest.raises(ns.OptionError, match=words):
+        ns.fit(falling(), picked(bounce=ball()), {"r": (0.7, 0.99)}, **options)
+
+
+@pytest.mark.parametrize(
+    ("instants", "words"),
+    [([3.0, 2.0, 4.0], "numbers that increase"), ([1.0, 2.0], "at least 3 are needed")],
+)
+def test_instants_that_cannot_be_fitted_are_refused(instants, words):
+    with pytest.raises(ns.OptionError, match=words):
+        ns.fit(falling(), picked(bounce=instants), {"r": (0.7, 0.99)})
