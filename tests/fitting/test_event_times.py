@@ -6,7 +6,7 @@ import xarray as xr
 
 import nonsmooth as ns
 from fitting.truth import RIGID, SOFT, rigid_motion, soft_motion
-from nonsmooth.fitting.event_matching import matched_to
+from nonsmooth.fitting.event_residuals import matched_to
 from nonsmooth.fitting.flights import Flights
 
 PERIOD = 2.0 * np.pi / RIGID["omega"]

@@ -90,6 +90,10 @@ def _record(task: Task, file: Path, observe: dict[str, str], events: dict[str, s
             raise OptionError(f"{file} is no file")
         return xr.load_dataset(file, engine="h5netcdf").assign(instants)
     columns = [name for name in observe if name not in events]
+    if instants and not columns:  # RECORD is then the file of the instants
+        import xarray as xr
+
+        return xr.Dataset(instants)
     if not columns:
         raise OptionError("--observe: name the columns of a CSV file, such as --observe a1=rate(v)")
     options = task.options("measured.read_csv")

@@ -201,13 +201,11 @@ def fit(
     system = options.system_of(system)
     bounds, moved = check_free(system, free), read_shift(shift)
     nuisances = {"gain": gain, "offset": offset, "delay": delay}
-    records = [
-        GivenRecord(
-            label, each, read_channels(each, data, observe, nuisances, noise),
-            check_record_times(f"record {label!r}" if label else "record", data),
-        )
-        for label, data, each in _records(system, record, by_record)
-    ]  # fmt: skip
+    records = []
+    for label, data, each in _records(system, record, by_record):
+        times = check_record_times(f"record {label!r}" if label else "record", data)
+        channels = read_channels(each, data, observe, nuisances, noise)
+        records.append(GivenRecord(label, each, channels, times))
     if not is_known(loss, LOSSES):
         raise OptionError(f"loss = {loss!r:.60}: give one of {', '.join(LOSSES)}")
     share = finite_real("hold_back", hold_back)
@@ -227,8 +225,8 @@ def fit(
         "private": ", ".join(own), "hold_back": share, "loss": loss,
         "starts": count, "bootstrap": drawn, "seed": chosen,
     }  # fmt: skip
-    channels = [channel for each in records for channel in each.channels]
-    return fit_dataset(channels, found, told, loss, drawn, chosen)
+    whole = [channel for each in records for channel in each.channels]
+    return fit_dataset(whole, found, told, loss, drawn, chosen)
 
 
 def _records(system: System, record: Any, by_record: Any) -> list[tuple[str, Any, System]]:

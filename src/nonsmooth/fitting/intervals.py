@@ -180,7 +180,7 @@ def block_bootstrap(
     try:
         for _ in range(count):
             for c, channel in enumerate(shooting.channels):
-                own = rows.channel == c
+                own = (rows.channel == c) & rows.matched
                 order = np.argsort(rows.place[own])
                 place, residual = rows.place[own][order], rows.residual[own][order]
                 size = residual.size

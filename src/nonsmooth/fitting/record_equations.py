@@ -11,52 +11,30 @@ cycle is run however long the record is.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.fitting.channels import ObservedChannel, Range
-from nonsmooth.fitting.event_matching import matched_to
+from nonsmooth.fitting.event_residuals import residuals_of_events
 from nonsmooth.fitting.flights import EventInstants, Flight, Flights
 from nonsmooth.fitting.observation import MotionSamples, Observation
+from nonsmooth.fitting.residuals import (
+    Residuals,
+    SegmentData,
+    in_order_of_segments,
+    joined,
+    no_residuals,
+)
 from nonsmooth.system.system import System
 
-__all__ = ["RecordEquations", "Residuals", "SegmentData", "joined"]
+__all__ = ["RecordEquations"]
 
 Floats = npt.NDArray[np.float64]
-Integers = npt.NDArray[np.int64]
-Bools = npt.NDArray[np.bool_]
 
 NO_SHIFT = Range(0.0, 0.0, 0.0)
 _NUISANCES = ("gain", "offset", "delay")
 _INSTANT = 1e-12  # of a cycle: samples that lie closer after folding are at one instant
-
-
-class SegmentData(NamedTuple):
-    """Which data lie in a segment; samples of one instant are run once."""
-
-    times: Floats  # (K,) of samples
-    instant: Integers  # (N,) of each sample
-    channel: Integers  # (N,)
-    data: Floats  # (N,)
-    place: Integers  # (N,): sample of the record
-    event_channel: Integers  # (E,) of picked events, in order of time
-    event_time: Floats  # (E,)
-    event_place: Integers  # (E,)
-
-
-class Residuals(NamedTuple):
-    """Residuals of data, in units of the noise of each channel, with derivatives."""
-
-    residual: Floats  # (N,)
-    head: Floats  # (N, h)
-    state: Floats  # (N, n), by the state at the start of the own segment
-    channel: Integers  # (N,)
-    place: Integers  # (N,): sample of the record, or picked event
-    segment: Integers  # (N,)
-    matched: Bools  # (N,): not so where the motion has no event for a picked one
-    surplus: Floats  # (M,): weight of the events of each segment that were not picked
 
 
 class RecordEquations:
@@ -240,7 +218,7 @@ class RecordEquations:
             np.concatenate([each.states[:-1] for each in seen_at]),
         )
         if not self._sampled:
-            return self._nothing(0)
+            return no_residuals(self.h, self.n, 0)
         values = self.flights.values
         seen = self.observation.look(samples, self.flights.window, values, self.step)
         first = np.cumsum([0, *(plan.times.size for plan in plans)])
@@ -268,7 +246,7 @@ class RecordEquations:
                 by_head[own, k] = by if key == "shift" else -by
         data = np.concatenate([plan.data for plan in plans])
         residual = (gain * seen.values[row, at] + offset - data) / noise[of]
-        return self._nothing(0)._replace(
+        return no_residuals(self.h, self.n, 0)._replace(
             residual=residual,
             head=by_head,
             state=moved[:, : self.n] * weight[:, None] * self.scales,
@@ -283,62 +261,13 @@ class RecordEquations:
     ) -> Residuals:
         """Residuals of the events that were picked in a segment."""
         assert flight.events is not None
-        found, count = flight.events, plan.event_time.size
-        result = self._nothing(1)._replace(
-            residual=np.empty(count),
-            head=np.zeros((count, self.h)),
-            state=np.zeros((count, self.n)),
-            channel=plan.event_channel,
-            place=plan.event_place,
-            segment=np.full(count, m),
-            matched=np.zeros(count, bool),
+        waits = [self.channels[c].spread for c in self._picked]
+        found = residuals_of_events(
+            flight.events, plan, self._picked, waits, noise, self.h, self.n, repeats=self.is_cycle
         )
-        for k, c in enumerate(self._picked):
-            own = np.flatnonzero(plan.event_channel == c)
-            self._match(c, found, np.flatnonzero(found.name == k), own, plan, noise[c], result)
         for k, (c, key) in enumerate(self.nuisances, start=self.p):
             if key in ("delay", "shift"):
-                own = result.matched & ((plan.event_channel == c) | (c < 0))
+                own = found.matched & ((plan.event_channel == c) | (c < 0))
                 sign = 1.0 if key == "delay" else -1.0
-                result.head[own, k] = sign / noise[plan.event_channel[own]]
-        return result
-
-    def _match(
-        self, c: int, found: EventInstants, there: Integers, own: Integers, plan: SegmentData,
-        noise: float, result: Residuals,
-    ) -> None:  # fmt: skip
-        """Residuals of the picked events of one channel; ``there`` are those of the motion."""
-        wait = self.channels[c].spread
-        of = matched_to(plan.event_time[own], found.times[there], wait, repeats=self.is_cycle)
-        missed = of < 0
-        result.residual[own[missed]] = wait / noise
-        here, event = own[~missed], there[of[~missed]]
-        result.residual[here] = (found.times[event] - plan.event_time[here]) / noise
-        columns = found.columns[event] / noise
-        result.head[here, : self.p] = columns[:, self.n :]
-        result.state[here] = columns[:, : self.n] * self.scales
-        result.matched[here] = True
-        more = there.size - np.unique(of[~missed]).size
-        result.surplus[0] = np.hypot(result.surplus[0], np.sqrt(more) * wait / noise)
-
-    def _nothing(self, count: int) -> Residuals:
-        """Residuals of no data in some segments."""
-        none, whole = np.zeros(0), np.zeros(0, np.int64)
-        return Residuals(
-            none, np.zeros((0, self.h)), np.zeros((0, self.n)), whole, whole, whole,
-            np.zeros(0, bool), np.zeros(count),
-        )  # fmt: skip
-
-
-def in_order_of_segments(found: Residuals) -> Residuals:
-    """The same residuals as the solver takes them."""
-    order = np.argsort(found.segment, kind="stable")
-    return Residuals(
-        found.residual[order], found.head[order], found.state[order], found.channel[order],
-        found.place[order], found.segment[order], found.matched[order], found.surplus,
-    )  # fmt: skip
-
-
-def joined(parts: Sequence[Residuals]) -> Residuals:
-    """Residuals one after the other."""
-    return Residuals(*(np.concatenate(each) for each in zip(*parts, strict=True)))
+                found.head[own, k] = sign / noise[plan.event_channel[own]]
+        return found._replace(state=found.state * self.scales, segment=np.full(found.place.size, m))

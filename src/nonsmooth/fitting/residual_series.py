@@ -14,7 +14,7 @@ import numpy.typing as npt
 from scipy.stats import chi2
 
 from nonsmooth.fitting.channels import ObservedChannel
-from nonsmooth.fitting.record_equations import Residuals
+from nonsmooth.fitting.residuals import Residuals
 from nonsmooth.fitting.shooting import Shooting
 from nonsmooth.fitting.solver import Fitted
 

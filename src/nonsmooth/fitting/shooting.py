@@ -21,7 +21,8 @@ import numpy.typing as npt
 
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.fitting.channels import Range
-from nonsmooth.fitting.record_equations import RecordEquations, Residuals, joined
+from nonsmooth.fitting.record_equations import RecordEquations
+from nonsmooth.fitting.residuals import Residuals, joined
 
 __all__ = ["Evaluation", "Shooting"]
 
