@@ -5,6 +5,7 @@ matplotlib is imported when something is drawn.
 
 from __future__ import annotations
 
+from nonsmooth.drawings import Drawing, drawing_of
 from nonsmooth.plot.basins import attractors, basins
 from nonsmooth.plot.branches import branch
 from nonsmooth.plot.cascades import waterfall
@@ -40,6 +41,7 @@ from nonsmooth.plot.uncertainty_curve import uncertainty
 
 __all__ = [
     "PALETTE",
+    "Drawing",
     "attractors",
     "axis_label",
     "basins",
@@ -49,6 +51,7 @@ __all__ = [
     "comparison",
     "contact_regions",
     "crack_lengths",
+    "drawing_of",
     "event_markers",
     "exponents",
     "fit",
