@@ -231,6 +231,11 @@ MISUSES = {
     "simulate moling --portrait x --plot a.png": "--portrait: 'x' is not two variables",
     "simulate moling --portrait x,w --plot a.png": "--portrait: unknown variable 'w'",
     "simulate moling --portrait x,v --modes --plot a.png": "leave out --draw and --modes",
+    "simulate moling --slow-down 2": "--slow-down: this is drawn into a file: name it, such as"
+    " --animate film.mp4",
+    "simulate moling --draw p --animate a.gif": "--draw: this is drawn into a file: name it, such",
+    "simulate moling --animate a.avi": "the suffix says the format: .mp4, .gif, .html",
+    "simulate moling --animate a.gif --slow-down 900": "at most 2000",
     "simulate moling --from 5": "--from: this is drawn into a file: name it, such as --plot",
     "simulate": "Missing argument",
     "simulate moling --periods many": "Invalid value for '--periods'",
@@ -245,3 +250,21 @@ def test_misuse_is_told(call, accumulating, monkeypatch, tmp_path, line):
     assert MISUSES[line] in " ".join(result.stderr.split())
     assert result.stdout == ""
     assert os.listdir(tmp_path) == []
+
+
+def test_a_film_of_the_last_periods(call, tmp_path):
+    """The film is that of plot.animate, with as many frames as the pace asks for."""
+    from PIL import Image
+
+    file = tmp_path / "film.gif"
+    options = ["--periods", "12", "--from", "11", "--portrait", "p,v", "--slow-down", "1"]
+    result = call("simulate", "moling", *options, "--animate", file)
+    assert result.exit_code == 0, result.stderr
+    assert f"drawn {file}" in result.stdout
+    with Image.open(file) as image:
+        lengths = []
+        for frame in range(image.n_frames):
+            image.seek(frame)
+            lengths.append(image.info["duration"])
+    assert sum(lengths) == 40 * 26  # 25 frames a second, and the last one, in milliseconds
+    assert os.listdir(tmp_path) == ["film.gif"]

@@ -21,6 +21,7 @@ FEW = {"samples": 2, "record": 20, "longest": 50}
 BRIEF = {"transient": 5, "record": 4, "evidence": 20, "longest": 5, "confirm": 0}
 SPEEDS = {"parameter": "omega", "values": [0.8, 0.9], "transient": 2, "record": 4}
 MAKE = {
+    "animate": lambda: {"run": data("run")},
     "attractors": lambda: {"data": ns.attractors(ns.StroboscopicMap(STRUCK), SQUARE, **FEW)},
     "basins": lambda: {
         "data": ns.basins_of_attraction(
@@ -65,6 +66,9 @@ MAKE = {
         "grid": ns.regime_map(STRUCK, over={"omega": [0.8, 0.9], "a": [0.6, 0.7]}, **BRIEF)
     },
     "return_map": lambda: {"data": returns()},
+    "save_animation": lambda: {
+        "film": ns.plot.animate(data("run"), slow_down=1.0), "path": "a.gif",
+    },
     "save_figure": lambda: {"figure": ns.plot.print_figure()[0], "path": "a.png"},
     "section": lambda: {"points": data("points"), "x": "x", "y": "v"},
     "smoothing": lambda: {

@@ -174,7 +174,7 @@ class VerbCommand(click.Command):
         last: list[tuple[str, str]] = []
         groups: dict[str, list[tuple[str, str]]] = {"Arguments": [], "Options": [], "Output": []}
         output = {"plot", "save", "json", "store"}
-        output |= {own.name for own in self.entry.own if own.drawn}
+        output |= {own.name for own in self.entry.own if _is_output(own)}
         for param in self.get_params(ctx):
             record = param.get_help_record(ctx)
             if isinstance(param, click.Argument):
@@ -196,7 +196,7 @@ class VerbCommand(click.Command):
 
     def _options(self) -> Iterator[click.Option]:
         entry, flags, seen = self.entry, self.entry.flags(), set()
-        own = [each for each in entry.own if not each.drawn]
+        own = [each for each in entry.own if not _is_output(each)]
         yield from (own_option(each) for each in own)
         seen |= {each.name for each in own}
         for verb, names in entry.verbs:
@@ -212,7 +212,7 @@ class VerbCommand(click.Command):
                 )
         if entry.plot:
             yield own_option(Own("plot", _PLOT.format(entry.plot), "FILE"))
-        yield from (own_option(each) for each in entry.own if each.drawn)
+        yield from (own_option(each) for each in entry.own if _is_output(each))
         if entry.save:
             yield own_option(Own("save", _SAVE.format(entry.save), "FILE"))
         if entry.json:
@@ -252,6 +252,11 @@ _ARGUMENTS = {
 }
 
 
+def _is_output(own: Own) -> bool:
+    """Whether an option says what is drawn, or where."""
+    return own.drawn or own.filmed or own.name == "animate"
+
+
 class _Model(click.ParamType):
     name = "MODEL"
 
@@ -288,18 +293,33 @@ class Task:
 
         self.entry, self.given, self.typed = entry, given, typed
         self._picture: tuple[str, tuple[Any, ...], dict[str, Any]] | None = None
+        self._animation: Any = None
         self.plot = _path(given.get("plot"))
+        self.film = _path(given.get("animate"))
         self.save = _path(given.get("save"))
         # files that could not be written are refused before a long run and not after it
         if self.plot is not None:
             check_target(self.plot, PICTURES)
         if self.save is not None:
             check_target(self.save, (".nc",))
-        idle = [flag(each.name) for each in entry.own if each.drawn and each.name in typed]
-        if idle and self.plot is None:
+        if self.film is not None:
+            from nonsmooth.plot.film_files import check_film
+
+            check_film(self.film)
+        self._check_targets()
+
+    def _check_targets(self) -> None:
+        """Refuse options of pictures and films that are drawn nowhere."""
+        idle: dict[str, list[str]] = {}
+        for each in self.entry.own:
+            done = (each.drawn and self.plot) or (each.filmed and self.film)
+            if each.name in self.typed and (each.drawn or each.filmed) and not done:
+                file = "--plot picture.png" if each.drawn else "--animate film.mp4"
+                idle.setdefault(file, []).append(flag(each.name))
+        if idle:
+            file, flags = next(iter(idle.items()))
             raise OptionError(
-                f"{' and '.join(idle)}: this is drawn into a file: name it, such as --plot"
-                " picture.png"
+                f"{' and '.join(flags)}: this is drawn into a file: name it, such as {file}"
             )
 
     def __getitem__(self, name: str) -> Any:
@@ -326,6 +346,12 @@ class Task:
     def picture(self, function: str, data: Any, *arguments: Any, **options: Any) -> None:
         """Choose what --plot draws: a function of `nonsmooth.plot`, and what it is given."""
         self._picture = function, (data, *arguments), options
+
+    def animation(self, run: xr.Dataset, **options: Any) -> None:
+        """Make the film for --animate; what is wrong with it is told before the report."""
+        from nonsmooth import plot
+
+        self._animation = plot.animate(run, **options)
 
     def finish(
         self, result: xr.Dataset | None, report: Report, *, kept: str | None = None, code: int = 0
@@ -360,6 +386,11 @@ class Task:
             getattr(plot, function)(*arguments, ax=ax, **options)
             plot.save_figure(figure, self.plot)
             self.say(f"drawn {self.plot}")
+        if self.film is not None and self._animation is not None:
+            from nonsmooth import plot
+
+            plot.save_animation(self._animation, self.film)
+            self.say(f"drawn {self.film}")
         if code:
             raise click.exceptions.Exit(code)
 

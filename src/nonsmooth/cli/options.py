@@ -61,6 +61,7 @@ class Own(NamedTuple):
     multiple: bool = False
     required: bool = False
     drawn: bool = False  # it says something about the picture, so it needs --plot
+    filmed: bool = False  # likewise about the film, which --animate names
 
 
 def _words(text: str, _: str) -> list[str]:

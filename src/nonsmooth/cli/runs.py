@@ -53,8 +53,12 @@ def simulate(task: Task) -> None:
     _check_window(system, window, options)
     run = _quietly(_run, system, **options)
 
+    drawn = task.plot is not None or task.film is not None
+    times = _drawn_times(run, window) if drawn else None
+    if task.film is not None:
+        slow_down = task["slow_down"]
+        task.animation(run, portrait=coordinates, time_range=times, slow_down=slow_down)
     if task.plot is not None:
-        times = _drawn_times(run, window)
         if coordinates is None:
             history = "phases" if task["modes"] else "time_history"
             task.picture(history, run, shown, time_range=times)

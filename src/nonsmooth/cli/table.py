@@ -57,17 +57,33 @@ TABLE = {
                 " the modes, in place of a time history.",
                 "x,v",
                 drawn=True,
+                filmed=True,
             ),
             Own("orbit", "Draw the orbit of two coordinates instead.", "x,y", drawn=True),
             Own("modes", "Colour the modes behind the time history.", drawn=True),
             _draw("States and outputs of the time history.", "NAME[,NAME...]"),
-            Own("from", "Draw from this period on.", "NUMBER", drawn=True),
+            Own("from", "Draw from this period on.", "NUMBER", drawn=True, filmed=True),
             Own(
                 "time_range",
                 "Draw between these two times.",
                 "A,B",
                 convert=time_range,
                 drawn=True,
+                filmed=True,
+            ),
+            Own(
+                "animate",
+                "Write a film of the machine and its phase portrait into this file, which ends in"
+                " .mp4, .gif or .html. --portrait names the variables of the portrait, --from and"
+                " --time-range the times.",
+                "FILE",
+            ),
+            Own(
+                "slow_down",
+                "Seconds of the film for a period, or for a unit of time without a period; 4 by"
+                " default, or less for many periods.",
+                "NUMBER",
+                filmed=True,
             ),
         ),
         plot="a time history",

@@ -1,4 +1,6 @@
-"""Pictures of results: a dataset and axes in, axes out; nothing is simulated here.
+"""Pictures of results: a dataset and axes in, axes out.
+
+Nothing is simulated here, but for the motion between the samples of a run that a film shows.
 
 matplotlib is imported when something is drawn.
 """
@@ -6,6 +8,7 @@ matplotlib is imported when something is drawn.
 from __future__ import annotations
 
 from nonsmooth.drawings import Drawing, drawing_of
+from nonsmooth.plot.animation import animate
 from nonsmooth.plot.basins import attractors, basins
 from nonsmooth.plot.branches import branch
 from nonsmooth.plot.cascades import waterfall
@@ -14,6 +17,7 @@ from nonsmooth.plot.comparisons import comparison
 from nonsmooth.plot.diagrams import bifurcation
 from nonsmooth.plot.exponents import exponents, translation
 from nonsmooth.plot.figures import print_figure, save_figure
+from nonsmooth.plot.film_files import save_animation
 from nonsmooth.plot.fitted_records import fit
 from nonsmooth.plot.fracture import crack_lengths, stiffness_laws, stress_intensity
 from nonsmooth.plot.growth_curves import growth_curve
@@ -42,6 +46,7 @@ from nonsmooth.plot.uncertainty_curve import uncertainty
 __all__ = [
     "PALETTE",
     "Drawing",
+    "animate",
     "attractors",
     "axis_label",
     "basins",
@@ -71,6 +76,7 @@ __all__ = [
     "quality",
     "regime_map",
     "return_map",
+    "save_animation",
     "save_figure",
     "section",
     "shaking",

@@ -161,6 +161,23 @@ def _pair(name: str, value: Any) -> None:
         raise OptionError(f"{name} = ({low:g}, {high:g}): the first must be below the second")
 
 
+def _drawing(name: str, value: Any) -> None:
+    from nonsmooth.drawings import Drawing
+
+    if not isinstance(value, Drawing):
+        raise OptionError(
+            f"{name} = {value!r:.60}: give a Drawing, which plot.Drawing.from_toml reads from a"
+            " file"
+        )
+
+
+def _film(name: str, value: Any) -> None:
+    from nonsmooth.plot.film import Film
+
+    if not isinstance(value, Film):
+        raise OptionError(f"{name} = {value!r:.60}: give a film, which plot.animate makes")
+
+
 def _path(name: str, value: Any) -> None:
     from pathlib import Path
 
@@ -180,6 +197,8 @@ CHECKS: dict[str, Callable[[str, Any], None]] = {
     "Axes": _axes,
     "Sequence[Axes]": _several_axes,
     "Figure": _figure,
+    "Drawing": _drawing,
+    "Film": _film,
     "CrackCurve": _crack_curve,
     "npt.ArrayLike": _numbers,
     "Branches": _branches,

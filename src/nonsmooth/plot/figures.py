@@ -15,14 +15,14 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["new_axes", "print_figure", "save_figure"]
+__all__ = ["FIGURE_STYLE", "new_axes", "print_figure", "save_figure", "set_ticks"]
 
 _CENTIMETRES = 1.0 / 2.54  # in inches
 _COARSEST = 10  # dots per inch
 _TEXT, _SMALL = 8.0, 7.0  # points; journals ask for at least 6 to 7 after reduction
 # of curves that a caller draws: told apart with every kind of colour vision; yellow is faint
 _COLOURS = [colour for name, colour in PALETTE.items() if name != "yellow"]
-_STYLE: Any = {
+FIGURE_STYLE: Any = {
     "axes.prop_cycle": f"cycler('color', {_COLOURS})",
     "font.size": _TEXT,
     "axes.labelsize": _TEXT,
@@ -81,12 +81,12 @@ def print_figure(
         height = 0.75 * width * rows / columns
     positive_number("height", height)
     size = (width * _CENTIMETRES, height * _CENTIMETRES)
-    with matplotlib.rc_context(_STYLE):
+    with matplotlib.rc_context(FIGURE_STYLE):
         figure = Figure(figsize=size, layout="constrained")
         grid = figure.subplots(rows, columns, squeeze=False, sharex=share_x)
     axes = list(grid.flat)
     for ax in axes:
-        _set_ticks(ax)
+        set_ticks(ax)
     return figure, axes
 
 
@@ -95,15 +95,16 @@ def new_axes(projection: str | None = None) -> Any:
     import matplotlib
     import matplotlib.pyplot as plt
 
-    with matplotlib.rc_context(_STYLE):
+    with matplotlib.rc_context(FIGURE_STYLE):
         size = (8.0 * _CENTIMETRES, 6.0 * _CENTIMETRES)
         how = {"projection": projection}
         _, ax = plt.subplots(figsize=size, layout="constrained", subplot_kw=how)
-    _set_ticks(ax)
+    set_ticks(ax)
     return ax
 
 
-def _set_ticks(ax: Axes) -> None:
+def set_ticks(ax: Axes) -> None:
+    """Set the ticks of axes of a figure for print."""
     # matplotlib makes ticks when it draws, long after the style's context was left
     ax.tick_params(labelsize=_SMALL, width=0.6, length=2.5)
     if ax.name == "rectilinear":
