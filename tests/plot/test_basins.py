@@ -7,6 +7,7 @@ from matplotlib.colors import to_hex
 
 import nonsmooth as ns
 from nonsmooth import OptionError
+from nonsmooth.plot.period_colours import NOT_SETTLED, PERIODS
 
 
 def basins(label, across=None, up=None, points=(), periods=(), kinds=()):
@@ -259,3 +260,19 @@ def test_distances_are_written_out_and_do_not_collide(side):
     assert len(boxes) >= 2
     assert all(a.x1 < b.x0 for a, b in pairwise(boxes))
     assert ("points only" in ax.get_legend().get_texts()[0].get_text()) == (side <= 40)
+
+
+def test_colours_of_periods_are_those_of_the_map():
+    """Two attractors of one period have one colour; without a period the kind decides."""
+    data = basins(
+        [[1, 2, 3, 4, 0]],
+        points=[[(0, 0)], [(1, 0)], [(2, 0), (2.2, 0)], [(3, 0)]],
+        periods=[1, 2, 2, 0],
+        kinds=["periodic", "periodic", "periodic", "chaotic"],
+    )
+    ax = ns.plot.basins(data, colour="period")
+    (image,) = ax.images
+    shown = [to_hex(colour).upper() for colour in image.cmap(image.norm(image.get_array()))[0]]
+    assert shown == [PERIODS[1], PERIODS[2], PERIODS[2], "#000000", NOT_SETTLED]
+    with pytest.raises(OptionError, match="unknown choice 'kind'"):
+        ns.plot.basins(data, colour="kind")

@@ -4,6 +4,7 @@ import xarray as xr
 
 import nonsmooth as ns
 from nonsmooth import OptionError
+from nonsmooth.plot.period_colours import LONGER, NOT_SETTLED, PERIODS
 
 
 def diagram(columns, points, lanes=1):
@@ -52,3 +53,78 @@ def test_unknown_variables(name):
 def test_what_is_no_diagram():
     with pytest.raises(OptionError, match="no dimensions"):
         ns.plot.bifurcation(xr.Dataset({"x": ("time", [1.0])}), "x")
+
+
+def coloured(ax):
+    """Labels, colours, and parameters at which points are drawn, of each set of points."""
+    return [
+        (
+            line.get_label() if not line.get_label().startswith("_") else "",
+            line.get_color(),
+            sorted(set(line.get_xdata()[np.isfinite(line.get_ydata())].tolist())),
+        )
+        for line in ax.lines
+    ]
+
+
+def test_colours_tell_periods():
+    data = diagram(6, 4)
+    data["period"][:, 0] = [1, 2, 2, 11, 0, 8]
+    ax = ns.plot.bifurcation(data, "x", colour="period")
+    assert coloured(ax) == [
+        ("period 1", PERIODS[1], [0.0]),
+        ("period 2", PERIODS[2], [1.0, 2.0]),
+        ("period 8", PERIODS[8], [5.0]),
+        ("period > 8", LONGER, [3.0]),
+        ("no period found", NOT_SETTLED, [4.0]),
+    ]
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == [
+        "period 1",
+        "period 2",
+        "period 8",
+        "period > 8",
+        "no period found",
+    ]
+
+
+def test_verdicts_tell_chaos_from_what_has_not_settled():
+    data = diagram(4, 4)
+    data["period"][:, 0] = [1, 0, 0, 0]
+    words = ["periodic", "chaotic", "unsettled", "periodic"]
+    data["regime"] = (("parameter", "lane"), np.array(words)[:, None])
+    assert coloured(ns.plot.bifurcation(data, "x", colour="period")) == [
+        ("period 1", PERIODS[1], [0.0]),
+        ("chaotic", "#000000", [1.0]),
+        ("unsettled", NOT_SETTLED, [2.0]),
+        ("no period found", NOT_SETTLED, [3.0]),
+    ]
+    data["regime"][0, 0] = "wild"
+    with pytest.raises(OptionError, match="'wild'"):
+        ns.plot.bifurcation(data, "x", colour="period")
+
+
+def test_periods_of_several_initial_states_keep_their_marks():
+    data = diagram(4, 2, lanes=2)
+    data["period"][:, 1] = 2
+    data["period"][3, 1] = 1
+    ax = ns.plot.bifurcation(data, "x", colour="period")
+    assert [(name, colour) for name, colour, _ in coloured(ax)] == [
+        ("period 1", PERIODS[1]),
+        ("", PERIODS[1]),
+        ("period 2", PERIODS[2]),
+    ]
+    assert len({line.get_marker() for line in ax.lines}) == 2
+
+
+def test_periods_of_quantities_of_columns_have_the_same_colours():
+    data = diagram(3, 2)
+    data["period"][:, 0] = [1, 2, 1]
+    found = coloured(ns.plot.bifurcation(data, "period", colour="period"))
+    assert [each[2] for each in found] == [[0.0, 2.0], [1.0]]
+
+
+def test_other_colours_are_refused():
+    with pytest.raises(OptionError, match="unknown choice 'lane'"):
+        ns.plot.bifurcation(diagram(3, 2), "x", colour="lane")
+    with pytest.raises(OptionError, match="no variable 'period'"):
+        ns.plot.bifurcation(diagram(3, 2).drop_vars("period"), "x", colour="period")

@@ -8,7 +8,7 @@ import xarray as xr
 
 import nonsmooth as ns
 from nonsmooth.errors import OptionError
-from nonsmooth.plot.regimes import REGIME_COLOURS
+from nonsmooth.plot.period_colours import LONGER, PERIODS, REGIME_COLOURS
 
 KINDS = ["fold", "flip", "torus", "symmetry_breaking", "branch_point", "grazing", "corner"]
 
@@ -162,21 +162,39 @@ def test_folds_of_constructions_that_are_no_motions_do_not_look_real():
     assert "fold, inadmissible" in legend_texts(ax)
 
 
+def apart(one, other):
+    """Distance of two colours in OKLab for the sight that tells them least."""
+    return min(np.linalg.norm(oklab(one, sight) - oklab(other, sight)) for sight in SIGHTS)
+
+
+def test_a_longer_period_is_darker_with_every_kind_of_colour_vision():
+    scale = [*PERIODS.values(), LONGER]
+    for sight in SIGHTS:
+        lightness = [oklab(colour, sight)[0] for colour in scale]
+        assert all(after < before - 0.02 for before, after in pairwise(lightness))
+
+
 def test_regimes_are_told_apart_with_every_kind_of_colour_vision():
-    """Chaos from all others, and periods n and 2n; distances in the colour space OKLab."""
-    periods = [f"period {n}" for n in range(1, 9)]
+    """Two hundredths in OKLab are seen side by side; the bounds are more than twice that.
+
+    A scale from light to dark has a length, which its colours share: neighbours are nearer to each
+    other than colours of any order would be, and steps of doubled periods the longest.
+    """
     doubled = {frozenset((f"period {n}", f"period {2 * n}")) for n in range(1, 5)}
+    regimes = {name for name in REGIME_COLOURS if not name.startswith("period")}
     for one, other in combinations(REGIME_COLOURS, 2):
-        apart = min(
-            np.linalg.norm(oklab(REGIME_COLOURS[one], sight) - oklab(REGIME_COLOURS[other], sight))
-            for sight in SIGHTS
-        )
+        found = apart(REGIME_COLOURS[one], REGIME_COLOURS[other])
         if "chaotic" in (one, other):
-            assert apart > 0.38, (one, other)
-        elif {one, other} in doubled:
-            assert apart > 0.14, (one, other)
-        elif one in periods and other in periods:
-            assert apart > 0.065, (one, other)
+            assert found > 0.34, (one, other)
+        elif frozenset((one, other)) in doubled:
+            assert found > 0.12, (one, other)
+        elif {one, other} & regimes:
+            assert found > 0.07, (one, other)
+        else:
+            assert found > 0.05, (one, other)
+    settled = [name for name in REGIME_COLOURS if name not in ("unsettled", "chaotic")]
+    assert min(apart(REGIME_COLOURS["unsettled"], REGIME_COLOURS[k]) for k in settled) > 0.09
+    assert min(apart(colour, "#FFFFFF") for colour in REGIME_COLOURS.values()) > 0.1
 
 
 def oklab(colour, sight):

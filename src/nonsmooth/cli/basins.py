@@ -71,7 +71,7 @@ def basins(task: Task) -> None:
         raise OptionError(f"--plot draws basins over two states, and --over has {len(region)}")
     result = basins_of_attraction(_map(task), region, **_options(task, "basins_of_attraction"))
 
-    task.picture("basins", result)
+    task.picture("basins", result, colour=task["colour"])
     attrs, label = result.attrs, result["label"]
     report = Report(str(attrs["system_name"]))
     _add_status(report, result)

@@ -61,7 +61,7 @@ def diagram(task: Task) -> None:
     starts = list(task["initial"]) or None
     result = bifurcation_diagram(target, parameter, values, initial=starts, **options)
 
-    task.picture("bifurcation", result, drawn)
+    task.picture("bifurcation", result, drawn, colour=task["colour"])
     complete = result.attrs["message"].startswith("completed")
     report = _diagram_report(result)
     _add_refusal(report, system, result)

@@ -22,6 +22,11 @@ def _draw(text: str, metavar: str = "x,v") -> Own:
     return Own("draw", text, metavar, drawn=True)
 
 
+def _colour(usual: str) -> Own:
+    text = "What the colours of the picture tell."
+    return Own("colour", text, "NAME", usual, (usual, "period"), drawn=True)
+
+
 _PARAMETER = "Parameter, its first value, its last value and how many values."
 _PAIR = _draw("Draw the second variable over the first; the first two states by default.")
 _MODES = Own("modes", "Colour the points by mode.", drawn=True)
@@ -227,6 +232,7 @@ TABLE = {
             _over(_PARAMETER, required=True),
             _ON_SECTION,
             _draw("What to draw, the first state by default.", "NAME"),
+            _colour("initial"),
         ),
         multiple=("initial",),
         plot="the diagram",
@@ -368,6 +374,7 @@ TABLE = {
                 required=True,
                 multiple=True,
             ),
+            _colour("attractor"),
         ),
         plot="the basins",
         save="the result",

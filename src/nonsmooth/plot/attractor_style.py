@@ -9,6 +9,7 @@ import numpy as np
 
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.plot.crowding import uncrowded
+from nonsmooth.plot.period_colours import LONGER, OTHER_REGIMES, colour_of_motion
 from nonsmooth.plot.style import PALETTE, axis_label, mixed
 from nonsmooth.runs.labels import labels_of
 from nonsmooth.system.system import System
@@ -32,6 +33,7 @@ __all__ = [
     "draw_attractors",
     "percent",
     "state_label",
+    "styles_by_period",
 ]
 
 UNSETTLED, ENDED_EARLY, INADMISSIBLE, NOT_COMPUTED = "#FFFFFF", "#5A5A5A", "#D4D4D4", "#A8A8A8"
@@ -40,6 +42,7 @@ UNSETTLED, ENDED_EARLY, INADMISSIBLE, NOT_COMPUTED = "#FFFFFF", "#5A5A5A", "#D4D
 # next seven, ...; further ones begin anew.
 _SHADES = ((11, 8), (5, 13), (15, 2))
 _SHAPES = "osD^v<>pPX"  # of the first periods; longer ones are stars
+_DARK = (LONGER, OTHER_REGIMES["chaotic"])  # basins on which black points would be lost
 _STARS = 5  # with three points and more
 
 Marker = Any  # a letter, or a tuple for a star
@@ -76,6 +79,19 @@ def attractor_styles(data: xr.Dataset, numbers: Sequence[int]) -> dict[int, Attr
             _text(data, number, int(period) if periodic else None),
         )
     return styles
+
+
+def styles_by_period(
+    data: xr.Dataset, styles: Mapping[int, AttractorStyle]
+) -> dict[int, AttractorStyle]:
+    """The same with basins in the colours of periods and kinds, and points black or white."""
+    found = {}
+    for number, style in styles.items():
+        period, kind = _one(data, "period", number), _one(data, "kind", number)
+        shade = colour_of_motion(0 if period is None else int(period), str(kind or ""))
+        points = "#FFFFFF" if shade in _DARK else "#000000"
+        found[number] = style._replace(basin=shade, points=points)
+    return found
 
 
 def _shape(period: int) -> Marker:

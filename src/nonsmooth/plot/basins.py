@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.plot.arguments import checked
 from nonsmooth.plot.attractor_style import (
     ENDED_EARLY,
@@ -22,9 +22,11 @@ from nonsmooth.plot.attractor_style import (
     draw_attractors,
     percent,
     state_label,
+    styles_by_period,
 )
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.legends import place_legend
+from nonsmooth.plot.period_colours import NOT_SETTLED
 from nonsmooth.plot.style import finish_axes
 
 if TYPE_CHECKING:
@@ -41,6 +43,7 @@ _OTHERS = {
 }
 Points = tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]
 
+_COLOURS = ("attractor", "period")
 _EVEN = 1e-6  # of a step, between cells that count as equally wide
 
 
@@ -50,6 +53,7 @@ def basins(
     *,
     ax: Axes | None = None,
     attractors: bool = True,
+    colour: str = "attractor",
     legend: bool = True,
 ) -> Axes:
     """Basins of attraction in pale colours, the attractors in them in dark ones.
@@ -65,6 +69,9 @@ def basins(
     attractors : bool, optional
         Whether to draw the points of the attractors. Their markers tell periods apart: circles
         are of period one, squares of period two; dots are motion without a period.
+    colour : {"attractor", "period"}, optional
+        What the colours tell: attractors, each in its own hue, or their periods, in the colours of
+        `regime_map`. Attractors of one period have one colour then.
     legend : bool, optional
         Whether to draw a legend with the kind of each attractor and the fraction of the starts
         that lead to it.
@@ -72,8 +79,9 @@ def basins(
     Returns
     -------
     matplotlib.axes.Axes
-        The axes, with one image. Unsettled starts are white, those that ended early dark grey,
-        inadmissible ones light grey, those that an interruption left out grey.
+        The axes, with one image. Unsettled starts are white, or blue beside colours of periods;
+        those that ended early dark grey, inadmissible ones light grey, those that an interruption
+        left out grey.
 
     Raises
     ------
@@ -102,6 +110,8 @@ def basins(
         raise OptionError(
             "the dataset has no 'label' over two states; give a result of basins_of_attraction"
         )
+    if colour not in _COLOURS:
+        raise OptionError(f"colour: {unknown_name('choice', colour, _COLOURS)}")
     if data["label"].size == 0:
         raise OptionError("the dataset has no cells to draw; give more values of both states")
     up, across = (str(name) for name in data["label"].dims)
@@ -109,14 +119,17 @@ def basins(
     data = _with_fractions(data, labels)
     numbers = sorted({int(k) for k in np.unique(labels) if k > 0} | _known(data))
     styles = attractor_styles(data, numbers)
+    others = dict(_OTHERS)
+    if colour == "period":
+        styles, others[0] = styles_by_period(data, styles), (NOT_SETTLED, others[0][1])
     points = {number: attractor_points(data, number, across, up) for number in numbers}
     borders = _edges(data, across), _edges(data, up)
     if attractors:
         styles = {k: _telling_outside(style, points[k], borders) for k, style in styles.items()}
-    entries = _entries(styles, labels) if legend else []
+    entries = _entries(styles, others, labels) if legend else []
     own = ax is None
     ax = new_axes() if ax is None else ax
-    colours = {k: colour for k, (colour, _) in _OTHERS.items()}
+    colours = {k: shade for k, (shade, _) in others.items()}
     colours |= {number: style.basin for number, style in styles.items()}
     _draw_cells(ax, labels, colours, *borders)
     if attractors:
@@ -202,12 +215,16 @@ def _telling_outside(style: AttractorStyle, points: Points, borders: Points) -> 
     return style._replace(text=f"{style.text}, {'partly ' if inside.any() else ''}outside")
 
 
-def _entries(styles: dict[int, AttractorStyle], labels: npt.NDArray[np.int_]) -> list[Any]:
+def _entries(
+    styles: dict[int, AttractorStyle],
+    others: dict[int, tuple[str, str]],
+    labels: npt.NDArray[np.int_],
+) -> list[Any]:
     """Entries of the key: attractors with their basins, then what is no basin."""
     from matplotlib.patches import Patch
 
     entries: list[Any] = [attractor_entry(style, basin=True) for style in styles.values()]
-    for k, (colour, text) in _OTHERS.items():
+    for k, (colour, text) in others.items():
         count = int(np.count_nonzero(labels == k))
         if count and k > -2:
             text += f", {percent(count / np.count_nonzero(labels > -2))}"

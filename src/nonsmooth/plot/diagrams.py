@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.plot.arguments import checked
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.legends import place_legend
+from nonsmooth.plot.period_colours import NOT_SETTLED, OTHER_REGIMES, by_period
 from nonsmooth.plot.style import PALETTE, axis_label, finish_axes
 
 if TYPE_CHECKING:
@@ -21,6 +24,11 @@ __all__ = ["bifurcation"]
 _DENSE = 20_000  # points; more become an image within a PDF
 _FEW = 3_000  # points that are drawn large enough to be seen one by one
 _MARKERS = "osD^v<>"
+_COLOURED = 1.5  # times as large: small dots of pale colours are faint
+_COLOURS = ("initial", "period")
+_NO_PERIOD = "no period found"
+
+Floats = npt.NDArray[np.float64]
 
 
 @checked
@@ -29,6 +37,7 @@ def bifurcation(
     variable: str,
     *,
     ax: Axes | None = None,
+    colour: str = "initial",
     legend: bool = True,
 ) -> Axes:
     """Points of a bifurcation diagram over its parameter.
@@ -42,13 +51,15 @@ def bifurcation(
         ``"v_per_time"``.
     ax : matplotlib.axes.Axes, optional
         Where to draw; new axes of a column's width by default.
+    colour : {"initial", "period"}, optional
+        What the colours tell: initial states, or the period of the motion in each column.
     legend : bool, optional
-        Whether to tell several initial states apart in a legend.
+        Whether to name the periods, or to tell several initial states apart, in a legend.
 
     Returns
     -------
     matplotlib.axes.Axes
-        The axes, with one set of points for each initial state.
+        The axes, with one set of points for each initial state, or for each colour.
 
     Raises
     ------
@@ -58,6 +69,11 @@ def bifurcation(
     Notes
     -----
     More than 20000 points become an image within a PDF, so that the file stays small.
+
+    Colours of periods are those of `regime_map` and `basins`: a longer period is darker. A motion
+    for which the diagram found no period may be chaotic, of a longer period or still a transient;
+    it is blue. Where the dataset has a variable ``regime`` over ``parameter`` and ``lane`` with the
+    words of `nonsmooth.regime`, they decide: chaos is black then.
 
     Examples
     --------
@@ -72,6 +88,8 @@ def bifurcation(
     if "parameter" not in diagram.dims or "lane" not in diagram.dims:
         raise OptionError("the dataset has no dimensions 'parameter' and 'lane'; give it a diagram")
     known = [str(name) for name, values in diagram.data_vars.items() if values.dtype.kind in "fi"]
+    if colour not in _COLOURS:
+        raise OptionError(f"colour: {unknown_name('choice', colour, _COLOURS)}")
     if variable not in known:
         raise OptionError(unknown_name("variable", variable, known))
     ax = new_axes() if ax is None else ax
@@ -80,25 +98,82 @@ def bifurcation(
         values = values[:, :, None]
     count = int(np.isfinite(values).sum())
     size = 3.0 if count <= _FEW else (1.5 if count <= _DENSE else 0.9)
-    colours = list(PALETTE.values())
-    for lane in range(values.shape[1]):
-        here = np.broadcast_to(diagram["parameter"].values[:, None], values[:, lane].shape)
-        single = values.shape[1] == 1
+    size *= _COLOURED if colour == "period" else 1.0
+    parts = _lanes(values) if colour == "initial" else _periods(diagram, values)
+    for part in parts:
+        here = np.broadcast_to(diagram["parameter"].values[:, None], part.values.shape)
         ax.plot(
             here.ravel(),
-            values[:, lane].ravel(),
+            part.values.ravel(),
             linestyle="none",
-            marker="." if count > _FEW else _MARKERS[lane % len(_MARKERS)],
-            markersize=size * max(0.4, 1.0 - 0.3 * lane),  # those below stay visible
+            marker="." if count > _FEW else _MARKERS[part.lane % len(_MARKERS)],
+            markersize=size * max(0.4, 1.0 - 0.3 * part.lane),  # those below stay visible
             markeredgewidth=0.0,
-            color="black" if single else colours[lane % len(colours)],
-            label=None if single else f"initial state {lane + 1}",
+            color=part.colour,
+            label=part.label,
             rasterized=count > _DENSE,
         )
     finish_axes(ax, axis_label(diagram["parameter"]), _height_label(diagram, variable))
     if legend:
         place_legend(ax)
     return ax
+
+
+class _Part(NamedTuple):
+    """Points of one colour; nan where there are none."""
+
+    values: Floats
+    lane: int
+    colour: str
+    label: str | None
+
+
+def _lanes(values: Floats) -> Iterator[_Part]:
+    """A part for each initial state."""
+    colours = list(PALETTE.values())
+    single = values.shape[1] == 1
+    for lane in range(values.shape[1]):
+        colour = "black" if single else colours[lane % len(colours)]
+        yield _Part(values[:, lane], lane, colour, None if single else f"initial state {lane + 1}")
+
+
+def _periods(diagram: xr.Dataset, values: Floats) -> Iterator[_Part]:
+    """A part for each period that motions have, and each other regime, by initial states."""
+    if "period" not in diagram or set(diagram["period"].dims) != {"parameter", "lane"}:
+        raise OptionError(
+            "colour = 'period': the diagram has no variable 'period' over its columns; give a"
+            " result of bifurcation_diagram"
+        )
+    period = diagram["period"].transpose("parameter", "lane").values
+    regime = _regimes(diagram, period)
+    for name, colour, where in (
+        *by_period(period, regime == "periodic"),
+        *((name, colour, regime == name) for name, colour in OTHER_REGIMES.items()),
+        (_NO_PERIOD, NOT_SETTLED, regime == _NO_PERIOD),
+    ):
+        label: str | None = name
+        for lane in np.flatnonzero(where.any(axis=0)):
+            chosen = np.where(where[:, lane, None], values[:, lane], np.nan)
+            if np.isfinite(chosen).any():
+                yield _Part(chosen, int(lane), colour, label)
+                label = None  # stands in the legend once
+
+
+def _regimes(diagram: xr.Dataset, period: npt.NDArray[np.int64]) -> npt.NDArray[np.str_]:
+    """What each motion is: of itself the diagram knows whether it has a period."""
+    found = np.where(period > 0, "periodic", _NO_PERIOD).astype("<U32")
+    if "regime" not in diagram:
+        return found
+    given = diagram["regime"].broadcast_like(diagram["period"]).transpose("parameter", "lane")
+    words = given.values.astype(str)
+    unknown = sorted(set(words.ravel()) - {"periodic", *OTHER_REGIMES})
+    if unknown:
+        known = ", ".join(["periodic", *OTHER_REGIMES])
+        raise OptionError(
+            f"colour = 'period': the variable 'regime' of the diagram has the word {unknown[0]!r};"
+            f" known ones are {known}"
+        )
+    return np.where(period > 0, found, np.where(words == "periodic", _NO_PERIOD, words))
 
 
 def _height_label(diagram: xr.Dataset, variable: str) -> str:

@@ -1,9 +1,4 @@
-"""`regime_map`: what motions settle to over two parameters.
-
-Colours of regimes are the same in every picture. They begin from the scheme "muted" of P. Tol,
-Colour schemes, SRON/EPS/TN/09-002. Its darkest ones, which a small area of chaos looks like, are
-lighter here: black is chaos. Periods n and 2n, which often meet, differ most.
-"""
+"""`regime_map`: what motions settle to over two parameters."""
 
 from __future__ import annotations
 
@@ -17,33 +12,14 @@ import numpy.typing as npt
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.plot.arguments import checked
 from nonsmooth.plot.figures import new_axes
+from nonsmooth.plot.period_colours import OTHER_REGIMES, by_period
 from nonsmooth.plot.style import axis_label, finish_axes
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-__all__ = ["REGIME_COLOURS", "regime_map"]
-
-PERIODS = {
-    1: "#88CCEE", 2: "#2233C8", 3: "#DDCC77", 4: "#D2566B", 5: "#158A2E", 6: "#7B2F8C",
-    7: "#44AA99", 8: "#A0B508",
-}  # fmt: skip
-LONGER = "#B04AE0"
-OTHER_REGIMES = {
-    "equilibrium": "#B8F5A5",
-    "locked": "#8A5A12",
-    "limit-cycle": "#5C93F0",
-    "quasi-periodic": "#5A5A5A",
-    "chaotic": "#000000",
-    "absorbed": "#DDDDDD",
-    "unsettled": "#FFFFFF",
-}
-REGIME_COLOURS = {
-    **{f"period {n}": colour for n, colour in PERIODS.items()},
-    f"period > {len(PERIODS)}": LONGER,
-    **OTHER_REGIMES,
-}
+__all__ = ["regime_map"]
 
 _ENDED = "ended early"  # for other reasons than those of the words below
 _HATCHES = {
@@ -76,6 +52,8 @@ def regime_map(
     quantity: str | None = None,
 ) -> Axes:
     """Regimes over two parameters, one colour each, and one for each period up to eight.
+
+    A longer period is darker; chaos is black, and blue has not settled.
 
     Parameters
     ----------
@@ -168,9 +146,9 @@ def _categories(grid: xr.Dataset, words: bool) -> tuple[np.ndarray, list[str], l
     codes, periods = grid["regime"].values, grid[variable].values
     periodic = codes == labels.index("periodic")
     # in the order of the legend: periods, longer ones, the other labels
-    order = [(f"period {n}", colour, periodic & (periods == n)) for n, colour in PERIODS.items()]
-    order.append((f"period > {len(PERIODS)}", LONGER, periodic & (periods > len(PERIODS))))
-    order = [part for entry in order for part in shades(grid, *entry, words=words)]
+    order = [
+        part for entry in by_period(periods, periodic) for part in shades(grid, *entry, words=words)
+    ]
     others = np.select([codes == code for code in range(len(labels))], labels, "")
     ended = ~np.isin(others, ["periodic", *OTHER_REGIMES, *_HATCHES])
     order += [(word, colour, others == word) for word, colour in OTHER_REGIMES.items()]
