@@ -45,6 +45,38 @@ def test_every_machine_is_drawn_within_its_view(name):
             assert low <= shape.y.min() and shape.y.max() <= high, "a mass leaves the picture"
 
 
+def recorded_base():
+    times = np.linspace(0.0, 10.0, 401)
+    return ns.Signal(times, np.sin(2.0 * times) + 0.3 * np.sin(5.1 * times))
+
+
+VARIANTS = {
+    "ring that returns": lambda: ns.models.rotor(ring="returns"),
+    "stiffnesses given": lambda: ns.models.breathing_crack(kappa_open=5.0, kappa_closed=14.0),
+    "frozen growth": lambda: ns.models.breathing_crack(growth="8 + t/100"),
+    "growth in the flow": lambda: ns.models.breathing_crack(growth="8 + t/100", grows="flow"),
+    "recorded base": lambda: ns.models.fatigue_rig(base=recorded_base()),
+    "falling friction": lambda: ns.models.belt_oscillator(law="falling"),
+    "driven belt": lambda: ns.models.belt_oscillator(F=0.2),
+    "mole at rest": lambda: ns.models.moling(a=0.0, b=0.0),
+    "belt at rest": lambda: ns.models.belt_oscillator(v_b=0.0),
+    "preloaded wall": lambda: ns.models.impact_oscillator(sigma=-0.5),
+}
+
+
+@pytest.mark.parametrize("name", VARIANTS)
+def test_variants_of_models_are_drawn(name):
+    """Systems of one name differ in parameters and outputs; nothing is missing or not finite."""
+    system = VARIANTS[name]()
+    run = ns.simulate(system, times=np.linspace(0.0, 8.0, 161))
+    drawing = drawing_of(system)
+    assert system.name in drawing.systems
+    frames = drawing.frames(run)
+    for shape in frames.shapes:
+        assert shape.kind != "area" or np.isfinite(shape.x + shape.y).all()
+    assert frames.x_range[0] < frames.x_range[1]
+
+
 def test_each_system_has_one_drawing():
     """No two files claim a system, and each system that a file names is a model."""
     folder = files("nonsmooth.drawings") / "machines"

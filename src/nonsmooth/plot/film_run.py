@@ -100,8 +100,7 @@ def film_run(run: xr.Dataset, system: System, times: np.ndarray) -> xr.Dataset:
         again = simulate(system, run.isel(time=max(place, 0)), times=times)
     if again.sizes["time"] < times.size:
         raise OptionError(
-            f"the motion ends at t = {float(again['end_number'] * 0 + again['time'][-1]):g} when it"
-            f" is run from t = {samples[place]:g}: {again.attrs['message']}; give a time_range"
-            " that ends there"
+            f"the motion does not come to the end of the film when it is run from t ="
+            f" {samples[place]:g}: {again.attrs['message']}; give a time_range that ends earlier"
         )
     return again
