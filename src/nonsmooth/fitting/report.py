@@ -22,7 +22,7 @@ from nonsmooth.fitting.intervals import (
     threshold,
 )
 from nonsmooth.fitting.residual_series import (
-    Series,
+    ChannelSeries,
     residual_series,
     series_variables,
     tests_of_series,
@@ -204,7 +204,7 @@ def _names_of_channels(shooting: Shooting) -> list[str]:
     ]
 
 
-def _events_words(best: Fitted, series: Sequence[Series]) -> str:
+def _events_words(best: Fitted, series: Sequence[ChannelSeries]) -> str:
     """Picked events that the motion does not have, and those of it that were not picked."""
     words = ""
     missed = sum(int(np.count_nonzero(each.missed & ~each.held_back)) for each in series)

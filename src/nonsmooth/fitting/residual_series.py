@@ -18,7 +18,7 @@ from nonsmooth.fitting.residuals import Residuals
 from nonsmooth.fitting.shooting import Shooting
 from nonsmooth.fitting.solver import Fitted
 
-__all__ = ["Series", "ljung_box", "residual_series", "series_variables", "tests_of_series"]
+__all__ = ["ChannelSeries", "ljung_box", "residual_series", "series_variables", "tests_of_series"]
 
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
@@ -27,7 +27,7 @@ Variables = dict[str, Any]
 _LAGS = 20
 
 
-class Series(NamedTuple):
+class ChannelSeries(NamedTuple):
     """What belongs to one channel of one record, in order of its samples or picked events."""
 
     record: int
@@ -46,8 +46,8 @@ class Series(NamedTuple):
 
 def residual_series(
     shooting: Shooting, channels: Sequence[ObservedChannel], best: Fitted
-) -> list[Series]:
-    """Series of all channels; what was held back is predicted by a run that goes on.
+) -> list[ChannelSeries]:
+    """ChannelSeries of all channels; what was held back is predicted by a run that goes on.
 
     channels: those of the shooting with all their data, what was held back included
     """
@@ -56,7 +56,9 @@ def residual_series(
         measured = channel.values
         held = np.isfinite(measured) & ~np.isfinite(kept.values)
         none = np.full(measured.shape, np.nan)
-        found.append(Series(-1, channel, measured, none, held, np.zeros(measured.shape, bool)))
+        found.append(
+            ChannelSeries(-1, channel, measured, none, held, np.zeros(measured.shape, bool))
+        )
     _enter(found, best.evaluation.rows, best.noise)
     for r in range(len(shooting.records)):
         for c in shooting.channels_in(r):
@@ -65,7 +67,7 @@ def residual_series(
     return found
 
 
-def _enter(series: list[Series], rows: Residuals, noise: Floats, first: int = 0) -> None:
+def _enter(series: list[ChannelSeries], rows: Residuals, noise: Floats, first: int = 0) -> None:
     """Take residuals into the series, those of channel 0 into the first one."""
     for c in np.unique(rows.channel):
         own = (rows.channel == c) & rows.matched
@@ -74,7 +76,7 @@ def _enter(series: list[Series], rows: Residuals, noise: Floats, first: int = 0)
         each.missed[rows.place[(rows.channel == c) & ~rows.matched]] = True
 
 
-def _predict(shooting: Shooting, r: int, series: list[Series], best: Fitted) -> None:
+def _predict(shooting: Shooting, r: int, series: list[ChannelSeries], best: Fitted) -> None:
     """Residuals of what was held back of a record."""
     record, own = shooting.records[r], shooting.channels_in(r)
     if not any(series[c].held_back.any() for c in own):
@@ -101,7 +103,7 @@ def _predict(shooting: Shooting, r: int, series: list[Series], best: Fitted) -> 
 
 
 def series_variables(
-    series: Sequence[Series], times: Floats, record_times: Sequence[Floats]
+    series: Sequence[ChannelSeries], times: Floats, record_times: Sequence[Floats]
 ) -> Variables:
     """Variables of a dataset: samples over ``time``, picked events over ``picked``."""
     both, shape = ("channel", "time"), (len(series), times.size)
@@ -137,7 +139,7 @@ def series_variables(
     return found
 
 
-def tests_of_series(series: Sequence[Series], noise: Floats) -> Variables:
+def tests_of_series(series: Sequence[ChannelSeries], noise: Floats) -> Variables:
     """Whiteness of the fitted residuals of each channel, and the error of its prediction."""
     statistics, chances = [], []
     errors = np.full(noise.size, np.nan)
