@@ -11,7 +11,7 @@ import pytest
 import xarray as xr
 
 import nonsmooth as ns
-from contract.test_wrong_arguments import RUBBING, SPRING, STRUCK, WRONG, data, swing
+from contract.test_wrong_arguments import RUBBING, STRUCK, WRONG, data, swing
 from nonsmooth.plot.arguments import CHECKS
 
 # What a message may say in place of the argument: which variable or kind of dataset is missing.
@@ -35,6 +35,7 @@ MAKE = {
     "comparison": lambda: {
         "computed": data("run"), "measured": data("run"), "x": "time", "y": "x",
     },
+    "corner": lambda: {"data": data("fit")},
     "crack_lengths": lambda: {
         "curve": ns.fatigue.CrackCurve(5.0, 1e-3, 426925.0, 54734.0), "times": [0.0, 4e5],
     },
@@ -44,7 +45,8 @@ MAKE = {
     "exponents": lambda: {
         "spectrum": ns.lyapunov_spectrum(STRUCK, transient=2, record=4, confirm=0)
     },
-    "fit": lambda: {"data": ns.fit(SPRING, swing(), {"k": (1.0, 9.0)}, starts=1)},
+    "fit": lambda: {"data": data("fit")},
+    "fit_spectra": lambda: {"data": data("fit")},
     "load_cycles": lambda: {
         "cycles": ns.fatigue.count_cycles(np.sin(6.0 * LINE), np.arange(5.0))
     },
@@ -66,6 +68,7 @@ MAKE = {
     },
     "return_map": lambda: {"data": returns()},
     "save_figure": lambda: {"figure": ns.plot.print_figure()[0], "path": "a.png"},
+    "profiles": lambda: {"data": data("fit")},
     "section": lambda: {"points": data("points"), "x": "x", "y": "v"},
     "smoothing": lambda: {
         "data": ns.smoothing_report(RUBBING, epsilons=(0.1, 0.01), periods=1, samples=20)
