@@ -26,7 +26,8 @@ Floats = npt.NDArray[np.float64]
 _COLUMNS = 3  # panels beside each other
 _WIDTH, _HEIGHT = 5.4, 4.6  # of a panel in a figure of our own, in cm
 _LEAST_WIDTH = 8.0  # of that figure
-_TOP = 1.4  # of the threshold: what is drawn
+_BOTTOM, _TOP = -0.04, 1.4  # of the threshold: what is drawn
+_ROOM = 0.12  # of what is drawn across, on either side
 _POINTS = 200  # of a curve
 _WHAT = "fall of 2 log L"
 
@@ -114,7 +115,9 @@ def _draw(ax: Axes, one: xr.Dataset, threshold: float) -> None:
     values, rises = values[good], rises[good]
     estimate, deviation = float(one["estimate"]), float(one["standard_error"])
     low, high = float(one["interval_low"]), float(one["interval_high"])
-    first, last = _view(values, rises, threshold)
+    seen = np.append(values[rises <= _TOP * threshold], (low, high))
+    room = _ROOM * float(np.ptp(seen))
+    first, last = float(seen.min()) - room, float(seen.max()) + room
     ax.axvspan(low, high, color=PALETTE["sky"], alpha=0.25, linewidth=0.0, zorder=0,
                label="95 % interval")  # fmt: skip
     ax.axhline(threshold, color="0.35", linestyle=":", linewidth=1.0, label="threshold")
@@ -132,14 +135,7 @@ def _draw(ax: Axes, one: xr.Dataset, threshold: float) -> None:
                        linewidth=0.0, label="beyond the bounds")  # fmt: skip
             ax.axvline(bound, color="0.35", linewidth=1.2)
     ax.set_xlim(first, last)
-    ax.set_ylim(0.0, _TOP * threshold)
-
-
-def _view(values: Floats, rises: Floats, threshold: float) -> tuple[float, float]:
-    """What is drawn across: the points that lie within the height, and some room."""
-    within = values[rises <= _TOP * threshold]
-    room = 0.12 * float(within[-1] - within[0])
-    return float(within[0]) - room, float(within[-1]) + room
+    ax.set_ylim(_BOTTOM * threshold, _TOP * threshold)
 
 
 def _curve(values: Floats, rises: Floats, estimate: float) -> tuple[Floats, Floats]:

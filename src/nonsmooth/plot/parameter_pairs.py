@@ -197,7 +197,7 @@ def _draw_pair(
     angle = np.linspace(0.0, 2.0 * np.pi, _POINTS)
     circle = np.stack([np.cos(angle), np.sin(angle)])
     middle = data["estimate"].sel(parameter=list(pair)).values
-    for level, label in zip(_JOINT, ("68 % and 95 % of a normal density", "_"), strict=True):
+    for level, label in zip(_JOINT, ("normal, 68 % and 95 %", "_"), strict=True):
         edge = vectors @ (np.sqrt(level * np.maximum(spreads, 0.0))[:, None] * circle)
         ax.plot(*(middle[:, None] + edge), color="black", linewidth=0.9, label=label)
     ax.plot(*middle[:, None], "+", color="black", markersize=6.0, label="estimate")
