@@ -55,6 +55,7 @@ if TYPE_CHECKING:
         RunWarning,
     )
     from nonsmooth.fitting.fit import fit
+    from nonsmooth.fitting.posterior import posterior
     from nonsmooth.runs.poincare_map import PoincareMap
     from nonsmooth.runs.simulate import simulate
     from nonsmooth.runs.stroboscopic_map import StroboscopicMap
@@ -110,6 +111,7 @@ __all__ = [
     "phase_word",
     "plot",
     "poincare_section",
+    "posterior",
     "power_spectrum",
     "regime",
     "regime_map",
@@ -162,6 +164,7 @@ _HOME = {
     "order_tracking": "nonsmooth.analysis.order_tracking",
     "period_statistics": "nonsmooth.analysis.period_statistics",
     "phase_word": "nonsmooth.runs.words",
+    "posterior": "nonsmooth.fitting.posterior",
     "poincare_section": "nonsmooth.analysis.poincare_section",
     "power_spectrum": "nonsmooth.analysis.power_spectrum",
     "regime": "nonsmooth.analysis.regime",

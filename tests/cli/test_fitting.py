@@ -100,9 +100,46 @@ def test_instants_beside_a_record(call, tmp_path):
         (["--free", "k=0:1", "--by-record", "k=1"], "is not of the form record.parameter"),
         (["--free", "k=0:1", "--shift", "1:0"], "--shift"),
         (["--free", "k=0:1", "--private", "k"], "--private: there is one record"),
+        (["--free", "k=0:1", "--store", "a"], "--store keeps draws of a posterior: give"),
+        (["--free", "k=0:1", "--posterior", "3"], "--posterior = 3 must be a whole number of at"),
+        (
+            ["--free", "k=0:1", "--plot", "a.png", "--draw", "corner", "--channel", "ch1"],
+            "--channel is that of samples or spectra, not of --draw corner",
+        ),
     ],
 )
 def test_wrong_words(call, ramp, more, said):
     result = call("fit", *ramp, *more)
     assert result.exit_code == 2
     assert said in result.stderr
+
+
+@pytest.mark.parametrize("draw", ["fit", "profiles", "corner", "spectra"])
+def test_every_picture_is_drawn(call, ramp, tmp_path, draw):
+    picture = tmp_path / "fit.png"
+    result = call(
+        "fit", *ramp, "--free", "k=0:2", "--gain", "ch1=2", "--channel-offset", "ch1=0.5",
+        "--starts", "1", "--plot", picture, "--draw", draw,
+    )  # fmt: skip
+    assert result.exit_code == 0, result.stderr
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_posterior_beside_the_fit(call, ramp, tmp_path):
+    words = ["fit", *ramp, "--free", "k=0:2", "--gain", "ch1=2", "--channel-offset", "ch1=0.5",
+             "--starts", "1", "--segments", "1", "--store", tmp_path / "chain"]  # fmt: skip
+    result = call(*words, "--posterior", "15")
+    assert result.exit_code == 1  # the chain is too short
+    assert "give --posterior" in result.stdout
+    result = call(*words, "--posterior", "200", "--json", "--plot", tmp_path / "a.png",
+                  "--draw", "corner")  # fmt: skip
+    assert result.exit_code == 0, result.stderr
+    found = json.loads(result.stdout)
+    assert found["posterior"] == "completed"
+    (row, noise) = found["posterior_parameters"]
+    (known,) = found["parameters"]
+    # 100 samples: t and normal distribution are alike; of 500 independent draws the ends of an
+    # interval are known to 5 % of its width
+    width = known["interval_high"] - known["interval_low"]
+    assert row["interval_low"] == pytest.approx(known["interval_low"], abs=0.2 * width)
+    assert noise["parameter"] == "ch1 noise"

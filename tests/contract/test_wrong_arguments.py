@@ -113,6 +113,7 @@ def data(name):
         "basins": lambda: xr.Dataset(
             {"label": (("y", "x"), np.repeat([1, 2, 3], 20) * np.ones((60, 1), int))}
         ),
+        "fit": lambda: ns.fit(SPRING, swing(), {"k": (1.0, 9.0)}, starts=1),
         "cloud": lambda: np.random.default_rng(0).normal(size=(3000, 2)),
     }
     return make[name]()
@@ -142,6 +143,10 @@ def cases():
         "fit": (
             {"system": SPRING, "record": swing(), "free": {"k": (1.0, 9.0)}, "starts": 1},
             {},
+        ),
+        "posterior": (
+            {"found": data("fit"), "draws": 10, "transient": 0},
+            {"draws": 100_000, "transient": 100_000},
         ),
         "ensemble": (struck | {"initial": {"x": [0.0, 0.1]}, "record": 2}, {"record": 100_000}),
         "lyapunov_spectrum": (

@@ -11,7 +11,7 @@ import pytest
 import xarray as xr
 
 import nonsmooth as ns
-from contract.test_wrong_arguments import RUBBING, SPRING, STRUCK, WRONG, data, swing
+from contract.test_wrong_arguments import RUBBING, STRUCK, WRONG, data, swing
 from nonsmooth.plot.arguments import CHECKS
 
 # What a message may say in place of the argument: which variable or kind of dataset is missing.
@@ -36,6 +36,7 @@ MAKE = {
     "comparison": lambda: {
         "computed": data("run"), "measured": data("run"), "x": "time", "y": "x",
     },
+    "corner": lambda: {"data": data("fit")},
     "crack_lengths": lambda: {
         "curve": ns.fatigue.CrackCurve(5.0, 1e-3, 426925.0, 54734.0), "times": [0.0, 4e5],
     },
@@ -45,7 +46,8 @@ MAKE = {
     "exponents": lambda: {
         "spectrum": ns.lyapunov_spectrum(STRUCK, transient=2, record=4, confirm=0)
     },
-    "fit": lambda: {"data": ns.fit(SPRING, swing(), {"k": (1.0, 9.0)}, starts=1)},
+    "fit": lambda: {"data": data("fit")},
+    "fit_spectra": lambda: {"data": data("fit")},
     "load_cycles": lambda: {
         "cycles": ns.fatigue.count_cycles(np.sin(6.0 * LINE), np.arange(5.0))
     },
@@ -70,6 +72,7 @@ MAKE = {
         "film": ns.plot.animate(data("run"), slow_down=1.0), "path": "a.gif",
     },
     "save_figure": lambda: {"figure": ns.plot.print_figure()[0], "path": "a.png"},
+    "profiles": lambda: {"data": data("fit")},
     "section": lambda: {"points": data("points"), "x": "x", "y": "v"},
     "smoothing": lambda: {
         "data": ns.smoothing_report(RUBBING, epsilons=(0.1, 0.01), periods=1, samples=20)

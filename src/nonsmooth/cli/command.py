@@ -67,6 +67,7 @@ RENAMED = {
     ("continue_orbit", "direction"): "way",
     ("measured.low_pass", "cutoff"): "low_pass",
     ("measured.diagram", "unit"): "speed_unit",
+    ("posterior", "draws"): "posterior",
 }
 
 # Arguments that --over gives.

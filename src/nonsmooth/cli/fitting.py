@@ -20,12 +20,15 @@ __all__ = ["fit"]
 
 # options of the shell by the names of the arguments; --offset is one number in other commands
 _SENSOR = {"gain": "gain", "offset": "channel_offset", "delay": "delay", "noise": "noise"}
+# pictures of one channel, by what --draw calls them
+_OF_CHANNELS = {"fit": "fit", "spectra": "fit_spectra"}
 
 
 def fit(task: Task) -> None:
     """``nonsmooth fit``."""
     from nonsmooth.fitting.fit import fit as verb
 
+    _check(task)
     system = task.system
     ranges = (value_limits(text, "--free") for text in task["free"])
     observe = settings(task["observe"], "--observe")
@@ -46,18 +49,67 @@ def fit(task: Task) -> None:
         ("to (95 %)", "interval_high", "{:.6g}".format),
         ("determined", "identified", lambda known: "" if known else "no"),
     ]
-    names = [name for _, name, _ in columns]
-    report.table("parameters", columns, zip(*(found[name].values for name in names), strict=True))
+    _add_table(report, "parameters", columns, found)
     channels: list[Any] = [
         ("channel", "channel", str),
         ("noise", "noise", "{:.4g}".format),
         ("whiteness", "whiteness", "{:.2g}".format),
         ("prediction", "prediction_error", lambda x: "" if np.isnan(x) else f"{x:.3g} noise"),
     ]
-    names = [name for _, name, _ in channels]
-    report.table("channels", channels, zip(*(found[name].values for name in names), strict=True))
-    task.picture("fit", found, task["draw"])
-    task.finish(found, report, code=task.by_status(found))
+    _add_table(report, "channels", channels, found)
+    drawn = _posterior(task, found, report)
+    _choose_picture(task, found, drawn)
+    code = task.by_status(found) or (0 if drawn is None else task.by_status(drawn))
+    task.finish(found, report, code=code)
+
+
+def _check(task: Task) -> None:
+    """Refuse options that do not go together, and what the posterior would refuse after the fit."""
+    from nonsmooth.fitting.posterior import check_chain
+
+    if task["posterior"] is None and task["store"] is not None:
+        raise OptionError("--store keeps draws of a posterior: give --posterior")
+    if task["posterior"] is not None:
+        check_chain(**task.options("posterior"))
+    if task["channel"] is not None and task["draw"] not in _OF_CHANNELS:
+        raise OptionError(f"--channel is that of samples or spectra, not of --draw {task['draw']}")
+
+
+def _posterior(task: Task, found: xr.Dataset, report: Report) -> xr.Dataset | None:
+    """Draw the posterior, where that was asked for, and add it to the report."""
+    if task["posterior"] is None:
+        return None
+    from nonsmooth.fitting.posterior import posterior as verb
+
+    drawn = verb(found, **task.options("posterior"))
+    report.add("posterior", str(drawn.attrs["message"]))
+    columns: list[Any] = [
+        ("parameter", "parameter", str),
+        ("mean", "mean", "{:.6g}".format),
+        ("from", "interval_low", "{:.6g}".format),
+        ("to (95 %)", "interval_high", "{:.6g}".format),
+        ("independent draws", "effective_number", "{:.0f}".format),
+        ("split R-hat", "split_r_hat", "{:.3f}".format),
+    ]
+    if "mean" in drawn:
+        _add_table(report, "posterior_parameters", columns, drawn)
+    return drawn
+
+
+def _choose_picture(task: Task, found: xr.Dataset, drawn: xr.Dataset | None) -> None:
+    """Choose what --plot draws."""
+    if task["draw"] in _OF_CHANNELS:
+        task.picture(_OF_CHANNELS[task["draw"]], found, task["channel"])
+    elif task["draw"] == "corner":
+        task.picture("corner", found, posterior=drawn)
+    else:
+        task.picture("profiles", found)
+
+
+def _add_table(report: Report, name: str, columns: list[Any], data: xr.Dataset) -> None:
+    """Add a table of variables over one dimension."""
+    values = (data[variable].values for _, variable, _ in columns)
+    report.table(name, columns, zip(*values, strict=True))
 
 
 def _records(task: Task, observe: dict[str, str]) -> Any:

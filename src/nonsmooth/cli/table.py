@@ -400,6 +400,7 @@ TABLE = {
             ("fit", "initial shift private form cycle segments hold_back starts loss bootstrap"
              " tolerance seed"),
             ("measured.read_csv", "time sample_rate time_range delimiter decimal"),
+            ("posterior", "draws store seed"),
         ),
         (
             Own("free", "Parameter to find, with its least and its largest value. You may give it"
@@ -425,10 +426,15 @@ TABLE = {
                     ("noise", "Standard deviation of the noise of a channel; without it, free."),
                 )
             ),
-            _draw("Channel to draw, the first one by default.", "x"),
+            Own("draw", "What the picture shows: samples with the residuals, profiles of the"
+                " likelihood, pairs of parameters, or spectra.", "NAME", default="fit",
+                choices=("fit", "profiles", "corner", "spectra"), drawn=True),
+            Own("channel", "Channel of the picture of samples or of spectra, the first one by"
+                " default.", "x", drawn=True),
         ),
+        defaults={"posterior": None},
         arguments="MODEL RECORD [NAME=VALUE...]",
-        plot="measured and fitted samples, with the residuals",
+        plot="the fit",
         save="the result",
         size=(12.0, 8.0),
         example="nonsmooth fit soft_impact record.csv --free beta=15:45 --observe x=x",

@@ -142,14 +142,18 @@ def fit(
         ``interval_high`` (95 %, from the profile of the likelihood), ``interval_open`` where a
         bound cuts an interval off, ``identified``, ``lower_bound`` and ``upper_bound``;
         ``covariance`` and ``correlation`` (also over ``parameter_0``); with ``bootstrap``,
-        ``bootstrap_low`` and ``bootstrap_high``. Over ``channel``: ``noise``,
+        ``bootstrap_low``, ``bootstrap_high`` and ``bootstrap_estimate`` (also over ``draw``);
+        ``profile_value`` and ``profile_rise`` (also over ``profile_point``), points of the
+        profiles, whose intervals end where the rise is the attribute ``profile_threshold``. Over
+        ``channel``: ``noise``,
         ``prediction_error`` (root mean square of what was held back, in units of the noise),
         ``ljung_box`` and ``whiteness`` (its probability for white residuals). Over ``channel``
         and ``time``: ``measured``, ``fitted``, ``residual``, ``held_back``. Over ``picked``, the
         events of all channels: ``picked_channel``, ``picked_measured``, ``picked_fitted``,
         ``picked_residual``, ``picked_held_back``, and ``picked_missed`` where the motion has no
         such event. Over ``segment``: ``segment_time``, ``segment_state`` and the number of its
-        record, ``segment_record``. Over ``start``: ``start_estimate``,
+        record, ``segment_record``. Over ``mark``: ``mark_time``, marks of a single record or where
+        periods of the forcing begin. Over ``start``: ``start_estimate``,
         ``start_cost``, ``start_agrees``. Over ``direction``, combinations of parameters that
         are not determined: ``direction_part``, ``direction_spread``. Attributes: ``status``
         (completed, not_converged), ``message``, ``open_parameters`` in words, ``largest_gap``
@@ -166,7 +170,9 @@ def fit(
     See Also
     --------
     simulate : the motion of the fitted system.
+    posterior : how probable values are, where a normal density with these errors is not enough.
     plot.fit : measured beside fitted.
+    plot.profiles : how fast the likelihood falls away from each estimate.
 
     Notes
     -----
@@ -226,7 +232,14 @@ def fit(
         "starts": count, "bootstrap": drawn, "seed": chosen,
     }  # fmt: skip
     whole = [channel for each in records for channel in each.channels]
-    return fit_dataset(whole, found, told, loss, drawn, chosen)
+    return fit_dataset(whole, found, told, loss, drawn, chosen, _marks(record))
+
+
+def _marks(record: Any) -> Floats | None:
+    """Marks of a single record that has some."""
+    if "mark_time" not in getattr(record, "coords", ()):
+        return None
+    return np.asarray(record["mark_time"].values, float)
 
 
 def _records(system: System, record: Any, by_record: Any) -> list[tuple[str, Any, System]]:

@@ -29,6 +29,7 @@ _SMALLEST = 1e-9  # singular value, as a part of the largest, that tells nothing
 _CLOSE = 0.01  # of the threshold: how near the end of an interval is found
 _STEPS = 6  # for one end of an interval
 _LOWER = -0.02  # of the threshold: a profile that goes below has found a better minimum
+_MIDDLE = (0.3, 0.7)  # of the way to an end: a point there tells how the profile is bent
 _PART = 0.25  # of a direction: parameters with less do not belong to it
 
 
@@ -38,6 +39,7 @@ class Interval(NamedTuple):
     low: float
     high: float
     is_open: tuple[bool, bool]  # where a bound of the parameter cuts it off
+    profile: Floats  # (K, 2): values, and by how much twice the cost has risen there
 
 
 class Direction(NamedTuple):
@@ -108,50 +110,87 @@ def profile_intervals(
     rise = threshold(shooting, fitted.evaluation.rows.residual.size)
     found = []
     for i in range(shooting.h):
-        ends = [_end(shooting, fitted, covariance, loss, i, side, rise) for side in (-1, 1)]
-        found.append(Interval(ends[0][0], ends[1][0], (ends[0][1], ends[1][1])))
+        profile = _Profile(shooting, fitted, covariance, loss, i, rise)
+        ends = [profile.end(side) for side in (-1, 1)]
+        for side in (-1, 1):
+            profile.look_between(side)
+        found.append(Interval(ends[0][0], ends[1][0], (ends[0][1], ends[1][1]), profile.points))
     return found
 
 
-def _end(
-    shooting: Shooting,
-    fitted: Fitted,
-    covariance: Floats,
-    loss: str,
-    i: int,
-    side: int,
-    rise: float,
-) -> tuple[float, bool]:
-    """One end of an interval, and whether a bound cuts it off."""
-    low, high = shooting.limits
-    bound = (low if side < 0 else high)[i]
-    room = abs(bound - fitted.u[i])
-    deviation = float(np.sqrt(covariance[i, i]))
-    along = covariance[:, i] / covariance[i, i]
-    distance, best, inside = deviation * np.sqrt(rise), fitted.u[i], (0.0, 0.0)
-    outside = np.inf
-    for _ in range(_STEPS):
-        distance = min(distance, room)
-        if distance <= 0.0:
-            return float(best), True
-        u = np.clip(fitted.u + side * distance * along, low, high)
-        u[i] = fitted.u[i] + side * distance
+class _Profile:
+    """The least cost over one unknown: how much twice of it rises away from the estimate."""
+
+    def __init__(
+        self,
+        shooting: Shooting,
+        fitted: Fitted,
+        covariance: Floats,
+        loss: str,
+        i: int,
+        rise: float,
+    ) -> None:
+        self.shooting, self.fitted, self.loss, self.i, self.rise = shooting, fitted, loss, i, rise
+        self.deviation = float(np.sqrt(covariance[i, i]))
+        self._along = covariance[:, i] / covariance[i, i]
+        self._seen: dict[float, float] = {0.0: 0.0}  # rises by signed distances
+
+    @property
+    def points(self) -> Floats:
+        """Values that were looked at, in order, with the rises there."""
+        distances = np.array(sorted(self._seen))
+        rises = np.array([self._seen[each] for each in distances])
+        return np.column_stack([self.fitted.u[self.i] + distances, rises])
+
+    def look(self, distance: float) -> float:
+        """Rise at a signed distance; infinite where no motion can be computed."""
+        low, high = self.shooting.limits
+        u = np.clip(self.fitted.u + distance * self._along, low, high)
+        u[self.i] = self.fitted.u[self.i] + distance
         held = minimise(
-            shooting, u, fitted.noise, fitted.multipliers, loss=loss, held=i, most=25
+            self.shooting, u, self.fitted.noise, self.fitted.multipliers, loss=self.loss,
+            held=self.i, most=25,
         )  # fmt: skip
-        risen = np.inf if held is None else 2.0 * (held.cost - fitted.cost)
-        if held is not None and risen < _LOWER * rise:
+        if held is None:
+            return np.inf
+        risen = 2.0 * (held.cost - self.fitted.cost)
+        if risen < _LOWER * self.rise:
             raise Better(held)
-        if abs(risen - rise) <= _CLOSE * rise:
-            return float(u[i]), False
-        if risen < rise:
-            inside = (distance, max(risen, 0.0))
-            if distance >= room:
-                return float(bound), True
-        else:
-            outside = distance
-        distance = _next_distance(distance, risen, rise, inside[0], outside)
-    return float(fitted.u[i] + side * distance), False
+        self._seen[distance] = max(risen, 0.0)
+        return risen
+
+    def end(self, side: int) -> tuple[float, bool]:
+        """One end of the interval, and whether a bound cuts it off."""
+        bound = self.shooting.limits[0 if side < 0 else 1][self.i]
+        middle, rise = float(self.fitted.u[self.i]), self.rise
+        room, distance = abs(bound - middle), self.deviation * np.sqrt(rise)
+        inside, outside = 0.0, np.inf
+        for _ in range(_STEPS):
+            distance = min(distance, room)
+            if distance <= 0.0:
+                return middle, True
+            risen = self.look(side * distance)
+            if abs(risen - rise) <= _CLOSE * rise:
+                return middle + side * distance, False
+            if risen < rise:
+                inside = distance
+                if distance >= room:
+                    return float(bound), True
+            else:
+                outside = distance
+            distance = _next_distance(distance, risen, rise, inside, outside)
+        return middle + side * distance, False
+
+    def look_between(self, side: int) -> None:
+        """Look halfway to the farthest point of a side, where nothing near it was looked at."""
+        distances = [side * each for each in self._seen if side * each > 0.0]
+        if not distances:
+            return
+        # a point far outside tells little of the curve within the interval
+        last = min(max(distances), 2.0 * self.deviation * np.sqrt(self.rise))
+        low, high = (part * last for part in _MIDDLE)
+        if not any(low < each < high for each in distances):
+            self.look(side * 0.5 * last)
 
 
 def _next_distance(

@@ -27,6 +27,7 @@ from nonsmooth.fitting.residual_series import (
     series_variables,
     tests_of_series,
 )
+from nonsmooth.fitting.restart import restart_text
 from nonsmooth.fitting.shooting import Shooting
 from nonsmooth.fitting.solver import Fitted, close_gaps
 
@@ -72,13 +73,15 @@ def fit_dataset(
     loss: str,
     drawn: int,
     seed: int,
+    marks: Floats | None,
 ) -> xr.Dataset:
-    """Dataset of a fit."""
+    """Dataset of a fit; without marks of the record those of the forcing stand in it."""
     shooting = search.shooting
     best, covariance, intervals = _certain(shooting, search.best, loss)
     head = covariance[: shooting.h, : shooting.h]
     directions = open_directions(shooting, covariance)
     variables = _estimates(shooting, best, head, intervals, directions)
+    variables |= _profiles(shooting, intervals)
     if drawn:
         variables |= _bootstrap(shooting, best, loss, drawn, seed)
     series = residual_series(shooting, channels, best)
@@ -87,9 +90,8 @@ def fit_dataset(
     variables |= series_variables(series, times, record_times)
     variables |= tests_of_series(series, best.noise) | _segments(shooting, best)
     variables["noise"] = ("channel", best.noise, {"long_name": "standard deviation of the noise"})
-    agrees = search.heights - height(best) < 0.5 * threshold(
-        shooting, best.evaluation.rows.residual.size
-    )
+    most_risen = threshold(shooting, best.evaluation.rows.residual.size)
+    agrees = search.heights - height(best) < 0.5 * most_risen
     variables |= _starts(shooting, search, agrees, height(best))
     variables |= _directions(directions)
     words = _open_words(shooting, best, directions)
@@ -109,6 +111,8 @@ def fit_dataset(
         "open_parameters": words,
         "largest_gap": gap,
         **steady,
+        "profile_threshold": most_risen,
+        "restart": restart_text(shooting),
         "cost": best.cost,
         "n_fitted": int(best.evaluation.rows.residual.size),
         "n_evaluations": search.n_evaluations,
@@ -119,6 +123,11 @@ def fit_dataset(
         "parameter_0": ("parameter_0", names, {"long_name": "what is found"}),
         "channel": ("channel", np.array(names_of_channels)),
         "time": ("time", times, {"long_name": "time"}),
+        "mark_time": (
+            "mark",
+            _marks(shooting, best) if marks is None else marks,
+            {"long_name": "marks of the record, or where periods of the forcing begin"},
+        ),
         "state": ("state", np.array(shooting.system.states)),
     }
     return xr.Dataset(variables, coords, attrs)
@@ -137,7 +146,7 @@ def _certain(shooting: Shooting, best: Fitted, loss: str) -> tuple[Fitted, Float
                 break
             best = again
     covariance = covariance_of(shooting, best)
-    nothing = Interval(np.nan, np.nan, (False, False))
+    nothing = Interval(np.nan, np.nan, (False, False), np.zeros((0, 2)))
     return best._replace(closed=False), covariance, [nothing] * shooting.h
 
 
@@ -179,13 +188,32 @@ def _estimates(
     }  # fmt: skip
 
 
+def _profiles(shooting: Shooting, intervals: list[Interval]) -> Variables:
+    """Points of the profiles of the likelihood; nan behind those of a parameter with fewer."""
+    most = max(len(each.profile) for each in intervals)
+    values, rises = np.full((2, shooting.h, most), np.nan)
+    origin, units = shooting.head_values(np.zeros(shooting.h)), shooting.head_units()
+    for i, each in enumerate(intervals):
+        count = len(each.profile)
+        values[i, :count] = origin[i] + units[i] * each.profile[:, 0]
+        rises[i, :count] = each.profile[:, 1]
+    both, words = ("parameter", "profile_point"), "fall of twice the logarithm of the likelihood"
+    return {
+        "profile_value": (both, values, {"long_name": "value at which everything else is found"}),
+        "profile_rise": (both, rises, {"long_name": words}),
+    }
+
+
 def _bootstrap(shooting: Shooting, best: Fitted, loss: str, drawn: int, seed: int) -> Variables:
-    """95 % intervals from residuals drawn anew in blocks."""
+    """Estimates and 95 % intervals from residuals drawn anew in blocks."""
     found = block_bootstrap(shooting, best, loss, drawn, seed)
     ends = np.full((2, shooting.h), np.nan)
     if found is not None:
         ends = np.quantile(found, [0.025, 0.975], axis=0)
-    return {
+    heads = np.zeros((0, shooting.h)) if found is None else found
+    about = {"long_name": "estimate from residuals drawn anew in blocks"}
+    estimates = np.array([shooting.head_values(each) for each in heads]).reshape(heads.shape)
+    return {"bootstrap_estimate": (("draw", "parameter"), estimates, about)} | {
         f"bootstrap_{side}": (
             "parameter",
             shooting.head_values(end),
@@ -193,6 +221,20 @@ def _bootstrap(shooting: Shooting, best: Fitted, loss: str, drawn: int, seed: in
         )
         for side, end in zip(("low", "high"), ends, strict=True)
     }
+
+
+def _marks(shooting: Shooting, best: Fitted) -> Floats:
+    """Instants of the only record at which periods of the forcing begin."""
+    record, values = shooting.records[0], shooting.head_values(best.u)
+    own = shooting.values_in(0, values)
+    fitted = record.system.with_parameters(**dict(zip(record.free, own[: record.p], strict=True)))
+    period = fitted.period_value
+    if len(shooting.records) > 1 or period is None or not record.times.size:
+        return np.zeros(0)
+    shift = record.nuisance(-1, "shift", own)
+    first, last = (np.array([record.times[0], record.times[-1]]) + shift) / period
+    marks: Floats = period * np.arange(np.ceil(first), np.floor(last) + 1.0) - shift
+    return marks
 
 
 def _names_of_channels(shooting: Shooting) -> list[str]:

@@ -52,6 +52,7 @@ class Shooting:
         private: Collection[str] = (),
     ) -> None:
         self.records, self.labels = list(records), list(labels)
+        self.free, self.private = list(free), sorted(private)
         first = self.records[0]
         self.system, self.n, self.p = first.system, first.n, first.p
         self.channels = [channel for record in records for channel in record.channels]

@@ -19,14 +19,17 @@ from nonsmooth.plot.exponents import exponents, translation
 from nonsmooth.plot.figures import print_figure, save_figure
 from nonsmooth.plot.film_files import save_animation
 from nonsmooth.plot.fitted_records import fit
+from nonsmooth.plot.fitted_spectra import fit_spectra
 from nonsmooth.plot.fracture import crack_lengths, stiffness_laws, stress_intensity
 from nonsmooth.plot.growth_curves import growth_curve
 from nonsmooth.plot.histories import phases, time_history
 from nonsmooth.plot.legends import place_legend
+from nonsmooth.plot.likelihood_profiles import profiles
 from nonsmooth.plot.load_cycles import load_cycles
 from nonsmooth.plot.markers import event_markers
 from nonsmooth.plot.multipliers import multipliers
 from nonsmooth.plot.orbits import orbit
+from nonsmooth.plot.parameter_pairs import corner
 from nonsmooth.plot.periodic_orbits import orbit_history, periodic_orbit
 from nonsmooth.plot.portrait import phase_portrait
 from nonsmooth.plot.portrait_stack import phase_portrait_3d
@@ -55,11 +58,13 @@ __all__ = [
     "cobweb",
     "comparison",
     "contact_regions",
+    "corner",
     "crack_lengths",
     "drawing_of",
     "event_markers",
     "exponents",
     "fit",
+    "fit_spectra",
     "growth_curve",
     "lives",
     "load_cycles",
@@ -73,6 +78,7 @@ __all__ = [
     "phases",
     "place_legend",
     "print_figure",
+    "profiles",
     "quality",
     "regime_map",
     "return_map",

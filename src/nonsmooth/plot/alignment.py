@@ -12,7 +12,7 @@ from nonsmooth.errors import OptionError, unknown_name
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["WAYS", "folded", "marks_of", "shift_to_marks", "way_to_align"]
+__all__ = ["WAYS", "folded", "marks_of", "shift_to_marks", "turns_of", "way_to_align"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -63,8 +63,28 @@ def shift_to_marks(computed: xr.Dataset, measured: xr.Dataset) -> float:
     return last[1] - last[0]
 
 
-def folded(time: Floats, values: Floats, data: xr.Dataset) -> tuple[Floats, Floats]:
-    """Phase of a history, from 0 to 1 in each period, with a gap between periods."""
+def folded(
+    time: Floats, values: Floats, data: xr.Dataset, periods: int = 1
+) -> tuple[Floats, Floats]:
+    """Phase of a history, from 0 at a mark to the number of periods, with a gap in between."""
+    turns = turns_of(time, data)
+    number = np.floor(turns / periods)
+    ends = np.flatnonzero(np.diff(number) > 0)  # the last point before each return
+    at_end = number[ends + 1] * periods
+    share = (at_end - turns[ends]) / (turns[ends + 1] - turns[ends])
+    between = values[ends] + share * (values[ends + 1] - values[ends])
+    places = np.repeat(ends + 1, 3)
+    gap = np.full(ends.size, np.nan)
+    phases = np.stack([np.full(ends.size, float(periods)), gap, np.zeros(ends.size)], axis=1)
+    joined = np.stack([between, gap, between], axis=1).ravel()
+    return (
+        np.insert(turns - number * periods, places, phases.ravel()),
+        np.insert(values, places, joined),
+    )
+
+
+def turns_of(time: Floats, data: xr.Dataset) -> Floats:
+    """Number of marks that have passed, and parts between them."""
     marks = marks_of(data)
     step = float(data.attrs["period"]) if marks.size < 2 else 0.0
     before, behind = (step, step) if step else (marks[1] - marks[0], marks[-1] - marks[-2])
@@ -78,14 +98,4 @@ def folded(time: Floats, values: Floats, data: xr.Dataset) -> tuple[Floats, Floa
             marks[-1] + behind * np.arange(1, n_behind + 1),
         ]
     )
-    turns = np.interp(time, marks, np.arange(marks.size, dtype=float))
-    number = np.floor(turns)
-    ends = np.flatnonzero(np.diff(number) > 0)  # the last point of each period
-    at_end = number[ends + 1]
-    share = (at_end - turns[ends]) / (turns[ends + 1] - turns[ends])
-    between = values[ends] + share * (values[ends + 1] - values[ends])
-    places = np.repeat(ends + 1, 3)
-    gap = np.full(ends.size, np.nan)
-    phases = np.stack([np.ones(ends.size), gap, np.zeros(ends.size)], axis=1).ravel()
-    joined = np.stack([between, gap, between], axis=1).ravel()
-    return np.insert(turns - number, places, phases), np.insert(values, places, joined)
+    return np.interp(time, marks, np.arange(marks.size, dtype=float) - n_before)

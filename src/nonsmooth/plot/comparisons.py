@@ -10,7 +10,12 @@ import numpy.typing as npt
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.plot.alignment import folded, shift_to_marks, way_to_align
 from nonsmooth.plot.arguments import checked
-from nonsmooth.plot.compared_spectra import MEASURED, decibel_label, draw_spectra, is_spectrum
+from nonsmooth.plot.compared_spectra import (
+    MEASURED,
+    decibel_label,
+    draw_compared_spectra,
+    is_spectrum,
+)
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.style import LINES, axis_label, finish_axes
@@ -121,7 +126,7 @@ def comparison(
     elif "time" in one:
         _draw_orbits(computed, measured, x, y, ax, labels)
     elif is_spectrum(computed, y) and is_spectrum(measured, y):
-        draw_spectra(computed, measured, x, y, ax, labels)
+        draw_compared_spectra(computed, measured, x, y, ax, labels)
         y_label = decibel_label(measured[y])
     else:
         _draw_points(computed, measured, x, y, ax, labels)

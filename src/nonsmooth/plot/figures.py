@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["FIGURE_STYLE", "new_axes", "print_figure", "save_figure", "set_ticks"]
+__all__ = ["FIGURE_STYLE", "divided", "new_axes", "print_figure", "save_figure", "set_ticks"]
 
 _CENTIMETRES = 1.0 / 2.54  # in inches
 _COARSEST = 10  # dots per inch
@@ -90,17 +91,42 @@ def print_figure(
     return figure, axes
 
 
-def new_axes(projection: str | None = None) -> Any:
+def new_axes(projection: str | None = None, *, width: float = 8.0, height: float = 6.0) -> Any:
     """Axes of a figure that pyplot knows, so that ``plt.show()`` finds it."""
     import matplotlib
     import matplotlib.pyplot as plt
 
     with matplotlib.rc_context(FIGURE_STYLE):
-        size = (8.0 * _CENTIMETRES, 6.0 * _CENTIMETRES)
+        size = (width * _CENTIMETRES, height * _CENTIMETRES)
         how = {"projection": projection}
         _, ax = plt.subplots(figsize=size, layout="constrained", subplot_kw=how)
     set_ticks(ax)
     return ax
+
+
+def divided(
+    ax: Axes, rows: int, columns: int = 1, *, heights: Sequence[float] | None = None
+) -> list[Axes]:
+    """Axes in the place of others, row by row; the first are those others, made smaller."""
+    place, figure = ax.get_subplotspec(), ax.get_figure(root=True)
+    if place is None or figure is None:
+        raise OptionError(
+            "ax: give axes of a grid, as plot.print_figure and plt.subplots make them"
+        )
+    parts = place.subgridspec(rows, columns, height_ratios=heights)
+    size = float(ax.xaxis.label.get_fontsize())
+    ax.set_subplotspec(parts[0, 0])
+    panels = [ax]
+    for k in range(1, rows * columns):
+        panel = figure.add_subplot(parts[divmod(k, columns)])
+        for axis in (panel.xaxis, panel.yaxis):
+            axis.label.set_fontsize(size)
+        for side in panel.spines.values():
+            side.set_linewidth(0.6)
+        set_ticks(panel)
+        panel.tick_params(labelsize=size - 1.0)
+        panels.append(panel)
+    return panels
 
 
 def set_ticks(ax: Axes) -> None:

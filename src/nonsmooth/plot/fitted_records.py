@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.plot.alignment import folded, marks_of, turns_of
 from nonsmooth.plot.arguments import checked
-from nonsmooth.plot.figures import new_axes
+from nonsmooth.plot.compared_spectra import MEASURED
+from nonsmooth.plot.figures import divided, new_axes
 from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.style import LINES, PALETTE, axis_label, finish_axes
 
@@ -16,10 +18,18 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-__all__ = ["fit"]
+__all__ = ["fit", "fitted_channel"]
 
 _HEIGHTS = (5, 2)  # of the record and of the residuals
 _BAND = 1.96  # standard deviations that hold 95 % of a normal variable
+_WAYS = ("time", "phase")
+_DOT: dict[str, Any] = {
+    "linestyle": "none",
+    "marker": "o",
+    "markersize": 2.4,
+    "markeredgewidth": 0.0,
+}
+_HELD = PALETTE["blue"]
 
 
 @checked
@@ -27,13 +37,16 @@ def fit(
     data: xr.Dataset,
     channel: str | None = None,
     *,
+    align: str = "time",
+    periods: int | None = None,
     ax: Axes | None = None,
     time_range: tuple[float, float] | None = None,
 ) -> Axes:
     """Measured samples with the fitted motion, and the residuals in a panel below.
 
     The grey band of the panel holds 95 % of the residuals where the noise is normal. What was
-    held back and predicted has a coloured ground.
+    held back and predicted has a coloured ground, or coloured dots where periods lie over each
+    other.
 
     Parameters
     ----------
@@ -41,6 +54,12 @@ def fit(
         Result of `fit`.
     channel : str, optional
         Channel of the record; the first one by default.
+    align : {"time", "phase"}, optional
+        ``"time"`` shows the record as it was measured. ``"phase"`` lays periods over each other,
+        from mark to mark of the record, or by the forcing where the record has no marks.
+    periods : int, optional
+        With ``align="phase"``, number of periods beside each other; by default those of the cycle
+        of a steady motion, else one.
     ax : matplotlib.axes.Axes, optional
         Where to draw, axes of a grid; new axes of a column's width by default. The panel of the
         residuals takes a part of their place and is the last of the ``axes`` of the figure.
@@ -55,7 +74,11 @@ def fit(
     Raises
     ------
     OptionError
-        For another dataset, or a channel that was not fitted.
+        For another dataset, a channel that was not fitted, or a phase without marks.
+
+    See Also
+    --------
+    fit_spectra : the same over frequency.
 
     Examples
     --------
@@ -69,58 +92,102 @@ def fit(
     >>> [each.get_ylabel() for each in ax.figure.axes]
     ['x', 'residual']
     """
-    if not {"measured", "fitted", "residual", "noise"} <= set(data.variables):
-        raise OptionError("data: draw a result of fit")
-    channels = [str(name) for name in data["channel"].values]
-    name = channels[0] if channel is None else channel
-    if name not in channels:
-        raise OptionError(f"channel: {unknown_name('channel', str(name), channels)}")
-    ax = new_axes() if ax is None else ax
-    shown = data.sel(channel=name)
+    shown = fitted_channel(data, channel)
+    by_phase = _checked_way(data, align, periods)
     if time_range is not None:
         first, last = time_range
         shown = shown.isel(time=(shown["time"].values >= first) & (shown["time"].values <= last))
         if not shown.sizes["time"]:
             raise OptionError(f"time_range = ({first:g}, {last:g}) has no samples of the record")
-    time = shown["time"].values
-    ax.plot(
-        time, shown["measured"].values, ".", markersize=2.5, markeredgewidth=0.0, color="0.55",
-        label="measured",
-    )  # fmt: skip
-    good = np.isfinite(shown["fitted"].values)
-    ax.plot(time[good], shown["fitted"].values[good], **LINES[0], label="fitted")
-    panel = _panel_below(ax)
-    size = float(ax.xaxis.label.get_fontsize())
+    ax = new_axes() if ax is None else ax
+    _, panel = divided(ax, 2, heights=_HEIGHTS)
+    panel.sharex(ax)
     level = _BAND * float(shown["noise"])
     panel.axhspan(-level, level, color="0.88", linewidth=0.0, zorder=0)
-    panel.plot(time, shown["residual"].values, ".", markersize=1.5, color="black")
-    held = shown["held_back"].values
-    if held.any():
-        for each in (ax, panel):
-            each.axvspan(
-                time[held][0], time[-1], color=PALETTE["sky"], alpha=0.25, linewidth=0.0, zorder=0
-            )
+    if by_phase:
+        cycle = str(data.attrs["cycle"])
+        across = (int(cycle) if cycle.isdecimal() else 1) if periods is None else periods
+        _draw_phases(ax, panel, shown, across)
+        label = "phase [periods since the mark]"
+    else:
+        _draw_times(ax, panel, shown)
+        label = axis_label(data["time"])
     ax.tick_params(labelbottom=False)
-    ax.set_xlim(time[0], time[-1])
-    panel.set_xlabel(axis_label(data["time"]), fontsize=size)
-    panel.set_ylabel("residual", fontsize=size)
-    finish_axes(ax, " ", name)
+    panel.set_xlabel(label)
+    panel.set_ylabel("residual")
+    finish_axes(ax, " ", str(shown["channel"].item()))
     place_legend(ax)
     return ax
 
 
-def _panel_below(ax: Axes) -> Axes:
-    """New axes in the lower part of the place of others, with the same range in x."""
-    place, figure = ax.get_subplotspec(), ax.get_figure(root=True)
-    if place is None or figure is None:
+def fitted_channel(data: xr.Dataset, channel: str | None) -> xr.Dataset:
+    """Samples of one channel of a fit, by default of the first one that has some."""
+    if not {"measured", "fitted", "residual", "noise", "held_back"} <= set(data.variables):
+        raise OptionError("data: draw a result of fit")
+    channels = [str(name) for name in data["channel"].values]
+    if channel is not None and channel not in channels:
+        raise OptionError(f"channel: {unknown_name('channel', channel, channels)}")
+    there = np.isfinite(data["measured"].values)
+    sampled = [name for name, good in zip(channels, there.any(axis=1), strict=True) if good]
+    name = sampled[0] if channel is None and sampled else channel
+    if name not in sampled:
         raise OptionError(
-            "ax: give axes of a grid, as plot.print_figure and plt.subplots make them"
+            f"channel: {name or 'every one'} has instants of events and no samples to draw; they"
+            " are in picked_residual of the result"
         )
-    parts = place.subgridspec(2, 1, height_ratios=_HEIGHTS)
-    ax.set_subplotspec(parts[0])
-    panel = figure.add_subplot(parts[1], sharex=ax)
-    size = float(ax.xaxis.label.get_fontsize()) - 1.0
-    panel.tick_params(labelsize=size, width=0.6, length=2.5)
-    for side in panel.spines.values():
-        side.set_linewidth(0.6)
-    return panel
+    shown = data.sel(channel=name)
+    if "segment_record" in data and data["segment_record"].values.any():
+        # several records, whose times stand between each other
+        shown = shown.isel(time=there[channels.index(name)])
+    return shown
+
+
+def _checked_way(data: xr.Dataset, align: str, periods: int | None) -> bool:
+    """Whether periods are laid over each other."""
+    if align not in _WAYS:
+        raise OptionError(f"align = {align!r:.60}: {unknown_name('way', align, _WAYS)}")
+    if periods is not None and (align == "time" or periods < 1):
+        raise OptionError(
+            f"periods = {periods}: give a number of at least 1, together with align='phase'"
+        )
+    if align == "phase" and marks_of(data).size < 2:
+        raise OptionError(
+            "align = 'phase': the record has no two marks, and its system no two periods in that"
+            " time; give align='time'"
+        )
+    return align == "phase"
+
+
+def _draw_times(ax: Axes, panel: Axes, shown: xr.Dataset) -> None:
+    """Over time, with a ground behind what was held back."""
+    time, held = shown["time"].values, shown["held_back"].values
+    ax.plot(time, shown["measured"].values, **_DOT, color=MEASURED, label="measured")
+    good = np.isfinite(shown["fitted"].values)
+    ax.plot(time[good], shown["fitted"].values[good], **LINES[0] | {"linewidth": 0.8},
+            label="fitted")  # fmt: skip
+    panel.plot(time, shown["residual"].values, **_DOT | {"markersize": 1.5}, color="black")
+    if held.any():
+        for each in (ax, panel):
+            each.axvspan(
+                time[held][0], time[-1], color=PALETTE["sky"], alpha=0.25, linewidth=0.0, zorder=0,
+                label="held back",
+            )  # fmt: skip
+    ax.set_xlim(time[0], time[-1])
+
+
+def _draw_phases(ax: Axes, panel: Axes, shown: xr.Dataset, periods: int) -> None:
+    """Periods over each other; dots of what was held back have their own colour."""
+    time, held = shown["time"].values, shown["held_back"].values
+    phase = np.mod(turns_of(time, shown), periods)
+    for here, colours, label in (
+        (~held, (MEASURED, "black"), "measured"), (held, (_HELD, _HELD), "held back")
+    ):  # fmt: skip
+        if here.any():
+            ax.plot(phase[here], shown["measured"].values[here], **_DOT, color=colours[0],
+                    label=label)  # fmt: skip
+            panel.plot(phase[here], shown["residual"].values[here], **_DOT | {"markersize": 1.5},
+                       color=colours[1])  # fmt: skip
+    good = np.isfinite(shown["fitted"].values)
+    curve = folded(time[good], shown["fitted"].values[good], shown, periods)
+    ax.plot(*curve, **LINES[0] | {"linewidth": 0.6}, label="fitted")
+    ax.set_xlim(0.0, float(periods))

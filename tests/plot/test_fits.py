@@ -1,0 +1,194 @@
+"""Pictures of fits: what is drawn is what the result has."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import nonsmooth as ns
+
+TIMES = np.linspace(0.0, 12.0, 240)
+
+
+@pytest.fixture(scope="module")
+def found():
+    """A driven oscillator, of which stiffness, damping and a factor of the sensor are found."""
+    system = ns.System(
+        states=["x", "v"], parameters={"k": 2.0, "c": 0.2}, period="2",
+        equations={"x": "v", "v": "cos(pi*t) - k*x - c*v"},
+    )  # fmt: skip
+    run = ns.simulate(system, {"x": 0.5, "v": 0.0}, times=TIMES)
+    noise = 0.02 * np.random.default_rng(1).standard_normal((2, TIMES.size))
+    record = xr.Dataset(
+        {"a": ("time", 1.1 * run["x"].values + noise[0]),
+         "b": ("time", run["v"].values + noise[1])},
+        {"time": TIMES},
+    )  # fmt: skip
+    return ns.fit(
+        system, record, {"k": (1.0, 3.0), "c": (0.05, 0.5)}, {"a": "x", "b": "v"},
+        gain={"a": (0.5, 2.0)}, starts=1, bootstrap=20,
+    )  # fmt: skip
+
+
+def labelled(ax, label):
+    """The one artist with a label."""
+    (artist,) = [each for each in ax.get_children() if each.get_label() == label]
+    return artist
+
+
+def test_profiles_pass_through_their_points_and_meet_the_threshold(found):
+    panels = ns.plot.profiles(found)
+    assert [ax.get_xlabel() for ax in panels] == ["k", "c", "a gain"]
+    for ax, name in zip(panels, found["parameter"].values, strict=True):
+        one = found.sel(parameter=name)
+        curve = labelled(ax, "profile").get_xydata()
+        points = one[["profile_value", "profile_rise"]].dropna("profile_point")
+        # between points of the curve, 200 of them, a straight line is right to 1e-3
+        heights = np.interp(points["profile_value"], *curve.T)
+        np.testing.assert_allclose(heights, points["profile_rise"], atol=0.01)
+        (height,) = set(labelled(ax, "threshold").get_ydata())
+        for end in ("interval_low", "interval_high"):
+            # an end is found to 1 % of the threshold
+            assert np.interp(float(one[end]), *curve.T) == pytest.approx(height, rel=0.02)
+        quadratic = labelled(ax, "quadratic").get_xydata()
+        off = float(one["estimate"] + one["standard_error"])
+        assert np.interp(off, *quadratic.T) == pytest.approx(1.0, abs=0.01)
+
+
+def test_some_profiles_in_the_place_of_axes(found):
+    figure, axes = ns.plot.print_figure(1, 2, width=16.0)
+    panels = ns.plot.profiles(found, ["c", "k"], ax=axes[1])
+    assert [ax.get_xlabel() for ax in panels] == ["c", "k"]
+    figure.draw_without_rendering()
+    assert all(ax.get_window_extent().x0 > figure.bbox.x1 / 2 for ax in panels)
+
+
+def test_bounds_are_hatched_where_they_cut_an_interval_off(found):
+    cut = found.sel(parameter=["k"]).copy(deep=True)
+    cut["upper_bound"][0] = float(cut["interval_high"][0])
+    (ax,) = ns.plot.profiles(cut)
+    assert labelled(ax, "beyond the bounds").get_hatch()
+
+
+def test_profiles_that_are_not_there(found):
+    lost = found.copy(deep=True)
+    lost["profile_value"][:] = np.nan
+    with pytest.raises(ns.OptionError, match="no profile of 'k' was found"):
+        ns.plot.profiles(lost)
+    with pytest.raises(
+        ns.OptionError, match=r"parameters: unknown parameter 'q' \(known: a gain, c, k\)"
+    ):
+        ns.plot.profiles(found, "q")
+
+
+def panels_by_labels(axes):
+    """Panels of a corner, row by row."""
+    rows = {1: (0,), 3: (0, 1, 1), 6: (0, 1, 1, 2, 2, 2)}[len(axes)]
+    return {
+        (row, rows[:k].count(row)): ax for k, (row, ax) in enumerate(zip(rows, axes, strict=True))
+    }
+
+
+def test_ellipses_are_those_of_the_covariance(found):
+    panels = panels_by_labels(ns.plot.corner(found))
+    assert (panels[2, 0].get_xlabel(), panels[2, 0].get_ylabel()) == ("k", "a gain")
+    names = found["parameter"].values
+    for (i, j), ax in panels.items():
+        if i == j:
+            continue
+        pair = [names[j], names[i]]
+        inverse = np.linalg.inv(found["covariance"].sel(parameter=pair, parameter_0=pair).values)
+        edges = [line.get_xydata() for line in ax.lines if len(line.get_xydata()) == 200]
+        assert len(edges) == 2
+        # chi square of two degrees: the part 1 - exp(-r / 2) lies within the level r
+        for edge, part in zip(edges, (0.95, 0.6827), strict=True):
+            off = edge - found["estimate"].sel(parameter=pair).values
+            levels = np.einsum("ki,ij,kj->k", off, inverse, off)
+            np.testing.assert_allclose(1.0 - np.exp(-levels / 2.0), part, atol=1e-4)
+
+
+def test_a_corner_has_the_draws_of_bootstrap_and_posterior(found):
+    posterior = ns.posterior(found, draws=20, transient=0)
+    panels = panels_by_labels(ns.plot.corner(found, ["k", "c"], posterior=posterior))
+    dots = labelled(panels[1, 0], "bootstrap").get_xydata()
+    np.testing.assert_array_equal(dots, found["bootstrap_estimate"].sel(parameter=["k", "c"]))
+    dots = labelled(panels[1, 0], "posterior").get_xydata()
+    assert len(dots) == posterior.sizes["walker"] * 20
+    with pytest.raises(ns.OptionError, match="posterior: give a result of posterior with the"):
+        ns.plot.corner(found, posterior=found)
+
+
+def test_a_parameter_that_is_not_determined_is_drawn_within_its_bounds(found):
+    unclear = found.copy(deep=True)
+    unclear["standard_error"][0] = 1e6
+    (ax,) = ns.plot.corner(unclear, "k")
+    low, high = ax.get_xlim()
+    assert 0.9 < low < 1.0 and 3.0 < high < 3.1
+
+
+def test_dots_of_a_phase_lie_where_the_forcing_says(found):
+    ax = ns.plot.fit(found, "b", align="phase", periods=2)
+    dots = labelled(ax, "measured").get_xydata()
+    kept = ~found["held_back"].sel(channel="b").values
+    # the period of the forcing is 2, so two of them are 4
+    np.testing.assert_allclose(dots[:, 0], np.mod(TIMES[kept], 4.0) / 2.0, atol=1e-12)
+    np.testing.assert_array_equal(dots[:, 1], found["measured"].sel(channel="b").values[kept])
+    assert len(labelled(ax, "held back").get_xydata()) == np.count_nonzero(~kept)
+    curve = labelled(ax, "fitted").get_xydata()
+    gaps = np.isnan(curve[:, 0])
+    assert gaps.sum() == 3  # at 4, 8 and 12, where the record ends
+    assert curve[:-1][gaps[1:], 0].tolist() == [2.0] * 3
+    assert curve[1:][gaps[:-1], 0].tolist() == [0.0] * 3
+
+
+def test_marks_of_the_record_come_before_the_forcing(found):
+    record = ns.measured.from_arrays(
+        {"a": found["measured"].sel(channel="a").values}, times=TIMES, marks=[1.5, 4.0, 6.5, 9.0]
+    )
+    system = ns.System.from_toml(found.attrs["system"])
+    again = ns.fit(system, record, {"k": (1.0, 3.0)}, {"a": "x"}, starts=1)
+    np.testing.assert_array_equal(again["mark_time"], [1.5, 4.0, 6.5, 9.0])
+    dots = labelled(ns.plot.fit(again, align="phase"), "measured").get_xydata()
+    kept = ~again["held_back"].values[0]
+    np.testing.assert_allclose(dots[:, 0], np.mod((TIMES[kept] - 1.5) / 2.5, 1.0), atol=1e-12)
+
+
+def test_a_phase_without_marks_is_refused(found):
+    with pytest.raises(ns.OptionError, match="align = 'phase': the record has no two marks"):
+        ns.plot.fit(found.isel(mark=slice(1)), align="phase")
+    with pytest.raises(ns.OptionError, match="periods = 2: give a number of at least 1, together"):
+        ns.plot.fit(found, periods=2)
+    with pytest.raises(ns.OptionError, match="align = 'mark'"):
+        ns.plot.fit(found, align="mark")
+
+
+def test_spectra_have_the_power_of_what_they_show(found):
+    """Parseval: the integral of a power density is the mean square."""
+    ax = ns.plot.fit_spectra(found, "b", segments=1)
+    kept = ~found["held_back"].sel(channel="b").values
+    for name in ("measured", "fitted", "residual"):
+        frequency, level = labelled(ax, name).get_xydata().T
+        power = np.sum(10.0 ** (level / 10.0)) * (frequency[1] - frequency[0])
+        values = found[name].sel(channel="b").values[kept]
+        # one Hann window weighs the middle most: of a motion of six periods, and of noise, whose
+        # sum of squares under a window has a spread of about 0.12, it keeps the power to a third
+        assert power == pytest.approx(values.var(), rel=0.35)
+
+
+def test_noise_lies_at_the_level_of_a_white_residual(found):
+    ax = ns.plot.fit_spectra(found, "b", segments=8)
+    (level,) = set(labelled(ax, "noise").get_ydata())
+    step = TIMES[1] - TIMES[0]
+    assert 10.0 ** (level / 10.0) == pytest.approx(2.0 * step * float(found["noise"][1]) ** 2)
+    residual = 10.0 ** (labelled(ax, "residual").get_ydata() / 10.0)
+    # a mean of some 30 values, each of which has a spread of about 1/sqrt(8)
+    assert residual.mean() == pytest.approx(10.0 ** (level / 10.0), rel=0.3)
+
+
+def test_spectra_of_what_has_none(found):
+    uneven = found.assign_coords(time=found["time"].values ** 1.1)
+    with pytest.raises(ns.OptionError, match="the times of the record are not even"):
+        ns.plot.fit_spectra(uneven)
+    holes = found.copy(deep=True)
+    holes["residual"][:, ::20] = np.nan
+    with pytest.raises(ns.OptionError, match="a spectrum needs 32 samples in a row"):
+        ns.plot.fit_spectra(holes)
