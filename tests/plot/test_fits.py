@@ -192,3 +192,27 @@ def test_spectra_of_what_has_none(found):
     holes["residual"][:, ::20] = np.nan
     with pytest.raises(ns.OptionError, match="a spectrum needs 32 samples in a row"):
         ns.plot.fit_spectra(holes)
+
+
+def test_times_between_events_are_drawn():
+    """Bounces of a ball, each flight 0.8 times as long as the one before."""
+    ball = ns.System(
+        states=["x", "v"], parameters={"r": 0.8},
+        modes={"flight": ns.Mode({"x": "v", "v": "-2"}, exits=[
+            ns.Exit("x", reset={"v": "-r*v"}, name="bounce")])},
+    )  # fmt: skip
+    flights = 2.0 * 0.8 ** np.arange(1, 8)
+    instants = 1.0 + np.concatenate([[0.0], np.cumsum(flights)])
+    record = xr.Dataset({"hit": ("bounces", instants)})
+    found = ns.fit(
+        ball, record, {"r": (0.75, 0.85)}, {"hit": "bounce"}, initial={"x": 1.0}, noise=1e-3,
+        segments=1, hold_back=0.2, starts=1,
+    )  # fmt: skip
+    ax = ns.plot.fit(found)
+    np.testing.assert_allclose(labelled(ax, "measured").get_xydata()[:, 1], flights)
+    np.testing.assert_allclose(labelled(ax, "fitted").get_xydata()[:, 1], flights, rtol=2e-3)
+    assert ax.get_ylabel().split() == "hit: time since the one before".split()
+    with pytest.raises(ns.OptionError, match="hit has instants of events; give align='time'"):
+        ns.plot.fit(found, align="phase")
+    with pytest.raises(ns.OptionError, match="no samples to draw"):
+        ns.plot.fit_spectra(found)

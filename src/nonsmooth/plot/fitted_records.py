@@ -44,6 +44,9 @@ def fit(
 ) -> Axes:
     """Measured samples with the fitted motion, and the residuals in a panel below.
 
+    Of a channel of events it shows the times between them, as they were picked and as they are
+    fitted.
+
     The grey band of the panel holds 95 % of the residuals where the noise is normal. What was
     held back and predicted has a coloured ground, or coloured dots where periods lie over each
     other.
@@ -74,7 +77,7 @@ def fit(
     Raises
     ------
     OptionError
-        For another dataset, a channel that was not fitted, or a phase without marks.
+        For another dataset, a channel that was not fitted, or a phase without marks or of events.
 
     See Also
     --------
@@ -92,7 +95,11 @@ def fit(
     >>> [each.get_ylabel() for each in ax.figure.axes]
     ['x', 'residual']
     """
-    shown = fitted_channel(data, channel)
+    name = chosen_channel(data, channel)
+    of_events = not np.isfinite(data["measured"].sel(channel=name)).any()
+    shown = picked_events(data, name) if of_events else fitted_channel(data, name)
+    if of_events and align == "phase":
+        raise OptionError(f"align = 'phase': {name} has instants of events; give align='time'")
     by_phase = _checked_way(data, align, periods)
     if time_range is not None:
         first, last = time_range
@@ -115,31 +122,52 @@ def fit(
     ax.tick_params(labelbottom=False)
     panel.set_xlabel(label)
     panel.set_ylabel("residual")
-    finish_axes(ax, " ", str(shown["channel"].item()))
+    finish_axes(ax, " ", f"{name}: time since the one before" if of_events else name)
     place_legend(ax)
     return ax
 
 
-def fitted_channel(data: xr.Dataset, channel: str | None) -> xr.Dataset:
-    """Samples of one channel of a fit, by default of the first one that has some."""
+def chosen_channel(data: xr.Dataset, channel: str | None) -> str:
+    """Name of a channel of a fit, by default of the first one that has samples."""
     if not {"measured", "fitted", "residual", "noise", "held_back"} <= set(data.variables):
         raise OptionError("data: draw a result of fit")
     channels = [str(name) for name in data["channel"].values]
     if channel is not None and channel not in channels:
         raise OptionError(f"channel: {unknown_name('channel', channel, channels)}")
-    there = np.isfinite(data["measured"].values)
-    sampled = [name for name, good in zip(channels, there.any(axis=1), strict=True) if good]
-    name = sampled[0] if channel is None and sampled else channel
-    if name not in sampled:
-        raise OptionError(
-            f"channel: {name or 'every one'} has instants of events and no samples to draw; they"
-            " are in picked_residual of the result"
-        )
+    there = np.isfinite(data["measured"].values).any(axis=1)
+    return channels[int(there.argmax())] if channel is None else channel
+
+
+def fitted_channel(data: xr.Dataset, channel: str | None) -> xr.Dataset:
+    """Samples of one channel of a fit, by default of the first one that has some."""
+    name = chosen_channel(data, channel)
     shown = data.sel(channel=name)
+    there = np.isfinite(shown["measured"].values)
+    if not there.any():
+        raise OptionError(
+            f"channel: {name} has instants of events and no samples to draw; they are in"
+            " picked_residual of the result"
+        )
     if "segment_record" in data and data["segment_record"].values.any():
         # several records, whose times stand between each other
-        shown = shown.isel(time=there[channels.index(name)])
+        shown = shown.isel(time=there)
     return shown
+
+
+def picked_events(data: xr.Dataset, channel: str) -> xr.Dataset:
+    """The times between the events of a channel as samples over the instants of the later ones."""
+    import xarray as xr
+
+    number = data["channel"].values.tolist().index(channel)
+    events = data.isel(picked=data["picked_channel"].values == number)
+    instants = events["picked_measured"].values[1:]
+    variables = {
+        name: ("time", np.diff(events[f"picked_{name}"].values)) for name in ("measured", "fitted")
+    }
+    variables["residual"] = "time", events["picked_residual"].values[1:]
+    variables["held_back"] = "time", events["picked_held_back"].values[1:]
+    found = xr.Dataset(variables, {"time": ("time", instants, data["time"].attrs)}, data.attrs)
+    return found.assign(noise=data["noise"].sel(channel=channel))
 
 
 def _checked_way(data: xr.Dataset, align: str, periods: int | None) -> bool:
