@@ -211,7 +211,7 @@ def test_times_between_events_are_drawn():
     ax = ns.plot.fit(found)
     np.testing.assert_allclose(labelled(ax, "measured").get_xydata()[:, 1], flights)
     np.testing.assert_allclose(labelled(ax, "fitted").get_xydata()[:, 1], flights, rtol=2e-3)
-    assert ax.get_ylabel().split() == "hit: time since the one before".split()
+    assert ax.get_ylabel().split() == ["hit:", "time", "since", "the", "one", "before"]
     with pytest.raises(ns.OptionError, match="hit has instants of events; give align='time'"):
         ns.plot.fit(found, align="phase")
     with pytest.raises(ns.OptionError, match="no samples to draw"):
