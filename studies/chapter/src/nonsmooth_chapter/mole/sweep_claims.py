@@ -21,6 +21,7 @@ from nonsmooth_chapter.mole.sweeps import (
     even_forces,
     first_fifty,
     force_sweep,
+    main_window,
     order_of_labels,
     stretches,
     widest,
@@ -32,8 +33,6 @@ __all__ = ["cascade"]
 # Claims on windows of periodic motion over the static force: Figs. 7 and 8(a)-(c).
 
 _COLUMNS = 200
-# where a window begins: columns for one of the diagram, and how far, as a part of the window
-_BETWEEN, _BEGINNING = 20, 0.1
 
 
 def _windows(
@@ -67,22 +66,6 @@ def _least_share(sweep: Sweep, shortest: float = 0.25) -> list[float]:
     shares = np.cumsum(sweep.labels <= CHAOTIC) / counts
     long = counts >= shortest * counts[-1]
     return [float(shares[long].min()), float(sweep.b[long][shares[long].argmin()])]
-
-
-def _main_window(a: float, columns: int) -> Evidence:
-    """Widest window from rest; it begins behind the last chaos that columns in between show.
-
-    Chaos has room between the columns of a diagram. At a = 0.9 it parts a window of period four at
-    b = 0.2025 from that of period one, and the only column there, 0.207, is on a chaotic transient
-    of some 1700 periods: rounding says what it looks like after 600.
-    """
-    sweep = force_sweep(a, even_forces(a, columns))
-    main = widest(stretches(sweep))
-    end = main["low"] + _BEGINNING * (main["high"] - main["low"])
-    forces = np.arange(main["low"] - sweep.step, end, sweep.step / _BETWEEN).round(12)
-    chaos = np.flatnonzero(force_sweep(a, tuple(forces.tolist())).labels == CHAOTIC)
-    first = min(chaos[-1] + 1, forces.size - 1) if chaos.size else 0
-    return main | {"low": float(forces[first])}
 
 
 def _lowest() -> Evidence:
@@ -126,7 +109,7 @@ def _small_forces(
     """Windows below the main one, on a grid of their own; there a period is all that is asked."""
     rows = []
     for a in amplitudes:
-        main = _main_window(a, columns)
+        main = main_window(a, force_sweep(a, even_forces(a, columns)))
         top = main["low"]
         forces = even_forces(top, fine + 1)[:-1]
         diagram = bifurcation_diagram(moling(a=a), "b", forces, transient=300, record=128)
@@ -496,7 +479,7 @@ def _judge_best_or_special(evidence: Evidence) -> Finding:
 def _rise(a: float = 0.9, columns: int = _COLUMNS) -> Evidence:
     forces = even_forces(a, columns)
     b, values = np.array(forces), first_fifty(a, forces)
-    low = _main_window(a, columns)["low"]
+    low = main_window(a, force_sweep(a, forces))["low"]
     beyond = b >= low
     b, values = b[beyond], values[beyond]
     falls = np.flatnonzero(np.diff(values) <= 0)
