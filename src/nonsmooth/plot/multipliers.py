@@ -253,6 +253,31 @@ def path_pieces(branch: xr.Dataset) -> tuple[npt.NDArray[np.float64], npt.NDArra
     with np.errstate(invalid="ignore"):
         drawn = np.isfinite(begin) & np.isfinite(end)
         drawn &= ~(jumps[:, None] & (np.abs(end - begin) > _JUMP))
-    where = np.nonzero(drawn)
-    ends = np.stack([begin[where], end[where]], axis=1)
-    return np.stack([ends.real, ends.imag], axis=2), where[0]
+    meeting = _meetings(begin, end) if paths.size else end
+    straight, bent = np.nonzero(drawn & np.isnan(meeting)), np.nonzero(drawn & ~np.isnan(meeting))
+    ends = np.concatenate(
+        [
+            np.stack([first[where], last[where]], axis=1)
+            for first, last, where in (
+                (begin, end, straight), (begin, meeting, bent), (meeting, end, bent),
+            )
+        ]
+    )  # fmt: skip
+    return np.stack([ends.real, ends.imag], axis=2), np.concatenate([straight[0], bent[0], bent[0]])
+
+
+def _meetings(begin: Complex, end: Complex) -> Complex:
+    """Where a pair becomes two real multipliers on its way, or they a pair; nan for all others.
+
+    There both are the root of their product, which does not jump: that of a pair is the square of
+    its size.
+    """
+    turns = (begin.imag != 0.0) != (end.imag != 0.0)
+    turns &= np.isfinite(begin) & np.isfinite(end)
+    turns &= (np.count_nonzero(turns, axis=1) == 2)[:, None]
+    real = np.where(end.imag == 0.0, end, begin).real
+    product = np.where(turns, real, 1.0).prod(axis=1)  # of the two real ones
+    size = np.abs(np.where(end.imag == 0.0, begin, end))
+    middle = np.sqrt(0.5 * (np.maximum(product, 0.0)[:, None] + size**2))
+    found = np.where(turns & (product > 0.0)[:, None], np.copysign(middle, real), np.nan)
+    return found.astype(complex)
