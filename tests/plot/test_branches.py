@@ -266,3 +266,16 @@ def test_a_long_label_of_a_diagram_fits_beside_the_axes():
     label = ns.plot.branch(saddle_node(), "x", diagram=behind).get_ylabel()
     assert label.replace("\n", " ") == behind["x"].attrs["long_name"]
     assert max(map(len, label.split("\n"))) <= 34  # letters, the height of the axes
+
+
+def test_the_first_of_two_branches_in_one_place_is_seen(ax):
+    """Such as an orbit, and the same run through twice."""
+    p = np.linspace(0.0, 1.0, 5)
+    one = xr.Dataset(
+        {"p": ("point", p), "x": ("point", p), "stable": ("point", p < 2.0)},
+        attrs={"parameter": "p"},
+    )
+    ns.plot.branch({"period 1": one}, "x", ax=ax)
+    ns.plot.branch({"period 2": one, "period 4": one}, "x", ax=ax)
+    fronts = [line.get_zorder() for line in ax.lines if str(line.get_gid()).startswith("branch")]
+    assert fronts[0] > fronts[1] > fronts[2] > 1.0  # all before a diagram

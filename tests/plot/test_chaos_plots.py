@@ -9,7 +9,8 @@ def test_exponents_settle_on_their_values(ax):
     spectrum = ns.lyapunov_spectrum(ns.models.moling(), transient=60, record=40)
     ns.plot.exponents(spectrum, ax=ax)
     texts = [text.get_text() for text in ax.get_legend().get_texts()]
-    assert [text.split()[0] for text in texts] == ["0", "-0.0388", "-1.31", "-∞"]
+    shown = [text.split()[0].replace("\N{MINUS SIGN}", "minus ") for text in texts]
+    assert shown == ["0", "minus 0.0388", "minus 1.31", "minus ∞"]
     drawn = [line.get_ydata() for line in ax.lines[:3]]
     np.testing.assert_array_equal(drawn, spectrum["running_exponent"].values.T[:3])
     assert ax.get_ylabel() == "Lyapunov exponent"

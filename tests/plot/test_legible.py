@@ -227,6 +227,30 @@ def test_entries_of_one_sort_have_columns_of_their_own():
     ]
 
 
+def test_negative_numbers_in_legends_have_the_sign_of_those_along_the_axes():
+    _, (ax,) = ns.plot.print_figure()
+    for label in ("-0.05 ± 0.01", "F = -2 N", "stick-slip", "b -c", "$-1$"):
+        ax.plot([0.0, 1.0], label=label)
+    ns.plot.place_legend(ax)
+    found = [text.replace("\N{MINUS SIGN}", "minus ") for text in legend_texts(ax)]
+    assert found == ["minus 0.05 ± 0.01", "F = minus 2 N", "stick-slip", "b -c", "$-1$"]
+
+
+def test_lines_of_spectra_are_seen_below_the_marks_of_the_harmonics():
+    """Most of each line lies in the gaps between the dashes."""
+    spectra = ns.waterfall(
+        ns.models.soft_impact(), "omega", [0.7, 0.8], "x", transient=50, record=16
+    )
+    for kind in ("cascade", "map"):
+        _, (ax,) = ns.plot.print_figure()
+        ns.plot.waterfall(spectra, kind=kind, over="harmonic", ax=ax)
+        marks = [line for line in ax.lines if line.get_linestyle() == "--"]
+        assert len(marks) == 5
+        for line in marks:
+            _, (dash, gap) = line._unscaled_dash_pattern
+            assert gap >= 2.0 * dash
+
+
 def test_a_long_legend_is_broad_and_not_high():
     kinds = ["fold", "flip", "torus", "symmetry_breaking", "grazing", "crossing_sliding",
              "grazing_sliding", "switching_sliding", "sliding", "bound"]  # fmt: skip

@@ -65,6 +65,39 @@ def test_no_line_across_a_jump():
     np.testing.assert_array_equal(pieces[1], [[-3.0, 0.0], [-3.05, 0.0]])
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("back", [False, True])
+def test_a_pair_meets_on_the_real_axis(sign, back):
+    """Roots of z**2 - t z + d: with t**2 = 4 d both are t / 2, between two orbits."""
+    d, t = 0.49, sign * np.array([1.0, 1.2, 1.3, 1.5, 1.7])
+    values = np.array([np.roots([1.0, -trace, d]) for trace in (t[::-1] if back else t)])
+    pieces, begin = path_pieces(along(values))
+    assert np.bincount(begin).tolist() == ([2, 2, 4, 2] if not back else [2, 4, 2, 2])
+    places = {(x, round(y, 12)) for x, y in pieces.reshape(-1, 2).round(12).tolist()}
+    assert (round(sign * 0.7, 12), 0.0) in places
+    assert {(x, -y) for x, y in places} == places  # one half of the picture mirrors the other
+
+
+def test_marks_of_one_kind_in_one_place_are_large(ax):
+    """Of real multipliers, and of several flips at -1; a mark in another one's place is nested."""
+    _, mixed = circling()
+    both = along(mixed, [("flip", 20, -1.0), ("flip", 29, -1.0)])
+    ns.plot.multipliers(both, ax=ax)
+    (marks,) = [line for line in ax.lines if line.get_gid()]
+    assert marks.get_markersize() == 4.5
+    assert len(marks.get_xdata()) == 2
+
+
+def test_paths_fill_the_axes_and_the_circle_is_large():
+    """A branch that leaves the picture far: the circle takes half of the width, all of it seen."""
+    values = np.stack([np.linspace(-0.5, -30.0, 9), np.linspace(0.5, 20.0, 9)], axis=1)
+    ax = ns.plot.multipliers(along(values))
+    assert ax.get_xlim() == (-2.0, 2.0)
+    ax.figure.draw_without_rendering()
+    box, given = ax.get_position(), ax.get_position(original=True)
+    assert box.height > 0.85 * given.height and box.width > 0.85 * given.width
+
+
 @pytest.mark.parametrize("huge", [7.6e12, np.inf])
 def test_no_line_to_a_multiplier_without_bound(huge):
     values = np.array([[0.5, 0.1], [0.5, 0.1], [huge, 0.0], [0.5, 0.1], [0.5, 0.1]])

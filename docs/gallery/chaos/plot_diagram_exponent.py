@@ -17,7 +17,7 @@ diagram = ns.bifurcation_diagram(soft, "omega", frequencies, transient=400, reco
 exponents = [
     float(
         ns.lyapunov_spectrum(
-            soft, parameters={"omega": omega}, transient=150, record=150, exponents=1
+            soft, parameters={"omega": omega}, transient=400, record=150, exponents=1
         )["lyapunov_exponent"][0]
     )
     for omega in frequencies

@@ -9,5 +9,7 @@ alone gives; with the first contact they leave it at once, one of them through -
 
 import nonsmooth as ns
 
-branch = ns.continue_orbit(ns.models.soft_impact(omega=0.7), "omega", (0.55, 0.95))
+branch = ns.continue_orbit(
+    ns.models.soft_impact(omega=0.7), "omega", (0.55, 0.95), step=0.002, largest_step=0.01
+)
 ax = ns.plot.multipliers(branch)

@@ -132,7 +132,7 @@ def mark_special_points(ax: Axes, kinds: list[str], x: Floats, y: Floats) -> Non
     kinds, x, y = [kinds[k] for k in there], x[there], y[there]
     ax.autoscale_view()
     size = uncrowded(ax, x, y, _SIZE, _LEAST)
-    below = depths(ax, x, y)
+    below = depths(ax, x, y, kinds)
     for kind in dict.fromkeys(kinds):
         here = np.array([name == kind for name in kinds], bool)
         smaller = _NESTED ** int(below[here].max())  # so that those below look out

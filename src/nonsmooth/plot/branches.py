@@ -47,6 +47,7 @@ _COLOURS = (
 _DOTS, _BEHIND = "0.6", "brute force"  # a diagram behind: its grey, its name
 _BELOW = 0.97  # of an axis that is cut: where marks of points beyond it are
 _MANY = 3_000  # dots that are drawn small
+_LAYER = 1e-3  # in the order of drawing, between a branch and the next one
 
 _SHARE, _TIMES, _LEAST = 0.9, 3.0, 10.0
 _LOW = 0.04  # of the height, below zero
@@ -157,7 +158,7 @@ def branch(
             points.between(up),
         )
         curve = branch_curve(one, (across, up), points, places)
-        _draw(curve, ax, colours[name], f"branch {drawn + k}")
+        _draw(curve, ax, colours[name], drawn + k)
         labels.append((x_label, y_label))
         marks.append((points.kinds_shown(one), *places))
     _explain(ax, colours)
@@ -194,15 +195,19 @@ def _is_branch(line: Any) -> bool:
     return str(line.get_gid() or "").startswith("branch ")
 
 
-def _draw(curve: BranchCurve, ax: Axes, colour: str, gid: str) -> None:
-    """One line per kind of orbit, broken where orbits are of another kind."""
+def _draw(curve: BranchCurve, ax: Axes, colour: str, number: int) -> None:
+    """One line per kind of orbit, broken where orbits are of another kind.
+
+    The first branch is in front: others may end on it, as an orbit run through twice.
+    """
+    gid, front = f"branch {number}", 3.0 - _LAYER * number
     if curve.x.size == 1:  # no line leads anywhere
         ax.plot(curve.x, curve.y, marker=".", color=colour, linestyle="none", gid=gid)
     points = np.stack([curve.x, curve.y])
     for kind, (name, style) in _STYLES.items():
         line = broken(points, curve.ways(kind))
         if line.size:
-            ax.plot(*line, color=colour, **style, zorder=3, label=f"_{name}", gid=gid)
+            ax.plot(*line, color=colour, **style, zorder=front, label=f"_{name}", gid=gid)
 
 
 def _explain(ax: Axes, colours: Mapping[str, str]) -> None:

@@ -29,6 +29,7 @@ _DECADES = 4.0  # of amplitudes that colours tell apart
 _MOST = 50  # spectra below each other that are still told apart
 _HEIGHT = 8.0  # of the highest line, in distances of spectra
 _MOST_MARKED = 12  # orders that are marked
+_DASHES = (0, (5.0, 15.0))  # and gaps between them, in widths of the line
 _LABEL = 2.8  # width of the name of an order, in letters
 
 
@@ -202,7 +203,10 @@ def _row_edges(column: Floats) -> Floats:
 
 
 def _mark_orders(data: xr.Dataset, ax: Axes, over: str, last: float) -> None:
-    """Dashed lines through the harmonics of the forcing, with their numbers above."""
+    """Dashes along the harmonics of the forcing, far apart, with their numbers above.
+
+    Lines of spectra lie on them, and are to be seen between the dashes.
+    """
     values, forcing = data["parameter"].values, 1.0 / data["period"].values
     unit = np.ones(values.size) if over == "harmonic" else forcing
     two_sided = float(data["harmonic"].min()) < 0.0
@@ -215,7 +219,7 @@ def _mark_orders(data: xr.Dataset, ax: Axes, over: str, last: float) -> None:
     every = max(1, math.ceil(_LABEL * size / (across * float(unit[-1]))))  # that leaves room
     for order in [n for n in range(-most if two_sided else 1, most + 1) if n]:
         ax.plot(
-            order * unit, values, color=PALETTE["blue"], linestyle="--", linewidth=0.6,
+            order * unit, values, color=PALETTE["blue"], linestyle=_DASHES, linewidth=0.6,
             zorder=3,
         )  # fmt: skip
         place = order * float(unit[-1])

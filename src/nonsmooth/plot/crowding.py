@@ -32,11 +32,13 @@ def uncrowded(ax: Axes, x: Floats, y: Floats, size: float, least: float) -> floa
     return float(np.clip(np.quantile(nearest, _SHARE, method="lower"), least, size))
 
 
-def depths(ax: Axes, x: Floats, y: Floats) -> npt.NDArray[np.int64]:
-    """How many earlier marks are in the place of each one."""
+def depths(ax: Axes, x: Floats, y: Floats, kinds: list[str]) -> npt.NDArray[np.int64]:
+    """How many earlier marks of other kinds are in the place of each one."""
     across, up = _places(ax, x, y, most=x.size)
     apart = np.hypot(across[:, None] - across, up[:, None] - up)
-    return np.count_nonzero(np.tril(apart < _SAME, -1), axis=1)
+    kind = np.array(kinds, dtype=str)
+    others = (apart < _SAME) & (kind[:, None] != kind)
+    return np.count_nonzero(np.tril(others, -1), axis=1)
 
 
 def _places(ax: Axes, x: Floats, y: Floats, most: int = _MOST) -> tuple[Floats, Floats]:

@@ -174,7 +174,7 @@ def _inset(
     inset = ax.inset_axes(box)
     section(points, *names, ax=inset, size=size)
     inset.set(xlabel="", ylabel="", xticks=[], yticks=[])
-    inset.set_title(title, fontsize=float(ax.xaxis.label.get_fontsize()) - 1.0, pad=2.5,
+    inset.set_title(title, fontsize=float(ax.xaxis.label.get_fontsize()) - 1.0, pad=3.5,
                     bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.0})  # fmt: skip
     for spine in inset.spines.values():
         spine.set(linewidth=0.5, edgecolor="0.4")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from itertools import accumulate, compress, groupby, pairwise
 from textwrap import fill
@@ -28,6 +29,7 @@ _FREE_ROWS, _MOST_ROWS = 2, 12  # for which a figure is as high as without; that
 _USUAL_ROWS = 6  # that it grows for before letters get smaller
 _SEEN = {".": 5.0}  # diameters from which marks are seen in a legend, in points
 _SEEN_ELSE = 3.0
+_MINUS = re.compile(r"(?<!\S)-(?=[\d.∞])")  # before a number, where a word begins
 
 
 class _Layout(NamedTuple):
@@ -76,7 +78,7 @@ def place_legend(
     own: Any = ax.axes  # those of a figure are a list
     panels: list[Axes] = own if isinstance(own, list) else [own]
     shown = _all_labelled(panels) if entries is None else list(entries)
-    handles, labels = list(shown), [str(entry.get_label()) for entry in shown]
+    handles, labels = list(shown), [_typeset(str(entry.get_label())) for entry in shown]
     if not handles:
         return
     size = float(panels[0].xaxis.label.get_fontsize())  # the caller's may be larger than ours
@@ -98,6 +100,11 @@ def place_legend(
         _grow(panels[0], layout)
     for panel in panels:  # the power of ten of the axis stands beside it, above its numbers
         panel.yaxis.get_offset_text().set_horizontalalignment("right")
+
+
+def _typeset(label: str) -> str:
+    """Label with the sign of negative numbers as long as along the axes."""
+    return label if "$" in label else _MINUS.sub("\N{MINUS SIGN}", label)
 
 
 def _all_labelled(panels: Sequence[Axes]) -> list[Any]:

@@ -23,6 +23,8 @@ __all__ = ["multiplier_paths", "multipliers", "path_pieces"]
 Complex = npt.NDArray[np.complex128]
 
 _LEAST, _MOST = 1.25, 3.0  # from the middle of the circle to a side of the picture
+_MOST_ALONG = 2.0  # of paths: farther out they only lead away
+_BESIDE = 1.2  # width of axes over what the bar beside them leaves
 _SPACE = 1.12  # from the outermost multiplier to the border
 _OUTSIDE = "0.94"  # grey
 _CROSSING = ("fold", "flip", "torus", "symmetry_breaking")  # of the unit circle
@@ -56,7 +58,7 @@ def multipliers(
         colour of the parameter.
     radius : float, optional
         Largest real and imaginary part shown; by default so that all is seen, but not more
-        than 3.
+        than 3, and 2 along a branch.
     special : bool, optional
         Whether to mark the multipliers that make the special points of a branch.
     ax : matplotlib.axes.Axes, optional
@@ -103,8 +105,8 @@ def multipliers(
             " data.isel(orbit=0)"
         )
     values = np.asarray(data["multipliers"].values, dtype=complex)
-    limits = _limits(values, radius)
     ax = new_axes() if ax is None else ax
+    limits = _limits_of_paths(values, ax) if along and radius is None else _limits(values, radius)
     ax.set_aspect("equal", adjustable="box")
     ax.set_xlim(*limits[:2])
     ax.set_ylim(-limits[2], limits[2])
@@ -119,7 +121,9 @@ def multipliers(
     return ax
 
 
-def _limits(values: Complex, radius: float | None) -> tuple[float, float, float]:
+def _limits(
+    values: Complex, radius: float | None = None, most: float = _MOST
+) -> tuple[float, float, float]:
     """Left and right end, and half the height, of a picture in which all is seen."""
     if radius is not None:
         if not 1.0 < float(radius) < np.inf:
@@ -128,9 +132,16 @@ def _limits(values: Complex, radius: float | None) -> tuple[float, float, float]
     finite = values[np.abs(values) <= NO_BOUND]
     extents = (-finite.real, finite.real, np.abs(finite.imag))
     left, right, up = (
-        float(np.clip(_SPACE * extent.max(initial=0.0), _LEAST, _MOST)) for extent in extents
+        float(np.clip(_SPACE * extent.max(initial=0.0), _LEAST, most)) for extent in extents
     )
     return -left, right, up
+
+
+def _limits_of_paths(values: Complex, ax: Axes) -> tuple[float, float, float]:
+    """Limits between which the circle is large, and the picture as high as the axes have room."""
+    left, right, up = _limits(values, most=_MOST_ALONG)
+    room = ax.get_window_extent()
+    return left, right, max(up, 0.5 * (right - left) * min(1.0, _BESIDE * room.height / room.width))
 
 
 def _draw_circle(ax: Axes) -> None:
@@ -202,9 +213,10 @@ def _draw_paths(branch: xr.Dataset, ax: Axes, special: bool, far: float) -> None
     if special and branch.sizes.get("special") and "special_multiplier" in branch:
         marked = branch.isel(special=np.isin(branch["special_kind"].values, _CROSSING))
         at = np.asarray(marked["special_multiplier"].values, dtype=complex)
-        kinds = [str(kind) for kind in marked["special_kind"].values]
-        # of a pair one is told; the other one of a real number is itself
-        mark_special_points(ax, kinds * 2, np.tile(at.real, 2), np.append(at.imag, -at.imag))
+        kinds = marked["special_kind"].values.astype(str)
+        pair = at.imag != 0.0  # of which one is told; a real one marked twice would look crowded
+        at = np.append(at, at[pair].conj())
+        mark_special_points(ax, [*kinds, *kinds[pair]], at.real, at.imag)
 
 
 def multiplier_paths(multipliers: npt.ArrayLike) -> Complex:
@@ -241,6 +253,31 @@ def path_pieces(branch: xr.Dataset) -> tuple[npt.NDArray[np.float64], npt.NDArra
     with np.errstate(invalid="ignore"):
         drawn = np.isfinite(begin) & np.isfinite(end)
         drawn &= ~(jumps[:, None] & (np.abs(end - begin) > _JUMP))
-    where = np.nonzero(drawn)
-    ends = np.stack([begin[where], end[where]], axis=1)
-    return np.stack([ends.real, ends.imag], axis=2), where[0]
+    meeting = _meetings(begin, end) if paths.size else end
+    straight, bent = np.nonzero(drawn & np.isnan(meeting)), np.nonzero(drawn & ~np.isnan(meeting))
+    ends = np.concatenate(
+        [
+            np.stack([first[where], last[where]], axis=1)
+            for first, last, where in (
+                (begin, end, straight), (begin, meeting, bent), (meeting, end, bent),
+            )
+        ]
+    )  # fmt: skip
+    return np.stack([ends.real, ends.imag], axis=2), np.concatenate([straight[0], bent[0], bent[0]])
+
+
+def _meetings(begin: Complex, end: Complex) -> Complex:
+    """Where a pair becomes two real multipliers on its way, or they a pair; nan for all others.
+
+    There both are the root of their product, which does not jump: that of a pair is the square of
+    its size.
+    """
+    turns = (begin.imag != 0.0) != (end.imag != 0.0)
+    turns &= np.isfinite(begin) & np.isfinite(end)
+    turns &= (np.count_nonzero(turns, axis=1) == 2)[:, None]
+    real = np.where(end.imag == 0.0, end, begin).real
+    product = np.where(turns, real, 1.0).prod(axis=1)  # of the two real ones
+    size = np.abs(np.where(end.imag == 0.0, begin, end))
+    middle = np.sqrt(0.5 * (np.maximum(product, 0.0)[:, None] + size**2))
+    found = np.where(turns & (product > 0.0)[:, None], np.copysign(middle, real), np.nan)
+    return found.astype(complex)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 __all__ = ["statistics"]
 
 _CURVES = (
-    ("max", "largest"), ("in_contact", "in contact"), ("rms", "rms"), ("mean", "mean")
+    ("max", "largest"), ("in_contact", "mean in contact"), ("rms", "rms"), ("mean", "mean")
 )  # fmt: skip
 _PALE = 0.25  # opacity of bands
 
@@ -78,7 +78,7 @@ def statistics(
     ... )
     >>> ax = ns.plot.statistics(found, "stop_force")
     >>> [line.get_label() for line in ax.lines]
-    ['largest', 'in contact', 'rms', 'mean']
+    ['largest', 'mean in contact', 'rms', 'mean']
     """
     dim = next((name for name in ("parameter", "period") if name in data.dims), None)
     if dim is None:

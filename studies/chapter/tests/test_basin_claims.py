@@ -24,6 +24,7 @@ from nonsmooth_chapter.mole.basins import (
     fig12,
     newton_residual,
 )
+from verdicts import changes, expected_verdicts, verdicts_of
 
 COUNTED = [f"M{n}" for n in range(47, 53)]
 SLOW = [*COUNTED, "M53", "M54"]
@@ -190,9 +191,7 @@ def test_figure_on_a_small_grid():
 @pytest.mark.slow
 def test_verdicts():
     rows = evaluate_claims(ids=SLOW)
-    assert {row["id"]: row["verdict"] for row in rows} == {
-        **dict.fromkeys(COUNTED, HOLDS), "M53": HOLDS, "M54": HOLDS,
-    }  # fmt: skip
+    assert changes(expected_verdicts(SLOW), verdicts_of(rows)) == []
     assert "in: a, b, c;" in rows[-2]["computed"]
     json.dumps(rows, allow_nan=False)
 

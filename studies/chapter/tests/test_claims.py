@@ -16,6 +16,7 @@ from test_fatigue_rig_claims import SLOW_RIG
 from test_orbit_claims import SLOW_ORBITS
 from test_rotor_claims import SLOW_ROTOR
 from test_sweep_claims import LONG
+from verdicts import changes, expected_verdicts, verdicts_of
 
 KEYS = ["id", "where", "printed", "computed", "protocol", "verdict", "evidence"]
 SLOW_SMOOTHING = {"G3"}  # Taylor steps through narrow switches: as long as all others here
@@ -82,6 +83,26 @@ def test_rows_have_the_same_keys(rows):
         assert row["verdict"] in (HOLDS, DIFFERS, OPEN)
         assert row["computed"] and row["evidence"]
     json.dumps(list(rows.values()), allow_nan=False)
+
+
+def test_quick_verdicts_are_those_of_the_table(rows):
+    """A verdict that turns over is noticed, by its name."""
+    assert changes(expected_verdicts(rows), verdicts_of(rows.values())) == []
+
+
+def test_table_of_verdicts_is_complete():
+    """One for each claim, in their order, and nothing but a verdict."""
+    assert list(expected_verdicts()) == claim_ids()
+    assert set(expected_verdicts().values()) == {HOLDS, DIFFERS, OPEN}
+
+
+def test_changes_of_verdicts_are_told():
+    """By name, with what was there before."""
+    before, after = {"M01": HOLDS, "M02": HOLDS}, {"M01": HOLDS, "M02": DIFFERS, "M03": OPEN}
+    assert changes(before, after) == [
+        "M02: holds, now differs",
+        "M03: none, now not determinable",
+    ]
 
 
 def test_missing_data_leave_a_claim_open(rows):

@@ -1,19 +1,21 @@
 """Claims that need diagrams: their predicates on small grids, all of them in the long checks."""
 
 import json
+from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from nonsmooth.models import moling
 from nonsmooth_chapter import evaluate_claims
 from nonsmooth_chapter.claims import _check, _table
 from nonsmooth_chapter.judgement import DIFFERS, HOLDS, OPEN, verdict
+from nonsmooth_chapter.mole import sweep_claims
 from nonsmooth_chapter.mole.branch_claims import _starts
+from nonsmooth_chapter.mole.sweeps import CHAOTIC, UNSETTLED, force_sweep
+from verdicts import changes, expected_verdicts, verdicts_of
 
 LONG = ["M01", "M13", *(f"M{n}" for n in range(17, 30)), "M55", "M57"]
-PRINTED = {  # verdicts on the full grids
-    "M21": DIFFERS, "M23": DIFFERS, "M24": OPEN,
-}  # fmt: skip
 
 
 def judged(name, evidence):
@@ -167,11 +169,32 @@ def test_starts_reach_beyond_the_flights():
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("label", [CHAOTIC, UNSETTLED, 1])
+def test_a_long_transient_decides_nothing(monkeypatch, label):
+    """The column at b = 0.207 may look like this or that after 600 periods; verdicts stay.
+
+    There a chaotic transient to an orbit of period one takes some 1700 periods, and rounding says
+    what is left of it. Between it and the window of period four at 0.2025 is chaos that stays.
+    """
+
+    def as_labelled(a, forces, *given, **options):
+        sweep = force_sweep(a, forces, *given, **options)
+        if len(forces) != 200:
+            return sweep
+        return replace(sweep, labels=np.where(np.isclose(sweep.b, 0.207), label, sweep.labels))
+
+    monkeypatch.setattr(sweep_claims, "force_sweep", as_labelled)
+    evidence, found = computed("M19", amplitudes=(0.9,))
+    assert found == HOLDS
+    assert 0.2028 < evidence["rows"][0]["below"] < 0.2115
+    assert computed("M24")[1] == OPEN
+
+
+@pytest.mark.slow
 def test_full_grids():
     """All rows, as they are printed; verdicts follow from the evidence alone."""
     rows = evaluate_claims(ids=LONG)
-    assert [each["id"] for each in rows] == LONG
+    assert changes(expected_verdicts(LONG), verdicts_of(rows)) == []
     for each in rows:
         assert judged(each["id"], each["evidence"]) == each["verdict"]
-        assert each["verdict"] == PRINTED.get(each["id"], HOLDS)
     json.dumps(rows, allow_nan=False)

@@ -37,7 +37,8 @@ _ON_BELT = ((-0.3, 1.25), (-0.95, 0.05), (0.95, -0.75))
 _AT_SPRING = ((0.2, 1.35), (-0.9, 0.0), (0.3, 0.0))
 _LONGEST = 9.0
 _WIDE, _THIN = 1.8, 0.9
-_SIDES = {"above": ("-", _WIDE), "below": ("--", _WIDE), "on": ("-", _THIN)}
+# of the pieces in the first subspace, in the second one, and on the surface between them
+_LOOKS = (("-", _WIDE, PALETTE["blue"]), ("--", _WIDE, PALETTE["vermilion"]), ("-", _THIN, "black"))
 
 
 def _belt() -> System:
@@ -91,17 +92,16 @@ def fig1(friction: float = 0.4, stiffness: float = 6.0) -> tuple[Figure, xr.Data
     spring = _spring().with_parameters(beta=stiffness)
     data = xr.merge([_trajectories(belt, _ON_BELT), _trajectories(spring, _AT_SPRING)])
     figure, (left, right) = print_figure(1, 2, width=16.0, height=7.5)
-    _draw(left, data, "belt", len(_ON_BELT))
-    _draw(right, data, "spring", len(_AT_SPRING))
+    _draw(left, data, "belt", len(_ON_BELT), first=1)
+    _draw(right, data, "spring", len(_AT_SPRING), first=-1)
     speed, gap = belt.parameter_values["v_b"], spring.parameter_values["e"]
     left.axhline(speed, color="0.75", linewidth=3.5, zorder=0)
     right.axvline(gap, color="0.75", linewidth=3.5, zorder=0)
     left.text(1.72, speed + 0.08, r"surface $v = v_b$", fontsize=_TEXT, ha="right")
-    right.text(gap + 0.04, -1.3, r"surface $x = e$", fontsize=_TEXT)
-    left.text(-1.25, 1.3, "subspace $X_1$", fontsize=_TEXT, color=PALETTE["blue"])
-    left.text(-1.25, -1.3, "subspace $X_2$", fontsize=_TEXT, color=PALETTE["vermilion"])
-    right.text(-1.25, 1.3, "subspace $X_1$", fontsize=_TEXT, color=PALETTE["vermilion"])
-    right.text(0.75, 1.3, "subspace $X_2$", fontsize=_TEXT, color=PALETTE["blue"])
+    right.text(gap + 0.08, -1.42, r"surface $x = e$", fontsize=_TEXT)
+    for ax, second in ((left, (-1.25, -1.3)), (right, (0.75, 1.3))):
+        ax.text(-1.25, 1.3, "subspace $X_1$", fontsize=_TEXT, color=PALETTE["blue"])
+        ax.text(*second, "subspace $X_2$", fontsize=_TEXT, color=PALETTE["vermilion"])
     left.set_title("(a) dry friction: across, or along", loc="left", fontsize=_TEXT)
     right.set_title("(b) compliant contact: across", loc="left", fontsize=_TEXT)
     data.attrs["note"] = "the chapter's figure is a sketch; these are a belt and a second spring"
@@ -127,22 +127,21 @@ def _trajectories(system: System, starts: tuple[tuple[float, float], ...]) -> xr
     return data
 
 
-def _draw(ax: Axes, data: xr.Dataset, name: str, count: int) -> None:
-    """Trajectories with a line of its own for every side."""
-    looks = {1: ("above", PALETTE["blue"]), -1: ("below", PALETTE["vermilion"]), 0: ("on", "black")}
+def _draw(ax: Axes, data: xr.Dataset, name: str, count: int, first: int) -> None:
+    """Trajectories with a line of its own for every side; ``first`` is that of subspace X_1."""
+    looks = dict(zip((first, -first, 0), _LOOKS, strict=True))
     for k in range(count):
         x, v, side = (data[f"{name}_{part}"].values[k] for part in ("x", "v", "side"))
         ax.plot(x[0], v[0], "o", color="black", markersize=3.5)
         ends = [0, *np.flatnonzero(np.diff(side)) + 1, side.size]
-        for first, last in pairwise(ends):
-            place, colour = looks[int(side[first])]
-            style, width = _SIDES[place]
-            part = slice(max(first - 1, 0), last)
+        for begin, end in pairwise(ends):
+            style, width, colour = looks[int(side[begin])]
+            part = slice(max(begin - 1, 0), end)
             ax.plot(x[part], v[part], style, color=colour, linewidth=width)
-            if place != "on":
-                _arrow(ax, x[first:last], v[first:last], colour)
-    ax.set_xlabel("displacement, x")
-    ax.set_ylabel("velocity, v")
+            if side[begin]:
+                _arrow(ax, x[begin:end], v[begin:end], colour)
+    ax.set_xlabel("displacement, $x$")
+    ax.set_ylabel("velocity, $v$")
     ax.set_xlim(-1.3, 1.75)
     ax.set_ylim(-1.55, 1.55)
 

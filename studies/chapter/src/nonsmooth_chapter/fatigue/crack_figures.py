@@ -402,16 +402,11 @@ def _curve(data: xr.Dataset) -> Figure:
             part = data.sel(length=crack).isel(start=1)
             inset.plot(part["u"], part["v"], linestyle="none", marker="s", markersize=3.5,
                        markeredgewidth=0.0, color=PALETTE["vermilion"])  # fmt: skip
-        inset.set_title(
-            f"{crack:g} mm: {words}\nchapter: {_CHAPTER[crack]}", fontsize=6.5, pad=2.5,
-            bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.0},
-        )  # fmt: skip
-        spans = (f"{name} {low:.2f} to {high:.2f}" for name, (low, high) in
-                 (("u", inset.get_xlim()), ("v", inset.get_ylim())))  # fmt: skip
-        inset.set_xlabel(
-            "\n".join(spans), fontsize=6, color="0.35", labelpad=2.0,
-            bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5},
-        )  # fmt: skip
+        inset.set_title(f"{crack:g} mm: {words}\nchapter: {_CHAPTER[crack]}", fontsize=6.5, pad=3.5)
+    # once, as all boxes show the same ranges: below each it would lie on the lines to the curve
+    (left, right), (low, high) = insets[0].get_xlim(), insets[0].get_ylim()
+    spans = f"in each box: u from {left:.2f} to {right:.2f}, v from {low:.2f} to {high:.2f}"
+    ax.text(0.07, 0.115, spans.replace("-", "\N{MINUS SIGN}"), transform=ax.transAxes, fontsize=7)
     return figure
 
 

@@ -222,7 +222,7 @@ def _displacements(ax: Axes, run: xr.Dataset, when: tuple[float, float]) -> None
     for line, style in zip(ax.lines, styles, strict=False):
         line.set(color="black", **style)
     ax.set_ylabel(r"displacement [$A_b$]")
-    ax.set_xlabel(r"$\tau$")
+    ax.set_xlabel(r"time, $\tau$")
 
 
 def _name_phases(ax: Axes, rows: Sequence[Stay]) -> None:
@@ -273,8 +273,8 @@ def fig25(periods: int = 4) -> tuple[Figure, xr.Dataset]:
     data = machine.to_si(steady(machine.system()))
     figure, axes = print_figure(3, 2, width=16.0, height=15.0)
     rows = (
-        ("base acceleration", ("base",), "X''_b", "m/s$^2$"),
-        ("relative acceleration", ("acceleration1", "acceleration2"), "X''_1, X''_4", "m/s$^2$"),
+        ("base acceleration", ("base",), "X_b''", "m/s$^2$"),
+        ("relative acceleration", ("acceleration1", "acceleration2"), "X_1'', X_4''", "m/s$^2$"),
         ("relative displacement", ("X1", "X4", "X3"), "X_1, X_4, X_3", "mm"),
     )
     for column, part in enumerate((run, data)):
@@ -287,7 +287,9 @@ def fig25(periods: int = 4) -> tuple[Figure, xr.Dataset]:
             where = "" if column == 0 else ", in SI"
             ax.set_title(f"({'ace'[row]}) {title}{where}", loc="left", fontsize=_TEXT)
             ax.set_ylabel(f"${symbol}$" if column == 0 else f"{title.split()[-1]} [{unit}]")
-            ax.set_xlabel(r"$\tau$, steady motion" if column == 0 else "time [s], steady motion")
+            ax.set_xlabel(
+                r"time in steady motion, $\tau$" if column == 0 else "time in steady motion [s]"
+            )
     figure.legend(
         *axes[4].get_legend_handles_labels(), loc="outside upper center", ncols=3, frameon=False,
         fontsize=_TEXT,

@@ -18,9 +18,8 @@ from nonsmooth_chapter.mole.sweeps import (
     Sweep,
     even_forces,
     first_fifty,
+    main_window,
     settled_labels,
-    stretches,
-    widest,
 )
 
 if TYPE_CHECKING:
@@ -106,7 +105,7 @@ def _diagrams(a: float, columns: int, transient: int, record: int) -> xr.Dataset
     periods = np.stack([diagram["period"].values for diagram in found])
     # near a period doubling a motion without a period need not be chaotic: exponents decide
     labels, exponents = settled_labels(found[0].expand_dims("lane"), a=a, xi=_XI, omega=_OMEGA)
-    window = widest(stretches(Sweep(np.array(forces), labels, gain[0], exponents)))
+    window = main_window(a, Sweep(np.array(forces), labels, gain[0], exponents))
     units = {"long_name": "progression in the first 50 periods from rest"}
     return xr.Dataset(
         {

@@ -396,8 +396,8 @@ def fig11(b: float = 0.15) -> tuple[Figure, xr.Dataset]:
     figure, axes = print_figure(3, 1, width=12.0, height=15.0, share_x=True)
     panels = (
         (["x", "v"], "displacement", "(a) drifting motion"),
-        (["p"], "p = x - v", "(b) bounded oscillation of the mass"),
-        (["v"], "v", "(c) progression of the slider bottom"),
+        (["p"], "displacement, $p = x - v$", "(b) bounded oscillation of the mass"),
+        (["v"], "displacement, $v$", "(c) progression of the slider bottom"),
     )
     for ax, (names, label, title) in zip(axes, panels, strict=True):
         ax.set_ylabel(label)

@@ -21,6 +21,7 @@ from nonsmooth_chapter.mole.sweeps import (
     even_forces,
     first_fifty,
     force_sweep,
+    main_window,
     order_of_labels,
     stretches,
     widest,
@@ -106,22 +107,22 @@ def _small_forces(
     amplitudes: Sequence[float] = AMPLITUDES, columns: int = _COLUMNS, fine: int = 600
 ) -> Evidence:
     """Windows below the main one, on a grid of their own; there a period is all that is asked."""
-    found = _windows(amplitudes, columns, ("restart",))["rows"]
     rows = []
-    for row in found:
-        top = row["main"]["low"] - row["step"]
-        forces = even_forces(top, fine)
-        diagram = bifurcation_diagram(moling(a=row["a"]), "b", forces, transient=300, record=128)
+    for a in amplitudes:
+        main = main_window(a, force_sweep(a, even_forces(a, columns)))
+        top = main["low"]
+        forces = even_forces(top, fine + 1)[:-1]
+        diagram = bifurcation_diagram(moling(a=a), "b", forces, transient=300, record=128)
         periods = diagram["period"].values[:, 0]
         edges = np.diff(np.concatenate([[0], periods > 0, [0]]).astype(int))
         widths = np.flatnonzero(edges < 0) - np.flatnonzero(edges > 0)
         rows.append(
             {
-                "a": row["a"],
+                "a": a,
                 "below": top,
                 "windows": int(widths.size),
-                "widest": float(widths.max(initial=0) * top / fine),
-                "main_width": row["main"]["high"] - row["main"]["low"] + row["step"],
+                "widest": float(widths.max(initial=0) * top / (fine + 1)),
+                "main_width": main["high"] - main["low"] + a / columns,
                 "periodic_share": float(np.mean(periods > 0)),
             }
         )
@@ -478,7 +479,7 @@ def _judge_best_or_special(evidence: Evidence) -> Finding:
 def _rise(a: float = 0.9, columns: int = _COLUMNS) -> Evidence:
     forces = even_forces(a, columns)
     b, values = np.array(forces), first_fifty(a, forces)
-    low = widest(stretches(force_sweep(a, forces)))["low"]
+    low = main_window(a, force_sweep(a, forces))["low"]
     beyond = b >= low
     b, values = b[beyond], values[beyond]
     falls = np.flatnonzero(np.diff(values) <= 0)

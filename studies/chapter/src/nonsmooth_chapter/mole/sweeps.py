@@ -28,6 +28,7 @@ __all__ = [
     "even_forces",
     "first_fifty",
     "force_sweep",
+    "main_window",
     "order_of_labels",
     "primitive_period",
     "regimes_from",
@@ -202,6 +203,8 @@ AMPLITUDES = (0.1, 0.3, 0.9)
 PROTOCOLS = ("restart", "follow up", "follow down")
 CHAOTIC, UNSETTLED = 0, -1
 _SPAN = 150  # periods over which an exponent is taken
+# where a window begins: columns for one of the diagram, and how far, as a part of the window
+_BETWEEN, _BEGINNING = 20, 0.1
 
 
 @dataclass(frozen=True)
@@ -430,6 +433,38 @@ def widest(parts: list[Evidence]) -> Evidence:
     2
     """
     return max((part for part in parts if part["periods"]), key=lambda part: part["columns"])
+
+
+def main_window(a: float, sweep: Sweep) -> Evidence:
+    """Widest window from rest; it begins behind the last chaos that columns in between show.
+
+    Chaos has room between the columns of a diagram. At a = 0.9 it parts a window of period four at
+    b = 0.2025 from that of period one, and the only column there, 0.207, is on a chaotic transient
+    of some 1700 periods: rounding says what it looks like after 600.
+
+    Parameters
+    ----------
+    a : float
+        Amplitude of the force.
+    sweep : Sweep
+        Columns from rest.
+
+    Returns
+    -------
+    dict
+        Part of `stretches`, with another ``low``.
+
+    Examples
+    --------
+    >>> main_window(0.3, force_sweep(0.3, (0.08, 0.1, 0.15, 0.16)))["periods"]
+    [1, 2]
+    """
+    main = widest(stretches(sweep))
+    end = main["low"] + _BEGINNING * (main["high"] - main["low"])
+    forces = np.arange(main["low"] - sweep.step, end, sweep.step / _BETWEEN).round(12)
+    chaos = np.flatnonzero(force_sweep(a, tuple(forces.tolist())).labels == CHAOTIC)
+    first = min(chaos[-1] + 1, forces.size - 1) if chaos.size else 0
+    return main | {"low": float(forces[first])}
 
 
 def order_of_labels(sweep: Sweep) -> list[int]:

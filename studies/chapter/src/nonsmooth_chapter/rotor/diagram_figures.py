@@ -379,8 +379,8 @@ _LEAST_SPAN = 0.05  # of an axis, in mm and mm/s
 _PRINTED: dict[str, Any] = {
     "color": PALETTE["vermilion"], "linewidth": 0.8, "linestyle": (0, (4, 3)), "zorder": 0,
 }  # fmt: skip
-# beside branches, whose unstable parts are dashed
-_MARKED = _PRINTED | {"color": PALETTE["green"], "linestyle": (0, (6, 2, 1, 2))}
+# beside branches, whose unstable parts are dashed, and their marks: green ones are tori
+_MARKED = _PRINTED | {"color": PALETTE["purple"], "linestyle": (0, (6, 2, 1, 2))}
 
 
 # Sections of the rotor's motion at strobes: Fig. 37.

@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from nonsmooth.models import snubber_boundaries, snubber_ring
-from nonsmooth.plot import PALETTE, contact_regions, print_figure
+from nonsmooth.plot import PALETTE, contact_regions, place_legend, print_figure
 from nonsmooth_chapter.drawing import arrow, bare, damper, spring
 
 if TYPE_CHECKING:
@@ -116,7 +116,7 @@ def fig33(delta: float = 0.1) -> tuple[Figure, xr.Dataset]:
     >>> float(data["F3"].sel(s=0.0, method="nearest").round(3))
     -0.1
     """
-    figure, (ring, law) = print_figure(1, 2, width=16.0, height=8.0)
+    figure, (ring, law) = print_figure(1, 2, width=16.0, height=9.3)
     s = np.linspace(-2.5 * delta, 2.5 * delta, 501)
     behind = np.where(s > -delta, -(delta + s), 0.0)
     ahead = np.where(s < delta, delta - s, 0.0)
@@ -139,9 +139,9 @@ def fig33(delta: float = 0.1) -> tuple[Figure, xr.Dataset]:
         law.axvline(side, color="0.6", linewidth=0.6, linestyle=":")
     law.set_xlabel(r"displacement, $x_s/\gamma$ or $y_s/\gamma$")
     law.set_ylabel(r"force, $F/(k_s\gamma)$")
-    law.legend(loc="lower center", fontsize=7, framealpha=1.0, edgecolor="none")
-    for ax, letter in ((ring, "a"), (law, "b")):
-        ax.set_title(f"({letter})", loc="left", fontsize=_TEXT)
+    for ax, letter, words in ((ring, "a", "forces on the ring"), (law, "b", "laws")):
+        ax.set_title(f"({letter}) {words}", loc="left", fontsize=_TEXT)
+    place_legend(law)
     return figure, data
 
 
@@ -197,7 +197,7 @@ def _coordinates(ax: Axes, data: xr.Dataset) -> None:
     )
     ends = np.stack([ring, rotor])
     ax.plot(*ends.T, color=_FORCE, linewidth=1.0, linestyle="--")
-    ax.annotate(r"$D=\gamma$", tuple(0.4 * ring + 0.6 * rotor + (0.12, -0.22)), color=_FORCE,
+    ax.annotate(r"$D=\gamma$", tuple(0.4 * ring + 0.6 * rotor + (0.1, -0.17)), color=_FORCE,
                 fontsize=_TEXT)  # fmt: skip
     _point(ax, origin, r"$O_{s,0}$", "0.4", (-22, -10))
     _point(ax, rest, r"$O_{r,0}$", "0.4", (4, -9))
