@@ -12,11 +12,9 @@ Every message says what was required, what came instead and what to do.
 
 from __future__ import annotations
 
-import inspect
-from collections.abc import Callable, Container, Iterable
+from collections.abc import Container, Iterable
 from difflib import get_close_matches
-from functools import wraps
-from typing import Any, TypeVar
+from typing import Any
 
 __all__ = [
     "ModelError",
@@ -27,10 +25,7 @@ __all__ = [
     "RunWarning",
     "is_known",
     "unknown_name",
-    "with_known_arguments",
 ]
-
-Made = TypeVar("Made")
 
 _MOST_LISTED = 60  # of the known names; all of a large system would hide the message
 
@@ -159,18 +154,3 @@ def unknown_name(kind: str, name: Any, known: Iterable[str]) -> str:
     if len(names) > _MOST_LISTED:
         listed += f" and {len(names) - _MOST_LISTED:,} more"
     return f"unknown {kind} {name!r:.80}{hint} (known: {listed})"
-
-
-def with_known_arguments(make: Callable[..., Made]) -> Callable[..., Made]:
-    """The function, whose `TypeError` for an unknown argument lists those that it has."""
-
-    @wraps(make)
-    def told(*given: Any, **named: Any) -> Made:
-        known = [name for name in inspect.signature(make).parameters if name != "self"]
-        for name in named:
-            if name not in known:
-                of = make.__qualname__.removesuffix(".__init__")
-                raise TypeError(f"{of}(): {unknown_name('argument', name, known)}")
-        return make(*given, **named)
-
-    return told

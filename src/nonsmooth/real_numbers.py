@@ -15,15 +15,17 @@ import numpy.typing as npt
 
 from nonsmooth.errors import NonsmoothError, OptionError
 
-__all__ = ["finite_numbers", "finite_real", "shown"]
+__all__ = ["check_size", "finite_numbers", "finite_real", "shown", "whole_number"]
 
 _WIDTH = 60  # characters of a value that a message repeats
+_REACH = 1e60  # largest size, and the inverse of the least
+_MOST = 1e15  # of a count: doubles hold each whole number up to here
 
 
 def shown(value: Any) -> str:
-    """A value as messages repeat it: short, also where Python refuses to write it out."""
+    """A value as messages repeat it: short, in one line, also where Python refuses to write it."""
     try:
-        text = repr(value)
+        text = " ".join(repr(value).split())
     except ValueError:  # a whole number of thousands of digits
         text = f"a whole number of {int(math.log10(2) * value.bit_length()) + 1} digits"
     return text if len(text) <= _WIDTH else f"{text[: _WIDTH - 3]}..."
@@ -73,3 +75,19 @@ def finite_numbers(
     if wrong.size:
         raise error(f"{where} = {wrong[0]} is not a finite number; give numbers that are")
     return numbers
+
+
+def check_size(where: str, number: float, error: type[NonsmoothError] = OptionError) -> None:
+    """Refuse sizes whose powers no double holds."""
+    if number and not 1.0 / _REACH <= abs(number) <= _REACH:
+        raise error(f"{where} = {number:g} is no size of anything; check its unit")
+
+
+def whole_number(name: str, value: Any, least: int = 1) -> int:
+    """Value that must be a whole number, not less than the least one allowed."""
+    number = finite_real(name, value)
+    if abs(number) > _MOST:
+        raise OptionError(f"{name} = {number:g} must be at most {_MOST:g} in size")
+    if number != int(number) or number < least:
+        raise OptionError(f"{name} = {number:g} must be a whole number of at least {least}")
+    return int(number)

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.errors import ModelError, NonsmoothError, OptionError
-from nonsmooth.real_numbers import finite_real
+from nonsmooth.errors import ModelError, OptionError
+from nonsmooth.real_numbers import check_size, finite_real
 
 __all__ = [
     "Array",
@@ -31,7 +31,6 @@ __all__ = [
 ]
 
 Array = npt.NDArray[np.float64]
-_REACH = 1e60  # largest size, and the inverse of the least
 
 
 def set_numbers(thing: Any, positive: Mapping[str, str]) -> None:
@@ -44,7 +43,7 @@ def set_numbers(thing: Any, positive: Mapping[str, str]) -> None:
     for name, reason in positive.items():
         if getattr(thing, name) <= 0.0:
             raise ModelError(f"{name} = {getattr(thing, name):g} must be positive: {reason}")
-        _in_reach(name, getattr(thing, name), ModelError)
+        check_size(name, getattr(thing, name), ModelError)
 
 
 def finite_number(name: str, value: Any) -> float:
@@ -62,14 +61,8 @@ def positive(name: str, value: Any, unit: str = "") -> float:
     number = finite(name, value)
     if number <= 0.0:
         raise OptionError(f"{name} = {number:g}{unit and ' ' + unit}: it must be above zero")
-    _in_reach(name, number, OptionError)
+    check_size(name, number)
     return number
-
-
-def _in_reach(name: str, number: float, error: type[NonsmoothError]) -> None:
-    """Refuse sizes whose powers no double holds."""
-    if not 1.0 / _REACH <= number <= _REACH:
-        raise error(f"{name} = {number:g} is no size of anything; check its unit")
 
 
 def listed(name: str, values: Any, what: str) -> list[Any]:

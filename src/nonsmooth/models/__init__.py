@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from nonsmooth.errors import with_known_arguments as _with_known_arguments
+from nonsmooth.arguments import checked as _checked
+from nonsmooth.errors import ModelError as _ModelError
 from nonsmooth.models.belt_oscillator import belt_oscillator
 from nonsmooth.models.bouncing_ball import bouncing_ball
 from nonsmooth.models.brake_mode_coupling import brake_mode_coupling
@@ -89,7 +90,8 @@ for _name in __all__:
     _made = globals()[_name]
     if isinstance(_made, type):
         # setattr: an assignment to __init__ of a class is an error for type checkers
-        setattr(_made, "__init__", _with_known_arguments(vars(_made)["__init__"]))  # noqa: B010
+        setattr(_made, "__init__", _checked(vars(_made)["__init__"], _ModelError))  # noqa: B010
     else:
-        globals()[_name] = _with_known_arguments(_made)
+        _makes_a_system = _made.__annotations__["return"] == "System"
+        globals()[_name] = _checked(_made, _ModelError) if _makes_a_system else _checked(_made)
         globals()[_name].__module__ = __name__  # where pickle finds it

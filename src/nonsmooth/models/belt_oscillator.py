@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from typing import Literal
 
-from nonsmooth.errors import ModelError, is_known
 from nonsmooth.system.model.evaluated import parameter_values
 from nonsmooth.system.parts import Text
 from nonsmooth.system.surfaces import Surface
@@ -128,9 +127,9 @@ def belt_oscillator(
     >>> round(2 * 0.2 / 0.3 + 2 * math.pi - 2 * math.atan(0.2 / 0.3), 10)
     6.4405134334
     """
-    if not is_known(law, _LAWS):
-        raise ModelError(f"law = {law!r:.60} must be one of {', '.join(_LAWS)}")
-    driven = parameter_values({"F": F})["F"] != 0.0
+    # all of them, as the system has only those that play a part
+    values = parameter_values({"F_k": F_k, "delta": delta, "F": F, "omega": omega})
+    driven = values["F"] != 0.0
     coulomb = law == "coulomb"
     parameters: dict[str, Text] = {"v_b": v_b, "F_s": F_s}
     require = {

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from typing import Any, Literal
 
-from nonsmooth.errors import ModelError, is_known
+from nonsmooth.errors import ModelError, unknown_name
 from nonsmooth.fatigue.specimen import Specimen
 from nonsmooth.fatigue.stiffness_laws import cubic_text, guinea_text
 from nonsmooth.system.parts import Exit, Mode, Text
 from nonsmooth.system.system import System
+from nonsmooth.system.text.expressions import name_set
+from nonsmooth.system.text.grammar import parse
 
 __all__ = ["breathing_crack"]
 
@@ -152,10 +154,6 @@ def breathing_crack(
     >>> run["crack"].values[[0, -1]].round(3).tolist()
     [10.671, 10.786]
     """
-    if not is_known(law, _LEAST):
-        raise ModelError(f"law = {law!r:.60} must be 'cubic' or 'guinea'")
-    if not is_known(grows, ("frozen", "flow")):
-        raise ModelError(f"grows = {grows!r:.60} must be 'frozen' or 'flow'")
     given = kappa_open is not None or kappa_closed is not None
     _check_arguments(crack, s, law, (kappa_open, kappa_closed), growth, grows)
     parameters: dict[str, Any] = {"xi": xi, "eta": eta, "d": d}
@@ -192,8 +190,10 @@ def _check_arguments(
     """Refuse arguments that would play no part beside others."""
     missing = [each is None for each in stiffnesses]
     if any(missing) and not all(missing):
-        lacks = ("kappa_open", "kappa_closed")[missing.index(True)]
-        raise ModelError(f"{lacks} is missing; give both stiffnesses, or a crack length alone")
+        given, lacks = ("kappa_open", "kappa_closed")[:: 1 if missing[1] else -1]
+        raise ModelError(
+            f"{given} stands alone, without {lacks}; give both stiffnesses, or a crack length alone"
+        )
     if not any(missing):
         beside = {"crack": crack != _CRACK, "s": s != 1.0, "law": law != "cubic"}
         beside["growth"] = growth is not None
@@ -204,6 +204,10 @@ def _check_arguments(
             )
     if growth is not None and crack != _CRACK:
         raise ModelError(f"crack = {crack!r:.60} plays no part beside growth=; leave out either")
+    if growth is not None:
+        known = {"t", "pi", "xi", "eta", "d", "s"}
+        for name in sorted(name_set(parse(growth, where="growth")) - known):
+            raise ModelError(f"growth = {growth!r:.60}: {unknown_name('name', name, known)}")
     if growth is None and grows != "frozen":
         raise ModelError(f"grows = {grows!r} needs the length of the crack over time as growth=")
 

@@ -4,13 +4,10 @@ from __future__ import annotations
 
 from typing import Any, Literal
 
-from nonsmooth.errors import ModelError, is_known
 from nonsmooth.system.parts import Exit, Mode, Text
 from nonsmooth.system.system import System
 
 __all__ = ["chua"]
-
-_KINDS = ("piecewise", "cubic")
 
 
 def chua(
@@ -89,8 +86,6 @@ def chua(
     >>> round(float(run["x"][-1]), 12), round(float(run["y"][-1]), 12)
     (1.5, 0.0)
     """
-    if not is_known(resistor, _KINDS):
-        raise ModelError(f"resistor = {resistor!r:.60} must be one of {', '.join(_KINDS)}")
     words: dict[str, Any] = {
         "name": "chua",
         "states": ["x", "y", "z"],

@@ -62,8 +62,6 @@ class Lumped:
 
 def lumped(rig: Any, version: str = "chapter") -> Lumped:
     """Mass, stiffnesses and damping of both masses together."""
-    if version not in ("chapter", "repaired"):
-        raise OptionError(f"version = {version!r:.60} must be 'repaired' or 'chapter'")
     soft = 0.5 / rig.contact_stiffness if version == "repaired" else 0.0
 
     def series(stiffness: float | None) -> float | None:

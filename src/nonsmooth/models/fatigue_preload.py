@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from nonsmooth.errors import ModelError, OptionError, RunError
+from nonsmooth.errors import ModelError, RunError
 from nonsmooth.models.fatigue_rigs.motion import first_loss, settled_motion, swing
 from nonsmooth.models.fatigue_rigs.response import full_contact, is_cracked, rig_values
 from nonsmooth.models.rigs.data import one_number
+from nonsmooth.real_numbers import whole_number
 from nonsmooth.system.system import System
 
 if TYPE_CHECKING:
@@ -114,11 +115,10 @@ def least_preload(
     array([4.55, 4.55])
     """
     p = rig_values(system)
-    if motion not in ("steady", "start-up"):
-        raise OptionError(f"motion = {motion!r:.60} must be 'steady' or 'start-up'")
     if ratio is None:
         ratio = p["f2"] / p["f1"] if min(p["f1"], p["f2"]) > 0.0 else 1.0
     ratio = one_number("ratio", ratio, positive=True)
+    periods = whole_number("periods", periods)
     tolerance = one_number("tolerance", tolerance, positive=True, most=LOOSEST)
     attrs: dict[str, str | float] = {"system": system.to_toml(), "motion": motion, "ratio": ratio}
     force = np.array([p["f1"], p["f2"]])

@@ -14,6 +14,7 @@ from nonsmooth.errors import ModelError, OptionError
 from nonsmooth.models.fatigue_contact import loss_message
 from nonsmooth.models.fatigue_rigs.motion import first_loss, settled_motion
 from nonsmooth.models.fatigue_rigs.response import full_contact, is_cracked, rig_values
+from nonsmooth.real_numbers import check_size, finite_numbers
 from nonsmooth.system.parts import Mode
 from nonsmooth.system.system import System
 
@@ -45,8 +46,8 @@ class OneMass:
         Displacement of the specimen over that of the masses.
     gamma : float
         Deflection of the specimen at rest in units of the amplitude of the base.
-    version : str
-        ``"repaired"`` or ``"chapter"``.
+    version : {"repaired", "chapter"}
+        With contacts that give, or as printed.
 
     Examples
     --------
@@ -63,7 +64,7 @@ class OneMass:
     rate: float
     share: float
     gamma: float
-    version: str
+    version: Version
 
     @property
     def response(self) -> complex:
@@ -173,8 +174,6 @@ def one_mass(system: System, *, version: Version = "repaired") -> OneMass:
     Traceback (most recent call last):
     nonsmooth.errors.ModelError: contact is lost: phase iv began at time ...
     """
-    if version not in _VERSIONS:
-        raise OptionError(f"version = {version!r:.60} must be 'repaired' or 'chapter'")
     p = _symmetric(system)
     refuse_lost_contact(system)
     return _reduced(p, version)
@@ -265,14 +264,12 @@ def reduction_error(system: System, eps: npt.ArrayLike | None = None) -> xr.Data
     import xarray as xr
 
     p = _symmetric(system)
-    try:
-        grid = np.atleast_1d(np.asarray(p["eps"] if eps is None else eps, float))
-    except (TypeError, ValueError, OverflowError):
-        grid = np.array([np.nan])
-    if grid.ndim != 1 or grid.size == 0 or not np.all(np.isfinite(grid) & (grid > 0.0)):
+    grid = np.atleast_1d(finite_numbers("eps", p["eps"] if eps is None else eps))
+    if grid.ndim != 1 or grid.size == 0 or not np.all(grid > 0.0):
         raise OptionError(
             "eps must be positive numbers, one or more, the compliances of the contacts"
         )
+    check_size("eps", grid.max())
     rows: dict[str, list[list[float]]] = {n: [] for n in _ERROR_LABELS if n != "exact_amplitude"}
     exact: list[float] = []
     for value in grid:

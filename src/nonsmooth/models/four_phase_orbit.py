@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from nonsmooth.errors import OptionError
 from nonsmooth.models.moling_phases import moling_solution
+from nonsmooth.real_numbers import finite_numbers
 from nonsmooth.system.system import System
 
 if TYPE_CHECKING:
@@ -242,11 +243,14 @@ def _pair(guess: tuple[float, float] | xr.Dataset) -> Floats:
     import xarray as xr
 
     if isinstance(guess, xr.Dataset):
+        for name in ("y_0", "psi_0"):
+            if name not in guess or guess[name].size == 0:
+                raise OptionError(
+                    f"guess: the dataset has no value of {name}; give one of four_phase_orbit or"
+                    " progression_start that found a start of progression"
+                )
         guess = tuple(np.ravel(guess[name].values)[0] for name in ("y_0", "psi_0"))
-    pair = np.asarray(guess, float)
-    if pair.shape != (2,) or not np.all(np.isfinite(pair)):
-        raise OptionError(f"guess = {guess!r:.80}: give y_0 and psi_0, two numbers")
-    return pair
+    return finite_numbers("guess", guess)
 
 
 @dataclass(frozen=True)

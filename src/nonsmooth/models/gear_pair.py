@@ -107,7 +107,7 @@ def gear_pair(
     >>> sorted(set(ns.phase_word(run)))
     ['back', 'drive', 'separated']
     """
-    varying = parameter_values({"k": k})["k"] != 0.0
+    varying = parameter_values({"k": k, "phi": phi})["k"] != 0.0  # phi, though it may play no part
     stiffness = "(1 + k*cos(Omega*t + phi))*" if varying else ""
     parameters = {"Omega": Omega, "zeta": zeta, "F_m": F_m, "F_a": F_a, "b": b}
     require = {

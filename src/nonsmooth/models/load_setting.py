@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from nonsmooth.errors import OptionError, ResultWarning, RunError
+from nonsmooth.errors import ResultWarning, RunError
 from nonsmooth.fatigue.specimen import Specimen
 from nonsmooth.models.fatigue_contact import loss_message
 from nonsmooth.models.fatigue_preload import LOOSEST
@@ -145,8 +145,6 @@ def set_load(
     load = one_number("load", load, positive=True)
     largest = one_number("largest", largest, positive=True)
     tolerance = one_number("tolerance", tolerance, positive=True, most=LOOSEST)
-    if contact not in ("kept", "any"):
-        raise OptionError(f"contact = {contact!r:.60} must be 'kept' or 'any'")
     beam = Specimen() if specimen is None else specimen
     # also refuses a specimen that is not the rig's
     cracked = rig.cracked(0.0 if crack is None else crack, specimen=beam)

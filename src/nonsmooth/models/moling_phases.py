@@ -6,9 +6,14 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from nonsmooth.errors import OptionError, unknown_name
+
 __all__ = ["moling_solution"]
 
 Values = Mapping[str, float]
+
+_MODES = ("no_contact", "contact", "progression")
+_NAMES = {"a", "b", "xi", "omega", "g", "phi"}
 
 
 def moling_solution(
@@ -20,8 +25,8 @@ def moling_solution(
     ----------
     values : mapping of str to float
         Parameters a, b, xi, omega, g, phi; xi is not exactly 1.
-    mode : str
-        ``"no_contact"``, ``"contact"`` or ``"progression"``.
+    mode : {"no_contact", "contact", "progression"}
+        Mode from the start to all of the times.
     start : numpy.ndarray
         States at the time when the mode began.
     began : float
@@ -33,6 +38,12 @@ def moling_solution(
     -------
     numpy.ndarray, shape (time, 4)
 
+    Raises
+    ------
+    OptionError
+        When a parameter is missing or xi is 1, the mode is another word, or the numbers are not
+        four states and a list of times.
+
     Examples
     --------
     >>> import numpy as np
@@ -41,7 +52,8 @@ def moling_solution(
     >>> moling_solution(values, "no_contact", np.zeros(4), 0.0, np.array([2.0]))[0, :2]
     array([2., 2.])
     """
-    times = np.atleast_1d(times)
+    start, times = np.asarray(start, float), np.atleast_1d(np.asarray(times, float))
+    _check(values, mode, start, times)
     if mode == "contact":
         return _contact(values, start, began, times)
     net = values["b"] - (mode == "progression")
@@ -53,6 +65,22 @@ def moling_solution(
         )
     q = 1.0 + (start[2] - 1.0) * decay
     return np.column_stack([q + values["g"], y, q, start[3] + travel - (q - start[2])])
+
+
+def _check(values: Values, mode: str, start: np.ndarray, times: np.ndarray) -> None:
+    if missing := sorted(_NAMES - set(values)):
+        raise OptionError(
+            f"values: {', '.join(missing)} of the mole is missing; give parameter_values of its"
+            " system"
+        )
+    if mode not in _MODES:
+        raise OptionError(f"mode: {unknown_name('mode', mode, _MODES)}")
+    if values["xi"] == 1.0:
+        raise OptionError("values['xi'] = 1: the closed form divides by xi - 1; give one beside it")
+    if start.shape != (4,):
+        raise OptionError(f"start has the shape {start.shape}: give p, y, q and v, four numbers")
+    if times.ndim != 1:
+        raise OptionError(f"times has {times.ndim} dimensions: give a list of times")
 
 
 def _ballistic(

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from nonsmooth.arguments import checked
 from nonsmooth.errors import OptionError
 from nonsmooth.models.moling import moling
 from nonsmooth.models.rigs.data import check_data
@@ -141,6 +142,7 @@ class MolingRig:
             phi=self.phase,
         )
 
+    @checked
     def to_si(self, run: xr.Dataset) -> xr.Dataset:
         """A run of this rig's system in s, mm, mm/s, m/s^2 and N.
 

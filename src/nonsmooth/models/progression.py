@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.real_numbers import whole_number
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -62,9 +63,7 @@ def progression(run: xr.Dataset, state: str = "v", *, periods: int | None = None
     _check_drift(run, state)
     number, values = _strobes(run, state)
     available = len(values) - 1
-    wanted = available if periods is None else periods
-    if isinstance(wanted, bool) or wanted != int(wanted) or wanted < 1:
-        raise OptionError(f"periods = {periods!r} must be a whole number of at least 1")
+    wanted = available if periods is None else whole_number("periods", periods)
     if wanted > available:
         raise OptionError(
             f"periods = {wanted}, but the run has {available} whole periods with a sample at each"
@@ -91,7 +90,7 @@ def progression(run: xr.Dataset, state: str = "v", *, periods: int | None = None
         {
             "state": state,
             "state_long_name": label,
-            "periods": int(wanted),
+            "periods": wanted,
             "period": window,
             "status": run.attrs["status"],
         },
@@ -105,7 +104,7 @@ def _label(text: str, units: str) -> dict[str, str]:
 def _check_drift(run: xr.Dataset, state: str) -> None:
     if "system" not in run.attrs or "status" not in run.attrs:
         raise OptionError(
-            "progression takes the result of nonsmooth.simulate: this dataset does not say"
+            "run: progression takes the result of nonsmooth.simulate; this dataset does not say"
             " which system made it"
         )
     drifts = list(tomllib.loads(run.attrs["system"]).get("drift", ()))

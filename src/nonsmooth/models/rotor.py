@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Literal
 
-from nonsmooth.errors import ModelError, is_known
 from nonsmooth.models.rotors.texts import rotor_words
 from nonsmooth.system.parts import Text
 from nonsmooth.system.system import System
@@ -131,8 +130,6 @@ def rotor(
     >>> round(float(run["sx"][0]), 12), round(float(run["force"][0]), 3)
     (0.2, 9.0)
     """
-    if not is_known(ring, ("relaxes", "returns")):
-        raise ModelError(f"ring = {ring!r:.60} must be 'relaxes' or 'returns'")
     values = {
         "eta": eta,
         "nu1": nu1,

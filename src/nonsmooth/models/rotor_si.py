@@ -7,8 +7,9 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+from nonsmooth.arguments import checked
 from nonsmooth.errors import OptionError
-from nonsmooth.models.rigs.data import check_data
+from nonsmooth.models.rigs.data import check_data, one_number
 from nonsmooth.models.rigs.scaling import (
     changed_parameters,
     check_system,
@@ -227,6 +228,7 @@ class RotorRig:
         values: dict[str, Any] = self.parameters()
         return rotor(**values)
 
+    @checked
     def from_si(
         self, values: Mapping[str, Any], *, like: Mapping[str, str | None] | None = None
     ) -> dict[str, Any]:
@@ -302,6 +304,7 @@ class RotorRig:
         names = ("K", "eps_x", "eps_y", "delta_x", "delta_y")
         return self.to_si(static_contact(**{name: p[name] for name in names}))
 
+    @checked
     def to_si(
         self, data: xr.Dataset, *, like: Mapping[str, str | None] | None = None
     ) -> xr.Dataset:
@@ -373,6 +376,7 @@ class RotorRig:
                 del result.attrs[f"rig_{key}"]
         return result
 
+    @checked
     def run_up(self, first: float, last: float, duration: float) -> System:
         """System whose speed changes evenly, for a run-up or a run-down.
 
@@ -413,8 +417,7 @@ class RotorRig:
         [10.0, 19.9]
         """
         for name, value in (("first", first), ("last", last), ("duration", duration)):
-            if not (math.isfinite(value) and value > 0.0):
-                raise OptionError(f"{name} = {value!r:.60} must be a positive number")
+            one_number(name, value, positive=True)
         begin, end, time = (
             self.from_si({name: value})[name]
             for name, value in (("eta", first), ("eta", last), ("time", duration))

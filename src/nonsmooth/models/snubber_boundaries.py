@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from nonsmooth.errors import OptionError
+from nonsmooth.models.rigs.data import one_number
 from nonsmooth.models.snubber_ring import check_preload, regime_flags
 from nonsmooth.real_numbers import finite_real
 
@@ -93,9 +94,12 @@ def snubber_boundaries(
 
     delta_x, delta_y = check_preload(delta_x, delta_y)
     corner = 1.0 + math.hypot(delta_x, delta_y)
-    extent = finite_real("extent", extent)
+    extent = one_number("extent", extent)
     if not extent >= corner:
-        raise OptionError(f"extent = {extent:g} must not be below {corner:g}, where the corner is")
+        raise OptionError(
+            f"extent = {extent:g} must not be below {corner:g}, where the corner is for delta_x ="
+            f" {delta_x:g} and delta_y = {delta_y:g}"
+        )
     given = finite_real("points", points)
     if given != int(given) or not _FEWEST <= given <= _MOST:
         raise OptionError(f"points = {given:g} must be a whole number from {_FEWEST} to {_MOST}")

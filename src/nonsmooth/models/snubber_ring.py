@@ -11,7 +11,6 @@ one spring and |x| for two. The springs at work follow from the position before 
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from nonsmooth.errors import ModelError, OptionError
+from nonsmooth.real_numbers import check_size, finite_real
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -188,12 +188,8 @@ def check_preload(delta_x: float, delta_y: float) -> tuple[float, float]:
 
 
 def _number(name: str, value: Any) -> float:
-    try:
-        number = float(value)
-    except (TypeError, ValueError, OverflowError):
-        number = math.nan
-    if not math.isfinite(number):
-        raise ModelError(f"{name} = {value!r:.60} is not a finite number")
+    number = finite_real(name, value, ModelError)
+    check_size(name, number, ModelError)
     return number
 
 
@@ -261,6 +257,7 @@ def _finite(name: str, values: Any) -> np.ndarray:
         raise OptionError(
             f"{name}: {np.count_nonzero(~np.isfinite(array))} of {array.size} values are not finite"
         )
+    check_size(name, max(float(np.abs(array).max(initial=0.0)), 1.0))
     return array
 
 

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from nonsmooth.models.rigs.data import one_number
 from nonsmooth.models.snubber_ring import check_preload, check_ring, snubber_ring
-from nonsmooth.real_numbers import finite_real
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -76,7 +76,7 @@ def static_contact(
     """
     K, _ = check_ring(K)
     delta_x, delta_y = check_preload(delta_x, delta_y)
-    eps_x, eps_y = finite_real("eps_x", eps_x), finite_real("eps_y", eps_y)
+    eps_x, eps_y = one_number("eps_x", eps_x), one_number("eps_y", eps_y)
     distance = math.hypot(eps_x, eps_y)
     x, y = float(eps_x), float(eps_y)
     if distance > 1.0:

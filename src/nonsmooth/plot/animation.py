@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from nonsmooth.arguments import checked
 from nonsmooth.drawings import Drawing, drawing_of
 from nonsmooth.drawings.drawing import values_of
 from nonsmooth.errors import OptionError
-from nonsmooth.plot.arguments import checked
 from nonsmooth.plot.figures import FIGURE_STYLE, set_ticks
 from nonsmooth.plot.film_panels import (
     EventFlash,

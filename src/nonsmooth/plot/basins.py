@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.arguments import checked
 from nonsmooth.errors import OptionError, unknown_name
-from nonsmooth.plot.arguments import checked
 from nonsmooth.plot.attractor_style import (
     ENDED_EARLY,
     INADMISSIBLE,

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.arguments import checked
 from nonsmooth.errors import OptionError, unknown_name
-from nonsmooth.plot.arguments import checked
 from nonsmooth.plot.branch_curves import (
     INADMISSIBLE,
     STABLE,
@@ -30,9 +30,10 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-    Branches = xr.Dataset | Sequence[xr.Dataset] | Mapping[str, xr.Dataset]
 
 __all__ = ["branch", "check_diagram"]
+
+Branches: TypeAlias = "xr.Dataset | Sequence[xr.Dataset] | Mapping[str, xr.Dataset]"
 
 _STYLES: dict[int, tuple[str, dict[str, Any]]] = {
     STABLE: ("stable", {"linestyle": "-", "linewidth": 1.1}),

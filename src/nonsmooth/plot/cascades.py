@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.arguments import checked
 from nonsmooth.errors import OptionError, unknown_name
-from nonsmooth.plot.arguments import checked
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.style import PALETTE, axis_label, finish_axes
 

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.arguments import checked
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.plot.alignment import folded, shift_to_marks, way_to_align
-from nonsmooth.plot.arguments import checked
 from nonsmooth.plot.compared_spectra import (
     MEASURED,
     decibel_label,

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.arguments import checked
 from nonsmooth.errors import OptionError, unknown_name
-from nonsmooth.plot.arguments import checked
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.period_colours import NOT_SETTLED, OTHER_REGIMES, by_period

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from nonsmooth.arguments import checked
 from nonsmooth.errors import OptionError
 from nonsmooth.files import check_target, replacing
-from nonsmooth.plot.arguments import checked
 from nonsmooth.plot.style import PALETTE
 from nonsmooth.runs.options import positive_number, whole_number
 

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.arguments import checked
 from nonsmooth.errors import OptionError
 from nonsmooth.files import check_target, replacing
-from nonsmooth.plot.arguments import checked
 
 if TYPE_CHECKING:
     from PIL.Image import Image

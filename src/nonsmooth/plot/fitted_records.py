@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from nonsmooth.arguments import checked
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.plot.alignment import folded, marks_of, turns_of
-from nonsmooth.plot.arguments import checked
 from nonsmooth.plot.compared_spectra import MEASURED
 from nonsmooth.plot.figures import divided, new_axes
 from nonsmooth.plot.legends import place_legend

@@ -8,9 +8,9 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from nonsmooth.arguments import checked
 from nonsmooth.errors import OptionError
 from nonsmooth.plot.alignment import marks_of
-from nonsmooth.plot.arguments import checked
 from nonsmooth.plot.compared_spectra import MEASURED, SpectrumCurve, decibel_label, draw_spectra
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.fitted_records import fitted_channel

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.arguments import checked
 from nonsmooth.errors import OptionError, unknown_name
-from nonsmooth.plot.arguments import checked
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.sections import section
 from nonsmooth.plot.style import LINES, axis_label, finish_axes

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.plot.arguments import checked
+from nonsmooth.arguments import checked
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.markers import event_markers

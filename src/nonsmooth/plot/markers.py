@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from nonsmooth.plot.arguments import checked
+from nonsmooth.arguments import checked
 from nonsmooth.plot.trace import DENSE, check_log, check_range, check_variables
 
 if TYPE_CHECKING:

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.arguments import checked
 from nonsmooth.errors import OptionError
-from nonsmooth.plot.arguments import checked
 from nonsmooth.plot.branch_curves import check_branch, mark_special_points
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.legends import place_legend

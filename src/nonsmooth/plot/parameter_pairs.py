@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.arguments import checked
 from nonsmooth.errors import OptionError
-from nonsmooth.plot.arguments import checked
 from nonsmooth.plot.figures import divided, new_axes
 from nonsmooth.plot.fitted_parameters import chosen_parameters, legend_of_panels
 from nonsmooth.plot.style import PALETTE, finish_axes

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.arguments import checked
 from nonsmooth.errors import OptionError, unknown_name
-from nonsmooth.plot.arguments import checked
 from nonsmooth.plot.histories import common_label, phases
 from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.markers import EVENT_MARK, EVENT_SHAPES, event_markers

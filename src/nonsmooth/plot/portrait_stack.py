@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from nonsmooth.arguments import checked
 from nonsmooth.errors import OptionError
-from nonsmooth.plot.arguments import checked
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.style import axis_label, growing_colours
 from nonsmooth.plot.trace import DENSE, check_range, check_variables, curve

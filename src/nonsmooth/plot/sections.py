@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.arguments import checked
 from nonsmooth.errors import OptionError, unknown_name
-from nonsmooth.plot.arguments import checked
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.histories import mode_label
 from nonsmooth.plot.legends import place_legend

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError, is_known, unknown_name
-from nonsmooth.real_numbers import finite_numbers, finite_real
+from nonsmooth.real_numbers import finite_numbers, finite_real, whole_number
 from nonsmooth.system.system import System
 
 __all__ = [
@@ -42,14 +42,6 @@ def positive_number(name: str, value: Any) -> float:
     if not number > 0.0:
         raise OptionError(f"{name} = {number:g} must be positive")
     return number
-
-
-def whole_number(name: str, value: Any, least: int = 1) -> int:
-    """Value of an option that must be a whole number, not less than the least one allowed."""
-    number = finite_number(name, value)
-    if number != int(number) or number < least:
-        raise OptionError(f"{name} = {number:g} must be a whole number of at least {least}")
-    return int(number)
 
 
 def check_flag(name: str, value: Any) -> bool:

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import ModelError, OptionError
-from nonsmooth.real_numbers import finite_real, shown
+from nonsmooth.real_numbers import check_size, finite_real, shown
 
 __all__ = ["check_data", "finite_values", "one_number"]
 
@@ -23,6 +23,7 @@ def one_number(name: str, value: Any, *, positive: bool = False, most: float = m
     number = finite_real(name, value, wanted=f"a {kind}{limit}")
     if (positive and number <= 0.0) or number > most:
         raise OptionError(f"{name} = {shown(value)} must be a {kind}{limit}")
+    check_size(name, number)
     return number
 
 
@@ -51,7 +52,9 @@ def check_data(rig: Any, positive: Mapping[str, str], not_negative: Mapping[str,
         value = getattr(rig, item.name)
         if value is None and item.default is None:
             continue  # left out
-        object.__setattr__(rig, item.name, finite_real(item.name, value, ModelError))
+        number = finite_real(item.name, value, ModelError)
+        check_size(item.name, number, ModelError)
+        object.__setattr__(rig, item.name, number)
     for name, reason in positive.items():
         if getattr(rig, name) is not None and getattr(rig, name) <= 0.0:
             raise ModelError(f"{name} = {getattr(rig, name):g} must be positive: {reason}")

@@ -208,8 +208,8 @@ def from_units(
         unit = parameters.get(name) or units.of(name)
         if unit is None:
             known = [*states, *parameters, "time"]
-            raise OptionError(unknown_name("state or parameter", name, known))
-        found[name] = (finite_values(name, value) / unit.factor).tolist()
+            raise OptionError(f"values: {unknown_name('state or parameter', name, known)}")
+        found[name] = (finite_values(f"values[{name!r}]", value) / unit.factor).tolist()
     return found
 
 
