@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from nonsmooth.errors import OptionError
+from nonsmooth.models.rigs.data import check_contents
 from nonsmooth.system.model.evaluated import parameter_values
 
 if TYPE_CHECKING:
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
 
 __all__ = ["drift_reconstruction"]
 
+_VARIABLES = ("p", "y", "v", "mode", "phase", "period_number", "event_phase", "event_period_number",
+              "state", "state_after")  # fmt: skip
 _SERIES_BELOW = 0.5  # sin(x) - x: a series of six terms is exact to rounding up to here
 
 
@@ -93,6 +96,7 @@ def drift_reconstruction(run: xr.Dataset, *, as_printed: bool = False) -> xr.Dat
         )
     if "event_to" not in run:
         raise OptionError("the run has no event log; simulate without events=False")
+    check_contents("run", run, _VARIABLES, ("system", "window"))
     values = parameter_values(tomllib.loads(run.attrs["system"])["parameters"])
     window = float(run.attrs["window"])
     segments = _segments(run)

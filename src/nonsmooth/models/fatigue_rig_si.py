@@ -30,6 +30,7 @@ from nonsmooth.models.rigs.scaling import (
     units_of_ties,
 )
 from nonsmooth.models.rigs.units import TWO_MASSES, Units, one_mass_units, two_mass_units
+from nonsmooth.real_numbers import check_size
 from nonsmooth.system.signals import Signal
 from nonsmooth.system.system import System
 
@@ -244,6 +245,8 @@ class FatigueRig:
         frequency = one_number("frequency", frequency, positive=True)
         base_amplitude = one_number("base_amplitude", base_amplitude, positive=True)
         k_s = one_number("specimen_stiffness", k_s, positive=True)
+        for name, value in given.items():
+            check_size(name, value)
         system = fatigue_rig(**given)  # refuses what no rig has
         p = {name: float(value) for name, value in system.parameter_values.items()}
         leaf = k_s / p["theta"] ** 2

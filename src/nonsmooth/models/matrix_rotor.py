@@ -12,6 +12,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from nonsmooth.arguments import checked
 from nonsmooth.errors import ModelError
 from nonsmooth.models.rotors.matrices import matrix_rotor_words, read_archive, square_matrix
 from nonsmooth.system.parts import Text
@@ -132,6 +133,7 @@ class MatrixRotor:
         object.__setattr__(self, "load", _load(self.load, n))
 
     @classmethod
+    @checked
     def from_file(cls, path: str | os.PathLike[str], **others: Any) -> MatrixRotor:
         """Read the matrices from one ``.npz`` file.
 
@@ -162,6 +164,7 @@ class MatrixRotor:
         """
         return cls(**read_archive(Path(path), _MATRICES, _MATRICES[:2]), **others)
 
+    @checked
     def system(
         self,
         *,

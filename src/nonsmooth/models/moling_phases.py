@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.real_numbers import check_size
 
 __all__ = ["moling_solution"]
 
@@ -32,7 +33,7 @@ def moling_solution(
     began : float
         That time.
     times : numpy.ndarray
-        Times.
+        Times from then on.
 
     Returns
     -------
@@ -41,8 +42,8 @@ def moling_solution(
     Raises
     ------
     OptionError
-        When a parameter is missing or xi is 1, the mode is another word, or the numbers are not
-        four states and a list of times.
+        When a parameter is missing, xi or omega is not positive or xi is 1, the mode is another
+        word, or the numbers are not four states and a list of times from ``began`` on.
 
     Examples
     --------
@@ -53,7 +54,7 @@ def moling_solution(
     array([2., 2.])
     """
     start, times = np.asarray(start, float), np.atleast_1d(np.asarray(times, float))
-    _check(values, mode, start, times)
+    _check(values, mode, start, began, times)
     if mode == "contact":
         return _contact(values, start, began, times)
     net = values["b"] - (mode == "progression")
@@ -67,7 +68,7 @@ def moling_solution(
     return np.column_stack([q + values["g"], y, q, start[3] + travel - (q - start[2])])
 
 
-def _check(values: Values, mode: str, start: np.ndarray, times: np.ndarray) -> None:
+def _check(values: Values, mode: str, start: np.ndarray, began: float, times: np.ndarray) -> None:
     if missing := sorted(_NAMES - set(values)):
         raise OptionError(
             f"values: {', '.join(missing)} of the mole is missing; give parameter_values of its"
@@ -75,12 +76,19 @@ def _check(values: Values, mode: str, start: np.ndarray, times: np.ndarray) -> N
         )
     if mode not in _MODES:
         raise OptionError(f"mode: {unknown_name('mode', mode, _MODES)}")
+    for name in ("xi", "omega"):
+        if not values[name] > 0.0:
+            raise OptionError(f"values[{name!r}] = {values[name]:g} must be positive")
     if values["xi"] == 1.0:
         raise OptionError("values['xi'] = 1: the closed form divides by xi - 1; give one beside it")
     if start.shape != (4,):
         raise OptionError(f"start has the shape {start.shape}: give p, y, q and v, four numbers")
     if times.ndim != 1:
         raise OptionError(f"times has {times.ndim} dimensions: give a list of times")
+    if times.size and times.min() < began:
+        raise OptionError(f"times: {times.min():g} lies before began = {began:g}; give later times")
+    check_size("began", began)
+    check_size("times", times.max(initial=0.0))
 
 
 def _ballistic(

@@ -11,7 +11,7 @@ import numpy as np
 from nonsmooth.arguments import checked
 from nonsmooth.errors import OptionError
 from nonsmooth.models.moling import moling
-from nonsmooth.models.rigs.data import check_data
+from nonsmooth.models.rigs.data import check_contents, check_data
 from nonsmooth.system.system import System
 
 if TYPE_CHECKING:
@@ -31,6 +31,9 @@ _NOT_NEGATIVE = {
     "gap": "the mass cannot start inside the slider",
 }
 _LENGTHS = ("p", "q", "v", "x", "z")
+# attributes of a run that stay as they are
+_KEPT = ("system", "nonsmooth_version", "status", "message", "certified", "n_events", "n_uncertain",
+         "phase_word")  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -189,11 +192,15 @@ class MolingRig:
             )
         if "event_time" not in run:
             raise OptionError("the run has no event log; simulate without events=False")
+        check_contents("run", run, ("state", "state_before", "state_after"), (*_KEPT, "period"))
         scales = self._scales()
         data = run.drop_vars(
-            ["guard_rate", "end_state", "anchor_state", "state_before", "state_after"]
+            ["guard_rate", "end_state", "anchor_state", "state_before", "state_after"],
+            errors="ignore",
         )
         for name, (factor, units) in scales.items():
+            if name not in data.variables:
+                continue  # left out of the run
             attrs = data[name].attrs | {"units": units}
             data[name] = (data[name].dims, data[name].values * factor, attrs)
         columns = np.array([scales[str(name)][0] for name in run["state"].values])
@@ -214,11 +221,10 @@ class MolingRig:
         }
 
     def _attributes(self, run: xr.Dataset) -> dict[str, Any]:
-        kept = ("system", "nonsmooth_version", "status", "message", "certified", "n_events")
         seconds = 1.0 / self.natural_frequency
         return {
             "system_name": "moling in SI units",
-            **{name: run.attrs[name] for name in (*kept, "n_uncertain", "phase_word")},
+            **{name: run.attrs[name] for name in _KEPT},
             "period": run.attrs["period"] * seconds,
             **{f"rig_{name}": value for name, value in asdict(self).items()},
         }

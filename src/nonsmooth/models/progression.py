@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.models.rigs.data import check_contents
 from nonsmooth.real_numbers import whole_number
 
 if TYPE_CHECKING:
@@ -61,6 +62,7 @@ def progression(run: xr.Dataset, state: str = "v", *, periods: int | None = None
     import xarray as xr
 
     _check_drift(run, state)
+    check_contents("run", run, (state, "time", "phase", "period_number"))
     number, values = _strobes(run, state)
     available = len(values) - 1
     wanted = available if periods is None else whole_number("periods", periods)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nonsmooth.errors import OptionError
+from nonsmooth.models.rigs.data import check_contents
 from nonsmooth.system.system import System
 
 if TYPE_CHECKING:
@@ -97,6 +98,9 @@ def _read(orbit: xr.Dataset) -> tuple[dict[str, float], np.ndarray]:
             "progression_start takes one orbit, and this dataset has several; choose one, with"
             " .isel(point=...) or .isel(orbit=...)"
         )
+    check_contents(
+        "orbit", orbit, ("leg_mode", "leg_exit", "leg_time", "state"), ("status", "system")
+    )
     names = np.array([*orbit["leg_mode"].attrs["flag_meanings"].split(), ""])
     modes = names[orbit["leg_mode"].values]  # -1, of padding, is the last one
     return dict(System.from_toml(orbit.attrs["system"]).parameter_values), modes

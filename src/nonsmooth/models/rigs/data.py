@@ -1,11 +1,11 @@
-"""Checks that the data of every rig in SI units pass."""
+"""Checks that the data of every rig in SI units pass, and datasets of its motions."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import fields
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -13,7 +13,12 @@ import numpy.typing as npt
 from nonsmooth.errors import ModelError, OptionError
 from nonsmooth.real_numbers import check_size, finite_real, shown
 
-__all__ = ["check_data", "finite_values", "one_number"]
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["check_contents", "check_data", "finite_values", "one_number"]
+
+_NEVER_EMPTY = ("time", "state")  # of a run
 
 
 def one_number(name: str, value: Any, *, positive: bool = False, most: float = math.inf) -> float:
@@ -61,3 +66,17 @@ def check_data(rig: Any, positive: Mapping[str, str], not_negative: Mapping[str,
     for name, reason in not_negative.items():
         if getattr(rig, name) < 0.0:
             raise ModelError(f"{name} = {getattr(rig, name):g} must not be negative: {reason}")
+
+
+def check_contents(
+    name: str, data: xr.Dataset, variables: Iterable[str], attributes: Iterable[str] = ()
+) -> None:
+    """Refuse a dataset from which something that is needed was taken out."""
+    missing = [repr(each) for each in variables if each not in data.variables]
+    missing += [f"attribute {each!r}" for each in attributes if each not in data.attrs]
+    if missing:
+        raise OptionError(
+            f"{name} has no {', '.join(missing)}; give the dataset as it was computed"
+        )
+    if empty := [str(dim) for dim, size in data.sizes.items() if dim in _NEVER_EMPTY and not size]:
+        raise OptionError(f"{name} has nothing over {empty[0]!r}; choose a part that is not empty")

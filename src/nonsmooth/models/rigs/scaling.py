@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from nonsmooth.errors import OptionError, unknown_name
-from nonsmooth.models.rigs.data import finite_values
+from nonsmooth.models.rigs.data import check_contents, finite_values
 from nonsmooth.models.rigs.units import DERIVATIVES, OF_STATES, Unit, Units, unit_of
 from nonsmooth.system.system import System
 from nonsmooth.system.text.evaluate import evaluate
@@ -49,6 +49,8 @@ def in_si(data: xr.Dataset, units: Units) -> xr.Dataset:
     # nothing can go on from a result in other units, so what serves that alone is left out
     kept = [*_RESTART, *(["end_state"] if "anchor_state" in data else [])]
     data = data.drop_vars(kept, errors="ignore")
+    if any(name in data for name in (*OF_STATES, *DERIVATIVES)):
+        check_contents("data", data, ("state",))
     result = data.copy()
     for name in map(str, data.variables):
         if name in OF_STATES or name in DERIVATIVES:
@@ -122,7 +124,7 @@ def changed_parameters(data: xr.Dataset) -> dict[str, float]:
 
 def _attributes(data: xr.Dataset, units: Units) -> dict[str, Any]:
     attrs = dict(data.attrs)
-    if "end_number" in attrs and "end_time" not in attrs:
+    if {"end_number", "window", "end_phase"} <= set(attrs) and "end_time" not in attrs:
         attrs["end_time"] = float(attrs["end_number"] * attrs["window"] + attrs["end_phase"])
     for name in list(attrs):
         # verbs and plots would read it as if it went with the numbers

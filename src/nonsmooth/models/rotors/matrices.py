@@ -192,7 +192,7 @@ def read_archive(path: Path, known: tuple[str, ...], needed: tuple[str, ...]) ->
                 raise ValueError("it holds one array without a name")
             arrays = {name: archive[name] for name in archive.files}
     except (OSError, ValueError, EOFError, zipfile.BadZipFile) as error:
-        raise ModelError(f"{path.name} cannot be read as .npz: {error}") from None
+        raise ModelError(f"path: {path.name} cannot be read as .npz: {error}") from None
     for name in needed:
         if name not in arrays:
             raise ModelError(
