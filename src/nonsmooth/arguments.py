@@ -15,12 +15,12 @@ import typing
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from functools import cache, wraps
 from pathlib import Path
-from typing import Any, Literal, NamedTuple, NewType, ParamSpec, TypeVar
+from typing import Annotated, Any, Literal, NamedTuple, NewType, ParamSpec, TypeVar
 
 import numpy as np
 
 from nonsmooth.errors import NonsmoothError, OptionError, is_known, unknown_name
-from nonsmooth.real_numbers import finite_numbers, finite_real, shown, whole_number
+from nonsmooth.real_numbers import finite_numbers, finite_real, shown
 
 __all__ = ["Allowed", "allowed_arguments", "checked"]
 
@@ -115,6 +115,8 @@ def _kind(annotation: Any, names: Mapping[str, Any]) -> Allowed | None:
     if annotation in _KINDS:
         return _KINDS[annotation]
     origin, parts = typing.get_origin(annotation), typing.get_args(annotation)
+    if origin is Annotated:
+        return _in_words(_kind(parts[0], names), parts[1])
     if origin is Literal:
         return _words(parts)
     if origin is typing.Union or isinstance(annotation, types.UnionType):
@@ -157,6 +159,20 @@ def _instance(kind: type) -> Allowed:
 
 
 _PUBLIC = ("excitation", "fatigue", "measured", "models")
+
+
+def _in_words(kind: Allowed | None, words: str) -> Allowed | None:
+    """A kind of which an annotation says more than its class, such as what its numbers are."""
+    if kind is None:
+        return None
+
+    def check(name: str, value: Any) -> None:
+        try:
+            kind.check(name, value)
+        except OptionError:
+            raise OptionError(f"{name} = {shown(value)}: give {words}") from None
+
+    return kind._replace(one=words, check=check)
 
 
 def _words(words: Sequence[str]) -> Allowed:
@@ -269,6 +285,12 @@ def _is_number(value: Any) -> bool:
     return isinstance(whole, int | float | np.number) and not isinstance(whole, bool | np.bool_)
 
 
+def _check_whole(name: str, value: Any) -> None:
+    number = finite_real(name, value)
+    if not number.is_integer():  # how many there may be is not said by a class
+        raise OptionError(f"{name} = {number:g} must be a whole number")
+
+
 _ANYTHING = _simple("a value", "values", lambda value: True)
 _NOTHING = _simple("None", "None", lambda value: value is None)
 _FILE = _simple("the name of a file", "files", lambda value: isinstance(value, os.PathLike))
@@ -276,9 +298,7 @@ _KINDS: dict[Any, Allowed | None] = {
     Any: None,
     type(None): _NOTHING,
     bool: _simple("True or False", "truth values", lambda v: isinstance(v, bool | np.bool_)),
-    int: Allowed(
-        "a whole number", "whole numbers", _is_number, lambda name, v: whole_number(name, v, 0)
-    ),
+    int: Allowed("a whole number", "whole numbers", _is_number, _check_whole),
     float: Allowed("a number", "numbers", _is_number, finite_real),
     str: _simple("a text", "texts", lambda value: isinstance(value, str)),
     Callable: _simple("a function", "functions", callable),

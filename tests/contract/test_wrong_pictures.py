@@ -9,6 +9,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 import xarray as xr
+from nonsmooth.plot.arguments import CHECKS
 
 import nonsmooth as ns
 from contract.test_wrong_arguments import RUBBING, STRUCK, WRONG, data, swing

@@ -93,7 +93,7 @@ def test_double_scroll_visits_both_sides_and_stays_bounded():
 
 
 def test_unknown_resistor_and_cubic_without_equilibria():
-    with pytest.raises(ns.ModelError, match="piecewise, cubic"):
+    with pytest.raises(ns.ModelError, match="'piecewise' or 'cubic'"):
         chua(resistor="linear")
     with pytest.raises(ns.ModelError, match="pair of equilibria"):
         chua(resistor="cubic", m0=-0.5, m1=-0.5)

@@ -222,10 +222,10 @@ def test_every_name_has_a_label():
         ({"ring": "xy"}, "give two degrees of freedom"),
         ({"unbalance": [(0, 1)]}, r"unbalance\[0\] .*give"),
         ({"unbalance": [(0, 1, 1, 0, 5)]}, r"unbalance\[0\] .*give"),
-        ({"unbalance": [(0, 1, np.inf)]}, "must be finite"),
+        ({"unbalance": [(0, 1, np.inf)]}, r"unbalance\[0\] = .*finite numbers"),
         ({"unbalance": [(0, 1, 1), (0, 7, 1)]}, r"unbalance\[1\]: there is no"),
         ({"load": [1.0]}, "load has 1 numbers for 2"),
-        ({"load": [1.0, np.nan]}, "load: a number is not finite"),
+        ({"load": [1.0, np.nan]}, "load = .*give a finite number for each degree"),
     ],
 )
 def test_wrong_data_is_refused_with_the_reason(changes, match):

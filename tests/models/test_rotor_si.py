@@ -225,7 +225,7 @@ def test_from_si_undoes_to_si():
     assert {name: float(si[name][0]) for name in start} == pytest.approx(start, rel=1e-14)
     with pytest.raises(ns.OptionError, match="unknown state or parameter 'z'"):
         RIG.from_si({"z": 1.0})
-    with pytest.raises(ns.OptionError, match="x = nan must be finite"):
+    with pytest.raises(ns.OptionError, match=r"values\['x'\] = nan must be finite"):
         RIG.from_si({"x": float("nan")})
     with pytest.raises(ns.OptionError, match="x = 'far' is no number"):
         RIG.from_si({"x": "far"})

@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from nonsmooth.arguments import checked
 from nonsmooth.errors import OptionError, is_known
 from nonsmooth.excitation.record import MEASURES, Excitation, check_excitation
 from nonsmooth.fatigue.checks import Array, record_values
@@ -17,6 +18,7 @@ _ROUNDS, _CLOSE = 60, 1e-10
 _SLOPES = (0.5, 12.0)  # of the power by the factor, in logarithms; 2 in proportion
 
 
+@checked
 def power_ratio(
     record: Excitation,
     reference: Excitation,
@@ -67,6 +69,7 @@ def power_ratio(
     return first / second
 
 
+@checked
 def equal_power(
     record: Excitation,
     reference: Excitation,

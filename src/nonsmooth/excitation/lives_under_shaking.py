@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from nonsmooth.arguments import checked
 from nonsmooth.errors import OptionError, is_known
 from nonsmooth.excitation.equal_power import equal_power, power_ratio
 from nonsmooth.excitation.record import MEASURES, Excitation, check_excitation
@@ -38,6 +39,7 @@ class Answer(NamedTuple):
     cycles_per_second: list[float]
 
 
+@checked
 def lives_under_shaking(
     rig: ShakenSpecimen,
     reference: Excitation,

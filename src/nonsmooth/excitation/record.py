@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from nonsmooth.arguments import checked
 from nonsmooth.errors import OptionError
-from nonsmooth.fatigue.checks import Array, check_times, finite, positive, record_values
+from nonsmooth.fatigue.checks import Array, check_times, finite, flag, positive, record_values
 from nonsmooth.system.signals import Signal
 
 __all__ = ["MEASURES", "Excitation", "check_excitation"]
@@ -65,6 +66,11 @@ class Excitation:
     details: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        flag("periodic", self.periodic)
+        if not isinstance(self.kind, str):
+            raise OptionError(f"kind = {self.kind!r:.60}: give a text")
+        if not isinstance(self.details, Mapping):
+            raise OptionError(f"details = {self.details!r:.60}: give a mapping")
         values = record_values("acceleration", self.acceleration)
         times = check_times(self.times, values.size)
         if values.size < _FEWEST:
@@ -135,6 +141,7 @@ class Excitation:
         shift = 0.5 * (below - above) / (below - 2.0 * at + above)
         return float((top + shift) * frequency[1])
 
+    @checked
     def power(self, measure: str = "acceleration", *, lowest: float | None = None) -> float:
         """Mean square of the acceleration, or of the velocity or displacement it integrates to.
 

@@ -9,9 +9,11 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from nonsmooth.arguments import checked
 from nonsmooth.errors import ModelError, OptionError, RunError
 from nonsmooth.excitation.record import Excitation, check_excitation
 from nonsmooth.fatigue.checks import Array, finite, positive
+from nonsmooth.real_numbers import check_size
 from nonsmooth.runs.simulate import simulate
 from nonsmooth.system.parts import Mode
 from nonsmooth.system.system import System
@@ -91,6 +93,7 @@ class ShakenSpecimen:
         if not callable(self.open_stiffness):
             raise OptionError("open_stiffness: give a function of the length of the crack in mm")
 
+    @checked
     def parameters(self, crack: float) -> dict[str, float]:
         """Parameters of the system at a length of the crack.
 
@@ -105,6 +108,7 @@ class ShakenSpecimen:
             ``omega`` in rad/s, ``xi``, ``kappa_open``, ``kappa_closed``, ``d`` in mm and ``k_rig``
             in N/mm.
         """
+        check_size("crack", crack)
         opened = float(self.open_stiffness(crack))
         if not opened > 0.0:
             raise ModelError(
@@ -123,6 +127,7 @@ class ShakenSpecimen:
             "k_rig": springs,
         }
 
+    @checked
     def system(self, excitation: Excitation, crack: float) -> System:
         """System that a record shakes, as ``signals={"base": ...}``.
 
@@ -151,6 +156,7 @@ class ShakenSpecimen:
             **_words(),
         )
 
+    @checked
     def cascade(self, wave: Excitation, crack: float) -> System:
         """System with the Duffing oscillator as states of its own in place of a record.
 
@@ -193,6 +199,7 @@ class ShakenSpecimen:
             **_words(),
         )
 
+    @checked
     def load(self, excitation: Excitation, crack: float, transient: float = 8.0) -> xr.DataArray:
         """Load on the specimen under a record, from rest.
 

@@ -82,7 +82,7 @@ class NewmanClosure:
         a1 = (0.415 - 0.071 * a) * s
         a3 = 2.0 * a0 + a1 - 1.0
         a2 = 1.0 - a0 - a1 - a3
-        r = np.maximum(np.asarray(R, dtype=float), -1.0)
+        r = np.maximum(number_array("R", R), -1.0)
         opened = a0 + r * (a1 + np.where(r >= 0.0, r * (a2 + r * a3), 0.0))
         return np.maximum(np.maximum(opened, r), 0.0)
 

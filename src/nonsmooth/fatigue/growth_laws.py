@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError
-from nonsmooth.fatigue.checks import Array, finite, positive
+from nonsmooth.fatigue.checks import Array, finite, number_array, positive, same_shape
 
 __all__ = ["Forman", "GrowthLaw", "Paris", "Walker"]
 
@@ -81,7 +81,7 @@ class Paris:
         numpy.ndarray
             Growth in mm per cycle.
         """
-        size, _ = np.broadcast_arrays(np.asarray(delta_K, dtype=float), R)
+        size, _ = _together(delta_K, R)
         return _above(size, self.threshold, self.C * np.maximum(size, 0.0) ** self.m)
 
 
@@ -149,8 +149,10 @@ class Walker:
         numpy.ndarray
             Growth in mm per cycle.
         """
-        size, ratio = np.broadcast_arrays(np.asarray(delta_K, dtype=float), R)
+        size, ratio = _together(delta_K, R)
         size, ratio = np.maximum(size, 0.0), np.where(size > 0.0, ratio, 0.0)
+        if np.any(ratio >= 1.0):
+            raise OptionError(f"R = {ratio.max():g}: a load ratio is below 1, as loads change")
         size = size / (1.0 - ratio) ** (1.0 - self.gamma)
         return _above(size, self.threshold, self.C * size**self.m)
 
@@ -211,13 +213,21 @@ class Forman:
         numpy.ndarray
             Growth in mm per cycle.
         """
-        size, ratio = np.broadcast_arrays(np.asarray(delta_K, dtype=float), R)
+        size, ratio = _together(delta_K, R)
         size, ratio = np.maximum(size, 0.0), np.where(size > 0.0, ratio, 0.0)
         left = (1.0 - ratio) * self.K_c - size
         safe = np.where(left > 0.0, left, 1.0)
         return _above(
             size, self.threshold, np.where(left > 0.0, self.C * size**self.m / safe, np.inf)
         )
+
+
+def _together(delta_K: npt.ArrayLike, R: npt.ArrayLike) -> tuple[Array, Array]:
+    """Ranges and load ratios in one shape."""
+    size, ratio = number_array("delta_K", delta_K), number_array("R", R)
+    same_shape(delta_K=size, R=ratio)
+    size, ratio = np.broadcast_arrays(size, ratio)
+    return size, ratio
 
 
 def _above(size: Array, threshold: float, rate: Array) -> Array:
@@ -227,5 +237,7 @@ def _above(size: Array, threshold: float, rate: Array) -> Array:
 def _check(law: Any, *names: str) -> None:
     for name in names:
         positive(name, getattr(law, name))
+    if not isinstance(law.source, str):
+        raise OptionError(f"source = {law.source!r:.60}: give a text")
     if finite("threshold", law.threshold) < 0.0:
         raise OptionError(f"threshold = {law.threshold:g} MPa sqrt(m): it cannot be negative")

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.arguments import checked
 from nonsmooth.errors import OptionError
 from nonsmooth.fatigue.checks import finite, number_array, positive, record_values
 from nonsmooth.fatigue.cycles import count_cycles
@@ -141,6 +142,7 @@ class LoadBlock:
         return cls.from_cycles(count_cycles(values, times, repeating=True, refine=refine))
 
     @classmethod
+    @checked
     def from_cycles(cls, cycles: xr.Dataset) -> LoadBlock:
         """Cycles that were counted, in the order in which they end.
 
@@ -154,8 +156,9 @@ class LoadBlock:
         LoadBlock
             The cycles as a block.
         """
-        if "cycle" not in cycles.dims or "duration" not in cycles.attrs:
-            raise OptionError("give a result of count_cycles")
+        needed = {"minimum", "maximum", "count"}
+        if not needed <= set(cycles.variables) or "duration" not in cycles.attrs:
+            raise OptionError("cycles: give a result of count_cycles")
         return cls(
             cycles["minimum"].values,
             cycles["maximum"].values,

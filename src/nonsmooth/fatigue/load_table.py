@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from nonsmooth.arguments import checked
 from nonsmooth.errors import OptionError
 from nonsmooth.fatigue.checks import Array, listed, record_values
 from nonsmooth.fatigue.load_block import LoadBlock
@@ -58,6 +59,7 @@ class LoadTable:
         object.__setattr__(self, "cracks", lengths)
         object.__setattr__(self, "blocks", blocks)
 
+    @checked
     def weights(self, lengths: Array) -> Array:
         """Weight of each block at some lengths.
 
@@ -74,6 +76,7 @@ class LoadTable:
         rows = np.eye(self.cracks.size)
         return np.array([np.interp(lengths, self.cracks, row) for row in rows])
 
+    @checked
     def at(self, crack: float) -> list[tuple[float, LoadBlock]]:
         """Blocks that hold at a length, with their weights.
 

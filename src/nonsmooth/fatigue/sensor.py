@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from nonsmooth.arguments import checked
 from nonsmooth.errors import OptionError, ResultWarning
 from nonsmooth.fatigue.checks import finite_array
 from nonsmooth.fatigue.regression import Line, curvature, outlying, straight_line
@@ -87,6 +88,7 @@ class Calibration:
         found = _MILLI * self.gain * (finite_array("voltage", voltage) - self.offset)
         return found if np.ndim(found) else float(found)
 
+    @checked
     def load(self, voltage: Any, specimen: Specimen, crack: Any) -> Any:
         """Load from the voltage, Eq. (33), with the zero offset taken off.
 
@@ -107,6 +109,7 @@ class Calibration:
         away = finite_array("voltage", voltage) - self.offset
         return specimen.load(away, self.gain, crack)
 
+    @checked
     def voltage(self, load: Any, specimen: Specimen, crack: Any) -> Any:
         """Voltage under a load, by which the load of a test is set.
 

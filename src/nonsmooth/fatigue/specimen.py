@@ -8,6 +8,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from nonsmooth.arguments import checked
 from nonsmooth.errors import ModelError, OptionError
 from nonsmooth.fatigue.checks import (
     Array,
@@ -252,6 +253,7 @@ class Specimen:
         beam = beam_part(self.span_ratio)
         return like(beam / (beam + crack_part(ratio, ligament, self.span_ratio)), crack)
 
+    @checked
     def stress_intensity(
         self,
         load: Any,
@@ -300,8 +302,6 @@ class Specimen:
         >>> [round(specimen.stress_intensity(200.0, 6.4, name), 2) for name in formulas]
         [3.21, 3.22, 3.21]
         """
-        if plane not in ("stress", "strain"):
-            raise OptionError(f"plane = {plane!r:.60}: give 'stress' or 'strain'")
         if plane == "strain" and formula != "irwin":
             raise OptionError(
                 f"plane = 'strain' changes nothing in formula = {formula!r:.60}, which needs no"

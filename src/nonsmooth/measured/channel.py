@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError
+from nonsmooth.real_numbers import shown
 from nonsmooth.runs.options import finite_number
 
 __all__ = ["Channel", "channels_of", "split_units"]
@@ -93,7 +94,13 @@ class Channel:
         ndarray
             In ``units``.
         """
-        away = np.asarray(readings, dtype=float) - self.offset
+        try:
+            given = np.asarray(readings)
+        except (TypeError, ValueError):
+            given = np.array("")
+        if given.dtype.kind not in "iuf":
+            raise OptionError(f"readings = {shown(readings)}: give numbers")
+        away = given.astype(float) - self.offset
         return away if self.sensitivity is None else away / self.sensitivity
 
 

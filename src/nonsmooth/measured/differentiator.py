@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.arguments import checked
 from nonsmooth.errors import OptionError
 from nonsmooth.runs.options import finite_number, whole_number
 
@@ -123,6 +124,8 @@ class Differentiator:
         shortest = cls(step, whole_number("order", order) + 1, order)
         if not shortest._keeps(top, allowed):
             good = shortest.highest(allowed)
+            if good == 0.0:
+                raise OptionError(f"bias = {allowed:g} is below rounding; allow more, such as 0.01")
             raise OptionError(
                 f"highest = {top:g}: with samples {shortest.step:g} apart rates are right to"
                 f" {allowed:g} up to the frequency {good:g} only; sample"
@@ -178,6 +181,7 @@ class Differentiator:
         k = np.arange(self.window) - self.window // 2
         return float(self.coefficients @ np.sin(omega * self.step * k)) / omega - 1.0
 
+    @checked
     def highest(self, bias: float = 0.01) -> float:
         """End of the band that is kept.
 
@@ -191,6 +195,9 @@ class Differentiator:
         float
             Highest frequency, in cycles per unit time.
         """
+        bias = finite_number("bias", bias)
+        if not 0.0 < bias < 1.0:
+            raise OptionError(f"bias = {bias:g} must lie between 0 and 1")
         # the bias of these filters only falls, from zero at rest to -1 where they give nothing
         low, high = 0.0, 0.5 / self.step
         for k in range(1, 8 * self.window):
@@ -209,6 +216,7 @@ class Differentiator:
         """Frequency at which a sine comes out smaller by the square root of two (-3 dB)."""
         return self.highest(1.0 - math.sqrt(0.5))
 
+    @checked
     def truncation(self, derivative: int, size: float) -> float:
         r"""Bound of the error of a rate where a derivative of the signal is bounded.
 

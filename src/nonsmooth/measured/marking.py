@@ -287,7 +287,7 @@ def _check_unused(given: Marking) -> None:
     """Refuse options about marks that are not there: they would be passed over in silence."""
     for name, default in Marking._field_defaults.items():
         value = getattr(given, name)
-        if isinstance(value, np.ndarray) or value != default:
+        if not isinstance(value, str | float | int | None) or value != default:
             raise OptionError(
                 f"{name}= is about marks of revolutions, and none came; give mark=, the column of a"
                 " pulse in a file; or of arrays the signal of the pulse, or the times of the marks"

@@ -139,6 +139,8 @@ def record_of(
     """
     if not is_known(bad_samples, ("refuse", "keep")):
         raise OptionError(f"bad_samples = {bad_samples!r:.60}: give 'refuse' or 'keep'")
+    if not isinstance(name, str):
+        raise OptionError(f"name = {name!r:.60}: give a text")
     keep = bad_samples == "keep"
     arrays = _arrays(displacements)
     times, sample_rate, time_range = timing
@@ -154,7 +156,7 @@ def record_of(
         check_finite(arrays, clock.start, clock.step, clock.first, places)
     marks = marks_of(marking, clock, places, arrays)
     attrs: dict[str, Any] = {
-        "system_name": str(name),
+        "system_name": name,
         "nonsmooth_version": __version__,
         "status": "completed",
         "message": "completed",

@@ -148,6 +148,11 @@ def _design(cutoff: float, order: int) -> tuple[Floats, int]:
     sections = butter(order, 2.0 * one, output="sos")
     poles = butter(order, 2.0 * one, output="zpk")[1]
     slowest = float(np.abs(poles).max())
+    if slowest >= 1.0:
+        raise OptionError(
+            f"cutoff: at {cutoff:g} of the sample rate the filter never settles; give a higher one,"
+            " or resample the record first"
+        )
     return sections, math.ceil(math.log(_SETTLED) / math.log(slowest)) if slowest > 0.0 else 1
 
 

@@ -192,7 +192,7 @@ def _check_arguments(
     if any(missing) and not all(missing):
         given, lacks = ("kappa_open", "kappa_closed")[:: 1 if missing[1] else -1]
         raise ModelError(
-            f"{given} stands alone, without {lacks}; give both stiffnesses, or a crack length alone"
+            f"{lacks} is missing beside {given}; give both stiffnesses, or a crack length alone"
         )
     if not any(missing):
         beside = {"crack": crack != _CRACK, "s": s != 1.0, "law": law != "cubic"}

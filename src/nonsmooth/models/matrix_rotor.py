@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
 import operator
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Annotated, Any, TypeAlias
 
 import numpy as np
 
@@ -22,6 +21,7 @@ __all__ = ["MatrixRotor"]
 
 Matrix: TypeAlias = Any  # an array of any kind, or a path
 _MATRICES = ("mass", "stiffness", "damping", "gyroscopic")
+_UNBALANCE = "(x, y, moment), or with a phase, of which moment and phase are finite numbers"
 _MOST_FREEDOMS = 26  # with those of the ring and the forcing this is what can run
 _SINGULAR = 1e14
 
@@ -96,9 +96,9 @@ class MatrixRotor:
     stiffness: Matrix
     damping: Matrix = None
     gyroscopic: Matrix = None
-    ring: tuple[int, int]
-    unbalance: Sequence[tuple[float, ...]] = ()
-    load: Sequence[float] | None = None
+    ring: Annotated[tuple[int, int], "two degrees of freedom, (x, y)"]
+    unbalance: Sequence[Annotated[tuple[float, ...], _UNBALANCE]] = ()
+    load: Annotated[Sequence[float] | None, "a finite number for each degree of freedom"] = None
 
     def __post_init__(self) -> None:
         mass = square_matrix("mass", self.mass)
@@ -252,23 +252,14 @@ def _freedoms(name: str, given: Any, n: int) -> tuple[int, int]:
 
 def _unbalance(place: int, given: Any, n: int) -> tuple[int, int, float, float]:
     name = f"unbalance[{place}]"
-    try:
-        x, y, *numbers = given
-        moment, phase = (float(v) for v in (*numbers, 0.0)[: max(2, len(numbers))])
-    except (TypeError, ValueError, OverflowError):
-        raise ModelError(f"{name} = {given!r:.60}: give (x, y, moment) or with a phase") from None
-    if not (math.isfinite(moment) and math.isfinite(phase)):
-        raise ModelError(f"{name}: moment and phase must be finite numbers")
-    return (*_freedoms(name, (x, y), n), moment, phase)
+    if len(given) not in (3, 4):
+        raise ModelError(f"{name} = {given!r:.60}: give {_UNBALANCE}")
+    x, y, moment, phase = (*given, 0.0)[:4]
+    return (*_freedoms(name, (x, y), n), float(moment), float(phase))
 
 
 def _load(given: Any, n: int) -> tuple[float, ...]:
-    try:
-        load = tuple(map(float, [0.0] * n if given is None else given))
-    except (TypeError, ValueError, OverflowError):
-        raise ModelError("load: give a number for each degree of freedom") from None
+    load = tuple(map(float, [0.0] * n if given is None else given))
     if len(load) != n:
         raise ModelError(f"load has {len(load)} numbers for {n} degrees of freedom")
-    if not all(map(math.isfinite, load)):
-        raise ModelError("load: a number is not finite")
     return load

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from nonsmooth.errors import ModelError, OptionError
-from nonsmooth.real_numbers import check_size, finite_real
+from nonsmooth.real_numbers import check_size, finite_numbers, finite_real
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -92,7 +92,8 @@ def snubber_ring(
     ModelError
         For a negative preload, ``K`` that is not positive, or a negative ``nu2``.
     OptionError
-        For positions or velocities that are not finite real numbers or do not fit together.
+        For arguments that are not finite real numbers, or positions and velocities that do not
+        fit together.
 
     See Also
     --------
@@ -246,17 +247,7 @@ def _names(given: dict[str, Any]) -> str:
 
 
 def _finite(name: str, values: Any) -> np.ndarray:
-    try:
-        array = np.asarray(values)
-        if array.dtype.kind not in "iuf":
-            raise TypeError
-        array = array.astype(float)
-    except (TypeError, ValueError, OverflowError):
-        raise OptionError(f"{name}: values must be real numbers") from None
-    if not np.isfinite(array).all():
-        raise OptionError(
-            f"{name}: {np.count_nonzero(~np.isfinite(array))} of {array.size} values are not finite"
-        )
+    array = finite_numbers(name, values)
     check_size(name, max(float(np.abs(array).max(initial=0.0)), 1.0))
     return array
 
