@@ -103,7 +103,7 @@ _LATER = {
     "ArrayLike": _ArrayLike,
     "Axes": _Axes,
     "Figure": _Figure,
-    "npt": types.SimpleNamespace(ArrayLike=_ArrayLike, NDArray=list),
+    "npt": types.SimpleNamespace(ArrayLike=_ArrayLike, NDArray=np.ndarray),
     "xr": types.SimpleNamespace(Dataset=_Dataset, DataArray=_DataArray),
 }
 

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 __all__ = ["lives"]
 
+_WIDEST = 1e6  # band of lives
 _MARKS = "osD^v<>P"
 _ROOM = 2.5  # factor left free around the points
 
@@ -86,9 +87,9 @@ def lives(
     ['Walker (fitted, in sample)', 'predicted as measured', 'a factor of 2 off']
     """
     if "measured" not in compared or "predicted" not in compared or "test" not in compared.dims:
-        raise OptionError("give a result of fatigue.compare_lives")
-    if not factor >= 1.0:
-        raise OptionError(f"factor = {factor!r:.40} is below one")
+        raise OptionError("compared: give a result of fatigue.compare_lives")
+    if not 1.0 <= factor <= _WIDEST:
+        raise OptionError(f"factor = {factor:g} must be from 1 to {_WIDEST:g}")
     ax = new_axes() if ax is None else ax
     x, y = compared["measured"].values, compared["predicted"].values
     there = np.isfinite(x) & np.isfinite(y)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 __all__ = ["FIGURE_STYLE", "divided", "new_axes", "print_figure", "save_figure", "set_ticks"]
 
 _CENTIMETRES = 1.0 / 2.54  # in inches
-_COARSEST = 10  # dots per inch
+_COARSEST, _FINEST = 10, 4800  # dots per inch
 _TEXT, _SMALL = 8.0, 7.0  # points; journals ask for at least 6 to 7 after reduction
 # of curves that a caller draws: told apart with every kind of colour vision; yellow is faint
 _COLOURS = [colour for name, colour in PALETTE.items() if name != "yellow"]
@@ -173,8 +173,11 @@ def save_figure(figure: Figure, path: str | Path, *, dpi: float = 300.0) -> Path
     """
     import matplotlib
 
-    if dpi < _COARSEST:
-        raise OptionError(f"dpi = {dpi:g} must be at least {_COARSEST}, or texts cannot be drawn")
+    if not _COARSEST <= dpi <= _FINEST:
+        raise OptionError(
+            f"dpi = {dpi:g} must be from {_COARSEST}, below which texts cannot be drawn, to"
+            f" {_FINEST}, beyond what any press resolves"
+        )
     target = check_target(path, (".png", ".pdf", ".svg"))
     kind = target.suffix.lower()[1:]
     # without its date the same figure gives the same file

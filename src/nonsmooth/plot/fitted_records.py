@@ -102,7 +102,7 @@ def fit(
         raise OptionError(f"align = 'phase': {name} has instants of events; give align='time'")
     by_phase = _checked_way(data, align, periods)
     if time_range is not None:
-        first, last = time_range
+        first, last = map(float, time_range)
         shown = shown.isel(time=(shown["time"].values >= first) & (shown["time"].values <= last))
         if not shown.sizes["time"]:
             raise OptionError(f"time_range = ({first:g}, {last:g}) has no samples of the record")

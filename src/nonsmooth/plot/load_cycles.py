@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 __all__ = ["load_cycles"]
 
+_MOST_BINS = 10_000  # finer than any page
+
 _WIDE = 30.0  # factor between bars from which on they are logarithmic
 
 
@@ -72,8 +74,8 @@ def load_cycles(
         raise OptionError("no cycle was counted, so there is none to draw")
     if kind not in ("histogram", "matrix"):
         raise OptionError(f"kind = {kind!r:.40}: draw 'histogram' or 'matrix'")
-    if bins != int(bins) or bins < 1:
-        raise OptionError(f"bins = {bins!r:.40}: a whole number from 1 on")
+    if not 1 <= bins <= _MOST_BINS:
+        raise OptionError(f"bins = {bins:g} must be a whole number from 1 to {_MOST_BINS}")
     ax = new_axes() if ax is None else ax
     weights = cycles["count"].values.astype(float)
     what = "cycles"

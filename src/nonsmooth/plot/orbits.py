@@ -87,7 +87,7 @@ def orbit(
     >>> ax.get_aspect(), ax.lines[-1].get_label()
     (1.0, 'every period')
     """
-    check_variables(run, [x, y, *(ring or ())])
+    check_variables(run, [x, y, *(() if ring is None else ring)])
     time_range = check_range(run, time_range)
     if clearance is not None and not float(clearance) > 0.0:
         raise OptionError(f"clearance = {clearance!r:.60} must be positive: it is a radius")

@@ -14,6 +14,7 @@ from nonsmooth.plot.histories import mode_label
 from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.style import LINES, axis_label, finish_axes, mode_colours, mode_numbers
 from nonsmooth.plot.trace import DENSE
+from nonsmooth.runs.options import positive_number
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -88,7 +89,7 @@ def section(
         )
     across, up = points[x].values.ravel(), points[y].values.ravel()
     ax = new_axes() if ax is None else ax
-    diameter = diameter_of(across, up) if size is None else size
+    diameter = diameter_of(across, up) if size is None else positive_number("size", size)
     sets = {"": np.ones(across.size, bool)}
     colours = {"": LINES[0]["color"]}
     if phases:

@@ -11,6 +11,7 @@ from nonsmooth.arguments import checked
 from nonsmooth.errors import OptionError
 from nonsmooth.plot.figures import print_figure
 from nonsmooth.plot.style import LINES, PALETTE, axis_label, finish_axes
+from nonsmooth.runs.options import positive_number
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -53,7 +54,8 @@ def shaking(
     Raises
     ------
     OptionError
-        For a dataset without the variable, uneven times, or a number of axes that is not two.
+        For a dataset without the variable, uneven times, a number of axes that is not two, or a
+        span with less than two samples.
 
     Notes
     -----
@@ -69,8 +71,10 @@ def shaking(
     20.0
     """
     if "time" not in record.dims or variable not in record:
-        raise OptionError(f"the dataset has no {variable!r:.40} over time")
+        raise OptionError(f"variable: the record has no {variable!r:.40} over time")
     times, values = record["time"].values, record[variable].values
+    if times.size < 2:
+        raise OptionError(f"record: {times.size} samples make no record; give two at least")
     step = float(times[-1] - times[0]) / (times.size - 1)
     if np.abs(np.diff(times) - step).max() > 1e-6 * step:
         raise OptionError("the times are not even; resample the record first")
@@ -79,7 +83,10 @@ def shaking(
     if len(axes) != 2:
         raise OptionError(f"{len(axes)} axes came; a record and its spectrum need two")
     first, second = axes
-    shown = times <= times[0] + (0.5 if span is None else float(span))
+    length = max(0.5, step) if span is None else positive_number("span", span)
+    shown = times <= times[0] + length
+    if shown.sum() < 2:
+        raise OptionError(f"span = {length:g} holds one sample; they are {step:g} apart")
     first.plot(times[shown], values[shown], **LINES[0] | {"linewidth": 0.7})
     first.set_xlim(times[shown][0], times[shown][-1])
     finish_axes(first, axis_label(record["time"]), axis_label(record[variable]))

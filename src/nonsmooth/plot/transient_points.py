@@ -13,6 +13,7 @@ from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.sections import diameter_of
 from nonsmooth.plot.style import axis_label, colour_bar, finish_axes, growing_colours
 from nonsmooth.plot.trace import DENSE
+from nonsmooth.runs.options import positive_number
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -103,6 +104,8 @@ def transient_section(
     >>> int(labels["period"].max()), len(ax.texts)
     (1, 1)
     """
+    if size is not None:
+        positive_number("size", size)
     across, up, values = _columns(points, (x, y, colour))
     stretches = [] if labels is None else _stretches(points, labels)
     ax = new_axes() if ax is None else ax
