@@ -77,9 +77,15 @@ def finite_numbers(
     return numbers
 
 
-def check_size(where: str, number: float, error: type[NonsmoothError] = OptionError) -> None:
-    """Refuse sizes whose powers no double holds."""
-    if number and not 1.0 / _REACH <= abs(number) <= _REACH:
+def check_size(
+    where: str,
+    number: float,
+    error: type[NonsmoothError] = OptionError,
+    *,
+    positive: bool = False,
+) -> None:
+    """Refuse sizes whose powers no double holds, or whose inverse has none if positive."""
+    if abs(number) > _REACH or (positive and number < 1.0 / _REACH):
         raise error(f"{where} = {number:g} is no size of anything; check its unit")
 
 

@@ -249,10 +249,10 @@ def test_bad_input():
     with pytest.raises(ns.OptionError, match="no number"):
         RIG.from_si({"X1": "far"})
     for bad in (np.nan, [1.0, np.inf], float("-inf"), None):
-        with pytest.raises(ns.OptionError, match=r"X1 = .* must be finite"):
+        with pytest.raises(ns.OptionError, match=r"X1'\] = .* must be finite"):
             RIG.from_si({"X1": bad})
     for bad in ("1.0", ["1", "2"], True, [True], [1.0, [2.0]]):
-        with pytest.raises(ns.OptionError, match=r"X1 = .* no number"):
+        with pytest.raises(ns.OptionError, match=r"X1'\] = .* no number"):
             RIG.from_si({"X1": bad})
     with pytest.raises(ns.OptionError, match="model"):
         RIG.from_si({"X1": 1.0}, model="three")
@@ -307,7 +307,7 @@ def test_a_record_of_the_base_in_place_of_a_sine():
     assert float(si["load"][-1]) == pytest.approx(float(expected["load"][-1]), abs=1e-5)
     assert si["base"].attrs["units"] == "m/s^2" and "rig_frequency" not in si.attrs
     assert si["base"].values == pytest.approx(acceleration[::40], abs=1e-9)
-    with pytest.raises(ns.ModelError, match="must be a Signal"):
+    with pytest.raises(ns.OptionError, match=r"give a nonsmooth\.Signal"):
         RIG.system(base=[1.0, 2.0])
     other = dataclasses.replace(RIG, mass=9.0)
     with pytest.raises(ns.OptionError, match="not made with the system of this rig"):

@@ -92,4 +92,6 @@ def test_errors():
     with pytest.raises(OptionError, match="not for 'duffing'"):
         four_phase_misfit(ns.models.duffing(), 1.0, 1.0)
     with pytest.raises(OptionError, match="two numbers"):
+        four_phase_orbit(moling(), (1.0,))
+    with pytest.raises(OptionError, match=r"guess\[1\] = nan is not a finite number"):
         four_phase_orbit(moling(), (1.0, float("nan")))

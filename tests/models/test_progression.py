@@ -85,7 +85,7 @@ def no_period():
         (lambda: ns.simulate(moling(), periods=2), {"state": "p"}, "drift state 'p'"),
         (lambda: ns.simulate(moling(), periods=2), {"periods": 3}, "2 whole periods"),
         (lambda: ns.simulate(moling(), periods=2), {"periods": 0}, "at least 1"),
-        (lambda: ns.simulate(moling(), periods=2), {"periods": 1.5}, "at least 1"),
+        (lambda: ns.simulate(moling(), periods=2), {"periods": 1.5}, "a whole number"),
         (lambda: ns.simulate(moling(), periods=0.5), {}, "at the phase of its first one"),
         (lambda: ns.simulate(moling(), times=[0.0, 200.0]), {}, "at the phase of its first one"),
         (lambda: ns.simulate(moling(), periods=2).drop_attrs(), {}, "nonsmooth.simulate"),

@@ -227,7 +227,7 @@ def test_from_si_undoes_to_si():
         RIG.from_si({"z": 1.0})
     with pytest.raises(ns.OptionError, match=r"values\['x'\] = nan must be finite"):
         RIG.from_si({"x": float("nan")})
-    with pytest.raises(ns.OptionError, match="x = 'far' is no number"):
+    with pytest.raises(ns.OptionError, match=r"x'\] = 'far' is no number"):
         RIG.from_si({"x": "far"})
 
 

@@ -43,7 +43,7 @@ def set_numbers(thing: Any, positive: Mapping[str, str]) -> None:
     for name, reason in positive.items():
         if getattr(thing, name) <= 0.0:
             raise ModelError(f"{name} = {getattr(thing, name):g} must be positive: {reason}")
-        check_size(name, getattr(thing, name), ModelError)
+        check_size(name, getattr(thing, name), ModelError, positive=True)
 
 
 def finite_number(name: str, value: Any) -> float:
@@ -61,7 +61,7 @@ def positive(name: str, value: Any, unit: str = "") -> float:
     number = finite(name, value)
     if number <= 0.0:
         raise OptionError(f"{name} = {number:g}{unit and ' ' + unit}: it must be above zero")
-    check_size(name, number)
+    check_size(name, number, positive=True)
     return number
 
 

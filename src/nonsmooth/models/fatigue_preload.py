@@ -3,7 +3,7 @@ r"""Least forces on the masses of the fatigue rig that keep both in contact with
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from nonsmooth.system.system import System
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["LOOSEST", "least_preload"]
+__all__ = ["LOOSEST", "Tolerance", "least_preload"]
 
 _LABELS = {
     "force": "force on the mass, that at rest",
@@ -31,6 +31,7 @@ _LABELS = {
 _WIDEST = 60  # doublings of a bracket
 _FINEST = 200  # halvings of a bracket
 LOOSEST = 0.1  # a tolerance beyond it is a slip of the pen
+Tolerance: TypeAlias = Annotated[float, f"a positive number of at most {LOOSEST}"]
 
 
 def least_preload(
@@ -39,7 +40,7 @@ def least_preload(
     ratio: float | None = None,
     motion: Literal["steady", "start-up"] = "steady",
     periods: int = 40,
-    tolerance: float = 1e-9,
+    tolerance: Tolerance = 1e-9,
 ) -> xr.Dataset:
     r"""Least forces f1 and f2 that keep both masses of the fatigue rig in contact.
 

@@ -269,7 +269,7 @@ def reduction_error(system: System, eps: npt.ArrayLike | None = None) -> xr.Data
         raise OptionError(
             "eps must be positive numbers, one or more, the compliances of the contacts"
         )
-    check_size("eps", grid.max())
+    check_size("eps", float(grid.max()))
     rows: dict[str, list[list[float]]] = {n: [] for n in _ERROR_LABELS if n != "exact_amplitude"}
     exact: list[float] = []
     for value in grid:

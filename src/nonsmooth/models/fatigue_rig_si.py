@@ -246,7 +246,7 @@ class FatigueRig:
         base_amplitude = one_number("base_amplitude", base_amplitude, positive=True)
         k_s = one_number("specimen_stiffness", k_s, positive=True)
         for name, value in given.items():
-            check_size(name, value)
+            check_size(name, value, positive=value > 0.0)
         system = fatigue_rig(**given)  # refuses what no rig has
         p = {name: float(value) for name, value in system.parameter_values.items()}
         leaf = k_s / p["theta"] ** 2
@@ -306,7 +306,9 @@ class FatigueRig:
         ------
         ModelError
             When a cylinder does not press its mass on the specimen at rest, with the least force in
-            N, or ``base`` is no signal.
+            N.
+        OptionError
+            When ``base`` is no signal.
 
         Examples
         --------

@@ -11,7 +11,7 @@ import numpy as np
 from nonsmooth.errors import ResultWarning, RunError
 from nonsmooth.fatigue.specimen import Specimen
 from nonsmooth.models.fatigue_contact import loss_message
-from nonsmooth.models.fatigue_preload import LOOSEST
+from nonsmooth.models.fatigue_preload import LOOSEST, Tolerance
 from nonsmooth.models.fatigue_rig_si import FatigueRig
 from nonsmooth.models.fatigue_rigs.motion import first_loss, settled_motion, swing
 from nonsmooth.models.rigs.data import one_number
@@ -70,7 +70,7 @@ def set_load(
     specimen: Specimen | None = None,
     contact: Literal["kept", "any"] = "kept",
     largest: float = 10.0,
-    tolerance: float = 1e-9,
+    tolerance: Tolerance = 1e-9,
 ) -> xr.Dataset:
     r"""Amplitude of the base that puts a wanted load amplitude on the specimen, section 3.1.
 

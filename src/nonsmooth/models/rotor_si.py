@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from nonsmooth.arguments import checked
 from nonsmooth.errors import OptionError
-from nonsmooth.models.rigs.data import check_data, one_number
+from nonsmooth.models.rigs.data import Positive, check_data, one_number
 from nonsmooth.models.rigs.scaling import (
     changed_parameters,
     check_system,
@@ -377,7 +377,7 @@ class RotorRig:
         return result
 
     @checked
-    def run_up(self, first: float, last: float, duration: float) -> System:
+    def run_up(self, first: Positive, last: Positive, duration: Positive) -> System:
         """System whose speed changes evenly, for a run-up or a run-down.
 
         Parameters

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import fields
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -16,8 +16,9 @@ from nonsmooth.real_numbers import check_size, finite_real, shown
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["check_contents", "check_data", "finite_values", "one_number"]
+__all__ = ["Positive", "check_contents", "check_data", "finite_values", "one_number"]
 
+Positive: TypeAlias = Annotated[float, "a positive number"]
 _NEVER_EMPTY = ("time", "state")  # of a run
 
 
@@ -28,7 +29,7 @@ def one_number(name: str, value: Any, *, positive: bool = False, most: float = m
     number = finite_real(name, value, wanted=f"a {kind}{limit}")
     if (positive and number <= 0.0) or number > most:
         raise OptionError(f"{name} = {shown(value)} must be a {kind}{limit}")
-    check_size(name, number)
+    check_size(name, number, positive=positive)
     return number
 
 
@@ -63,6 +64,8 @@ def check_data(rig: Any, positive: Mapping[str, str], not_negative: Mapping[str,
     for name, reason in positive.items():
         if getattr(rig, name) is not None and getattr(rig, name) <= 0.0:
             raise ModelError(f"{name} = {getattr(rig, name):g} must be positive: {reason}")
+        if getattr(rig, name) is not None:
+            check_size(name, getattr(rig, name), ModelError, positive=True)
     for name, reason in not_negative.items():
         if getattr(rig, name) < 0.0:
             raise ModelError(f"{name} = {getattr(rig, name):g} must not be negative: {reason}")
