@@ -150,12 +150,15 @@ def _of_loaded(module: str, name: str) -> Callable[[Any], bool]:
 
 
 def _instance(kind: type) -> Allowed:
-    """Values of a class, named as users import it."""
+    """Values of a class, with the place from which users import it."""
     library, _, rest = kind.__module__.partition(".")
     package = rest.partition(".")[0]
     home = f"{library}.{package}" if package in _PUBLIC else library
-    name = f"{home}.{kind.__name__}"
-    return _simple(f"a {name}", f"values of {name}", lambda value: isinstance(value, kind))
+    name = kind.__name__
+    article = "an" if name[0] in "AEIOU" else "a"
+    return _simple(
+        f"{article} {name} of {home}", f"{name}s of {home}", lambda value: isinstance(value, kind)
+    )
 
 
 _PUBLIC = ("excitation", "fatigue", "measured", "models")

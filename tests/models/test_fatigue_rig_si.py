@@ -307,7 +307,7 @@ def test_a_record_of_the_base_in_place_of_a_sine():
     assert float(si["load"][-1]) == pytest.approx(float(expected["load"][-1]), abs=1e-5)
     assert si["base"].attrs["units"] == "m/s^2" and "rig_frequency" not in si.attrs
     assert si["base"].values == pytest.approx(acceleration[::40], abs=1e-9)
-    with pytest.raises(ns.OptionError, match=r"give a nonsmooth\.Signal"):
+    with pytest.raises(ns.OptionError, match="give a Signal of nonsmooth"):
         RIG.system(base=[1.0, 2.0])
     other = dataclasses.replace(RIG, mass=9.0)
     with pytest.raises(ns.OptionError, match="not made with the system of this rig"):

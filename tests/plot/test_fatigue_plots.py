@@ -99,6 +99,6 @@ def test_bad_input(cycles):
         ns.plot.shaking(ns.excitation.harmonic().to_dataset(), axes=ns.plot.print_figure()[1])
     with pytest.raises(OptionError, match="compare_lives"):
         ns.plot.lives(table_3())
-    with pytest.raises(OptionError, match="below one"):
+    with pytest.raises(OptionError, match="must be from 1 to"):
         lives = table_3().rename(life="measured").assign(predicted=("test", np.ones(8)))
         ns.plot.lives(lives, factor=0.5)
