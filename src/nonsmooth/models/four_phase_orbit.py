@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError
-from nonsmooth.models.moling_phases import moling_solution
+from nonsmooth.models.moling_phases import states_in_mode
 from nonsmooth.real_numbers import finite_numbers
 from nonsmooth.system.system import System
 
@@ -318,10 +318,10 @@ def _pass_four_phases(values: Values, y_0: float, psi_0: float) -> _FourPhases:
         end = _first_root(values, mode, guard, state, times[-1], period)
         if end is None:
             return _NONE
-        state = moling_solution(values, mode, state, times[-1], np.array([end]))[0]
+        state = states_in_mode(values, mode, state, times[-1], np.array([end]))[0]
         times.append(end)
     last = times[-1] + (period - times[-1]) * np.linspace(0.0, 1.0, _LOOKS)
-    states = moling_solution(values, "contact", state, times[-1], last)
+    states = states_in_mode(values, "contact", state, times[-1], last)
     force = (twice * states[:, 1] + states[:, 2])[1:-1]
     p, y, _, v = states[-1]
     return _FourPhases(
@@ -337,7 +337,7 @@ def _pass_four_phases(values: Values, y_0: float, psi_0: float) -> _FourPhases:
 def _return_misfit(values: Values, state: Floats, began: float, y_0: float, period: float) -> float:
     """Distance from the start, in velocity and time, where the force next reaches the limit."""
     looks = began + np.geomspace(_SOONEST, 1.0, _LOOKS) * period
-    states = moling_solution(values, "contact", state, began, looks)
+    states = states_in_mode(values, "contact", state, began, looks)
     force = 2.0 * values["xi"] * states[:, 1] + states[:, 2]
     if force[0] >= 1.0:
         return np.inf
@@ -363,13 +363,13 @@ def _first_root(
     looks = np.union1d(
         np.geomspace(_SOONEST * period, left, _LOOKS), np.linspace(0.0, left, _LOOKS)[1:]
     )
-    found = guard(moling_solution(values, mode, state, began, began + looks))
+    found = guard(states_in_mode(values, mode, state, began, began + looks))
     gone = np.flatnonzero(found <= 0.0)
     if not gone.size or gone[0] == 0:
         return None
     k = int(gone[0])
 
     def at(time: float) -> float:
-        return float(guard(moling_solution(values, mode, state, began, np.array([time])))[0])
+        return float(guard(states_in_mode(values, mode, state, began, np.array([time])))[0])
 
     return float(brentq(at, began + looks[k - 1], began + looks[k], xtol=1e-13, rtol=1e-14))

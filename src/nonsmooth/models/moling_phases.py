@@ -9,7 +9,7 @@ import numpy as np
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.real_numbers import check_size
 
-__all__ = ["moling_solution"]
+__all__ = ["moling_solution", "states_in_mode"]
 
 Values = Mapping[str, float]
 
@@ -55,6 +55,13 @@ def moling_solution(
     """
     start, times = np.asarray(start, float), np.atleast_1d(np.asarray(times, float))
     _check(values, mode, start, began, times)
+    return states_in_mode(values, mode, start, began, times)
+
+
+def states_in_mode(
+    values: Values, mode: str, start: np.ndarray, began: float, times: np.ndarray
+) -> np.ndarray:
+    """The same for arguments that are known to be right, as a search gives them by the thousand."""
     if mode == "contact":
         return _contact(values, start, began, times)
     net = values["b"] - (mode == "progression")
