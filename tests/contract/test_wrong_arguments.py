@@ -72,6 +72,8 @@ TOLD_OTHERWISE = {
     ("count_cycles", "load"): "times: ",
     ("cubic_stiffness", "length"): "crack = ",
     ("Excitation", "acceleration"): "times: ",
+    ("LoadBlock.from_record", "load"): "times: ",
+    ("Differentiator.for_band", "step"): "samples 2.5 apart",
 }
 # Arguments that are functions of the caller, whose own errors go through.
 FUNCTIONS = {"stress_intensity", "loads", "reference"}
@@ -301,6 +303,42 @@ def excitation():
     }  # fmt: skip
 
 
+def methods():
+    """Methods of these packages, with right values."""
+    f, measured, x = ns.fatigue, ns.measured, ns.excitation
+    block = f.LoadBlock.constant_amplitude(50.0, 50.0, frequency=20.0)
+    calibration, specimen = f.Calibration(2.0), f.Specimen()
+    filter_ = measured.Differentiator(0.1, 11)
+    laws = (f.Paris(1e-8, 4.0), f.Walker(1e-8, 3.0, 0.5), f.Forman(1e-8, 3.0, 2000.0))
+    table, sine = f.LoadTable([6.0, 16.0], [block, block]), x.harmonic(20.0, 3.0, duration=1.0)
+    rig = excitation()["lives_under_shaking"]["rig"]
+    bent = {"specimen": specimen, "crack": 6.0}
+    wave, t = fatigue()["count_cycles"].values()
+    return [
+        (f.CrackCurve(5.0, 1e-3, 426925.0, 54734.0).time, {"length": 6.0}),
+        (f.LoadBlock.from_cycles, {"cycles": f.count_cycles(wave, t)}),
+        (f.LoadBlock.from_record, {"load": wave, "times": t}),
+        (f.NewmanClosure().opening, {"R": 0.1}),
+        *((law.rate, {"delta_K": 100.0, "R": 0.1}) for law in laws),
+        (calibration.load, bent | {"voltage": 1.0}),
+        (calibration.voltage, bent | {"load": 1.0}),
+        (specimen.stress_intensity, {"load": 100.0, "crack": 6.0}),
+        (table.at, {"crack": 7.0}),
+        (table.weights, {"lengths": np.array([7.0])}),
+        (filter_.bias, {"frequency": 1.0}),
+        (filter_.highest, {}),
+        (filter_.truncation, {"derivative": 3, "size": 1.0}),
+        (measured.Channel("x").displacement, {"readings": [1.0, 2.0]}),
+        (measured.Differentiator.for_band, {"step": 0.001, "highest": 20.0}),
+        (rig.load, {"excitation": sine, "crack": 6.0, "transient": 0.2}),
+        (rig.parameters, {"crack": 6.0}),
+        (rig.system, {"excitation": sine, "crack": 6.0}),
+        (sine.power, {}),
+        (sine.scaled, {"factor": 2.0}),
+        (sine.as_signal, {}),
+    ]
+
+
 def refusal(verb, given):
     """What a verb says of its arguments, or nothing where it takes them; and how long it took."""
     began = time.process_time()
@@ -359,6 +397,11 @@ def test_a_wrong_argument_of_fatigue_is_refused(name):
 @pytest.mark.parametrize("name", excitation())
 def test_a_wrong_argument_of_excitation_is_refused(name):
     check(name, getattr(ns.excitation, name), excitation()[name], {})
+
+
+def test_a_wrong_argument_of_a_method_is_refused():
+    for method, right in methods():
+        check(method.__qualname__, method, right, {})
 
 
 @pytest.mark.parametrize("law", [ns.fatigue.guinea_stiffness, ns.fatigue.guinea_text])
