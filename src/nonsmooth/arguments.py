@@ -96,13 +96,15 @@ def allowed_arguments(function: Callable[..., Any]) -> dict[str, Allowed | None]
 # ---------------------------------------------------------------- what annotations mean
 
 # Names that a module imports for type checkers alone, as they would take long to load.
-_ArrayLike, _Dataset, _DataArray, _Axes, _Figure = (
-    NewType(name, object) for name in ("ArrayLike", "Dataset", "DataArray", "Axes", "Figure")
+_ArrayLike, _Dataset, _DataArray, _Axes, _Figure, _Film = (
+    NewType(name, object)
+    for name in ("ArrayLike", "Dataset", "DataArray", "Axes", "Figure", "Film")
 )
 _LATER = {
     "ArrayLike": _ArrayLike,
     "Axes": _Axes,
     "Figure": _Figure,
+    "Film": _Film,
     "npt": types.SimpleNamespace(ArrayLike=_ArrayLike, NDArray=np.ndarray),
     "xr": types.SimpleNamespace(Dataset=_Dataset, DataArray=_DataArray),
 }
@@ -152,8 +154,8 @@ def _of_loaded(module: str, name: str) -> Callable[[Any], bool]:
 def _instance(kind: type) -> Allowed:
     """Values of a class, with the place from which users import it."""
     library, _, rest = kind.__module__.partition(".")
-    package = rest.partition(".")[0]
-    home = f"{library}.{package}" if package in _PUBLIC else library
+    package = _HOMES.get(rest.partition(".")[0])
+    home = f"{library}.{package}" if package else library
     name = kind.__name__
     article = "an" if name[0] in "AEIOU" else "a"
     return _simple(
@@ -161,7 +163,10 @@ def _instance(kind: type) -> Allowed:
     )
 
 
-_PUBLIC = ("excitation", "fatigue", "measured", "models")
+# Packages from which users import classes, by the one in which they are written.
+_HOMES = {name: name for name in ("excitation", "fatigue", "measured", "models")} | {
+    "drawings": "plot"
+}
 
 
 def _in_words(kind: Allowed | None, words: str) -> Allowed | None:
@@ -322,5 +327,8 @@ _KINDS: dict[Any, Allowed | None] = {
     ),
     _Figure: _simple(
         "a figure of matplotlib", "figures of matplotlib", _of_loaded("matplotlib.figure", "Figure")
+    ),
+    _Film: _simple(
+        "a film, which plot.animate makes", "films", _of_loaded("nonsmooth.plot.film", "Film")
     ),
 }

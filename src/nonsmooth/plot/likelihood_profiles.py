@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,8 +15,6 @@ from nonsmooth.plot.fitted_parameters import chosen_parameters, legend_of_panels
 from nonsmooth.plot.style import LINES, PALETTE, finish_axes
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     import xarray as xr
     from matplotlib.axes import Axes
 
