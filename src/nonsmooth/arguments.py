@@ -154,8 +154,8 @@ def _of_loaded(module: str, name: str) -> Callable[[Any], bool]:
 def _instance(kind: type) -> Allowed:
     """Values of a class, with the place from which users import it."""
     library, _, rest = kind.__module__.partition(".")
-    package = _HOMES.get(rest.partition(".")[0])
-    home = f"{library}.{package}" if package else library
+    package = rest.partition(".")[0]
+    home = f"{library}.{package}" if package in _PUBLIC else library
     name = kind.__name__
     article = "an" if name[0] in "AEIOU" else "a"
     return _simple(
@@ -163,10 +163,7 @@ def _instance(kind: type) -> Allowed:
     )
 
 
-# Packages from which users import classes, by the one in which they are written.
-_HOMES = {name: name for name in ("excitation", "fatigue", "measured", "models")} | {
-    "drawings": "plot"
-}
+_PUBLIC = ("excitation", "fatigue", "measured", "models")
 
 
 def _in_words(kind: Allowed | None, words: str) -> Allowed | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 from nonsmooth.arguments import checked
 from nonsmooth.drawings import Drawing, drawing_of
@@ -34,6 +34,7 @@ _DOTS = 125.0
 _WIDTHS, _HEIGHTS = (1.35, 1.0), (1.0, 0.24)
 _FLASH = 0.16  # seconds of film for which an event is named
 _SMALL = 6.5  # letters in points
+_DRAWING = "a Drawing, which plot.Drawing.from_toml reads from a file"
 
 
 @checked
@@ -41,7 +42,7 @@ def animate(
     run: xr.Dataset,
     *,
     portrait: tuple[str, str] | None = None,
-    drawing: Drawing | None = None,
+    drawing: Annotated[Drawing, _DRAWING] | None = None,
     time_range: tuple[float, float] | None = None,
     slow_down: float | None = None,
     frames_per_second: float = 25.0,
