@@ -6,11 +6,13 @@ Displacements and marks in, the datasets of `simulate`, `stroboscopic_map` and
 
 from __future__ import annotations
 
-from nonsmooth.measured.alarms import alarm
 from nonsmooth.measured.channel import Channel
 from nonsmooth.measured.columns import read_columns
 from nonsmooth.measured.differentiator import Differentiator
 from nonsmooth.measured.integration import displacements
+from nonsmooth.measured.monitoring.alarms import alarm
+from nonsmooth.measured.monitoring.roc import roc
+from nonsmooth.measured.monitoring.windows import indicators
 from nonsmooth.measured.quality.checking import check, flagged
 from nonsmooth.measured.reading import read_csv
 from nonsmooth.measured.record import from_arrays
@@ -31,9 +33,11 @@ __all__ = [
     "displacements",
     "flagged",
     "from_arrays",
+    "indicators",
     "low_pass",
     "read_columns",
     "read_csv",
+    "roc",
     "section",
     "synchronous",
     "velocities",
