@@ -159,8 +159,25 @@ def write_record(folder):
     return folder / "record.csv"
 
 
+def write_days(folder):
+    """Records of a healthy machine on two days, and one with a second harmonic from 6 s on."""
+    rng, t = np.random.default_rng(0), np.arange(8000) / 400
+    for day in ("monday", "tuesday", "today"):
+        x = np.cos(90 * t) + 0.05 * rng.normal(size=t.size)
+        if day == "today":
+            x += np.where(t > 6.0, 0.1, 0.0) * np.cos(180 * t)
+        columns = np.column_stack([t, x, np.cos(90 * t - 0.4)]).round(5)
+        path = folder / f"{day}.csv"
+        np.savetxt(path, columns, "%.5f", ",", header="t,CH1,KEY", comments="")
+    return [folder / f"{day}.csv" for day in ("monday", "tuesday", "today")]
+
+
 def files(name, folder):
     """What a command works on."""
+    if name == "alarm":
+        monday, tuesday, today = write_days(folder)
+        given = ["--watched", today, "--columns", "x=CH1", "--mark", "KEY", "--rate", "0.2"]
+        return [monday, tuesday, *given]
     if name in ("measured", "check"):
         t = np.arange(4000) / 2000
         columns = np.column_stack([t, np.cos(90 * t), np.cos(90 * t - 0.4)])

@@ -247,6 +247,8 @@ _ARGUMENTS = {
     " which ends in .toml (nonsmooth models moling --toml prints one to start from).",
     "settings": "Values of parameters, such as b=0.15; a value may be an expression such as pi/2.",
     "files": "CSV files, one for each speed.",
+    "healthy": "Records of the healthy machine: CSV files, or netCDF files of indicators over"
+    " window, to which a script may have added some.",
     "record": "File of the record: .csv with a column for the times and one for each channel;"
     " a fit takes .nc too.",
     "file": "File of basins, which nonsmooth basins --save basins.nc writes.",
@@ -278,8 +280,9 @@ def _arguments(shape: str) -> Iterator[click.Argument]:
             yield click.Argument(["record"], metavar="RECORD", type=click.Path())
         if "NAME=VALUE" in shape:
             yield click.Argument(["settings"], nargs=-1, metavar="[NAME=VALUE...]")
-    elif shape == "FILE...":
-        yield click.Argument(["files"], nargs=-1, required=True, metavar=shape, type=click.Path())
+    elif shape.endswith("..."):
+        name = "files" if shape == "FILE..." else shape.removesuffix("...").lower()
+        yield click.Argument([name], nargs=-1, required=True, metavar=shape, type=click.Path())
     elif shape == "FILE.csv":
         yield click.Argument(["record"], metavar=shape, type=click.Path())
     else:

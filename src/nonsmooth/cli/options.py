@@ -99,6 +99,11 @@ FORMS = {
         text="Time between strobes, in place of the period of the system. Parameters may stand in"
         " it, as in 2*pi/omega.",
     ),
+    "measured.indicators.period": Form(
+        "EXPRESSION",
+        number,
+        "Period of records without marks, in the units of their times: exactly that of the forcing.",
+    ),
     "find_orbit.period": Form(
         "N", text="Order of the orbit: how many periods of the forcing one turn takes."
     ),
@@ -162,7 +167,7 @@ FORMS = {
         " 't'. Times are in s, or in ms or us where the header says so.",
     ),
     "mark": Form(
-        "COLUMN", _column, "Column with one pulse per revolution. Without it there is no section."
+        "COLUMN", _column, "Column with one pulse per revolution, which a section needs."
     ),
     "store": Form(
         "FOLDER",
@@ -206,6 +211,10 @@ LEAST: Mapping[str, float | None] = {
     "starts": 1,
     "fatten": 1,
     "period": 1,
+    "measured.indicators.periods": 3,
+    "most_period": 1,
+    "needed": 1,
+    "among": 1,
 }
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from nonsmooth.cli.arguments import time_range
+from nonsmooth.cli.arguments import names, time_range
 from nonsmooth.cli.command import Entry
 from nonsmooth.cli.options import Own
 
@@ -507,6 +507,42 @@ TABLE = {
         save="the findings and the masks",
         size=(14.0, 7.0),
         example="nonsmooth check run.csv --columns x=CH1,y=CH2 --mark KEY --plot quality.png",
+    ),
+    "alarm": Entry(
+        "Set an alarm by records of a healthy machine, for a stated rate of false alarms, and judge"
+        " watched records by it.\n\nEach record is cut into windows of whole periods, each of which"
+        " has indicators: harmonics, subharmonics, scatter of strobes, share of time in contact."
+        " The exit code does not depend on alarms; a script reads them from --json.",
+        "alarms.alarm",
+        (
+            (
+                "measured.read_csv",
+                "mark time sample_rate time_range edge threshold hysteresis bad_marks delimiter"
+                " decimal",
+            ),
+            ("measured.Channel", "sensitivity offset units"),
+            ("measured.check", "false_alarms mains leave_out"),
+            ("measured.indicators", "periods period most_period most_flawed"),
+            ("measured.alarm", "rate training needed among"),
+        ),
+        (
+            Own("columns", "Names of the channels and their columns; a name alone is that of its"
+                " column.", "x=CH1,y=CH2"),
+            Own("watched", "Record to be judged. You may give it several times, in order of time.",
+                "FILE", multiple=True),
+            Own("contact_range", "Channel that shows a contact, with its least and its largest value"
+                " while there is one; an end may be left out, as in x=5: for 5 and more. You"
+                " may give it several times.", "NAME=A:B", multiple=True),
+            Own("indicators", "Indicators that count, such as x_harmonic_2; all by default.",
+                "NAME[,NAME...]", convert=lambda text, _: names(text)),
+            _ACCEPT,
+        ),
+        arguments="HEALTHY...",
+        plot="the scores of watched windows with the threshold",
+        save="the alarm",
+        size=(14.0, 8.0),
+        example="nonsmooth alarm monday.csv tuesday.csv --watched today.csv --columns a=CH1"
+        " --mark KEY --rate 0.05 --plot alarm.png",
     ),
     "models": Entry(
         "List the ready-made systems, or print the equations of one.",

@@ -8,6 +8,7 @@ matplotlib is imported when something is drawn.
 from __future__ import annotations
 
 from nonsmooth.drawings import Drawing, drawing_of
+from nonsmooth.plot.alarms import alarm, roc
 from nonsmooth.plot.animation import animate
 from nonsmooth.plot.basins import attractors, basins
 from nonsmooth.plot.branches import branch
@@ -49,6 +50,7 @@ from nonsmooth.plot.uncertainty_curve import uncertainty
 __all__ = [
     "PALETTE",
     "Drawing",
+    "alarm",
     "animate",
     "attractors",
     "axis_label",
@@ -82,6 +84,7 @@ __all__ = [
     "quality",
     "regime_map",
     "return_map",
+    "roc",
     "save_animation",
     "save_figure",
     "section",

@@ -183,10 +183,10 @@ def test_onset_and_scatter():
 
 
 def test_monitoring_needs_a_place_a_detector_and_chaos_that_lasts():
-    wrong = {"false": 0.0, "missed": 0.0}
-    worse = {"false": 0.3, "missed": 0.1}
+    wrong = {"false": 0.04, "missed": 0.0, "low": 0.02, "high": 0.1}
+    worse = wrong | {"missed": 0.1}
     alarms = [
-        {"noise": 0.01, "periodic": 9, "chaotic": 9, "scatter": wrong, "zero_one": wrong,
+        {"noise": 0.01, "healthy": 9, "chaotic": 9, "scatter": wrong, "zero_one": wrong,
          "amplitude": worse}
     ]  # fmt: skip
     evidence = {
@@ -199,7 +199,8 @@ def test_monitoring_needs_a_place_a_detector_and_chaos_that_lasts():
     for change in (
         {"aperiodic_behind": 0.1},
         {"rows": [{"changed": {"xi": 0.1}, "followed": None}]},
-        {"alarms": [alarms[0] | {"scatter": {"false": 0.2, "missed": 0.0}}]},
+        {"alarms": [alarms[0] | {"scatter": wrong | {"false": 0.2}}]},
+        {"alarms": [alarms[0] | {"scatter": wrong | {"missed": 0.06}, "amplitude": worse}]},
         {"alarms": [alarms[0] | {"amplitude": wrong}]},
         {"onset": {"crack": None}},
     ):

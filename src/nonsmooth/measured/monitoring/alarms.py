@@ -67,8 +67,8 @@ def alarm(
     rate : float, optional
         Wanted probability that a healthy window lies above the threshold.
     training : float, optional
-        Share of one healthy record, from its beginning, that sets mean and covariance, a half by
-        default. The rest sets the threshold: were both from the same windows, false alarms would
+        The beginning of one healthy record, as a part of it, that sets mean and covariance; a
+        half by default. The rest sets the threshold: were both from the same windows, false alarms would
         be more frequent than stated. Of several records, each is scored by the mean and the
         covariance of all others, so nothing is set aside.
     needed, among : int, optional

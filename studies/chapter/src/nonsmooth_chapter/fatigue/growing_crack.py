@@ -9,7 +9,14 @@ from typing import Any, Literal
 import numpy as np
 import xarray as xr
 
-from nonsmooth import ensemble, local_regimes, lyapunov_spectrum, simulate, zero_one_test
+from nonsmooth import (
+    ensemble,
+    local_regimes,
+    lyapunov_spectrum,
+    measured,
+    simulate,
+    zero_one_test,
+)
 from nonsmooth.models import breathing_crack
 from nonsmooth_chapter.fatigue.crack_motions import (
     D_RANGE,
@@ -30,9 +37,9 @@ __all__ = [
     "LATE_STARTS",
     "MANY",
     "NOISE",
+    "RATE_OF_ALARMS",
     "SCANNED",
     "STROBES",
-    "THRESHOLD",
     "Growth",
     "alarm_rates",
     "convention_histories",
@@ -394,13 +401,12 @@ def longest_retreat(run: xr.Dataset, last: float = 10.7) -> Evidence:
     return found
 
 
-# Telling chaos from strobes with noise: two detectors, and how often they are wrong.
+# Telling chaos from strobes with noise: indicators with limits for one rate of false alarms.
 
 NOISE = (0.0, 0.001, 0.01, 0.05)  # standard deviation beside the amplitude of u
 STROBES = 300  # of a record
-THRESHOLD = 0.05  # of the amplitude: scatter above it is an alarm
+RATE_OF_ALARMS = 0.05  # of healthy records, for which every limit is set
 _LONGEST = 8
-_K = 0.5  # 0-1 test above it is an alarm
 
 
 def scatter(strobes: np.ndarray, longest: int = _LONGEST) -> float:
@@ -479,7 +485,7 @@ def _amplitudes(runs: xr.Dataset, cracks: np.ndarray) -> np.ndarray:
 
 @lru_cache(maxsize=2)
 def alarm_rates(seed: int = 0) -> tuple[Evidence, ...]:
-    """How often two detectors are wrong, over levels of noise.
+    """How often alarms at one stated rate are false, and how much chaos they miss.
 
     Parameters
     ----------
@@ -489,47 +495,57 @@ def alarm_rates(seed: int = 0) -> tuple[Evidence, ...]:
     Returns
     -------
     tuple of dict
-        For each level ``noise``; the numbers of ``periodic`` and ``chaotic`` records; for each of
-        the detectors ``amplitude``, ``scatter`` and ``zero_one`` the shares of ``false`` alarms
-        among the former and ``missed`` ones among the latter.
+        For each level ``noise``; the numbers of ``healthy`` and ``chaotic`` records that are
+        judged; for each of the indicators ``amplitude``, ``scatter`` and ``zero_one`` the shares of
+        ``false`` alarms among the former and ``missed`` ones among the latter, and the interval
+        that was stated for the rate of false ones, ``low`` to ``high``.
 
     Notes
     -----
-    The amplitude is what a monitor without any theory of chaos would watch. Its limit is the one
-    that errs least in these very records, which favours it.
+    Healthy are all lengths before the first chaotic one. Every other one sets the limits, by
+    `nonsmooth.measured.alarm`; the rest is judged. The amplitude is what a monitor without any
+    theory of chaos would watch. Strobes of a motion of period one hold nothing but noise, so their
+    scatter cannot tell that a crack grows until the period is lost.
     """
-    _, strobes, amplitudes, labels = strobed_motions()
+    cracks, strobes, amplitudes, labels = strobed_motions()
+    healthy = np.flatnonzero(cracks < cracks[labels == 0].min())
+    chaotic = np.flatnonzero(labels == 0)
     random = np.random.default_rng(seed)
     rows = []
     for level in NOISE:
         drawn = random.standard_normal(strobes.shape) * level * amplitudes[:, None]
         seen = strobes + drawn
         felt = amplitudes * (1.0 + level * random.standard_normal(amplitudes.size))
-        alarms = {
-            "amplitude": felt > _dividing(felt, labels),
-            "scatter": np.array([scatter(row) for row in seen]) > THRESHOLD * amplitudes,
-            "zero_one": np.array([float(zero_one_test(row)["K"]) > _K for row in seen]),
+        indicators = {
+            "amplitude": felt,
+            "scatter": np.array([scatter(row) for row in seen]) / amplitudes,
+            "zero_one": np.array([float(zero_one_test(row)["K"]) for row in seen]),
         }
         row: Evidence = {
             "noise": level,
-            "periodic": int(np.sum(labels > 0)),
-            "chaotic": int(np.sum(labels == 0)),
+            "healthy": healthy[1::2].size,
+            "chaotic": chaotic.size,
         }
-        for name, alarm in alarms.items():
-            row[name] = {
-                "false": float(alarm[labels > 0].mean()),
-                "missed": float(1.0 - alarm[labels == 0].mean()),
-            }
-        rows.append(row)
+        rows.append(row | {
+            name: _errors(values, healthy, chaotic) for name, values in indicators.items()
+        })  # fmt: skip
     return tuple(rows)
 
 
-def _dividing(values: np.ndarray, labels: np.ndarray) -> float:
-    """Limit above which values mean chaos with the least sum of false and missed alarms."""
-    known = labels >= 0
-    limits = np.sort(values[known])
-    errors = [
-        (values[labels > 0] > limit).mean() + (values[labels == 0] <= limit).mean()
-        for limit in limits
-    ]
-    return float(limits[int(np.argmin(errors))])
+def _errors(values: np.ndarray, healthy: np.ndarray, chaotic: np.ndarray) -> Evidence:
+    """False and missed alarms by one indicator; each length is a record of one window."""
+    known = [_window(values[[k]]) for k in healthy[::2]]
+    unseen = np.concatenate([healthy[1::2], chaotic])
+    found = measured.alarm(known, _window(values[unseen]), rate=RATE_OF_ALARMS)
+    alarmed = found["alarmed"].values
+    count = healthy[1::2].size
+    return {
+        "false": float(alarmed[:count].mean()),
+        "missed": float(1.0 - alarmed[count:].mean()),
+        "low": float(found["rate_low"]),
+        "high": float(found["rate_high"]),
+    }
+
+
+def _window(values: np.ndarray) -> xr.Dataset:
+    return xr.Dataset({"indicator": ("window", values)})
