@@ -1,5 +1,5 @@
 """`python benchmarks` runs all: long runs, set-up, the stiff rig, Taylor steps, sweeps, basins,
-rotor, growing crack, continuation, orbits, impacts and friction, starts, flaws of records.
+rotor, growing crack, continuation, orbits, impacts and friction, starts, flaws of records, alarms.
 """
 
 import subprocess
@@ -39,6 +39,7 @@ sys.exit(
                 "bench_rest.py",
                 "bench_start.py",
                 "bench_record_flaws.py",
+                "bench_alarm.py",
             ),
         ),
     )

@@ -26,10 +26,11 @@ import nonsmooth as ns
 
 XI, ETA, NOTCH = 0.014, 1.1475, 5.0
 PERIOD = 2.0 * np.pi / ETA
+HEALTHY = 0.0875  # standard deviation of the acceleration without a crack
 SAMPLES = 40  # per period
 PERIODS, WINDOWS = 24, 20  # of a window, of a record
 KNOWN = 400  # windows of one long record that set its alarm
-NOISE = (0.001, 0.01, 0.05)  # of the standard deviation of the acceleration
+NOISE = (0.001, 0.01, 0.05)  # of the standard deviation of a healthy acceleration
 GROUPS = {
     "all indicators": None,
     "second harmonic": ["a_harmonic_2"],
@@ -104,7 +105,8 @@ def indicators(fine: np.ndarray, noise: float, wander: bool, rng: np.random.Gene
         length = count // (PERIODS * SAMPLES) + 2
         load = autoregressive(length, 0.9, rng)
         fine = fine * (1.0 + 0.01 * np.interp(times / (PERIODS * PERIOD), np.arange(length), load))
-    sensor = Sensor(noise, 0.9, 0.2, 2, 1.0 + 0.01 * rng.standard_normal(), 0.01, 0.3, 0.0, 16)
+    share = noise * HEALTHY / float(np.std(fine))  # the sensor does not know the crack
+    sensor = Sensor(share, 0.9, 0.2, 2, 1.0 + 0.01 * rng.standard_normal(), 0.01, 0.3, 0.0, 16)
     seen = record(step, PERIOD, {"a": fine}, {"a": sensor}, times, rng)
     marks = PERIOD * np.arange(int((count - 1) / SAMPLES) + 1)
     marks[1:-1] += 2e-4 * PERIOD * rng.standard_normal(marks.size - 2)
@@ -253,7 +255,8 @@ def main() -> int:
     print("one record, 400 windows of it healthy ones that are known; the load wanders")
     long = records(np.repeat(alike, 20, axis=1), 0.01, True, rng, windows=2000)
     first = [one.isel(window=slice(KNOWN)) for one in long]
-    bad |= judged(([a], [b.isel(window=slice(KNOWN, None))]) for a, b in zip(first, long, strict=True))
+    rest = [one.isel(window=slice(KNOWN, None)) for one in long]
+    bad |= judged(([a], [b]) for a, b in zip(first, rest, strict=True))
     print("not counted: other records, of whose gains one record tells nothing")
     judged(([a], [b]) for a, b in zip(first, long[1:] + long[:1], strict=True))
     for noise in NOISE:

@@ -227,6 +227,11 @@ def rig():
         "dimensionless": {"record": record, "length": 1.0, "natural_frequency": 2.0},
         "synchronous": {"record": moving},
         "alarm": {"healthy": xr.Dataset({"a": ("window", np.sin(np.arange(400.0)))})},
+        "roc": {
+            "healthy": xr.Dataset({"a": ("window", np.sin(np.arange(400.0)))}),
+            "faulty": xr.Dataset({"a": ("window", np.arange(9.0))}),
+        },
+        "indicators": {"record": record, "periods": 6, "most_period": 2},
         "Channel": {"column": "x"},
         "Differentiator": {"step": 0.1, "window": 11},
     }
@@ -236,7 +241,7 @@ VERBS = sorted(set(ns.__all__) - {
     "ModelError", "NonsmoothError", "OptionError", "ResultWarning", "RunError", "RunWarning",
     "__version__", "continuation", "excitation", "fatigue", "measured", "models", "plot",
 })  # fmt: skip
-RIG = ["alarm", "from_arrays", "velocities", "section", "diagram", "low_pass", "displacements",
+RIG = ["alarm", "indicators", "roc", "from_arrays", "velocities", "section", "diagram", "low_pass", "displacements",
        "dimensionless", "synchronous", "Channel", "Differentiator"]  # fmt: skip
 
 

@@ -20,8 +20,10 @@ LINE, SQUARE = np.linspace(-1.0, 1.0, 5), {"x": (-1.0, 1.0), "v": (-1.0, 1.0)}
 FEW = {"samples": 2, "record": 20, "longest": 50}
 BRIEF = {"transient": 5, "record": 4, "evidence": 20, "longest": 5, "confirm": 0}
 SPEEDS = {"parameter": "omega", "values": [0.8, 0.9], "transient": 2, "record": 4}
+HEALTHY = xr.Dataset({"a": ("window", np.sin(np.arange(400.0)))})
 MAKE = {
     "animate": lambda: {"run": data("run")},
+    "alarm": lambda: {"found": ns.measured.alarm(HEALTHY, HEALTHY, rate=0.05)},
     "attractors": lambda: {"data": ns.attractors(ns.StroboscopicMap(STRUCK), SQUARE, **FEW)},
     "basins": lambda: {
         "data": ns.basins_of_attraction(
@@ -77,6 +79,7 @@ MAKE = {
     "save_animation": lambda: {
         "film": ns.plot.animate(data("run"), slow_down=1.0), "path": "a.gif",
     },
+    "roc": lambda: {"data": ns.measured.roc(HEALTHY, HEALTHY)},
     "save_figure": lambda: {"figure": ns.plot.print_figure()[0], "path": "a.png"},
     "profiles": lambda: {"data": data("fit")},
     "section": lambda: {"points": data("points"), "x": "x", "y": "v"},

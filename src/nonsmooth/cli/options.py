@@ -102,7 +102,7 @@ FORMS = {
     "measured.indicators.period": Form(
         "EXPRESSION",
         number,
-        "Period of records without marks, in the units of their times: exactly that of the forcing.",
+        "Period of records without marks, in units of their times: exactly that of the forcing.",
     ),
     "find_orbit.period": Form(
         "N", text="Order of the orbit: how many periods of the forcing one turn takes."
@@ -166,9 +166,7 @@ FORMS = {
         "Column of the times: its header, or its number from 0. Without it the column 'time' or"
         " 't'. Times are in s, or in ms or us where the header says so.",
     ),
-    "mark": Form(
-        "COLUMN", _column, "Column with one pulse per revolution, which a section needs."
-    ),
+    "mark": Form("COLUMN", _column, "Column with one pulse per revolution, which a section needs."),
     "store": Form(
         "FOLDER",
         text="Keep finished parts in this folder. After an interruption the same command goes on"

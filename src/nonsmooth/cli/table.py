@@ -530,8 +530,8 @@ TABLE = {
                 " column.", "x=CH1,y=CH2"),
             Own("watched", "Record to be judged. You may give it several times, in order of time.",
                 "FILE", multiple=True),
-            Own("contact_range", "Channel that shows a contact, with its least and its largest value"
-                " while there is one; an end may be left out, as in x=5: for 5 and more. You"
+            Own("contact_range", "Channel that shows a contact, with its least and its largest"
+                " value while there is one; an end may be left out, as in x=5: for 5 and more. You"
                 " may give it several times.", "NAME=A:B", multiple=True),
             Own("indicators", "Indicators that count, such as x_harmonic_2; all by default.",
                 "NAME[,NAME...]", convert=lambda text, _: names(text)),

@@ -68,9 +68,9 @@ def alarm(
         Wanted probability that a healthy window lies above the threshold.
     training : float, optional
         The beginning of one healthy record, as a part of it, that sets mean and covariance; a
-        half by default. The rest sets the threshold: were both from the same windows, false alarms would
-        be more frequent than stated. Of several records, each is scored by the mean and the
-        covariance of all others, so nothing is set aside.
+        half by default. The rest sets the threshold: were both from the same windows, false
+        alarms would be more frequent than stated. Of several records, each is scored by the mean
+        and the covariance of all others, so nothing is set aside.
     needed, among : int, optional
         An alarm is raised where at least ``needed`` of the last ``among`` windows lie above the
         threshold.
@@ -208,7 +208,7 @@ def _threshold(scores: Floats, rate: float, effect: float) -> tuple[float, float
 def _too_few(worth: Worth, rate: float, expected: float) -> str:
     why = "that differ" if worth.records > 1 else "that follow each other"
     return (
-        f"{worth.count} healthy windows {why} are worth {worth.effective:.0f} independent ones,"
+        f"{worth.size} healthy windows {why} are worth {worth.effective:.0f} independent ones,"
         f" which do not support rate = {rate:g}: the threshold is the largest score, and"
         f" {expected:.2g} of healthy windows are expected above it; give more healthy"
         f" {'records' if worth.records > 1 else 'windows'}, or a larger rate="
@@ -227,7 +227,8 @@ def _rates_of_rule(
         alarmed.append(rule.alarmed(part > limit).astype(float))
     share = float(np.concatenate(alarmed).mean())
     effect = max(worth.effect, float(rule.among), design_effect(alarmed))
-    return share, *worth._replace(effect=effect).interval_of_seen(share)
+    low, high = worth._replace(effect=effect).interval_of_seen(share)
+    return share, float(low), float(high)
 
 
 def _three(names: str, values: tuple[float, ...], text: str) -> dict[str, Any]:

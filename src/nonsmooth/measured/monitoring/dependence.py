@@ -25,14 +25,14 @@ _OUTSIDE = (1.0 - _LEVEL) / 2.0
 class Worth(NamedTuple):
     """Windows of some records, and by how much their dependence enlarges variances."""
 
-    count: int
+    size: int
     effect: float
     records: int
 
     @property
     def effective(self) -> float:
         """Independent windows that would tell as much."""
-        return self.count / self.effect
+        return self.size / self.effect
 
     def interval(self, share: float) -> tuple[float, float]:
         """95 % interval of the rate above a limit that was set for ``share``.
@@ -40,22 +40,24 @@ class Worth(NamedTuple):
         Of one record the rate has a beta distribution, as that of an order statistic.
         """
         if self.records > 1:
-            return self.interval_of_seen(share)
+            ends = self.interval_of_seen(share)
+            return float(ends[0]), float(ends[1])
         number = self.effective + 1.0
         spread = beta(share * number, (1.0 - share) * number)
         low = float(spread.ppf(_OUTSIDE)) if share * number >= 1.0 else 0.0
         return low, float(spread.ppf(1.0 - _OUTSIDE))
 
-    def interval_of_seen(self, share: float) -> tuple[float, float]:
+    def interval_of_seen(self, share: npt.ArrayLike) -> tuple[Floats, Floats]:
         """95 % interval of a probability of which a share was seen, after Clopper and Pearson.
 
         It begins at zero where less than one independent window was seen.
         """
-        number = self._known()
-        hits = share * number
-        low = float(beta.ppf(_OUTSIDE, hits, number - hits + 1.0)) if hits >= 1.0 else 0.0
-        high = float(beta.ppf(1.0 - _OUTSIDE, hits + 1.0, number - hits)) if share < 1.0 else 1.0
-        return low, high
+        seen, number = np.asarray(share, dtype=float), self._known()
+        hits = seen * number
+        # where there is no limit, the beta function has no such parameters
+        low = beta.ppf(_OUTSIDE, np.maximum(hits, 1.0), np.maximum(number - hits, 0.0) + 1.0)
+        high = beta.ppf(1.0 - _OUTSIDE, hits + 1.0, np.where(seen < 1.0, number - hits, 1.0))
+        return np.where(hits < 1.0, 0.0, low), np.where(seen < 1.0, high, 1.0)
 
     def _known(self) -> float:
         """Effective number, less for what few records leave unknown of their differences."""
@@ -93,7 +95,7 @@ def correlation_time(parts: list[Floats]) -> float:
     """Integrated autocorrelation time, by the initial positive sequence of Geyer.
 
     Up to the lag M it is too small by its part (2 M + 1) / n, since the mean is that of the same
-    windows (U. Wolff, Comput. Phys. Commun. 156 (2004), 143); this is put right.
+    windows (U. Wolff, Computer Physics Communications 156 (2004), 143); this is put right.
 
     parts: deviations from one mean, in order of time within each part
     """

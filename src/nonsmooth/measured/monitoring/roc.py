@@ -68,8 +68,10 @@ def roc(
     effective number of windows. The area is the statistic of Mann and Whitney; the variance of its
     two parts is that of DeLong [1]_, each multiplied by its design effect, and the interval is made
     for the logit with the quantile of Student's distribution, for as many degrees of freedom as
-    there are records, or effective windows of one record, less one. An area of 1 has the lower limit 0.025\ :sup:`1/k`, k being the smaller one of
-    both effective numbers: the limit for k pairs that were all told apart.
+    there are records, or effective windows of one record, less one. An area of 1 has the lower
+    limit 0.025\ :sup:`1/k`, k being the smaller one of both effective numbers: the limit for k
+    pairs that were all told apart. Windows of a fault that grows depend on each other, which makes
+    the interval wide; records of one state of the fault are better.
 
     References
     ----------
@@ -101,7 +103,7 @@ def roc(
     for name, runs in groups.items():
         worth = Worth(sum(one.size for one in runs), tail_effect(runs), len(runs))
         shares = _shares_above(np.sort(np.concatenate(runs)), limits)
-        ends = np.array([worth.interval_of_seen(float(share)) for share in shares]).T
+        ends = worth.interval_of_seen(shares)
         for key, values in zip(("", "_low", "_high"), (shares, *ends), strict=True):
             text = {"long_name": f"rate of {words[name]}"}
             found[f"{name}{key}"] = "threshold", values, text

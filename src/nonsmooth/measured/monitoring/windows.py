@@ -31,16 +31,10 @@ _FEWEST_CYCLES = 3  # in a window, for the scatter about a cycle
 
 
 class _Windows(NamedTuple):
-    """Samples of one channel by window, period and phase; flawed ones are told and filled."""
+    """Samples of one channel by window, period and phase, the flawed ones filled."""
 
     values: Floats
-    good: Mask
     known: Mask  # windows that hold enough good samples
-
-    def mean(self, values: Any) -> Floats:
-        """Mean over the good samples of each window."""
-        total: Floats = (values * self.good).sum(axis=(1, 2)) / self.good.sum(axis=(1, 2))
-        return total
 
 
 def indicators(
@@ -83,9 +77,9 @@ def indicators(
     -------
     xarray.Dataset
         Over ``window`` for each channel ``x``: ``x_rms`` (without the mean), ``x_kurtosis``,
-        ``x_harmonic_1``, the amplitude at the frequency of the forcing, and relative to it
-        ``x_harmonic_2``, ``x_harmonic_3``, ``x_subharmonic_2`` (at a half of the frequency),
-        ``x_subharmonic_3``, and ``x_strobes``, the scatter of strobes about a cycle; of channels of
+        ``x_strobes``, the scatter of strobes about a cycle, ``x_harmonic_1``, the amplitude at the
+        frequency of the forcing, and relative to it ``x_harmonic_2``, ``x_harmonic_3``,
+        ``x_subharmonic_2`` (at a half of the frequency) and ``x_subharmonic_3``; of channels of
         ``contact`` also ``x_contact``, the share of time in contact. Coordinates: ``begin`` and
         ``time``, those of the first and of the last sample of the window. Attributes:
         ``n_windows`` and ``n_left_out``.
@@ -108,12 +102,12 @@ def indicators(
     Notes
     -----
     The record is resampled at equal angles (`synchronous`), so harmonics lie on lines of the
-    discrete Fourier transform of a window. Flawed samples that are allowed are replaced, in
-    amplitudes and strobes, by the mean at the same phase of the other periods of the window, and
-    left out of the other indicators. The scatter of strobes is the least root mean square about
-    the points of a cycle of n points, n up to ``most_period``, with a degree of freedom less for
-    each point. *Of a motion that repeats, strobes hold nothing but noise*: this indicator tells
-    that a motion has become irregular or longer than the cycles, and nothing before that.
+    discrete Fourier transform of a window. Flawed samples that are allowed are replaced by the mean
+    at the same phase of the other periods of the window. The scatter of strobes is the least root
+    mean square about the points of a cycle of n points, n up to ``most_period``, with a degree of
+    freedom less for each point. *Of a motion that repeats, strobes hold nothing but noise*: this
+    indicator tells that a motion has become irregular or longer than the cycles, and nothing
+    before that.
 
     Any further variable over ``window`` is an indicator, too: assign it to the result, such as a
     stiffness that `nonsmooth.fit` finds in each window.
@@ -147,15 +141,15 @@ def indicators(
     samples = whole.attrs["samples_per_period"]
     shape = (-1, count, samples)
     windows = {
-        name: _windows(values.values.reshape(shape), quality_of(whole, name), flawed)
-        for name, values in whole.data_vars.items()
+        name: _windows(whole[name].values.reshape(shape), quality_of(whole, name), flawed)
+        for name in map(str, whole.data_vars)
     }
     found: dict[str, Any] = {}
     for name in names:
         found |= _of_channel(name, windows[name], longest, record[name])
     for name, (low, high) in ranges.items():
-        one = windows[name]
-        inside = one.mean((one.values >= low) & (one.values <= high))
+        values = windows[name].values
+        inside = ((values >= low) & (values <= high)).mean(axis=(1, 2))
         words = {
             "long_name": f"share of time in contact, by {name}",
             "resolution": 1.0 / (count * samples),
@@ -200,14 +194,14 @@ def _kept(
 def _of_channel(name: str, data: _Windows, longest: int, variable: xr.DataArray) -> dict[str, Any]:
     """Indicators of one channel."""
     count, periods, samples = data.values.shape
-    away = data.values - data.mean(data.values)[:, None, None]
-    power = data.mean(away**2)
-    lines = np.abs(np.fft.rfft(data.values.reshape(count, -1), axis=1)) * (2.0 / (periods * samples))
+    away = data.values - data.values.mean(axis=(1, 2), keepdims=True)
+    power = (away**2).mean(axis=(1, 2))
+    spectrum = np.fft.rfft(data.values.reshape(count, -1), axis=1)
+    lines = np.abs(spectrum) * (2.0 / (periods * samples))
     first = lines[:, periods]
     with np.errstate(divide="ignore", invalid="ignore"):
-        kurtosis = data.mean(away**4) / power**2
+        kurtosis = (away**4).mean(axis=(1, 2)) / power**2
         relative = lines / first[:, None]
-        strobes = _scatter(data.values[:, :, 0], longest) / first
     label = str(variable.attrs.get("long_name") or name)
     units = {key: variable.attrs[key] for key in ("units",) if key in variable.attrs}
     found: dict[str, Any] = {
@@ -223,8 +217,8 @@ def _of_channel(name: str, data: _Windows, longest: int, variable: xr.DataArray)
         if periods % order == 0:
             words = {"long_name": f"{label}: subharmonic 1/{order} beside the first harmonic"}
             found[f"{name}_subharmonic_{order}"] = relative[:, periods // order], words
-    words = {"long_name": f"{label}: scatter of strobes beside the first harmonic"}
-    found[f"{name}_strobes"] = strobes, words
+    words = {"long_name": f"{label}: scatter of strobes"} | units
+    found[f"{name}_strobes"] = _scatter(data.values[:, :, 0], longest), words
     return {key: ("window", values, words) for key, (values, words) in found.items()}
 
 
@@ -249,7 +243,7 @@ def _windows(values: Floats, flags: Any, most_flawed: float) -> _Windows:
     sums = np.where(good, values, 0.0).sum(axis=1, keepdims=True)
     typical = sums / np.maximum(number, 1)
     known = (number > 0).all(axis=(1, 2)) & ((~good).mean(axis=(1, 2)) <= most_flawed)
-    return _Windows(np.where(good, values, typical), good, known)
+    return _Windows(np.where(good, values, typical), known)
 
 
 def _turned(record: xr.Dataset, names: list[str], periods: int) -> xr.Dataset:
@@ -283,7 +277,7 @@ def _marked(record: xr.Dataset, period: Any) -> xr.Dataset:
     turns = math.floor((float(times[-1]) - float(times[0])) / length + 1e-9)
     if turns < 2:
         raise OptionError(f"period = {length:g}: the record holds fewer than two of them")
-    marks = float(times[0]) + length * np.arange(turns + 1)
+    marks = float(times[0]) + length * np.arange(turns + 1, dtype=np.float64)
     found = record.assign_coords(mark_time=("mark", marks, dict(record["time"].attrs)))
     return found.assign_attrs(speed_attributes(marks))
 
