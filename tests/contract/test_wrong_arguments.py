@@ -241,8 +241,8 @@ VERBS = sorted(set(ns.__all__) - {
     "ModelError", "NonsmoothError", "OptionError", "ResultWarning", "RunError", "RunWarning",
     "__version__", "continuation", "excitation", "fatigue", "measured", "models", "plot",
 })  # fmt: skip
-RIG = ["alarm", "indicators", "roc", "from_arrays", "velocities", "section", "diagram", "low_pass", "displacements",
-       "dimensionless", "synchronous", "Channel", "Differentiator"]  # fmt: skip
+RIG = ["alarm", "indicators", "roc", "from_arrays", "velocities", "section", "diagram", "low_pass",
+       "displacements", "dimensionless", "synchronous", "Channel", "Differentiator"]  # fmt: skip
 
 
 def plate(load, crack):

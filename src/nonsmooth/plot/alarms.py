@@ -26,6 +26,7 @@ _BELOW: dict[str, Any] = {
 _MARKS = tuple(zip("os^Dv", ("vermilion", "blue", "green", "purple", "orange"), strict=True))
 _OTHERS = {"marker": "x", "color": "black"}
 _PALE = 0.12  # opacity of an interval
+_CURVE = "roc"  # group of the lines that are curves
 
 
 @checked
@@ -176,7 +177,8 @@ def roc(
     )  # fmt: skip
     if logarithmic:
         least = 0.5 / max(int(data.attrs["n_healthy"]), 1)
-        ax.set(xscale="log", xlim=(min(least, *_lowest(ax, bool(curves))), 1.0))
+        before = float(ax.get_xlim()[0]) if curves else 1.0
+        ax.set(xscale="log", xlim=(min(least, before), 1.0))
     else:
         ax.set(xlim=(-0.01, 1.0))
     ax.set_ylim(0.0, 1.02)
@@ -184,11 +186,3 @@ def roc(
     if legend:
         place_legend(ax)
     return ax
-
-
-_CURVE = "roc"  # group of the lines that are curves
-
-
-def _lowest(ax: Axes, drawn: bool) -> tuple[float]:
-    """Least false alarm rate that the axes show already."""
-    return (float(ax.get_xlim()[0]) if drawn else 1.0,)

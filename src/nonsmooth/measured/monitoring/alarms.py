@@ -107,20 +107,22 @@ def alarm(
 
     Notes
     -----
-    The score is the Mahalanobis distance, with the correlation shrunk towards the identity. Of n
-    scores of healthy windows that the reference does not know, n / D are independent, where D is
-    the design effect. It is the integrated autocorrelation time of the upper ranks of the scores,
-    or, if that is larger, the variance of their means over records beside that of independent
-    windows. The threshold is the r-th largest score, or lies between two of them,
+    The score is the Mahalanobis distance, with the correlation shrunk towards the identity. The n
+    scores of healthy windows that the reference does not know are worth n / D independent ones,
+    where D is the design effect. It is the integrated autocorrelation time of the upper ranks of
+    the scores, or, if that is larger, the variance of their means over records beside that of
+    independent windows. The threshold is the r-th largest score, or lies between two of them,
 
     .. math:: r = p (n + D) - (D - 1) / 2,
 
     for the rate p. The true rate then has about the distribution Beta(p (n/D + 1),
     (1 - p) (n/D + 1)), exactly so for D = 1 and a whole r, whatever the distribution of the scores.
-    With m records, n/D in it is multiplied by (1.96 / t)\ :sup:`2`, t being the quantile of
-    Student's distribution with m - 1 degrees of freedom [1]_: few records tell little of how much
-    they differ. The rate is that of windows of further records, on the average over records. One
-    record alone tells nothing of how others differ, and then the rate holds for this record only.
+    With m records the interval is that of Clopper and Pearson for a share p of n/D windows, where
+    n/D is multiplied by (1.96 / t)\ :sup:`2`, t being the quantile of Student's distribution with
+    m - 1 degrees of freedom [1]_: few records tell little of how much they differ. It begins at
+    zero where less than one independent window is expected above the threshold. The rate is that
+    of windows of further records, on the average over records. One record alone tells nothing of
+    how others differ, and then the rate holds for this record only.
 
     The rate of alarms is that of held-out windows in their order: thresholds come from all records
     but one, or from nine tenths of a record, and the rule is applied to what is left. Its interval
@@ -219,10 +221,12 @@ def _rates_of_rule(
     runs: list[Floats], rate: float, worth: Worth, rule: _Rule
 ) -> tuple[float, float, float]:
     """Share of held-out windows with an alarm by the rule, with its interval."""
-    parts = runs if len(runs) > 1 else np.array_split(runs[0], _BLOCKS)
+    parts = runs
+    if len(runs) == 1:
+        parts = np.array_split(runs[0], min(_BLOCKS, runs[0].size))
     alarmed = []
     for k, part in enumerate(parts):
-        others = np.concatenate([one for i, one in enumerate(parts) if i != k])
+        others = np.concatenate([one for i, one in enumerate(parts) if i != k] or [part])
         limit, _ = _threshold(others, rate, worth.effect)
         alarmed.append(rule.alarmed(part > limit).astype(float))
     share = float(np.concatenate(alarmed).mean())

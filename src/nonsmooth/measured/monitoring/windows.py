@@ -136,12 +136,12 @@ def indicators(
         raise OptionError(f"most_flawed = {flawed:g} must lie between 0 and less than 1")
     record = _marked(check_record(record), period)
     ranges = _ranges(record, contact)
-    names = _channels(record, channels)
+    names = _channels(record, channels, "channels")
     whole = _turned(record, [*dict.fromkeys([*names, *ranges])], count)
     samples = whole.attrs["samples_per_period"]
     shape = (-1, count, samples)
     windows = {
-        name: _windows(whole[name].values.reshape(shape), quality_of(whole, name), flawed)
+        name: _filled(whole[name].values.reshape(shape), quality_of(whole, name), flawed)
         for name in map(str, whole.data_vars)
     }
     found: dict[str, Any] = {}
@@ -234,7 +234,7 @@ def _scatter(strobes: Floats, longest: int) -> Floats:
     return found
 
 
-def _windows(values: Floats, flags: Any, most_flawed: float) -> _Windows:
+def _filled(values: Floats, flags: Any, most_flawed: float) -> _Windows:
     """Samples of a channel, the flawed ones replaced by the mean at the same phase."""
     good = np.isfinite(values)
     if flags is not None:
@@ -282,14 +282,14 @@ def _marked(record: xr.Dataset, period: Any) -> xr.Dataset:
     return found.assign_attrs(speed_attributes(marks))
 
 
-def _channels(record: xr.Dataset, channels: Any) -> list[str]:
+def _channels(record: xr.Dataset, channels: Any, option: str) -> list[str]:
     known = [str(name) for name, values in record.data_vars.items() if values.dims == ("time",)]
-    chosen = known if channels is None else listed(channels, "channels")
+    chosen = known if channels is None else listed(channels, option)
     if not chosen:
-        raise OptionError(f"channels: name some of {', '.join(known)}")
+        raise OptionError(f"{option}: name some of {', '.join(known)}")
     for name in chosen:
         if not is_known(name, known):
-            raise OptionError(f"channels: {unknown_name('variable', str(name), known)}")
+            raise OptionError(f"{option}: {unknown_name('variable', str(name), known)}")
     return chosen
 
 
@@ -300,7 +300,7 @@ def _ranges(record: xr.Dataset, contact: Any) -> dict[str, tuple[float, float]]:
     if not isinstance(contact, Mapping):
         raise OptionError(f"contact = {contact!r:.60}: give ranges by name, such as {_RANGE}")
     found = {}
-    for name in _channels(record, list(contact)) if contact else ():
+    for name in _channels(record, list(contact), "contact") if contact else ():
         try:
             low, high = (float(each) for each in contact[name])
         except (TypeError, ValueError):
