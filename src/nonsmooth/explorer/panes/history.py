@@ -1,0 +1,80 @@
+"""Variables over time, in the colours of the modes, with the events on the first of them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from bokeh.models import ColumnDataSource, HoverTool
+
+from nonsmooth.explorer.panes.by_mode import ModeLines
+from nonsmooth.explorer.panes.look import INK, axis_text, fit, new_figure
+from nonsmooth.explorer.tasks import Piece
+from nonsmooth.explorer.view import View
+
+__all__ = ["History"]
+
+_DASHES = ("solid", "dashed", "dotted", "dotdash")
+_TIP = """
+<div style="font: 13px system-ui, sans-serif; max-width: 320px">
+<b>@name</b> at @when<br>@reason<br><span style="color: #5f6b76">@certificate</span></div>
+"""
+
+
+class History:
+    """The pane of the time history."""
+
+    def __init__(self) -> None:
+        self.plot = new_figure("history", boxes=False)
+        self.lines = [
+            ModeLines(self.plot, dash=dash, width=1.6 if k == 0 else 1.3)
+            for k, dash in enumerate(_DASHES)
+        ]
+        self.events = ColumnDataSource(
+            {key: [] for key in ("x", "y", "name", "when", "reason", "certificate", "fill")}
+        )
+        marks = self.plot.scatter(
+            "x", "y", source=self.events, size=6, line_color=INK, fill_color="fill", line_width=0.8
+        )
+        self.plot.add_tools(HoverTool(renderers=[marks], tooltips=_TIP, attachment="vertical"))
+
+    def show(self, view: View, piece: Piece) -> None:
+        """Show a motion."""
+        empty: list[dict[str, Any]] = [{}] * len(self.lines)
+        for lines, curves in zip(self.lines, [*piece["history"], *empty], strict=False):
+            lines.show(curves, piece["colours"])
+        rows = piece["events"][1:]  # the first one is the start
+        name = view.drawn[0]
+        self.events.data = {
+            "x": [row["time"] for row in rows],
+            "y": [row["at"][name] for row in rows],
+            "name": [row["name"].replace("_", " ") for row in rows],
+            "when": [f"t = {row['time']:.8g}" for row in rows],
+            "reason": [row["reason"] for row in rows],
+            "certificate": [row["certificate"] for row in rows],
+            "fill": ["#ffffff" if row["certificate"] == "certified" else INK for row in rows],
+        }
+        values = [piece["values"][each] for each in view.drawn]
+        fit(self.plot.x_range, float(piece["time"][0]), float(piece["time"][-1]), 0.01)
+        fit(self.plot.y_range, min(map(_least, values)), max(map(_most, values)))
+        self.plot.xaxis.axis_label = axis_text("t", piece["labels"]["time"])
+        labels = piece["labels"]
+        one = len(view.drawn) == 1
+        self.plot.yaxis.axis_label = (
+            axis_text(name, labels[name]) if one else ", ".join(_with_unit(labels, view.drawn))
+        )
+
+
+def _with_unit(labels: dict[str, tuple[str, str]], names: tuple[str, ...]) -> list[str]:
+    return [axis_text(name, ("", labels[name][1])) for name in names]
+
+
+def _least(values: Any) -> float:
+    import numpy as np
+
+    return float(np.nanmin(values))
+
+
+def _most(values: Any) -> float:
+    import numpy as np
+
+    return float(np.nanmax(values))
