@@ -122,8 +122,9 @@ def _plane(view: View, piece: Piece) -> dict[str, Any]:
 
 def _orbit(view: View, piece: Piece) -> dict[str, Any]:
     if "special" in piece:
-        kinds = [row["kind"].replace("_", " ") for row in piece["special"]]
-        places = [f"{kind} at {row['value']:.7g}" for kind, row in zip(kinds, piece["special"])]
+        places = [
+            f"{row['kind'].replace('_', ' ')} at {row['value']:.7g}" for row in piece["special"]
+        ]
         return {"branch": places}
     if not piece["turn"]:
         return {"found": False, "message": piece["message"]}

@@ -45,7 +45,8 @@ def _text(view: View, gesture: Gesture) -> View:
     text = str(gesture["text"])
     found = opening(text=text)
     kept = {
-        name: getattr(view, name) for name in ("length", "leave_out", "transient", "record", "cells")
+        name: getattr(view, name)
+        for name in ("length", "leave_out", "transient", "record", "cells")
     }
     new, old = found.system, view.system
     if new.states == old.states and set(old.outputs) <= set(new.outputs):

@@ -54,7 +54,10 @@ def from_link(link: str) -> View:
             found[name] = read_field(name, text)
         else:
             raise OptionError(f"link: {unknown_name('word', name, [*_DEFAULTS, *_PAIRS])}")
-    return View(**{name: tuple(v) if isinstance(v, list) else v for name, v in found.items()})
+    words: dict[str, Any] = {
+        name: tuple(v) if name in _PAIRS.values() else v for name, v in found.items()
+    }
+    return View(**words)
 
 
 def read_field(name: str, text: str) -> Any:

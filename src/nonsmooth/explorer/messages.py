@@ -8,21 +8,21 @@ from __future__ import annotations
 
 import pickle
 import struct
-from typing import Any, BinaryIO
+from typing import IO, Any
 
 __all__ = ["read_message", "write_message"]
 
 _LENGTH = struct.Struct("<Q")
 
 
-def write_message(stream: BinaryIO, message: tuple[Any, ...]) -> None:
+def write_message(stream: IO[bytes], message: tuple[Any, ...]) -> None:
     """Write one message, and see that it leaves."""
     data = pickle.dumps(message, protocol=pickle.HIGHEST_PROTOCOL)
     stream.write(_LENGTH.pack(len(data)) + data)
     stream.flush()
 
 
-def read_message(stream: BinaryIO) -> tuple[Any, ...] | None:
+def read_message(stream: IO[bytes]) -> tuple[Any, ...] | None:
     """The next message; None where the other end has closed."""
     head = stream.read(_LENGTH.size)
     if len(head) < _LENGTH.size:

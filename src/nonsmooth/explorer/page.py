@@ -39,9 +39,8 @@ class _Panes:
         self.diagram, self.plane = Diagram(), Plane()
 
     def figures(self) -> dict[str, Any]:
-        panes = {"history": self.history, "portrait": self.portrait}
-        panes |= {"diagram": self.diagram, "plane": self.plane}
-        return {name: pane.plot for name, pane in panes.items()}
+        panes = (self.history, self.portrait, self.diagram, self.plane)
+        return {pane.plot.name: pane.plot for pane in panes}
 
     def show(self, task: str, view: View, piece: Piece | None) -> None:
         if piece is None:
@@ -84,9 +83,7 @@ def build_page(document: Document, view: View, crew: Crew, seconds: float) -> Se
         else:
             document.add_next_tick_callback(guarded)
 
-    session = Session(
-        view, crew, show=panes.show, send=send, later=later, seconds=seconds
-    )  # fmt: skip
+    session = Session(view, crew, show=panes.show, send=send, later=later, seconds=seconds)
     opened = False
 
     def hear(attr: str, old: str, new: str) -> None:

@@ -55,9 +55,7 @@ def _reason(system: System, guards: dict[str, Any], event: dict[str, Any]) -> st
         parts.append(f"{_words(event['from'])} → {_words(event['to'])}")
     jumps = [
         f"{state}: {before:.4g} → {after:.4g}"
-        for state, before, after in zip(
-            system.states, event["before"], event["after"], strict=True
-        )
+        for state, before, after in zip(system.states, event["before"], event["after"], strict=True)
         if kind == "impact" and abs(after - before) > 1e-9 * (abs(after) + abs(before))
     ]
     return "; ".join([*parts, *jumps])

@@ -55,7 +55,9 @@ def _parts(view: View) -> list[tuple[str, list[Call], str]]:
     if view.over:
         parts.append(("bifurcation diagram", calls.diagram(view), drawn["diagram"]))
     if view.turn > 0:
-        parts.append(("orbit", [*motion, *calls.orbit(view)], f"periodic_orbit(orbit, {x!r}, {y!r})"))
+        parts.append(
+            ("orbit", [*motion, *calls.orbit(view)], f"periodic_orbit(orbit, {x!r}, {y!r})")
+        )
         if view.branch and view.over:
             parts.append(("branch", calls.branch(view), drawn["branch"]))
     if view.plane and view.picture == "basins" and view.region:

@@ -11,6 +11,7 @@ import re
 import socket
 import threading
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from importlib.resources import files
 from typing import TYPE_CHECKING
 
@@ -121,9 +122,8 @@ class ExplorerServer:
             begin = threading.Thread(target=opened, daemon=True).start
             self._server.io_loop.add_callback(begin)
         try:
-            self._server.io_loop.start()
-        except KeyboardInterrupt:
-            pass  # the way to end it
+            with suppress(KeyboardInterrupt):  # the way to end it
+                self._server.io_loop.start()
         finally:
             self._close()
 
@@ -134,7 +134,7 @@ class ExplorerServer:
         def run() -> None:
             import asyncio
 
-            asyncio.set_event_loop(self._server.io_loop.asyncio_loop)  # type: ignore[attr-defined]
+            asyncio.set_event_loop(self._server.io_loop.asyncio_loop)
             self._server.io_loop.add_callback(ready.set)
             self.serve()
 

@@ -195,9 +195,7 @@ def _coarse_to_fine(count: int) -> Iterator[np.ndarray]:
         step //= 2
 
 
-def _columns(
-    view: View, part: xr.Dataset, numbers: np.ndarray, count: int, done: int = 0
-) -> Piece:
+def _columns(view: View, part: xr.Dataset, numbers: np.ndarray, count: int, done: int = 0) -> Piece:
     """Points of some columns, each with the period of its motion."""
     shown = part[view.shown]
     values = shown.values.reshape(len(numbers), -1)

@@ -12,7 +12,7 @@ import signal
 import sys
 import threading
 from queue import SimpleQueue
-from typing import Any, BinaryIO
+from typing import IO, Any
 
 from nonsmooth.errors import NonsmoothError
 from nonsmooth.explorer.messages import read_message, write_message
@@ -25,7 +25,7 @@ _NICENESS = 5  # long work gives way to the motion that a slider waits for
 class _Worker:
     """Main thread computes; a second one listens, so that a job can be cancelled."""
 
-    def __init__(self, source: BinaryIO, target: BinaryIO) -> None:
+    def __init__(self, source: IO[bytes], target: IO[bytes]) -> None:
         self.source, self.target = source, target
         self.jobs: SimpleQueue[tuple[Any, ...] | None] = SimpleQueue()
         self.lock = threading.Lock()

@@ -15,9 +15,7 @@ from nonsmooth.plot.style import PALETTE
 __all__ = ["PERIOD_COLOURS", "Diagram"]
 
 # Colours of periods 1, 2, ...; longer ones share one, and motions without a period are grey.
-PERIODS = tuple(
-    PALETTE[name] for name in ("blue", "orange", "green", "vermilion", "purple", "sky")
-)
+PERIODS = tuple(PALETTE[name] for name in ("blue", "orange", "green", "vermilion", "purple", "sky"))
 _LONGER, _NONE = "#7a2060", "#59636e"
 PERIOD_COLOURS = [
     *((str(k + 1), colour) for k, colour in enumerate(PERIODS)),
@@ -41,9 +39,7 @@ class Diagram:
         self.stable = ColumnDataSource({"x": [], "y": []})
         self.unstable = ColumnDataSource({"x": [], "y": []})
         for source, dash in ((self.stable, "solid"), (self.unstable, "dashed")):
-            self.plot.line(
-                "x", "y", source=source, line_color=INK, line_width=2.0, line_dash=dash
-            )
+            self.plot.line("x", "y", source=source, line_color=INK, line_width=2.0, line_dash=dash)
         self.special = ColumnDataSource({"x": [], "y": [], "kind": []})
         marks = self.plot.scatter(
             "x", "y", source=self.special, size=8, marker="diamond", fill_color="#ffffff",

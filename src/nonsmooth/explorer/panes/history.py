@@ -54,7 +54,7 @@ class History:
             "fill": ["#ffffff" if row["certificate"] == "certified" else INK for row in rows],
         }
         values = [piece["values"][each] for each in view.drawn]
-        fit(self.plot.x_range, float(piece["time"][0]), float(piece["time"][-1]), 0.01)
+        fit(self.plot.x_range, float(piece["time"][0]), float(piece["time"][-1]), room=0.01)
         fit(self.plot.y_range, min(map(_least, values)), max(map(_most, values)))
         self.plot.xaxis.axis_label = axis_text("t", piece["labels"]["time"])
         labels = piece["labels"]

@@ -59,7 +59,7 @@ def new_figure(name: str, *, boxes: bool) -> Any:
     return plot
 
 
-def axis_text(name: str, label: tuple[str, str], most: int = 34) -> str:
+def axis_text(name: str, label: tuple[str, str], most: int = 30) -> str:
     """Text of an axis: symbol, meaning and unit; the symbol alone where the meaning is too long."""
     words, unit = label
     short = words in ("", name) or len(name) + len(words) + len(unit) > most
@@ -67,7 +67,7 @@ def axis_text(name: str, label: tuple[str, str], most: int = 34) -> str:
     return f"{text} [{unit}]" if unit not in ("", "1") else text
 
 
-def fit(axis_range: Any, low: float, high: float, room: float = _ROOM) -> None:
+def fit(axis_range: Any, low: float, high: float, *, room: float = _ROOM) -> None:
     """Let a range hold two ends, with some room beside them."""
     reach = (high - low) * room if high > low else max(abs(high), 1.0) * _ROOM
     axis_range.update(

@@ -219,8 +219,9 @@ for (const button of document.querySelectorAll("[data-copy]")) {
 
 for (const place of document.querySelectorAll("[data-print]")) {
   const list = document.createElement("select");
-  list.setAttribute("aria-label", `picture of this pane for print`);
-  list.append(new Option("print", ""), ...[".pdf", ".svg", ".png"].map((each) => new Option(each.slice(1).toUpperCase(), each)));
+  list.setAttribute("aria-label", `print the ${place.dataset.print}`);
+  list.title = "A picture for print";
+  list.append(new Option("⤓", ""), ...[".pdf", ".svg", ".png"].map((each) => new Option(each.slice(1).toUpperCase(), each)));
   list.addEventListener("change", () => {
     send({ do: "print", pane: place.dataset.print, suffix: list.value });
     list.value = "";
