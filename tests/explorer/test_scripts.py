@@ -3,6 +3,7 @@
 import shlex
 from dataclasses import replace
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from click.testing import CliRunner
@@ -46,7 +47,8 @@ def ran(tmp_path, monkeypatch):
         exec(compile(python_text(view), "copied.py", "exec"), names)
         return names
 
-    return run
+    yield run
+    plt.close("all")
 
 
 @pytest.mark.filterwarnings("ignore:settled|the motion|of .* motions")
@@ -92,4 +94,4 @@ def test_every_command_runs(tmp_path, monkeypatch, name):
 
 def test_the_copied_system_has_the_present_parameters():
     view = after(opening("moling"), {"do": "value", "name": "b", "value": "0.07"})
-    assert ns.System.from_toml(toml_text(view)) == ns.models.moling().with_parameters(b="0.07")
+    assert ns.System.from_toml(toml_text(view)) == ns.models.moling().with_parameters(b=0.07)

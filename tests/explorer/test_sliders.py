@@ -49,8 +49,8 @@ def test_a_parameter_that_follows_a_text_has_no_slider():
     system = ns.System(
         states=["x"],
         equations={"x": "-k*x"},
-        parameters={"k": 1.0, "rate": 0.1},
-        slow={"k": "1 + rate*t"},
+        parameters={"k": 1.0, "c": 0.1},
+        slow={"k": "1 + c*t"},
         period=1.0,
     )
-    assert [slider.name for slider in sliders(system)] == ["rate"]
+    assert [slider.name for slider in sliders(system)] == ["c"]

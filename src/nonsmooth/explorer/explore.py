@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import threading
 import webbrowser
 from collections.abc import Sequence
 from typing import Any
@@ -131,13 +132,18 @@ def explore(
     if browser is None:
         browser = "ipykernel" not in sys.modules
     if wait:
-        print(f"the page is at {page.url}\nCtrl-C ends it", file=sys.stderr, flush=True)
-        server.serve(opened=(lambda: webbrowser.open(page.url)) if browser else None)
+        server.serve(lambda: _tell(page.url, browser))
         return page
     server.start()
     if browser:
         webbrowser.open(page.url)
     return page
+
+
+def _tell(url: str, browser: bool) -> None:
+    print(f"the page is at {url}\nCtrl-C ends it", file=sys.stderr, flush=True)
+    if browser:  # which may take its time to return
+        threading.Thread(target=webbrowser.open, args=(url,), daemon=True).start()
 
 
 def _view(system: System | None, link: str) -> View:

@@ -9,7 +9,8 @@ __all__ = ["Fault", "find_fault"]
 
 _TOML_PLACE = re.compile(r"line (\d+),? column (\d+)")
 _PLACE = re.compile(r"^([\w.\[\]]+): ")
-_LAST_WORD = re.compile(r"(\w+)(?:\[\d+\])?$")
+_NUMBER = re.compile(r"\[\d+\]")
+_HEAD = re.compile(r"\s*\[\[?([^\]]+)\]\]?")
 _SHOWN = "    "  # in front of the text that a message repeats, and of its caret
 _ELLIPSIS = "..."
 
@@ -29,48 +30,51 @@ def find_fault(text: str, message: str) -> Fault:
     Errors of the grammar repeat the faulty text with a caret under the fault: that text stands in
     the typed one too, in the line of the key that the message begins with.
     """
-    rows = message.split("\n")
-    said, lines = rows[0], text.split("\n")
+    said, *below = message.split("\n")
+    lines = text.split("\n")
     of_toml = _TOML_PLACE.search(said)
     if of_toml:
         return Fault(said, int(of_toml[1]), int(of_toml[2]))
-    if len(rows) >= 3 and set(rows[2].strip()) == {"^"}:
-        shown, column = rows[1].removeprefix(_SHOWN), len(rows[2]) - 1 - len(_SHOWN)
+    found = _PLACE.match(said)
+    place = found[1] if found else ""
+    if len(below) >= 2 and set(below[1].strip()) == {"^"}:
+        shown, caret = below[0].removeprefix(_SHOWN), len(below[1]) - 1 - len(_SHOWN)
         lead = len(_ELLIPSIS) if shown.startswith(_ELLIPSIS) else 0
         words = shown[lead:].removesuffix(_ELLIPSIS)
-        places = [(k, row.find(words)) for k, row in enumerate(lines) if words and words in row]
-        place = _PLACE.match(said)
-        best = _best(lines, [k for k, _ in places], place[1] if place else "")
-        if best is not None:
-            at = dict(places)[best]
-            return Fault(said, best + 1, at + column - lead + 1)
-    place = _PLACE.match(said)
+        where = _columns_of(lines, words)
+        if where:
+            k = max(where, key=lambda k: (_likeness(lines, k, place), -k))
+            return Fault(said, k + 1, where[k] + caret - lead + 1)
     if place:
-        k = _best(lines, list(range(len(lines))), place[1], strict=True)
-        if k is not None:
+        k = max(range(len(lines)), key=lambda k: (_likeness(lines, k, place), -k))
+        if _likeness(lines, k, place)[0]:
             return Fault(said, k + 1, 1)
     return Fault(said)
 
 
-def _best(lines: list[str], among: list[int], place: str, *, strict: bool = False) -> int | None:
-    """The line that a place such as ``modes.free.flow.v`` means: of its key, in its table."""
-    word = _LAST_WORD.search(place)
-    key = word[1] if word else ""
-    table = place.rpartition(".")[0]
-    found = [k for k in among if re.match(rf'\s*["\']?{re.escape(key)}["\']?\s*=', lines[k])]
-    in_table = [k for k in found if _table_of(lines, k) in (table, re.sub(r"\[\d+\]", "", table))]
-    if "[" in table and in_table:  # the n-th of several tables of one name
-        number = int(re.findall(r"\[(\d+)\]", table)[-1])
-        in_table = in_table[number:] or in_table
-    for chosen in (in_table, found, [] if strict else among):
-        if chosen:
-            return chosen[0]
-    return None
+def _columns_of(lines: list[str], words: str) -> dict[int, int]:
+    """Lines with a text, and where it begins in them; those in which it is the whole of a value."""
+    for shape in (rf"""(?<=["'= ]){re.escape(words)}(?=["',]|\s*$)""", re.escape(words)):
+        found = {
+            k: match.start() for k, row in enumerate(lines) if (match := re.search(shape, row))
+        }
+        if found and words:
+            return found
+    return {}
 
 
-def _table_of(lines: list[str], k: int) -> str:
-    for row in reversed(lines[:k]):
-        head = re.match(r"\s*\[\[?([^\]]+)\]\]?", row)
-        if head:
-            return head[1].strip()
-    return ""
+def _likeness(lines: list[str], k: int, place: str) -> tuple[bool, int, bool]:
+    """How well a line fits a place such as ``modes.free.exits[1].reset.v``: key, table, number."""
+    plain = _NUMBER.sub("", place)
+    key = plain.rpartition(".")[2]
+    has_key = bool(re.search(rf"""(^|[\s{{,]|["']){re.escape(key)}["']?\s*=""", lines[k]))
+    table, number = _table_of(lines, k)
+    within = len(table) if f"{plain}.".startswith(f"{table}.") else -1
+    numbers = _NUMBER.findall(place)
+    return has_key, within, not numbers or int(numbers[-1][1:-1]) == number
+
+
+def _table_of(lines: list[str], k: int) -> tuple[str, int]:
+    """Table that a line stands in, and which one of those with that name."""
+    heads = [head[1].strip() for row in lines[:k] if (head := _HEAD.match(row))]
+    return (heads[-1], heads.count(heads[-1]) - 1) if heads else ("", 0)

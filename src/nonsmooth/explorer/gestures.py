@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import fields, replace
 from typing import Any
 
-from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.errors import NonsmoothError, OptionError, is_known, unknown_name
 from nonsmooth.explorer.links import from_link, read_field
 from nonsmooth.explorer.openings import opening, presets
 from nonsmooth.explorer.view import View
@@ -21,12 +21,16 @@ _LEAST_BOX = 1e-12  # of the values in it; a smaller one would be lost in roundi
 
 def after(view: View, gesture: Gesture) -> View:
     """View after a gesture; what cannot be shown is an error, and the old view stays."""
-    do = gesture.get("do")
-    if do not in _GESTURES:
+    do = gesture.get("do", "")
+    if not is_known(do, _GESTURES):
         raise OptionError(unknown_name("gesture", do, _GESTURES))
     try:
         found = _GESTURES[do](view, gesture)
-    except (KeyError, TypeError, IndexError):
+    except ValueError as fault:
+        if isinstance(fault, NonsmoothError):
+            raise
+        raise OptionError(f"gesture {do}: {fault}") from None
+    except (KeyError, TypeError, IndexError, AttributeError):
         raise OptionError(f"gesture {do}: a word is missing or of a wrong kind") from None
     found.check()
     return found

@@ -12,6 +12,7 @@ import sys
 import threading
 from collections import deque
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -89,11 +90,12 @@ class Crew:
         return self.benches[job.task == "motion"]
 
     def close(self) -> None:
-        """End all workers."""
+        """End all workers, and wait until they have ended."""
         with self.lock:
             self.closed = True
-            for bench in self.benches.values():
-                bench.close()
+            ended = [worker for bench in self.benches.values() for worker in bench.close()]
+        for worker in ended:
+            worker.hearing.join(_PATIENCE)
 
 
 class _Bench:
@@ -142,10 +144,11 @@ class _Bench:
         if job is not None and not job.cancelled:
             job.tell("failed", job, "the process that computed this has ended; try again")
 
-    def close(self) -> None:
+    def close(self) -> list[_Process]:
         self.waiting.clear()
         for worker in self.workers:
             worker.end()
+        return list(self.workers)
 
 
 class _Process:
@@ -162,7 +165,8 @@ class _Process:
             stdout=subprocess.PIPE,
             start_new_session=True,  # Ctrl-C at the terminal is for the page alone
         )
-        threading.Thread(target=self._hear, daemon=True).start()
+        self.hearing = threading.Thread(target=self._hear, daemon=True)
+        self.hearing.start()
 
     def begin(self, job: Job) -> None:
         self.job = job
@@ -206,6 +210,10 @@ class _Process:
             if message[0] != "ready":
                 self._tell(*message)
         self.process.wait()
+        for stream in (self.process.stdin, self.process.stdout):
+            assert stream is not None
+            with suppress(OSError):  # of a message that did not leave
+                stream.close()
         self.bench.gone(self)
 
     def _tell(self, event: str, number: int, value: Any = None) -> None:

@@ -37,7 +37,7 @@ def to_link(view: View) -> str:
             words.append((name, ",".join(map(str, value))))
         else:
             words.append((name, str(int(value)) if isinstance(value, bool) else str(value)))
-    return urlencode(words, safe=",+*/()")
+    return urlencode(words, safe=",*/()")
 
 
 def from_link(link: str) -> View:

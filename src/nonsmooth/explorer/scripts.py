@@ -56,7 +56,11 @@ def _parts(view: View) -> list[tuple[str, list[Call], str]]:
         parts.append(("bifurcation diagram", calls.diagram(view), drawn["diagram"]))
     if view.turn > 0:
         parts.append(
-            ("orbit", [*motion, *calls.orbit(view)], f"periodic_orbit(orbit, {x!r}, {y!r})")
+            (
+                "orbit",
+                [*motion, *calls.orbit(view)],
+                f"periodic_orbit(ns.orbit_samples(orbit), {x!r}, {y!r})",
+            )
         )
         if view.branch and view.over:
             parts.append(("branch", calls.branch(view), drawn["branch"]))

@@ -7,6 +7,7 @@ browser states as their origin; so another site that a visitor has open cannot r
 
 from __future__ import annotations
 
+import os
 import re
 import socket
 import threading
@@ -30,7 +31,7 @@ _EVERYWHERE = ""  # all addresses of the machine
 _ORIGIN = re.compile(r"[A-Za-z0-9.-]+(:\d{1,5})?|\[[0-9A-Fa-f:.]+\](:\d{1,5})?")
 _MOST_BYTES = 2_000_000  # of a message from a page
 _UNUSED = 30_000  # milliseconds after which a page that was left is forgotten
-_LONGEST_WAIT = 30.0  # seconds for the server to begin
+_LONGEST_WAIT = 30.0  # seconds for the server to end
 
 
 def check_origins(origins: Sequence[str]) -> list[str]:
@@ -64,17 +65,33 @@ class ExplorerServer:
     ) -> None:
         self.view, self.work_limit = view, work_limit
         self.origins = check_origins(allow_origin)
+        self.address = _EVERYWHERE if self.origins else _LOOPBACK
+        self.port = _usable_port(self.address, port)
         self.crew = Crew()
         self.crew.start()  # while the rest is loaded
+        self._server: Server | None = None
         self._thread: threading.Thread | None = None
-        self._stop_loop = lambda: None
-        try:
-            self._server = self._make(port)
-        except Exception:
-            self.crew.close()
-            raise
 
-    def _make(self, port: int) -> Server:
+    @property
+    def url(self) -> str:
+        """Address of the page, with the view that it opens with."""
+        return f"http://{_LOOPBACK}:{self.port}/#{to_link(self.view)}"
+
+    def serve(self, ready: Callable[[], object]) -> None:
+        """Serve in this thread until `stop` or an interruption; ``ready`` is called on the way."""
+        try:
+            # a server belongs to the loop of the thread that makes it
+            server = self._server = self._made()
+            server.start()
+            server.io_loop.add_callback(ready)
+            with suppress(KeyboardInterrupt):  # the way to end it
+                server.io_loop.start()
+            server.stop(wait=False)
+            server.io_loop.close()
+        finally:
+            self.crew.close()
+
+    def _made(self) -> Server:
         from bokeh.application import Application
         from bokeh.application.handlers.function import FunctionHandler
         from bokeh.document import Document
@@ -87,74 +104,51 @@ class ExplorerServer:
         def page(document: Document) -> None:
             build_page(document, self.view, self.crew, self.work_limit)
 
-        address = _EVERYWHERE if self.origins else _LOOPBACK
-        port = port or _free_port()
-        own = [f"{host}:{port}" for host in (_LOOPBACK, "localhost")]
+        own = [f"{host}:{self.port}" for host in (_LOOPBACK, "localhost")]
         folder = str(files("nonsmooth.explorer").joinpath("static"))
+        return Server(
+            {"/": Application(FunctionHandler(page))},
+            port=self.port,
+            address=self.address or None,
+            allow_websocket_origin=[*own, *self.origins],
+            extra_patterns=[(r"/page/(.*)", StaticFileHandler, {"path": folder})],
+            websocket_max_message_size=_MOST_BYTES,
+            check_unused_sessions_milliseconds=_UNUSED // 2,
+            unused_session_lifetime_milliseconds=_UNUSED,
+            io_loop=IOLoop(),
+        )
+
+    def start(self) -> None:
+        """Serve in a thread of its own."""
+        ready = threading.Event()
+        thread = threading.Thread(
+            target=self.serve, args=(ready.set,), daemon=True, name="nonsmooth explorer"
+        )
+        self._thread = thread
+        thread.start()
+        while not ready.wait(0.05):
+            if not thread.is_alive():
+                raise RunError("the page could not be served; the reason stands above")
+
+    def stop(self) -> None:
+        """End the page and its workers."""
+        if self._server is not None:
+            loop = self._server.io_loop
+            loop.add_callback(loop.stop)
+        if self._thread is not None:
+            self._thread.join(_LONGEST_WAIT)
+
+
+def _usable_port(address: str, port: int) -> int:
+    """The port, or a free one for 0; one that is taken is an error."""
+    with socket.socket() as probe:
+        if os.name == "posix":  # elsewhere the option would share a port that is taken
+            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
-            return Server(
-                {"/": Application(FunctionHandler(page))},
-                port=port,
-                address=address or None,
-                allow_websocket_origin=[*own, *self.origins],
-                extra_patterns=[(r"/page/(.*)", StaticFileHandler, {"path": folder})],
-                websocket_max_message_size=_MOST_BYTES,
-                check_unused_sessions_milliseconds=_UNUSED // 2,
-                unused_session_lifetime_milliseconds=_UNUSED,
-                io_loop=IOLoop(),
-            )
+            probe.bind((address, port))
         except OSError as fault:
             raise RunError(
                 f"port {port} cannot be served ({fault.strerror or fault}); name another by port=,"
                 " or leave it out for one that is free"
             ) from None
-
-    @property
-    def url(self) -> str:
-        """Address of the page, with the view that it opens with."""
-        return f"http://{_LOOPBACK}:{self._server.port}/#{to_link(self.view)}"
-
-    def serve(self, opened: Callable[[], object] | None = None) -> None:
-        """Serve in this thread until `stop` or an interruption; tell when pages can be opened."""
-        self._server.start()
-        if opened is not None:
-            # a browser may take its time to return
-            begin = threading.Thread(target=opened, daemon=True).start
-            self._server.io_loop.add_callback(begin)
-        try:
-            with suppress(KeyboardInterrupt):  # the way to end it
-                self._server.io_loop.start()
-        finally:
-            self._close()
-
-    def start(self) -> None:
-        """Serve in a thread of its own."""
-        ready = threading.Event()
-
-        def run() -> None:
-            import asyncio
-
-            asyncio.set_event_loop(self._server.io_loop.asyncio_loop)
-            self._server.io_loop.add_callback(ready.set)
-            self.serve()
-
-        self._thread = threading.Thread(target=run, daemon=True, name="nonsmooth explorer")
-        self._thread.start()
-        ready.wait(_LONGEST_WAIT)
-
-    def stop(self) -> None:
-        """End the page and its workers."""
-        loop = self._server.io_loop
-        loop.add_callback(loop.stop)
-        if self._thread is not None:
-            self._thread.join(_LONGEST_WAIT)
-
-    def _close(self) -> None:
-        self._server.stop(wait=False)
-        self.crew.close()
-
-
-def _free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind((_LOOPBACK, 0))
         return int(probe.getsockname()[1])

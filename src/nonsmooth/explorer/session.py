@@ -80,17 +80,20 @@ class Session:
         """A message of the page: JSON that names a gesture."""
         try:
             gesture = json.loads(text)
-            if not isinstance(gesture, dict):
-                raise OptionError("a gesture is an object with the key 'do'")
+        except json.JSONDecodeError:
+            gesture = None
+        if not isinstance(gesture, dict) or not isinstance(gesture.get("do"), str):
+            said = "a gesture is an object of JSON with a text under the key 'do'"
+            self.send({"type": "refused", "of": "", "message": said})
+            return
+        try:
             self._do(gesture)
         except NonsmoothError as fault:
             self._refuse(gesture, fault)
-        except json.JSONDecodeError:
-            self.send({"type": "refused", "message": "the gesture is no JSON", "of": ""})
 
     def _refuse(self, gesture: dict[str, Any], fault: NonsmoothError) -> None:
-        message: dict[str, Any] = {"type": "refused", "of": gesture.get("do", "")}
-        if gesture.get("do") == "text":
+        message: dict[str, Any] = {"type": "refused", "of": gesture["do"]}
+        if gesture["do"] == "text":
             place = find_fault(str(gesture.get("text", "")), str(fault))
             message |= {"line": place.line, "column": place.column, "message": place.message}
         else:
@@ -99,7 +102,7 @@ class Session:
         self.send(message)
 
     def _do(self, gesture: dict[str, Any]) -> None:
-        do = gesture.get("do")
+        do = gesture["do"]
         if do == "back":
             self._step(self.past, self.future)
         elif do == "forward":
