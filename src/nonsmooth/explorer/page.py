@@ -96,9 +96,10 @@ def build_page(document: Document, view: View, crew: Crew, seconds: float) -> Se
 
     from_page.on_change("text", hear)
     for name, figure in panes.figures().items():
-        document.add_root(figure)
+        # before the figure joins the document, which looks for them then
         figure.on_event(Tap, _tapped(session, name))
         figure.on_event(SelectionGeometry, _boxed(session, name))
+        document.add_root(figure)
     document.add_root(to_page)
     document.add_root(from_page)
     document.title = "nonsmooth"

@@ -18,6 +18,7 @@ let playing = !calm;
 let time = 0;
 let last = null;
 let chosen = -1;
+let wanted = -1; // event of the view, which may be known before the motion is
 
 const short = (value) => Number(value).toPrecision(6).replace(/\.?0+$/, "").replace(/\.?0+e/, "e");
 
@@ -169,6 +170,7 @@ function goTo(k, quietly) {
   time = motion.events[k].time;
   tell(motion.events[k], k);
   showTime();
+  wanted = k;
   if (!quietly) send({ do: "set", fields: { event: String(k) } });
 }
 
@@ -179,10 +181,9 @@ on("piece", (message) => {
     chosen = -1;
     const times = motion.time;
     time = times[0] + share * (times[times.length - 1] - times[0]);
-    const wanted = motion.wanted ?? -1;
     eventText.textContent = "step from event to event";
     showTime();
-    if (wanted >= 0) goTo(wanted, true);
+    wantEvent(wanted);
   } else if (message.task === "drawing") {
     drawing = message;
     const note = document.getElementById("machine-note");
@@ -192,6 +193,7 @@ on("piece", (message) => {
 });
 
 export function wantEvent(k) {
+  wanted = k;
   if (motion && k >= 0 && k < motion.events.length && k !== chosen) goTo(k, true);
 }
 
