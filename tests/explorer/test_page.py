@@ -1,14 +1,14 @@
 """The page in a real browser: what a visitor does, and what the page then shows."""
 
-import json
 import math
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import nonsmooth as ns
-from nonsmooth.explorer.links import from_link
+from nonsmooth.explorer.links import from_link, to_link
 from nonsmooth.explorer.openings import presets
 
 pytestmark = pytest.mark.browser
@@ -78,12 +78,10 @@ def test_a_wrong_equation_has_its_message_under_the_fault(screen, wall):
 def test_a_slider_moves_the_motion_and_its_number(screen, wall):
     screen.open(wall)
     slider = screen.page.locator("#p-zeta")
-    before = screen.model("portrait", "it.x_range.end")
     slider.focus()
     screen.after("motion", lambda: slider.press("End"))
     assert float(slider.input_value()) == screen.field("value of zeta") == 0.04
     assert dict(from_link(screen.link).values) == {"zeta": "0.04"}
-    assert screen.model("portrait", "it.x_range.end") != before or True
     screen.settle()
     assert len(screen.page.evaluate("explorer.timings")) >= 1
 
@@ -111,9 +109,8 @@ def test_a_click_in_the_basin_or_the_portrait_starts_there(screen, wall):
         pixel = [(ends[k + 1] - ends[k]) / 100 for k in (0, 2)]
         assert at["x"] == pytest.approx(ends[0] + right * (ends[1] - ends[0]), abs=pixel[0])
         assert at["v"] == pytest.approx(ends[2] + up * (ends[3] - ends[2]), abs=pixel[1])
-        assert screen.page.locator("#start input").nth(0).input_value() == pytest.approx(
-            str(float(f"{at['x']:.10g}"))
-        )
+        shown = float(screen.page.locator("#start input").nth(0).input_value())
+        assert shown == pytest.approx(at["x"], rel=1e-9)  # ten digits are shown
         screen.settle()
 
 
@@ -145,8 +142,6 @@ def test_a_box_is_computed_finer_and_back_leads_back(screen, wall):
 
 
 def test_work_is_stopped_by_the_next_gesture_and_by_the_button(screen, wall):
-    from dataclasses import replace
-
     long = replace(
         next(p for p in presets() if p.model == "rotor").view,
         columns=4000, transient=5000, plane=("x", "y"), picture="basins", cells=200,
@@ -154,8 +149,6 @@ def test_work_is_stopped_by_the_next_gesture_and_by_the_button(screen, wall):
     )  # fmt: skip
     screen.page.goto(f"{screen.address}/#")
     screen.page.wait_for_function("window.explorer?.painted.motion > 0")
-    from nonsmooth.explorer.links import to_link
-
     screen.page.evaluate(f"location.hash = '#{to_link(long)}'")
     stop = screen.page.get_by_role("button", name="Stop")
     stop.wait_for()
@@ -199,7 +192,7 @@ def test_a_copied_script_gives_the_digits_of_the_page(screen, wall, tmp_path, mo
     names = {}
     exec(compile(script, "copied.py", "exec"), names)
     run = names["run"]
-    curves = screen.model("to_page", "null") or screen.page.evaluate(
+    curves = screen.page.evaluate(
         """(() => { const figure = Bokeh.documents[0].get_model_by_name('portrait');
           return figure.renderers.map((each) => Array.from(each.data_source.data.x ?? [])); })()"""
     )
@@ -218,8 +211,6 @@ def test_a_copied_script_gives_the_digits_of_the_page(screen, wall, tmp_path, mo
 
 def test_orbit_with_its_multipliers_and_its_branch(screen, mole):
     """The mole at b = 0.15: its orbit of period one, whose branch folds near b = 0.1672."""
-    from dataclasses import replace
-
     view = replace(mole, between=(0.14, 0.18))
     screen.open(view)
     screen.after("orbit", lambda: screen.page.get_by_role("button", name="Orbit").click()).settle()
@@ -262,7 +253,7 @@ def test_the_whole_page_works_from_the_keyboard(screen, wall, width):
             )
         )
     assert reached >= {
-        "preset", "stop" if False else "orbit", "p-omega", "play", "clock", "event-after",
+        "preset", "orbit", "p-omega", "play", "clock", "event-after",
         "history", "portrait", "diagram", "plane", "over", "tab-parameters",
     }  # fmt: skip
     page.locator('[data-pane="plane"]').focus()
@@ -294,12 +285,14 @@ def test_all_panes_have_room_and_nothing_lies_on_anything(screen, mole, width, h
             apart = right <= other[0] or other[2] <= left or bottom <= other[1] or other[3] <= top
             assert apart, (boxes[k], other)
     plots = screen.page.evaluate(
-        """[...document.querySelectorAll('.plot')].map((each) => [each.clientWidth, each.clientHeight])"""
+        """[...document.querySelectorAll('.plot')].map(
+          (each) => [each.clientWidth, each.clientHeight])"""
     )
     assert all(w >= 200 and h >= 180 for w, h in plots), plots
     cut = screen.page.evaluate(
-        """[...document.querySelectorAll('header, .controls, .head')].filter((each) =>
-          each.scrollWidth > each.clientWidth + 1).map((each) => each.textContent.trim().slice(0, 60))"""
+        """[...document.querySelectorAll('header, .controls, .head')]
+          .filter((each) => each.scrollWidth > each.clientWidth + 1)
+          .map((each) => each.textContent.trim().slice(0, 60))"""
     )
     assert cut == []
 
@@ -320,4 +313,4 @@ def test_a_machine_of_the_list(screen, wall):
     screen.after("motion", lambda: choose.select_option(str(number)))
     assert screen.page.evaluate("document.title").startswith("duffing")
     assert np.isfinite(screen.model("portrait", "it.x_range.start"))
-    assert json.loads(json.dumps(from_link(screen.link).model)) == "duffing"
+    assert from_link(screen.link).model == "duffing"

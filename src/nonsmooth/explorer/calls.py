@@ -14,9 +14,9 @@ import numpy as np
 from nonsmooth.explorer.view import View
 
 __all__ = [
-    "Call",
-    "Grid",
+    "EvenValues",
     "Result",
+    "VerbCall",
     "basins",
     "branch",
     "diagram",
@@ -35,7 +35,7 @@ _NEAR = 0.02  # of a value: how far a branch reaches at least
 
 
 @dataclass(frozen=True)
-class Grid:
+class EvenValues:
     """Equidistant values, as `numpy.linspace` makes them."""
 
     first: float
@@ -55,7 +55,7 @@ class Result:
 
 
 @dataclass(frozen=True)
-class Call:
+class VerbCall:
     """A verb of the library with its arguments; ``name`` is what a script calls the result."""
 
     name: str
@@ -73,7 +73,7 @@ class Call:
 
 
 def _meant(value: Any, results: Mapping[str, Any]) -> Any:
-    if isinstance(value, Grid):
+    if isinstance(value, EvenValues):
         return value.values()
     if isinstance(value, Result):
         return results[value.name]
@@ -86,74 +86,82 @@ def _start(view: View) -> tuple[Any, ...]:
     return (Result("system"), *([dict(view.initial)] if view.initial else []))
 
 
-def motion(view: View) -> list[Call]:
+def motion(view: View) -> list[VerbCall]:
     """The motion shown, and before it the part that is left out."""
     periodic = view.system.period is not None
     calls = []
     if view.leave_out:
         length = {"periods": view.leave_out} if periodic else {"t_end": view.leave_out}
         options = {**length, "samples_per_period": 2, "events": False}
-        calls.append(Call("settled", "simulate", _start(view), options))
+        calls.append(VerbCall("settled", "simulate", _start(view), options))
     start = (Result("system"), Result("settled")) if view.leave_out else _start(view)
     if periodic:
         fitting = int(min(_SAMPLES, max(20, _MOST_SAMPLES / view.length)))
         options = {"periods": view.length, "samples_per_period": fitting}
     else:
         options = {"t_end": view.leave_out + view.length}
-    calls.append(Call("run", "simulate", start, options))
+    calls.append(VerbCall("run", "simulate", start, options))
     return calls
 
 
-def map_of(view: View) -> list[Call]:
+def map_of(view: View) -> list[VerbCall]:
     """The map whose iterates are counted, where it is not that of the strobes."""
     if not view.section:
         return []
-    return [Call("section", "PoincareMap", (Result("system"), view.section))]
+    return [VerbCall("section", "PoincareMap", (Result("system"), view.section))]
 
 
 def _mapped(view: View) -> Result:
     return Result("section" if view.section else "system")
 
 
-def diagram(view: View, columns: int | None = None) -> list[Call]:
+def diagram(view: View, columns: int | None = None) -> list[VerbCall]:
     """The bifurcation diagram."""
     first, last = view.between
-    values = Grid(first, last, columns or view.columns)
+    values = EvenValues(first, last, columns or view.columns)
     options: dict[str, Any] = {} if view.start == "restart" else {"start": view.start}
     options |= {"initial": dict(view.initial)} if view.initial else {}
     options |= {"transient": view.transient, "record": view.record}
-    call = Call("diagram", "bifurcation_diagram", (_mapped(view), view.over, values), options)
+    call = VerbCall("diagram", "bifurcation_diagram", (_mapped(view), view.over, values), options)
     return [*map_of(view), call]
 
 
-def basins(view: View, cells: int | None = None) -> list[Call]:
+def basins(view: View, cells: int | None = None) -> list[VerbCall]:
     """The basins on the region of a view."""
     left, right, low, high = view.region
     count = cells or view.cells
-    region = {view.plane[0]: Grid(left, right, count), view.plane[1]: Grid(low, high, count)}
+    region = {
+        view.plane[0]: EvenValues(left, right, count),
+        view.plane[1]: EvenValues(low, high, count),
+    }
     options = {"samples": _STARTS, "longest": _LONGEST, "record": _RECORD}
-    return [*map_of(view), Call("basins", "basins_of_attraction", (_mapped(view), region), options)]
+    return [
+        *map_of(view),
+        VerbCall("basins", "basins_of_attraction", (_mapped(view), region), options),
+    ]
 
 
-def points(view: View) -> list[Call]:
+def points(view: View) -> list[VerbCall]:
     """Points of the motion on the section."""
     options: dict[str, Any] = {"transient": view.transient, "record": _POINTS}
     if not view.section:
-        return [Call("points", "stroboscopic_map", _start(view), options)]
+        return [VerbCall("points", "stroboscopic_map", _start(view), options)]
     options["section"] = view.section
-    return [Call("points", "poincare_section", _start(view), options)]
+    return [VerbCall("points", "poincare_section", _start(view), options)]
 
 
-def orbit(view: View) -> list[Call]:
+def orbit(view: View) -> list[VerbCall]:
     """The periodic orbit near the end of the motion shown."""
-    return [Call("orbit", "find_orbit", (Result("system"), Result("run")), {"period": view.turn})]
+    return [
+        VerbCall("orbit", "find_orbit", (Result("system"), Result("run")), {"period": view.turn})
+    ]
 
 
-def branch(view: View) -> list[Call]:
+def branch(view: View) -> list[VerbCall]:
     """The branch of that orbit over the parameter of the diagram."""
     value = view.system.parameter_values[view.over]
     first, last = view.between
     reach = _NEAR * (last - first)
     between = (min(first, value - reach), max(last, value + reach))
     options = {"initial": Result("orbit"), "steps": _STEPS}
-    return [Call("branch", "continue_orbit", (Result("system"), view.over, between), options)]
+    return [VerbCall("branch", "continue_orbit", (Result("system"), view.over, between), options)]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-__all__ = ["Fault", "find_fault"]
+__all__ = ["TextFault", "find_fault"]
 
 _TOML_PLACE = re.compile(r"line (\d+),? column (\d+)")
 _PLACE = re.compile(r"^([\w.\[\]]+): ")
@@ -16,7 +16,7 @@ _ELLIPSIS = "..."
 
 
 @dataclass(frozen=True)
-class Fault:
+class TextFault:
     """A message with its place: line and column from 1 on, 0 where it has none."""
 
     message: str
@@ -24,7 +24,7 @@ class Fault:
     column: int = 0
 
 
-def find_fault(text: str, message: str) -> Fault:
+def find_fault(text: str, message: str) -> TextFault:
     """Place of a message about a TOML text.
 
     Errors of the grammar repeat the faulty text with a caret under the fault: that text stands in
@@ -34,7 +34,7 @@ def find_fault(text: str, message: str) -> Fault:
     lines = text.split("\n")
     of_toml = _TOML_PLACE.search(said)
     if of_toml:
-        return Fault(said, int(of_toml[1]), int(of_toml[2]))
+        return TextFault(said, int(of_toml[1]), int(of_toml[2]))
     found = _PLACE.match(said)
     place = found[1] if found else ""
     if len(below) >= 2 and set(below[1].strip()) == {"^"}:
@@ -44,12 +44,12 @@ def find_fault(text: str, message: str) -> Fault:
         where = _columns_of(lines, words)
         if where:
             k = max(where, key=lambda k: (_likeness(lines, k, place), -k))
-            return Fault(said, k + 1, where[k] + caret - lead + 1)
+            return TextFault(said, k + 1, where[k] + caret - lead + 1)
     if place:
         k = max(range(len(lines)), key=lambda k: (_likeness(lines, k, place), -k))
         if _likeness(lines, k, place)[0]:
-            return Fault(said, k + 1, 1)
-    return Fault(said)
+            return TextFault(said, k + 1, 1)
+    return TextFault(said)
 
 
 def _columns_of(lines: list[str], words: str) -> dict[int, int]:

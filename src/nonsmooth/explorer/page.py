@@ -19,10 +19,9 @@ from jinja2 import Template
 
 from nonsmooth.explorer.jobs import Crew
 from nonsmooth.explorer.openings import presets
-from nonsmooth.explorer.panes.diagram import PERIOD_COLOURS, Diagram
-from nonsmooth.explorer.panes.history import History
-from nonsmooth.explorer.panes.plane import Plane
-from nonsmooth.explorer.panes.portrait import Portrait
+from nonsmooth.explorer.panes.diagram import PERIOD_COLOURS, DiagramPane
+from nonsmooth.explorer.panes.motion import HistoryPane, PortraitPane
+from nonsmooth.explorer.panes.plane import PlanePane
 from nonsmooth.explorer.session import Session
 from nonsmooth.explorer.tasks import Piece
 from nonsmooth.explorer.view import View
@@ -35,8 +34,8 @@ class _Panes:
     """The figures, and which of them a task is shown in."""
 
     def __init__(self) -> None:
-        self.history, self.portrait = History(), Portrait()
-        self.diagram, self.plane = Diagram(), Plane()
+        self.history, self.portrait = HistoryPane(), PortraitPane()
+        self.diagram, self.plane = DiagramPane(), PlanePane()
 
     def figures(self) -> dict[str, Any]:
         panes = (self.history, self.portrait, self.diagram, self.plane)

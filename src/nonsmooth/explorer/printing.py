@@ -57,14 +57,14 @@ def _draw(view: View, which: str, results: dict[str, Any], ax: Any) -> None:
         plot.section(results["points"], *view.plane, ax=ax)
 
 
-def _diagram(view: View) -> list[calls.Call]:
+def _diagram(view: View) -> list[calls.VerbCall]:
     made = calls.diagram(view)
     if view.turn > 0 and view.branch:
         made += [*calls.motion(view), *calls.orbit(view), *calls.branch(view)]
     return made
 
 
-def _plane(view: View) -> list[calls.Call]:
+def _plane(view: View) -> list[calls.VerbCall]:
     return calls.basins(view) if view.picture == "basins" else calls.points(view)
 
 

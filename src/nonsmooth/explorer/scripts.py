@@ -9,7 +9,7 @@ import shlex
 from typing import Any
 
 from nonsmooth.explorer import calls
-from nonsmooth.explorer.calls import Call, Grid, Result
+from nonsmooth.explorer.calls import EvenValues, Result, VerbCall
 from nonsmooth.explorer.view import View
 
 __all__ = ["command_text", "pictures", "python_text", "toml_text"]
@@ -43,7 +43,7 @@ def python_text(view: View) -> str:
     return body if "np." in body else body.replace("import numpy as np\n\n", "", 1)
 
 
-def _parts(view: View) -> list[tuple[str, list[Call], str]]:
+def _parts(view: View) -> list[tuple[str, list[VerbCall], str]]:
     """What a page shows: a title, the calls, and what draws their result."""
     x, y = view.portrait
     motion = calls.motion(view)
@@ -106,7 +106,7 @@ def _value_code(value: str) -> str:
         return repr(value)
 
 
-def _arguments_code(call: Call) -> str:
+def _arguments_code(call: VerbCall) -> str:
     words = [_code(value) for value in call.arguments]
     words += [f"{name}={_code(value)}" for name, value in call.options.items()]
     return ", ".join(words)
@@ -115,7 +115,7 @@ def _arguments_code(call: Call) -> str:
 def _code(value: Any) -> str:
     if isinstance(value, Result):
         return value.name
-    if isinstance(value, Grid):
+    if isinstance(value, EvenValues):
         return f"np.linspace({value.first!r}, {value.last!r}, {value.count})"
     if isinstance(value, dict):
         return "{" + ", ".join(f"{key!r}: {_code(item)}" for key, item in value.items()) + "}"
@@ -133,7 +133,7 @@ def command_text(view: View) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _command(view: View, call: Call) -> str:
+def _command(view: View, call: VerbCall) -> str:
     name = _COMMANDS[call.name]
     words = ["nonsmooth", name, _FILE if view.text else view.model]
     words += [f"{key}={value}" for key, value in view.values]
@@ -180,15 +180,15 @@ def _assignments(values: dict[str, Any]) -> str:
     return ",".join(f"{name}={value!r}" for name, value in values.items())
 
 
-def _over_words(call: Call, value: Any) -> list[str]:
-    if isinstance(value, Grid):
+def _over_words(call: VerbCall, value: Any) -> list[str]:
+    if isinstance(value, EvenValues):
         return ["--over", f"{call.arguments[1]}={_range(value)}"]
-    if isinstance(value, dict) and all(isinstance(item, Grid) for item in value.values()):
+    if isinstance(value, dict) and all(isinstance(item, EvenValues) for item in value.values()):
         return [word for key, item in value.items() for word in ("--over", f"{key}={_range(item)}")]
     return []
 
 
-def _range(grid: Grid) -> str:
+def _range(grid: EvenValues) -> str:
     return f"{grid.first!r}:{grid.last!r}:{grid.count}"
 
 

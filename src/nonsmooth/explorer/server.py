@@ -104,13 +104,12 @@ class ExplorerServer:
         def page(document: Document) -> None:
             build_page(document, self.view, self.crew, self.work_limit)
 
-        own = [f"{host}:{self.port}" for host in (_LOOPBACK, "localhost")]
         folder = str(files("nonsmooth.explorer").joinpath("static"))
         return Server(
             {"/": Application(FunctionHandler(page))},
             port=self.port,
             address=self.address or None,
-            allow_websocket_origin=[*own, *self.origins],
+            allow_websocket_origin=[f"{_LOOPBACK}:{self.port}", *self.origins],
             extra_patterns=[(r"/page/(.*)", StaticFileHandler, {"path": folder})],
             websocket_max_message_size=_MOST_BYTES,
             check_unused_sessions_milliseconds=_UNUSED // 2,

@@ -137,7 +137,8 @@ class Session:
         """Show another view: the motion at once, long work when no gesture follows."""
         other = (view.model, view.text) != (self.view.model, self.view.text)
         self.view = view
-        self._tell_view(n, new_system=other)
+        moves = self._key("motion") != self.keys.get("motion")
+        self._tell_view(n, new_system=other, moves=moves)
         for task in _ORDER:
             key = self._key(task)
             if key == self.keys.get(task):
@@ -227,12 +228,14 @@ class Session:
             return (system, calls.points(view), view.plane)
         return (system, calls.map_of(view), view.plane, view.region, view.cells)
 
-    def _tell_view(self, n: Any, *, new_system: bool) -> None:
+    def _tell_view(self, n: Any, *, new_system: bool, moves: bool = False) -> None:
         from nonsmooth.explorer.descriptions import described_view
 
         message = described_view(self.view, new_system=new_system)
         steps = {"back": bool(self.past), "forward": bool(self.future)}
-        self.send({"type": "view", "link": to_link(self.view), "n": n, **steps, **message})
+        self.send(
+            {"type": "view", "link": to_link(self.view), "n": n, "moves": moves} | steps | message
+        )
 
     def open(self) -> None:
         """Show the first view."""

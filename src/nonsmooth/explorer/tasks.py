@@ -37,7 +37,7 @@ _LONGEST_TURN = 16  # periods of an orbit that is looked for
 _SETTLING = 200  # periods until the period of a motion is read
 
 
-def _computed(made: list[calls.Call], system: Any, **changed: Any) -> dict[str, Any]:
+def _computed(made: list[calls.VerbCall], system: Any, **changed: Any) -> dict[str, Any]:
     """Results of some calls, by their names; a run that ends early says so in its message."""
     results: dict[str, Any] = {"system": system}
     with warnings.catch_warnings():

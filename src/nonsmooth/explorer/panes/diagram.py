@@ -12,7 +12,7 @@ from nonsmooth.explorer.tasks import Piece
 from nonsmooth.explorer.view import View
 from nonsmooth.plot.style import PALETTE
 
-__all__ = ["PERIOD_COLOURS", "Diagram"]
+__all__ = ["PERIOD_COLOURS", "DiagramPane"]
 
 # Colours of periods 1, 2, ...; longer ones share one, and motions without a period are grey.
 PERIODS = tuple(PALETTE[name] for name in ("blue", "orange", "green", "vermilion", "purple", "sky"))
@@ -24,7 +24,7 @@ PERIOD_COLOURS = [
 ]
 
 
-class Diagram:
+class DiagramPane:
     """The pane of the diagram; a click runs at that value, a box computes it finer."""
 
     def __init__(self) -> None:

@@ -12,14 +12,14 @@ from nonsmooth.explorer.tasks import Piece
 from nonsmooth.explorer.view import View
 from nonsmooth.plot.attractor_style import ENDED_EARLY, INADMISSIBLE, NOT_COMPUTED, UNSETTLED
 
-__all__ = ["Plane"]
+__all__ = ["PlanePane"]
 
 _OTHERS = {0: UNSETTLED, -1: ENDED_EARLY, -2: INADMISSIBLE, -3: NOT_COMPUTED}
 _NO_IMAGE: dict[str, list[Any]] = {"image": [], "x": [], "y": [], "dw": [], "dh": []}
 _NO_POINTS: dict[str, list[Any]] = {"x": [], "y": [], "colour": []}
 
 
-class Plane:
+class PlanePane:
     """The pane of starts; a click is a start, a box computes it finer."""
 
     def __init__(self) -> None:

@@ -23,11 +23,12 @@ function flyOut(gesture) {
   flying = { number: send(gesture), began: gesture.began };
 }
 
-// A slider waits for the picture of its last place before it asks for the next one.
-export function landed(number) {
-  if (flying === null || flying.number !== number) return;
+// A slider waits for the picture of its last place before it asks for the next one. A later gesture,
+// or one without a number, stands for it: what it waited for was cancelled.
+export function landed(number, painted = true) {
+  if (flying === null || (number !== null && number !== undefined && number < flying.number)) return;
   const { began } = flying;
-  requestAnimationFrame(() => setTimeout(() => timings.push(performance.now() - began), 0));
+  if (painted) requestAnimationFrame(() => setTimeout(() => timings.push(performance.now() - began), 0));
   flying = null;
   if (waiting) {
     const gesture = waiting;
@@ -138,6 +139,7 @@ function fillLists(message) {
 }
 
 on("view", (message) => {
+  if (!message.moves) landed(message.n, false);
   if (message.text !== undefined) fillLists(message);
   showSliders(message);
   showStart(message);
@@ -159,9 +161,14 @@ on("view", (message) => {
   orbit.setAttribute("aria-pressed", String(message.view.turn !== 0));
 });
 
+on("work", (message) => {
+  const ended = ["failed", "limit", "stopped"].includes(message.state);
+  if (message.task === "motion" && ended) landed(null, false);
+});
+
 on("refused", (message) => {
   if (message.of === "value") made.get(message.name)?.field.classList.add("wrong");
-  if (message.n !== null && message.n !== undefined) landed(message.n);
+  landed(message.n, false);
 });
 
 for (const field of document.querySelectorAll("[data-field]")) {

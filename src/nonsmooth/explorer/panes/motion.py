@@ -1,9 +1,10 @@
-"""Variables over time, in the colours of the modes, with the events on the first of them."""
+"""The motion in the colours of its modes: over time with its events, and as a phase portrait."""
 
 from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 from bokeh.models import ColumnDataSource, HoverTool
 
 from nonsmooth.explorer.panes.by_mode import ModeLines
@@ -11,7 +12,7 @@ from nonsmooth.explorer.panes.look import INK, axis_text, fit, new_figure
 from nonsmooth.explorer.tasks import Piece
 from nonsmooth.explorer.view import View
 
-__all__ = ["History"]
+__all__ = ["HistoryPane", "PortraitPane"]
 
 _DASHES = ("solid", "dashed", "dotted", "dotdash")
 _TIP = """
@@ -20,7 +21,7 @@ _TIP = """
 """
 
 
-class History:
+class HistoryPane:
     """The pane of the time history."""
 
     def __init__(self) -> None:
@@ -64,17 +65,47 @@ class History:
         )
 
 
+class PortraitPane:
+    """The pane of the phase portrait; a click is a start."""
+
+    def __init__(self) -> None:
+        self.plot = new_figure("portrait", boxes=False)
+        self.lines = ModeLines(self.plot)
+        self.orbit = ColumnDataSource({"x": [], "y": []})
+        self.orbit_line = self.plot.line(
+            "x", "y", source=self.orbit, line_color=INK, line_width=2.2, line_dash="solid"
+        )
+
+    def show(self, view: View, piece: Piece) -> None:
+        """Show a motion."""
+        x, y = view.portrait
+        self.lines.show(piece["portrait"], piece["colours"])
+        for axis_range, name in ((self.plot.x_range, x), (self.plot.y_range, y)):
+            values = piece["values"][name]
+            fit(axis_range, float(np.nanmin(values)), float(np.nanmax(values)))
+        self.plot.xaxis.axis_label = axis_text(x, piece["labels"][x])
+        self.plot.yaxis.axis_label = axis_text(y, piece["labels"][y])
+        self.clear_orbit()
+
+    def show_orbit(self, piece: Piece) -> None:
+        """Show the orbit: solid where it is stable, dashed where it is not."""
+        x, y = piece["curve"]
+        self.orbit.data = {"x": x, "y": y}
+        self.orbit_line.glyph.line_dash = "solid" if piece["stable"] else "dashed"
+
+    def clear_orbit(self) -> None:
+        """Show none."""
+        if len(self.orbit.data["x"]):
+            self.orbit.data = {"x": [], "y": []}
+
+
 def _with_unit(labels: dict[str, tuple[str, str]], names: tuple[str, ...]) -> list[str]:
     return [axis_text(name, ("", labels[name][1])) for name in names]
 
 
 def _least(values: Any) -> float:
-    import numpy as np
-
     return float(np.nanmin(values))
 
 
 def _most(values: Any) -> float:
-    import numpy as np
-
     return float(np.nanmax(values))
