@@ -60,13 +60,12 @@ def slides(page: Page, address: str, model: str, moves: int) -> tuple[float, flo
     page.evaluate("explorer.timings.length = 0")
     for k in range(moves):
         page.evaluate(
-            """([name, share]) => {
+            """(name) => {
               const slider = document.getElementById(`p-${name}`);
-              const [low, high] = [Number(slider.min), Number(slider.max)];
-              slider.value = low + share * (high - low);
+              slider.stepUp();
               slider.dispatchEvent(new Event('input'));
             }""",
-            [SLID[model], 0.4 + 0.2 * (k + 1) / moves],
+            SLID[model],
         )
         page.wait_for_function(f"explorer.timings.length > {k}", polling="raf")
     times = page.evaluate("explorer.timings")

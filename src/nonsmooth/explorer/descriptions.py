@@ -8,15 +8,15 @@ from typing import Any
 
 from nonsmooth.explorer.limits import label_and_unit, sliders
 from nonsmooth.explorer.tasks import Piece
-from nonsmooth.explorer.view import View
+from nonsmooth.explorer.view import View, system_of
 
 __all__ = ["described", "described_view"]
 
 _SHOWN = 6  # multipliers that are told
 
 
-def described_view(view: View, *, new_system: bool) -> dict[str, Any]:
-    """What stands in the controls of a page."""
+def described_view(view: View, *, new_system: bool, live: bool = False) -> dict[str, Any]:
+    """What stands in the controls of a page; ranges of sliders only where none is under way."""
     system = view.system
     variables = [*system.states, *system.outputs]
     rest = system.rest_state
@@ -26,7 +26,6 @@ def described_view(view: View, *, new_system: bool) -> dict[str, Any]:
         "name": system.name,
         "values": {k: float(v) for k, v in system.parameter_values.items()},
         "typed": {k: v for k, v in system.parameters.items() if isinstance(v, str)},
-        "sliders": [asdict(slider) for slider in sliders(system)],
         "start": {name: float(at[name]) for name in system.states},
         "initial": dict(view.initial),
         "unit_of_length": "periods" if system.period is not None else "units of time",
@@ -49,6 +48,9 @@ def described_view(view: View, *, new_system: bool) -> dict[str, Any]:
             "portrait": [at.get(name) for name in view.portrait],
         },
     }  # fmt: skip
+    if not live:
+        base = system_of(view.model, view.text)
+        found["sliders"] = [asdict(slider) for slider in sliders(system, base)]
     if new_system:
         of_motions = [f"{name}_per_period" for name in system.drift_states if system.period]
         found |= {
@@ -67,8 +69,6 @@ def described_view(view: View, *, new_system: bool) -> dict[str, Any]:
 
 def system_text(view: View) -> str:
     """Text of the system in the editor, with the parameters that it comes with."""
-    from nonsmooth.explorer.view import system_of
-
     return system_of(view.model, view.text).to_toml()
 
 

@@ -72,7 +72,7 @@ def explore(
     link : str, optional
         What the page opens with instead: a link to a view, or its part behind the ``#``.
     port : int, optional
-        Port on this machine, from 1 to 65535; 0 for one that is free.
+        Port on this machine: 1 or more, up to 65535; 0 for one that is free.
     allow_origin : sequence of str, optional
         Hosts with their port, such as ``["lecture.example.org:5006"]``, whose pages may use this
         server. With any of them the server listens on all addresses of the machine, see Notes.

@@ -27,18 +27,21 @@ class Slider:
     unit: str
 
 
-def sliders(system: System) -> list[Slider]:
+def sliders(system: System, base: System | None = None) -> list[Slider]:
     """A slider for each parameter, from nothing to twice its value, as far as allowed.
 
-    Parameters that follow a slow text have none, because a value has no effect on them.
+    The value is that in ``base``, so that a slider keeps its range while it is moved. Parameters
+    that follow a slow text have none, because a value has no effect on them.
     """
     found = []
     for name, value in system.parameter_values.items():
         if name in system.slow:
             continue
-        low, high = (0.0, 2.0 * value) if value > 0.0 else (2.0 * value, 0.0)
-        if value == 0.0:
+        middle = (base or system).parameter_values[name]
+        low, high = (0.0, 2.0 * middle) if middle > 0.0 else (2.0 * middle, 0.0)
+        if middle == 0.0:
             low, high = -1.0, 1.0
+        low, high = min(low, value), max(high, value)
         low, high = (_allowed(system, name, value, end) for end in (low, high))
         if not low < high:
             continue

@@ -156,7 +156,9 @@ class Session:
     def _begin_rest(self, turn: int) -> None:
         if turn != self.waiting:  # another gesture has come
             return
-        self.live = False
+        if self.live:  # a slider rests: what else depends on its place
+            self.live = False
+            self._tell_view(None, new_system=False)
         for task in _ORDER[1:]:
             if self.keys.get(task) != self._key(task):
                 self._begin(task)
@@ -231,7 +233,7 @@ class Session:
     def _tell_view(self, n: Any, *, new_system: bool, moves: bool = False) -> None:
         from nonsmooth.explorer.descriptions import described_view
 
-        message = described_view(self.view, new_system=new_system)
+        message = described_view(self.view, new_system=new_system, live=self.live)
         steps = {"back": bool(self.past), "forward": bool(self.future)}
         self.send(
             {"type": "view", "link": to_link(self.view), "n": n, "moves": moves} | steps | message

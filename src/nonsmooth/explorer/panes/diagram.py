@@ -19,8 +19,8 @@ PERIODS = tuple(PALETTE[name] for name in ("blue", "orange", "green", "vermilion
 _LONGER, _NONE = "#7a2060", "#59636e"
 PERIOD_COLOURS = [
     *((str(k + 1), colour) for k, colour in enumerate(PERIODS)),
-    (f"{len(PERIODS) + 1} and more", _LONGER),
-    ("none found", _NONE),
+    (f"{len(PERIODS) + 1}+", _LONGER),
+    ("none", _NONE),
 ]
 
 

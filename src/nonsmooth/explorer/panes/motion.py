@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from bokeh.models import ColumnDataSource, HoverTool
+from bokeh.models import ColumnDataSource, GlyphRenderer, HoverTool
 
-from nonsmooth.explorer.panes.by_mode import ModeLines
-from nonsmooth.explorer.panes.look import INK, axis_text, fit, new_figure
+from nonsmooth.explorer.panes.look import INK, QUIET, axis_text, fit, new_figure
 from nonsmooth.explorer.tasks import Piece
 from nonsmooth.explorer.view import View
 
@@ -21,13 +21,46 @@ _TIP = """
 """
 
 
+class _ModeLines:
+    """Lines of one figure, made when a mode is first seen and empty where it is not."""
+
+    def __init__(self, plot: Any, *, dash: str = "solid", width: float = 1.6) -> None:
+        self.plot, self.dash, self.width = plot, dash, width
+        self.lines: dict[tuple[str, str], tuple[ColumnDataSource, GlyphRenderer]] = {}
+
+    def show(self, curves: Mapping[str, Any], colours: Mapping[str, str]) -> None:
+        """Draw curves by the names of their modes; those under no name are jumps."""
+        wanted = {(name, colours.get(name, QUIET)): points for name, points in curves.items()}
+        for key, points in wanted.items():
+            if key not in self.lines:
+                self.lines[key] = self._new(*key)
+            self.lines[key][0].data = {"x": points[0], "y": points[1]}
+        for key, (source, _) in self.lines.items():
+            if key not in wanted and len(source.data["x"]):
+                source.data = {"x": [], "y": []}
+
+    def _new(self, name: str, colour: str) -> tuple[ColumnDataSource, GlyphRenderer]:
+        source = ColumnDataSource({"x": [], "y": []})
+        jump = not name
+        line = self.plot.line(
+            "x",
+            "y",
+            source=source,
+            line_color=colour,
+            line_width=0.7 if jump else self.width,
+            line_dash="dotted" if jump else self.dash,
+            level="underlay" if jump else "glyph",
+        )
+        return source, line
+
+
 class HistoryPane:
     """The pane of the time history."""
 
     def __init__(self) -> None:
         self.plot = new_figure("history", boxes=False)
         self.lines = [
-            ModeLines(self.plot, dash=dash, width=1.6 if k == 0 else 1.3)
+            _ModeLines(self.plot, dash=dash, width=1.6 if k == 0 else 1.3)
             for k, dash in enumerate(_DASHES)
         ]
         self.events = ColumnDataSource(
@@ -70,7 +103,7 @@ class PortraitPane:
 
     def __init__(self) -> None:
         self.plot = new_figure("portrait", boxes=False)
-        self.lines = ModeLines(self.plot)
+        self.lines = _ModeLines(self.plot)
         self.orbit = ColumnDataSource({"x": [], "y": []})
         self.orbit_line = self.plot.line(
             "x", "y", source=self.orbit, line_color=INK, line_width=2.2, line_dash="solid"

@@ -40,7 +40,7 @@ class PlanePane:
     def show(self, view: View, piece: Piece) -> None:
         """Show basins or points."""
         across, up = view.plane
-        self.plot.xaxis.axis_label = axis_text(across, piece["labels"][across], 60)
+        self.plot.xaxis.axis_label = axis_text(across, piece["labels"][across], 46)
         self.plot.yaxis.axis_label = axis_text(up, piece["labels"][up])
         if "attractors" in piece:
             self._show_basins(piece)

@@ -72,6 +72,13 @@ function makeSlider(slider) {
 }
 
 function showSliders(message) {
+  if (!message.sliders) {
+    for (const [name, { range, field }] of made) {
+      if (document.activeElement !== range) range.value = message.values[name];
+      if (document.activeElement !== field) field.value = message.typed[name] ?? text(message.values[name]);
+    }
+    return;
+  }
   const names = message.sliders.map((slider) => slider.name);
   if (names.join() !== [...made.keys()].join()) {
     sliders.replaceChildren();
@@ -81,10 +88,8 @@ function showSliders(message) {
   for (const slider of message.sliders) {
     const { range, field } = made.get(slider.name);
     field.classList.remove("wrong");
-    if (document.activeElement !== range || range.dataset.idle) {
-      Object.assign(range, { min: slider.low, max: slider.high, step: slider.step });
-      range.value = slider.value;
-    }
+    Object.assign(range, { min: slider.low, max: slider.high, step: slider.step });
+    if (document.activeElement !== range || flying === null) range.value = slider.value;
     if (document.activeElement !== field) {
       const typed = message.typed[slider.name];
       field.value = typed !== undefined ? typed : text(slider.value);
