@@ -69,7 +69,7 @@ def test_a_typed_system_gets_a_view_that_shows_something():
 @pytest.mark.parametrize(
     ("link", "said"),
     [
-        ("modle=moling", "unknown word 'modle'; did you mean 'model'"),
+        ("mdl=moling", "unknown word 'mdl'; did you mean 'model'"),
         ("model=moling&length=ten", "length = 'ten' is not a number"),
         ("text=%21%21", "its text is damaged"),
         ("x" * 200_000, "the link has 200,000 characters"),
