@@ -144,7 +144,7 @@ function fillLists(message) {
 }
 
 on("view", (message) => {
-  if (!message.moves) landed(message.n, false);
+  if (!message.moves && message.n !== null) landed(message.n, false);
   if (message.text !== undefined) fillLists(message);
   showSliders(message);
   showStart(message);
