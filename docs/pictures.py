@@ -47,6 +47,8 @@ def main(arguments: list[str]) -> None:
     """Draw the pictures of pages, or of all pages of folders, named below ``docs``."""
     places = [DOCS / name for name in arguments]
     found = [[place] if place.suffix else sorted(place.glob("*.md")) for place in places]
+    # the picture of a page without code is one of a browser: docs/screens.py draws it
+    found = [[page for page in pages if "```python" in page.read_text("utf-8")] for pages in found]
     for page in (page for pages in found for page in pages):
         for target in draw(page):
             print(target.relative_to(DOCS))

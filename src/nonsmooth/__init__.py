@@ -54,6 +54,7 @@ if TYPE_CHECKING:
         RunError,
         RunWarning,
     )
+    from nonsmooth.explorer.explore import explore
     from nonsmooth.fitting.fit import fit
     from nonsmooth.fitting.posterior import posterior
     from nonsmooth.runs.poincare_map import PoincareMap
@@ -95,6 +96,7 @@ __all__ = [
     "correlation_dimension",
     "ensemble",
     "excitation",
+    "explore",
     "fatigue",
     "find_orbit",
     "fit",
@@ -151,6 +153,7 @@ _HOME = {
     "contact_statistics": "nonsmooth.analysis.contact_statistics",
     "correlation_dimension": "nonsmooth.analysis.correlation_dimension",
     "ensemble": "nonsmooth.analysis.ensemble",
+    "explore": "nonsmooth.explorer.explore",
     "find_orbit": "nonsmooth.analysis.find_orbit",
     "fit": "nonsmooth.fitting.fit",
     "continue_orbit": "nonsmooth.analysis.continue_orbit",

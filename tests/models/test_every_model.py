@@ -8,14 +8,14 @@ from pathlib import Path
 import pytest
 
 import nonsmooth as ns
-from nonsmooth.cli.arguments import model_functions
+from nonsmooth.models.ready_made import ready_made
 
 ROOT = Path(__file__).parents[2]
 GUIDE = ROOT / "docs" / "how-to" / "models.md"
 FILES = sorted((ROOT / "src" / "nonsmooth" / "models").glob("*.py"))
 
 
-@pytest.fixture(params=sorted(model_functions()))
+@pytest.fixture(params=sorted(ready_made()))
 def name(request):
     return request.param
 
@@ -30,7 +30,7 @@ def returns_a_system(file):
 
 def test_every_file_of_a_model_is_imported():
     written = {file.stem for file in FILES if returns_a_system(file)}
-    missing = sorted(written - set(model_functions()))
+    missing = sorted(written - set(ready_made()))
     assert not missing, f"import {missing} in nonsmooth/models/__init__.py, and add to __all__"
 
 
@@ -40,7 +40,7 @@ def test_the_model_has_tests_of_its_own(name):
 
 
 def test_every_argument_has_a_default_and_is_documented(name):
-    make = model_functions()[name]
+    make = ready_made()[name]
     text = inspect.getdoc(make)
     for argument in inspect.signature(make).parameters.values():
         assert argument.default is not inspect.Parameter.empty
@@ -50,7 +50,7 @@ def test_every_argument_has_a_default_and_is_documented(name):
 
 
 def test_defaults_in_the_table_are_the_defaults(name):
-    make = model_functions()[name]
+    make = ready_made()[name]
     rows = [line.split() for line in inspect.getdoc(make).splitlines()]
     arguments = inspect.signature(make).parameters
     table = {row[1]: row[2] for row in rows if row[1:] and row[1] in arguments and row[2] != ":"}
@@ -62,14 +62,14 @@ def test_defaults_in_the_table_are_the_defaults(name):
 
 
 def test_states_outputs_and_parameters_have_labels(name):
-    system = model_functions()[name]()
+    system = ready_made()[name]()
     assert set(system.states) | set(system.outputs) <= set(system.describe)
     if name != "moling":  # its parameters stand in the docstring only
         assert set(system.parameters) <= set(system.describe)
 
 
 def test_the_system_goes_through_a_file(name):
-    system = model_functions()[name]()
+    system = ready_made()[name]()
     assert system.name == name
     assert ns.System.from_toml(system.to_toml()) == system
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import inspect
 import os
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -25,7 +25,6 @@ __all__ = [
     "constants",
     "initial_state",
     "is_file",
-    "model_functions",
     "names",
     "number",
     "number_list",
@@ -43,18 +42,6 @@ _MOST_VALUES = 1_000_000  # in a range
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 
 
-def model_functions() -> dict[str, Callable[..., System]]:
-    """Functions of `nonsmooth.models` that make a system, by name."""
-    from nonsmooth import models
-
-    found: dict[str, Callable[..., System]] = {}
-    for name in models.__all__:
-        thing = getattr(models, name)
-        if inspect.isfunction(thing) and thing.__annotations__.get("return") == "System":
-            found[name] = thing
-    return found
-
-
 def is_file(model: str) -> bool:
     """Whether a MODEL means a file: it ends in ``.toml`` or names a folder."""
     return model.lower().endswith(".toml") or "/" in model or os.sep in model
@@ -67,7 +54,9 @@ def build_system(model: str, values: dict[str, str]) -> System:
         from nonsmooth.system.system import System
 
         return _with_others(System.from_toml(Path(model)), model, given, ())
-    known = model_functions()
+    from nonsmooth.models.ready_made import ready_made
+
+    known = ready_made()
     if model not in known:
         raise OptionError(_unknown_model(model, known))
     make = known[model]

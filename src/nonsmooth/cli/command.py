@@ -17,7 +17,7 @@ import click
 from click.core import ParameterSource
 from click.shell_completion import CompletionItem
 
-from nonsmooth.cli.arguments import build_system, model_functions, settings, whole_names
+from nonsmooth.cli.arguments import build_system, settings, whole_names
 from nonsmooth.cli.console import ENDED_EARLY, INTERRUPTED
 from nonsmooth.cli.options import Own, flag, own_option, verb_option
 from nonsmooth.cli.signatures import parameters
@@ -267,7 +267,9 @@ class _Model(click.ParamType):
         self, ctx: click.Context, param: click.Parameter, incomplete: str
     ) -> list[CompletionItem]:
         """Ready-made systems, and files."""
-        known = [CompletionItem(name) for name in model_functions() if name.startswith(incomplete)]
+        from nonsmooth.models.ready_made import ready_made
+
+        known = [CompletionItem(name) for name in ready_made() if name.startswith(incomplete)]
         return known or [CompletionItem(incomplete, type="file")]
 
 

@@ -1,4 +1,4 @@
-"""Commands that show systems: which are ready-made, and what stands in one."""
+"""Commands that show systems: which are ready-made, what stands in one, and how it moves."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from nonsmooth.cli.arguments import build_system, is_file, model_functions
+from nonsmooth.cli.arguments import build_system, is_file
 from nonsmooth.cli.command import Task
 from nonsmooth.cli.console import print_table
 from nonsmooth.errors import OptionError
@@ -18,16 +18,18 @@ if TYPE_CHECKING:
     from nonsmooth.system.parts import Mode
     from nonsmooth.system.system import System
 
-__all__ = ["explain", "models"]
+__all__ = ["explain", "explore", "models"]
 
 
 def models(task: Task) -> None:
     """``nonsmooth models``."""
+    from nonsmooth.models.ready_made import ready_made
+
     name = task["model"]
     if name is None:
         if task["toml"]:
             raise OptionError("--toml: name a model, see: nonsmooth models")
-        rows = [(known, _summary(function)) for known, function in model_functions().items()]
+        rows = [(known, _summary(function)) for known, function in ready_made().items()]
         if task["json"]:
             models = [{"model": known, "summary": text} for known, text in rows]
             click.echo(json.dumps({"models": models}, indent=2, ensure_ascii=False))
@@ -45,9 +47,10 @@ def models(task: Task) -> None:
 
 def _print_model(task: Task, name: str, system: System) -> None:
     """Print parameters, states and equations of a system, each as a name, a text and a meaning."""
+    from nonsmooth.models.ready_made import ready_made
     from nonsmooth.system.columns import aligned, one_line
 
-    about = system.name if is_file(name) else _summary(model_functions()[name])
+    about = system.name if is_file(name) else _summary(ready_made()[name])
     parts = {title: rows for title, rows in _tables(system) if rows}
     modes = {mode: list(_equations(equations)) for mode, equations in system.modes.items()}
     if task["json"]:
@@ -73,6 +76,15 @@ def _named(rows: list[tuple[str, str, str]]) -> list[dict[str, str]]:
 def explain(task: Task) -> None:
     """``nonsmooth explain``."""
     task.system.explain()
+
+
+def explore(task: Task) -> None:
+    """``nonsmooth explore``."""
+    from nonsmooth.explorer.explore import explore as open_page
+
+    system = None if task["model"] is None else task.system
+    options = task.options("explore") | {"allow_origin": task["allow_origin"] or ()}
+    open_page(system, browser=not task["no_browser"], wait=True, **options)
 
 
 def _summary(function: object) -> str:

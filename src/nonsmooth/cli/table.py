@@ -557,4 +557,25 @@ TABLE = {
         json=False,
         example="nonsmooth explain moling b=0.2",
     ),
+    "explore": Entry(
+        "Open a page in the browser, in which a system moves while you change it.\n\nWithout MODEL"
+        " the page opens with the ground mole. It is served on this machine, for this machine,"
+        " until you press Ctrl-C.",
+        "models.explore",
+        (("explore", "link port work_limit"),),
+        (
+            Own(
+                "allow_origin",
+                "Let pages of this host use the server, such as lecture.example.org:5006, and"
+                " listen on all addresses of the machine. Everyone who reaches it can then have it"
+                " compute, without a password. You may give it several times.",
+                "HOST:PORT",
+                multiple=True,
+            ),
+            Own("no_browser", "Serve the page, and do not open it."),
+        ),
+        arguments="[MODEL] [NAME=VALUE...]",
+        json=False,
+        example="nonsmooth explore moling b=0.12",
+    ),
 }  # fmt: skip

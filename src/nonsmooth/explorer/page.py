@@ -1,0 +1,137 @@
+"""The page of a visitor as a Bokeh document: figures, a wire each way, and the session between.
+
+Figures are Bokeh's. Controls stand in ``static/page.html`` and talk to the session in messages:
+the page writes JSON into the text of one hidden model, the session answers in the tags of another.
+"""
+
+from __future__ import annotations
+
+import html
+import json
+from collections.abc import Callable
+from importlib.resources import files
+from typing import Any
+
+from bokeh.document import Document
+from bokeh.events import SelectionGeometry, Tap
+from bokeh.models import Div
+from jinja2 import Template
+
+from nonsmooth.explorer.jobs import Crew
+from nonsmooth.explorer.openings import presets
+from nonsmooth.explorer.panes.diagram import PERIOD_COLOURS, DiagramPane
+from nonsmooth.explorer.panes.motion import HistoryPane, PortraitPane
+from nonsmooth.explorer.panes.plane import PlanePane
+from nonsmooth.explorer.session import Session
+from nonsmooth.explorer.tasks import Piece
+from nonsmooth.explorer.view import View
+from nonsmooth.version import __version__
+
+__all__ = ["build_page"]
+
+
+class _Panes:
+    """The figures, and which of them a task is shown in."""
+
+    def __init__(self) -> None:
+        self.history, self.portrait = HistoryPane(), PortraitPane()
+        self.diagram, self.plane = DiagramPane(), PlanePane()
+
+    def figures(self) -> dict[str, Any]:
+        panes = (self.history, self.portrait, self.diagram, self.plane)
+        return {pane.plot.name: pane.plot for pane in panes}
+
+    def show(self, task: str, view: View, piece: Piece | None) -> None:
+        if piece is None:
+            if task == "orbit":
+                self.portrait.clear_orbit()
+                self.diagram.clear_branch()
+            elif task == "diagram":
+                self.diagram.begin(view)
+        elif task == "motion":
+            self.history.show(view, piece)
+            self.portrait.show(view, piece)
+        elif task == "diagram":
+            self.diagram.show(view, piece)
+        elif task == "plane":
+            self.plane.show(view, piece)
+        elif task == "orbit" and "special" in piece:
+            self.diagram.show_branch(piece)
+        elif task == "orbit" and piece["turn"]:
+            self.portrait.show_orbit(piece)
+
+
+def build_page(document: Document, view: View, crew: Crew, seconds: float) -> Session:
+    """Fill a document with a page, which opens with a view."""
+    panes = _Panes()
+    to_page, from_page = Div(name="to_page", visible=False), Div(name="from_page", visible=False)
+    count = 0
+
+    def send(message: dict[str, Any]) -> None:
+        nonlocal count
+        count += 1  # equal messages must differ, or the second would be no change
+        to_page.tags = [{**message, "count": count}]
+
+    def later(function: Callable[[], None], milliseconds: int) -> None:
+        def guarded() -> None:
+            if document.session_context is not None:
+                function()
+
+        if milliseconds:
+            document.add_timeout_callback(guarded, milliseconds)
+        else:
+            document.add_next_tick_callback(guarded)
+
+    session = Session(view, crew, show=panes.show, send=send, later=later, seconds=seconds)
+    opened = False
+
+    def hear(attr: str, old: str, new: str) -> None:
+        nonlocal opened
+        if not opened:  # the page is there, and says by its link what it shows
+            opened = True
+            session.open()
+        if json.loads(new or "{}").get("do") != "hello":
+            session.hear(new)
+
+    from_page.on_change("text", hear)
+    for name, figure in panes.figures().items():
+        # before the figure joins the document, which looks for them then
+        figure.on_event(Tap, _tapped(session, name))
+        figure.on_event(SelectionGeometry, _boxed(session, name))
+        document.add_root(figure)
+    document.add_root(to_page)
+    document.add_root(from_page)
+    document.title = "nonsmooth"
+    document.template = Template(_static("page.html"))
+    document.template_variables.update(_variables())
+    document.on_session_destroyed(lambda context: session.close())
+    return session
+
+
+def _tapped(session: Session, pane: str) -> Callable[[Any], None]:
+    def tell(event: Any) -> None:
+        if pane != "history" and event.x is not None:
+            session.hear(json.dumps({"do": "click", "pane": pane, "x": event.x, "y": event.y}))
+
+    return tell
+
+
+def _boxed(session: Session, pane: str) -> Callable[[Any], None]:
+    def tell(event: Any) -> None:
+        box = event.geometry
+        if event.final and box.get("type") == "rect":
+            sides = {key: box[key] for key in ("x0", "x1", "y0", "y1")}
+            session.hear(json.dumps({"do": "box", "pane": pane, **sides}))
+
+    return tell
+
+
+def _static(name: str) -> str:
+    return files("nonsmooth.explorer").joinpath("static", name).read_text(encoding="utf-8")
+
+
+def _variables() -> dict[str, Any]:
+    groups: dict[str, list[tuple[int, str]]] = {}
+    for number, preset in enumerate(presets()):
+        groups.setdefault(preset.group, []).append((number, html.escape(preset.title)))
+    return {"presets": groups, "periods": PERIOD_COLOURS, "version": __version__}

@@ -1,0 +1,144 @@
+"""The motion in the colours of its modes: over time with its events, and as a phase portrait."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from bokeh.models import ColumnDataSource, GlyphRenderer, HoverTool
+
+from nonsmooth.explorer.panes.look import INK, QUIET, axis_text, fit, new_figure
+from nonsmooth.explorer.tasks import Piece
+from nonsmooth.explorer.view import View
+
+__all__ = ["HistoryPane", "PortraitPane"]
+
+_DASHES = ("solid", "dashed", "dotted", "dotdash")
+_TIP = """
+<div style="font: 13px system-ui, sans-serif; max-width: 320px">
+<b>@name</b> at @when<br>@reason<br><span style="color: #5f6b76">@certificate</span></div>
+"""
+
+
+class _ModeLines:
+    """Lines of one figure, made when a mode is first seen and empty where it is not."""
+
+    def __init__(self, plot: Any, *, dash: str = "solid", width: float = 1.6) -> None:
+        self.plot, self.dash, self.width = plot, dash, width
+        self.lines: dict[tuple[str, str], tuple[ColumnDataSource, GlyphRenderer]] = {}
+
+    def show(self, curves: Mapping[str, Any], colours: Mapping[str, str]) -> None:
+        """Draw curves by the names of their modes; those under no name are jumps."""
+        wanted = {(name, colours.get(name, QUIET)): points for name, points in curves.items()}
+        for key, points in wanted.items():
+            if key not in self.lines:
+                self.lines[key] = self._new(*key)
+            self.lines[key][0].data = {"x": points[0], "y": points[1]}
+        for key, (source, _) in self.lines.items():
+            if key not in wanted and len(source.data["x"]):
+                source.data = {"x": [], "y": []}
+
+    def _new(self, name: str, colour: str) -> tuple[ColumnDataSource, GlyphRenderer]:
+        source = ColumnDataSource({"x": [], "y": []})
+        jump = not name
+        line = self.plot.line(
+            "x",
+            "y",
+            source=source,
+            line_color=colour,
+            line_width=0.7 if jump else self.width,
+            line_dash="dotted" if jump else self.dash,
+            level="underlay" if jump else "glyph",
+        )
+        return source, line
+
+
+class HistoryPane:
+    """The pane of the time history."""
+
+    def __init__(self) -> None:
+        self.plot = new_figure("history", boxes=False)
+        self.lines = [
+            _ModeLines(self.plot, dash=dash, width=1.6 if k == 0 else 1.3)
+            for k, dash in enumerate(_DASHES)
+        ]
+        self.events = ColumnDataSource(
+            {key: [] for key in ("x", "y", "name", "when", "reason", "certificate", "fill")}
+        )
+        marks = self.plot.scatter(
+            "x", "y", source=self.events, size=6, line_color=INK, fill_color="fill", line_width=0.8
+        )
+        self.plot.add_tools(HoverTool(renderers=[marks], tooltips=_TIP, attachment="vertical"))
+
+    def show(self, view: View, piece: Piece) -> None:
+        """Show a motion."""
+        empty: list[dict[str, Any]] = [{}] * len(self.lines)
+        for lines, curves in zip(self.lines, [*piece["history"], *empty], strict=False):
+            lines.show(curves, piece["colours"])
+        rows = piece["events"][1:]  # the first one is the start
+        name = view.drawn[0]
+        self.events.data = {
+            "x": [row["time"] for row in rows],
+            "y": [row["at"][name] for row in rows],
+            "name": [row["name"].replace("_", " ") for row in rows],
+            "when": [f"t = {row['time']:.8g}" for row in rows],
+            "reason": [row["reason"] for row in rows],
+            "certificate": [row["certificate"] for row in rows],
+            "fill": ["#ffffff" if row["certificate"] == "certified" else INK for row in rows],
+        }
+        values = [piece["values"][each] for each in view.drawn]
+        fit(self.plot.x_range, float(piece["time"][0]), float(piece["time"][-1]), room=0.01)
+        fit(self.plot.y_range, min(map(_least, values)), max(map(_most, values)))
+        self.plot.xaxis.axis_label = axis_text("t", piece["labels"]["time"])
+        labels = piece["labels"]
+        one = len(view.drawn) == 1
+        self.plot.yaxis.axis_label = (
+            axis_text(name, labels[name]) if one else ", ".join(_with_unit(labels, view.drawn))
+        )
+
+
+class PortraitPane:
+    """The pane of the phase portrait; a click is a start."""
+
+    def __init__(self) -> None:
+        self.plot = new_figure("portrait", boxes=False)
+        self.lines = _ModeLines(self.plot)
+        self.orbit = ColumnDataSource({"x": [], "y": []})
+        self.orbit_line = self.plot.line(
+            "x", "y", source=self.orbit, line_color=INK, line_width=2.2, line_dash="solid"
+        )
+
+    def show(self, view: View, piece: Piece) -> None:
+        """Show a motion."""
+        x, y = view.portrait
+        self.lines.show(piece["portrait"], piece["colours"])
+        for axis_range, name in ((self.plot.x_range, x), (self.plot.y_range, y)):
+            values = piece["values"][name]
+            fit(axis_range, float(np.nanmin(values)), float(np.nanmax(values)))
+        self.plot.xaxis.axis_label = axis_text(x, piece["labels"][x])
+        self.plot.yaxis.axis_label = axis_text(y, piece["labels"][y])
+        self.clear_orbit()
+
+    def show_orbit(self, piece: Piece) -> None:
+        """Show the orbit: solid where it is stable, dashed where it is not."""
+        x, y = piece["curve"]
+        self.orbit.data = {"x": x, "y": y}
+        self.orbit_line.glyph.line_dash = "solid" if piece["stable"] else "dashed"
+
+    def clear_orbit(self) -> None:
+        """Show none."""
+        if len(self.orbit.data["x"]):
+            self.orbit.data = {"x": [], "y": []}
+
+
+def _with_unit(labels: dict[str, tuple[str, str]], names: tuple[str, ...]) -> list[str]:
+    return [axis_text(name, ("", labels[name][1])) for name in names]
+
+
+def _least(values: Any) -> float:
+    return float(np.nanmin(values))
+
+
+def _most(values: Any) -> float:
+    return float(np.nanmax(values))

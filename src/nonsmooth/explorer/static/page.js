@@ -1,0 +1,270 @@
+// The page: it connects, opens what its link says, and tells what the session says.
+
+import { connect, on, send } from "./wire.js";
+import { landed, timings } from "./controls.js";
+import { drawAll, follow, keys, setMarks } from "./plots.js";
+import { startMark, stepEvent, togglePlay, wantEvent } from "./machine.js";
+
+const byId = (id) => document.getElementById(id);
+const work = new Map();
+const names = {
+  motion: "motion", drawing: "drawing", orbit: "orbit", diagram: "diagram", plane: "basins",
+  picture: "picture",
+};
+let link = "";
+window.explorer = { timings, painted: {}, work };
+
+// ------------------------------------------------------------------ tabs
+
+function openTab(name) {
+  for (const tab of document.querySelectorAll('[role="tab"]')) {
+    const open = tab.id === `tab-${name}`;
+    tab.setAttribute("aria-selected", String(open));
+    tab.tabIndex = open ? 0 : -1;
+    byId(tab.getAttribute("aria-controls")).hidden = !open;
+  }
+}
+for (const tab of document.querySelectorAll('[role="tab"]')) {
+  tab.addEventListener("click", () => openTab(tab.getAttribute("aria-controls")));
+  tab.addEventListener("keydown", (event) => {
+    if (event.key !== "ArrowLeft" && event.key !== "ArrowRight") return;
+    const other = tab.id === "tab-parameters" ? "equations" : "parameters";
+    openTab(other);
+    byId(`tab-${other}`).focus();
+  });
+}
+
+// ------------------------------------------------------------------ what the session says
+
+on("view", (message) => {
+  link = `#${message.link}`;
+  if (location.hash !== link) history.replaceState(null, "", link);
+  byId("back").disabled = !message.back;
+  byId("forward").disabled = !message.forward;
+  const [here] = message.marks.diagram;
+  setMarks("diagram", [["rule", here, 0]]);
+  setMarks("plane", [["start", ...message.marks.plane]]);
+  startMark("portrait", [["start", ...message.marks.portrait]]);
+  wantEvent(message.view.event);
+  if (message.text !== undefined) {
+    const preset = byId("preset");
+    const title = message.model.replaceAll("_", " ");
+    if (!preset.dataset.kept) preset.value = [...preset.options].find((each) => each.text === title)?.value ?? "";
+    delete preset.dataset.kept;
+    document.title = `${message.name || "system"}: nonsmooth explorer`;
+  }
+});
+
+byId("preset").addEventListener("change", () => {
+  byId("preset").dataset.kept = "1";
+});
+
+on("work", (message) => {
+  const { task, state } = message;
+  const busy = state === "busy";
+  if (busy) work.set(task, "");
+  else work.delete(task);
+  for (const plot of plotsOf(task)) {
+    plot.classList.toggle("stale", busy || state === "stale");
+  }
+  const note = byId(`${task}-note`);
+  if (note && (task === "diagram" || task === "plane")) tellNote(note, task, message);
+  else if (message.message && task !== "drawing") toast(message.message);
+  showWork();
+});
+
+function tellNote(note, task, message) {
+  note.replaceChildren(message.message ?? "");
+  if (message.state === "limit") {
+    const more = Object.assign(document.createElement("button"), { className: "link", textContent: "Go on" });
+    more.addEventListener("click", () => send({ do: "go on", task }));
+    note.append(" ", more);
+  }
+}
+
+function plotsOf(task) {
+  const panes = { motion: ["history", "portrait"], diagram: ["diagram"], plane: ["plane"] }[task] ?? [];
+  return panes.map((pane) => document.querySelector(`[data-pane="${pane}"]`));
+}
+
+function showWork() {
+  const long = [...work].filter(([task]) => task !== "motion");
+  byId("work").classList.toggle("busy", work.size > 0);
+  byId("stop").hidden = long.length === 0;
+  const said = long.map(([task, how]) => (how ? `${names[task]}: ${how}` : names[task]));
+  byId("work-text").textContent = said.length ? said.join(", ") : work.size ? "" : "ready";
+}
+
+on("piece", (message) => {
+  const { task } = message;
+  window.explorer.painted[task] = (window.explorer.painted[task] ?? 0) + 1;
+  if (work.has(task)) work.set(task, message.said ?? "");
+  for (const plot of plotsOf(task)) plot.classList.remove("stale");
+  if (task === "motion") {
+    landed(message.n);
+    chips("modes", message.modes);
+    const said = byId("motion-said");
+    said.textContent = message.said;
+    said.title = `${message.said}\nmodes of the last period: ${message.word}`;
+    said.className = `said ${message.fine ? "fine" : "doubt"}`;
+  } else if (task === "orbit") {
+    tellOrbit(message);
+  } else if (task === "diagram" || task === "plane") {
+    byId(`${task}-said`).textContent = message.said;
+    if (task === "plane") chips("basins", message.chips);
+  }
+  requestAnimationFrame(drawAll);
+  showWork();
+});
+
+function chips(id, entries) {
+  byId(id).replaceChildren(
+    ...entries.map(([name, colour]) => {
+      const chip = Object.assign(document.createElement("span"), { className: "chip" });
+      const patch = document.createElement("i");
+      patch.style.background = colour;
+      chip.append(patch, name);
+      return chip;
+    }),
+  );
+}
+
+function tellOrbit(message) {
+  const place = byId("orbit-text");
+  if (message.branch) {
+    const said = Object.assign(document.createElement("p"), { className: "quiet" });
+    said.textContent = message.branch.length ? `Branch: ${message.branch.join("; ")}.` : "";
+    place.append(said);
+    return;
+  }
+  const title = document.createElement("h3");
+  if (!message.found) {
+    title.textContent = "No orbit was found";
+    place.replaceChildren(title, message.message);
+    return;
+  }
+  title.textContent = message.title;
+  const table = document.createElement("table");
+  const row = (name, value) => {
+    const line = table.insertRow();
+    line.insertCell().textContent = name;
+    line.insertCell().textContent = value;
+  };
+  message.multipliers.forEach(([value, size], k) => {
+    row(k === 0 ? "multipliers" : "", value);
+    if (k === 0 && size > 1) table.rows[0].cells[1].style.color = "var(--vermilion)";
+  });
+  row("length", Number(message.length.toPrecision(9)));
+  row("residual", message.residual.toExponential(1));
+  const words = Object.assign(document.createElement("p"), { className: "quiet" });
+  words.textContent = message.admissible ? message.word : message.message;
+  place.replaceChildren(title, table, words);
+}
+
+on("view", (message) => {
+  if (message.view.turn === 0 && !byId("orbit-text").querySelector(".quiet:only-child")) {
+    const said = Object.assign(document.createElement("p"), { className: "quiet" });
+    said.textContent =
+      "Press Orbit for the periodic orbit near the end of the motion, with its multipliers," +
+      " and its branch in the diagram.";
+    byId("orbit-text").replaceChildren(said);
+  }
+});
+
+// ------------------------------------------------------------------ messages
+
+let toastTimer = 0;
+function toast(text) {
+  const place = byId("toast");
+  place.textContent = text;
+  place.hidden = false;
+  clearTimeout(toastTimer);
+  toastTimer = setTimeout(() => { place.hidden = true; }, 8000);
+}
+
+on("refused", (message) => {
+  if (message.of !== "text") toast(message.message);
+});
+
+// ------------------------------------------------------------------ copies and pictures
+
+const dialog = byId("copied");
+async function offer(title, text) {
+  byId("copied-title").textContent = title;
+  byId("copied-text").value = text;
+  byId("copied-said").textContent = "";
+  dialog.showModal();
+  await copy(text);
+}
+async function copy(text) {
+  try {
+    await navigator.clipboard.writeText(text);
+    byId("copied-said").textContent = "It is in the clipboard.";
+  } catch {
+    byId("copied-text").select();
+    byId("copied-said").textContent = "Press Ctrl+C to copy it.";
+  }
+}
+const titles = { python: "Script of Python", command: "Commands of the shell", toml: "System as TOML" };
+on("copy", (message) => offer(titles[message.as], message.text));
+byId("copied-again").addEventListener("click", () => copy(byId("copied-text").value));
+byId("copied-close").addEventListener("click", () => dialog.close());
+for (const button of document.querySelectorAll("[data-copy]")) {
+  button.addEventListener("click", () => {
+    const kind = button.dataset.copy;
+    if (kind === "link") offer("Link to this view", location.href);
+    else send({ do: "copy", as: kind });
+  });
+}
+
+for (const place of document.querySelectorAll("[data-print]")) {
+  const list = document.createElement("select");
+  list.setAttribute("aria-label", `print the ${place.dataset.print}`);
+  list.title = "A picture for print";
+  list.append(new Option("⤓", ""), ...[".pdf", ".svg", ".png"].map((each) => new Option(each.slice(1).toUpperCase(), each)));
+  list.addEventListener("change", () => {
+    send({ do: "print", pane: place.dataset.print, suffix: list.value });
+    list.value = "";
+  });
+  place.append(list);
+}
+on("file", (message) => {
+  const bytes = Uint8Array.from(atob(message.data), (letter) => letter.charCodeAt(0));
+  const anchor = document.createElement("a");
+  anchor.href = URL.createObjectURL(new Blob([bytes]));
+  anchor.download = message.name;
+  anchor.click();
+  setTimeout(() => URL.revokeObjectURL(anchor.href), 10_000);
+});
+
+// ------------------------------------------------------------------ buttons and keys
+
+byId("back").addEventListener("click", () => send({ do: "back" }));
+byId("forward").addEventListener("click", () => send({ do: "forward" }));
+byId("stop").addEventListener("click", () => send({ do: "stop" }));
+byId("orbit").addEventListener("click", () => send({ do: "orbit" }));
+document.addEventListener("keydown", (event) => {
+  if (event.ctrlKey || event.metaKey || event.altKey || dialog.open) return;
+  if (event.key === "Escape") send({ do: "stop" });
+  if (event.target.closest("input, textarea, select")) return;
+  if (event.key === " " && event.target.closest("button")) return;
+  const actions = {
+    "[": () => stepEvent(-1), "]": () => stepEvent(1), " ": togglePlay,
+    o: () => send({ do: "orbit" }), Backspace: () => send({ do: "back" }),
+  };
+  if (!actions[event.key]) return;
+  event.preventDefault();
+  actions[event.key]();
+});
+
+// A link that is pasted into the same page, and the buttons of the browser.
+window.addEventListener("hashchange", () => {
+  if (location.hash !== link) send({ do: "link", link: location.hash });
+});
+
+connect(() => {
+  for (const plot of document.querySelectorAll(".plot")) keys(plot.dataset.pane, plot);
+  follow();
+  if (location.hash.length > 1) send({ do: "link", link: location.hash, first: true });
+  else send({ do: "hello" });
+});

@@ -1,0 +1,139 @@
+// What lies over Bokeh's figures and moves often: the dot of the present time, where the motion
+// starts, the present value in the diagram, and the cross of the keyboard.
+
+import { model, send } from "./wire.js";
+
+const marks = { history: [], portrait: [], diagram: [], plane: [] };
+const crosses = {};
+const step = 0.02; // of the frame, for an arrow key; five times that with Shift
+const box = 0.25; // half of a box around the cross
+
+function frame(pane) {
+  const figure = model(pane);
+  const view = figure && Bokeh.index.find_one(figure);
+  if (!view?.frame) return null;
+  const bounds = view.frame.bbox;
+  return { figure, left: bounds.left, top: bounds.top, width: bounds.width, height: bounds.height };
+}
+
+function place(at, x, y) {
+  const { x_range, y_range } = at.figure;
+  const right = (x - x_range.start) / (x_range.end - x_range.start);
+  const up = (y - y_range.start) / (y_range.end - y_range.start);
+  return [right, 1 - up];
+}
+
+function overlay(pane) {
+  const plot = document.querySelector(`[data-pane="${pane}"]`);
+  let found = plot.querySelector(".overlay");
+  if (!found) {
+    found = document.createElement("div");
+    found.className = "overlay";
+    plot.append(found);
+  }
+  return found;
+}
+
+function element(pane, kind) {
+  const over = overlay(pane);
+  let found = over.querySelector(`.${kind}`);
+  if (!found) {
+    found = document.createElement("div");
+    found.className = kind;
+    over.append(found);
+  }
+  return found;
+}
+
+function put(pane, kind, at, right, down) {
+  const mark = element(pane, kind);
+  const inside = right >= 0 && right <= 1 && (kind === "rule" || (down >= 0 && down <= 1));
+  mark.hidden = !inside;
+  mark.style.left = `${at.left + right * at.width}px`;
+  if (kind === "rule") {
+    mark.style.top = `${at.top}px`;
+    mark.style.height = `${at.height}px`;
+  } else {
+    mark.style.top = `${at.top + down * at.height}px`;
+  }
+}
+
+// Marks of a pane: [kind, x, y] in the units of its axes.
+export function setMarks(pane, list) {
+  marks[pane] = list;
+  draw(pane);
+}
+
+export function draw(pane) {
+  const at = frame(pane);
+  if (!at) return;
+  const kinds = new Set(marks[pane].map(([kind]) => kind));
+  for (const mark of overlay(pane).children) {
+    if (!mark.classList.contains("cross") && !kinds.has(mark.className)) mark.hidden = true;
+  }
+  for (const [kind, x, y] of marks[pane]) {
+    if (x === null || x === undefined) continue;
+    const [right, down] = place(at, x, y ?? 0);
+    put(pane, kind, at, right, down);
+  }
+  if (crosses[pane]) put(pane, "cross", at, ...crosses[pane]);
+}
+
+export function drawAll() {
+  for (const pane of Object.keys(marks)) draw(pane);
+}
+
+function valueAt(at, right, down) {
+  const { x_range, y_range } = at.figure;
+  return [
+    x_range.start + right * (x_range.end - x_range.start),
+    y_range.start + (1 - down) * (y_range.end - y_range.start),
+  ];
+}
+
+export function keys(pane, plot) {
+  plot.addEventListener("focus", () => {
+    if (pane !== "history") crosses[pane] ??= [0.5, 0.5];
+    draw(pane);
+    if (crosses[pane]) element(pane, "cross").hidden = false;
+  });
+  plot.addEventListener("blur", () => {
+    if (crosses[pane]) element(pane, "cross").hidden = true;
+  });
+  if (pane === "history") return;
+  plot.addEventListener("keydown", (event) => {
+    const at = frame(pane);
+    const cross = crosses[pane];
+    const by = event.shiftKey ? 5 * step : step;
+    const moves = { ArrowLeft: [-by, 0], ArrowRight: [by, 0], ArrowUp: [0, -by], ArrowDown: [0, by] };
+    if (moves[event.key]) {
+      const held = (value) => Math.min(1, Math.max(0, value));
+      crosses[pane] = [held(cross[0] + moves[event.key][0]), held(cross[1] + moves[event.key][1])];
+      draw(pane);
+    } else if (event.key === "Enter") {
+      const [x, y] = valueAt(at, ...cross);
+      send({ do: "click", pane, x, y });
+    } else if ((event.key === "+" || event.key === "-") && pane !== "portrait") {
+      const reach = event.key === "+" ? box : 1.0;
+      const [x0, y0] = valueAt(at, cross[0] - reach, cross[1] + reach);
+      const [x1, y1] = valueAt(at, cross[0] + reach, cross[1] - reach);
+      send({ do: "box", pane, x0, x1, y0, y1 });
+      crosses[pane] = [0.5, 0.5];
+    } else {
+      return;
+    }
+    event.preventDefault();
+    event.stopPropagation();
+  });
+}
+
+// Ranges change by wheel and pan as well: marks follow them.
+export function follow() {
+  for (const pane of Object.keys(marks)) {
+    const { x_range, y_range } = model(pane);
+    for (const range of [x_range, y_range]) {
+      range.change.connect(() => requestAnimationFrame(() => draw(pane)));
+    }
+    new ResizeObserver(() => setTimeout(() => draw(pane), 50)).observe(overlay(pane));
+  }
+}

@@ -1,0 +1,37 @@
+// Messages between the page and its session: JSON in the text of one hidden model, answers in the
+// tags of another. Bokeh carries both, and arrays come as typed arrays.
+
+let outgoing = null;
+let count = 0;
+const listeners = new Map();
+
+export function on(type, listener) {
+  if (!listeners.has(type)) listeners.set(type, []);
+  listeners.get(type).push(listener);
+}
+
+export function send(gesture) {
+  count += 1;
+  outgoing.text = JSON.stringify({ ...gesture, n: count });
+  return count;
+}
+
+export function model(name) {
+  return Bokeh.documents[0].get_model_by_name(name);
+}
+
+function hear(message) {
+  for (const listener of listeners.get(message.type) ?? []) listener(message);
+}
+
+export function connect(ready) {
+  const timer = setInterval(() => {
+    const document_ = window.Bokeh?.documents?.[0];
+    const incoming = document_?.get_model_by_name("to_page");
+    outgoing = document_?.get_model_by_name("from_page");
+    if (!incoming || !outgoing) return;
+    clearInterval(timer);
+    incoming.properties.tags.change.connect(() => hear(incoming.tags[0]));
+    ready();
+  }, 10);
+}

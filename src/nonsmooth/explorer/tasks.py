@@ -1,0 +1,378 @@
+"""What is computed aside: each task turns a view into pieces, ready to be drawn.
+
+A piece is a dictionary of plain values and arrays. Tasks that take long give coarse pieces first,
+so that there is something to see after a moment.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from nonsmooth.errors import OptionError, RunWarning
+from nonsmooth.explorer import calls
+from nonsmooth.explorer.limits import label_and_unit
+from nonsmooth.explorer.reasons import certificate, event_reasons
+from nonsmooth.explorer.view import View
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["TASKS", "Piece"]
+
+Piece = dict[str, Any]
+
+_LONGEST_RUN = 4.0  # seconds of a motion that is shown; more would keep a slider waiting
+_MOST_EVENTS = 100_000
+_EVENTS = 2_000  # rows that go to the page
+_FRAMES = 400  # of the drawing
+_COARSE_COLUMNS = 8  # every so many columns come first
+_COARSE_CELLS = 25
+_AROUND = 0.25  # of the extent of a motion, by which a region reaches beyond it
+_LONGEST_TURN = 16  # periods of an orbit that is looked for
+_SETTLING = 200  # periods until the period of a motion is read
+
+
+def _computed(made: list[calls.VerbCall], system: Any, **changed: Any) -> dict[str, Any]:
+    """Results of some calls, by their names; a run that ends early says so in its message."""
+    results: dict[str, Any] = {"system": system}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RunWarning)
+        for call in made:
+            more = changed if call.verb == "simulate" else {}
+            results[call.name] = call.run(results, **more)
+    return results
+
+
+def _run(view: View) -> xr.Dataset:
+    limits = {"max_seconds": _LONGEST_RUN, "max_events": _MOST_EVENTS}
+    return _computed(calls.motion(view), view.system, **limits)["run"]
+
+
+def motion(view: View) -> Iterator[Piece]:
+    """Curves of the motion by mode, and its events."""
+    from nonsmooth.plot.style import mode_colours
+
+    run = _run(view)
+    drawn, portrait = list(view.drawn), list(view.portrait)
+    attrs = run.attrs
+    yield {
+        "status": attrs["status"],
+        "message": attrs["message"],
+        "certified": bool(attrs["certified"]),
+        "n_events": int(attrs["n_events"]),
+        "n_uncertain": int(attrs["n_uncertain"]) + int(attrs["n_estimated"]),
+        "word": attrs["phase_word"],
+        "period": attrs.get("period"),
+        "time": run["time"].values,
+        "values": {name: run[name].values for name in dict.fromkeys([*drawn, *portrait])},
+        "labels": {name: _label(run, name) for name in dict.fromkeys([*drawn, *portrait, "time"])},
+        "colours": mode_colours(run),
+        "history": [_by_mode(run, [name], over_time=True) for name in drawn],
+        "portrait": _by_mode(run, portrait),
+        "extent": {name: _extent(run[name].values) for name in view.system.states},
+        "end": dict(zip(view.system.states, run["end_state"].values.tolist(), strict=True)),
+        "events": _events(view, run, [*drawn[:1], *portrait]),
+    }
+
+
+def _label(data: xr.Dataset, name: str) -> tuple[str, str]:
+    attrs = data[name].attrs
+    return str(attrs.get("long_name", name)), str(attrs.get("units", ""))
+
+
+def _extent(values: np.ndarray) -> tuple[float, float]:
+    finite = values[np.isfinite(values)]
+    return (float(finite.min()), float(finite.max())) if finite.size else (0.0, 0.0)
+
+
+def _by_mode(run: xr.Dataset, names: list[str], *, over_time: bool = False) -> dict[str, Any]:
+    """Points of a curve for each mode, with gaps where the motion is in another one."""
+    from nonsmooth.plot.style import mode_colours, mode_numbers
+    from nonsmooth.plot.trace import broken, curve
+
+    trace = curve(run, names)
+    points = np.vstack([trace.time, trace.values]) if over_time else trace.values
+    points = np.vstack([points, points]) if len(points) == 1 else points
+    found = {
+        name: broken(points, np.isin(trace.mode, mode_numbers(run, name)) & ~trace.jumps)
+        for name in mode_colours(run)
+    }
+    moved = np.append(np.any(np.diff(points, axis=1) != 0.0, axis=0), False)
+    found[""] = broken(points, trace.jumps & moved)
+    return {name: line for name, line in found.items() if line.size}
+
+
+def _events(view: View, run: xr.Dataset, names: list[str]) -> list[dict[str, Any]]:
+    """The event log as rows, with where the events lie in the curves."""
+    log = run.isel(event=slice(0, _EVENTS))
+    modes = log["mode"].attrs["flag_meanings"].split()
+    columns = {key: log[f"event_{key}"].values.tolist() for key in ("time", "name", "kind")}
+    sides = {side: log[f"state_{side}"].values for side in ("before", "after")}
+    states = list(view.system.states)
+    rows: list[dict[str, Any]] = []
+    for k in range(log.sizes["event"]):
+        row = {key: values[k] for key, values in columns.items()}
+        row |= {"from": modes[int(log["event_from"].values[k])]}
+        row |= {"to": modes[int(log["event_to"].values[k])]}
+        row |= {side: values[k].tolist() for side, values in sides.items()}
+        row |= {"rate": float(log["guard_rate"].values[k])}
+        row |= {key: bool(log[key].values[k]) for key in ("certified", "estimated")}
+        rows.append(row)
+    when = np.array([row["time"] for row in rows])
+    for name in names:
+        place = states.index(name) if name in states else -1
+        at = np.interp(when, run["time"].values, run[name].values) if place < 0 else ()
+        for k, row in enumerate(rows):
+            row.setdefault("at", {})[name] = row["before"][place] if place >= 0 else float(at[k])
+    for row, reason in zip(rows, event_reasons(view.system, rows), strict=True):
+        row |= {"reason": reason, "certificate": certificate(row)}
+    return rows
+
+
+def drawing(view: View) -> Iterator[Piece]:
+    """The machine in all its places, as outlines over frames."""
+    from nonsmooth.drawings import ROLES, drawing_of
+
+    run = _run(view)
+    step = max(1, -(-run.sizes["time"] // _FRAMES))
+    run = run.isel(time=slice(None, None, step))
+    frames = drawing_of(view.system).frames(run)
+    modes = run["mode"].attrs["flag_meanings"].split()
+    yield {
+        "time": run["time"].values,
+        "mode": [modes[k] for k in run["mode"].values],
+        "note": frames.note,
+        "x_range": frames.x_range,
+        "y_range": frames.y_range,
+        "shapes": [
+            {
+                "kind": shape.kind,
+                "x": shape.x.astype(np.float32),
+                "y": shape.y.astype(np.float32),
+                "visible": shape.visible,
+                "text": shape.text,
+                "fill": ROLES[shape.role].fill,
+                "edge": ROLES[shape.role].edge,
+                "width": ROLES[shape.role].width,
+                "dashed": ROLES[shape.role].dashed,
+            }
+            for shape in frames.shapes
+        ],
+    }
+
+
+def diagram(view: View) -> Iterator[Piece]:
+    """Columns of the bifurcation diagram, some of them first."""
+    if not view.over:
+        raise OptionError("the system has no parameter for a diagram")
+    if view.start != "restart":  # each column begins where the one before has ended
+        coarse = max(2, view.columns // _COARSE_COLUMNS)
+        for columns in (coarse, view.columns):
+            done = _computed(calls.diagram(view, columns), view.system)["diagram"]
+            yield _columns(view, done, np.arange(columns), columns)
+        return
+    made, system = calls.diagram(view), view.system
+    values = made[-1].arguments[2].values()
+    results = _computed(made[:-1], system)
+    done = 0
+    for chosen in _coarse_to_fine(len(values)):
+        call = replace(made[-1], arguments=(*made[-1].arguments[:2], values[chosen]))
+        done += chosen.size
+        yield _columns(view, call.run(results), chosen, len(values), done)
+
+
+def _coarse_to_fine(count: int) -> Iterator[np.ndarray]:
+    """Numbers below a count: every eighth, then those half way, and so on."""
+    step = _COARSE_COLUMNS
+    yield np.arange(0, count, step)
+    while step > 1:
+        yield np.arange(step // 2, count, step)
+        step //= 2
+
+
+def _columns(view: View, part: xr.Dataset, numbers: np.ndarray, count: int, done: int = 0) -> Piece:
+    """Points of some columns, each with the period of its motion."""
+    shown = part[view.shown]
+    values = shown.values.reshape(len(numbers), -1)
+    period = part["period"].values[:, 0]
+    # a motion of period p has p points: the others lie on them
+    kept = np.isfinite(values)
+    short = (period > 0) & (period < values.shape[1])
+    kept[short] &= np.arange(values.shape[1]) < period[short, None]
+    column, _ = np.nonzero(kept)
+    return {
+        "label": _label(part, view.shown),
+        "parameter": part["parameter"].values[column],
+        "value": values[kept],
+        "period": period[column],
+        "numbers": numbers,
+        "done": done or len(numbers),
+        "count": count,
+        "refused": int((part["status"].values != "completed").sum()),
+    }
+
+
+def plane(view: View) -> Iterator[Piece]:
+    """Basins of attraction, coarse first; or points of a section."""
+    if not view.plane:
+        raise OptionError("the system has fewer than two states for a plane")
+    if view.picture == "section":
+        yield _points(view)
+        return
+    if view.system.period is None and not view.section:
+        raise OptionError(
+            "nothing drives this system: give a section, such as one of its velocities, by which"
+            " basins are counted"
+        )
+    view = replace(view, region=view.region or _region(view))
+    for cells in sorted({min(_COARSE_CELLS, view.cells), view.cells}):
+        found = _computed(calls.basins(view, cells), view.system)["basins"]
+        yield _cells(view, found)
+
+
+def _region(view: View) -> tuple[float, ...]:
+    """Ranges a little wider than the motion."""
+    run = _run(view)
+    ends: list[float] = []
+    for name in view.plane:
+        low, high = _extent(run[name].values)
+        reach = _AROUND * (high - low) or 1.0
+        ends += [float(f"{low - reach:.3g}"), float(f"{high + reach:.3g}")]
+    return tuple(ends)
+
+
+def _cells(view: View, found: xr.Dataset) -> Piece:
+    from nonsmooth.plot.attractor_style import attractor_points, attractor_styles
+
+    across, up = view.plane
+    numbers = [int(k) for k in found["attractor"].values]
+    styles = attractor_styles(found, numbers)
+    return {
+        "label": found["label"].transpose(up, across).values,
+        "region": view.region,
+        "labels": {name: _name_and_unit(view, name) for name in view.plane},
+        "attractors": [
+            {
+                "number": k,
+                "basin": styles[k].basin,
+                "colour": styles[k].points,
+                "text": styles[k].text,
+                "points": attractor_points(found, k, across, up),
+            }
+            for k in numbers
+        ],
+        "unsettled": int(found.attrs["unsettled_cells"]),
+        "cells": int(found["label"].size),
+    }
+
+
+def _points(view: View) -> Piece:
+    from nonsmooth.plot.style import mode_colours
+
+    points = _computed(calls.points(view), view.system)["points"]
+    across, up = view.plane
+    modes = points["mode"].attrs["flag_meanings"].split()
+    colours = mode_colours(points)
+    return {
+        "x": points[across].values,
+        "y": points[up].values,
+        "mode": [modes[k] for k in points["mode"].values],
+        "colour": [colours[modes[k]] for k in points["mode"].values],
+        "labels": {name: _name_and_unit(view, name) for name in view.plane},
+        "message": str(points.attrs.get("message", "")),
+    }
+
+
+def _name_and_unit(view: View, name: str) -> tuple[str, str]:
+    label, unit = label_and_unit(view.system.describe.get(name, name))
+    return label or name, unit
+
+
+def orbit(view: View) -> Iterator[Piece]:
+    """The periodic orbit near the end of the motion; then its branch, where it is asked for."""
+    from nonsmooth.analysis.orbit_samples import orbit_samples
+
+    system = view.system
+    if view.turn < 0:
+        view = replace(view, turn=_period(view))
+    results = _computed([*calls.motion(view), *calls.orbit(view)], system)
+    found = results["orbit"]
+    if found.attrs["status"] not in ("completed", "inadmissible"):
+        yield {"turn": 0, "message": found.attrs["message"]}
+        return
+    samples = orbit_samples(found)
+    yield {
+        "turn": view.turn,
+        "message": found.attrs["message"],
+        "admissible": bool(found["admissible"]),
+        "stable": bool(found["stable"]),
+        "word": str(found["word"].item()),
+        "residual": float(found["residual"]),
+        "length": float(found["length"]),
+        "multipliers": found["multipliers"].values.tolist(),
+        "curve": tuple(samples[name].values for name in view.portrait),
+        "state": {name: float(found[name]) for name in system.states},
+    }
+    if view.branch and view.over and bool(found["admissible"]):
+        (follow,) = calls.branch(view)
+        yield _branch(view, follow.run(results))
+
+
+def _period(view: View) -> int:
+    """Period to which the motion repeats, 1 where it does not: an orbit is near all the same."""
+    if view.system.period is None:
+        return 1
+    call = calls.diagram(replace(view, section="", start="restart", initial=()))[-1]
+    value = np.array([view.system.parameter_values[view.over]]) if view.over else None
+    if value is None:
+        return 1
+    call = replace(call, arguments=(*call.arguments[:2], value))
+    options = {"transient": _SETTLING, "record": 4 * _LONGEST_TURN, "initial": _run(view)}
+    settled = call.run({"system": view.system}, **options)
+    return int(settled["period"].values.ravel()[0]) or 1
+
+
+def _branch(view: View, branch: xr.Dataset) -> Piece:
+    shown = view.shown if view.shown in branch else ""
+    special = [
+        {
+            "kind": str(kind),
+            "value": float(value),
+            "height": float(branch[shown].values[int(point)]) if shown else float("nan"),
+        }
+        for kind, value, point in zip(
+            branch["special_kind"].values,
+            branch["special_value"].values,
+            branch["special_point"].values,
+            strict=True,
+        )
+    ]
+    return {
+        "parameter": branch[view.over].values,
+        "value": branch[shown].values if shown else np.full(branch.sizes["point"], np.nan),
+        "stable": branch["stable"].values.astype(bool),
+        "special": special,
+        "ends": (branch.attrs["end_first"], branch.attrs["end_last"]),
+    }
+
+
+def picture(view: View, which: str = "portrait", suffix: str = ".png") -> Iterator[Piece]:
+    """A picture for print, drawn by `nonsmooth.plot` from the same calls."""
+    from nonsmooth.explorer.printing import printed
+
+    yield {"file": printed(view, which, suffix), "name": f"{which}{suffix}"}
+
+
+TASKS: dict[str, Callable[..., Iterator[Piece]]] = {
+    "motion": motion,
+    "drawing": drawing,
+    "diagram": diagram,
+    "plane": plane,
+    "orbit": orbit,
+    "picture": picture,
+}

@@ -1,0 +1,108 @@
+"""Gestures are functions of views: no browser is needed to see what a click does."""
+
+import pytest
+
+from nonsmooth.errors import NonsmoothError, OptionError
+from nonsmooth.explorer.gestures import after
+from nonsmooth.explorer.links import to_link
+from nonsmooth.explorer.openings import opening, presets
+from nonsmooth.explorer.view import system_of
+
+MOLE = opening("moling")
+WALL = opening("impact_oscillator")
+
+
+def test_a_slider_changes_a_parameter_and_puts_the_orbit_away():
+    shown = after(MOLE, {"do": "set", "fields": {"turn": "2", "branch": "1"}})
+    view = after(shown, {"do": "value", "name": "b", "value": "0.12"})
+    assert view.system.parameter_values["b"] == 0.12
+    assert (view.turn, view.branch) == (0, False)
+
+
+def test_a_value_may_be_an_expression_and_nothing_else():
+    view = after(MOLE, {"do": "value", "name": "phi", "value": " pi/4 "})
+    assert view.system.parameter_values["phi"] == pytest.approx(0.785398163, abs=1e-9)
+    for text in ("__import__('os')", "1 if 2 else 3", "b = 2", ""):
+        with pytest.raises(NonsmoothError):
+            after(MOLE, {"do": "value", "name": "phi", "value": text})
+
+
+def test_a_value_outside_the_diagram_widens_it():
+    view = after(MOLE, {"do": "value", "name": "b", "value": "0.4"})
+    assert view.between == (0.02, 0.4)
+
+
+def test_a_click_in_the_diagram_runs_there_with_the_digits_of_a_picture():
+    view = after(MOLE, {"do": "click", "pane": "diagram", "x": 0.123456789, "y": 3.0})
+    assert dict(view.values) == {"b": "0.12346"}
+
+
+def test_a_click_in_the_plane_or_the_portrait_starts_there():
+    for pane in ("plane", "portrait"):
+        view = after(MOLE, {"do": "click", "pane": pane, "x": -3.5, "y": 0.25})
+        assert dict(view.initial) == {"p": -3.5, "y": 0.25}
+        assert view.leave_out == 0.0  # so that the start is seen
+
+
+def test_a_click_on_an_output_is_no_start():
+    view = after(MOLE, {"do": "set", "fields": {"portrait": "x,y"}})
+    with pytest.raises(OptionError, match="x is an output"):
+        after(view, {"do": "click", "pane": "portrait", "x": 1.0, "y": 1.0})
+
+
+def test_a_box_becomes_the_range_whichever_way_it_was_drawn():
+    box = {"do": "box", "x0": 0.14, "x1": 0.10, "y0": 5.0, "y1": 2.0}
+    view = after(MOLE, box | {"pane": "diagram"})
+    assert (view.between, view.height) == ((0.10, 0.14), (2.0, 5.0))
+    view = after(MOLE, box | {"pane": "plane"})
+    assert view.region == (0.10, 0.14, 2.0, 5.0)
+    with pytest.raises(OptionError, match="too small"):
+        after(MOLE, {"do": "box", "pane": "diagram", "x0": 0.1, "x1": 0.1, "y0": 0.0, "y1": 1.0})
+
+
+def test_orbit_asks_for_the_period_of_the_motion_and_again_puts_it_away():
+    view = after(MOLE, {"do": "orbit"})
+    assert (view.turn, view.branch) == (-1, True)
+    assert after(view, {"do": "orbit"}).turn == 0
+
+
+def test_typed_equations_keep_what_still_has_a_meaning():
+    text = system_of("impact_oscillator", "").to_toml().replace("r = 0.8", "r = 0.5")
+    moved = after(WALL, {"do": "set", "fields": {"length": "33", "portrait": "v,x"}})
+    view = after(moved, {"do": "text", "text": text})
+    assert view.system.parameter_values["r"] == 0.5
+    assert (view.model, view.length, view.portrait) == ("", 33.0, ("v", "x"))
+    assert view.between == WALL.between
+
+
+def test_a_start_at_rest_is_no_start():
+    view = after(WALL, {"do": "start", "states": {"x": -1.0, "v": 0.0}})
+    assert view.initial == (("x", -1.0),)
+    assert after(view, {"do": "start", "states": {}}).initial == ()
+
+
+def test_lists_and_links():
+    assert after(WALL, {"do": "preset", "number": 3}) == presets()[3].view
+    assert after(WALL, {"do": "link", "link": "#" + to_link(MOLE)}) == MOLE
+
+
+@pytest.mark.parametrize(
+    "gesture",
+    [
+        {},
+        {"do": "eval"},
+        {"do": ["value"]},
+        {"do": "value"},
+        {"do": "value", "name": "nothing", "value": "1"},
+        {"do": "set", "fields": {"model": "duffing"}},
+        {"do": "set", "fields": {"columns": "1e9"}},
+        {"do": "set", "fields": ["length"]},
+        {"do": "preset", "number": 10_000},
+        {"do": "click", "pane": "plane"},
+        {"do": "start", "states": {"x": "a"}},
+        {"do": "start", "states": {"x": float("inf")}},
+    ],
+)
+def test_what_is_no_gesture_is_refused(gesture):
+    with pytest.raises(NonsmoothError):
+        after(WALL, gesture)
