@@ -134,12 +134,14 @@ class Body(NamedTuple):
         return y[1], force + ratio * pull, u, -pull
 
 
-def _two_sided(name: str, rates: Callable[[bool], Any], guard: Any) -> Callable[[float, Any], Mode]:
+def _two_sided(
+    names: tuple[str, str], rates: Callable[[bool], Any], guard: Any
+) -> Callable[[float, Any], Mode]:
     """Modes on both sides of a surface that a continuous force crosses."""
 
     def mode(inside: bool) -> Mode:
         leave = Exit(guard, -1 if inside else 1, lambda t, y: (mode(not inside), y))
-        return Mode(name if inside else "free", rates(inside), (leave,))
+        return Mode(names[int(inside)], rates(inside), (leave,))
 
     return lambda t, y: mode(guard(t, y) > 0.0)
 
@@ -159,7 +161,7 @@ def soft_impact(cubic: float = 0.0, small: Any = None, **changed: float) -> Mach
 
         return of
 
-    begin = _two_sided("contact", rates, lambda t, y: y[0] - e)
+    begin = _two_sided(("free", "contact"), rates, lambda t, y: y[0] - e)
     return Machine(begin, 2.0 * pi / omega, 2, EXPLICIT)
 
 
@@ -179,7 +181,9 @@ def breathing_crack(cubic: float = 0.0, small: Any = None, **changed: float) -> 
 
         return of
 
-    return Machine(_two_sided("open", rates, lambda t, y: y[0]), 2.0 * pi / eta, 2, EXPLICIT)
+    return Machine(
+        _two_sided(("closed", "open"), rates, lambda t, y: y[0]), 2.0 * pi / eta, 2, EXPLICIT
+    )
 
 
 def impact_oscillator(cubic: float = 0.0, small: Any = None, **changed: float) -> Machine:

@@ -36,6 +36,8 @@ __all__ = ["fit"]
 Floats = npt.NDArray[np.float64]
 
 _PER_SEGMENT = 50  # samples, without a period
+_PARTS = 4  # of a segment, with which the search begins
+_MOST_PARTS = 240  # in all: the work of a step grows with the square of their number
 _FORMS = ("transient", "steady")
 _SAME = 1e-12  # of a period: a difference that is rounding
 
@@ -108,7 +110,8 @@ def fit(
     cycle : int, optional
         Number of periods of the forcing after which a steady motion repeats itself.
     segments : int, optional
-        Number of segments; one per period by default, or per 50 samples without a period.
+        Number of segments; one per period by default, or per 50 samples without a period, and at
+        first each of these is cut into up to four parts.
     hold_back : float, optional
         Part of the record, at its end, that is not fitted but predicted.
     starts : int, optional
@@ -252,11 +255,13 @@ def _shooting(
                 f" {cut.cycle:.6g}; give a longer record, or a smaller hold_back="
             )
         end = begin + cut.cycle
+    together = 1
     if cut.segments is None:
         period = _period(system, free)
         number = used.size / _PER_SEGMENT if period is None else (end - begin) / period
         most = used.size // (4 * (len(system.states) + 1))
         number = int(np.clip(round(number), 1, max(1, most)))
+        together = _parts(number, used.size * len(channels), len(system.states))
     else:
         number = whole_number("segments", cut.segments)
         if number > used.size // 2:
@@ -264,9 +269,15 @@ def _shooting(
                 f"segments = {number}: at most {used.size // 2}, half the samples that are fitted"
             )
     return Shooting(
-        system, free, fitted, times, np.linspace(begin, end, number + 1), tolerance,
-        is_cycle=cut.cycle is not None,
+        system, free, fitted, times, np.linspace(begin, end, number * together + 1), tolerance,
+        is_cycle=cut.cycle is not None, together=together,
     )  # fmt: skip
+
+
+def _parts(number: int, n_data: int, n_states: int) -> int:
+    """Into how many parts each of some segments is cut at first, where the data allow it."""
+    most = min(_MOST_PARTS, n_data // (2 * (n_states + 1)))
+    return int(np.clip(most // number, 1, _PARTS))
 
 
 def _cycle_length(system: System, free: Mapping[str, Range], form: Any, cycle: Any) -> float | None:

@@ -2,11 +2,16 @@
 
 Segments begin at different times and have different samples, so each is a lane of its own; the
 tables and their derivatives by parameters are set up once for all of them.
+
+In some modes relations hold some of the states: a ring stands where the rotor presses it, a mass
+lies on its slider. A start of a segment has all states as numbers, which agree with such relations
+only when the fit has ended. So a start tells a mode, that in which the segment before has ended,
+and states that the mode holds are left out of it: the engine puts them in their place.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -14,6 +19,7 @@ import numpy.typing as npt
 
 from nonsmooth.engine.lanes import (
     ANY,
+    Records,
     Tangent,
     allocate_anchor,
     allocate_columns,
@@ -22,6 +28,7 @@ from nonsmooth.engine.lanes import (
     run,
 )
 from nonsmooth.engine.status import Status
+from nonsmooth.engine.tables import members
 from nonsmooth.errors import ModelError
 from nonsmooth.fitting.observation import MotionSamples
 from nonsmooth.runs.clock import instants
@@ -32,6 +39,7 @@ from nonsmooth.system.system import System
 __all__ = ["Flight", "Flights"]
 
 Floats = npt.NDArray[np.float64]
+Instants = tuple[npt.NDArray[np.int64], Floats]  # numbers of windows, and phases
 
 
 class Flight(NamedTuple):
@@ -39,6 +47,11 @@ class Flight(NamedTuple):
 
     samples: MotionSamples  # K of them
     columns: Floats  # (K, n, n + p)
+
+    @property
+    def last_mode(self) -> int:
+        """Number of the mode in which the run has ended."""
+        return int(self.samples.modes[-1])
 
 
 class Flights:
@@ -49,6 +62,8 @@ class Flights:
         self.n = len(system.states)
         self.n_runs = 0
         self.values: dict[str, float] = {}
+        self._parents = [mode.parent for mode in system.structure.running]
+        self._placed = np.isnan(list(system.open_state.values()))  # where a start leaves them out
 
     def set_up(self, changed: dict[str, float]) -> bool:
         """Take values of the chosen parameters; whether the system admits them."""
@@ -66,6 +81,11 @@ class Flights:
             return False
         self._segment = allocate_segment(self.tables.sizes, len(self.chosen))
         self._scratch: Tangent | None = None
+        self._held = members(self.tables.modes["slaved"], self.n)
+        # without a hint a start leaves out only what any start may leave out: a mass that rests at
+        # a wall is held there, and a mass that comes to the wall is not at rest
+        scanned = self._held.any(axis=1) & ~(self._held & ~self._placed).any(axis=1)
+        self._scanned: list[int] = np.flatnonzero(scanned).tolist()
         self.values = values
         return True
 
@@ -74,24 +94,75 @@ class Flights:
         """Length of a window: the period, where there is one."""
         return self.tables.window
 
-    def fly(self, state: Floats, begin: float, times: Floats) -> Flight | None:
-        """Run through some times, not decreasing; None where the run ends early."""
-        sizes, p = self.tables.sizes, len(self.chosen)
+    def fly(self, state: Floats, begin: float, times: Floats, mode: int = ANY) -> Flight | None:
+        """Run through some times, not decreasing; None where the run ends early.
+
+        It begins in a mode, or where that does not admit the state, in the first one that does.
+        """
+        tangent = self._columns(times.size)
         numbers, phases = instants(np.append(begin, times), self.window)
-        records = allocate_records(sizes, numbers[1:], phases[1:], 0)
-        if self._scratch is None:
-            self._scratch = allocate_columns(sizes, self.n + p, 1)
-        tangent = self._scratch.replace(samples=np.full((times.size, self.n + p, self.n), np.nan))
-        tangent.columns[:], tangent.ready[:] = 0.0, 0
-        anchor = allocate_anchor(sizes)
-        anchor.move_to((int(numbers[0]), float(phases[0])))
-        anchor.state[:] = state
-        carried = self._derivatives
-        lane = (self.tables, carried.rates, carried.scratch, anchor, self._segment, tangent)
-        end = int(numbers[-1]), float(phases[-1])
-        status = run(lane, records, ANY, end, self.tolerance)
+        turned = None
+        for start, wanted, moved in self._starts(state, mode):
+            turned = moved
+            records = allocate_records(self.tables.sizes, numbers[1:], phases[1:], 0)
+            status = self._run(start, wanted, (numbers, phases), records, tangent)
+            if status != Status.INADMISSIBLE:
+                break
         self.n_runs += 1
         if status != Status.COMPLETED or not np.isfinite(tangent.samples).all():
             return None
         samples = MotionSamples(numbers[1:], phases[1:], records.sample_mode, records.sample_state)
-        return Flight(samples, tangent.samples.transpose(0, 2, 1))
+        columns = tangent.samples.transpose(0, 2, 1)
+        if turned is not None:
+            columns = np.concatenate(
+                [columns[:, :, : self.n] @ turned, columns[:, :, self.n :]], axis=2
+            )
+        return Flight(samples, columns)
+
+    def _starts(self, state: Floats, mode: int) -> Iterator[tuple[Floats, int, Floats | None]]:
+        """Starts to try in order, with what they are by the state given where that is not itself.
+
+        What a mode holds is left out, as nan. A start that no mode takes lies behind a surface, as
+        a mass within its slider: at last it is put on the surface, from where it may leave.
+        """
+        if mode != ANY and self._held[mode].any():
+            kin = [k for k, parent in enumerate(self._parents) if parent == self._parents[mode]]
+            for k in sorted(kin, key=lambda k: k != mode):
+                yield np.where(self._held[k], np.nan, state), k, None
+        yield state, ANY, None
+        for k in self._scanned:
+            yield np.where(self._held[k], np.nan, state), k, None
+        for k in self._scanned:
+            if not members(self.tables.modes["implicit"][k], self.n).any():
+                start, moved = self._on_relations(state, k)
+                yield start, ANY, moved
+
+    def _on_relations(self, state: Floats, mode: int) -> tuple[Floats, Floats]:
+        """A state put on the relations of a mode, and its derivatives by the state."""
+        known = self._segment.z.copy()  # powers of time and the like are those of the last try
+        known[: self.n] = state
+        start, moved = state.copy(), np.eye(self.n)
+        for i in np.flatnonzero(self._held[mode]):
+            row = self.tables.relation_row(mode, int(i))
+            start[i], moved[i] = row @ known, row[: self.n]
+        return start, moved
+
+    def _columns(self, count: int) -> Tangent:
+        """Room for the derivatives at some samples; scratch is shared by all runs."""
+        n, width = self.n, self.n + len(self.chosen)
+        if self._scratch is None:
+            self._scratch = allocate_columns(self.tables.sizes, width, 1)
+        return self._scratch.replace(samples=np.full((count, width, n), np.nan))
+
+    def _run(
+        self, start: Floats, mode: int, when: Instants, records: Records, tangent: Tangent
+    ) -> Status:
+        """Run from the first of some instants to the last one."""
+        numbers, phases = when
+        tangent.columns[:], tangent.ready[:] = 0.0, 0
+        anchor = allocate_anchor(self.tables.sizes)
+        anchor.move_to((int(numbers[0]), float(phases[0])))
+        anchor.state[:] = start
+        carried = self._derivatives
+        lane = (self.tables, carried.rates, carried.scratch, anchor, self._segment, tangent)
+        return run(lane, records, mode, (int(numbers[-1]), float(phases[-1])), self.tolerance)

@@ -225,7 +225,7 @@ def _predict(
             continue
         begin = float(shooting.bounds[m])
         times = np.append(plan.times, plan.times[-1])
-        flight = shooting.flights.fly(states[m], begin, times)
+        flight = shooting.flights.fly(states[m], begin, times, best.evaluation.modes[m])
         rows = None
         if flight is not None:
             rows = shooting.rows([m], [flight], [plan], best.u, best.noise)

@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.engine.lanes import ANY
 from nonsmooth.fitting.channels import ObservedChannel, Range
 from nonsmooth.fitting.flights import Flight, Flights
 from nonsmooth.fitting.observation import MotionSamples, Observation
@@ -63,6 +64,7 @@ class Evaluation(NamedTuple):
     gap: Floats  # (G, n): end of a segment less the start of the next
     gap_head: Floats  # (G, n, h)
     gap_state: Floats  # (G, n, n), by the start of the segment
+    modes: list[int]  # in which each segment is to begin: that in which the one before has ended
 
 
 class Shooting:
@@ -78,8 +80,10 @@ class Shooting:
         tolerance: float,
         *,
         is_cycle: bool = False,
+        together: int = 1,
     ) -> None:
         self.system, self.channels, self.times, self.bounds = system, channels, times, bounds
+        self.together = together  # segments that may become one
         self.is_cycle = is_cycle  # whether the motion repeats itself after the last segment
         self.free = dict(free)
         self.nuisances = [
@@ -153,6 +157,15 @@ class Shooting:
         states: Floats = u[self.h :].reshape(self.n_segments, self.n) * self.scales
         return states
 
+    def join_segments(self, u: Floats) -> Floats:
+        """Make segments that belong together one, and leave out the states between them."""
+        states = self.states_of(u)[:: self.together]
+        self.bounds, self.together = self.bounds[:: self.together], 1
+        self.n_segments = len(states)
+        self.size = self.h + self.n_segments * self.n
+        self.forget_plans()
+        return self.join(u[: self.h], states)
+
     def set_up(self, head: Floats) -> bool:
         """Take the parameters of the head; whether the system admits them."""
         values = self.head_values(head)[: self.p]
@@ -170,12 +183,14 @@ class Shooting:
         if not self.set_up(u):
             return None
         states, plans = self.states_of(u), self.plans(u)
-        flown = []
+        flown: list[Flight] = []
+        modes = [ANY]
         for m, plan in enumerate(plans):
-            flight = self.fly(m, states[m], plan)
+            flight = self.fly(m, states[m], plan, modes[m])
             if flight is None:
                 return None
             flown.append(flight)
+            modes.append(flight.last_mode)
         rows = self.rows(list(range(self.n_segments)), flown, plans, u, noise)
         if rows is None:
             return None
@@ -188,13 +203,13 @@ class Shooting:
         by_head = np.zeros((len(ends), self.n, self.h))
         by_head[:, :, : self.p] = columns[:, :, self.n :] * self._units[: self.p]
         return Evaluation(
-            rows, (ends - starts) / unit, by_head, columns[:, :, : self.n] * self.scales
+            rows, (ends - starts) / unit, by_head, columns[:, :, : self.n] * self.scales, modes[:-1]
         )
 
-    def fly(self, m: int, state: Floats, plan: SegmentData) -> Flight | None:
-        """Run through a segment; its end is the last sample."""
+    def fly(self, m: int, state: Floats, plan: SegmentData, mode: int = ANY) -> Flight | None:
+        """Run through a segment from a mode on; its end is the last sample."""
         times = np.append(plan.times, self.bounds[m + 1])
-        return self.flights.fly(state, float(self.bounds[m]), times)
+        return self.flights.fly(state, float(self.bounds[m]), times, mode)
 
     def plans(self, u: Floats) -> list[SegmentData]:
         """Data of each segment, for the delays of the head."""

@@ -4,7 +4,9 @@ Continuity is an equation, and `scipy.optimize.least_squares` has none. The meth
 adds it: gaps are residuals with a weight, shifted by multipliers that are brought forward from
 round to round, so that the gaps vanish at a weight that is still harmless. The weight grows in
 stages. At first the segments follow the data whatever the parameters are, and then they grow
-together; that is what makes long and chaotic records converge.
+together; that is what makes long and chaotic records converge. The first stages have several short
+segments in place of each one: the shorter a motion is, the less often does a step of the solver
+make or lose an event in it, at which derivatives change.
 
 Where the loss is linear, the rows of each segment are replaced by the triangular factor of their QR
 decomposition. Cost, gradient and Gauss-Newton matrix stay the same, so the solver takes the same
@@ -32,6 +34,7 @@ _ROUNDS = 6  # with the last weight
 _CLOSED = 1e-4  # largest gap that is none, in units of a fiftieth of the size of a state
 _SETTLED = 1e-3  # change of the noise from round to round
 _EVALUATIONS = (25, 25, 25, 25, 60)
+_JOINED = 3  # stage from which on segments that belong together are one
 _PENALTY = 1e4  # residual in each row of a run that ends early
 _MEDIAN = 0.6744897501960817  # of the size of a normal variable
 
@@ -246,6 +249,9 @@ def close_gaps(
     weights, evaluations = _WEIGHTS[stage:], _EVALUATIONS[stage:]
     for k in range(len(weights) + _ROUNDS):
         now, following = (min(each, len(weights) - 1) for each in (k, k + 1))
+        if shooting.together > 1 and len(weights) - now <= len(_WEIGHTS) - _JOINED:
+            u = shooting.join_segments(u)
+            shift = np.zeros((shooting.n_gaps, shooting.n))
         found = minimise(
             shooting, u, noise, shift, weights[now], loss=loss, most=evaluations[now]
         )  # fmt: skip
