@@ -8,18 +8,19 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
-from scipy.stats import chi2
 
 from nonsmooth.analysis.options import result_attributes
 from nonsmooth.fitting.channels import ObservedChannel
+from nonsmooth.fitting.correlated import NOT_WHITE, ljung_box
 from nonsmooth.fitting.intervals import (
     Better,
     Direction,
     Interval,
+    Spread,
     block_bootstrap,
-    covariance_of,
     open_directions,
     profile_intervals,
+    spread_of,
     threshold,
 )
 from nonsmooth.fitting.shooting import Shooting
@@ -32,8 +33,8 @@ Bools = npt.NDArray[np.bool_]
 Variables = dict[str, Any]
 
 _LOWER_MINIMA = 3  # that profiles may find before they are taken as they are
-_LAGS = 20
-_NOT_WHITE = 0.01
+_PLAIN = "profile of the likelihood, residuals white"
+_WIDENED = "profile of the likelihood, widened for correlated residuals"
 _NEUTRAL = 1e-6  # above 1: a multiplier of 1, of a motion without damping, is known about so well
 _POOR = 2.0  # prediction error in units of the noise that is worth a word
 
@@ -72,10 +73,9 @@ def fit_dataset(
 ) -> xr.Dataset:
     """Dataset of a fit."""
     shooting = search.shooting
-    best, covariance, intervals = _certain(shooting, search.best, loss)
-    head = covariance[: shooting.h, : shooting.h]
-    directions = open_directions(shooting, covariance)
-    variables = _estimates(shooting, best, head, intervals, directions)
+    best, spread, intervals = _certain(shooting, search.best, loss)
+    directions = open_directions(shooting, spread.covariance)
+    variables = _estimates(shooting, best, spread, intervals, directions)
     if drawn:
         variables |= _bootstrap(shooting, best, loss, drawn, seed)
     residuals = _over_time(shooting, channels, times, best)
@@ -103,6 +103,7 @@ def fit_dataset(
     gap = float(np.abs(best.evaluation.gap).max(initial=0.0)) * shooting.gap_unit
     attrs = result_attributes(shooting.system, status, told, options) | {
         "open_parameters": words,
+        "interval_method": _WIDENED if spread.is_widened else _PLAIN,
         "largest_gap": gap,
         **steady,
         "cost": best.cost,
@@ -120,31 +121,32 @@ def fit_dataset(
     return xr.Dataset(variables, coords, attrs)
 
 
-def _certain(shooting: Shooting, best: Fitted, loss: str) -> tuple[Fitted, Floats, list[Interval]]:
+def _certain(shooting: Shooting, best: Fitted, loss: str) -> tuple[Fitted, Spread, list[Interval]]:
     """The minimum with its intervals; a lower one that a profile finds takes its place."""
     for _ in range(_LOWER_MINIMA):
-        covariance = covariance_of(shooting, best)
+        spread = spread_of(shooting, best, loss)
         try:
-            return best, covariance, profile_intervals(shooting, best, covariance, loss)
+            return best, spread, profile_intervals(shooting, best, spread, loss)
         except Better as lower:
             u, noise, shift = lower.found.u, best.noise, best.multipliers
             again = close_gaps(shooting, u, noise, shift, loss)
             if again is None or height(again) >= height(best):
                 break
             best = again
-    covariance = covariance_of(shooting, best)
+    spread = spread_of(shooting, best, loss)
     nothing = Interval(np.nan, np.nan, (False, False))
-    return best._replace(closed=False), covariance, [nothing] * shooting.h
+    return best._replace(closed=False), spread, [nothing] * shooting.h
 
 
 def _estimates(
     shooting: Shooting,
     best: Fitted,
-    head: Floats,
+    spread: Spread,
     intervals: list[Interval],
     directions: list[Direction],
 ) -> Variables:
     """Everything over ``parameter``."""
+    head = spread.covariance[: shooting.h, : shooting.h]
     units, deviation = shooting.head_units(), np.sqrt(np.diag(head))
     low, high = (
         shooting.head_values(np.array([getattr(each, side) for each in intervals]))
@@ -160,6 +162,11 @@ def _estimates(
     columns = {
         "estimate": (over, shooting.head_values(best.u), "estimate"),
         "standard_error": (over, deviation * units, "standard error of the estimate"),
+        "variance_ratio": (
+            over,
+            spread.ratio[: shooting.h],
+            "variance over that with white residuals",
+        ),
         "interval_low": (over, low, "lower end of the 95 % interval"),
         "interval_high": (over, high, "upper end of the 95 % interval"),
         "interval_open": (over, touched.any(axis=1), "whether a bound cuts the interval off"),
@@ -236,22 +243,12 @@ def _predict(
 def _whiteness(residuals: Variables) -> Variables:
     """Ljung-Box statistic of the fitted residuals of each channel, and its probability."""
     values, held = residuals["residual"][1], residuals["held_back"][1]
-    statistics, chances = [], []
-    for series in values[:, ~held]:
-        series = series[np.isfinite(series)]
-        series = series - series.mean()
-        count, lags = series.size, max(1, min(_LAGS, series.size // 5))
-        total = float(series @ series) or 1.0
-        squares = [
-            (float(series[k:] @ series[:-k]) / total) ** 2 / (count - k) for k in range(1, lags + 1)
-        ]
-        statistics.append(count * (count + 2) * sum(squares))
-        chances.append(float(chi2.sf(statistics[-1], lags)))
+    statistics, chances = np.array([ljung_box(series) for series in values[:, ~held]]).T
     return {
-        "ljung_box": ("channel", np.array(statistics), {"long_name": "Ljung-Box statistic"}),
+        "ljung_box": ("channel", statistics, {"long_name": "Ljung-Box statistic"}),
         "whiteness": (
             "channel",
-            np.array(chances),
+            chances,
             {"long_name": "probability of so large a Ljung-Box statistic of white residuals"},
         ),
     }
@@ -348,10 +345,10 @@ def _message(
     if variables["interval_open"][1].any():
         parts.append("bounds cut intervals off, see interval_open")
     for c, channel in enumerate(channels):
-        if variables["whiteness"][1][c] < _NOT_WHITE:
+        if variables["whiteness"][1][c] < NOT_WHITE:
             parts.append(
-                f"residuals of {channel.name} are correlated, so the model or the noise is not what"
-                " the intervals assume; compare them with those of bootstrap="
+                f"residuals of {channel.name} are correlated, by coloured noise or a model that is"
+                " wrong: intervals are widened for the first, but no interval tells of the second"
             )
         if variables["prediction_error"][1][c] > _POOR:
             parts.append(f"what was held back of {channel.name} is predicted poorly")
