@@ -22,7 +22,7 @@ from nonsmooth.fitting.channels import (
 )
 from nonsmooth.fitting.report import Search, fit_dataset
 from nonsmooth.fitting.shooting import Shooting
-from nonsmooth.fitting.solver import LOSSES, Fitted, solve_from
+from nonsmooth.fitting.solver import LOSSES, Fitted, height, solve_from
 from nonsmooth.real_numbers import finite_real
 from nonsmooth.runs.options import whole_number
 from nonsmooth.runs.start import resolve_start
@@ -37,7 +37,7 @@ Floats = npt.NDArray[np.float64]
 
 _PER_SEGMENT = 50  # samples, without a period
 _PARTS = 4  # of a segment, with which the search begins
-_MOST_PARTS = 240  # in all: the work of a step grows with the square of their number
+_MOST_UNKNOWNS = 480  # of all parts: a step of the solver decomposes a matrix of that size
 _FORMS = ("transient", "steady")
 _SAME = 1e-12  # of a period: a difference that is rounding
 
@@ -137,7 +137,9 @@ def fit(
         Over ``parameter``, the free parameters and what is found of gain, offset and delay, such
         as ``"a1 gain"``: ``estimate``, ``standard_error``, ``interval_low`` and
         ``interval_high`` (95 %, from the profile of the likelihood), ``interval_open`` where a
-        bound cuts an interval off, ``identified``, ``lower_bound`` and ``upper_bound``;
+        bound cuts an interval off, ``profile_followed``, false where an end is that of the
+        standard error since the profile could not be followed, ``variance_ratio`` to what white
+        residuals would give, ``identified``, ``lower_bound`` and ``upper_bound``;
         ``covariance`` and ``correlation`` (also over ``parameter_0``); with ``bootstrap``,
         ``bootstrap_low`` and ``bootstrap_high``. Over ``channel``: ``noise``,
         ``prediction_error`` (root mean square of what was held back, in units of the noise),
@@ -146,7 +148,8 @@ def fit(
         ``segment``: ``segment_time``, ``segment_state``. Over ``start``: ``start_estimate``,
         ``start_cost``, ``start_agrees``. Over ``direction``, combinations of parameters that
         are not determined: ``direction_part``, ``direction_spread``. Attributes: ``status``
-        (completed, not_converged), ``message``, ``open_parameters`` in words, ``largest_gap``
+        (completed, not_converged), ``message``, ``open_parameters`` and ``interval_method`` in
+        words, ``largest_gap``
         between segments in parts of the states, ``n_evaluations``; for a steady motion
         ``largest_multiplier``, above 1 where the fitted orbit is unstable.
 
@@ -169,10 +172,22 @@ def fit(
     continuous. An interval ends where twice the logarithm of the likelihood, with everything else
     found anew, has fallen by the quantile of an F distribution.
 
+    Where the test of Ljung and Box speaks against white residuals, each channel is described by an
+    autoregression, whose innovations may be correlated from channel to channel. The covariance of
+    the estimates is then a sandwich, and the profile falls by the quantile times the ratio of the
+    variances. That counts in coloured noise. It does not count in that a wrong model shifts
+    estimates, which no single record shows.
+
     References
     ----------
     H. G. Bock, Recent advances in parameter identification techniques for O.D.E., 1983: multiple
     shooting. D. P. Bertsekas, Constrained Optimization and Lagrange Multiplier Methods, 1982.
+    W. J. den Haan and A. Levin, A practitioner's guide to robust covariance matrix estimation,
+    Handbook of Statistics 15, 299-342 (1997): autoregressions. R. E. Chandler and S. Bate,
+    Inference for clustered data using the independence loglikelihood, Biometrika 94, 167-183
+    (2007): the profile. E. Carlstein, The use of subseries values for estimating the variance of a
+    general statistic from a stationary sequence, Annals of Statistics 14, 1171-1179 (1986): the
+    length of blocks.
 
     Examples
     --------
@@ -276,7 +291,7 @@ def _shooting(
 
 def _parts(number: int, n_data: int, n_states: int) -> int:
     """Into how many parts each of some segments is cut at first, where the data allow it."""
-    most = min(_MOST_PARTS, n_data // (2 * (n_states + 1)))
+    most = min(_MOST_UNKNOWNS // n_states, n_data // (2 * (n_states + 1)))
     return int(np.clip(most // number, 1, _PARTS))
 
 
@@ -337,7 +352,8 @@ def _search(
     for k, (shooting, guess) in enumerate(zip(shootings, guesses, strict=True)):
         if shooting.set_up(shooting.head_of(guess)):
             shooting.scales = sizes_of_states(shooting, initial)
-            found.append(solve_from(shooting, guess, initial, noise, loss, seed + k))
+            best = min((height(each) for each in found if each is not None), default=np.inf)
+            found.append(solve_from(shooting, guess, initial, noise, loss, seed + k, best))
         else:
             found.append(None)
     if all(each is None for each in found):

@@ -19,6 +19,7 @@ import numpy.typing as npt
 
 from nonsmooth.engine.lanes import (
     ANY,
+    Anchor,
     Records,
     Tangent,
     allocate_anchor,
@@ -39,7 +40,9 @@ from nonsmooth.system.system import System
 __all__ = ["Flight", "Flights"]
 
 Floats = npt.NDArray[np.float64]
-Instants = tuple[npt.NDArray[np.int64], Floats]  # numbers of windows, and phases
+Integers = npt.NDArray[np.int64]
+
+_MOST_ROOMS = 500  # of different numbers of samples
 
 
 class Flight(NamedTuple):
@@ -54,6 +57,14 @@ class Flight(NamedTuple):
         return int(self.samples.modes[-1])
 
 
+class _Room(NamedTuple):
+    """What a run needs and writes."""
+
+    anchor: Anchor
+    records: Records
+    tangent: Tangent
+
+
 class Flights:
     """Runs of a system at the values of the last `set_up`."""
 
@@ -62,6 +73,7 @@ class Flights:
         self.n = len(system.states)
         self.n_runs = 0
         self.values: dict[str, float] = {}
+        self._rooms: dict[int, _Room] = {}
         self._parents = [mode.parent for mode in system.structure.running]
         self._placed = np.isnan(list(system.open_state.values()))  # where a start leaves them out
 
@@ -80,7 +92,6 @@ class Flights:
         except ModelError:
             return False
         self._segment = allocate_segment(self.tables.sizes, len(self.chosen))
-        self._scratch: Tangent | None = None
         self._held = members(self.tables.modes["slaved"], self.n)
         # without a hint a start leaves out only what any start may leave out: a mass that rests at
         # a wall is held there, and a mass that comes to the wall is not at rest
@@ -99,24 +110,24 @@ class Flights:
 
         It begins in a mode, or where that does not admit the state, in the first one that does.
         """
-        tangent = self._columns(times.size)
+        room = self._room(times.size)
         numbers, phases = instants(np.append(begin, times), self.window)
         turned = None
         for start, wanted, moved in self._starts(state, mode):
             turned = moved
-            records = allocate_records(self.tables.sizes, numbers[1:], phases[1:], 0)
-            status = self._run(start, wanted, (numbers, phases), records, tangent)
+            status = self._run(start, wanted, numbers, phases, room)
             if status != Status.INADMISSIBLE:
                 break
         self.n_runs += 1
-        if status != Status.COMPLETED or not np.isfinite(tangent.samples).all():
+        if status != Status.COMPLETED or not np.isfinite(room.tangent.samples).all():
             return None
-        samples = MotionSamples(numbers[1:], phases[1:], records.sample_mode, records.sample_state)
-        columns = tangent.samples.transpose(0, 2, 1)
+        records = room.records
+        samples = MotionSamples(
+            numbers[1:], phases[1:], records.sample_mode.copy(), records.sample_state.copy()
+        )
+        columns = room.tangent.samples.transpose(0, 2, 1).copy()
         if turned is not None:
-            columns = np.concatenate(
-                [columns[:, :, : self.n] @ turned, columns[:, :, self.n :]], axis=2
-            )
+            columns[:, :, : self.n] = columns[:, :, : self.n] @ turned
         return Flight(samples, columns)
 
     def _starts(self, state: Floats, mode: int) -> Iterator[tuple[Floats, int, Floats | None]]:
@@ -147,20 +158,32 @@ class Flights:
             start[i], moved[i] = row @ known, row[: self.n]
         return start, moved
 
-    def _columns(self, count: int) -> Tangent:
-        """Room for the derivatives at some samples; scratch is shared by all runs."""
-        n, width = self.n, self.n + len(self.chosen)
-        if self._scratch is None:
-            self._scratch = allocate_columns(self.tables.sizes, width, 1)
-        return self._scratch.replace(samples=np.full((count, width, n), np.nan))
+    def _room(self, count: int) -> _Room:
+        """Arrays for a run with so many samples; those of a number of samples are used again."""
+        if count not in self._rooms:
+            if len(self._rooms) >= _MOST_ROOMS:
+                self._rooms.clear()
+            sizes, width = self.tables.sizes, self.n + len(self.chosen)
+            number, phase = np.zeros(count, np.int64), np.zeros(count)
+            self._rooms[count] = _Room(
+                allocate_anchor(sizes),
+                allocate_records(sizes, number, phase, 0),
+                allocate_columns(sizes, width, count),
+            )
+        return self._rooms[count]
 
     def _run(
-        self, start: Floats, mode: int, when: Instants, records: Records, tangent: Tangent
+        self, start: Floats, mode: int, numbers: Integers, phases: Floats, room: _Room
     ) -> Status:
         """Run from the first of some instants to the last one."""
-        numbers, phases = when
-        tangent.columns[:], tangent.ready[:] = 0.0, 0
-        anchor = allocate_anchor(self.tables.sizes)
+        anchor, records, tangent = room
+        for array in (records.counters, anchor.place, anchor.order, tangent.columns, tangent.ready):
+            array[...] = 0
+        for array in (records.sample_state, records.end_state, tangent.samples):
+            array[...] = np.nan
+        records.sample_mode[:] = -1
+        records.since["number"] = records.since["phase"] = -np.inf
+        records.sample_number[:], records.sample_phase[:] = numbers[1:], phases[1:]
         anchor.move_to((int(numbers[0]), float(phases[0])))
         anchor.state[:] = start
         carried = self._derivatives

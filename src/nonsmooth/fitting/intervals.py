@@ -40,6 +40,7 @@ class Interval(NamedTuple):
     low: float
     high: float
     is_open: tuple[bool, bool]  # where a bound of the parameter cuts it off
+    is_followed: bool = True  # whether the profile could be followed to both ends
 
 
 class Direction(NamedTuple):
@@ -136,7 +137,8 @@ def profile_intervals(
         ends = [
             _end(shooting, fitted, spread.white, loss, i, side, float(rises[i])) for side in (-1, 1)
         ]
-        found.append(Interval(ends[0][0], ends[1][0], (ends[0][1], ends[1][1])))
+        (low, low_open, one), (high, high_open, other) = ends
+        found.append(Interval(low, high, (low_open, high_open), one and other))
     return found
 
 
@@ -148,37 +150,46 @@ def _end(
     i: int,
     side: int,
     rise: float,
-) -> tuple[float, bool]:
-    """One end of an interval, and whether a bound cuts it off."""
+) -> tuple[float, bool, bool]:
+    """One end of an interval, whether a bound cuts it off, and whether the profile leads there.
+
+    Where no point of the profile is found below the threshold, the solver has not come back to the
+    valley, and the end is that of the standard error: one near the estimate would say too much.
+    """
     low, high = shooting.limits
     bound = (low if side < 0 else high)[i]
     room = abs(bound - fitted.u[i])
     deviation = float(np.sqrt(covariance[i, i]))
     along = covariance[:, i] / covariance[i, i]
-    distance, best, inside = deviation * np.sqrt(rise), fitted.u[i], (0.0, 0.0)
-    outside = np.inf
+    expected = distance = min(deviation * np.sqrt(rise), room)
+    best, inside, outside = fitted.u[i], (0.0, 0.0), np.inf
     for _ in range(_STEPS):
         distance = min(distance, room)
         if distance <= 0.0:
-            return float(best), True
+            return float(best), True, True
         u = np.clip(fitted.u + side * distance * along, low, high)
         u[i] = fitted.u[i] + side * distance
         held = minimise(
             shooting, u, fitted.noise, fitted.multipliers, loss=loss, held=i, most=25
         )  # fmt: skip
+        if held is not None and not held.closed and held.cost - fitted.cost > 0.5 * rise:
+            again = minimise(shooting, held.u, fitted.noise, fitted.multipliers, loss=loss, held=i)
+            held = again or held
         risen = np.inf if held is None else 2.0 * (held.cost - fitted.cost)
         if held is not None and risen < _LOWER * rise:
             raise Better(held)
         if abs(risen - rise) <= _CLOSE * rise:
-            return float(u[i]), False
+            return float(u[i]), False, True
         if risen < rise:
             inside = (distance, max(risen, 0.0))
             if distance >= room:
-                return float(bound), True
+                return float(bound), True, True
         else:
             outside = distance
         distance = _next_distance(distance, risen, rise, inside[0], outside)
-    return float(fitted.u[i] + side * distance), False
+    if inside[0] == 0.0:
+        return float(fitted.u[i] + side * expected), expected >= room, False
+    return float(fitted.u[i] + side * distance), False, True
 
 
 def _next_distance(

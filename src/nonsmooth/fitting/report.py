@@ -24,7 +24,7 @@ from nonsmooth.fitting.intervals import (
     threshold,
 )
 from nonsmooth.fitting.shooting import Shooting
-from nonsmooth.fitting.solver import Fitted, close_gaps
+from nonsmooth.fitting.solver import Fitted, close_gaps, height
 
 __all__ = ["Search", "fit_dataset"]
 
@@ -54,12 +54,6 @@ class Search:
     def n_evaluations(self) -> int:
         """Evaluations of all starts."""
         return sum(each.n_evaluations for each in self.found if each is not None)
-
-
-def height(fitted: Fitted) -> float:
-    """Minus the logarithm of the likelihood, up to a constant, with the noise that was found."""
-    counts = np.bincount(fitted.evaluation.rows.channel, minlength=fitted.noise.size)
-    return fitted.cost + float(counts @ np.log(fitted.noise))
 
 
 def fit_dataset(
@@ -170,6 +164,11 @@ def _estimates(
         "interval_low": (over, low, "lower end of the 95 % interval"),
         "interval_high": (over, high, "upper end of the 95 % interval"),
         "interval_open": (over, touched.any(axis=1), "whether a bound cuts the interval off"),
+        "profile_followed": (
+            over,
+            np.array([each.is_followed for each in intervals]),
+            "whether the ends of the interval are those of the profile",
+        ),
         "identified": (over, identified, "whether the record determines it"),
         "lower_bound": (over, np.array([r.low for r in shooting.ranges]), "least value allowed"),
         "upper_bound": (over, np.array([r.high for r in shooting.ranges]), "largest allowed"),
@@ -344,6 +343,11 @@ def _message(
         parts.append(words)
     if variables["interval_open"][1].any():
         parts.append("bounds cut intervals off, see interval_open")
+    if not variables["profile_followed"][1].all():
+        parts.append(
+            "some profiles could not be followed, and ends of their intervals are those of the"
+            " standard error, see profile_followed"
+        )
     for c, channel in enumerate(channels):
         if variables["whiteness"][1][c] < NOT_WHITE:
             parts.append(
