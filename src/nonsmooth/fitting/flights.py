@@ -42,7 +42,7 @@ __all__ = ["Flight", "Flights"]
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
 
-_MOST_ROOMS = 500  # of different numbers of samples
+_MOST_KEPT = 500  # of different numbers of samples
 
 
 class Flight(NamedTuple):
@@ -57,7 +57,7 @@ class Flight(NamedTuple):
         return int(self.samples.modes[-1])
 
 
-class _Room(NamedTuple):
+class _Buffers(NamedTuple):
     """What a run needs and writes."""
 
     anchor: Anchor
@@ -73,7 +73,7 @@ class Flights:
         self.n = len(system.states)
         self.n_runs = 0
         self.values: dict[str, float] = {}
-        self._rooms: dict[int, _Room] = {}
+        self._kept: dict[int, _Buffers] = {}
         self._parents = [mode.parent for mode in system.structure.running]
         self._placed = np.isnan(list(system.open_state.values()))  # where a start leaves them out
 
@@ -110,22 +110,22 @@ class Flights:
 
         It begins in a mode, or where that does not admit the state, in the first one that does.
         """
-        room = self._room(times.size)
+        buffers = self._buffers(times.size)
         numbers, phases = instants(np.append(begin, times), self.window)
         turned = None
         for start, wanted, moved in self._starts(state, mode):
             turned = moved
-            status = self._run(start, wanted, numbers, phases, room)
+            status = self._run(start, wanted, numbers, phases, buffers)
             if status != Status.INADMISSIBLE:
                 break
         self.n_runs += 1
-        if status != Status.COMPLETED or not np.isfinite(room.tangent.samples).all():
+        if status != Status.COMPLETED or not np.isfinite(buffers.tangent.samples).all():
             return None
-        records = room.records
+        records = buffers.records
         samples = MotionSamples(
             numbers[1:], phases[1:], records.sample_mode.copy(), records.sample_state.copy()
         )
-        columns = room.tangent.samples.transpose(0, 2, 1).copy()
+        columns = buffers.tangent.samples.transpose(0, 2, 1).copy()
         if turned is not None:
             columns[:, :, : self.n] = columns[:, :, : self.n] @ turned
         return Flight(samples, columns)
@@ -158,25 +158,25 @@ class Flights:
             start[i], moved[i] = row @ known, row[: self.n]
         return start, moved
 
-    def _room(self, count: int) -> _Room:
+    def _buffers(self, count: int) -> _Buffers:
         """Arrays for a run with so many samples; those of a number of samples are used again."""
-        if count not in self._rooms:
-            if len(self._rooms) >= _MOST_ROOMS:
-                self._rooms.clear()
+        if count not in self._kept:
+            if len(self._kept) >= _MOST_KEPT:
+                self._kept.clear()
             sizes, width = self.tables.sizes, self.n + len(self.chosen)
             number, phase = np.zeros(count, np.int64), np.zeros(count)
-            self._rooms[count] = _Room(
+            self._kept[count] = _Buffers(
                 allocate_anchor(sizes),
                 allocate_records(sizes, number, phase, 0),
                 allocate_columns(sizes, width, count),
             )
-        return self._rooms[count]
+        return self._kept[count]
 
     def _run(
-        self, start: Floats, mode: int, numbers: Integers, phases: Floats, room: _Room
+        self, start: Floats, mode: int, numbers: Integers, phases: Floats, buffers: _Buffers
     ) -> Status:
         """Run from the first of some instants to the last one."""
-        anchor, records, tangent = room
+        anchor, records, tangent = buffers
         for array in (records.counters, anchor.place, anchor.order, tangent.columns, tangent.ready):
             array[...] = 0
         for array in (records.sample_state, records.end_state, tangent.samples):
