@@ -128,8 +128,8 @@ def equations_of(
             )
         end = begin + cut.length
     number = _number(given, fitted, used, free, cut, end - begin)
-    together = 1
-    if cut.segments is None and used.size:
+    together = 1  # of short segments, an event would often lie at an end
+    if cut.segments is None and not any(channel.shows_events for channel in fitted):
         together = _parts(number, used.size * len(fitted), len(system.states))
     bounds = np.linspace(begin, end, number * together + 1)
     for channel in fitted:

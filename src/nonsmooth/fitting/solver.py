@@ -340,8 +340,11 @@ def close_gaps(
         level = noise_level(shooting, found.evaluation, noise, loss)
         gap = float(np.abs(found.evaluation.gap).max(initial=0.0))
         is_last = now == len(weights) - 1
-        if loss == "linear" and not is_last and _is_behind(found, noise, level, best):
-            return found._replace(noise=level, closed=False, n_evaluations=count)
+        if loss == "linear" and not is_last:
+            # of the data alone, as gaps with multipliers may count below zero
+            fair = found._replace(noise=level, cost=_cost_at(found, noise, level))
+            if height(fair) > best + _BEHIND:  # worse although its segments need not join
+                return fair._replace(closed=False, n_evaluations=count)
         settled = bool(np.all(np.abs(level / noise - 1.0) < _SETTLED))
         ended = found.closed or abs(height(found) - before) < _LEVEL
         before = height(found)
@@ -354,13 +357,12 @@ def close_gaps(
     return found._replace(n_evaluations=count, closed=ended and gap < 10.0 * _CLOSED)
 
 
-def _is_behind(found: Fitted, noise: Floats, level: Floats, best: float) -> bool:
-    """Whether segments that still need not join fit the data worse than the best fit does."""
+def _cost_at(found: Fitted, noise: Floats, level: Floats) -> float:
+    """Half the sum of squares of the data in units of another noise."""
     rows = found.evaluation.rows
     channel, residual = rows.channel[rows.matched], rows.residual[rows.matched]
     squares = np.bincount(channel, residual**2, noise.size) * (noise / level) ** 2
-    counts = np.bincount(channel, minlength=noise.size)
-    return 0.5 * float(squares.sum()) + float(counts @ np.log(level)) > best + _BEHIND
+    return 0.5 * float(squares.sum())
 
 
 def noise_level(shooting: Shooting, found: Evaluation, noise: Floats, loss: str) -> Floats:
