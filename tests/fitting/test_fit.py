@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import synthetic_motions as machines
 from scipy import stats
 
 import nonsmooth as ns
@@ -114,6 +115,39 @@ def test_rigid_impacts_are_fitted():
     )  # fmt: skip
     errors = np.abs(found["estimate"] - [RIGID[name] for name in free])
     assert (errors < 4.0 * found["standard_error"]).all()
+
+
+def test_a_mole_with_a_hidden_slider_is_fitted():
+    """Nothing is seen of the slider, on which the mass lies where segments begin."""
+    machine, truth = machines.moling(), {"a": 0.3, "b": 0.15, "xi": 0.05}
+    times = np.arange(8 * 60) * machine.period / 60
+    found = machines.motion(machine, times, [0.0, 0.0, 0.0, 0.0])
+    assert {"contact", "progression"} <= set(found.modes)
+    rng = np.random.default_rng(8)
+    x = noisy(found.states[:, 0] + found.states[:, 3], 0.02, rng)
+    record = dataset(times, x=x, a=noisy(found.rates[:, 1], 0.02, rng))
+    free = {"a": (0.1, 0.6), "b": (0.05, 0.4), "xi": (0.01, 0.15)}
+    system = ns.models.moling(omega=machines.MOLING["omega"])
+    fitted = ns.fit(system, record, free, {"x": "p + v", "a": "acceleration"}, starts=1)
+    errors = np.abs(fitted["estimate"] - list(truth.values()))
+    assert (errors < 4.0 * fitted["standard_error"]).all()
+    assert fitted.attrs["status"] == "completed"
+
+
+def test_a_rotor_in_its_ring_is_fitted():
+    """Stiffness of the ring and damping of the rotor, from a start a third off."""
+    changed = {"eta": 2.0, "delta_x": 0.05, "delta_y": 0.05}
+    machine, truth = machines.rotor(**changed), {"K": 30.0, "nu1": 0.125}
+    times = np.arange(6 * 50) * machine.period / 50
+    found = machines.motion(machine, times, [0.0, 0.0, 0.0, 0.0])
+    assert {"free", "II"} <= set(found.modes)
+    rng = np.random.default_rng(9)
+    shown = {name: noisy(found.states[:, k], 0.02, rng) for k, name in enumerate("xy")}
+    free = {"K": (15, 65), "nu1": (0.05, 0.3)}
+    system = ns.models.rotor(**changed)
+    fitted = ns.fit(system, dataset(times, **shown), free, starts=1)
+    errors = np.abs(fitted["estimate"] - list(truth.values()))
+    assert (errors < 4.0 * fitted["standard_error"]).all()
 
 
 def random_case(seed):

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import synthetic_motions as machines
 
 import nonsmooth as ns
 from fitting.truth import RIGID, SOFT, dataset, rigid_motion, soft_motion
@@ -28,13 +29,46 @@ def rigid_case():
     return ns.models.impact_oscillator(**RIGID), dataset(times, x=x), free, nuisances, {"x": "x"}
 
 
-@pytest.mark.parametrize("case", [soft_case, rigid_case])
-def test_derivatives_agree_with_differences(case):
-    """Through impacts, by parameters that move events, by the frequency, and by a delay."""
+def mole_case():
+    """In contact the place of the mass follows from that of the slider."""
+    machine = machines.moling()
+    times = np.linspace(0.0, 3.0 * machine.period, 180)
+    found = machines.motion(machine, times, [0.0, 0.0, 0.0, 0.0])
+    record = dataset(times, x=found.states[:, 0] + found.states[:, 3], a=found.rates[:, 1])
+    free = {"a": (0.2, 0.4), "xi": (0.03, 0.08)}
+    nuisances = {"gain": None, "offset": None, "delay": None}
+    return (
+        ns.models.moling(**machines.MOLING), record, free, nuisances,
+        {"x": "p + v", "a": "acceleration"},
+    )  # fmt: skip
+
+
+def rotor_case():
+    """In contact the ring follows from the rotor; a free ring is soon back at its centre."""
+    changed = {"eta": 1.8, "delta_x": 0.05, "delta_y": 0.05}
+    machine = machines.rotor(**changed)
+    times = np.linspace(0.0, 3.0 * machine.period, 120)
+    found = machines.motion(machine, times, [0.0, 0.0, 0.0, 0.0])
+    record = dataset(times, x=found.states[:, 0], y=found.states[:, 1])
+    free = {"K": (20, 40), "eps_x": (0.8, 1.0)}
+    nuisances = {"gain": None, "offset": None, "delay": None}
+    system = ns.models.rotor(**machines.ROTOR | changed)
+    return system, record, free, nuisances, {"x": "x", "y": "y"}
+
+
+@pytest.mark.parametrize(
+    ("case", "n_segments"), [(soft_case, 5), (rigid_case, 5), (mole_case, 12), (rotor_case, 12)]
+)
+def test_derivatives_agree_with_differences(case, n_segments):
+    """Through impacts, by parameters that move events, by the frequency, and by a delay.
+
+    Some segments of the mole and the rotor begin in contact, where some states follow from others.
+    """
     system, record, free, nuisances, observe = case()
     times = record["time"].values
     channels = read_channels(system, record, observe, nuisances, None)
-    bounds = np.linspace(times[0] - 0.5, times[-1] + 0.5, 6)
+    margin = 0.5 if n_segments == 5 else 0.0
+    bounds = np.linspace(times[0] - margin, times[-1] + margin, n_segments + 1)
     ranges = check_free(system, free)
     record = RecordEquations(system, tuple(free), channels, times, bounds, 1e-12)
     shooting = Shooting([record], list(ranges.values()), [""])
@@ -47,6 +81,9 @@ def test_derivatives_agree_with_differences(case):
     states = first_states(record, values, rest, noise, 0)
     u = shooting.join(head, states)
     found = shooting.evaluate(u, noise)
+    begins = {system.structure.running[mode].parent for mode in found.modes[1:]}
+    if n_segments == 12:
+        assert "contact" in begins
     step = 1e-6
     for k in range(shooting.size):
         ahead, behind = (

@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.stats import qmc
 
+from nonsmooth.engine.lanes import ANY
 from nonsmooth.fitting.channels import ObservedChannel
 from nonsmooth.fitting.flights import Flight
 from nonsmooth.fitting.record_equations import RecordEquations
@@ -72,35 +73,37 @@ def first_states(
     found = np.empty((record.n_segments, record.n))
     tries = qmc.Sobol(record.n, rng=np.random.default_rng(seed)).random(_TRIES)
     spread = (2.0 * tries - 1.0) * record.scales
-    guess = initial
+    guess, mode = initial, ANY
     for m in range(record.n_segments):
-        best = _fit_segment(record, m, _with_data(record, m, guess), head, noise)
+        best = _fit_segment(record, m, _with_data(record, m, guess), head, noise, mode)
         if best is None or best.cost > _GOOD:
             others = [guess, *(spread if m == 0 or best is None else [])]
             for other in others:
-                tried = _fit_segment(record, m, other, head, noise)
+                tried = _fit_segment(record, m, other, head, noise, mode)
                 if tried is not None and (best is None or tried.cost < best.cost):
                     best = tried
         if best is None:
             return None
-        if m < record.n_segments - 1 and _move_cut(record, m, best.state):
-            best = _fit_segment(record, m, best.state, head, noise) or best
+        if m < record.n_segments - 1 and _move_cut(record, m, best.state, mode):
+            best = _fit_segment(record, m, best.state, head, noise, mode) or best
         found[m], guess = best.state, best.flight.samples.states[-1]
+        mode = best.flight.last_mode
     return found
 
 
-def _move_cut(record: RecordEquations, m: int, state: Floats) -> bool:
+def _move_cut(record: RecordEquations, m: int, state: Floats, mode: int) -> bool:
     """Move the end of a segment away from places where no motion begins; whether it moved."""
     place, flights, bounds = record.bounds[m + 1], record.flights, record.bounds
     length = (bounds[-1] - bounds[0]) / record.n_segments
     changes = _NEAR * np.diag(record.scales)
     for shift in _SHIFTS:
         cut = place + shift * length
-        flight = flights.fly(state, float(bounds[m]), np.array([cut]))
+        flight = flights.fly(state, float(bounds[m]), np.array([cut]), mode)
         if flight is None:
             continue
         end, soon = flight.samples.states[-1], np.array([cut + _SHORT * length])
-        if all(flights.fly(end + each, float(cut), soon) for each in (*changes, *-changes)):
+        last = flight.last_mode
+        if all(flights.fly(end + each, float(cut), soon, last) for each in (*changes, *-changes)):
             bounds[m + 1] = cut
             if shift:
                 record.forget_plans()
@@ -120,14 +123,14 @@ def _with_data(record: RecordEquations, m: int, guess: Floats) -> Floats:
 
 
 def _fit_segment(
-    record: RecordEquations, m: int, guess: Floats, head: Floats, noise: Floats
+    record: RecordEquations, m: int, guess: Floats, head: Floats, noise: Floats, mode: int
 ) -> _Fitted | None:
     """The state that fits the data of one segment best, near a guess."""
     plan = record.plans(head)[m]
     scales, damping = record.scales, 1e-3
 
     def look(state: Floats) -> tuple[float, Floats, Floats, Flight] | None:
-        flight = record.fly(m, state, plan)
+        flight = record.fly(m, state, plan, mode)
         rows = None
         if flight is not None:
             rows = record.rows([m], [flight], [plan], head, noise)

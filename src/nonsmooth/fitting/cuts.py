@@ -21,6 +21,8 @@ Floats = npt.NDArray[np.float64]
 
 FORMS = ("transient", "steady")
 _PER_SEGMENT = 50  # samples, without a period
+_PARTS = 4  # of a segment, with which the search begins
+_MOST_UNKNOWNS = 480  # of all parts: a step of the solver decomposes a matrix of that size
 _EVENTS = 1  # more than states, in a segment of a record that has events only
 _SAME = 1e-12  # of a period: a difference that is rounding
 
@@ -126,14 +128,17 @@ def equations_of(
             )
         end = begin + cut.length
     number = _number(given, fitted, used, free, cut, end - begin)
-    bounds = np.linspace(begin, end, number + 1)
+    together = 1  # of short segments, an event would often lie at an end
+    if cut.segments is None and not any(channel.shows_events for channel in fitted):
+        together = _parts(number, used.size * len(fitted), len(system.states))
+    bounds = np.linspace(begin, end, number * together + 1)
     for channel in fitted:
         if channel.shows_events:
             bounds = _between_events(bounds, channel.values - channel.delay.guess + shift.guess,
                                      cut)  # fmt: skip
     return RecordEquations(
         system, tuple(free), fitted, given.times, bounds, tolerance, shift,
-        is_cycle=cut.cycle is not None,
+        is_cycle=cut.cycle is not None, together=together,
     )  # fmt: skip
 
 
@@ -190,6 +195,12 @@ def _number(
     if not used.size and period is None:
         number = most
     return int(np.clip(round(number), 1, max(1, most)))
+
+
+def _parts(number: int, n_data: int, n_states: int) -> int:
+    """Into how many parts each of some segments is cut at first, where the data allow it."""
+    most = min(_MOST_UNKNOWNS // n_states, n_data // (2 * (n_states + 1)))
+    return int(np.clip(most // number, 1, _PARTS))
 
 
 def _between_events(bounds: Floats, events: Floats, cut: Cut) -> Floats:

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.fitting.flights import EventInstants
+from nonsmooth.fitting.event_instants import EventInstants
 from nonsmooth.fitting.residuals import Residuals, SegmentData, no_residuals
 
 __all__ = ["matched_to", "residuals_of_events"]

@@ -23,7 +23,7 @@ from nonsmooth.fitting.channels import (
 from nonsmooth.fitting.cuts import Cut, GivenRecord, cut_for, equations_of
 from nonsmooth.fitting.report import Search, fit_dataset
 from nonsmooth.fitting.shooting import Shooting
-from nonsmooth.fitting.solver import LOSSES, Fitted, solve_from
+from nonsmooth.fitting.solver import LOSSES, Fitted, height, solve_from
 from nonsmooth.real_numbers import finite_real
 from nonsmooth.runs.options import whole_number
 from nonsmooth.runs.start import resolve_start
@@ -114,7 +114,8 @@ def fit(
         Number of periods of the forcing after which a steady motion repeats itself; by default the
         smallest one that passes the tests.
     segments : int, optional
-        Number of segments; one per period by default, or per 50 samples without a period.
+        Number of segments; one per period by default, or per 50 samples without a period, and at
+        first each of these is cut into up to four parts.
     hold_back : float, optional
         Part of the record, at its end, that is not fitted but predicted.
     starts : int, optional
@@ -140,7 +141,9 @@ def fit(
         Over ``parameter``, the free parameters and what is found of gain, offset and delay, such
         as ``"a1 gain"``: ``estimate``, ``standard_error``, ``interval_low`` and
         ``interval_high`` (95 %, from the profile of the likelihood), ``interval_open`` where a
-        bound cuts an interval off, ``identified``, ``lower_bound`` and ``upper_bound``;
+        bound cuts an interval off, ``profile_followed``, false where an end is that of the
+        standard error since the profile could not be followed, ``variance_ratio`` to what white
+        residuals would give, ``identified``, ``lower_bound`` and ``upper_bound``;
         ``covariance`` and ``correlation`` (also over ``parameter_0``); with ``bootstrap``,
         ``bootstrap_low``, ``bootstrap_high`` and ``bootstrap_estimate`` (also over ``draw``);
         ``profile_value`` and ``profile_rise`` (also over ``profile_point``), points of the
@@ -156,8 +159,9 @@ def fit(
         periods of the forcing begin. Over ``start``: ``start_estimate``,
         ``start_cost``, ``start_agrees``. Over ``direction``, combinations of parameters that
         are not determined: ``direction_part``, ``direction_spread``. Attributes: ``status``
-        (completed, not_converged), ``message``, ``open_parameters`` in words, ``largest_gap``
-        between segments in parts of the states, ``n_evaluations``; ``form`` and ``cycle`` of each
+        (completed, not_converged), ``message``, ``open_parameters`` and ``interval_method`` in
+        words, ``largest_gap`` between segments in parts of the states, ``n_evaluations``;
+        ``form`` and ``cycle`` of each
         record; for steady motions ``largest_multiplier``, above 1 where a fitted orbit is unstable.
 
     Raises
@@ -181,10 +185,22 @@ def fit(
     continuous. An interval ends where twice the logarithm of the likelihood, with everything else
     found anew, has fallen by the quantile of an F distribution.
 
+    Where the test of Ljung and Box speaks against white residuals, each channel is described by an
+    autoregression, whose innovations may be correlated from channel to channel. The covariance of
+    the estimates is then a sandwich, and the profile falls by the quantile times the ratio of the
+    variances. That counts in coloured noise. It does not count in that a wrong model shifts
+    estimates, which no single record shows.
+
     References
     ----------
     H. G. Bock, Recent advances in parameter identification techniques for O.D.E., 1983: multiple
     shooting. D. P. Bertsekas, Constrained Optimization and Lagrange Multiplier Methods, 1982.
+    W. J. den Haan and A. Levin, A practitioner's guide to robust covariance matrix estimation,
+    Handbook of Statistics 15, 299-342 (1997): autoregressions. R. E. Chandler and S. Bate,
+    Inference for clustered data using the independence loglikelihood, Biometrika 94, 167-183
+    (2007): the profile. E. Carlstein, The use of subseries values for estimating the variance of a
+    general statistic from a stationary sequence, Annals of Statistics 14, 1171-1179 (1986): the
+    length of blocks.
 
     Examples
     --------
@@ -320,7 +336,8 @@ def _search(
             sizes = [sizes_of_states(each, initial) for each in shooting.records]
             largest = np.max(sizes, axis=0)
             shooting.scale_states(np.where(largest > 0.0, largest, 1.0))
-            found.append(solve_from(shooting, guess, initial, noise, loss, seed + k))
+            best = min((height(each) for each in found if each is not None), default=np.inf)
+            found.append(solve_from(shooting, guess, initial, noise, loss, seed + k, best))
         else:
             found.append(None)
     if all(each is None for each in found):

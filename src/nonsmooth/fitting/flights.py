@@ -3,13 +3,15 @@
 Segments begin at different times and have different samples, so each is a lane of its own; the
 tables and their derivatives by parameters are set up once for all of them.
 
-The instant of an event changes by what its guard changes, over the rate of the guard. The guard
-changes with the state just before the event, which a second run samples there, and by parameters.
+In some modes relations hold some of the states: a ring stands where the rotor presses it, a mass
+lies on its slider. A start of a segment has all states as numbers, which agree with such relations
+only when the fit has ended. So a start tells a mode, that in which the segment before has ended,
+and states that the mode holds are left out of it: the engine puts them in their place.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -17,6 +19,7 @@ import numpy.typing as npt
 
 from nonsmooth.engine.lanes import (
     ANY,
+    Anchor,
     Records,
     Tangent,
     allocate_anchor,
@@ -26,10 +29,10 @@ from nonsmooth.engine.lanes import (
     allocate_tangent,
     run,
 )
-from nonsmooth.engine.orbits import WordLegs, allocate_leg_results, pass_legs
 from nonsmooth.engine.status import Status
-from nonsmooth.engine.tables import PATH_LENGTH
+from nonsmooth.engine.tables import members
 from nonsmooth.errors import ModelError
+from nonsmooth.fitting.event_instants import EventInstants, named_events, rates_of_instants
 from nonsmooth.fitting.observation import MotionSamples
 from nonsmooth.runs.clock import instants
 from nonsmooth.runs.runner import NO_DERIVATIVES, build_derivatives, build_tables
@@ -37,21 +40,14 @@ from nonsmooth.runs.section_search import NamedEvents
 from nonsmooth.system.model.value_checks import sure_values
 from nonsmooth.system.system import System
 
-__all__ = ["EventInstants", "Flight", "Flights"]
+__all__ = ["Flight", "Flights"]
 
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
 
+_MOST_KEPT = 500  # of different numbers of samples
 _FIRST_ROOM = 64  # events of a flight; the room doubles where they are more
 _BEFORE = 1e-9  # of a window: the state just before an event is sampled so much earlier
-
-
-class EventInstants(NamedTuple):
-    """When events of some names happen in a flight, and by how much that changes."""
-
-    times: Floats  # (E,), in order
-    name: Integers  # (E,): which of the names
-    columns: Floats  # (E, n + p): derivatives of the instants by start and parameters
 
 
 class Flight(NamedTuple):
@@ -60,6 +56,19 @@ class Flight(NamedTuple):
     samples: MotionSamples  # K of them
     columns: Floats  # (K, n, n + p)
     events: EventInstants | None = None  # where events were asked for
+
+    @property
+    def last_mode(self) -> int:
+        """Number of the mode in which the run has ended."""
+        return int(self.samples.modes[-1])
+
+
+class _Buffers(NamedTuple):
+    """What a run needs and writes."""
+
+    anchor: Anchor
+    records: Records
+    tangent: Tangent
 
 
 class Flights:
@@ -72,8 +81,11 @@ class Flights:
         self.n = len(system.states)
         self.n_runs = 0
         self.values: dict[str, float] = {}
+        self._kept: dict[int, _Buffers] = {}
         self._picks = [NamedEvents(system, name) for name in events]
         self._room = _FIRST_ROOM
+        self._parents = [mode.parent for mode in system.structure.running]
+        self._placed = np.isnan(list(system.open_state.values()))  # where a start leaves them out
 
     def set_up(self, changed: dict[str, float]) -> bool:
         """Take values of the chosen parameters; whether the system admits them."""
@@ -90,7 +102,11 @@ class Flights:
         except ModelError:
             return False
         self._segment = allocate_segment(self.tables.sizes, len(self.chosen))
-        self._scratch: Tangent | None = None
+        self._held = members(self.tables.modes["slaved"], self.n)
+        # without a hint a start leaves out only what any start may leave out: a mass that rests at
+        # a wall is held there, and a mass that comes to the wall is not at rest
+        scanned = self._held.any(axis=1) & ~(self._held & ~self._placed).any(axis=1)
+        self._scanned: list[int] = np.flatnonzero(scanned).tolist()
         self.values = values
         return True
 
@@ -100,107 +116,144 @@ class Flights:
         return self.tables.window
 
     def fly(
-        self, state: Floats, begin: float, times: Floats, *, events: bool = False
+        self, state: Floats, begin: float, times: Floats, mode: int = ANY, *, events: bool = False
     ) -> Flight | None:
         """Run through some times, not decreasing; None where the run ends early.
 
-        With ``events`` also when those that the flights look for happen before the last time.
+        It begins in a mode, or where that does not admit the state, in the first one that does.
+        With ``events`` it also tells when those that the flights look for happen.
         """
-        if not (events and self._picks):
-            return self._fly(state, begin, times)
-        log = self._log(state, begin, float(times[-1]))
-        if log is None:
-            return None
-        meant, of = self._named(log)
-        rows = log.events[: log.n_events][meant]
+        look = self._look_for_events if events and self._picks else self._look
+        turned = None
+        for start, wanted, moved in self._starts(state, mode):
+            turned = moved
+            status, flight = look(start, wanted, begin, times)
+            if status != Status.INADMISSIBLE:
+                break
+        self.n_runs += 1
+        if flight is None or turned is None:
+            return flight
+        found = flight.columns
+        found[:, :, : self.n] = found[:, :, : self.n] @ turned
+        if flight.events is not None:
+            by_start = flight.events.columns
+            by_start[:, : self.n] = by_start[:, : self.n] @ turned
+        return flight
+
+    def _look(
+        self, start: Floats, mode: int, begin: float, times: Floats
+    ) -> tuple[Status, Flight | None]:
+        """A run from a start that is tried."""
+        buffers = self._buffers(times.size)
+        numbers, phases = instants(np.append(begin, times), self.window)
+        status = self._run(start, mode, numbers, phases, buffers)
+        if status != Status.COMPLETED or not np.isfinite(buffers.tangent.samples).all():
+            return status, None
+        records = buffers.records
+        samples = MotionSamples(
+            numbers[1:], phases[1:], records.sample_mode.copy(), records.sample_state.copy()
+        )
+        return status, Flight(samples, buffers.tangent.samples.transpose(0, 2, 1).copy())
+
+    def _look_for_events(
+        self, start: Floats, mode: int, begin: float, times: Floats
+    ) -> tuple[Status, Flight | None]:
+        """The same with the events on the way: a second run samples the states before them."""
+        status, log = self._log(start, mode, begin, float(times[-1]))
+        if status != Status.COMPLETED:
+            return status, None
+        rows, states, name = named_events(self._picks, log)
         happened = rows["number"] * self.window + rows["phase"]
         before = np.maximum(happened - _BEFORE * self.window, begin)
         order = np.argsort(np.concatenate([times, before]), kind="stable")
-        flight = self._fly(state, begin, np.concatenate([times, before])[order])
+        status, flight = self._look(start, mode, begin, np.concatenate([times, before])[order])
         if flight is None:
-            return None
+            return status, None
         place = np.empty(order.size, np.int64)
         place[order] = np.arange(order.size)
         own, early = place[: times.size], place[times.size :]
-        columns = self._instant_columns(rows, log.event_states[: log.n_events][meant, 0],
-                                        happened, flight.columns[early])  # fmt: skip
+        columns = rates_of_instants(
+            self.tables, self._derivatives, self._segment, rows, states, happened,
+            flight.columns[early],
+        )  # fmt: skip
         if columns is None:
-            return None
+            return status, None
         seen = flight.samples
         samples = MotionSamples(
             seen.number[own], seen.phase[own], seen.modes[own], seen.states[own]
         )
-        return Flight(samples, flight.columns[own], EventInstants(happened, of, columns))
+        events = EventInstants(happened, name, columns)
+        return status, Flight(samples, flight.columns[own], events)
 
-    def _fly(self, state: Floats, begin: float, times: Floats) -> Flight | None:
-        sizes, p = self.tables.sizes, len(self.chosen)
-        numbers, phases = instants(np.append(begin, times), self.window)
-        records = allocate_records(sizes, numbers[1:], phases[1:], 0)
-        if self._scratch is None:
-            self._scratch = allocate_columns(sizes, self.n + p, 1)
-        tangent = self._scratch.replace(samples=np.full((times.size, self.n + p, self.n), np.nan))
-        tangent.columns[:], tangent.ready[:] = 0.0, 0
-        status = self._run(state, numbers, phases, records, tangent)
-        if status != Status.COMPLETED or not np.isfinite(tangent.samples).all():
-            return None
-        samples = MotionSamples(numbers[1:], phases[1:], records.sample_mode, records.sample_state)
-        return Flight(samples, tangent.samples.transpose(0, 2, 1))
-
-    def _run(
-        self, state: Floats, numbers: Integers, phases: Floats, records: Records, tangent: Tangent
-    ) -> Status:
-        """Run from the first of some instants to the last one."""
-        anchor = allocate_anchor(self.tables.sizes)
-        anchor.move_to((int(numbers[0]), float(phases[0])))
-        anchor.state[:] = state
-        carried = self._derivatives if tangent.samples.size else NO_DERIVATIVES
-        lane = (self.tables, carried.rates, carried.scratch, anchor, self._segment, tangent)
-        self.n_runs += 1
-        return run(lane, records, ANY, (int(numbers[-1]), float(phases[-1])), self.tolerance)
-
-    def _log(self, state: Floats, begin: float, end: float) -> Records | None:
-        """The log of a run without derivatives; None where the run ends early."""
+    def _log(self, start: Floats, mode: int, begin: float, end: float) -> tuple[Status, Records]:
+        """The log of a run without derivatives."""
         sizes, none = self.tables.sizes, np.zeros(0)
         numbers, phases = instants(np.array([begin, end]), self.window)
         while True:
             records = allocate_records(sizes, none.astype(np.int64), none, self._room)
-            status = self._run(state, numbers, phases, records, allocate_tangent(sizes, -1, 0))
+            buffers = _Buffers(allocate_anchor(sizes), records, allocate_tangent(sizes, -1, 0))
+            status = self._run(start, mode, numbers, phases, buffers)
             if status != Status.BUFFER_FULL:
-                return records if status == Status.COMPLETED else None
+                return status, records
             self._room *= 2
 
-    def _named(self, log: Records) -> tuple[Integers, Integers]:
-        """Rows of a log that are looked for, in order of time, and which name each has."""
-        rows, states = log.events[: log.n_events], log.event_states[: log.n_events]
-        found = [pick(rows, states)[0].row for pick in self._picks]
-        meant = np.concatenate(found)
-        of = np.repeat(np.arange(len(found)), [each.size for each in found])
-        order = np.argsort(meant, kind="stable")
-        return meant[order], of[order]
+    def _starts(self, state: Floats, mode: int) -> Iterator[tuple[Floats, int, Floats | None]]:
+        """Starts to try in order, with what they are by the state given where that is not itself.
 
-    def _instant_columns(
-        self, rows: npt.NDArray[np.void], states: Floats, times: Floats, columns: Floats
-    ) -> Floats | None:
-        """Derivatives of the instants of events, (E, n + p); None where a guard only touches zero.
-
-        shapes: states (E, n) before the events, columns (E, n, n + p) of derivatives there
+        What a mode holds is left out, as nan. A start that no mode takes lies behind a surface, as
+        a mass within its slider: at last it is put on the surface, from where it may leave.
         """
-        count, p = times.size, len(self.chosen)
-        if not count:
-            return np.zeros((0, self.n + p))
-        paths = np.full((count, PATH_LENGTH), -1, np.int64)
-        paths[:, 0] = rows["exit"]
-        modes = np.ascontiguousarray(rows["from_mode"])
-        states, times = np.ascontiguousarray(states), np.ascontiguousarray(times)
-        found = allocate_leg_results(self.tables.sizes, p, count)
-        tangent = allocate_tangent(self.tables.sizes, p, 1)
-        passed = pass_legs(
-            self.tables, self._derivatives.rates, self._derivatives.scratch, self._segment,
-            tangent, WordLegs(modes, paths, states, times, times), found,
-        )  # fmt: skip
-        if passed < count or not np.all(found.guard_rate):
-            return None
-        change = np.einsum("en,enc->ec", found.guard_row[:, : self.n], columns)
-        change[:, self.n :] += found.guard_row[:, self.n :]
-        moved: Floats = -change / found.guard_rate[:, None]
-        return moved
+        if mode != ANY and self._held[mode].any():
+            kin = [k for k, parent in enumerate(self._parents) if parent == self._parents[mode]]
+            for k in sorted(kin, key=lambda k: k != mode):
+                yield np.where(self._held[k], np.nan, state), k, None
+        yield state, ANY, None
+        for k in self._scanned:
+            yield np.where(self._held[k], np.nan, state), k, None
+        for k in self._scanned:
+            if not members(self.tables.modes["implicit"][k], self.n).any():
+                start, moved = self._on_relations(state, k)
+                yield start, ANY, moved
+
+    def _on_relations(self, state: Floats, mode: int) -> tuple[Floats, Floats]:
+        """A state put on the relations of a mode, and its derivatives by the state."""
+        known = self._segment.z.copy()  # powers of time and the like are those of the last try
+        known[: self.n] = state
+        start, moved = state.copy(), np.eye(self.n)
+        for i in np.flatnonzero(self._held[mode]):
+            row = self.tables.relation_row(mode, int(i))
+            start[i], moved[i] = row @ known, row[: self.n]
+        return start, moved
+
+    def _buffers(self, count: int) -> _Buffers:
+        """Arrays for a run with so many samples; those of a number of samples are used again."""
+        if count not in self._kept:
+            if len(self._kept) >= _MOST_KEPT:
+                self._kept.clear()
+            sizes, width = self.tables.sizes, self.n + len(self.chosen)
+            number, phase = np.zeros(count, np.int64), np.zeros(count)
+            self._kept[count] = _Buffers(
+                allocate_anchor(sizes),
+                allocate_records(sizes, number, phase, 0),
+                allocate_columns(sizes, width, count),
+            )
+        return self._kept[count]
+
+    def _run(
+        self, start: Floats, mode: int, numbers: Integers, phases: Floats, buffers: _Buffers
+    ) -> Status:
+        """Run from the first of some instants to the last one."""
+        anchor, records, tangent = buffers
+        for array in (records.counters, anchor.place, anchor.order, tangent.columns, tangent.ready):
+            array[...] = 0
+        for array in (records.sample_state, records.end_state, tangent.samples):
+            array[...] = np.nan
+        records.sample_mode[:] = -1
+        records.since["number"] = records.since["phase"] = -np.inf
+        count = records.sample_number.size  # none where only events are logged
+        records.sample_number[:], records.sample_phase[:] = numbers[1:][:count], phases[1:][:count]
+        anchor.move_to((int(numbers[0]), float(phases[0])))
+        anchor.state[:] = start
+        carried = self._derivatives if tangent.samples.size else NO_DERIVATIVES
+        lane = (self.tables, carried.rates, carried.scratch, anchor, self._segment, tangent)
+        return run(lane, records, mode, (int(numbers[-1]), float(phases[-1])), self.tolerance)

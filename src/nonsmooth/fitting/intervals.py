@@ -9,16 +9,18 @@ import numpy.typing as npt
 from scipy.linalg import null_space
 from scipy.stats import f as f_distribution
 
+from nonsmooth.fitting.correlated import block_length, correlation_of
 from nonsmooth.fitting.shooting import Shooting
 from nonsmooth.fitting.solver import Fitted, gap_matrix, minimise
 
 __all__ = [
     "Direction",
     "Interval",
+    "Spread",
     "block_bootstrap",
-    "covariance_of",
     "open_directions",
     "profile_intervals",
+    "spread_of",
 ]
 
 Floats = npt.NDArray[np.float64]
@@ -39,7 +41,8 @@ class Interval(NamedTuple):
     low: float
     high: float
     is_open: tuple[bool, bool]  # where a bound of the parameter cuts it off
-    profile: Floats  # (K, 2): values, and by how much twice the cost has risen there
+    profile: Floats  # (K, 2): values, and how much twice the cost rises there, over the ratio
+    is_followed: bool = True  # whether the profile could be followed to both ends
 
 
 class Direction(NamedTuple):
@@ -57,11 +60,26 @@ class Better(Exception):
         self.found = found
 
 
-def covariance_of(shooting: Shooting, fitted: Fitted) -> Floats:
-    """Covariance of all unknowns with the gaps closed; units of the solver.
+class Spread(NamedTuple):
+    """Covariance of all unknowns, and by how much it is larger than with white residuals."""
+
+    covariance: Floats  # (size, size), units of the solver
+    white: Floats  # (size, size), as if residuals were white
+    is_widened: bool  # whether correlated residuals count in the first one
+
+    @property
+    def ratio(self) -> Floats:
+        """Variances over those with white residuals; 1 of a state that follows from others."""
+        now, white = np.diag(self.covariance), np.diag(self.white)
+        return np.divide(now, white, out=np.ones_like(now), where=white > 0.0)
+
+
+def spread_of(shooting: Shooting, fitted: Fitted, loss: str) -> Spread:
+    """Covariance of all unknowns with the gaps closed.
 
     The unknowns move in the null space of the equations of continuity only. What the data do not
-    tell at all has a spread that is huge but finite.
+    tell at all has a spread that is huge but finite. Estimates are linear in the residuals where
+    these are small, so correlated residuals make a covariance of the form of a sandwich.
     """
     rows = fitted.evaluation.rows
     jacobian = np.zeros((rows.residual.size, shooting.size))
@@ -71,11 +89,18 @@ def covariance_of(shooting: Shooting, fitted: Fitted) -> Floats:
     basis = np.eye(shooting.size)
     if shooting.n_gaps:
         basis = null_space(gap_matrix(shooting, fitted.evaluation), rcond=1e-13)
-    _, sizes, turned = np.linalg.svd(np.linalg.qr(jacobian @ basis, mode="r"))
+    free = jacobian @ basis
+    _, sizes, turned = np.linalg.svd(np.linalg.qr(free, mode="r"))
     sizes = np.maximum(sizes, _SMALLEST * sizes.max(initial=1e-300))
     root = basis @ turned.T / sizes
-    covariance: Floats = root @ root.T
-    return covariance
+    white: Floats = root @ root.T
+    found = None
+    if loss == "linear":  # a robust loss has weights of its own
+        found = correlation_of(rows, shooting.record_of_channel, shooting.n_spent)
+    if found is None:
+        return Spread(white, white, False)
+    inner = found.covariance_of(free @ turned.T / sizes)
+    return Spread(root @ inner @ root.T, white, True)
 
 
 def open_directions(shooting: Shooting, covariance: Floats) -> list[Direction]:
@@ -100,21 +125,24 @@ def threshold(shooting: Shooting, count: int) -> float:
 
 
 def profile_intervals(
-    shooting: Shooting, fitted: Fitted, covariance: Floats, loss: str
+    shooting: Shooting, fitted: Fitted, spread: Spread, loss: str
 ) -> list[Interval]:
     """95 % intervals of parameters and nuisances from the profile of the likelihood.
 
     One of them is held away from its estimate and everything else is found anew, until the cost
-    has risen by the threshold. `Better` where the cost falls instead.
+    has risen by the threshold. Where residuals are correlated, the threshold is larger by the ratio
+    of the variances. `Better` where the cost falls instead.
     """
-    rise = threshold(shooting, fitted.evaluation.rows.residual.size)
+    rises = spread.ratio * threshold(shooting, fitted.evaluation.rows.residual.size)
     found = []
     for i in range(shooting.h):
-        profile = _Profile(shooting, fitted, covariance, loss, i, rise)
-        ends = [profile.end(side) for side in (-1, 1)]
+        profile = _Profile(shooting, fitted, spread.white, loss, i, float(rises[i]))
+        (low, low_open, one), (high, high_open, other) = (profile.end(side) for side in (-1, 1))
         for side in (-1, 1):
             profile.look_between(side)
-        found.append(Interval(ends[0][0], ends[1][0], (ends[0][1], ends[1][1]), profile.points))
+        opened, followed = (low_open, high_open), one and other
+        points = profile.points / [1.0, spread.ratio[i]]  # so that one threshold holds for all
+        found.append(Interval(low, high, opened, points, followed))
     return found
 
 
@@ -151,6 +179,11 @@ class _Profile:
             self.shooting, u, self.fitted.noise, self.fitted.multipliers, loss=self.loss,
             held=self.i, most=25,
         )  # fmt: skip
+        if held is not None and not held.closed and held.cost - self.fitted.cost > 0.5 * self.rise:
+            held = minimise(
+                self.shooting, held.u, self.fitted.noise, self.fitted.multipliers,
+                loss=self.loss, held=self.i,
+            ) or held  # fmt: skip
         if held is None:
             return np.inf
         risen = 2.0 * (held.cost - self.fitted.cost)
@@ -159,27 +192,35 @@ class _Profile:
         self._seen[distance] = max(risen, 0.0)
         return risen
 
-    def end(self, side: int) -> tuple[float, bool]:
-        """One end of the interval, and whether a bound cuts it off."""
+    def end(self, side: int) -> tuple[float, bool, bool]:
+        """One end, whether a bound cuts the interval off, and whether the profile leads there.
+
+        Where no point of the profile is found below the threshold, the solver has not come back to
+        the valley, and the end is that of the standard error: one near the estimate would say too
+        much.
+        """
         bound = self.shooting.limits[0 if side < 0 else 1][self.i]
         middle, rise = float(self.fitted.u[self.i]), self.rise
-        room, distance = abs(bound - middle), self.deviation * np.sqrt(rise)
+        room = abs(bound - middle)
+        expected = distance = min(self.deviation * np.sqrt(rise), room)
         inside, outside = 0.0, np.inf
         for _ in range(_STEPS):
             distance = min(distance, room)
             if distance <= 0.0:
-                return middle, True
+                return middle, True, True
             risen = self.look(side * distance)
             if abs(risen - rise) <= _CLOSE * rise:
-                return middle + side * distance, False
+                return middle + side * distance, False, True
             if risen < rise:
                 inside = distance
                 if distance >= room:
-                    return float(bound), True
+                    return float(bound), True, True
             else:
                 outside = distance
             distance = _next_distance(distance, risen, rise, inside, outside)
-        return middle + side * distance, False
+        if inside == 0.0:
+            return middle + side * expected, expected >= room, False
+        return middle + side * distance, False, True
 
     def look_between(self, side: int) -> None:
         """Look halfway to the farthest point of a side, where nothing near it was looked at."""
@@ -215,14 +256,13 @@ def block_bootstrap(
     rng = np.random.default_rng(seed)
     rows, found = fitted.evaluation.rows, []
     kept = [channel.values.copy() for channel in shooting.channels]
-    length = max(1, round(rows.residual.size ** (1.0 / 3.0) * 2.0))
     try:
         for _ in range(count):
             for c, channel in enumerate(shooting.channels):
                 own = (rows.channel == c) & rows.matched
                 order = np.argsort(rows.place[own])
                 place, residual = rows.place[own][order], rows.residual[own][order]
-                size = residual.size
+                size, length = residual.size, block_length(residual)
                 first = rng.integers(0, size, -(-size // length))
                 drawn = (first[:, None] + np.arange(length)).ravel()[:size] % size
                 noise = fitted.noise[c]

@@ -15,9 +15,11 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.engine.lanes import ANY
 from nonsmooth.fitting.channels import ObservedChannel, Range
+from nonsmooth.fitting.event_instants import EventInstants
 from nonsmooth.fitting.event_residuals import residuals_of_events
-from nonsmooth.fitting.flights import EventInstants, Flight, Flights
+from nonsmooth.fitting.flights import Flight, Flights
 from nonsmooth.fitting.observation import MotionSamples, Observation
 from nonsmooth.fitting.residuals import (
     Residuals,
@@ -51,9 +53,11 @@ class RecordEquations:
         shift: Range = NO_SHIFT,
         *,
         is_cycle: bool = False,
+        together: int = 1,
     ) -> None:
         self.system, self.channels, self.times, self.bounds = system, channels, times, bounds
         self.free, self.shift = tuple(free), shift
+        self.together = together  # segments that may become one
         self.is_cycle = is_cycle  # whether the motion repeats itself after the last segment
         self.nuisances = [
             (c, key)
@@ -72,9 +76,18 @@ class RecordEquations:
         self.step = float(np.median(np.diff(times))) if times.size > 1 else 1.0
         self.n, self.p = len(system.states), len(self.free)
         self.h = self.p + len(self.nuisances)
-        self.n_segments = bounds.size - 1
         self.scales = np.ones(self.n)  # of the states
         self._plans: list[SegmentData] | None = None
+
+    @property
+    def n_segments(self) -> int:
+        """Number of segments."""
+        return self.bounds.size - 1
+
+    def join_segments(self) -> None:
+        """Make segments that belong together one."""
+        self.bounds, self.together = self.bounds[:: self.together], 1
+        self.forget_plans()
 
     @property
     def n_gaps(self) -> int:
@@ -103,10 +116,10 @@ class RecordEquations:
         """Take the parameters of the head; whether the system admits them."""
         return self.flights.set_up(dict(zip(self.free, map(float, head), strict=False)))
 
-    def fly(self, m: int, state: Floats, plan: SegmentData) -> Flight | None:
-        """Run through a segment; its end is the last sample."""
-        times = np.append(plan.times, self.bounds[m + 1])
-        return self.flights.fly(state, float(self.bounds[m]), times, events=bool(self._picked))
+    def fly(self, m: int, state: Floats, plan: SegmentData, mode: int = ANY) -> Flight | None:
+        """Run through a segment from a mode on; its end is the last sample."""
+        times, begin = np.append(plan.times, self.bounds[m + 1]), float(self.bounds[m])
+        return self.flights.fly(state, begin, times, mode, events=bool(self._picked))
 
     def without_events_before(self, flight: Flight, plan: SegmentData) -> Flight:
         """A flight without events before the first picked one, of which a part was picked only."""

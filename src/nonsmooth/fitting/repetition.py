@@ -16,7 +16,7 @@ from scipy.linalg import lstsq
 from scipy.stats import f as f_distribution
 
 from nonsmooth.fitting.channels import ObservedChannel
-from nonsmooth.fitting.residual_series import ljung_box
+from nonsmooth.fitting.correlated import ljung_box
 
 __all__ = ["repeats_after"]
 

@@ -11,14 +11,16 @@ import xarray as xr
 
 from nonsmooth.analysis.options import result_attributes
 from nonsmooth.fitting.channels import ObservedChannel
+from nonsmooth.fitting.correlated import NOT_WHITE
 from nonsmooth.fitting.intervals import (
     Better,
     Direction,
     Interval,
+    Spread,
     block_bootstrap,
-    covariance_of,
     open_directions,
     profile_intervals,
+    spread_of,
     threshold,
 )
 from nonsmooth.fitting.residual_series import (
@@ -29,7 +31,7 @@ from nonsmooth.fitting.residual_series import (
 )
 from nonsmooth.fitting.restart import restart_text
 from nonsmooth.fitting.shooting import Shooting
-from nonsmooth.fitting.solver import Fitted, close_gaps
+from nonsmooth.fitting.solver import Fitted, close_gaps, height
 
 __all__ = ["Search", "fit_dataset"]
 
@@ -38,7 +40,8 @@ Bools = npt.NDArray[np.bool_]
 Variables = dict[str, Any]
 
 _LOWER_MINIMA = 3  # that profiles may find before they are taken as they are
-_NOT_WHITE = 0.01
+_PLAIN = "profile of the likelihood, residuals white"
+_WIDENED = "profile of the likelihood, widened for correlated residuals"
 _NEUTRAL = 1e-6  # above 1: a multiplier of 1, of a motion without damping, is known about so well
 _POOR = 2.0  # prediction error in units of the noise that is worth a word
 
@@ -60,12 +63,6 @@ class Search:
         return sum(each.n_evaluations for each in self.found if each is not None)
 
 
-def height(fitted: Fitted) -> float:
-    """Minus the logarithm of the likelihood, up to a constant, with the noise that was found."""
-    counts = np.bincount(fitted.evaluation.rows.channel, minlength=fitted.noise.size)
-    return fitted.cost + float(counts @ np.log(fitted.noise))
-
-
 def fit_dataset(
     channels: Sequence[ObservedChannel],
     search: Search,
@@ -77,10 +74,9 @@ def fit_dataset(
 ) -> xr.Dataset:
     """Dataset of a fit; without marks of the record those of the forcing stand in it."""
     shooting = search.shooting
-    best, covariance, intervals = _certain(shooting, search.best, loss)
-    head = covariance[: shooting.h, : shooting.h]
-    directions = open_directions(shooting, covariance)
-    variables = _estimates(shooting, best, head, intervals, directions)
+    best, spread, intervals = _certain(shooting, search.best, loss)
+    directions = open_directions(shooting, spread.covariance)
+    variables = _estimates(shooting, best, spread, intervals, directions)
     variables |= _profiles(shooting, intervals)
     if drawn:
         variables |= _bootstrap(shooting, best, loss, drawn, seed)
@@ -109,6 +105,7 @@ def fit_dataset(
     gap = float(np.abs(best.evaluation.gap).max(initial=0.0)) * shooting.gap_unit
     attrs = result_attributes(shooting.system, status, told, options) | {
         "open_parameters": words,
+        "interval_method": _WIDENED if spread.is_widened else _PLAIN,
         "largest_gap": gap,
         **steady,
         "profile_threshold": most_risen,
@@ -133,31 +130,32 @@ def fit_dataset(
     return xr.Dataset(variables, coords, attrs)
 
 
-def _certain(shooting: Shooting, best: Fitted, loss: str) -> tuple[Fitted, Floats, list[Interval]]:
+def _certain(shooting: Shooting, best: Fitted, loss: str) -> tuple[Fitted, Spread, list[Interval]]:
     """The minimum with its intervals; a lower one that a profile finds takes its place."""
     for _ in range(_LOWER_MINIMA):
-        covariance = covariance_of(shooting, best)
+        spread = spread_of(shooting, best, loss)
         try:
-            return best, covariance, profile_intervals(shooting, best, covariance, loss)
+            return best, spread, profile_intervals(shooting, best, spread, loss)
         except Better as lower:
             u, noise, shift = lower.found.u, best.noise, best.multipliers
             again = close_gaps(shooting, u, noise, shift, loss)
             if again is None or height(again) >= height(best):
                 break
             best = again
-    covariance = covariance_of(shooting, best)
+    spread = spread_of(shooting, best, loss)
     nothing = Interval(np.nan, np.nan, (False, False), np.zeros((0, 2)))
-    return best._replace(closed=False), covariance, [nothing] * shooting.h
+    return best._replace(closed=False), spread, [nothing] * shooting.h
 
 
 def _estimates(
     shooting: Shooting,
     best: Fitted,
-    head: Floats,
+    spread: Spread,
     intervals: list[Interval],
     directions: list[Direction],
 ) -> Variables:
     """Everything over ``parameter``."""
+    head = spread.covariance[: shooting.h, : shooting.h]
     units, deviation = shooting.head_units(), np.sqrt(np.diag(head))
     low, high = (
         shooting.head_values(np.array([getattr(each, side) for each in intervals]))
@@ -173,9 +171,19 @@ def _estimates(
     columns = {
         "estimate": (over, shooting.head_values(best.u), "estimate"),
         "standard_error": (over, deviation * units, "standard error of the estimate"),
+        "variance_ratio": (
+            over,
+            spread.ratio[: shooting.h],
+            "variance over that with white residuals",
+        ),
         "interval_low": (over, low, "lower end of the 95 % interval"),
         "interval_high": (over, high, "upper end of the 95 % interval"),
         "interval_open": (over, touched.any(axis=1), "whether a bound cuts the interval off"),
+        "profile_followed": (
+            over,
+            np.array([each.is_followed for each in intervals]),
+            "whether the ends of the interval are those of the profile",
+        ),
         "identified": (over, identified, "whether the record determines it"),
         "lower_bound": (over, np.array([r.low for r in shooting.ranges]), "least value allowed"),
         "upper_bound": (over, np.array([r.high for r in shooting.ranges]), "largest allowed"),
@@ -336,11 +344,16 @@ def _message(
         parts.append(words)
     if variables["interval_open"][1].any():
         parts.append("bounds cut intervals off, see interval_open")
+    if not variables["profile_followed"][1].all():
+        parts.append(
+            "some profiles could not be followed, and ends of their intervals are those of the"
+            " standard error, see profile_followed"
+        )
     for c, channel in enumerate(channels):
-        if variables["whiteness"][1][c] < _NOT_WHITE:
+        if variables["whiteness"][1][c] < NOT_WHITE:
             parts.append(
-                f"residuals of {channel} are correlated, so the model or the noise is not what"
-                " the intervals assume; compare them with those of bootstrap="
+                f"residuals of {channel} are correlated, by coloured noise or a model that is"
+                " wrong: intervals are widened for the first, but no interval tells of the second"
             )
         if variables["prediction_error"][1][c] > _POOR:
             parts.append(f"what was held back of {channel} is predicted poorly")

@@ -11,20 +11,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from scipy.stats import chi2
 
 from nonsmooth.fitting.channels import ObservedChannel
+from nonsmooth.fitting.correlated import ljung_box
 from nonsmooth.fitting.residuals import Residuals
 from nonsmooth.fitting.shooting import Shooting
 from nonsmooth.fitting.solver import Fitted
 
-__all__ = ["ChannelSeries", "ljung_box", "residual_series", "series_variables", "tests_of_series"]
+__all__ = ["ChannelSeries", "residual_series", "series_variables", "tests_of_series"]
 
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
 Variables = dict[str, Any]
-
-_LAGS = 20
 
 
 class ChannelSeries(NamedTuple):
@@ -86,6 +84,7 @@ def _predict(shooting: Shooting, r: int, series: list[ChannelSeries], best: Fitt
     if not record.set_up(values):
         return
     states = shooting.states_of(best.u)[shooting.segments_in(r)]
+    modes = best.evaluation.modes[shooting.segments_in(r)]
     left = [np.where(series[c].held_back, series[c].measured, np.nan) for c in own]
     for m, plan in enumerate(record.plans_of(left, values, np.inf)):
         last = np.concatenate([plan.times[-1:], plan.event_time[-1:] + record.wait])
@@ -93,7 +92,7 @@ def _predict(shooting: Shooting, r: int, series: list[ChannelSeries], best: Fitt
             continue
         times = np.append(plan.times, last.max())
         flight = record.flights.fly(
-            states[m], float(record.bounds[m]), times, events=bool(plan.event_time.size)
+            states[m], float(record.bounds[m]), times, modes[m], events=bool(plan.event_time.size)
         )
         if flight is not None:
             flight = record.without_events_before(flight, plan)
@@ -161,17 +160,3 @@ def tests_of_series(series: Sequence[ChannelSeries], noise: Floats) -> Variables
         name: ("channel", each, {"long_name": words[name]})
         for name, each in zip(words, values, strict=True)
     }
-
-
-def ljung_box(series: Floats) -> tuple[float, float]:
-    """Ljung-Box statistic of a series, and its probability where the series is white."""
-    if series.size < 5:
-        return np.nan, np.nan
-    series = series - series.mean()
-    count, lags = series.size, max(1, min(_LAGS, series.size // 5))
-    total = float(series @ series) or 1.0
-    squares = [
-        (float(series[k:] @ series[:-k]) / total) ** 2 / (count - k) for k in range(1, lags + 1)
-    ]
-    statistic = count * (count + 2) * sum(squares)
-    return statistic, float(chi2.sf(statistic, lags))

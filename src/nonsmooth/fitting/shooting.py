@@ -19,8 +19,10 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.engine.lanes import ANY
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.fitting.channels import Range
+from nonsmooth.fitting.flights import Flight
 from nonsmooth.fitting.record_equations import RecordEquations
 from nonsmooth.fitting.residuals import Residuals, joined
 
@@ -39,6 +41,7 @@ class Evaluation(NamedTuple):
     gap: Floats  # (G, n): end of a segment less the start of the next
     gap_head: Floats  # (G, n, h)
     gap_state: Floats  # (G, n, n), by the start of the segment
+    modes: list[int]  # in which each segment is to begin: that in which the one before has ended
 
 
 class Shooting:
@@ -66,11 +69,15 @@ class Shooting:
         self.h = len(self.ranges)
         self._origin = np.array([r.low if np.isfinite(r.low) else r.guess for r in self.ranges])
         self._units = np.array([r.scale for r in self.ranges])
-        counts = [record.n_segments for record in records]
-        self._first_segment = np.cumsum([0, *counts])
         self._first_channel = np.cumsum([0, *(len(record.channels) for record in records)])
+        self._count_segments()
+
+    def _count_segments(self) -> None:
+        """Places of the segments among the unknowns, and which of them belong together."""
+        counts = [record.n_segments for record in self.records]
+        self._first_segment = np.cumsum([0, *counts])
         self.n_segments = int(self._first_segment[-1])
-        self.links = np.concatenate([self._links(r) for r in range(len(records))])
+        self.links = np.concatenate([self._links(r) for r in range(len(self.records))])
         self.size = self.h + self.n_segments * self.n
 
     def _enter(
@@ -179,6 +186,11 @@ class Shooting:
         """Which of all channels are those of a record."""
         return range(self._first_channel[r], self._first_channel[r + 1])
 
+    @property
+    def record_of_channel(self) -> Integers:
+        """Number of the record of each channel."""
+        return np.repeat(np.arange(len(self.records)), np.diff(self._first_channel))
+
     def segments_in(self, r: int) -> slice:
         """Which of all segments are those of a record."""
         return slice(self._first_segment[r], self._first_segment[r + 1])
@@ -191,6 +203,22 @@ class Shooting:
         """States at the starts of the segments, (M, n)."""
         states: Floats = u[self.h :].reshape(self.n_segments, self.n) * self.scales
         return states
+
+    @property
+    def together(self) -> int:
+        """Number of segments that may become one, at most."""
+        return max(record.together for record in self.records)
+
+    def join_segments(self, u: Floats) -> Floats:
+        """Make segments that belong together one, and leave out the states between them."""
+        states = [
+            self.states_of(u)[self.segments_in(r)][:: record.together]
+            for r, record in enumerate(self.records)
+        ]
+        for record in self.records:
+            record.join_segments()
+        self._count_segments()
+        return self.join(u[: self.h], np.concatenate(states))
 
     def set_up(self, head: Floats) -> bool:
         """Take the parameters of the head; whether the system admits them."""
@@ -222,18 +250,25 @@ class Shooting:
                 return None
             parts.append(part)
         rows = joined([part.rows for part in parts])
-        gaps = (np.concatenate(each) for each in zip(*(part[1:] for part in parts), strict=True))
-        return Evaluation(rows, *gaps)
+        return Evaluation(
+            rows,
+            np.concatenate([part.gap for part in parts]),
+            np.concatenate([part.gap_head for part in parts]),
+            np.concatenate([part.gap_state for part in parts]),
+            [mode for part in parts for mode in part.modes],
+        )
 
     def _evaluate_record(self, r: int, u: Floats, noise: Floats) -> Evaluation | None:
         record, values = self.records[r], self.values_in(r, self.head_values(u))
         states, plans = self.states_of(u)[self.segments_in(r)], record.plans(values)
-        flown = []
+        flown: list[Flight] = []
+        modes = [ANY]
         for m, plan in enumerate(plans):
-            flight = record.fly(m, states[m], plan)
+            flight = record.fly(m, states[m], plan, modes[m])
             if flight is None:
                 return None
             flown.append(flight)
+            modes.append(flight.last_mode)
         rows = record.rows(
             list(range(record.n_segments)), flown, plans, values, self.noise_in(r, noise)
         )
@@ -256,6 +291,7 @@ class Shooting:
             (ends - starts) / unit,
             self._spread(r, by_own),
             columns[:, :, : self.n] * self.scales,
+            modes[:-1],
         )
 
     def _spread(self, r: int, by_own: Floats) -> Floats:

@@ -4,7 +4,9 @@ Continuity is an equation, and `scipy.optimize.least_squares` has none. The meth
 adds it: gaps are residuals with a weight, shifted by multipliers that are brought forward from
 round to round, so that the gaps vanish at a weight that is still harmless. The weight grows in
 stages. At first the segments follow the data whatever the parameters are, and then they grow
-together; that is what makes long and chaotic records converge.
+together; that is what makes long and chaotic records converge. The first stages have several short
+segments in place of each one: the shorter a motion is, the less often does a step of the solver
+make or lose an event in it, at which derivatives change.
 
 Where the loss is linear, the rows of each segment are replaced by the triangular factor of their QR
 decomposition. Cost, gradient and Gauss-Newton matrix stay the same, so the solver takes the same
@@ -22,7 +24,7 @@ from scipy.optimize import least_squares
 from nonsmooth.fitting.beginning import first_states
 from nonsmooth.fitting.shooting import Evaluation, Shooting
 
-__all__ = ["LOSSES", "Fitted", "close_gaps", "gap_matrix", "minimise", "solve_from"]
+__all__ = ["LOSSES", "Fitted", "close_gaps", "gap_matrix", "height", "minimise", "solve_from"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -32,6 +34,11 @@ _ROUNDS = 6  # with the last weight
 _CLOSED = 1e-4  # largest gap that is none, in units of a fiftieth of the size of a state
 _SETTLED = 1e-3  # change of the noise from round to round
 _EVALUATIONS = (25, 25, 25, 25, 60)
+_JOINED = 3  # stage from which on segments that belong together are one
+_LOOKS = 3  # at states from the beginning
+_APART = 3.0  # a gap after the first stage that is large, in the units of a gap
+_LEVEL = 0.01  # change of the logarithm of a likelihood that is none
+_BEHIND = 20.0  # logarithm of a likelihood that no start makes up for
 _PENALTY = 1e4  # residual in each row of a run that ends early
 _MEDIAN = 0.6744897501960817  # of the size of a normal variable
 
@@ -229,10 +236,68 @@ def minimise(
     )  # fmt: skip
 
 
+def height(fitted: Fitted) -> float:
+    """Minus the logarithm of the likelihood, up to a constant, with the noise that was found."""
+    counts = np.bincount(fitted.evaluation.rows.channel, minlength=fitted.noise.size)
+    return fitted.cost + float(counts @ np.log(fitted.noise))
+
+
 def solve_from(
-    shooting: Shooting, values: Floats, initial: Floats, noise: Floats, loss: str, seed: int
+    shooting: Shooting,
+    values: Floats,
+    initial: Floats,
+    noise: Floats,
+    loss: str,
+    seed: int,
+    best: float = np.inf,
 ) -> Fitted | None:
-    """The minimum to which one start leads; None where no motion begins there."""
+    """The minimum to which one start leads; None where no motion begins there.
+
+    It is given up where it cannot come to the height of the best one so far.
+    """
+    states = _first_states(shooting, values, initial, noise, seed)
+    if states is None:
+        return None
+    u, shift = (
+        shooting.join(shooting.head_of(values), states), np.zeros((shooting.n_gaps, shooting.n)),
+    )  # fmt: skip
+    if not shooting.n_gaps:
+        return close_gaps(shooting, u, noise, shift, loss)
+    first = _first_stage(shooting, u, initial, noise, loss, seed)
+    if first is None:
+        return None
+    return close_gaps(shooting, first.u, noise, shift, loss, first=first, best=best)
+
+
+def _first_stage(
+    shooting: Shooting, u: Floats, initial: Floats, noise: Floats, loss: str, seed: int
+) -> Fitted | None:
+    """Minimum with the first weight, whose states are found anew where segments are far apart.
+
+    States that are not observed may come to rest far from where the segment before ends, while the
+    parameters are still wrong. The first stage brings these near, and a second look begins there.
+    """
+    shift, best = np.zeros((shooting.n_gaps, shooting.n)), None
+    for look in range(_LOOKS):
+        found = minimise(shooting, u, noise, shift, _WEIGHTS[0], loss=loss, most=_EVALUATIONS[0])
+        if found is None:
+            break
+        if best is None or found.cost < best.cost:
+            best = found
+        if np.abs(found.evaluation.gap).max(initial=0.0) < _APART:
+            break
+        values = shooting.head_values(found.u)
+        states = _first_states(shooting, values, initial, noise, seed + look + 1)
+        if states is None:
+            break
+        u = shooting.join(found.u[: shooting.h], states)
+    return best
+
+
+def _first_states(
+    shooting: Shooting, values: Floats, initial: Floats, noise: Floats, seed: int
+) -> Floats | None:
+    """States at the starts of the segments of all records; None where no motion begins."""
     states = []
     for r, record in enumerate(shooting.records):
         own, level = shooting.values_in(r, values), shooting.noise_in(r, noise)
@@ -240,35 +305,64 @@ def solve_from(
         if begun is None:
             return None
         states.append(begun)
-    shift = np.zeros((shooting.n_gaps, shooting.n))
-    u = shooting.join(shooting.head_of(values), np.concatenate(states))
-    return close_gaps(shooting, u, noise, shift, loss, 0 if shooting.n_gaps else -1)
+    return np.concatenate(states)
 
 
 def close_gaps(
-    shooting: Shooting, u: Floats, noise: Floats, shift: Floats, loss: str, stage: int = -1
+    shooting: Shooting,
+    u: Floats,
+    noise: Floats,
+    shift: Floats,
+    loss: str,
+    *,
+    first: Fitted | None = None,
+    best: float = np.inf,
 ) -> Fitted | None:
-    """Minimum with closed gaps and the noise that belongs to it, from some stage of weights on."""
-    found, count = None, 0
+    """Minimum with closed gaps and the noise that belongs to it.
+
+    It begins with the last weight, or with that after a first stage.
+    """
+    stage = -1 if first is None else 0
     weights, evaluations = _WEIGHTS[stage:], _EVALUATIONS[stage:]
+    found, count, before, ended = first, 0, np.inf, False
     for k in range(len(weights) + _ROUNDS):
         now, following = (min(each, len(weights) - 1) for each in (k, k + 1))
-        found = minimise(
-            shooting, u, noise, shift, weights[now], loss=loss, most=evaluations[now]
-        )  # fmt: skip
+        if shooting.together > 1 and now >= _JOINED:
+            u = shooting.join_segments(u)
+            shift = np.zeros((shooting.n_gaps, shooting.n))
+        if k or first is None:
+            found = minimise(
+                shooting, u, noise, shift, weights[now], loss=loss, most=evaluations[now]
+            )  # fmt: skip
         if found is None:
             return None
         u, count = found.u, count + found.n_evaluations
         level = noise_level(shooting, found.evaluation, noise, loss)
         gap = float(np.abs(found.evaluation.gap).max(initial=0.0))
+        is_last = now == len(weights) - 1
+        if loss == "linear" and not is_last:
+            # of the data alone, as gaps with multipliers may count below zero
+            fair = found._replace(noise=level, cost=_cost_at(found, noise, level))
+            if height(fair) > best + _BEHIND:  # worse although its segments need not join
+                return fair._replace(closed=False, n_evaluations=count)
         settled = bool(np.all(np.abs(level / noise - 1.0) < _SETTLED))
-        if now == len(weights) - 1 and settled and gap < _CLOSED:
+        ended = found.closed or abs(height(found) - before) < _LEVEL
+        before = height(found)
+        if is_last and settled and gap < _CLOSED and ended:
             break
         # the force of a multiplier stays while weight and noise change what it weighs against
         force = (weights[now] / weights[following]) ** 2 * float(np.mean((noise / level) ** 2))
         shift, noise = (shift + found.evaluation.gap) * force, level
     assert found is not None
-    return found._replace(n_evaluations=count, closed=found.closed and gap < 10.0 * _CLOSED)
+    return found._replace(n_evaluations=count, closed=ended and gap < 10.0 * _CLOSED)
+
+
+def _cost_at(found: Fitted, noise: Floats, level: Floats) -> float:
+    """Half the sum of squares of the data in units of another noise."""
+    rows = found.evaluation.rows
+    channel, residual = rows.channel[rows.matched], rows.residual[rows.matched]
+    squares = np.bincount(channel, residual**2, noise.size) * (noise / level) ** 2
+    return 0.5 * float(squares.sum())
 
 
 def noise_level(shooting: Shooting, found: Evaluation, noise: Floats, loss: str) -> Floats:
