@@ -404,3 +404,26 @@ def test_intervals_cover_as_often_as_they_say():
         )  # fmt: skip
         hits += sum(within(found, SOFT).values())
     assert hits >= least
+
+
+def test_the_noise_of_a_channel_with_few_samples_is_not_too_small():
+    """Two channels show one line; the second has eleven samples, by which two unknowns are found.
+
+    The mean of 150 squares over their expectation, of nine degrees of freedom each, is known to
+    0.039: three of these. Divided by the number of samples it would be 0.85.
+    """
+    ramp, _ = line()
+    times = np.linspace(0.0, 2.0, 61)
+    squares = []
+    for seed in range(150):
+        rng = np.random.default_rng(seed)
+        shown = 0.3 + 0.7 * times + 0.05 * rng.standard_normal(61)
+        few = np.where(np.arange(61) % 6 == 0, 0.3 + 0.7 * times, np.nan)
+        few += 0.002 * rng.standard_normal(61)
+        found = ns.fit(
+            ramp, dataset(times, x=shown, few=few), {"k": (-5, 5)}, {"x": "x", "few": "x"},
+            hold_back=0.0, starts=1, segments=1,
+        )  # fmt: skip
+        squares.append((float(found["noise"][1]) / 0.002) ** 2)
+    assert np.mean(squares) == pytest.approx(1.0, abs=0.117)
+    assert "the noise of few is found from 11 data" in found.attrs["message"]

@@ -216,3 +216,15 @@ def test_times_between_events_are_drawn():
         ns.plot.fit(found, align="phase")
     with pytest.raises(ns.OptionError, match="no samples to draw"):
         ns.plot.fit_spectra(found)
+
+
+def test_the_fitted_line_is_broken_where_samples_are_left_out():
+    times = np.linspace(0.0, 10.0, 201)
+    values = np.exp(-0.3 * times) + 0.01 * np.random.default_rng(1).standard_normal(201)
+    values[80:120] = np.nan
+    decay = ns.System(states=["x"], parameters={"k": 0.2}, equations={"x": "-k*x"})
+    record = xr.Dataset({"x": ("time", values)}, {"time": times})
+    found = ns.fit(decay, record, {"k": (0.1, 1.0)}, initial={"x": 1.0}, starts=1)
+    curve = labelled(ns.plot.fit(found), "fitted").get_xydata()
+    (gap,) = np.flatnonzero(np.isnan(curve[:, 1]))
+    assert curve[gap - 1, 0] == times[79] and curve[gap + 1, 0] == times[120]

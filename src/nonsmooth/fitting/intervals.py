@@ -6,12 +6,12 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from scipy.linalg import null_space
 from scipy.stats import f as f_distribution
 
 from nonsmooth.fitting.correlated import block_length, correlation_of
+from nonsmooth.fitting.linearised import free_jacobian
 from nonsmooth.fitting.shooting import Shooting
-from nonsmooth.fitting.solver import Fitted, gap_matrix, minimise
+from nonsmooth.fitting.solver import Fitted, minimise
 
 __all__ = [
     "Direction",
@@ -82,14 +82,7 @@ def spread_of(shooting: Shooting, fitted: Fitted, loss: str) -> Spread:
     these are small, so correlated residuals make a covariance of the form of a sandwich.
     """
     rows = fitted.evaluation.rows
-    jacobian = np.zeros((rows.residual.size, shooting.size))
-    jacobian[:, : shooting.h] = rows.head
-    columns = shooting.h + rows.segment[:, None] * shooting.n + np.arange(shooting.n)
-    np.put_along_axis(jacobian, columns, rows.state, axis=1)
-    basis = np.eye(shooting.size)
-    if shooting.n_gaps:
-        basis = null_space(gap_matrix(shooting, fitted.evaluation), rcond=1e-13)
-    free = jacobian @ basis
+    free, basis = free_jacobian(shooting, fitted.evaluation)
     _, sizes, turned = np.linalg.svd(np.linalg.qr(free, mode="r"))
     sizes = np.maximum(sizes, _SMALLEST * sizes.max(initial=1e-300))
     root = basis @ turned.T / sizes

@@ -21,8 +21,8 @@ from scipy.sparse import block_array, block_diag
 from scipy.sparse.linalg import splu
 
 from nonsmooth.errors import OptionError
+from nonsmooth.fitting.linearised import gap_matrix
 from nonsmooth.fitting.shooting import Evaluation, Shooting
-from nonsmooth.fitting.solver import gap_matrix
 
 __all__ = ["Marginal"]
 

@@ -43,6 +43,7 @@ _LOWER_MINIMA = 3  # that profiles may find before they are taken as they are
 _PLAIN = "profile of the likelihood, residuals white"
 _WIDENED = "profile of the likelihood, widened for correlated residuals"
 _NEUTRAL = 1e-6  # above 1: a multiplier of 1, of a motion without damping, is known about so well
+_FEW = 20  # data of a channel: their standard deviation is known to a sixth only
 _POOR = 2.0  # prediction error in units of the noise that is worth a word
 
 
@@ -92,7 +93,8 @@ def fit_dataset(
     variables |= _directions(directions)
     words = _open_words(shooting, best, directions)
     names_of_channels = _names_of_channels(shooting)
-    told = _message(best, agrees, words, variables, names_of_channels) + _events_words(best, series)
+    told = _message(best, agrees, words, variables, names_of_channels)
+    told += _few_words(shooting, best, names_of_channels) + _events_words(best, series)
     steady: dict[str, Any] = {}
     if growth := shooting.multipliers(best.evaluation):
         steady["largest_multiplier"] = float(np.abs(growth).max())
@@ -252,6 +254,18 @@ def _names_of_channels(shooting: Shooting) -> list[str]:
         for label, record in zip(shooting.labels, shooting.records, strict=True)
         for channel in record.channels
     ]
+
+
+def _few_words(shooting: Shooting, best: Fitted, channels: Sequence[str]) -> str:
+    """Channels whose noise is found from few data."""
+    counts = np.bincount(best.evaluation.rows.channel, minlength=len(channels))
+    few = [
+        f"; the noise of {name} is found from {count} data, so that intervals may be too narrow;"
+        " give noise= if you know it"
+        for name, channel, count in zip(channels, shooting.channels, counts, strict=True)
+        if channel.noise.is_free and count < _FEW
+    ]
+    return "".join(few)
 
 
 def _events_words(best: Fitted, series: Sequence[ChannelSeries]) -> str:

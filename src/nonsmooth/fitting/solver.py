@@ -22,9 +22,10 @@ import numpy.typing as npt
 from scipy.optimize import least_squares
 
 from nonsmooth.fitting.beginning import first_states
+from nonsmooth.fitting.linearised import gap_matrix, spent_on
 from nonsmooth.fitting.shooting import Evaluation, Shooting
 
-__all__ = ["LOSSES", "Fitted", "close_gaps", "gap_matrix", "height", "minimise", "solve_from"]
+__all__ = ["LOSSES", "Fitted", "close_gaps", "height", "minimise", "solve_from"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -155,20 +156,6 @@ class _Equations:
             return values
 
         return of
-
-
-def gap_matrix(shooting: Shooting, found: Evaluation) -> Floats:
-    """Derivatives of the gaps by all unknowns."""
-    h, n = shooting.h, shooting.n
-    matrix = np.zeros((found.gap.size, shooting.size))
-    for g, (m, next_one) in enumerate(shooting.links):
-        rows, own = slice(g * n, (g + 1) * n), h + m * n
-        matrix[rows, :h] = found.gap_head[g]
-        matrix[rows, own : own + n] = found.gap_state[g]
-        following = h + next_one * n
-        # taken away from what is there, since a cycle of one segment follows itself
-        matrix[rows, following : following + n] -= np.eye(n) / shooting.gap_unit
-    return matrix
 
 
 def robust(name: str, z: Floats) -> Floats:
@@ -337,9 +324,9 @@ def close_gaps(
         if found is None:
             return None
         u, count = found.u, count + found.n_evaluations
-        level = noise_level(shooting, found.evaluation, noise, loss)
         gap = float(np.abs(found.evaluation.gap).max(initial=0.0))
         is_last = now == len(weights) - 1
+        level = noise_level(shooting, found.evaluation, noise, loss, joined=is_last)
         if loss == "linear" and not is_last:
             # of the data alone, as gaps with multipliers may count below zero
             fair = found._replace(noise=level, cost=_cost_at(found, noise, level))
@@ -365,11 +352,18 @@ def _cost_at(found: Fitted, noise: Floats, level: Floats) -> float:
     return 0.5 * float(squares.sum())
 
 
-def noise_level(shooting: Shooting, found: Evaluation, noise: Floats, loss: str) -> Floats:
-    """Standard deviation of the residuals of each channel, within its limits."""
+def noise_level(
+    shooting: Shooting, found: Evaluation, noise: Floats, loss: str, *, joined: bool
+) -> Floats:
+    """Standard deviation of the residuals of each channel, within its limits.
+
+    Residuals are smaller than the noise by what the fit has spent on the channel. A channel of few
+    samples may have more spent on it than its share, so that is looked at where segments join.
+    """
     rows = found.rows
-    total = rows.residual.size
-    spent = min(0.5, shooting.n_spent / total)
+    spent = np.bincount(rows.channel, minlength=noise.size) * (shooting.n_spent / rows.channel.size)
+    if joined and loss == "linear" and noise.size > 1:
+        spent = spent_on(shooting, found)
     levels = np.empty(len(shooting.channels))
     for c, channel in enumerate(shooting.channels):
         own = rows.residual[(rows.channel == c) & rows.matched] * noise[c]
@@ -377,7 +371,7 @@ def noise_level(shooting: Shooting, found: Evaluation, noise: Floats, loss: str)
             levels[c] = noise[c]
             continue
         if loss == "linear":
-            level = float(np.sqrt(np.mean(own**2) / (1.0 - spent)))
+            level = float(np.sqrt(own @ own / max(own.size - spent[c], 0.5 * own.size)))
         else:  # of those that are no outliers
             level = float(np.median(np.abs(own)) / _MEDIAN)
         least = max(channel.noise.low, 1e-9 * (channel.spread or 1.0))

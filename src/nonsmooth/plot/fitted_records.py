@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import numpy.typing as npt
 
 from nonsmooth.arguments import checked
 from nonsmooth.errors import OptionError, unknown_name
@@ -30,6 +31,9 @@ _DOT: dict[str, Any] = {
     "markeredgewidth": 0.0,
 }
 _HELD = PALETTE["blue"]
+_GAP = 3.5  # steps of time between two samples, between which some were left out
+
+Floats = npt.NDArray[np.float64]
 
 
 @checked
@@ -190,8 +194,7 @@ def _draw_times(ax: Axes, panel: Axes, shown: xr.Dataset) -> None:
     """Over time, with a ground behind what was held back."""
     time, held = shown["time"].values, shown["held_back"].values
     ax.plot(time, shown["measured"].values, **_DOT, color=MEASURED, label="measured")
-    good = np.isfinite(shown["fitted"].values)
-    ax.plot(time[good], shown["fitted"].values[good], **LINES[0] | {"linewidth": 0.8},
+    ax.plot(*_broken(time, shown["fitted"].values), **LINES[0] | {"linewidth": 0.8},
             label="fitted")  # fmt: skip
     panel.plot(time, shown["residual"].values, **_DOT | {"markersize": 1.5}, color="black")
     if held.any():
@@ -201,6 +204,16 @@ def _draw_times(ax: Axes, panel: Axes, shown: xr.Dataset) -> None:
                 label="held back",
             )  # fmt: skip
     ax.set_xlim(time[0], time[-1])
+
+
+def _broken(time: Floats, fitted: Floats) -> tuple[Floats, Floats]:
+    """A curve that is broken where samples were left out, since a line would hide what was."""
+    good = np.isfinite(fitted)
+    time, fitted = time[good], fitted[good]
+    steps = np.diff(time)
+    usual = float(np.median(steps)) if steps.size else 0.0
+    after = np.flatnonzero(steps > _GAP * usual) + 1
+    return np.insert(time, after, time[after]), np.insert(fitted, after, np.nan)
 
 
 def _draw_phases(ax: Axes, panel: Axes, shown: xr.Dataset, periods: int) -> None:
@@ -215,7 +228,6 @@ def _draw_phases(ax: Axes, panel: Axes, shown: xr.Dataset, periods: int) -> None
                     label=label)  # fmt: skip
             panel.plot(phase[here], shown["residual"].values[here], **_DOT | {"markersize": 1.5},
                        color=colours[1])  # fmt: skip
-    good = np.isfinite(shown["fitted"].values)
-    curve = folded(time[good], shown["fitted"].values[good], shown, periods)
+    curve = folded(*_broken(time, shown["fitted"].values), shown, periods)
     ax.plot(*curve, **LINES[0] | {"linewidth": 0.6}, label="fitted")
     ax.set_xlim(0.0, float(periods))
