@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 import nonsmooth as ns
-from nonsmooth.cli.arguments import model_functions
+from nonsmooth.models.ready_made import ready_made
 from nonsmooth.system.section import with_section
 
-MODELS = {name: make() for name, make in model_functions().items()}
+MODELS = {name: make() for name, make in ready_made().items()}
 SHARES = (0.123, 0.487, 0.871)  # of the range of a variable, where the section lies
 # radius, gap and slip of a rotor have a kink at zero, where they are at rest
 ROTORS = ("clearance_rotor", "massive_ring_rotor", "rotor", "rubbing_rotor", "snubber_rub")

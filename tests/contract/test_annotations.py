@@ -57,7 +57,7 @@ def function(annotation):
     return checked(take)
 
 
-@pytest.mark.parametrize(("annotation", "good", "wrong"), TABLE, ids=lambda each: str(each)[:40])
+@pytest.mark.parametrize(("annotation", "good", "wrong"), TABLE, ids=[str(row[0]) for row in TABLE])
 def test_values_are_told_apart(annotation, good, wrong):
     take = function(annotation)
     for value in good:

@@ -5,15 +5,15 @@ import pytest
 
 import nonsmooth as ns
 from effort import calls_at_most
-from nonsmooth.cli.arguments import model_functions
+from nonsmooth.models.ready_made import ready_made
 
 PER_PICTURE = 300_000  # calls, some ten times those of the longest picture
 
 
-@pytest.fixture(scope="module", params=sorted(model_functions()))
+@pytest.fixture(scope="module", params=sorted(ready_made()))
 def run(request):
     """A short run of a model."""
-    system = model_functions()[request.param]()
+    system = ready_made()[request.param]()
     length = {"periods": 12} if system.period else {"t_end": 20.0}
     return ns.simulate(system, **length)
 
