@@ -180,6 +180,9 @@ def continue_orbit(
     of a special point behind which no orbit is found that is a motion. Every orbit is checked by
     the engine, as in `find_orbit`.
 
+    A cycle without events begins on a plane across its flow. Where the flow passes the plane at a
+    flat angle, it is laid anew through the first state and the middle of the cycle.
+
     Of rebounds that end in rest there are infinitely many, of which the engine follows some. Their
     number changes along a branch although nothing happens, so it is no special point. Where the
     section lies between them, a step of the branch may lead over the rest of them at once. What

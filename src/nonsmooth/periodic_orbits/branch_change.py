@@ -29,7 +29,7 @@ from nonsmooth.periodic_orbits.word_change import (
 )
 from nonsmooth.system.system import System
 
-__all__ = ["broken_test", "change_at", "end_at"]
+__all__ = ["SHRINKS", "broken_test", "change_at", "end_at"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -39,8 +39,9 @@ _INSIDE = 1e-9  # of the way to the middle of an orbit, which is forgotten at re
 _SHORT = 1e-3  # of the turn: flights at the section behind which no rebound counts by itself
 _FARTHER = (1e-3, 2e-3, 5e-3, 1e-2, 2e-2)  # of the range of the parameter
 _APPEARS = 1e-6  # part of the turn that a leg lasts where a branch with it begins
+SHRINKS = "the cycle shrinks to a point"
 _ENDS = {
-    "shrink": "the cycle shrinks to a point",
+    "shrink": SHRINKS,
     "slide": "both sides of a surface point at it: beyond, the motion stays there for a while",
     "enter": "the surface does not hold the motion any more: beyond, it leaves it at once",
 }
@@ -213,7 +214,7 @@ def _section_in_chatter(stretch: BranchStretch, word: Word) -> bool:
 
 
 def _cycle(word: Word, system: System) -> tuple[int, ...]:
-    """Modes of a turn from wherever they come first in order."""
+    """Modes that events lead to in a turn, from wherever they come first in order."""
     modes = word.collapsed(system.compiled.program.wiring).modes
     turn = modes if word.closes_at_event else modes[:-1]
     return min(turn[k:] + turn[:k] for k in range(len(turn)))

@@ -11,10 +11,11 @@ import numpy.typing as npt
 
 from nonsmooth.continuation.point import Point
 from nonsmooth.errors import RunError
-from nonsmooth.periodic_orbits.branch_change import broken_test, change_at, end_at
+from nonsmooth.periodic_orbits.branch_change import SHRINKS, broken_test, change_at, end_at
 from nonsmooth.periodic_orbits.branch_part import BranchPart, Followed, ending_of_orbits, part_of
 from nonsmooth.periodic_orbits.branch_start import tangent_at
 from nonsmooth.periodic_orbits.branch_tests import Looked, is_of_word, what_of
+from nonsmooth.periodic_orbits.cycle_plane import direction_on, is_flat, on_new_plane
 from nonsmooth.periodic_orbits.equations import OrbitEquations
 from nonsmooth.periodic_orbits.legs import LegError, Legs
 from nonsmooth.periodic_orbits.newton import scale_of
@@ -49,6 +50,7 @@ class _StretchWalk:
         self.following: BranchStart | None = None
         self.ended: Followed | None = None
         self._before: Mapping[str, float] = {}  # tests of the last point that was a motion
+        self._direction = start.direction  # at the last point that is not special
         self._is_located = not start.located
 
     def points(self, steps: int, report: Callable[[int], None]) -> Iterator[BranchPart]:
@@ -115,6 +117,10 @@ class _StretchWalk:
                 return
             name = broken_test(looked)
             point = replace(point, special=name)
+        if name == "shrink" and not self._is_nothing(point):
+            # it only touches the plane on which it begins, where the tangent is that of the flow
+            self.following = self._goes_on_at(point, self._direction)
+            return
         self.following, part = change_at(self.stretch, point, looked, self.along)
         if part is not None:
             yield part
@@ -124,18 +130,37 @@ class _StretchWalk:
     def _ordinary(self, point: Point, looked: Looked) -> Iterator[BranchPart]:
         """A point at which the word stays; the stretch ends where its orbits have outgrown it."""
         self._before = looked.tests
+        if not point.special:
+            self._direction = point.tangent_u, point.tangent_p
         # a stretch that only has another scale begins at the last point of the one before
         if not (self.begin > 0.0 and point.arclength == 0.0 and not self.start.kind):
             yield self._part(looked, point, point.special, "")
             self.done += not point.special
         if looked.other is not None and not point.special and not self.stretch.options.inadmissible:
             self.following = self._with_other_rebounds(looked.other, point)
-        elif not point.special and point.arclength > 0.0 and self.stretch.outgrown(point.u):
-            if self.stretch.is_nothing_beside(self.first_scale):
+        elif not point.special and point.arclength > 0.0 and self._needs_new_measures(point):
+            if self._is_nothing(point):
                 self.ended = end_at("shrink", looked, self.stretch)
+                yield self._part(looked, replace(point, special="shrink"), "hopf", SHRINKS)
                 return
-            way = (point.tangent_u, point.tangent_p)
-            self.following = BranchStart(self.stretch.equations, point.u, point.p, way)
+            self.following = self._goes_on_at(point, (point.tangent_u, point.tangent_p))
+
+    def _needs_new_measures(self, point: Point) -> bool:
+        """Whether steps are measured by another size, or the cycle passes its plane too flat."""
+        if self.stretch.outgrown(point.u):
+            return True
+        equations = self.stretch.equations
+        self.stretch.set_parameter(point.p)
+        return equations.is_smooth_cycle and is_flat(equations, point.u)
+
+    def _is_nothing(self, point: Point) -> bool:
+        """Whether a cycle without events has shrunk to a point."""
+        self.stretch.set_parameter(point.p)
+        return self.stretch.is_nothing_beside(point.u, self.first_scale)
+
+    def _goes_on_at(self, point: Point, direction: tuple[Floats, float]) -> BranchStart:
+        """The branch goes on at the same orbit with new measures."""
+        return BranchStart(self.stretch.equations, point.u, point.p, direction)
 
     def _with_other_rebounds(
         self, other: tuple[OrbitEquations, Floats], point: Point
@@ -198,6 +223,8 @@ def _follow(
     # what is driven and shrinks is known to the rounding of what drives it
     least = np.zeros(legs.n) if options.autonomous else _LEAST * first
     while done < options.steps:
+        if start.equations.is_smooth_cycle:
+            start = _on_new_plane(options, legs, start)
         stretch = BranchStretch(options, legs, start.equations, start.grows, least)
         walk = _StretchWalk(stretch, start, along, float(first.max()))
         yield from walk.points(options.steps - done, partial(_report, report, done))
@@ -207,7 +234,7 @@ def _follow(
         if walk.following is None:
             break
         start, along = walk.following, walk.along
-        done += walk.done + bool(start.kind)
+        done += walk.done + bool(start.kind or not walk.done)
         if start.kind not in _NO_CHANGE:
             if any(_same_start(start, other) for other in begun):
                 yield Followed("closed", "the branch came back to where it was: it is closed")
@@ -218,6 +245,15 @@ def _follow(
         f"{options.steps} steps were taken; allow more with steps=, or longer ones with"
         " largest_step=",
     )
+
+
+def _on_new_plane(options: BranchOptions, legs: Legs, start: BranchStart) -> BranchStart:
+    """The same start of a cycle, on a plane that its flow passes at a steep angle."""
+    BranchStretch(options, legs, start.equations).set_parameter(start.value)
+    equations = on_new_plane(start.equations, start.unknowns)
+    tangent = tangent_at(equations, start.unknowns)
+    direction = direction_on(equations, start.unknowns, tangent, start.direction)
+    return replace(start, equations=equations, direction=direction)
 
 
 def _report(report: Callable[[int], None], before: int, done: int) -> None:

@@ -6,8 +6,9 @@ Each is a number without unit whose sign changes where something happens. Names 
 to vanish in a graze; ``leg:k``, it vanishes otherwise; ``rate:k``, the exit of leg k is passed
 without a rate; ``gain:k:j``, exit j of a path is no longer passed at once; ``slide:k``, both sides
 of the surface at the end of leg k point at it; ``enter:k:g``, guard g of the cell on a surface
-that leg k ends at lets motion off it at once; ``shrink``, a cycle without events shrinks to a
-point; ``motion``, the engine finds another motion although none of these has changed its sign.
+that leg k ends at lets motion off it at once; ``shrink``, a cycle without events touches the
+plane on which it begins, or shrinks to a point; ``motion``, the engine finds another motion
+although none of these has changed its sign.
 """
 
 from __future__ import annotations
@@ -294,7 +295,7 @@ class BranchTests:
             tests[f"enter:{k}:{guard}"] = value / size
         if word.paths[-1] == ():
             tests["leg:last"] = float(turn.durations[-1]) / length
-        if equations.autonomous and not word.closes_at_event:
+        if equations.is_smooth_cycle:
             tests["shrink"] = equations.forwards(found)
         return self._with_margins(tests, sizes)
 

@@ -78,6 +78,23 @@ class OrbitEquations:
             origin=origin, reference=np.array(origin),
         )  # fmt: skip
 
+    def across(self, reference: Floats, normal: Floats) -> OrbitEquations:
+        """The same for a cycle without events that begins on another plane."""
+        other = self.of_word(self.word, reference)
+        other.origin = self.origin
+        other._across = normal / max(float(np.linalg.norm(normal)), 1e-300)
+        return other
+
+    @property
+    def is_smooth_cycle(self) -> bool:
+        """Whether nothing drives the orbit and it passes no event."""
+        return self.autonomous and not self.word.closes_at_event
+
+    @property
+    def normal(self) -> Floats:
+        """Normal of the plane on which a cycle without events begins."""
+        return self._across
+
     def pack(self, turn: Turn) -> Floats:
         """Unknowns as one vector."""
         return np.concatenate([turn.states.ravel(), turn.instants[1 : 1 + self.n_instants]])
@@ -112,7 +129,7 @@ class OrbitEquations:
         close_legs(found, closing)
         if not self.autonomous and self.word.n_events == 0:
             self._keep_at_rest(turn, residual, jacobian, moved)
-        if self.autonomous and not self.word.closes_at_event:
+        if self.is_smooth_cycle:
             self._close_across_flow(turn, residual, jacobian, moved)
         return residual, jacobian, moved
 
@@ -149,8 +166,9 @@ class OrbitEquations:
         assert self.results is not None and self.reference is not None
         if not self._across.any():
             self._across = np.where(self.drifting, 0.0, self.results.start_rates[0])
-            self._speed = max(float(np.linalg.norm(self._across)), 1e-300)
-            self._across /= self._speed
+            self._across /= max(float(np.linalg.norm(self._across)), 1e-300)
+        if self._speed == 0.0:
+            self._speed = max(float(self._across @ self.results.start_rates[0]), 1e-300)
         residual[-1] = self._across @ (turn.states[0] - self.reference)
         jacobian[-1], moved[-1] = 0.0, 0.0
         jacobian[-1, : self.legs.n] = self._across

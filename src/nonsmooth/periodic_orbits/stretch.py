@@ -18,6 +18,7 @@ from nonsmooth.periodic_orbits.branch_tests import (
     largest_along,
     what_of,
 )
+from nonsmooth.periodic_orbits.cycle_plane import size_of_cycle, spread_of_cycle
 from nonsmooth.periodic_orbits.equations import OrbitEquations
 from nonsmooth.periodic_orbits.legs import LegError, Legs
 from nonsmooth.periodic_orbits.newton import scale_of
@@ -127,10 +128,10 @@ class BranchStretch:
         )
         return scale
 
-    def is_nothing_beside(self, size: float) -> bool:
+    def is_nothing_beside(self, unknowns: Floats, size: float) -> bool:
         """Whether a cycle without events has shrunk to next to nothing."""
-        smooth = self.options.autonomous and not self.equations.word.closes_at_event
-        return smooth and float(self.scale[: self.legs.n].max()) <= _NOTHING * size
+        smooth = self.equations.is_smooth_cycle
+        return smooth and size_of_cycle(self.equations, unknowns) <= _NOTHING * size
 
     def branch(self, start: BranchStart, steps: int) -> Branch:
         """The branch from a start."""
@@ -150,9 +151,13 @@ def scale_along(equations: OrbitEquations, unknowns: Floats) -> Floats:
     """What counts as large for each unknown, states within the legs included.
 
     Where an orbit grazes, its velocity at the events is small and not so in between: steps of a
-    branch that were measured by it would be tiny.
+    branch that were measured by it would be tiny. A cycle without events may be small beside the
+    state that it surrounds: steps that were measured by that would lead past its end.
     """
     scale, count = scale_of(equations, unknowns), len(equations.word)
+    if equations.is_smooth_cycle:
+        scale[: equations.legs.n] = spread_of_cycle(equations, unknowns)
+        return scale
     size = largest_along(equations, equations.unpack(unknowns))
     n_states = count * equations.legs.n
     scale[:n_states] = np.maximum(scale[:n_states], np.tile(size, count))

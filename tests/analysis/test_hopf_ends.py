@@ -1,0 +1,104 @@
+"""Branches of cycles without events that shrink to a point, wherever on the cycle they begin.
+
+Cycles of a Hopf bifurcation grow with the root of the distance from it, so one that is 1e-5 of the
+first is 1e-10 away, beside the range of the parameter.
+"""
+
+import numpy as np
+import pytest
+
+import nonsmooth as ns
+
+
+def van_der_pol() -> ns.System:
+    """Its cycles end at a = 0, where they have the amplitude 2 sqrt(a)."""
+    return ns.System(
+        states=["x", "v"],
+        parameters={"mu": 1.0, "a": 1.0},
+        initial={"x": 2.0},
+        equations={"x": "v", "v": "mu*(a - x**2)*v - x"},
+    )
+
+
+def drill() -> ns.System:
+    """A drill string; its bit meets less friction the faster it turns, and sticks where it rests.
+
+    At the steady turn the trace of the linear equations is ((Ts - Tc)/wd exp(-Om/wd) - c)/J.
+    """
+    return ns.System(
+        states=["twist", "w"],
+        parameters={
+            "J": 374.0, "k": 473.0, "c": 20.0, "Om": 3.0, "Tc": 1500.0, "Ts": 3500.0, "wd": 0.8,
+        },
+        equations={
+            "twist": "Om - w",
+            "w": "(k*twist + c*(Om - w) - sign(s)*(Tc + (Ts - Tc)*exp(-abs(s)/wd)))/J",
+        },
+        surfaces={"s": ns.Surface("w", below="reverse", on="stick", above="turn")},
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("transient", [10, 11, 12, 13])
+def test_the_place_on_the_cycle_does_not_matter(transient):
+    system = van_der_pol()
+    orbit = ns.find_orbit(system, transient=transient)
+    branch = ns.continue_orbit(system, "a", (-0.5, 1.5), initial=orbit)
+    assert list(branch["special_kind"].values) == ["hopf", "bound"]
+    assert branch.attrs["end_first"] == "hopf"
+    assert float(branch["special_value"][0]) == pytest.approx(0.0, abs=1e-9)
+    a = branch["a"].values
+    small = (a > 1e-7) & (a < 1e-2)
+    assert small.sum() > 10
+    # x**2 + v**2 = 4 a (1 + O(a)), as mu (a - x**2) v is of the order a beside x
+    squares = (branch["x"] ** 2 + branch["v"] ** 2).values
+    assert np.all(np.abs(squares / (4.0 * a) - 1.0)[small] <= 2.0 * a[small])
+
+
+def test_a_cycle_around_a_point_that_moves():
+    """It lies at x = q m + 5, and the cycle has the radius sqrt(m)."""
+    system = ns.System(
+        states=["x", "y"],
+        parameters={"m": 1.0, "q": 3.0},
+        definitions={"z": "x - q*m - 5"},
+        equations={"x": "m*z - y - z*(z**2 + y**2)", "y": "z + m*y - y*(z**2 + y**2)"},
+        initial={"x": 8.9},
+    )
+    branch = ns.continue_orbit(system, "m", (-0.5, 1.2), initial=ns.find_orbit(system))
+    assert list(branch["special_kind"].values) == ["hopf", "bound"]
+    assert float(branch["special_value"][0]) == pytest.approx(0.0, abs=1e-9)
+    m, x, y = (branch[name].values for name in ("m", "x", "y"))
+    # the radius r grows by 2 pi r (m - r**2) in a turn, so that roundings of states of size 8
+    # leave 8 * 2e-16 / (2 pi r) of r**2: 1e-11 at the smallest radius, 2e-5
+    squares = (x - 3.0 * m - 5.0) ** 2 + y**2
+    assert squares == pytest.approx(m, abs=2e-11)
+    assert branch["length"].values == pytest.approx(2.0 * np.pi, rel=1e-9)
+
+
+def test_units_of_the_states_do_not_matter():
+    """The same oscillator with displacements and speeds in units 1e4 apart."""
+    system = ns.System(
+        states=["x", "v"],
+        parameters={"a": 1.0},
+        initial={"x": 2.0, "v": 1e3},
+        equations={"x": "1e-4*v", "v": "(a - x**2)*v - 1e4*x"},
+    )
+    orbit = ns.find_orbit(system, transient=11)
+    branch = ns.continue_orbit(system, "a", (-0.5, 1.5), initial=orbit)
+    assert list(branch["special_kind"].values) == ["hopf", "bound"]
+    assert float(branch["special_value"][0]) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_the_unstable_cycle_of_a_drill_ends_where_its_steady_turn_loses_stability():
+    system = drill()
+    least = 0.08302497949024326  # speed of the bit on that cycle, by shooting with DOP853
+    twist = (1500.0 + 2000.0 * np.exp(-least / 0.8) - 20.0 * (16.0 - least)) / 473.0
+    turn = ns.find_orbit(system, {"twist": twist, "w": least}, parameters={"Om": 16.0})
+    assert turn["word"].item() == "turn"
+    branch = ns.continue_orbit(
+        system, "Om", (3.0, 16.5), initial=turn, parameters={"Om": 16.0}, direction="down"
+    )
+    assert list(branch["special_kind"].values) == ["hopf"]
+    assert branch.attrs["end_first"] == "hopf"
+    found = float(branch["special_value"][0])
+    assert found == pytest.approx(0.8 * np.log(2000.0 / (0.8 * 20.0)), rel=1e-9)
+    assert branch["length"].values[0] == pytest.approx(2.0 * np.pi * np.sqrt(374.0 / 473.0))
