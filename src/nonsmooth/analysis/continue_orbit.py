@@ -176,8 +176,9 @@ def continue_orbit(
 
     Each is located to rounding by the sign of a smooth function: products of multipliers, lowest
     values of guards within legs, durations, values of guards at events. A branch that ends says
-    why: ``bound``, ``closed``, ``steps``, ``smallest_step``, ``singular``, ``domain``, or the kind
-    of a special point behind which no orbit is found that is a motion. Every orbit is checked by
+    why: ``bound``, ``closed``, ``steps``, ``smallest_step``, ``singular``, ``domain``,
+    ``fault`` (an error within the library, with all points until then), or the kind of a special
+    point behind which no orbit is found that is a motion. Every orbit is checked by
     the engine, as in `find_orbit`.
 
     A cycle without events begins on a plane across its flow. Where the flow passes the plane at a

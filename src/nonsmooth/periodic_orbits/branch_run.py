@@ -12,7 +12,13 @@ import numpy.typing as npt
 from nonsmooth.continuation.point import Point
 from nonsmooth.errors import RunError
 from nonsmooth.periodic_orbits.branch_change import SHRINKS, broken_test, change_at, end_at
-from nonsmooth.periodic_orbits.branch_part import BranchPart, Followed, ending_of_orbits, part_of
+from nonsmooth.periodic_orbits.branch_part import (
+    BranchPart,
+    Followed,
+    ending_of_orbits,
+    kind_of,
+    part_of,
+)
 from nonsmooth.periodic_orbits.branch_start import tangent_at
 from nonsmooth.periodic_orbits.branch_tests import Looked, is_of_word, what_of
 from nonsmooth.periodic_orbits.cycle_plane import direction_on, is_flat, on_new_plane
@@ -121,7 +127,11 @@ class _StretchWalk:
             # it only touches the plane on which it begins, where the tangent is that of the flow
             self.following = self._goes_on_at(point, self._direction)
             return
-        self.following, part = change_at(self.stretch, point, looked, self.along)
+        try:
+            self.following, part = change_at(self.stretch, point, looked, self.along)
+        except Exception as fault:  # whatever it is, the points so far are kept
+            self.ended = Followed("fault", _fault_at(self.stretch, point, fault))
+            return
         if part is not None:
             yield part
         if self.following is None:
@@ -174,6 +184,16 @@ class _StretchWalk:
 
     def _part(self, looked: Looked, point: Point, special: str, detail: str) -> BranchPart:
         return part_of(self.stretch, looked, point, self.along, special, detail)
+
+
+def _fault_at(stretch: BranchStretch, point: Point, fault: Exception) -> str:
+    """What is said where a change of the word meets an error of the library itself."""
+    return (
+        f"the branch ends at {stretch.options.parameter} = {point.p:.10g}, where its word changes"
+        f" ({kind_of(point.special)}), by an error within nonsmooth, which should not be:"
+        f" {type(fault).__name__}: {fault}; the points until there are kept; begin anew with an"
+        " orbit beyond it, from find_orbit with other parameters="
+    )
 
 
 def _may_stand(options: BranchOptions, looked: Looked) -> bool:
