@@ -6,6 +6,8 @@ first is 1e-10 away, beside the range of the parameter.
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 
 import nonsmooth as ns
 
@@ -102,3 +104,37 @@ def test_the_unstable_cycle_of_a_drill_ends_where_its_steady_turn_loses_stabilit
     found = float(branch["special_value"][0])
     assert found == pytest.approx(0.8 * np.log(2000.0 / (0.8 * 20.0)), rel=1e-9)
     assert branch["length"].values[0] == pytest.approx(2.0 * np.pi * np.sqrt(374.0 / 473.0))
+
+
+def least_speed(om: float) -> float:
+    """Least speed of the bit a turn after its least speed was zero, by DOP853."""
+
+    def rates(_t, y):
+        torque = 1500.0 + 2000.0 * np.exp(-y[1] / 0.8)
+        return [om - y[1], (473.0 * y[0] + 20.0 * (om - y[1]) - torque) / 374.0]
+
+    def accelerates(t, y):
+        return rates(t, y)[1]
+
+    accelerates.direction = 1
+    begin = [(3500.0 - 20.0 * om) / 473.0, 0.0]
+    found = solve_ivp(
+        rates, (0.0, 10.0), begin, method="DOP853", rtol=1e-13, atol=1e-13, events=accelerates
+    )
+    later = found.t_events[0] > 1.0
+    return float(found.y_events[0][later][0][1])
+
+
+def test_a_cycle_that_stops_sticking_goes_on_without_events():
+    """It touches zero speed there, and turns back as the unstable cycle down to its end."""
+    branch = ns.continue_orbit(
+        drill(), "Om", (3.0, 20.0), initial=ns.find_orbit(drill(), {"twist": 0.0}), direction="up"
+    )
+    assert list(branch["special_kind"].values) == ["grazing_sliding", "hopf"]
+    graze, end = branch["special_value"].values
+    # the speed is integrated to 1e-12 or so, and changes with Om at a rate of the order of one
+    assert graze == pytest.approx(brentq(least_speed, 17.0, 17.2, xtol=1e-13), rel=1e-10)
+    assert end == pytest.approx(0.8 * np.log(2000.0 / (0.8 * 20.0)), rel=1e-9)
+    place = int(branch["special_point"].values[0])
+    assert set(branch["word"].values[place + 1 :]) == {"turn"}
+    assert not branch["stable"].values[place + 1 : -1].any()

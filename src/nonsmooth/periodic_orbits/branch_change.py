@@ -12,7 +12,7 @@ from nonsmooth.continuation.point import Point
 from nonsmooth.errors import RunError
 from nonsmooth.periodic_orbits.admissibility import Admissibility
 from nonsmooth.periodic_orbits.branch_part import BranchPart, Followed, kind_of, part_of
-from nonsmooth.periodic_orbits.branch_start import begin_change, tangent_at
+from nonsmooth.periodic_orbits.branch_start import before_graze, begin_change, tangent_at
 from nonsmooth.periodic_orbits.branch_tests import BranchTests, Looked, what_of
 from nonsmooth.periodic_orbits.equations import Turn
 from nonsmooth.periodic_orbits.guess import Guess, driven_guess
@@ -268,8 +268,9 @@ def _by_change_of_word(
         regular = what_of(name) != "short" and name == point.special
         touched = "" if regular else _touched(stretch, start)
         if touched:  # the graze is located from the other side
-            start.grows, start.located = touched, True
-            return start, None
+            before = before_graze(stretch, start, touched)
+            if before is not None:
+                return before, None
         return start, part_of(stretch, looked, point, along, change.kind, start.detail)
     return None
 

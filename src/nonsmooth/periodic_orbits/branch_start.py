@@ -20,7 +20,7 @@ from nonsmooth.periodic_orbits.stretch import BranchOptions, BranchStart, Branch
 from nonsmooth.periodic_orbits.word import Word
 from nonsmooth.periodic_orbits.word_change import Change
 
-__all__ = ["begin_change", "doubled_start", "tangent_at"]
+__all__ = ["before_graze", "begin_change", "doubled_start", "tangent_at"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -29,6 +29,8 @@ _NEWTON = 20
 _SMALL = 1e-6  # scaled step that tells which way a test grows
 _BEYOND = 1e-6  # of a test of the word that is negative at a start, more than rounding is
 _SHORTER = (1.0, 0.1, 0.02)  # parts of the first duration of an excursion
+_BEFORE = 2.0  # times the way to a graze, from which on it is located
+_FARTHEST = 1e3  # times the step that tells how a test grows
 _FIRST = 0.2  # part of the first step by which a new word is tried
 
 
@@ -184,6 +186,39 @@ def _has_changed_again(stretch: BranchStretch, start: BranchStart) -> bool:
         for name, value in tests.look(start.unknowns).tests.items()
         if is_of_word(name) and what_of(name) != "short"
     )
+
+
+def before_graze(stretch: BranchStretch, start: BranchStart, graze: str) -> BranchStart | None:
+    """The start of a stretch moved to before its graze, so that it is located from there.
+
+    Where the branch turns back, the first orbit may lie behind it, by as little as the excursion
+    lasted. None where no orbit before it is found.
+    """
+    equations, (du, dp) = start.equations, start.direction
+    tests = BranchTests(equations, stretch.options.tolerance, whole=False, grows=graze)
+
+    def lowest(unknowns: Floats, value: float) -> float:
+        stretch.set_parameter(value)
+        return tests.look(unknowns).tests.get(graze, np.nan)
+
+    try:
+        here = lowest(start.unknowns, start.value)
+        if here <= 0.0:
+            return replace(start, grows=graze, located=True)
+        size = float(np.sqrt(np.mean((du / scale_of(equations, start.unknowns)) ** 2))) + abs(dp)
+        h = _SMALL / max(size, 1e-300)
+        rate = (lowest(start.unknowns + h * du, start.value + h * dp) - here) / h
+        back = _BEFORE * here / rate if rate > 0.0 else np.nan
+        if not back <= _FARTHEST * h:
+            return None
+        value = start.value - back * dp
+        stretch.set_parameter(value)
+        solution = solve_orbit(equations, start.unknowns - back * du)
+        if solution.status != "completed" or not lowest(solution.unknowns, value) <= 0.0:
+            return None
+    except LegError:
+        return None
+    return replace(start, unknowns=solution.unknowns, value=value, grows=graze, located=True)
 
 
 def _solved_start(

@@ -247,7 +247,9 @@ def _without_excursion(equations: OrbitEquations, turn: Turn, k: int) -> list[Ch
         return _without_first_and_last(equations, turn)
     word, turn, k = _away_from_ends(equations, turn, k)
     count = len(word)
-    if not 0 < k < count - 1:  # a cycle of two legs, of which nothing is left
+    if count == 2 and word.closes_at_event:
+        return [_without_events(equations, turn, k)]
+    if not 0 < k < count - 1:
         return []
     modes = word.modes[:k] + word.modes[k + 2 :]
     paths = word.paths[: k - 1] + word.paths[k + 1 :]
@@ -257,6 +259,24 @@ def _without_excursion(equations: OrbitEquations, turn: Turn, k: int) -> list[Ch
     new = Word(modes[: len(paths)], paths)
     kind = kind_of_excursion(equations.legs.tables.wiring, word.modes[k - 1], word.modes[k])
     return [Change(kind, Guess(new, Turn(turn.states[keep], instants)), grows)]
+
+
+def _without_events(equations: OrbitEquations, turn: Turn, k: int) -> Change:
+    """A cycle of two legs without leg k passes no event any more.
+
+    It begins half way along the other leg, so that the guard is touched within the turn.
+    """
+    word, legs = equations.word, equations.legs
+    stays = 1 - k
+    new = Word((word.modes[stays],), ((),))
+    begin, half = turn.instants[stays], 0.5 * float(turn.durations[stays])
+    found = legs.follow_each(
+        new, turn.states[stays : stays + 1], np.array([begin]), np.array([begin + half])
+    )
+    kind = kind_of_excursion(legs.tables.wiring, word.modes[stays], word.modes[k])
+    instants = np.array([0.0, float(turn.durations.sum())])
+    guess = Guess(new, Turn(found.ends.copy(), instants))
+    return Change(kind, guess, f"graze:0:{word.paths[stays][0]}")
 
 
 def _without_first_and_last(equations: OrbitEquations, turn: Turn) -> list[Change]:
