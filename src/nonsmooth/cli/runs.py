@@ -81,6 +81,7 @@ def _quietly(verb: Callable[..., xr.Dataset], *arguments: Any, **options: Any) -
     """Result of a verb; the summary says what its warning would say."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RunWarning)
+        warnings.simplefilter("ignore", ResultWarning)
         return verb(*arguments, **options)
 
 
