@@ -244,7 +244,7 @@ def test_an_interruption_keeps_what_is_done(monkeypatch):
         ({"at": "hit"}, "unknown event 'hit'"),
         ({"transient": -1}, "transient"),
         ({"record": 0}, "record"),
-        ({"phase": 1.0}, "phase = 1"),
+        ({"phase": 2.0}, "phase = 2: give a part of the period, from 0 to less than 1$"),
         ({"match": 0.0}, "match = 0"),
         ({"threads": 0}, "threads"),
         ({"initial": []}, "empty list"),
@@ -258,8 +258,54 @@ def test_wrong_use(options, message):
 
 
 def test_a_system_without_a_period():
-    with pytest.raises(OptionError, match="has no period"):
-        ns.bifurcation_diagram(ns.models.chua(), "alpha", [9.0])
+    """What the message advises can be followed."""
+    chua, start = ns.models.chua(), {"x": 0.1, "y": 0.0, "z": 0.0}
+    with pytest.raises(
+        OptionError, match=r"no period .* ns.StroboscopicMap\(system, period="
+    ) as told:
+        ns.bifurcation_diagram(chua, "alpha", [9.0])
+    assert "ns.PoincareMap" in str(told.value)
+    assert "give period=" not in str(told.value)
+    for of_chua in (ns.StroboscopicMap(chua, period=2.0), ns.PoincareMap(chua, "z")):
+        found = ns.bifurcation_diagram(
+            of_chua, "alpha", [9.0], initial=start, transient=5, record=5
+        )
+        assert found["status"].values.tolist() == [["completed"]]
+    with pytest.raises(OptionError, match=r"no period .*; give times=, or give the system"):
+        ns.ensemble(chua)
+    with pytest.raises(OptionError, match="period") as told:
+        ns.waterfall(chua, "alpha", [9.0], variable="x")
+    assert "PoincareMap" not in str(told.value)
+
+
+def test_columns_without_the_event_stay_in_sight():
+    """A wall at 1/2 and critical damping: the free amplitude 1/(1 + w^2) reaches it below w = 1."""
+    struck = System(
+        states=["x", "v"],
+        parameters={"w": 0.3},
+        period="2*pi/w",
+        modes={
+            "free": Mode(
+                {"x": "v", "v": "-x - 2*v + cos(w*t)"},
+                exits=[Exit("1 - 2*x", to="free", reset={"v": "-0.5*v"}, name="hit")],
+            )
+        },
+    )
+    grid = np.array([0.6, 0.8, 0.9, 1.1, 1.3, 1.6])
+    found = ns.bifurcation_diagram(struck, "w", grid, transient=20, record=10, at="hit")
+    hits = np.isfinite(found["x"].values[:, 0]).any(axis=1)
+    assert hits.tolist() == [True, True, True, False, False, False]
+    assert (
+        "; 3 of 6 motions pass no 'hit' in the periods that are recorded" in found.attrs["message"]
+    )
+    ax = ns.plot.bifurcation(found, "v")
+    low, high = ax.get_xlim()
+    assert low < 0.6
+    assert high > 1.6
+    none = ns.bifurcation_diagram(struck, "w", grid[3:], transient=20, record=10, at="hit")
+    assert none.attrs["message"].startswith("completed; 3 of 3 motions pass no 'hit'")
+    low, high = ns.plot.bifurcation(none, "v").get_xlim()
+    assert (low < 1.1, high > 1.6) == (True, True)
 
 
 @pytest.mark.parametrize("verb", [ns.bifurcation_diagram, ns.waterfall, ns.contact_statistics])

@@ -78,13 +78,17 @@ def test_a_cracked_beam_that_settles_late():
     assert ns.regime(beam, start, confirm=0)["regime"].item() == "chaotic"
     found = ns.regime(beam, start)
     assert (found["regime"].item(), found["period"].item()) == ("periodic", 2)
-    spectrum = ns.lyapunov_spectrum(beam, start)
+    with pytest.warns(ns.ResultWarning, match="repeats with period 2"):
+        spectrum = ns.lyapunov_spectrum(beam, start)
     assert spectrum.attrs["settled"] == 0
     assert "repeats with period 2" in spectrum.attrs["message"]
 
 
 def test_exponents_of_a_transient_say_so():
-    found = ns.lyapunov_spectrum(leaking(1e-3))
+    with pytest.warns(
+        ns.ResultWarning, match="leaking.* exponents of a transient; raise transient="
+    ):
+        found = ns.lyapunov_spectrum(leaking(1e-3))
     assert found.attrs["status"] == "completed"
     assert found.attrs["settled"] == 0
     assert "repeats with period 1" in found.attrs["message"]
@@ -98,7 +102,8 @@ def test_exponents_of_a_transient_say_so():
 def test_halves_of_a_record_that_differ():
     """The motion leaves the chaos amid the record: ln 2 per period before, minus ln 2 behind."""
     until = held_until(leaking(1e-3))
-    found = ns.lyapunov_spectrum(leaking(1e-3), transient=until - 500, record=1000, confirm=0)
+    with pytest.warns(ns.ResultWarning, match="had not settled"):
+        found = ns.lyapunov_spectrum(leaking(1e-3), transient=until - 500, record=1000, confirm=0)
     assert found.attrs["settled"] == 0
     told = re.search(
         r"is (\S+) in the first half .* and (\S+) in the second", found.attrs["message"]

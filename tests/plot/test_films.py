@@ -45,6 +45,23 @@ def test_frames_are_exact_between_samples_and_events(struck):
     np.testing.assert_allclose(found[:, 1], fine["v"].values[1:], atol=1e-11)
 
 
+def test_curves_have_more_samples_than_frames(struck):
+    """At 13 frames per period the portrait is no polygon: a curve meets its extremes."""
+    T = struck.attrs["period"]
+    film = ns.plot.animate(struck, time_range=(10 * T, 12 * T), slow_down=0.5)
+    assert film.count == 26
+    times = np.append(0.0, np.linspace(10 * T, 12 * T, 4001))
+    fine = ns.simulate(ns.models.impact_oscillator(), times=times).isel(time=slice(1, None))
+    curves = [np.array(line.get_data(), float) for line in film.figure.axes[1].lines]
+    x, y = max(curves, key=np.size)
+    known = np.isfinite(x)
+    for values, name in ((x[known], "x"), (y[known], "v")):
+        size = np.ptp(fine[name].values)
+        assert values.min() == pytest.approx(fine[name].values.min(), abs=1e-3 * size)
+        assert values.max() == pytest.approx(fine[name].values.max(), abs=1e-3 * size)
+    assert known.sum() >= 400
+
+
 @pytest.mark.parametrize(
     ("slow_down", "words", "count"),
     [(None, "1 s of the film is 0.25 periods", 301), (1.0, "is 1 period\n", 76), (0.5, "2 p", 38)],
@@ -166,6 +183,20 @@ def test_systems_without_a_machine_and_with_one_state():
     alone = ns.System(states=["x"], equations={"x": "-x"})
     with pytest.raises(OptionError, match=r"rate\(x\)"):
         ns.plot.animate(ns.simulate(alone, {"x": 1.0}, t_end=3.0))
+
+
+def test_the_number_above_a_bar_is_named_and_that_of_the_whole_motion():
+    """The steady state of x'' + 2 x' + x = cos t has the amplitude 1/2."""
+    damped = ns.System(
+        states=["x", "v"],
+        period="2*pi",
+        equations={"x": "v", "v": "-x - 2*v + cos(t)"},
+    )
+    run = ns.simulate(damped, {"x": 0.0, "v": 0.5}, periods=3)
+    # 7 frames per period, none of which is at a peak of x = sin(t)/2
+    film = ns.plot.animate(run, slow_down=0.28)
+    shown = [text.get_text() for text in film.figure.axes[0].texts]
+    assert [text for text in shown if text.startswith("max")] == ["max\n0.5", "max\n0.5"]
 
 
 def test_a_run_that_was_saved_is_animated(struck, tmp_path):

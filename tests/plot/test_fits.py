@@ -1,5 +1,8 @@
 """Pictures of fits: what is drawn is what the result has."""
 
+from itertools import pairwise
+
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 import xarray as xr
@@ -115,6 +118,27 @@ def test_a_corner_has_the_draws_of_bootstrap_and_posterior(found):
     assert len(dots) == posterior.sizes["walker"] * 20
     with pytest.raises(ns.OptionError, match="posterior: give a result of posterior with the"):
         ns.plot.corner(found, posterior=found)
+
+
+@pytest.mark.parametrize("deviation", [0.0003, 0.0008, 0.0012, 0.002])
+@pytest.mark.parametrize("inches", [2.2, 3.0, 4.0])
+def test_numbers_below_a_small_corner_do_not_touch(found, deviation, inches):
+    narrow = found.copy(deep=True)
+    narrow["estimate"][:2], narrow["standard_error"][:2] = 0.15, deviation
+    figure, ax = plt.subplots(figsize=(inches, inches))
+    panels = panels_by_labels(ns.plot.corner(narrow, ["k", "c"], ax=ax))
+    figure.canvas.draw()
+    for panel in (panels[1, 0], panels[1, 1]):
+        low, high = panel.get_xlim()
+        boxes = [
+            label.get_window_extent()
+            for label, place in zip(panel.get_xticklabels(), panel.get_xticks(), strict=True)
+            if low <= place <= high
+        ]
+        assert boxes
+        for left, right in pairwise(boxes):
+            assert left.x1 < right.x0
+    plt.close(figure)
 
 
 def test_a_parameter_that_is_not_determined_is_drawn_within_its_bounds(found):

@@ -92,7 +92,8 @@ def bifurcation_diagram(
         Part of the period at which strobes are taken, from 0 to less than 1.
     match : float, optional
         A motion has period p when its strobes repeat after p periods to this part of the size of
-        each state, seen twice at least.
+        each state, seen twice at least, and lie far apart beside the way that is left to go: a
+        motion that turns by nearly 1/p per strobe as it settles gets the period 0 until then.
     parameters : mapping of str to float, optional
         Values of parameters that differ from those of the system.
     tolerance : float, optional

@@ -185,7 +185,7 @@ def _plan(
     left_out = whole_number("transient", transient, 0)
     count = check_count(whole_number("record", record))
     if times is None:
-        require_period(system, "ensemble")
+        require_period(system, "ensemble", "give times=, or give the system a period")
 
         def of_strobes(window: float) -> Plan:
             numbers, phases = strobes(window, _BEGIN, None, part, left_out, count)

@@ -21,7 +21,7 @@ from nonsmooth.analysis.exponents.exponent_run import (
 from nonsmooth.analysis.options import SharedOptions, check_seed
 from nonsmooth.engine.status import Status
 from nonsmooth.engine.tables import Tables
-from nonsmooth.errors import OptionError, RunWarning
+from nonsmooth.errors import OptionError, ResultWarning, RunWarning
 from nonsmooth.runs.clock import Instant
 from nonsmooth.runs.options import check_signals, finite_number
 from nonsmooth.runs.options import whole_number as whole
@@ -121,6 +121,8 @@ def lyapunov_spectrum(
     -----
     RunWarning
         When the run ended early; the result holds what was computed until then.
+    ResultWarning
+        When the exponents are those of a transient, see notes.
 
     See Also
     --------
@@ -141,8 +143,8 @@ def lyapunov_spectrum(
     record. Standard errors do not see a transient that was too short. Two checks do. The largest
     exponents of both halves of the record are compared, and a motion with an exponent above zero
     is run on for ``confirm`` periods. Where the halves differ, or the motion repeats or ends later,
-    the attribute ``settled`` is 0 and the message says why. No finite run tells chaos from a longer
-    transient.
+    the attribute ``settled`` is 0, and a warning and the message say why. No finite run tells chaos
+    from a longer transient.
 
     The Kaplan-Yorke dimension counts an exponent as zero that is below three standard errors
     or below one over the duration. For a forced system it is that of the stroboscopic map;
@@ -202,6 +204,8 @@ def lyapunov_spectrum(
     result = exponent_dataset(system, run, unsettled, options)
     if run.status not in (Status.COMPLETED, Status.STOPPED):
         warnings.warn(f"{system.name}: {result.attrs['message']}", RunWarning, stacklevel=2)
+    if unsettled:
+        warnings.warn(f"{system.name}: {unsettled}", ResultWarning, stacklevel=2)
     return result
 
 

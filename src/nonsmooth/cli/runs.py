@@ -81,6 +81,7 @@ def _quietly(verb: Callable[..., xr.Dataset], *arguments: Any, **options: Any) -
     """Result of a verb; the summary says what its warning would say."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RunWarning)
+        warnings.simplefilter("ignore", ResultWarning)
         return verb(*arguments, **options)
 
 
@@ -292,11 +293,11 @@ def _repeats(system: System, points: xr.Dataset) -> int:
     """After how many points the motion repeats, drifts apart."""
     import numpy as np
 
-    from nonsmooth.analysis.statistics.periodicity import primitive_period, scales
+    from nonsmooth.analysis.statistics.periodicity import settled_periods
 
     states = np.column_stack([points[name].values for name in system.states])
     drifting = np.array([name in system.drift_states for name in system.states])
-    return int(primitive_period(states, drifting, scales(states, drifting), _MATCH) or 0)
+    return int(settled_periods(states[None], drifting, _MATCH)[0])
 
 
 def lyapunov(task: Task) -> None:

@@ -155,13 +155,15 @@ class Drawing:
             ),
         )
 
-    def frames(self, run: xr.Dataset) -> Frames:
+    def frames(self, run: xr.Dataset, whole: xr.Dataset | None = None) -> Frames:
         """Work the drawing out for each sample of a run.
 
         Parameters
         ----------
         run : xarray.Dataset
             Result of `simulate` with the system as an attribute, or a part of it along time.
+        whole : xarray.Dataset, optional
+            Run with more samples, from which ``[ranges]`` are taken; ``run`` by default.
 
         Returns
         -------
@@ -175,7 +177,7 @@ class Drawing:
         ModelError
             When a text names what neither the run nor the drawing has, or the view is not finite.
         """
-        values = self._values(run)
+        values = self._values(run, run if whole is None else whole)
         for k, shape in enumerate(self.shapes, start=1):
             known = [*values, ALONG] if shape.runs_along else list(values)
             for key, expression in shape.expressions():
@@ -192,21 +194,29 @@ class Drawing:
             _filled(self.note, values),
         )
 
-    def _values(self, run: xr.Dataset) -> dict[str, Any]:
+    def _values(self, run: xr.Dataset, whole: xr.Dataset) -> dict[str, Any]:
         """Values of all names: of the run, then those that the drawing defines."""
-        values = values_of(run)
-        for name, expression in self.defaults.items():
-            if name not in values:
-                values[name] = _value(expression, values, f"drawing: defaults.{name}")
+        values = self._with_defaults(run)
+        seen = values if whole is run else self._with_defaults(whole)
         for name, expression in self.ranges.items():
-            found = np.asarray(_value(expression, values, f"drawing: ranges.{name}"))
-            values |= {f"{name}_low": float(np.min(found)), f"{name}_high": float(np.max(found))}
+            found = np.asarray(_value(expression, seen, f"drawing: ranges.{name}"))
+            ends = {f"{name}_low": float(np.min(found)), f"{name}_high": float(np.max(found))}
+            values |= ends
+            seen |= ends
         for name, expression in self.definitions.items():
             if name in values:
                 raise ModelError(
                     f"drawing: definitions.{name}: the run has this name; take another"
                 )
             values[name] = _value(expression, values, f"drawing: definitions.{name}")
+        return values
+
+    def _with_defaults(self, run: xr.Dataset) -> dict[str, Any]:
+        """Values that a run has, and defaults of those that it may lack."""
+        values = values_of(run)
+        for name, expression in self.defaults.items():
+            if name not in values:
+                values[name] = _value(expression, values, f"drawing: defaults.{name}")
         return values
 
     def _seen(self, axis: str, values: Mapping[str, Any]) -> tuple[float, float]:

@@ -13,7 +13,7 @@ __all__ = ["drawing_of", "machines"]
 _MOST_BARS = 12  # states; further ones are left out
 _GENERIC = """
 title = "states of {name}"
-note = "each bar is a state over its largest size"
+note = "each bar is a state over its largest size, max"
 
 [ranges]
 {ranges}
@@ -21,7 +21,7 @@ note = "each bar is a state over its largest size"
 {parts}
 [view]
 x = [-0.9, {right}]
-y = [-1.75, 1.45]
+y = [-1.75, 1.75]
 
 [[shapes]]
 kind = "line"
@@ -49,8 +49,8 @@ at = [{k}, -1.3]
 text = "{state}"
 [[shapes]]
 kind = "text"
-at = [{k}, 1.2]
-text = "{{_{k}_high}}"
+at = [{k}, 1.38]
+text = "max\\n{{_{k}_high}}"
 """
 
 

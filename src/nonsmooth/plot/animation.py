@@ -91,7 +91,8 @@ def animate(
     -----
     Frames do not depend on the samples of the run. The motion is run anew from the last sample
     before the film, by `simulate`, to the instants of the frames, so no frame is interpolated
-    across an event. A drawing is worked out for all frames at once.
+    across an event. The curves have 200 samples per period at least, and 2000 in all without a
+    period. A drawing is worked out for all frames at once.
 
     Examples
     --------
@@ -108,9 +109,10 @@ def animate(
     pace = pace_of(run, time_range, slow_down, frames_per_second)
     drawing = drawing_of(system) if drawing is None else drawing
     again = film_run(run, system, pace.times)
-    frames = drawing.frames(again)
+    of_frames = again.isel(time=slice(None, None, pace.fine))
+    frames = drawing.frames(of_frames, again)
     moment = _FLASH * frames_per_second * pace.step  # in the time of the run
-    figure, panels = _composed(again, frames, shown, drawing.title, moment)
+    figure, panels = _composed(again, of_frames, frames, shown, drawing.title, moment)
     figure.supxlabel(f"{pace.text}\n{frames.note}".strip(), fontsize=_SMALL, color="0.25")
     figure.draw_without_rendering()
     figure.set_layout_engine("none")  # what stands still keeps its place, and frames are quick
@@ -120,9 +122,14 @@ def animate(
 
 
 def _composed(
-    run: xr.Dataset, frames: Frames, portrait: tuple[str, str], title: str, moment: float
+    run: xr.Dataset,
+    of_frames: xr.Dataset,
+    frames: Frames,
+    portrait: tuple[str, str],
+    title: str,
+    moment: float,
 ) -> tuple[Figure, list[FilmPanel]]:
-    """The figure and its parts; the samples of the run are the frames."""
+    """The figure and its parts: curves of the run, and what moves with its frames."""
     import matplotlib
     import matplotlib.pyplot as plt
 
@@ -137,9 +144,9 @@ def _composed(
         set_ticks(places[name])
     return figure, [
         MachinePanel(frames, places["machine"], title),
-        EventFlash(run, places["machine"], moment),
-        PortraitPanel(run, *portrait, places["portrait"]),
-        HistoryPanel(run, portrait[0], places["history"]),
+        EventFlash(of_frames, places["machine"], moment),
+        PortraitPanel(run, of_frames, *portrait, places["portrait"]),
+        HistoryPanel(run, of_frames, portrait[0], places["history"]),
     ]
 
 

@@ -113,6 +113,11 @@ def bifurcation(
             label=part.label,
             rasterized=count > _DENSE,
         )
+    # columns without a point, such as an event that does not happen, belong to the picture too
+    over = diagram["parameter"].values
+    if over.size:
+        ax.update_datalim([(over.min(), 0.0), (over.max(), 0.0)], updatey=False)
+        ax.autoscale_view(scaley=False)
     finish_axes(ax, axis_label(diagram["parameter"]), _height_label(diagram, variable))
     if legend:
         place_legend(ax)

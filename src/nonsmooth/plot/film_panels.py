@@ -94,12 +94,13 @@ def _place(artist: Any, shape: DrawnShape, frame: int) -> None:
 class PortraitPanel:
     """The phase portrait of the film, the way just travelled, and where the motion is."""
 
-    def __init__(self, run: xr.Dataset, x: str, y: str, ax: Axes) -> None:
+    def __init__(self, run: xr.Dataset, of_frames: xr.Dataset, x: str, y: str, ax: Axes) -> None:
         several = len(set(run["mode"].attrs.get("flag_meanings", "").split())) > 1
         phase_portrait(run, x, y, ax=ax, phases=several, surfaces=True, legend=False)
         for line in ax.lines:
             line.set_alpha(0.55)
-        self._time, self._x, self._y = run["time"].values, run[x].values, run[y].values
+        self._time = of_frames["time"].values
+        self._x, self._y = of_frames[x].values, of_frames[y].values
         self._way = curve(run, [x, y])  # with its corners at events
         self._length = _TRAIL * (self._time[-1] - self._time[0])
         (self._trail,) = ax.plot([], [], color="black", linewidth=1.1)
@@ -118,10 +119,10 @@ class PortraitPanel:
 class HistoryPanel:
     """A variable over the time of the film, with a cursor."""
 
-    def __init__(self, run: xr.Dataset, variable: str, ax: Axes) -> None:
+    def __init__(self, run: xr.Dataset, of_frames: xr.Dataset, variable: str, ax: Axes) -> None:
         draw_lines(run, [variable], ax, None, {})
         finish_axes(ax, axis_label(run["time"]), variable)
-        self._time = run["time"].values
+        self._time = of_frames["time"].values
         self._cursor = ax.axvline(self._time[0], color=_ALERT, linewidth=1.2)
         self.artists: list[Artist] = [self._cursor]
 

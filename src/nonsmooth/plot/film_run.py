@@ -23,21 +23,27 @@ MOST_FRAMES = 2_000  # 80 s at 25 frames per second
 _USUAL, _LONGEST = 4.0, 20.0  # seconds of film for a period, and for all of them
 _WITHOUT_PERIOD = 12.0  # seconds of film for a run that has none
 _FEWEST = 2
+_PER_PERIOD = 200  # samples of the curves, which frames are too few for
+_WHOLE = 2000  # samples of the curves, where there is no period
 _BY_SAMPLE = 1e-9  # of the run, within which an instant is the end of the run
 
 
 class Pace(NamedTuple):
-    """Instants of the frames, and what a second of the film is."""
+    """Instants of the frames, and what a second of the film is.
+
+    The curves have ``fine`` samples for each frame.
+    """
 
     start: float
     step: float
     frames: int
+    fine: int
     text: str
 
     @property
     def times(self) -> np.ndarray:
-        """Times of the frames."""
-        return self.start + self.step * np.arange(self.frames)
+        """Times of the samples, of which every ``fine``-th one is a frame."""
+        return self.start + self.step / self.fine * np.arange((self.frames - 1) * self.fine + 1)
 
 
 def pace_of(
@@ -73,7 +79,9 @@ def pace_of(
         raise OptionError(
             f"slow_down = {slow_down:g}: the film would have one frame; give a larger one"
         )
-    return Pace(low, unit / (slow_down * frames_per_second), count, _said(run, slow_down, period))
+    step = unit / (slow_down * frames_per_second)
+    fine = math.ceil(_PER_PERIOD * step / unit if period else _WHOLE / count)
+    return Pace(low, step, count, fine, _said(run, slow_down, period))
 
 
 def _said(run: xr.Dataset, slow_down: float, period: float | None) -> str:

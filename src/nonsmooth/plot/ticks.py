@@ -87,8 +87,13 @@ class _FittingLocator(AutoLocator):
         ticks = super().tick_values(vmin, vmax)
         for bins in range(min(len(ticks), 10) - 1, 0, -1):
             if self._fit(np.asarray(ticks), vmin, vmax):
-                break
+                return ticks
             ticks = MaxNLocator(bins, steps=_STEPS).tick_values(vmin, vmax)
+        # matplotlib gives two or three numbers at least, for which a small axis may have no room
+        shown = np.asarray([each for each in ticks if vmin <= each <= vmax])
+        for some in (shown, shown[:: max(shown.size - 1, 1)], shown[shown.size // 2 :][:1]):
+            if self._fit(some, vmin, vmax):
+                return list(some)
         return ticks
 
     def _fit(self, ticks: npt.NDArray[np.float64], vmin: float, vmax: float) -> bool:

@@ -24,11 +24,13 @@ def map_of(
     phase: float = 0.0,
     mode: str | None = None,
     states_only: bool = False,
+    strobes_only: bool = False,
 ) -> Map:
     """The map that is meant, with some parameters changed; the options of a run are checked.
 
     ``phase`` is that of the strobes of a system; a map has its own. ``states_only``: whether the
     states of a point have to tell all about it, which those of a section with forcing do not.
+    ``strobes_only``: whether a section is none of the advice.
     """
     if isinstance(given, Map):
         check_run_options(given.system, parameters, mode, tolerance)
@@ -48,7 +50,13 @@ def map_of(
         )
     system = check_run_options(given, parameters, mode, tolerance)
     if not system.slow:  # about which the map has more to say
-        require_period(system, verb)
+        section = "" if strobes_only else ", or ns.PoincareMap for a section of it"
+        require_period(
+            system,
+            verb,
+            "give ns.StroboscopicMap(system, period=...) with a length of time in its place"
+            f"{section}, or give the system a period",
+        )
     strobed = StroboscopicMap(system, phase=phase)
     if states_only:
         strobed.check_states_suffice(verb)

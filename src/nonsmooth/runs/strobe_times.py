@@ -33,14 +33,17 @@ def hides_phase(tables: Tables, length: float) -> bool:
     return bool(np.any(np.abs(turns - np.rint(turns)) > _TURN * np.maximum(1.0, turns)))
 
 
-def require_period(system: System, verb: str) -> float:
-    """Period of a system; refused where it has none."""
+_CURE = (
+    "give period= a length of time, or the system one, or take a section of it (poincare_section,"
+    " PoincareMap)"
+)
+
+
+def require_period(system: System, verb: str, cure: str = _CURE) -> float:
+    """Period of a system; refused where it has none, with what can be done about it."""
     period = system.period_value
     if period is None:
-        raise OptionError(
-            f"{verb}: {system.name!r} has no period to strobe at; give period= a length of time, or"
-            " the system one, or take a section of it (poincare_section, PoincareMap)"
-        )
+        raise OptionError(f"{verb}: {system.name!r} has no period to strobe at; {cure}")
     return float(period)
 
 
@@ -48,7 +51,7 @@ def check_phase(phase: Any) -> float:
     """Part of a period at which strobes are taken, from 0 up to 1."""
     number = finite_number("phase", phase)
     if not 0.0 <= number < 1.0:
-        raise OptionError(f"phase = {number:g} is a part of the period, from 0 to less than 1")
+        raise OptionError(f"phase = {number:g}: give a part of the period, from 0 to less than 1")
     return number
 
 

@@ -56,7 +56,8 @@ def diagram_dataset(
     }
     message = f"interrupted by the user; {len(done)} of {n_wanted} columns are done and kept"
     if complete:
-        message = _message(protocol, [one for _, _, one in _each(looks)])
+        every = [one for _, _, one in _each(looks)]
+        message = _message(protocol, every) + _said_of_events(protocol, every, options["at"])
     status = "completed" if complete else "interrupted"
     told = {"parameter": protocol.parameter, **options}
     return xr.Dataset(variables, coords, result_attributes(system, status, message, told))
@@ -122,4 +123,17 @@ def _message(protocol: DiagramProtocol, looks: list[Look]) -> str:
         f"completed; {restless} of {len(looks)} motions have not settled to a period of at most"
         f" {protocol.record // REPEATS} within {length} {protocol.unit}s: chaos, a longer period or"
         " a long transient, which a longer transient= or regime tells"
+    )
+
+
+def _said_of_events(protocol: DiagramProtocol, looks: list[Look], event: str) -> str:
+    """How many motions leave an empty column, as they do not pass the event that was asked for."""
+    if protocol.exits is None:
+        return ""
+    without = sum(one.status == Status.COMPLETED and not len(one.points) for one in looks)
+    if not without:
+        return ""
+    return (
+        f"; {without} of {len(looks)} motions pass no {event!r} in the periods that are recorded:"
+        " their columns are empty"
     )

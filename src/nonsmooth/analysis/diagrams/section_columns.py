@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from nonsmooth.analysis.diagrams.chain_links import End
 from nonsmooth.analysis.diagrams.columns import DiagramProtocol, Look, nothing, with_outputs
-from nonsmooth.analysis.statistics.periodicity import primitive_period, scales, whole_periods
+from nonsmooth.analysis.statistics.periodicity import scales, settled_periods, whole_periods
 from nonsmooth.engine.lanes import SAME
 from nonsmooth.engine.record import Rows
 from nonsmooth.engine.status import Status
@@ -128,7 +128,7 @@ def _period(protocol: DiagramProtocol, states: Floats, since: Floats, size: Floa
     points = np.column_stack([states, since])
     scale = scales(points, drifting)
     scale[:-1] = np.where(protocol.drifting, scale[:-1], np.maximum(scale[:-1], size))
-    return primitive_period(points, drifting, scale, protocol.match)
+    return int(settled_periods(points[None], drifting, protocol.match, scale[None])[0])
 
 
 def _word(runner: SectionRunner, points: SectionPoints, rows: Rows, period: int) -> str:

@@ -10,9 +10,8 @@ import numpy.typing as npt
 from nonsmooth.analysis.diagrams.columns import DiagramProtocol, Look, nothing
 from nonsmooth.analysis.passed_events import PassedEvents
 from nonsmooth.analysis.settle import Group
-from nonsmooth.analysis.statistics.periodicity import whole_periods
+from nonsmooth.analysis.statistics.periodicity import settled_periods, whole_periods
 from nonsmooth.engine.status import Status
-from nonsmooth.engine.sweeps import primitive_periods
 from nonsmooth.runs.outputs import SweptClock, output_values
 from nonsmooth.runs.sweep_runner import Recorded
 
@@ -36,7 +35,7 @@ class _Judged:
         self._done = recorded.statuses == Status.COMPLETED
         self._passed = PassedEvents(protocol.system, recorded)
         self._period = np.zeros(group.count, np.int64)
-        self._period[self._done] = primitive_periods(
+        self._period[self._done] = settled_periods(
             recorded.states[self._done], protocol.drifting, protocol.match
         )
 

@@ -18,7 +18,7 @@ import numpy.typing as npt
 from nonsmooth.analysis.exponents.growth import Growth
 from nonsmooth.analysis.settle import Group, ParameterSets, settle
 from nonsmooth.analysis.statistics.block_averages import block_averages
-from nonsmooth.analysis.statistics.periodicity import primitive_period, scales
+from nonsmooth.analysis.statistics.periodicity import settled_periods
 from nonsmooth.engine.lanes import SAME
 from nonsmooth.engine.status import Status
 from nonsmooth.engine.tables import Tables
@@ -205,7 +205,7 @@ def _said_of_end(confirm: int, group: Group, recorded: Recorded) -> list[str]:
         return [""]  # rounding has taken the state at the end of the record out of its mode
     if status != Status.COMPLETED:
         return [f"the motion ends later ({status.word}): these are exponents of a transient"]
-    period = primitive_period(states, drifting, scales(states, drifting), _MATCH)
+    period = int(settled_periods(states[None], drifting, _MATCH)[0])
     if period == 0:
         return [""]
     return [

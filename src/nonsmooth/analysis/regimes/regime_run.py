@@ -122,7 +122,13 @@ class _Motions:
             self.verdicts[i] = seen[i].unsettled(
                 f"one window has the period {before[i]}, the next {now[i]}"
             )
-        self._repeating(windows, seen, same & (now > 0))
+        on_the_way = self._on_the_way(windows, same & (now > 1))
+        for i in np.flatnonzero(on_the_way).tolist():
+            self.verdicts[i] = replace(seen[i], period=0, word="").unsettled(
+                f"strobes repeat with period {now[i]}, but are no farther apart than the way that"
+                " is left: the motion may settle to a shorter period"
+            )
+        self._repeating(windows, seen, same & (now > 0) & ~on_the_way)
         with np.errstate(invalid="ignore"):
             closing = same & (now == 0) & ~is_last & (rest_now < _CLOSING * rest_before)
         for i in np.flatnonzero(closing).tolist():
@@ -181,6 +187,15 @@ class _Motions:
             which, self.drifting, self.sizes[which], self.protocol.match
         )
         return periods, residuals
+
+    def _on_the_way(self, windows: Windows, repeats: Bools) -> Bools:
+        """Which of the motions that repeat may yet settle to a shorter period, (M,)."""
+        found = np.zeros(repeats.size, bool)
+        which = np.flatnonzero(repeats)
+        found[which] = windows.on_the_way(
+            which, self.drifting, self.sizes[which], self.protocol.match
+        )
+        return found
 
     def _seen(
         self, windows: Windows, alive: Bools, first: Integers, both: tuple[Integers, Floats]

@@ -21,7 +21,7 @@ from scipy.spatial import KDTree
 
 from nonsmooth.analysis.passed_events import PassedEvents
 from nonsmooth.analysis.settle import Group
-from nonsmooth.analysis.statistics.periodicity import nearest_returns, scales
+from nonsmooth.analysis.statistics.periodicity import nearest_returns, scales, settled_periods
 from nonsmooth.analysis.zero_one_test import correlations_of
 from nonsmooth.runs.clock import Instant, instants
 from nonsmooth.runs.sweep_runner import Recorded, Times
@@ -115,14 +115,26 @@ class Windows:
         times ``match`` of them is at rest.
         """
         points, record = self.points[motions], self.record
-        rounding = 4.0 * _EPSILON / match * np.abs(points).max(axis=1)
-        floor = np.where(drifting, rounding, match * sizes)
+        floor = self._floors(motions, drifting, sizes, match)
         both = np.stack([points[:, : record + 1], points[:, record:]], axis=1)
         scale = np.maximum(scales(both, drifting), floor[:, None])
         flat = both.reshape(-1, *both.shape[2:])
         scales_of_all = scale.reshape(len(flat), -1)
         periods, residuals = nearest_returns(flat, drifting, scales_of_all, match)
         return periods.reshape(-1, 2), residuals.reshape(-1, 2)
+
+    def on_the_way(self, motions: Integers, drifting: Bools, sizes: Floats, match: float) -> Bools:
+        """Which of some motions that repeat may yet settle to a shorter period, (m,)."""
+        points = self.points[motions]
+        floor = self._floors(motions, drifting, sizes, match)
+        scale = np.maximum(scales(points, drifting), floor)
+        return np.asarray(settled_periods(points, drifting, match, scale) == 0)
+
+    def _floors(self, motions: Integers, drifting: Bools, sizes: Floats, match: float) -> Floats:
+        """Least scale of each state, (m, n): what is smaller is rounding, or at rest."""
+        points = self.points[motions]
+        rounding = 4.0 * _EPSILON / match * np.abs(points).max(axis=1)
+        return np.where(drifting, rounding, match * sizes)
 
 
 def cyclic_word(word: str) -> tuple[str, ...]:

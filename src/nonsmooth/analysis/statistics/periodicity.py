@@ -1,7 +1,13 @@
-"""The primitive period of points of a map, and what a motion does within it."""
+"""The primitive period of points of a map, and what a motion does within it.
+
+A motion that spirals in with a multiplier near exp(2 pi i / p) repeats after p points to any
+accuracy long before it repeats after one. So points that repeat after p > 1 of them show a period
+only where they lie far apart beside the way that is left to go, see `settled_periods`.
+"""
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -9,9 +15,16 @@ import numpy.typing as npt
 
 from nonsmooth.engine.sweeps import REPEATS, primitive_periods, scales
 
-__all__ = ["REPEATS", "nearest_returns", "primitive_period", "scales", "whole_periods"]
+__all__ = [
+    "REPEATS", "nearest_returns", "primitive_period", "scales", "settled_periods", "whole_periods",
+]  # fmt: skip
 
 Floats = npt.NDArray[np.float64]
+Integers = npt.NDArray[np.int64]
+
+_APART = 30.0  # times the way that is left, and match, between different points of a period
+_SLIGHT = 1e-3  # of the largest change: a state that changes less tells no contraction
+_ROUNDING = 64.0 * float(np.finfo(float).eps)  # of the largest state: no change over a period
 
 
 def primitive_period(
@@ -25,6 +38,29 @@ def primitive_period(
     shapes: points (K, n), drifting (n,), scale (n,)
     """
     return int(primitive_periods(points[None], drifting, match, scale[None])[0])
+
+
+def settled_periods(
+    points: Floats, drifting: npt.NDArray[np.bool_], match: float, scale: Floats | None = None
+) -> Integers:
+    """Primitive period of each of M motions that have come as far as to show it, 0 for others.
+
+    After p steps the points repeat to d, and a period of them earlier to d/q. So they are d/(1 - q)
+    away from where they go. On the way to a shorter period r the change over r steps is at most
+    twice that distance. A true period p has points much farther apart, and not the same to
+    ``match``.
+
+    shapes: points (M, K, n), drifting (n,), scale (M, n), that of `scales` without another one
+    """
+    scale = scales(points, drifting) if scale is None else scale
+    periods = primitive_periods(points, drifting, match, scale)
+    for p in np.unique(periods[periods > 1]).tolist():
+        which = np.flatnonzero(periods == p)
+        left = _way_left(points[which], drifting, scale[which], match, p)
+        for r in _next_divisors(p):
+            apart = _changes(points[which], drifting, scale[which], r)[:, -p:].max(axis=(1, 2))
+            periods[which[~(apart > _APART * np.maximum(left, match))]] = 0
+    return periods
 
 
 def nearest_returns(
@@ -65,3 +101,60 @@ def _largest_changes(relative: Floats, drifting: npt.NDArray[np.bool_], p: int) 
     change = relative[:, p:] - relative[:, :-p]
     change = np.where(drifting, change - change[:, :1], change)
     return np.asarray(np.abs(change).max(axis=1))
+
+
+def _changes(points: Floats, drifting: npt.NDArray[np.bool_], scale: Floats, p: int) -> Floats:
+    """Change of each state over p steps from each point on, in its scale; (M, K - p, n).
+
+    The change of a drifting state is compared with its last one.
+    """
+    relative = points - np.where(drifting, points[:, :1], 0.0)
+    change = relative[:, p:] - relative[:, :-p]
+    change -= np.where(drifting, change[:, -1:], 0.0)
+    return np.asarray(np.abs(change) / np.where(scale > 0.0, scale, 1.0)[:, None])
+
+
+def _way_left(
+    points: Floats, drifting: npt.NDArray[np.bool_], scale: Floats, match: float, p: int
+) -> Floats:
+    """How far motions that repeat after p steps are from where they go, (M,) in their scales.
+
+    Without any contraction it is infinite, unless nothing but rounding is left.
+    """
+    change = _changes(points, drifting, scale, p)
+    way = change[:, change.shape[1] // 2 :].max(axis=(1, 2))
+    left = change[:, -p:].max(axis=(1, 2))
+    largest = np.abs(points - np.where(drifting, points[:, :1], 0.0)).max(axis=1)
+    rounding = (_ROUNDING * largest / np.where(scale > 0.0, scale, 1.0)).max(axis=1)
+    with np.errstate(divide="ignore"):
+        way /= np.maximum(1.0 - _contraction(change, p), 0.0)
+    return np.where(left <= np.maximum(rounding, match * match), left, way)
+
+
+def _contraction(change: Floats, p: int) -> Floats:
+    """Part of the change that is left p steps later, (M,).
+
+    Points are compared with those whole periods earlier, so that each has its like. States that
+    turn into each other count alike, or their turning would look like a contraction. A fast part
+    that dies away first would hide a slow one, so the second half of the record is asked again, and
+    the slower contraction counts.
+    """
+    own = change.max(axis=1, keepdims=True)
+    size = np.maximum(own, _SLIGHT * own.max(axis=2, keepdims=True))
+    change = np.linalg.norm(change / np.where(size > 0.0, size, 1.0), axis=2)
+    count = change.shape[1]
+    found = np.zeros(len(change))
+    for part in (1, 2):
+        looked_at = change[:, -max(count // part, p + 1) :]
+        steps = max(looked_at.shape[1] // 2 // p, 1) * p
+        earlier, later = looked_at[:, :-steps].max(axis=1), looked_at[:, steps:].max(axis=1)
+        ratio = np.divide(later, earlier, out=np.zeros_like(later), where=earlier > 0.0)
+        found = np.maximum(found, ratio ** (p / steps))
+    return found
+
+
+@cache
+def _next_divisors(p: int) -> list[int]:
+    """Largest proper divisors of p: one for each of its prime factors."""
+    proper = [r for r in range(1, p) if p % r == 0]
+    return [r for r in proper if not any(s > r and s % r == 0 for s in proper)]

@@ -90,7 +90,9 @@ def make_sweep(
     shared: SharedOptions,
 ) -> SweepProtocol:
     """The options that all sweeps share, checked."""
-    chosen = map_of(system, shared.parameters, shared.tolerance, verb, mode=shared.mode)
+    chosen = map_of(
+        system, shared.parameters, shared.tolerance, verb, mode=shared.mode, strobes_only=True
+    )
     if not isinstance(chosen, StroboscopicMap):
         raise OptionError(
             f"{verb} looks at whole periods: give it a system, or a StroboscopicMap with the length"
