@@ -252,7 +252,8 @@ def _by_change_of_word(
     stretch: BranchStretch, point: Point, looked: Looked, along: float
 ) -> _WayOn | None:
     """The orbit of a word to which the test leads that has vanished."""
-    name = _hidden_graze(looked) or point.special if point.special == "motion" else point.special
+    hidden = _hidden_graze(looked) if point.special == "motion" else ""
+    name = hidden or point.special
     stretch.set_parameter(point.p)
     changes = changes_at_once(stretch.equations, looked.turn, _vanishing(looked, name))
     for change in changes or changes_of_word(stretch.equations, looked.turn, name):
@@ -265,8 +266,7 @@ def _by_change_of_word(
             return start, part_of(stretch, looked, point, along, "section", "")
         leg = vanishing_leg(stretch.equations, looked.turn, name)
         start.detail = _detail(stretch, leg, start, point)
-        regular = what_of(name) != "short" and name == point.special
-        touched = "" if regular else _touched(stretch, start)
+        touched = _touched(stretch, start) if hidden or what_of(name) == "short" else ""
         if touched:  # the graze is located from the other side
             before = before_graze(stretch, start, touched)
             if before is not None:

@@ -216,7 +216,7 @@ def cycle_guesses(
 def _before_events(outcome: Outcome, begin: int, step: float) -> int:
     """Number of samples before the first event; 0 where there is no event, or none before it."""
     rows = outcome.events
-    rows = rows[(rows["number"] >= begin) & ~np.isin(rows["kind"], (EventKind.START,))]
+    rows = rows[(rows["number"] >= begin) & (rows["kind"] != EventKind.START)]
     if not len(rows):
         return 0
     time = float((rows["number"][0] - begin) * outcome.window + rows["phase"][0])
