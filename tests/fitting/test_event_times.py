@@ -74,11 +74,12 @@ def test_a_ball_tells_its_coefficient_of_restitution():
     record = picked(bounce=ball() + noise)
     found = ns.fit(
         falling(), record, {"r": (0.7, 0.99), "g": (5.0, 15.0)}, initial={"x": 1.5},
-        segments=1, hold_back=0.0, starts=3,
+        hold_back=0.0, starts=3,
     )  # fmt: skip
     assert found.attrs["status"] == "completed"
     r = found.sel(parameter="r")
-    assert float(r["interval_low"]) < 0.9 < float(r["interval_high"])
+    # four standard errors fail once in 16,000 records
+    assert abs(float(r["estimate"]) - 0.9) < 4.0 * float(r["standard_error"])
     assert float(r["standard_error"]) < 2e-3
     # heights are not seen, so height and gravity are told together only: gravity stays open
     assert "does not determine g" in found.attrs["message"] or not found["identified"][1]

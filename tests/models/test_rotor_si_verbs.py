@@ -203,7 +203,7 @@ RESULTS = {
 NO_RESULTS = {  # verbs, and what else there is, that give no dataset of a motion of their own
     "PoincareMap", "StroboscopicMap", "System", "Exit", "Mode", "Signal", "excitation", "fatigue",
     "continuation", "measured", "models", "plot", "phase_word", "tie_parameters", "__version__",
-    "Surface", "smoothed", "smoothing_report", "mirrored_orbit", "fit",
+    "Surface", "smoothed", "smoothing_report", "mirrored_orbit", "fit", "posterior", "explore",
 }  # fmt: skip
 
 
