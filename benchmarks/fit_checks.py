@@ -72,7 +72,7 @@ def crack() -> dict:
         step = machine.period / 60
         fitted = ns.fit(
             ns.models.breathing_crack(eta=float(eta)), shown,
-            {"crack": (6, 18), "xi": (0.003, 0.03)},
+            {"crack": (6, 18), "xi": (0.003, 0.03), "s": (0.9, 1.1)},
             gain=(0.97, 1.03), delay=(0.0, 2.0 * step), starts=2,
         ).sel(parameter="crack")  # fmt: skip
         estimates.append(float(fitted["estimate"]))
