@@ -8,10 +8,16 @@ from nonsmooth.cli.app import app
 
 
 @pytest.fixture
-def call():
-    """Run a command line; the result has exit_code, stdout and stderr."""
+def call(monkeypatch):
+    """Run a command line; the result has exit_code, stdout and stderr.
+
+    The explorer serves until Ctrl-C, which comes at once here.
+    """
 
     def run(*arguments: str):
+        if arguments[0] == "explore":
+            server = pytest.importorskip("nonsmooth.explorer.server", reason="it needs the extra")
+            monkeypatch.setattr(server.ExplorerServer, "serve", lambda own, ready: own.crew.close())
         return CliRunner().invoke(app, [str(argument) for argument in arguments])
 
     return run

@@ -129,9 +129,6 @@ def test_the_example_of_the_help_works(call, tmp_path, monkeypatch, name):
         write_record(tmp_path)
     if name == "alarm":
         write_days(tmp_path)
-    if name == "explore":  # it serves until Ctrl-C, which comes at once here
-        server = pytest.importorskip("nonsmooth.explorer.server", reason="it needs the extra")
-        monkeypatch.setattr(server.ExplorerServer, "serve", lambda own, ready: own.crew.close())
     program, *words = TABLE[name].example.split()
     result = call(*words)
     assert program == "nonsmooth" and words[0] == name

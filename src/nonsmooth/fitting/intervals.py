@@ -29,6 +29,7 @@ LEVEL = 0.95
 _OPEN = 0.3  # standard deviation, as a part of the range, beyond which a parameter is open
 _SMALLEST = 1e-9  # singular value, as a part of the largest, that tells nothing
 _CLOSE = 0.01  # of the threshold: how near the end of an interval is found
+_NEAR = 0.6  # of the distance by the curvature: an end that is nearer is not believed
 _STEPS = 6  # for one end of an interval
 _LOWER = -0.02  # of the threshold: a profile that goes below has found a better minimum
 _MIDDLE = (0.3, 0.7)  # of the way to an end: a point there tells how the profile is bent
@@ -188,9 +189,9 @@ class _Profile:
     def end(self, side: int) -> tuple[float, bool, bool]:
         """One end, whether a bound cuts the interval off, and whether the profile leads there.
 
-        Where no point of the profile is found below the threshold, the solver has not come back to
-        the valley, and the end is that of the standard error: one near the estimate would say too
-        much.
+        Where the threshold is met much nearer than by the curvature at the minimum, the solver has
+        not come back to the valley, and the end is that of the standard error: one near the
+        estimate would say too much.
         """
         bound = self.shooting.limits[0 if side < 0 else 1][self.i]
         middle, rise = float(self.fitted.u[self.i]), self.rise
@@ -203,7 +204,7 @@ class _Profile:
                 return middle, True, True
             risen = self.look(side * distance)
             if abs(risen - rise) <= _CLOSE * rise:
-                return middle + side * distance, False, True
+                break
             if risen < rise:
                 inside = distance
                 if distance >= room:
@@ -211,7 +212,7 @@ class _Profile:
             else:
                 outside = distance
             distance = _next_distance(distance, risen, rise, inside, outside)
-        if inside == 0.0:
+        if distance < _NEAR * expected:
             return middle + side * expected, expected >= room, False
         return middle + side * distance, False, True
 
