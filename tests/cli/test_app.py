@@ -41,7 +41,8 @@ def test_an_unknown_command_comes_with_the_nearest_one(call):
     result = call("simulat", "duffing")
     assert result.exit_code == 2
     assert (
-        "unknown command 'simulat'; did you mean 'simulate'? (known: attractors," in result.stderr
+        "unknown command 'simulat'; did you mean 'simulate'? (known: alarm, attractors,"
+        in result.stderr
     )
 
 

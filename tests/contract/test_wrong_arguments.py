@@ -239,7 +239,7 @@ def rig():
 
 VERBS = sorted(set(ns.__all__) - {
     "ModelError", "NonsmoothError", "OptionError", "ResultWarning", "RunError", "RunWarning",
-    "__version__", "continuation", "excitation", "fatigue", "measured", "models", "plot",
+    "__version__", "continuation", "explore", "excitation", "fatigue", "measured", "models", "plot",
 })  # fmt: skip
 RIG = ["alarm", "indicators", "roc", "from_arrays", "velocities", "section", "diagram", "low_pass",
        "displacements", "dimensionless", "synchronous", "Channel", "Differentiator"]  # fmt: skip

@@ -57,16 +57,17 @@ def checked(record: xr.Dataset, task: Task, *more: str) -> tuple[xr.Dataset, xr.
 
     more: kinds that are not looked for, because what follows does not mind them
     """
-    from nonsmooth.measured import check, flagged
+    from nonsmooth import measured
 
     options = task.options("measured.check")
     options["leave_out"] = [*(options["leave_out"] or ()), *more]
-    found = check(record, **{key: each for key, each in options.items() if each is not None})
+    given = {key: each for key, each in options.items() if each is not None}
+    found = measured.check(record, **given)
     _tell(record, found)
     bad = any(
         found[name].values.any() for name in found.data_vars if str(name).endswith("_quality")
     )
-    return flagged(record, found) if bad else record, found
+    return measured.flagged(record, found) if bad else record, found
 
 
 def _tell(record: xr.Dataset, found: xr.Dataset) -> None:

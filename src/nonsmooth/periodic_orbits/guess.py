@@ -40,7 +40,6 @@ _SAMPLES = 128  # in a window
 _FINER = (4096, 64, 1)  # samples in a window beside that: a fast cycle is found in a short stretch
 _RESOLVED = 0.3  # of the spread of the states: the median way between samples of a cycle
 _NEAR = (1e-3, 1e-2, 5e-2)  # of the spread of the states: the first return as near is taken
-_FEWEST = 16  # samples of a cycle, with which its return can be told
 _MOST_EVENTS = 256
 _SWEEPS = 3  # of the states, for fixed instants
 _NEARER = 1.0 - 1e-6  # of the distance of the strobe that is told: others are as near by rounding
@@ -203,24 +202,10 @@ def cycle_guesses(
         samples, final = _SAMPLES * finer, finer == _FINER[-1]
         plan, step = _plan(tables.window, samples, period, begin, start, transient)
         outcome = _run_for_guess(system, tables, start, plan, tolerance)
-        before = _before_events(outcome, begin, step)
-        on_cycle = before and _around(outcome, drifting, period, step, False, before)
-        if on_cycle:  # an unstable one, say, which the motion leaves later
-            yield on_cycle
         found = _between_events(system, outcome, begin, drifting, period, final)
         found = found or _around(outcome, drifting, period, step, final)
         if found is not None:
             yield found
-
-
-def _before_events(outcome: Outcome, begin: int, step: float) -> int:
-    """Number of samples before the first event; 0 where there is no event, or none before it."""
-    rows = outcome.events
-    rows = rows[(rows["number"] >= begin) & (rows["kind"] != EventKind.START)]
-    if not len(rows):
-        return 0
-    time = float((rows["number"][0] - begin) * outcome.window + rows["phase"][0])
-    return int(time / step)
 
 
 def _plan(
@@ -236,8 +221,9 @@ def _plan(
     return Plan(Instant(int(number[-1]), float(phase[-1])), number, phase), step
 
 
-def _is_resolved(states: Floats) -> bool:
+def _is_resolved(outcome: Outcome, drifting: npt.NDArray[np.bool_]) -> bool:
     """Whether samples follow the motion, rather than being anywhere on it."""
+    states = np.where(drifting, 0.0, outcome.records.sample_state)
     spread = np.ptp(states, axis=0)
     if not np.any(spread > 0.0):
         return True
@@ -280,19 +266,13 @@ def _between_events(
 
 
 def _around(
-    outcome: Outcome, drifting: npt.NDArray[np.bool_], period: int, step: float, final: bool,
-    before: int | None = None,
-) -> Guess | None:  # fmt: skip
-    """Once around a cycle without events, from its first sample; within so many samples.
-
-    Where events follow, only a motion that closes well is on such a cycle.
-    """
-    states = np.where(drifting, 0.0, outcome.records.sample_state)[:before]
-    if len(states) < _FEWEST:
-        return None
+    outcome: Outcome, drifting: npt.NDArray[np.bool_], period: int, step: float, final: bool
+) -> Guess | None:
+    """Once around a cycle without events, from its first sample."""
+    states = np.where(drifting, 0.0, outcome.records.sample_state)
     spread = np.ptp(states, axis=0)
     at_rest = not np.any(spread > 1e-9 * (np.abs(states).max(axis=0) + 1e-12))
-    if at_rest or not _is_resolved(states):
+    if at_rest or not _is_resolved(outcome, drifting):
         return None
     scaled = (states - states[0]) / np.where(spread > 0.0, spread, 1.0)
     forward = scaled @ (scaled[1] - scaled[0])
@@ -303,7 +283,7 @@ def _around(
     part = forward[crossings] / (forward[crossings] - forward[crossings - 1])
     before, behind = scaled[crossings - 1], scaled[crossings]
     apart = np.abs(behind + part[:, None] * (before - behind)).max(axis=1)
-    near = np.flatnonzero(apart <= (_NEAR[-1] if before is None else _NEAR[0]))
+    near = np.flatnonzero(apart <= _NEAR[-1])
     if not (near.size or final):
         return None
     k = int(near[0]) if near.size else int(np.argmin(apart))

@@ -317,18 +317,16 @@ def _search_word(wanted: OrbitRequest, legs: Legs) -> OrbitResult:
     """Stretches of motions first, then random durations; motions before constructions."""
     best: OrbitResult | None = None
     autonomous = is_autonomous(legs)
-    if autonomous:
-        guesses = _cycles_in_motion(wanted, legs)
-    else:
+    if not autonomous:
         guesses = guesses_in_motion(
             wanted.system, wanted.initial, list(wanted.words), period=wanted.period,
             phase=wanted.phase, periods=_PERIODS + wanted.transient, tolerance=wanted.tolerance,
         )  # fmt: skip
-    for guess in islice(guesses, _STRETCHES):
-        found = solve_guess(wanted, legs, guess)
-        if found.status == "completed":
-            return found
-        best = _better(best, found)
+        for guess in islice(guesses, _STRETCHES):
+            found = solve_guess(wanted, legs, guess)
+            if found.status == "completed":
+                return found
+            best = _better(best, found)
     length = wanted.period * legs.window
     origin = np.array([wanted.system.rest_state[name] for name in wanted.system.states])
     for word in wanted.words:
@@ -360,16 +358,6 @@ def _search_word(wanted: OrbitRequest, legs: Legs) -> OrbitResult:
         f" motion and from {_RANDOM} random durations; it may not exist for these parameters:"
         " follow it from others with continue_orbit, or give initial= near it",
     )  # fmt: skip
-
-
-def _cycles_in_motion(wanted: OrbitRequest, legs: Legs) -> Iterator[Guess]:
-    """Guesses of cycles in the motion from the start that have one of the words."""
-    try:
-        for guess in _guesses(wanted, legs):
-            if guess.word in wanted.words:
-                yield guess
-    except RunError:  # the motion ends; random durations are left
-        return
 
 
 def _better(best: OrbitResult | None, found: OrbitResult) -> OrbitResult | None:
