@@ -52,7 +52,7 @@ class Results:
 
 def height(found) -> float:
     """Minus the logarithm of the likelihood of a fit, up to a constant."""
-    fitted = np.isfinite(found["residual"].values[:, ~found["held_back"].values])
+    fitted = np.isfinite(found["residual"].values) & ~found["held_back"].values
     return float(found.attrs["cost"] + fitted.sum(axis=1) @ np.log(found["noise"].values))
 
 
