@@ -73,6 +73,23 @@ def test_power_is_the_mean_square():
     assert spectrum.attrs["n_samples"] == 512
 
 
+@pytest.mark.parametrize("window", ["boxcar", "hann", "flattop"])
+@pytest.mark.parametrize("spectrum_of", [ns.power_spectrum, ns.full_spectrum])
+def test_a_window_leaves_the_mean_in_one_line(spectrum_of, window):
+    """0.5 at zero and nothing beside it; the power is the mean square of the closed form."""
+    run = ns.simulate(spring(), periods=150, samples_per_period=20)
+    run["w"] = run["x"] * 0.0
+    names = ["x"] if spectrum_of is ns.power_spectrum else ["x", "w"]
+    found = spectrum_of(run, *names, transient=130, window=window)
+    over = over_harmonics(found)
+    assert float(over.sel(harmonic=0)) == pytest.approx(0.5, abs=1e-9)
+    assert float(over.sel(harmonic=slice(0.01, 0.5)).max()) < 1e-7
+    sizes = [1.0 / np.hypot(1.0 - (1.7 * n) ** 2, 0.1 * 1.7 * n) for n in (1, 3)]
+    square = 0.25 + (sizes[0] ** 2 + (0.25 * sizes[1]) ** 2) / 2.0
+    total = float(found["power_density"].sum()) * found.attrs["resolution"]
+    assert total == pytest.approx(square, rel=1e-6)
+
+
 def test_without_a_period():
     """A free oscillator that turns ten times in the record; the last sample begins the next."""
     free = ns.System(states=["x", "v"], equations={"x": "v", "v": "-4*x"})

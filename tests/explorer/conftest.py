@@ -63,9 +63,10 @@ class Screen:
         return self.settle()
 
     def settle(self):
-        """Wait until nothing is computed any more, nor about to be."""
+        """Wait until nothing is computed any more, nor about to be, and no gesture is on its way."""
         self.page.wait_for_function(
-            "!document.querySelector('.plot.stale') && explorer.work.size === 0"
+            "explorer.gestures.heard === explorer.gestures.sent"
+            " && !document.querySelector('.plot.stale') && explorer.work.size === 0"
         )
         self.page.wait_for_timeout(100)
         return self

@@ -11,7 +11,7 @@ from nonsmooth.analysis.spectra.segments import (
     segments_of,
 )
 from nonsmooth.analysis.spectra.spectrum_dataset import check_plane, plane_label, spectrum_dataset
-from nonsmooth.analysis.spectra.transforms import two_sided
+from nonsmooth.analysis.spectra.transforms import lines_of
 from nonsmooth.runs.options import whole_number
 
 if TYPE_CHECKING:
@@ -104,7 +104,7 @@ def full_spectrum(
     first, second = (segments_of(one, count) for one in series)
     length = first.values.shape[1]
     values = first.values + 1j * second.values
-    lines = two_sided(values, check_window(window, length), first.step)
+    lines = lines_of(values, check_window(window, length), first.step)
     attrs = series[0].attrs | record_attributes(series[0], first, window, transient)
     attrs |= {"variable": x, "second_variable": y}
     what, unit = plane_label(names, ""), series[0].label.get("units", "")

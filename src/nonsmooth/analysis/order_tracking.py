@@ -11,7 +11,7 @@ import numpy.typing as npt
 from nonsmooth.analysis.options import derived_attributes
 from nonsmooth.analysis.spectra.segments import check_run, check_window, record_of
 from nonsmooth.analysis.spectra.spectrum_dataset import Rows, check_plane, waterfall_dataset
-from nonsmooth.analysis.spectra.transforms import about_mean, phases
+from nonsmooth.analysis.spectra.transforms import lines_of, phases
 from nonsmooth.analysis.statistics.series import slow_names
 from nonsmooth.errors import OptionError, is_known, unknown_name
 from nonsmooth.runs.options import whole_number
@@ -107,7 +107,7 @@ def order_tracking(
     columns = [one.values[first + 1 : places[-1] + 1].reshape(blocks, length) for one in series]
     whole: Any = columns[0] if len(names) == 1 else columns[0] + 1j * columns[1]
     spans = np.diff(times[places]) / count
-    found = [about_mean(whole[k : k + 1], weights, spans[k] / per_period) for k in range(blocks)]
+    found = [lines_of(whole[k : k + 1], weights, spans[k] / per_period) for k in range(blocks)]
     rows = Rows(
         found[0].number / count,
         np.stack([one.amplitude for one in found]),

@@ -11,7 +11,7 @@ from nonsmooth.analysis.spectra.segments import (
     segments_of,
 )
 from nonsmooth.analysis.spectra.spectrum_dataset import spectrum_dataset
-from nonsmooth.analysis.spectra.transforms import one_sided
+from nonsmooth.analysis.spectra.transforms import lines_of
 from nonsmooth.runs.options import whole_number
 
 if TYPE_CHECKING:
@@ -96,7 +96,7 @@ def power_spectrum(
     series = record_of(run, variable).after(transient)
     parts = segments_of(series, count)
     length = parts.values.shape[1]
-    lines = one_sided(parts.values, check_window(window, length), parts.step)
+    lines = lines_of(parts.values, check_window(window, length), parts.step)
     attrs = series.attrs | record_attributes(series, parts, window, transient)
     what, unit = f"the {series.label['long_name']}", series.label.get("units", "")
     time_unit = run["time"].attrs.get("units", "")

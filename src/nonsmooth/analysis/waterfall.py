@@ -12,7 +12,7 @@ import numpy.typing as npt
 from nonsmooth.analysis.options import SharedOptions, check_values
 from nonsmooth.analysis.spectra.segments import check_window, without_drift
 from nonsmooth.analysis.spectra.spectrum_dataset import Rows, check_plane, waterfall_dataset
-from nonsmooth.analysis.spectra.transforms import about_mean, phases
+from nonsmooth.analysis.spectra.transforms import lines_of, phases
 from nonsmooth.analysis.sweeps.settled import SweptMotion
 from nonsmooth.analysis.sweeps.sweep import (
     SweepProtocol,
@@ -160,7 +160,7 @@ def waterfall(
 
     def reduce(settled: SweptMotion) -> dict[str, npt.NDArray[Any]]:
         parts = _record(settled, sweep, names, per_period, count * length).reshape(count, length)
-        lines = about_mean(parts, weights, settled.period / per_period)
+        lines = lines_of(parts, weights, settled.period / per_period)
         return {
             "amplitude": lines.amplitude,
             "density": lines.density,

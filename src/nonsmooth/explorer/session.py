@@ -90,6 +90,8 @@ class Session:
             self._do(gesture)
         except NonsmoothError as fault:
             self._refuse(gesture, fault)
+        if "n" in gesture:  # the page counts what it sends; a tap in a plot comes without it
+            self.send({"type": "heard", "n": gesture["n"]})
 
     def _refuse(self, gesture: dict[str, Any], fault: NonsmoothError) -> None:
         message: dict[str, Any] = {"type": "refused", "of": gesture["do"]}

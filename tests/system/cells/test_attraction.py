@@ -1,5 +1,6 @@
 """Which surfaces get a cell: those to which both sides can point, for some state and parameters."""
 
+import numpy as np
 import pytest
 
 import nonsmooth as ns
@@ -13,6 +14,9 @@ CASES = [
     # ... where |x| < 0.1, a small part of what x can be
     ("v", "-1000*x - 0.1*sign(v)", ["s1"]),
     ("v", "-0.001*x - 1e-7*sign(v)", ["s1"]),
+    # ... and a very small one, as of a dry friction beside a stiff spring
+    *(("v", f"-{k}*x - 3*v - 0.3*sign(v)", ["s1"]) for k in ("1e6", "1e8", "1e10")),
+    ("v", "-x - v - 5e-8*sign(v)", ["s1"]),
     # only where b < 0
     ("v", "-x - b*sign(v)", ["s1"]),
     # where t is near a multiple of pi
@@ -48,6 +52,19 @@ def test_surfaces_with_cells(x, v, names):
     system = System(states=["x", "v"], parameters={"a": 0.4, "b": 0.7}, equations={"x": x, "v": v})
     found = [dict(cell.sides) for cell in system.structure.running if cell.kind == SLIDES]
     assert [name for sides in found for name, sign in sides.items() if sign == "0"] == names
+
+
+@pytest.mark.parametrize("k", [1e4, 1e6, 1e8])
+def test_dry_friction_holds_beside_a_stiff_spring(k):
+    """Two swings, each 0.6/k shorter, end at -0.1/k, where the spring cannot move the block."""
+    block = System(
+        states=["x", "v"],
+        period=4.0 * np.pi / np.sqrt(k),
+        equations={"x": "v", "v": f"-{k}*x - 0.3*sign(v)"},
+    )
+    end = ns.simulate(block, {"x": 1.1 / k}, periods=1).isel(time=-1)
+    assert float(end["v"]) == 0.0
+    assert float(end["x"]) * k == pytest.approx(-0.1, abs=1e-6)
 
 
 def test_dampers_that_come_and_go_hold_nothing():

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["Lines", "about_mean", "one_sided", "phases", "two_sided"]
+__all__ = ["Lines", "lines_of", "phases"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -20,8 +20,23 @@ class Lines(NamedTuple):
     density: Floats
 
 
-def one_sided(values: Floats, weights: Floats, step: float) -> Lines:
-    """Spectrum of real segments (segment, sample): amplitudes of sines, the mean at zero."""
+def lines_of(values: npt.NDArray[Any], weights: Floats, step: float) -> Lines:
+    """Spectrum of segments (segment, sample); of real ones sines, of complex ones circles.
+
+    The mean of all segments is the amplitude at zero, and its square the power there, whatever the
+    window: a window would spread it over the lines beside.
+    """
+    mean = values.mean()
+    make: Any = _two_sided if np.iscomplexobj(values) else _one_sided
+    lines: Lines = make(values - mean, weights, step)
+    zero = lines.number == 0
+    lines.amplitude[zero] = abs(mean)
+    lines.density[zero] += abs(mean) ** 2 * values.shape[1] * step
+    return lines
+
+
+def _one_sided(values: Floats, weights: Floats, step: float) -> Lines:
+    """Spectrum of real segments: amplitudes of sines."""
     length = values.shape[1]
     power = (np.abs(np.fft.rfft(values * weights, axis=1)) ** 2).mean(axis=0)
     sides = np.full(power.size, 2.0)
@@ -33,7 +48,7 @@ def one_sided(values: Floats, weights: Floats, step: float) -> Lines:
     return Lines(np.arange(power.size), amplitude, density)
 
 
-def two_sided(values: npt.NDArray[np.complex128], weights: Floats, step: float) -> Lines:
+def _two_sided(values: npt.NDArray[np.complex128], weights: Floats, step: float) -> Lines:
     """Spectrum of complex segments, from the lowest negative frequency on: radii of circles.
 
     Of an even number of samples the line at half their frequency, which has no sign, is the
@@ -44,18 +59,6 @@ def two_sided(values: npt.NDArray[np.complex128], weights: Floats, step: float) 
     power = np.fft.fftshift(power)
     number = np.arange(length) - length // 2
     return Lines(number, np.sqrt(power) / weights.sum(), power * step / (weights @ weights))
-
-
-def about_mean(values: npt.NDArray[Any], weights: Floats, step: float) -> Lines:
-    """Spectrum of segments about their mean, which no window spreads; real or complex ones.
-
-    The amplitude at zero is the mean, the power density there that about it.
-    """
-    mean = values.mean()
-    make: Any = two_sided if np.iscomplexobj(values) else one_sided
-    lines: Lines = make(values - mean, weights, step)
-    lines.amplitude[lines.number == 0] = abs(mean)
-    return lines
 
 
 def phases(values: npt.NDArray[Any], weights: Floats) -> Floats:

@@ -1,6 +1,6 @@
 // The page: it connects, opens what its link says, and tells what the session says.
 
-import { connect, on, send } from "./wire.js";
+import { connect, gestures, on, send } from "./wire.js";
 import { landed, timings } from "./controls.js";
 import { drawAll, follow, keys, setMarks } from "./plots.js";
 import { startMark, stepEvent, togglePlay, wantEvent } from "./machine.js";
@@ -12,7 +12,7 @@ const names = {
   picture: "picture",
 };
 let link = "";
-window.explorer = { timings, painted: {}, work };
+window.explorer = { gestures, timings, painted: {}, work };
 
 // ------------------------------------------------------------------ tabs
 

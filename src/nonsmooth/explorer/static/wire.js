@@ -2,7 +2,7 @@
 // tags of another. Bokeh carries both, and arrays come as typed arrays.
 
 let outgoing = null;
-let count = 0;
+export const gestures = { sent: 0, heard: 0 }; // equal where nothing is on its way
 const listeners = new Map();
 
 export function on(type, listener) {
@@ -11,14 +11,16 @@ export function on(type, listener) {
 }
 
 export function send(gesture) {
-  count += 1;
-  outgoing.text = JSON.stringify({ ...gesture, n: count });
-  return count;
+  gestures.sent += 1;
+  outgoing.text = JSON.stringify({ ...gesture, n: gestures.sent });
+  return gestures.sent;
 }
 
 export function model(name) {
   return Bokeh.documents[0].get_model_by_name(name);
 }
+
+on("heard", (message) => { gestures.heard = message.n; });
 
 function hear(message) {
   for (const listener of listeners.get(message.type) ?? []) listener(message);

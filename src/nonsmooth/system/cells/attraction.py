@@ -22,7 +22,10 @@ __all__ = ["may_attract"]
 _STARTS = 2  # points from which zeros are looked for
 _STEPS = 30  # of the secant method
 _ROOT = 1e-11  # of the size of a rate
-_ZERO = 1e-6  # of it: what is no zero of the other rate
+# What is no zero of the other rate: so many times what is left of the first one where it vanishes,
+# or what rounding leaves of it. Beside a stiff spring the jump of a dry friction is small.
+_MORE = 1e3
+_ROUNDING = 1e-14
 _SAME = 1e-12  # in which the ratios of two rates agree where one is the other times a number
 
 
@@ -74,7 +77,8 @@ class _Search:
             self.at[self.coordinate, self.every] += step
             new, beside = self._rates()
             there = going & (np.abs(new) <= _ROOT * self.size)
-            if (there & (np.abs(beside) > _ZERO * self.size)).any():
+            left = np.maximum(np.abs(new), _ROUNDING * self.size)
+            if (there & (np.abs(beside) > _MORE * left)).any():
                 return True
             found |= there & np.isfinite(beside)
             change = new - value
