@@ -106,7 +106,8 @@ def _drawing(view: View, piece: Piece) -> dict[str, Any]:
 
 
 def _diagram(view: View, piece: Piece) -> dict[str, Any]:
-    said = f"{piece['done']} of {piece['count']} columns"
+    done, count = piece["done"], piece["count"]
+    said = f"{done} of {count} columns" if done < count else f"{count} columns"
     return {"said": said, "share": piece["done"] / piece["count"]}
 
 

@@ -10,17 +10,15 @@ from bokeh.models import ColumnDataSource, HoverTool, LinearColorMapper
 from nonsmooth.explorer.panes.look import INK, axis_text, fit, new_figure
 from nonsmooth.explorer.tasks import Piece
 from nonsmooth.explorer.view import View
-from nonsmooth.plot.style import PALETTE
+from nonsmooth.plot.period_colours import LONGER, NOT_SETTLED, PERIODS
 
 __all__ = ["PERIOD_COLOURS", "DiagramPane"]
 
-# Colours of periods 1, 2, ...; longer ones share one, and motions without a period are grey.
-PERIODS = tuple(PALETTE[name] for name in ("blue", "orange", "green", "vermilion", "purple", "sky"))
-_LONGER, _NONE = "#7a2060", "#59636e"
+# Names and colours in a legend, those of pictures for print, and the ink that is legible on each.
 PERIOD_COLOURS = [
-    *((str(k + 1), colour) for k, colour in enumerate(PERIODS)),
-    (f"{len(PERIODS) + 1}+", _LONGER),
-    ("none", _NONE),
+    *((str(n), colour, INK if n <= 3 else "#ffffff") for n, colour in PERIODS.items()),
+    (f">{len(PERIODS)}", LONGER, "#ffffff"),
+    ("none", NOT_SETTLED, INK),
 ]
 
 
@@ -30,10 +28,10 @@ class DiagramPane:
     def __init__(self) -> None:
         self.plot = new_figure("diagram", boxes=True)
         self.source = ColumnDataSource({"x": [], "y": [], "period": []})
-        palette = [_NONE, *PERIODS, _LONGER]
+        palette = [NOT_SETTLED, *PERIODS.values(), LONGER]
         by_period = LinearColorMapper(palette=palette, low=-0.5, high=len(palette) - 0.5)
         self.plot.scatter(
-            "x", "y", source=self.source, size=2.6, line_color=None, nonselection_fill_alpha=1.0,
+            "x", "y", source=self.source, size=3.2, line_color=None, nonselection_fill_alpha=1.0,
             fill_color={"field": "period", "transform": by_period},
         )  # fmt: skip
         self.stable = ColumnDataSource({"x": [], "y": []})
