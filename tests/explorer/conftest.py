@@ -63,7 +63,7 @@ class Screen:
         return self.settle()
 
     def settle(self):
-        """Wait until nothing is computed any more, nor about to be, and no gesture is on its way."""
+        """Wait until no gesture is on its way and nothing is computed, nor about to be."""
         self.page.wait_for_function(
             "explorer.gestures.heard === explorer.gestures.sent"
             " && !document.querySelector('.plot.stale') && explorer.work.size === 0"
