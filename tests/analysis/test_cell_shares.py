@@ -84,6 +84,7 @@ def test_motions_that_end_have_a_share() -> None:
     assert basins["label"].values[2, 5] == -1
 
 
+@pytest.mark.slow
 def test_it_agrees_with_exact_basins_away_from_borders() -> None:
     system, side = ns.models.duffing(gamma=0.2), np.linspace(-2.0, 2.0, 60)
     region = {"x": side, "v": side}

@@ -32,6 +32,7 @@ def test_chua():
     assert 2.1 < float(spectrum["kaplan_yorke_dimension"]) < 2.2
 
 
+@pytest.mark.slow
 def test_errors_are_those_of_repetition():
     """Runs from other starts scatter by the standard error that one of them tells of."""
     runs = [

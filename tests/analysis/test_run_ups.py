@@ -61,6 +61,7 @@ def test_a_start_within_a_period():
         ns.order_tracking(run, "x", periods=4)
 
 
+@pytest.mark.slow
 def test_envelope_of_a_run_up():
     run = run_up()
     found = ns.period_statistics(run, ["x", "u"])

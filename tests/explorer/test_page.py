@@ -179,6 +179,7 @@ def test_a_link_brings_back_the_whole_page(screen, wall, server):
     assert screen.page.locator('[data-field="shown"]').input_value() == "x"
 
 
+@pytest.mark.slow
 def test_a_copied_script_gives_the_digits_of_the_page(screen, wall, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     screen.open(wall)
@@ -238,7 +239,7 @@ def test_events_one_by_one_say_what_fires_and_why(screen, wall):
     assert text.inner_text() != said
 
 
-@pytest.mark.parametrize("width", [1280, 1920])
+@pytest.mark.parametrize("width", [1280, pytest.param(1920, marks=pytest.mark.slow)])
 def test_the_whole_page_works_from_the_keyboard(screen, wall, width):
     screen.page.set_viewport_size({"width": width, "height": 9 * width // 16})
     screen.open(wall)

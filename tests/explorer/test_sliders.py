@@ -8,8 +8,16 @@ import nonsmooth as ns
 from nonsmooth.explorer.limits import sliders
 from nonsmooth.models.ready_made import ready_made
 
+LONG = {"massive_ring_rotor", "snubber_rub"}  # many surfaces
 
-@pytest.mark.parametrize("name", sorted(ready_made()))
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(each, marks=[pytest.mark.slow] * (each in LONG))
+        for each in sorted(ready_made())
+    ],
+)
 def test_both_ends_of_every_slider_are_allowed(name):
     system = ready_made()[name]()
     for slider in sliders(system):

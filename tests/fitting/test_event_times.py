@@ -87,6 +87,7 @@ def test_a_ball_tells_its_coefficient_of_restitution():
     assert not found["picked_missed"].any()
 
 
+@pytest.mark.slow
 def test_impacts_at_a_rigid_wall_tell_its_place():
     """Restitution and gap from instants alone, over 40 periods, and some held back."""
     times = np.arange(0.0, 40 * PERIOD, PERIOD / 40)
@@ -105,6 +106,7 @@ def test_impacts_at_a_rigid_wall_tell_its_place():
     assert np.isfinite(found["picked_residual"].values[held]).all()
 
 
+@pytest.mark.slow
 def test_instants_and_samples_are_fitted_together():
     """Contacts of a soft stop beside a noisy probe make the intervals smaller."""
     period = 2.0 * np.pi / SOFT["omega"]

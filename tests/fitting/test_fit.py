@@ -59,6 +59,7 @@ def test_a_straight_line_is_linear_regression(segments):
     assert float(found["interval_low"][0]) == pytest.approx(known.slope - half, abs=0.006 * half)
 
 
+@pytest.mark.slow
 def test_forty_periods_are_fitted(long_record):
     """From all starts, spread over ranges of a factor of three, to the one optimum."""
     record, events = long_record
@@ -86,6 +87,7 @@ def test_single_shooting_fails_on_forty_periods(long_record):
     assert "residuals of x are correlated" in found.attrs["message"]
 
 
+@pytest.mark.slow
 def test_acceleration_with_gain_offset_and_delay():
     """A sensor that shows 0.9 times the acceleration 0.05 late, and 0.2 more."""
     rng = np.random.default_rng(3)
@@ -134,6 +136,7 @@ def test_a_mole_with_a_hidden_slider_is_fitted():
     assert fitted.attrs["status"] == "completed"
 
 
+@pytest.mark.slow
 def test_a_rotor_in_its_ring_is_fitted():
     """Stiffness of the ring and damping of the rotor, from a start a third off."""
     changed = {"eta": 2.0, "delta_x": 0.05, "delta_y": 0.05}

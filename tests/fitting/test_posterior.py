@@ -112,6 +112,7 @@ def test_a_cycle_has_no_start_to_integrate():
         assert marginal(*there) - marginal(*best) == pytest.approx(known_fall, abs=2e-3)
 
 
+@pytest.mark.slow
 def test_impacts_have_a_posterior_like_the_profile():
     """Eight periods: the likelihood is nearly normal, so both intervals are nearly the same."""
     record, events = soft_record(8, 0.02, 1, per_period=40)
@@ -235,6 +236,7 @@ def test_fits_without_a_likelihood_are_refused(monkeypatch):
         ns.posterior(found)
 
 
+@pytest.mark.slow
 def test_what_is_not_determined_spreads_over_its_bounds():
     """Of two springs the sum alone counts: along the line k1 + k2 = 4 all places are alike."""
     times = np.linspace(0.0, 20.0, 100)

@@ -54,6 +54,7 @@ def test_equations_come_back_from_a_file(make, tmp_path):
     assert np.abs(again.gap).max(initial=0.0) < 1e-3
 
 
+@pytest.mark.slow
 def test_several_records_have_one_posterior():
     """A slope that is shared: both regressions together, with the noise of each known."""
     found = ns.fit(ramp(), lines(), {"k": (-5, 5)}, starts=1, noise=0.05, hold_back=0.0, segments=2)
@@ -67,6 +68,7 @@ def test_several_records_have_one_posterior():
     assert deviation == pytest.approx(error, rel=4.0 / (2.0 * count) ** 0.5)
 
 
+@pytest.mark.slow
 def test_instants_of_bounces_have_a_posterior():
     """Instants are nearly linear in the coefficient, which is then t with the spread of the fit."""
     found = bounces()

@@ -91,6 +91,7 @@ def test_records_at_two_speeds_share_a_spring():
     np.testing.assert_allclose(found["standard_error"], np.sqrt(np.diag(covariance)), rtol=2e-3)
 
 
+@pytest.mark.slow
 def test_impacts_of_two_gaps_share_a_stop():
     """Two records of one machine whose gap was changed between them."""
     period = 2.0 * np.pi / SOFT["omega"]

@@ -79,6 +79,7 @@ def fit_settled(record, **options):
     return ns.fit(machine, record, {"beta": (15, 45), "e": (0.9, 1.6)}, starts=2, **options)
 
 
+@pytest.mark.slow
 def test_steady_impacts_are_fitted_as_well_as_the_whole_record(settled):
     steady = fit_settled(settled, form="steady", cycle=2)
     whole = fit_settled(settled, form="transient")

@@ -30,6 +30,7 @@ def test_misfit_is_that_of_a_motion_of_four_phases(b):
     assert four_phase_misfit(system, y, psi) == pytest.approx(expected, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_minimum_is_the_orbit():
     """Two constructions of one orbit that share no code: a minimum, and a root."""
     system = moling()

@@ -109,6 +109,7 @@ def test_gyroscopic_whirl_has_its_two_frequencies(forward):
     assert np.abs(z - 0.5 * np.exp(1j * w * run["time"].values)).max() < 1e-13
 
 
+@pytest.mark.slow
 def test_unbalances_and_load_act_where_they_are():
     """Synchronous whirl of a coupled rotor, from the complex response of its matrices."""
     generator = np.random.default_rng(5)
@@ -138,6 +139,7 @@ def test_unbalances_and_load_act_where_they_are():
         assert np.abs(run[f"q{i}"].values - exact).max() < 1e-12
 
 
+@pytest.mark.slow
 def test_a_beam_in_the_ring_against_scipy():
     """Four nodes; without preload the ring stands radially, with its force in closed form."""
     mass, stiffness = beam()

@@ -207,12 +207,17 @@ NO_RESULTS = {  # verbs, and what else there is, that give no dataset of a motio
 }  # fmt: skip
 
 
+LONG = {"continue_special", "simulate slowly"}
+
+
 def preloads():
     return {name: RIG.parameters()[name] for name in ("K", "delta_x", "delta_y")}
 
 
 @pytest.mark.filterwarnings("ignore::nonsmooth.ResultWarning")
-@pytest.mark.parametrize("verb", RESULTS)
+@pytest.mark.parametrize(
+    "verb", [pytest.param(each, marks=[pytest.mark.slow] * (each in LONG)) for each in RESULTS]
+)
 def test_each_number_by_its_scale(verb, tmp_path):
     make, expected = RESULTS[verb]
     data = make()
@@ -236,6 +241,7 @@ def test_no_verb_is_left_out():
     assert set(ns.__all__) - NO_RESULTS - errors <= walked
 
 
+@pytest.mark.slow
 def test_the_mirror_image_of_an_orbit():
     """Of a rotor in the middle of its ring, where all springs are alike: minus the orbit."""
     rig = dataclasses.replace(RIG, eccentricity_x=0.0)
@@ -294,6 +300,7 @@ def test_unknown_numbers_are_refused():
 BOTH = {"delta_x": "delta", "delta_y": "delta"}
 
 
+@pytest.mark.slow
 def test_two_preloads_as_one_parameter():
     """Tied parameters have the unit and the words of what follows them; grids go the other way."""
     tied = ns.tie_parameters(SYSTEM, BOTH, delta=0.2)

@@ -175,6 +175,7 @@ def test_the_pitchfork_of_duffing():
     assert float(at["x"]) == pytest.approx(truth[0], abs=1e-6)
 
 
+@pytest.mark.slow
 def test_folds_of_symmetric_orbits_are_folds():
     """Half a turn followed by the symmetry has the multiplier 1 there, and -1 at pitchforks."""
     branch = ns.continue_orbit(duffing(1.0), "gamma", (0.9, 30.0), largest_step=0.02)

@@ -10,7 +10,13 @@ from nonsmooth.models.ready_made import ready_made
 PER_PICTURE = 300_000  # calls, some ten times those of the longest picture
 
 
-@pytest.fixture(scope="module", params=sorted(ready_made()))
+@pytest.fixture(
+    scope="module",
+    params=[
+        pytest.param(each, marks=[pytest.mark.slow] * (each == "snubber_rub"))  # many surfaces
+        for each in sorted(ready_made())
+    ],
+)
 def run(request):
     """A short run of a model."""
     system = ready_made()[request.param]()

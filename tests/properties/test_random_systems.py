@@ -53,6 +53,7 @@ def test_random_systems():
     judge_all(FEW)
 
 
+@pytest.mark.slow
 def test_random_systems_that_are_hard_to_certify():
     judge_hard(FEW)
 

@@ -126,7 +126,8 @@ def test_first_contact_from_rest_by_taylor_integration():
     ("parameters", "initial", "n_periods"),
     [
         (MANY_CONTACTS, {}, 1),
-        (MANY_CONTACTS, {"y": 0.5019102324423831}, 2),  # a flight that ends at h' = 1e-6
+        # a flight that ends at h' = 1e-6
+        pytest.param(MANY_CONTACTS, {"y": 0.5019102324423831}, 2, marks=pytest.mark.slow),
         (DIRECT_PASSAGE, {"q": 0.3}, 2),
         (CRITICAL, {}, 2),
         (OVERDAMPED, {}, 2),

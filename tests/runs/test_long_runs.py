@@ -269,6 +269,7 @@ def measured(periods, strobes, traced):
     return peak, grown / KILOBYTE
 
 
+@pytest.mark.slow
 def test_memory_does_not_grow_with_the_length_of_a_run():
     short, long = (measured(periods, False, True)[0] for periods in (2_000, 100_000))
     # caches of the interpreter fill; the log would have taken 11 megabytes

@@ -37,6 +37,7 @@ def test_the_mole_hits_without_a_reset(b, impacts):
     assert spectrum.attrs["n_events"] == 10 * events
 
 
+@pytest.mark.slow
 def test_means_are_those_of_whole_periods():
     """128 periods hold the period of 6 no whole number of times."""
     hits, events, drift, closed = truth(0.1, 0.042, 40, 6)

@@ -130,6 +130,7 @@ def test_minima_as_printed_decide():
     assert judged("M33", {"rows": [row(closes_as_motion=False)]}) == HOLDS
 
 
+@pytest.mark.slow
 def test_minimum_beyond_the_window_is_no_motion():
     evidence = _check("M33").compute(sets=((0.3, 0.175),))
     (row,) = evidence["rows"]

@@ -60,8 +60,11 @@ LABELLED = {
 }  # fmt: skip
 
 
+SLOW = {*SHOWN, "fig25", "fig31", "fig38"}
+
+
 @pytest.mark.parametrize(
-    "name", [pytest.param(n, marks=pytest.mark.slow) if n in SHOWN else n for n in figure_ids()]
+    "name", [pytest.param(n, marks=[pytest.mark.slow] * (n in SLOW)) for n in figure_ids()]
 )
 def test_figure_writes_picture_and_data(name, tmp_path):
     """A PNG and a PDF that are not empty, netCDF that opens, and nothing left behind."""

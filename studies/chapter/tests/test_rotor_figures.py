@@ -49,6 +49,7 @@ def test_forces_of_four_springs():
     assert np.allclose(data["resultant"].values[far], data["s"].values[far] + 0.1)
 
 
+@pytest.mark.slow
 def test_diagrams_name_their_protocols():
     """Fig. 36: two panels by two protocols; 2.05 has period one, 3 period two, by both."""
     figure, data = fig36(columns=12, transient=300, record=30, longest=1)
@@ -71,6 +72,7 @@ def test_diagrams_name_their_protocols():
     )
 
 
+@pytest.mark.slow
 def test_rig_diagram_is_in_si():
     """Displacements in mm and speeds in Hz agree with the dimensionless motion."""
     figure, data = fig41(columns=6, transient=200, record=20, points=100, starts=4)

@@ -62,12 +62,14 @@ def test_no_orbit_of_a_multiple_period():
     assert orbit_near(system, last_strobe(system, 600), 2) is None
 
 
+@pytest.mark.slow
 def test_period_four_merges_where_period_two_flips():
     end = branch_end(0.0, 4, 2.7, 2.9)
     assert end["kind"] == "halving"
     assert end["eta"] == pytest.approx(2.7166602311, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_torus_just_behind_a_graze():
     """Multipliers grow as the square root of the distance: a pair leaves 4e-6 Hz further on."""
     machine = rig(speed=16.3)
@@ -85,6 +87,7 @@ def test_torus_just_behind_a_graze():
 
 
 # without preload contacts begin on an axis, which is the harder case
+@pytest.mark.slow
 @pytest.mark.parametrize("delta", [0.0, pytest.param(0.1, marks=pytest.mark.slow)])
 def test_branches_pass_the_known_flips(delta):
     """Period one to the end of the range, unstable behind its flip, where period two begins."""

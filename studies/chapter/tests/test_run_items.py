@@ -211,6 +211,7 @@ def test_progress_is_for_terminals(tmp_path):
     assert "chapter" in shown and "%" in shown
 
 
+@pytest.mark.slow
 def test_same_basis_in_every_process():
     """Options of claims say the same wherever they are read, or nothing would ever be kept."""
     run = subprocess.run([sys.executable, "-c", BASES], capture_output=True, text=True, check=True)

@@ -28,6 +28,7 @@ def rows():
     return {row["id"]: row for row in evaluate_claims(ids=["M09", "M10", "M11", "M12"])}
 
 
+@pytest.mark.slow
 def test_periods_of_fig_7(rows):
     """From rest and from every random start four, two and one; a multiplier within the circle."""
     for name, period in (("M09", 4), ("M10", 2), ("M11", 1)):
@@ -68,6 +69,7 @@ def test_another_static_force_has_another_regime():
     assert not _check("M11").judge(_check("M11").compute(b=0.19, starts=20)).true
 
 
+@pytest.mark.slow
 def test_another_mole_has_other_verdicts(monkeypatch):
     """With a slider damped six times as much period four is gone, with ten times two as well."""
     monkeypatch.setattr(history_claims, "moling", lambda b: moling(b=b, xi=0.3))
