@@ -174,3 +174,21 @@ def test_bad_input_is_named(options, words):
 def test_instants_that_cannot_be_fitted_are_refused(instants, words):
     with pytest.raises(ns.OptionError, match=words):
         ns.fit(falling(), picked(bounce=instants), {"r": (0.7, 0.99)})
+
+
+@pytest.mark.parametrize(
+    ("factor", "words"),
+    [
+        (1e3, r"record\['bounce'\]: 12 of 12 instants lie outside of the samples\."),
+        (1e3, r"instants run from 451.524 to 6028.48, the samples from 0 to 7; give both in one"),
+        (1.2, "1 of 12 instants lie outside"),
+    ],
+)
+def test_instants_outside_of_the_samples_are_refused(factor, words):
+    """In ms beside samples in s they would be a record of a thousand times the length."""
+    times = np.linspace(0.0, 7.0, 200)
+    record = picked(bounce=factor * ball()).assign(x=("time", np.sin(times))).assign_coords(
+        time=times
+    )  # fmt: skip
+    with pytest.raises(ns.OptionError, match=words):
+        ns.fit(falling(), record, {"r": (0.7, 0.99)})

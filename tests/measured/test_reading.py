@@ -114,6 +114,21 @@ def cut(line, cell, new):
     return "\n".join(rows)
 
 
+@pytest.mark.parametrize("sign", [",", ";", "\t"])
+@pytest.mark.parametrize("missing", [[0, 7], range(40)], ids=["few", "the first forty"])
+def test_the_last_cell_of_the_first_row_may_be_empty(read, sign, missing):
+    header = sign.join(["time", "tacho", "CH1 [V]"])
+    lines = text_of(header, sign, rows=ROWS[:, [0, 2, 1]]).splitlines()
+    rows = [
+        line.rpartition(sign)[0] + sign if k - 1 in missing else line
+        for k, line in enumerate(lines)
+    ]
+    record = read("\n".join(rows), bad_samples="keep")
+    expected = X.copy()
+    expected[list(missing)] = np.nan
+    np.testing.assert_allclose(record["x"], expected, atol=2e-9)
+
+
 @pytest.mark.parametrize(
     ("text", "options", "message"),
     [

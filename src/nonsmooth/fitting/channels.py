@@ -162,7 +162,10 @@ def read_channels(
                 f"observe[{name!r}]: {unknown_name('event', text, known)}; a channel that is not"
                 " over time has the instants of an event"
             )
-        values = _instants(record, name) if shows_events else _samples(record, name)
+        if shows_events:
+            values = _instants(record, name, check_record_times("record", record))
+        else:
+            values = _samples(record, name)
         ranges = {key: _range(key, name, given.get(name)) for key, given in settings.items()}
         if shows_events:
             _check_sensor_of_events(name, nuisances, ranges)
@@ -233,8 +236,8 @@ def _samples(record: Any, name: str) -> Floats:
     return values
 
 
-def _instants(record: Any, name: str) -> Floats:
-    """Instants of events, in order."""
+def _instants(record: Any, name: str, times: Floats) -> Floats:
+    """Instants of events, in order, within the times of the samples where there are some."""
     values = np.array(record[name].values, dtype=float)
     if not np.all(np.isfinite(values)) or np.any(np.diff(values) <= 0.0):
         raise OptionError(f"record[{name!r}]: instants of events must be numbers that increase")
@@ -242,7 +245,22 @@ def _instants(record: Any, name: str) -> Floats:
         raise OptionError(
             f"record[{name!r}]: {values.size} events; at least {_FEWEST_EVENTS} are needed"
         )
+    if times.size > 1:
+        _check_inside(name, values, times)
     return values
+
+
+def _check_inside(name: str, values: Floats, times: Floats) -> None:
+    """Refuse instants at which no sample was taken: they are often in another unit of time."""
+    step = float(np.median(np.diff(times)))  # an event may be between samples
+    outside = np.count_nonzero((values < times[0] - step) | (values > times[-1] + step))
+    if outside:
+        raise OptionError(
+            f"record[{name!r}]: {outside} of {values.size} instants lie outside of the samples. The"
+            f" instants run from {values[0]:.6g} to {values[-1]:.6g}, the samples from"
+            f" {times[0]:.6g} to {times[-1]:.6g}; give both in one unit of time, and leave out"
+            " instants before and after the samples"
+        )
 
 
 def _settings(key: str, given: Any, texts: Mapping[str, str]) -> dict[str, Any]:

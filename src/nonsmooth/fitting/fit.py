@@ -78,7 +78,7 @@ def fit(
         those that `measured.flagged` has marked, are left out. Times are those of the system: the
         forcing has the phase that its equations say, or ``shift`` later. A channel over a
         dimension of its own has the instants of events, such as impacts picked from an
-        accelerometer. Several records are given by their names.
+        accelerometer, within the times of the samples. Several records are given by their names.
     free : mapping of str to (float, float)
         Parameters to find, each with its least and largest value.
     observe : mapping of str to str, optional
@@ -167,7 +167,8 @@ def fit(
     Raises
     ------
     OptionError
-        When a name is unknown, bounds are not in order, or an expression cannot be read.
+        When a name is unknown, bounds are not in order, an expression cannot be read, or instants
+        lie outside of the samples.
     RunError
         When no motion can be computed from any start.
 

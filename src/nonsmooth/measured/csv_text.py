@@ -115,7 +115,10 @@ def read_table(path: Any, delimiter: str | None, decimal: str | None) -> Table:
         raise OptionError(f"decimal = {decimal!r:.60}: give '.' or ','")
     first, found = _first_numbers(lines, delimiter, decimal, file.name)
     sample = [cells_of(line, found) for line in lines[first : first + _LOOKED_AT]]
+    above = cells_of(lines[first - 1].lstrip("#% "), found) if first else []
     width = len(sample[0])
+    if lines[first].strip(" ").endswith(found) and max(map(len, [above, *sample])) == width + 1:
+        width += 1  # the last cell of the first row is empty
     if decimal is None:
         text = "".join(cell for cells in sample for cell in cells)
         decimal = "," if "," in text and "." not in text else "."
@@ -124,7 +127,6 @@ def read_table(path: Any, delimiter: str | None, decimal: str | None) -> Table:
         cells = cells_of(line.lstrip("#% "), found)
         if len(cells) == width and any(cells):
             headers.append(cells)
-    above = cells_of(lines[first - 1].lstrip("#% "), found) if first else []
     narrower = len(above) if 1 < len(above) < width and all(map(_is_name, above)) else 0
     return Table(file.name, lines, first, found, decimal, width, headers, narrower)
 

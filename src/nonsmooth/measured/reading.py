@@ -17,7 +17,7 @@ from nonsmooth.measured.csv_text import Table, numbers_of, read_table
 from nonsmooth.measured.marking import Marking
 from nonsmooth.measured.record import record_of
 
-__all__ = ["read_csv"]
+__all__ = ["read_csv", "seconds_of"]
 
 _SECONDS = {"": 1.0, "s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6}
 _TIMES = ("time", "Time", "t")  # headers that are looked for
@@ -187,8 +187,11 @@ def _time_column(table: Table, wanted: Any) -> tuple[int, float]:
             )
     else:
         place, units = table.column(wanted, "time")
+    return place, seconds_of(units, table.name, "give sample_rate=")
+
+
+def seconds_of(units: str, where: str, cure: str) -> float:
+    """Unit of times in s, as a header has it."""
     if units.lower() not in _SECONDS:
-        raise OptionError(
-            f"{table.name}: times are in {units!r}, known are s, ms and us; give sample_rate="
-        )
-    return place, _SECONDS[units.lower()]
+        raise OptionError(f"{where}: times are in {units!r}, known are s, ms and us; {cure}")
+    return _SECONDS[units.lower()]

@@ -111,3 +111,14 @@ def test_no_turn_is_invented_where_all_channels_stand_still(both):
     for part in ((0.0, 1.4), (1.8, 4.0)):
         record = ns.measured.from_arrays(channels, time_range=part, **give)
         assert record.attrs["n_repaired"] == 0
+
+
+def test_flags_that_a_record_has_stay():
+    """Somebody has flagged the first ten samples as missing; the check finds the frozen ones."""
+    record = accelerations(frozen=True)
+    own = np.zeros(record.sizes["time"], np.uint8)
+    own[:10] = 1
+    record = record.assign_coords(a_quality=("time", own))
+    frozen = ns.measured.check(record)["a_quality"].values
+    both = ns.measured.flagged(record)["a_quality"].values
+    np.testing.assert_array_equal(both, own | frozen)

@@ -142,7 +142,8 @@ def flagged(record: xr.Dataset, found: xr.Dataset | None = None) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        The record with a coordinate ``x_quality`` for each channel ``x`` that was checked.
+        The record with a coordinate ``x_quality`` for each channel ``x`` that was checked; flags
+        that it had before stay.
         `low_pass`, `velocities`, `displacements`, `dimensionless`, `synchronous` and `section`
         carry it on: a sample of theirs has the flags of all samples that it was made of.
 
@@ -174,8 +175,12 @@ def flagged(record: xr.Dataset, found: xr.Dataset | None = None) -> xr.Dataset:
     times = _times(record)
     if found.sizes["time"] != times.size or not np.array_equal(found["time"].values, times):
         raise OptionError("found: it is a check of other samples; check this record")
-    masks = {name: quality_of(found, name) for name in map(str, record.data_vars)}
-    return masked(record, {name: each for name, each in masks.items() if each is not None})
+    masks = {}
+    for name in map(str, record.data_vars):
+        new, known = quality_of(found, name), quality_of(record, name)
+        if new is not None:
+            masks[name] = new if known is None else new | known
+    return masked(record, masks)
 
 
 def _of_channel(data: Readings, mains: tuple[float, ...], speed: float | None) -> Iterator[Flaw]:
