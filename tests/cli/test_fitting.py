@@ -66,27 +66,153 @@ def test_several_records(call, ramp, tmp_path):
     assert [row["estimate"] for row in rows] == pytest.approx([1.4, 0.9], abs=0.01)
 
 
-def test_instants_beside_a_record(call, tmp_path):
-    """A ball that falls from 1.2: the instant of a bounce says what its height does."""
+@pytest.fixture
+def flawed(ramp, tmp_path):
+    """The same line; a nan, an empty cell and a spike are among its samples."""
+    lines = (tmp_path / "a.csv").read_text().splitlines()
+    for row, cell in ((21, "nan"), (22, ""), (23, ""), (61, "9.0")):
+        lines[row] = lines[row].partition(",")[0] + "," + cell
+    (tmp_path / "a.csv").write_text("\n".join(lines) + "\n")
+    known = ("--gain", "ch1=2", "--channel-offset", "ch1=0.5")
+    return ["fit", *ramp, "--free", "k=0:2", *known, "--starts", "1"]
+
+
+def test_flaws_are_told_and_flawed_samples_left_out(call, flawed, tmp_path):
+    """Of samples in steps of 0.04 those of 0.8 to 0.88 are missing, and 2.4 is a spike."""
+    file = tmp_path / "f.nc"
+    result = call(*flawed, "--save", file, "--json")
+    assert result.exit_code == 3, result.stderr
+    assert "a: ch1 has no reading from t = 0.8 to 0.88, 3 samples" in result.stderr
+    assert "ch1" in result.stderr and "t = 2.4" in result.stderr
+    found = json.loads(result.stdout)
+    assert found["flaws"] == 2
+    (row,) = found["parameters"]
+    # a hundred samples with a standard deviation of 0.01 and the gain 2, over 4 units of time
+    assert row["estimate"] == pytest.approx(0.7, abs=2e-3)
+    with xr.open_dataset(file, engine="h5netcdf") as saved:
+        left_out = saved["time"].values[np.isnan(saved["residual"].values[0])]
+    np.testing.assert_allclose(left_out, [0.8, 0.84, 0.88, 2.4])
+    assert call(*flawed, "--accept-flaws").exit_code == 0
+    # as a script does it, where nobody has looked for the spike
+    assert call(*flawed, "--leave-out", "spike", "--json").stdout != result.stdout
+
+
+def test_masks_of_a_netcdf_file_are_kept(call, ramp, tmp_path):
+    """Nothing is wrong with the first samples but that somebody has flagged them."""
+    t = np.linspace(0.0, 4.0, 101)
+    x = 0.7 * t + 0.01 * np.random.default_rng(3).standard_normal(t.size)
+    x[:20] += 0.5
+    mask = ("time", (t < 0.79).astype(np.uint8), {"standard_name": "quality_flag"})
+    record = xr.Dataset({"x": ("time", x)}, {"time": t, "x_quality": mask})
+    record.to_netcdf(tmp_path / "a.nc", engine="h5netcdf")
+    result = call("fit", ramp[0], tmp_path / "a.nc", "--free", "k=0:2", "--starts", "1", "--json")
+    assert result.exit_code == 0, result.stderr
+    (row,) = json.loads(result.stdout)["parameters"]
+    assert row["estimate"] == pytest.approx(0.7, abs=0.01)
+
+
+def test_columns_of_two_words(call, ramp, tmp_path):
+    text = (tmp_path / "a.csv").read_text().replace("t,ch1", "elapsed time [s],upper mass [mm]", 1)
+    (tmp_path / "a.csv").write_text(text)
+    words = ["fit", *ramp[:2], "--free", "k=0:2", "--starts", "1", "--time", "elapsed time"]
+    words += ["--json"]
+    known = ["--gain", "x=2", "--channel-offset", "x=0.5"]
+    found = [
+        call(*words, "--columns", columns, *more, *known)
+        for columns, more in (
+            ("x=upper mass", []), ("x=upper mass", ["--observe", "x=x"]), ("x=1", []),
+        )
+    ]  # fmt: skip
+    assert [each.exit_code for each in found] == [0, 0, 0], found[0].stderr
+    assert found[0].stdout == found[1].stdout == found[2].stdout
+    assert json.loads(found[0].stdout)["channels"][0]["channel"] == "x"
+    result = call(*words, "--observe", "upper mass=x")
+    assert result.exit_code == 2
+    assert "--columns 'a1=upper mass' --observe a1=x" in result.stderr
+    result = call(*words, "--columns", "a1=upper mass")
+    assert result.exit_code == 2
+    assert "--observe does not say what the column a1 shows" in result.stderr
+
+
+@pytest.fixture
+def ball(tmp_path):
+    """A ball that falls from 1.2, its bounces, and its height until the last of them.
+
+    It rises with 0.8 of the velocity with which it fell, so flights are a geometric series.
+    """
     (tmp_path / "ball.toml").write_text(
         'states = ["x", "v"]\n[parameters]\ng = 9.81\nr = 0.9\n[modes.flight.flow]\nx = "v"\n'
         'v = "-g"\n[[modes.flight.exits]]\nguard = "x"\nname = "bounce"\nreset = { v = "-r*v" }\n'
     )
     first = np.sqrt(2.0 * 1.2 / 9.81)
     bounces = first + np.concatenate([[0.0], np.cumsum(2.0 * first * 0.8 ** np.arange(1, 5))])
-    np.savetxt(tmp_path / "bounces.csv", bounces, header="instant", comments="")
-    t = np.linspace(0.0, 0.45, 46)
-    table = np.column_stack([t, 1.2 - 0.5 * 9.81 * t**2])
+    t = np.arange(0.0, bounces[-1], 0.01)
+    tops = 0.5 * (np.concatenate([[-first], bounces[:-1]]) + bounces)
+    flight = np.searchsorted(bounces, t)
+    peak = 0.5 * 9.81 * (bounces[flight] - tops[flight]) ** 2
+    noise = 1e-3 * np.random.default_rng(1).standard_normal(t.size)
+    table = np.column_stack([t, peak - 0.5 * 9.81 * (t - tops[flight]) ** 2 + noise])
     np.savetxt(tmp_path / "fall.csv", table, delimiter=",", header="t,x", comments="")
+    np.savetxt(tmp_path / "bounces.csv", bounces, header="instant", comments="")
+    return bounces
+
+
+OF_A_BALL = ("--free", "r=0.5:0.95", "--initial", "x=1.2", "--hold-back", "0", "--json")
+
+
+@pytest.mark.parametrize(("header", "factor"), [("instant", 1.0), ("instant [ms]", 1e3)])
+def test_instants_beside_a_record(call, ball, tmp_path, header, factor):
+    """The instant of a bounce says what its height does, in the unit of its header."""
+    np.savetxt(tmp_path / "bounces.csv", factor * ball, header=header, comments="")
     result = call(
         "fit", tmp_path / "ball.toml", tmp_path / "fall.csv", "--observe", "x=x",
-        "--events", f"hit={tmp_path / 'bounces.csv'}", "--observe", "hit=bounce", "--free",
-        "r=0.5:0.95", "--initial", "x=1.2", "--noise", "x=0.001", "--noise", "hit=0.001",
-        "--hold-back", "0", "--json",
+        "--events", f"hit={tmp_path / 'bounces.csv'}", "--observe", "hit=bounce",
+        "--noise", "x=0.001", "--noise", "hit=0.001", *OF_A_BALL,
     )  # fmt: skip
     assert result.exit_code == 0, result.stderr
     (row,) = json.loads(result.stdout)["parameters"]
     assert row["estimate"] == pytest.approx(0.8, abs=1e-3)
+
+
+@pytest.mark.parametrize("observe", [("--observe", "hit=bounce"), ()])
+def test_instants_alone(call, ball, tmp_path, observe):
+    """Their file is RECORD; what is called like an event shows it."""
+    name, file = "hit" if observe else "bounce", tmp_path / "bounces.csv"
+    words = ["fit", tmp_path / "ball.toml", file, "--events", f"{name}={file}", *observe]
+    result = call(*words, "--noise", f"{name}=0.001", *OF_A_BALL)
+    assert result.exit_code == 0, result.stderr
+    (row,) = json.loads(result.stdout)["parameters"]
+    assert row["estimate"] == pytest.approx(0.8, abs=1e-3)
+
+
+def test_instants_within_the_part_that_is_kept(call, ball, tmp_path):
+    words = ["fit", tmp_path / "ball.toml", tmp_path / "fall.csv", "--observe", "x=x"]
+    words += ["--events", f"bounce={tmp_path / 'bounces.csv'}", "--noise", "x=0.001"]
+    words += ["--noise", "bounce=0.001", *OF_A_BALL, "--time-range", f"0,{ball[3] + 0.05}"]
+    result = call(*words, "--save", tmp_path / "f.nc")
+    assert result.exit_code == 0, result.stderr
+    with xr.open_dataset(tmp_path / "f.nc", engine="h5netcdf") as saved:
+        np.testing.assert_allclose(saved["picked_measured"], ball[:4])
+
+
+def test_instants_that_cannot_be_fitted(call, ball, tmp_path):
+    file = tmp_path / "bounces.csv"
+    alone = ["fit", tmp_path / "ball.toml", tmp_path / "fall.csv", *OF_A_BALL]
+    words = [*alone, "--observe", "x=x"]
+    for given, said in (
+        ((*words, "--events", f"hit={file}"), "--observe does not say what the instants hit shows"),
+        ((*alone, "--events", f"bounce={file}"), "to fit the instants of --events alone, give"),
+    ):
+        result = call(*given)
+        assert result.exit_code == 2 and said in result.stderr, result.stderr
+    ranges = f"from {1e3 * ball[0]:.6g} to {1e3 * ball[-1]:.6g}, the samples from "
+    for header, said in (
+        ("instant", "5 of 5 instants lie outside"), ("instant", ranges), ("instant", " to 2.83;"),
+        ("t [min]", "times are in 'min', known are s, ms and us"),
+    ):  # fmt: skip
+        np.savetxt(file, 1e3 * ball, header=header, comments="")
+        result = call(*words, "--events", f"bounce={file}")
+        assert result.exit_code == 2 and said in result.stderr, result.stderr
 
 
 @pytest.mark.parametrize(

@@ -10,6 +10,7 @@ import numpy as np
 from nonsmooth.cli.arguments import number, settings, value_limits
 from nonsmooth.cli.command import Task
 from nonsmooth.cli.options import flag
+from nonsmooth.cli.records import add_flaws, checked, code_of_flaws, columns_of, places_of
 from nonsmooth.cli.report import Report
 from nonsmooth.errors import OptionError
 
@@ -22,6 +23,8 @@ __all__ = ["fit"]
 _SENSOR = {"gain": "gain", "offset": "channel_offset", "delay": "delay", "noise": "noise"}
 # pictures of one channel, by what --draw calls them
 _OF_CHANNELS = {"fit": "fit", "spectra": "fit_spectra"}
+# no flaws of what is fitted: the mean of a transient moves by itself
+_OF_TRANSIENTS = ("drift", "runaway")
 
 
 def fit(task: Task) -> None:
@@ -31,8 +34,8 @@ def fit(task: Task) -> None:
     _check(task)
     system = task.system
     ranges = (value_limits(text, "--free") for text in task["free"])
-    observe = settings(task["observe"], "--observe")
-    records = _records(task, observe)
+    flaws: list[xr.Dataset] = []
+    records, observe = _records(task, flaws)
     sensor: dict[str, Any] = {
         name: _by_channel(flag(own), task[own]) for name, own in _SENSOR.items()
     }
@@ -42,6 +45,7 @@ def fit(task: Task) -> None:
     )  # fmt: skip
     report = Report(str(found.attrs["system_name"]))
     report.add("message", str(found.attrs["message"]))
+    add_flaws(report, *flaws)
     columns: list[Any] = [
         ("parameter", "parameter", str),
         ("estimate", "estimate", "{:.6g}".format),
@@ -60,7 +64,7 @@ def fit(task: Task) -> None:
     drawn = _posterior(task, found, report)
     _choose_picture(task, found, drawn)
     code = task.by_status(found) or (0 if drawn is None else task.by_status(drawn))
-    task.finish(found, report, code=code)
+    task.finish(found, report, code=code or code_of_flaws(task, *flaws))
 
 
 def _check(task: Task) -> None:
@@ -112,44 +116,114 @@ def _add_table(report: Report, name: str, columns: list[Any], data: xr.Dataset) 
     report.table(name, columns, zip(*values, strict=True))
 
 
-def _records(task: Task, observe: dict[str, str]) -> Any:
-    """The record of the command, or all by their names where there are more."""
+def _records(task: Task, flaws: list[xr.Dataset]) -> tuple[Any, dict[str, str]]:
+    """The record of the command, or all by their names where there are more; and what they show.
+
+    flaws: what is found to be wrong with the records is added to it
+    """
     first = Path(task["record"])
     more = {name: Path(text) for name, text in settings(task["more"], "--more").items()}
     events = settings(task["events"], "--events")
-    if not more:
-        return _record(task, first, observe, events)
-    if events:
+    columns = columns_of(task["columns"]) if task["columns"] is not None else {}
+    observe = _observed(task, columns, events)
+    columns |= {name: name for name in observe if name not in (*columns, *events)}
+    if more and events:
         raise OptionError("--events: with --more the instants must stand in netCDF files")
     if first.stem in more:
         raise OptionError(f"--more: {first.stem} is the name of RECORD; give another one")
+    if events and not columns and first.suffix.lower() != ".nc":
+        _check_alone(first, events)
+        import xarray as xr
+
+        return xr.Dataset(_instants(task, events)), observe
     files = {first.stem: first, **more}
-    return {name: _record(task, file, observe, {}) for name, file in files.items()}
+    records = {name: _record(task, file, columns, flaws) for name, file in files.items()}
+    if more:
+        return records, observe
+    return records[first.stem].assign(_instants(task, events)), observe
 
 
-def _record(task: Task, file: Path, observe: dict[str, str], events: dict[str, str]) -> xr.Dataset:
-    """Record of a file: CSV with a column for each channel, or netCDF; with instants of events."""
+def _observed(task: Task, columns: dict[str, str], events: dict[str, str]) -> dict[str, str]:
+    """What each channel shows; one without a word shows what has its name."""
+    from nonsmooth.runs.section_search import event_names
+
+    found = settings(task["observe"], "--observe")
+    system = task.system
+    shown: dict[str, Any] = dict.fromkeys(columns, (*system.states, *system.outputs))
+    shown |= dict.fromkeys(events, event_names(system) if events else ())
+    for name, known in shown.items():
+        if name in found:
+            continue
+        if name not in known:
+            what = "instants" if name in events else "column"
+            raise OptionError(
+                f"--observe does not say what the {what} {name} shows: give one of"
+                f" {', '.join(known)}, such as --observe {name}={next(iter(known), 'x')}"
+            )
+        found[name] = name
+    for name in found:
+        if name not in shown and not name.isidentifier():
+            raise OptionError(
+                f"--observe: {name!r} cannot be the name of a channel; give the column a name, as"
+                f" in --columns 'a1={name}' --observe a1={found[name]}"
+            )
+    return found
+
+
+def _check_alone(file: Path, events: dict[str, str]) -> None:
+    """Refuse a record of which nothing is fitted; with instants alone RECORD is their file."""
+    if all(file.absolute() != Path(text).absolute() for text in events.values()):
+        raise OptionError(
+            f"--observe says nothing of the columns of {file}: name one, such as --observe x=x; to"
+            " fit the instants of --events alone, give their file as RECORD too"
+        )
+
+
+def _instants(task: Task, events: dict[str, str]) -> dict[str, tuple[str, np.ndarray]]:
+    """Instants of events in s, within the range of time that is kept, with a dimension for each."""
+    from nonsmooth import measured
+    from nonsmooth.measured.reading import seconds_of
+
+    reading = task.options("measured.read_csv", "time", "sample_rate", "time_range")
+    low, high = (-np.inf, np.inf) if task["time_range"] is None else task["time_range"]
+    found = {}
+    for name, text in events.items():
+        column = measured.read_columns(text, {"instant": 0}, **reading)["instant"]
+        instants = column.values * seconds_of(column.attrs["units"], text, "give them in s")
+        found[name] = name, instants[(instants >= low) & (instants <= high)]
+    return found
+
+
+def _record(task: Task, file: Path, columns: dict[str, str], flaws: list[xr.Dataset]) -> xr.Dataset:
+    """Record of a file, netCDF or CSV, in which flawed samples are flagged."""
     from nonsmooth import measured
 
-    instants = {
-        name: (name, measured.read_columns(text, {"instant": 0})["instant"].values)
-        for name, text in events.items()
-    }
     if file.suffix.lower() == ".nc":
-        import xarray as xr
-
-        if not file.is_file():
-            raise OptionError(f"{file} is no file")
-        return xr.load_dataset(file, engine="h5netcdf").assign(instants)
-    columns = [name for name in observe if name not in events]
-    if instants and not columns:  # RECORD is then the file of the instants
-        import xarray as xr
-
-        return xr.Dataset(instants)
-    if not columns:
+        record = _saved_record(task, file)
+        if "time" not in record.dims:  # instants alone
+            return record
+        names = [name for name in columns if name in record and record[name].dims == ("time",)]
+    elif not columns:
         raise OptionError("--observe: name the columns of a CSV file, such as --observe a1=rate(v)")
-    options = task.options("measured.read_csv")
-    return measured.read_csv(file, columns, **options).assign(instants)
+    else:
+        options = task.options("measured.read_csv") | {"bad_samples": "keep"}
+        record = measured.read_csv(file, places_of(columns), **options)
+        names = list(columns)
+    record, found = checked(record, task, *_OF_TRANSIENTS, channels=names or None)
+    flaws.append(found)
+    return record
+
+
+def _saved_record(task: Task, file: Path) -> xr.Dataset:
+    """Record of a netCDF file."""
+    import xarray as xr
+
+    if not file.is_file():
+        raise OptionError(f"{file} is no file")
+    if task["columns"] is not None:
+        raise OptionError(f"--columns is that of CSV files; in {file} channels have their names")
+    record = xr.load_dataset(file, engine="h5netcdf")
+    return record.assign_attrs({"system_name": file.stem} | record.attrs)
 
 
 def _by_record(task: Task) -> dict[str, dict[str, float]] | None:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from nonsmooth.cli.arguments import names
 from nonsmooth.cli.command import Task
-from nonsmooth.cli.records import channels, checked, code_of_flaws
+from nonsmooth.cli.records import add_flaws, channels, checked, code_of_flaws
 from nonsmooth.cli.report import Report
 from nonsmooth.errors import OptionError, unknown_name
 
@@ -44,9 +44,7 @@ def measured(task: Task) -> None:
         task.picture("time_history" if len(shown) == 1 else "phase_portrait", result, *shown)
     else:
         task.picture("bifurcation" if len(shown) == 1 else "section", result, *shown)
-    told = sum(one.attrs["n_findings"] for one in flaws)
-    if told:
-        report.number("flaws", told)
+    add_flaws(report, *flaws)
     task.finish(result, report, code=code_of_flaws(task, *flaws))
 
 

@@ -15,7 +15,15 @@ from nonsmooth.errors import OptionError, unknown_name
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["channels", "check", "checked", "code_of_flaws", "columns_of"]
+__all__ = [
+    "add_flaws",
+    "channels",
+    "check",
+    "checked",
+    "code_of_flaws",
+    "columns_of",
+    "places_of",
+]
 
 _MOST_TOLD = 20  # findings of a record
 _CALIBRATION: dict[str, Any] = {"sensitivity": None, "offset": 0.0, "units": ""}
@@ -25,6 +33,11 @@ def columns_of(text: str) -> dict[str, str]:
     """Names with their columns; a name alone is that of its column."""
     parts = [part if "=" in part else f"{part}={part}" for part in names(text)]
     return settings(parts, "--columns")
+
+
+def places_of(columns: dict[str, str]) -> dict[str, str | int]:
+    """Columns as reading takes them: a number is the place of a column, from 0."""
+    return {name: int(column) if column.isdecimal() else column for name, column in columns.items()}
 
 
 def channels(task: Task, before: str = "") -> dict[str, Any]:
@@ -42,27 +55,30 @@ def channels(task: Task, before: str = "") -> dict[str, Any]:
                 raise OptionError(f"--{key}: {unknown_name('name', name, columns)}")
     return {
         before + name: Channel(
-            int(column) if column.isdecimal() else column,
+            column,
             **{
                 key: value.get(name, _CALIBRATION[key]) if isinstance(value, dict) else value
                 for key, value in given.items()
             },
         )
-        for name, column in columns.items()
+        for name, column in places_of(columns).items()
     }
 
 
-def checked(record: xr.Dataset, task: Task, *more: str) -> tuple[xr.Dataset, xr.Dataset]:
+def checked(
+    record: xr.Dataset, task: Task, *more: str, channels: list[str] | None = None
+) -> tuple[xr.Dataset, xr.Dataset]:
     """A record with its mask, and what was found; each finding is told in a line.
 
-    more: kinds that are not looked for, because what follows does not mind them
+    more: kinds that are not looked for, because what follows does not mind them; channels: what is
+    looked at, all by default
     """
     from nonsmooth import measured
 
     options = task.options("measured.check")
     options["leave_out"] = [*(options["leave_out"] or ()), *more]
     given = {key: each for key, each in options.items() if each is not None}
-    found = measured.check(record, **given)
+    found = measured.check(record, channels=channels, **given)
     _tell(record, found)
     bad = any(
         found[name].values.any() for name in found.data_vars if str(name).endswith("_quality")
@@ -85,6 +101,13 @@ def _tell(record: xr.Dataset, found: xr.Dataset) -> None:
     if len(told) > _MOST_TOLD:
         more = f"nonsmooth: {title}: and {len(told) - _MOST_TOLD} more; nonsmooth check --json"
         click.echo(harmless(f"{more} lists all"), err=True)
+
+
+def add_flaws(report: Report, *found: xr.Dataset) -> None:
+    """Add how many flaws some records have, if any."""
+    told = sum(one.attrs["n_findings"] for one in found)
+    if told:
+        report.number("flaws", told)
 
 
 def code_of_flaws(task: Task, *found: xr.Dataset) -> int:

@@ -40,9 +40,9 @@ _STROBES = ("StroboscopicMap", "phase period every")
 _SECTION = ("PoincareMap", "section direction side")
 
 
-def _columns(what: str) -> Own:
-    text = f"{what} and their columns; a name alone is that of its column."
-    return Own("columns", text, "x=CH1,y=CH2", required=True)
+def _columns(what: str, more: str = "", *, required: bool = True) -> Own:
+    text = f"{what} and their columns; a name alone is that of its column.{more}"
+    return Own("columns", text, "x=CH1,y=CH2", required=required)
 
 
 _ACCEPT = Own("accept_flaws", "Leave with the exit code 0 also where a record has flaws.")
@@ -394,23 +394,29 @@ TABLE = {
         example="nonsmooth measures basins.nc",
     ),
     "fit": Entry(
-        "Fit parameters of a system to records, and print 95 % intervals.",
+        "Fit parameters of a system to records, and print 95 % intervals.\n\nFlaws of a record are"
+        " told one by one, flawed and missing samples are left out, and the exit code is then 3.",
         "fitting.fit",
         (
             ("fit", "initial shift private form cycle segments hold_back starts loss bootstrap"
              " tolerance seed"),
             ("measured.read_csv", "time sample_rate time_range delimiter decimal"),
+            ("measured.check", "false_alarms mains leave_out"),
             ("posterior", "draws store seed"),
         ),
         (
             Own("free", "Parameter to find, with its least and its largest value. You may give it"
                 " several times.", "NAME=A:B", multiple=True, required=True),
             Own("observe", "What a channel shows: an expression of states, outputs and rates, or"
-                " an event for the instants of --events. You may give it several times.",
+                " an event for the instants of --events. Without it a channel shows the state, the"
+                " output or the event of its own name. You may give it several times.",
                 "NAME=EXPRESSION", multiple=True),
+            _columns("Names of the channels", " Without it a channel of --observe is the column of"
+                     " its name.", required=False),
             Own("events", "Channel of the instants of events, picked from the record, and a CSV"
-                " file of which they are the first column. You may give it several times.",
-                "NAME=FILE", multiple=True),
+                " file of which they are the first column, in s, or in ms or us where its header"
+                " says so. You may give it several times.", "NAME=FILE", multiple=True),
+            _ACCEPT,
             Own("more", "A further record of the same machine with its name; RECORD has the name of"
                 " its file, without the ending. You may give it several times.", "NAME=FILE",
                 multiple=True),
@@ -526,8 +532,7 @@ TABLE = {
             ("measured.alarm", "rate training needed among"),
         ),
         (
-            Own("columns", "Names of the channels and their columns; a name alone is that of its"
-                " column.", "x=CH1,y=CH2"),
+            _columns("Names of the channels", required=False),
             Own("watched", "Record to be judged. You may give it several times, in order of time.",
                 "FILE", multiple=True),
             Own("contact_range", "Channel that shows a contact, with its least and its largest"
