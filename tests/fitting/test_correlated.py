@@ -25,7 +25,7 @@ def rows_of(series):
     none = np.zeros((place.size, 0))
     return Residuals(
         series[channel, place], none, none, channel, place, np.zeros_like(place),
-        np.ones(place.size, bool), np.zeros(1),
+        np.ones(place.size, bool), np.zeros(1), np.zeros(1, np.int64),
     )  # fmt: skip
 
 

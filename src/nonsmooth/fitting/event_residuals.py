@@ -59,6 +59,7 @@ def residuals_of_events(
         result.state[here] = columns[:, :n]
         result.matched[here] = True
         more = there.size - np.unique(of[~missed]).size
+        result.n_surplus[0] += more
         result.surplus[0] = np.hypot(result.surplus[0], np.sqrt(more) * wait / noise[c])
     return result
 

@@ -39,6 +39,7 @@ class Residuals(NamedTuple):
     segment: Integers  # (N,)
     matched: Bools  # (N,): not so where the motion has no event for a picked one
     surplus: Floats  # (M,): weight of the events of each segment that were not picked
+    n_surplus: Integers  # (M,): how many these are
 
 
 def no_residuals(h: int, n: int, segments: int) -> Residuals:
@@ -46,7 +47,7 @@ def no_residuals(h: int, n: int, segments: int) -> Residuals:
     none, whole = np.zeros(0), np.zeros(0, np.int64)
     return Residuals(
         none, np.zeros((0, h)), np.zeros((0, n)), whole, whole, whole, np.zeros(0, bool),
-        np.zeros(segments),
+        np.zeros(segments), np.zeros(segments, np.int64),
     )  # fmt: skip
 
 
@@ -56,6 +57,7 @@ def in_order_of_segments(found: Residuals) -> Residuals:
     return Residuals(
         found.residual[order], found.head[order], found.state[order], found.channel[order],
         found.place[order], found.segment[order], found.matched[order], found.surplus,
+        found.n_surplus,
     )  # fmt: skip
 
 

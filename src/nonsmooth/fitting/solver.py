@@ -40,8 +40,20 @@ _LOOKS = 3  # at states from the beginning
 _APART = 3.0  # a gap after the first stage that is large, in the units of a gap
 _LEVEL = 0.01  # change of the logarithm of a likelihood that is none
 _BEHIND = 20.0  # logarithm of a likelihood that no start makes up for
+# Minus the logarithm of the likelihood of an event that is not matched, above that of one whose
+# noise is as large as its wait. One that is matched gains at most 20.7, the logarithm of 1e9, where
+# the noise is the smallest that is looked at: no start gains by an event that it loses.
+_UNMATCHED = 25.0
+_SMALLEST = 1e-9  # noise, in parts of the spread of a channel
 _PENALTY = 1e4  # residual in each row of a run that ends early
 _MEDIAN = 0.6744897501960817  # of the size of a normal variable
+
+
+class UnmatchedEvents(NamedTuple):
+    """What events count that were picked and that the motion does not have, and the other way."""
+
+    cost: float  # their part of the cost
+    height: float  # minus the logarithm of their likelihood
 
 
 class Fitted(NamedTuple):
@@ -49,6 +61,7 @@ class Fitted(NamedTuple):
 
     u: Floats
     cost: float  # half the sum of squares of the data, or of their losses
+    unmatched: UnmatchedEvents
     noise: Floats  # (C,)
     multipliers: Floats  # (G, n)
     evaluation: Evaluation
@@ -214,19 +227,35 @@ def minimise(
     if evaluation is None:  # the solver moves a start at a bound inside before it begins
         evaluation, ended = equations.evaluate(equations.lowest[1]), False
     assert evaluation is not None
-    cost = data_cost(evaluation.rows.residual, loss)
-    cost += 0.5 * float(evaluation.rows.surplus @ evaluation.rows.surplus)
+    unmatched = _unmatched(shooting, evaluation, loss)
+    cost = data_cost(evaluation.rows.residual[evaluation.rows.matched], loss) + unmatched.cost
     added = 0.5 * weight**2 * float(np.sum((evaluation.gap + shift) ** 2) - np.sum(shift**2))
     return Fitted(
-        equations.u.copy(), cost + added, noise, shift, evaluation, ended,
+        equations.u.copy(), cost + added, unmatched, noise, shift, evaluation, ended,
         equations.n_evaluations,
     )  # fmt: skip
 
 
+def _unmatched(shooting: Shooting, found: Evaluation, loss: str) -> UnmatchedEvents:
+    """Events that are not matched at the end of a minimisation.
+
+    In the cost each is off by its wait, which moves the solver. In units of the noise that is the
+    less the larger the noise is, so starts are compared by a likelihood without the noise.
+    """
+    rows, missed = found.rows, ~found.rows.matched
+    cost = data_cost(rows.residual[missed], loss) + 0.5 * float(rows.surplus @ rows.surplus)
+    counts = np.bincount(rows.channel[missed], minlength=len(shooting.channels))
+    waits = [count * np.log(shooting.channels[c].spread) for c, count in enumerate(counts) if count]
+    number = counts.sum() + rows.n_surplus.sum()
+    return UnmatchedEvents(cost, float(sum(waits) + _UNMATCHED * number))
+
+
 def height(fitted: Fitted) -> float:
     """Minus the logarithm of the likelihood, up to a constant, with the noise that was found."""
-    counts = np.bincount(fitted.evaluation.rows.channel, minlength=fitted.noise.size)
-    return fitted.cost + float(counts @ np.log(fitted.noise))
+    rows = fitted.evaluation.rows
+    counts = np.bincount(rows.channel[rows.matched], minlength=fitted.noise.size)
+    matched = fitted.cost - fitted.unmatched.cost + float(counts @ np.log(fitted.noise))
+    return matched + fitted.unmatched.height
 
 
 def solve_from(
@@ -329,7 +358,10 @@ def close_gaps(
         level = noise_level(shooting, found.evaluation, noise, loss, joined=is_last)
         if loss == "linear" and not is_last:
             # of the data alone, as gaps with multipliers may count below zero
-            fair = found._replace(noise=level, cost=_cost_at(found, noise, level))
+            unmatched = found.unmatched._replace(cost=0.0)
+            fair = found._replace(
+                noise=level, cost=_cost_at(found, noise, level), unmatched=unmatched
+            )
             if height(fair) > best + _BEHIND:  # worse although its segments need not join
                 return fair._replace(closed=False, n_evaluations=count)
         settled = bool(np.all(np.abs(level / noise - 1.0) < _SETTLED))
@@ -374,6 +406,6 @@ def noise_level(
             level = float(np.sqrt(own @ own / max(own.size - spent[c], 0.5 * own.size)))
         else:  # of those that are no outliers
             level = float(np.median(np.abs(own)) / _MEDIAN)
-        least = max(channel.noise.low, 1e-9 * (channel.spread or 1.0))
+        least = max(channel.noise.low, _SMALLEST * (channel.spread or 1.0))
         levels[c] = np.clip(level, least, max(least, channel.noise.high))
     return levels
