@@ -11,6 +11,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from nonsmooth.errors import OptionError
+from nonsmooth.measured.quality.masks import masked, quality_of
 from nonsmooth.measured.sections import section
 from nonsmooth.version import __version__
 
@@ -56,7 +57,7 @@ def diagram(
         As of `bifurcation_diagram`: every variable over ``parameter``, ``lane`` (one) and
         ``point``, nan where a record has fewer points than others; over ``parameter`` and
         ``lane`` ``n_points``, ``speed`` (the mean) and ``speed_spread`` (the standard deviation
-        over revolutions).
+        over revolutions). Masks of records go on, as ``x_quality``.
 
     Raises
     ------
@@ -119,7 +120,23 @@ def diagram(
         "parameter": ("parameter", across[order], across_words),
         "lane": ("lane", np.arange(1), {"long_name": "initial state"}),
     }
-    return xr.Dataset(variables, coords, attrs)
+    found = xr.Dataset(variables, coords, attrs)
+    return masked(found, _flags([sections[k] for k in order], names), _POINTS)
+
+
+def _flags(sections: Sequence[xr.Dataset], names: Sequence[str]) -> dict[str, Any]:
+    """Flags of the points of each variable that has some in one of the sections."""
+    most = max(one.sizes["point"] for one in sections)
+    found = {}
+    for name in names:
+        known = [quality_of(one, name) for one in sections]
+        if any(each is not None for each in known):
+            table = np.zeros((len(sections), 1, most), np.uint8)
+            for row, each in zip(table, known, strict=True):
+                if each is not None:
+                    row[0, : each.size] = each
+            found[name] = table
+    return found
 
 
 def _section(one: Any, transient: int, phase: float) -> xr.Dataset:

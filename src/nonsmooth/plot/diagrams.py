@@ -11,6 +11,7 @@ import numpy.typing as npt
 from nonsmooth.arguments import checked
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.plot.figures import new_axes
+from nonsmooth.plot.flagged_samples import are_flagged, mark_flagged
 from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.period_colours import NOT_SETTLED, OTHER_REGIMES, by_period
 from nonsmooth.plot.style import PALETTE, axis_label, finish_axes
@@ -54,7 +55,8 @@ def bifurcation(
     colour : {"initial", "period"}, optional
         What the colours tell: initial states, or the period of the motion in each column.
     legend : bool, optional
-        Whether to name the periods, or to tell several initial states apart, in a legend.
+        Whether to name the periods, to tell several initial states apart, and to name points that
+        were made of flagged samples of a record (blue crosses), in a legend.
 
     Returns
     -------
@@ -93,9 +95,14 @@ def bifurcation(
     if variable not in known:
         raise OptionError(unknown_name("variable", variable, known))
     ax = new_axes() if ax is None else ax
-    values = diagram[variable].transpose("parameter", "lane", ...).values
+    table = diagram[variable].transpose("parameter", "lane", ...)
+    flagged = are_flagged(diagram.assign({variable: table}), [variable])
+    values, faulty = (
+        np.where(flagged, np.nan, table.values),
+        np.where(flagged, table.values, np.nan),
+    )
     if values.ndim == 2:
-        values = values[:, :, None]
+        values, faulty = values[:, :, None], faulty[:, :, None]
     count = int(np.isfinite(values).sum())
     size = 3.0 if count <= _FEW else (1.5 if count <= _DENSE else 0.9)
     size *= _COLOURED if colour == "period" else 1.0
@@ -113,6 +120,8 @@ def bifurcation(
             label=part.label,
             rasterized=count > _DENSE,
         )
+    here = np.broadcast_to(diagram["parameter"].values[:, None, None], faulty.shape)
+    mark_flagged(ax, here, faulty, np.isfinite(faulty))
     # columns without a point, such as an event that does not happen, belong to the picture too
     over = diagram["parameter"].values
     if over.size:

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from nonsmooth.arguments import checked
 from nonsmooth.plot.figures import new_axes
+from nonsmooth.plot.flagged_samples import are_flagged, mark_flagged
 from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.markers import event_markers
 from nonsmooth.plot.style import LINES, axis_label, finish_axes, mode_colours, mode_numbers
@@ -39,7 +40,8 @@ def time_history(
 
     States are drawn through their values just before and just after each event, so kinks
     and jumps stand where they are, however coarse the samples. Outputs are known at samples
-    only. The first variable is solid, the next dashed, dotted and dash-dotted.
+    only. The first variable is solid, the next dashed, dotted and dash-dotted. Samples of a
+    measured motion that `measured.flagged` has marked have blue crosses.
 
     Parameters
     ----------
@@ -90,6 +92,7 @@ def time_history(
     time_range = check_range(run, time_range)
     ax = new_axes() if ax is None else ax
     draw_lines(run, names, ax, time_range, labels or {})
+    _mark_flagged(run, names, ax, time_range)
     if events:
         for name in names:
             event_markers(run, name, ax, time_range=time_range)
@@ -115,6 +118,17 @@ def draw_lines(
     low, high = time_range or (float(run["time"][0]), float(run["time"][-1]))
     if low < high:
         ax.set_xlim(low, high)
+
+
+def _mark_flagged(
+    run: xr.Dataset, names: Sequence[str], ax: Axes, time_range: tuple[float, float] | None
+) -> None:
+    """Crosses on flagged samples of all variables."""
+    time = run["time"].values.astype(float)
+    low, high = time_range or (-np.inf, np.inf)
+    inside = (time >= low) & (time <= high)
+    for name in names:
+        mark_flagged(ax, time, run[name].values, are_flagged(run, [name]) & inside)
 
 
 def common_label(run: xr.Dataset, names: Sequence[str]) -> str:

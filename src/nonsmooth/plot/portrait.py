@@ -11,6 +11,7 @@ import numpy.typing as npt
 from nonsmooth.arguments import checked
 from nonsmooth.errors import OptionError
 from nonsmooth.plot.figures import new_axes
+from nonsmooth.plot.flagged_samples import are_flagged, mark_flagged
 from nonsmooth.plot.histories import mode_label
 from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.style import LINES, axis_label, finish_axes, mode_colours, mode_numbers
@@ -49,7 +50,8 @@ def phase_portrait(
     """One variable of a run over another.
 
     Two states are drawn through their values just before and just after each event. Where
-    one of the two is an output, both are drawn at samples only.
+    one of the two is an output, both are drawn at samples only. Samples of a measured motion that
+    `measured.flagged` has marked have blue crosses.
 
     Parameters
     ----------
@@ -67,7 +69,7 @@ def phase_portrait(
     time_range : tuple of float, optional
         First and last time to draw, to leave out a transient; the whole run by default.
     legend : bool, optional
-        Whether to draw a legend of the modes with ``phases=True``.
+        Whether to draw a legend of the modes with ``phases=True``, and of flagged samples.
 
     Returns
     -------
@@ -105,10 +107,14 @@ def phase_portrait(
         ax.plot(
             *trace.values, color=LINES[0]["color"], linewidth=0.6, marker=alone, rasterized=dense
         )
+    time = run["time"].values
+    low, high = time_range or (-np.inf, np.inf)
+    flagged = are_flagged(run, names) & (time >= low) & (time <= high)
+    mark_flagged(ax, run[x].values, run[y].values, flagged)
     if surfaces:
         draw_surfaces(run, x, y, ax)
     finish_axes(ax, axis_label(run[x]), axis_label(run[y]))
-    if phases and legend:
+    if (phases or flagged.any()) and legend:
         place_legend(ax)
     return ax
 

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from nonsmooth.arguments import checked
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.plot.figures import new_axes
+from nonsmooth.plot.flagged_samples import are_flagged, mark_flagged
 from nonsmooth.plot.histories import mode_label
 from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.style import LINES, axis_label, finish_axes, mode_colours, mode_numbers
@@ -42,6 +43,9 @@ def section(
 ) -> Axes:
     """Points of a section: one variable over another.
 
+    Points of a measured motion that were made of flagged samples (`measured.flagged`) are blue
+    crosses.
+
     Parameters
     ----------
     points : xarray.Dataset
@@ -56,7 +60,7 @@ def section(
         Diameter of a point in typographic points; by default smaller where there are
         more of them.
     legend : bool, optional
-        Whether to draw a legend of the modes with ``phases=True``.
+        Whether to draw a legend of the modes with ``phases=True``, and of flagged points.
 
     Returns
     -------
@@ -90,7 +94,8 @@ def section(
     across, up = points[x].values.ravel(), points[y].values.ravel()
     ax = new_axes() if ax is None else ax
     diameter = diameter_of(across, up) if size is None else positive_number("size", size)
-    sets = {"": np.ones(across.size, bool)}
+    flagged = are_flagged(points, [x, y]).ravel()
+    sets = {"": ~flagged}
     colours = {"": LINES[0]["color"]}
     if phases:
         colours = mode_colours(points)
@@ -110,8 +115,9 @@ def section(
             label=mode_label(name) or None,
             rasterized=across.size > DENSE,
         )
+    mark_flagged(ax, across, up, flagged)
     finish_axes(ax, axis_label(points[x]), axis_label(points[y]))
-    if phases and legend:
+    if (phases or flagged.any()) and legend:
         place_legend(ax)
     return ax
 

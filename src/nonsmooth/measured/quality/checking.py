@@ -144,8 +144,8 @@ def flagged(record: xr.Dataset, found: xr.Dataset | None = None) -> xr.Dataset:
     xarray.Dataset
         The record with a coordinate ``x_quality`` for each channel ``x`` that was checked; flags
         that it had before stay.
-        `low_pass`, `velocities`, `displacements`, `dimensionless`, `synchronous` and `section`
-        carry it on: a sample of theirs has the flags of all samples that it was made of.
+        `low_pass`, `velocities`, `displacements`, `dimensionless`, `synchronous`, `section` and
+        `diagram` carry it on: a sample of theirs has the flags of all samples that it was made of.
 
     Raises
     ------

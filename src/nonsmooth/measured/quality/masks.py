@@ -44,7 +44,9 @@ def is_mask(data: xr.Dataset, name: str) -> bool:
     return name.endswith(_BEHIND) and data[name].attrs.get("standard_name") == "quality_flag"
 
 
-def masked(data: xr.Dataset, flags: Mapping[str, Flags], dim: str = "time") -> xr.Dataset:
+def masked(
+    data: xr.Dataset, flags: Mapping[str, Flags], dim: str | tuple[str, ...] = "time"
+) -> xr.Dataset:
     """Data with the masks of some channels as coordinates."""
     found = data.assign_coords(
         {f"{name}{_BEHIND}": (dim, each, mask_words(name)) for name, each in flags.items()}
