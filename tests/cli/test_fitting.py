@@ -97,6 +97,18 @@ def test_flaws_are_told_and_flawed_samples_left_out(call, flawed, tmp_path):
     assert call(*flawed, "--leave-out", "spike", "--json").stdout != result.stdout
 
 
+def test_a_fit_that_has_not_converged_is_told(call, ramp, tmp_path, monkeypatch):
+    """The result is there, and there is nothing to draw a posterior from."""
+    monkeypatch.setattr("nonsmooth.fitting.solver._CLOSED", 0.0)
+    words = ["fit", *ramp, "--free", "k=0:2", "--starts", "1", "--save", tmp_path / "f.nc"]
+    result = call(*words, "--posterior", "20")
+    assert result.exit_code == 1
+    assert "has not converged: segments do not join" in result.stderr
+    assert "give narrower bounds in --free, more --starts" in result.stderr
+    assert "not drawn, since the fit has not converged" in result.stdout
+    assert (tmp_path / "f.nc").is_file()
+
+
 def test_masks_of_a_netcdf_file_are_kept(call, ramp, tmp_path):
     """Nothing is wrong with the first samples but that somebody has flagged them."""
     t = np.linspace(0.0, 4.0, 101)

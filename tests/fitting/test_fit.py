@@ -274,6 +274,16 @@ def test_outliers_count_less_with_a_robust_loss():
     assert robust < 0.02
 
 
+def test_a_fit_that_has_not_converged_warns(monkeypatch):
+    """No gap is as small as zero."""
+    monkeypatch.setattr("nonsmooth.fitting.solver._CLOSED", 0.0)
+    ramp, record = line()
+    with pytest.warns(ns.ResultWarning, match="has not converged: segments do not join.*starts="):
+        found = ns.fit(ramp, record, {"k": (-5, 5)}, starts=1)
+    assert found.attrs["status"] == "not_converged"
+    assert found.attrs["message"].startswith("not_converged: segments do not join")
+
+
 @pytest.mark.parametrize("loss", ["soft_l1", "huber", "arctan"])
 def test_every_loss_comes_near(loss):
     ramp, record = line()

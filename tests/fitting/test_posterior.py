@@ -14,6 +14,9 @@ from nonsmooth.fitting.marginal import Marginal
 from nonsmooth.fitting.posterior_dataset import split_r_hat
 from nonsmooth.fitting.restart import fitted_shooting
 
+# what most of these tests state holds for chains that are shorter than a result needs
+pytestmark = pytest.mark.filterwarnings("ignore:.*the chain is too short:nonsmooth.ResultWarning")
+
 
 def fit_of_line(**options):
     """A line through 12 points with much noise: few degrees of freedom."""
@@ -181,7 +184,8 @@ def test_a_fit_from_a_file_has_the_same_posterior(tmp_path):
 
 def test_a_chain_that_is_too_short_says_what_would_be_enough():
     _, found = fit_of_line()
-    drawn = ns.posterior(found, draws=30)
+    with pytest.warns(ns.ResultWarning, match="the chain is too short"):
+        drawn = ns.posterior(found, draws=30)
     assert drawn.attrs["status"] == "not_converged"
     assert "the chain is too short: 30 draws of each walker are" in drawn.attrs["message"]
 

@@ -83,6 +83,9 @@ def _posterior(task: Task, found: xr.Dataset, report: Report) -> xr.Dataset | No
     """Draw the posterior, where that was asked for, and add it to the report."""
     if task["posterior"] is None:
         return None
+    if found.attrs["status"] != "completed":
+        report.add("posterior", "not drawn, since the fit has not converged")
+        return None
     from nonsmooth.fitting.posterior import posterior as verb
 
     drawn = verb(found, **task.options("posterior"))

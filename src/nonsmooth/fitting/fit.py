@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -11,7 +12,7 @@ import numpy.typing as npt
 from scipy.stats import qmc
 
 from nonsmooth.analysis.options import SharedOptions, check_seed
-from nonsmooth.errors import OptionError, RunError, is_known, unknown_name
+from nonsmooth.errors import OptionError, ResultWarning, RunError, is_known, unknown_name
 from nonsmooth.fitting.beginning import sizes_of_states
 from nonsmooth.fitting.channels import (
     Range,
@@ -21,7 +22,7 @@ from nonsmooth.fitting.channels import (
     read_shift,
 )
 from nonsmooth.fitting.cuts import Cut, GivenRecord, cut_for, equations_of
-from nonsmooth.fitting.report import Search, fit_dataset
+from nonsmooth.fitting.report import NOT_CONVERGED, Search, fit_dataset
 from nonsmooth.fitting.shooting import Shooting
 from nonsmooth.fitting.solver import LOSSES, Fitted, height, solve_from
 from nonsmooth.real_numbers import finite_real
@@ -172,6 +173,11 @@ def fit(
     RunError
         When no motion can be computed from any start.
 
+    Warns
+    -----
+    ResultWarning
+        When the fit has not converged, as its ``status`` says.
+
     See Also
     --------
     simulate : the motion of the fitted system.
@@ -249,7 +255,11 @@ def fit(
         "starts": count, "bootstrap": drawn, "seed": chosen,
     }  # fmt: skip
     whole = [channel for each in records for channel in each.channels]
-    return fit_dataset(whole, found, told, loss, drawn, chosen, _marks(record))
+    result = fit_dataset(whole, found, told, loss, drawn, chosen, _marks(record))
+    if result.attrs["status"] != "completed":
+        said = f"{system.name}: the fit has not converged: {NOT_CONVERGED}"
+        warnings.warn(said, ResultWarning, stacklevel=2)
+    return result
 
 
 def _marks(record: Any) -> Floats | None:

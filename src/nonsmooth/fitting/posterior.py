@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -10,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.options import check_seed
-from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.errors import OptionError, ResultWarning, unknown_name
 from nonsmooth.fitting.chain import Proposal, draw_chain, require_emcee
 from nonsmooth.fitting.marginal import Marginal
 from nonsmooth.fitting.posterior_dataset import posterior_dataset
@@ -88,6 +89,12 @@ def posterior(
     RunError
         When no motion can be computed near the estimates.
 
+    Warns
+    -----
+    ResultWarning
+        When the chain is too short, walkers do not agree or many places have no motion, as the
+        ``message`` says.
+
     See Also
     --------
     fit : the estimates, with intervals in a hundredth of the time.
@@ -119,7 +126,7 @@ def posterior(
     >>> record = ns.measured.from_arrays({"x": np.exp(-0.5 * t) + noise}, times=t)
     >>> decay = ns.System(states=["x"], parameters={"k": 1.0}, equations={"x": "-k*x"})
     >>> found = ns.fit(decay, record, {"k": (0.01, 2)}, starts=1, segments=1)
-    >>> drawn = ns.posterior(found, draws=50, transient=10)
+    >>> drawn = ns.posterior(found, draws=110, transient=10)
     >>> drawn["parameter"].values.tolist()
     ['k', 'x noise']
     >>> float(drawn["mean"].sel(parameter="k").round(1))
@@ -145,7 +152,11 @@ def posterior(
         "draws": count, "transient": left_out, "walkers": number, "seed": chosen,
         "prior": str(density.prior_texts),
     }  # fmt: skip
-    return posterior_dataset(found, density.names, density.values, chain, left_out, told)
+    result = posterior_dataset(found, density.names, density.values, chain, left_out, told)
+    if result.attrs["status"] == "not_converged":
+        said = f"{shooting.system.name}: {result.attrs['message']}"
+        warnings.warn(said, ResultWarning, stacklevel=2)
+    return result
 
 
 def check_chain(draws: Any, store: Any, seed: Any) -> tuple[int, int]:

@@ -33,7 +33,7 @@ from nonsmooth.fitting.restart import restart_text
 from nonsmooth.fitting.shooting import Shooting
 from nonsmooth.fitting.solver import Fitted, close_gaps, height
 
-__all__ = ["Search", "fit_dataset"]
+__all__ = ["NOT_CONVERGED", "Search", "fit_dataset"]
 
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
@@ -45,6 +45,12 @@ _WIDENED = "profile of the likelihood, widened for correlated residuals"
 _NEUTRAL = 1e-6  # above 1: a multiplier of 1, of a motion without damping, is known about so well
 _FEW = 20  # data of a channel: their standard deviation is known to a sixth only
 _POOR = 2.0  # prediction error in units of the noise that is worth a word
+
+
+NOT_CONVERGED = (
+    "segments do not join, or intervals could not be found; give narrower bounds in free=, more"
+    " starts=, or another number of segments="
+)
 
 
 class Search:
@@ -349,10 +355,7 @@ def _message(
     channels: Sequence[str],
 ) -> str:
     """How the fit ended, and what speaks against it."""
-    parts = ["completed"] if best.closed else [
-        "not_converged: segments do not join, or intervals could not be found; give narrower bounds"
-        " in free=, more starts=, or another number of segments="
-    ]  # fmt: skip
+    parts = ["completed" if best.closed else f"not_converged: {NOT_CONVERGED}"]
     parts.append(f"{int(agrees.sum())} of {agrees.size} starts agree")
     if words:
         parts.append(words)
