@@ -138,7 +138,7 @@ def equations_of(
                                      cut)  # fmt: skip
     return RecordEquations(
         system, tuple(free), fitted, given.times, bounds, tolerance, shift,
-        is_cycle=cut.cycle is not None, together=together,
+        is_cycle=cut.cycle is not None, together=together, may_join=cut.segments is None,
     )  # fmt: skip
 
 

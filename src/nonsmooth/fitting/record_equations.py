@@ -33,6 +33,7 @@ from nonsmooth.system.system import System
 __all__ = ["RecordEquations"]
 
 Floats = npt.NDArray[np.float64]
+Integers = npt.NDArray[np.int64]
 
 NO_SHIFT = Range(0.0, 0.0, 0.0)
 _NUISANCES = ("gain", "offset", "delay")
@@ -54,10 +55,12 @@ class RecordEquations:
         *,
         is_cycle: bool = False,
         together: int = 1,
+        may_join: bool = False,
     ) -> None:
         self.system, self.channels, self.times, self.bounds = system, channels, times, bounds
         self.free, self.shift = tuple(free), shift
-        self.together = together  # segments that may become one
+        self.together = together  # parts of a segment, with which a search begins
+        self.may_join = may_join  # whether segments may become one where no error grows
         self.is_cycle = is_cycle  # whether the motion repeats itself after the last segment
         self.nuisances = [
             (c, key)
@@ -84,9 +87,9 @@ class RecordEquations:
         """Number of segments."""
         return self.bounds.size - 1
 
-    def join_segments(self) -> None:
-        """Make segments that belong together one."""
-        self.bounds, self.together = self.bounds[:: self.together], 1
+    def join_segments(self, kept: Integers) -> None:
+        """Let some segments reach as far as the next of them; the first one is among them."""
+        self.bounds, self.together = np.append(self.bounds[kept], self.bounds[-1]), 1
         self.forget_plans()
 
     @property

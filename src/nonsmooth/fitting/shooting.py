@@ -32,6 +32,8 @@ Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
 
 _UNIT = 0.02  # of the size of a state: what a gap between segments is measured in
+_GROWTH = 10.0  # of an error in segments that become one, at most
+_LONGEST = 10  # segments that become one, at most: a step of the solver must not go astray in them
 
 
 class Evaluation(NamedTuple):
@@ -205,20 +207,40 @@ class Shooting:
         return states
 
     @property
-    def together(self) -> int:
-        """Number of segments that may become one, at most."""
-        return max(record.together for record in self.records)
+    def whole_segments(self) -> Integers:
+        """Segments that are left where the parts of each become one."""
+        first = self._first_segment
+        return np.concatenate(
+            [
+                np.arange(first[r], first[r + 1], record.together)
+                for r, record in enumerate(self.records)
+            ]
+        )
 
-    def join_segments(self, u: Floats) -> Floats:
-        """Make segments that belong together one, and leave out the states between them."""
-        states = [
-            self.states_of(u)[self.segments_in(r)][:: record.together]
-            for r, record in enumerate(self.records)
-        ]
-        for record in self.records:
-            record.join_segments()
+    def calm_segments(self, found: Evaluation) -> Integers:
+        """Segments that are left where neighbours become one, as long as no error grows in them."""
+        kept, last = [], self.n_segments
+        growth = dict(zip(self.links[:, 0], _UNIT * found.gap_state, strict=True))
+        for r, record in enumerate(self.records):
+            first, last = self._first_segment[r], self._first_segment[r + 1]
+            begun, grown = first, np.eye(self.n)
+            kept.append(first)
+            for m in range(first + 1, last):
+                grown = growth[m - 1] @ grown
+                calm = record.may_join and np.linalg.norm(grown, 2) <= _GROWTH
+                if not calm or m - begun >= _LONGEST:
+                    begun, grown = m, np.eye(self.n)
+                    kept.append(m)
+        return np.array(kept, np.int64)
+
+    def join_segments(self, u: Floats, kept: Integers) -> Floats:
+        """Let some segments reach as far as the next of them, without the states between them."""
+        states = self.states_of(u)[kept]
+        for r, record in enumerate(self.records):
+            here = self.segments_in(r)
+            record.join_segments(kept[(kept >= here.start) & (kept < here.stop)] - here.start)
         self._count_segments()
-        return self.join(u[: self.h], np.concatenate(states))
+        return self.join(u[: self.h], states)
 
     def set_up(self, head: Floats) -> bool:
         """Take the parameters of the head; whether the system admits them."""

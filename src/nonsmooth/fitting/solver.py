@@ -33,6 +33,7 @@ LOSSES = ("linear", "soft_l1", "huber", "cauchy", "arctan")
 _WEIGHTS = (0.3, 3.0, 30.0, 300.0, 3000.0)
 _ROUNDS = 6  # with the last weight
 _CLOSED = 1e-4  # largest gap that is none, in units of a fiftieth of the size of a state
+_NEARLY = 0.1  # largest gap that hardly moves a motion, in the same units
 _SETTLED = 1e-3  # change of the noise from round to round
 _EVALUATIONS = (25, 25, 25, 25, 60)
 _JOINED = 3  # stage from which on segments that belong together are one
@@ -343,9 +344,8 @@ def close_gaps(
     found, count, before, ended = first, 0, np.inf, False
     for k in range(len(weights) + _ROUNDS):
         now, following = (min(each, len(weights) - 1) for each in (k, k + 1))
-        if shooting.together > 1 and now >= _JOINED:
-            u = shooting.join_segments(u)
-            shift = np.zeros((shooting.n_gaps, shooting.n))
+        if now >= _JOINED and found is not None:
+            u, shift = _with_fewer_segments(shooting, u, shift, found, now == len(weights) - 1)
         if k or first is None:
             found = minimise(
                 shooting, u, noise, shift, weights[now], loss=loss, most=evaluations[now]
@@ -374,6 +374,25 @@ def close_gaps(
         shift, noise = (shift + found.evaluation.gap) * force, level
     assert found is not None
     return found._replace(n_evaluations=count, closed=ended and gap < 10.0 * _CLOSED)
+
+
+def _with_fewer_segments(
+    shooting: Shooting, u: Floats, shift: Floats, found: Fitted, is_last: bool
+) -> tuple[Floats, Floats]:
+    """Unknowns and multipliers without the segments that the search does not need any more.
+
+    First the parts of each segment become one. In the end, where the gaps are nearly closed, so do
+    neighbours in which no error grows: a step of the solver costs the third power of their number.
+    """
+    kept = shooting.whole_segments
+    if kept.size < shooting.n_segments:
+        u = shooting.join_segments(u, kept)
+        return u, np.zeros((shooting.n_gaps, shooting.n))
+    if not is_last or np.abs(found.evaluation.gap).max(initial=0.0) > _NEARLY:
+        return u, shift
+    kept = shooting.calm_segments(found.evaluation)
+    left = shift[np.isin(shooting.links[:, 1], kept)]
+    return shooting.join_segments(u, kept), left
 
 
 def _cost_at(found: Fitted, noise: Floats, level: Floats) -> float:
