@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import importlib
 import warnings
-from collections.abc import Iterator, Mapping
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -152,6 +153,9 @@ class VerbCommand(click.Command):
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Parse; an argument of Python that has another name here is told by that."""
         try:
+            if not ctx.resilient_parsing:  # completion looks at lines that are not whole
+                _, _, order = self.make_parser(ctx).parse_args(list(args))
+                _refuse_repeats(order)
             return super().parse_args(ctx, args)
         except click.NoSuchOption as fault:
             instead = self._instead(fault.option_name)
@@ -234,6 +238,18 @@ class VerbCommand(click.Command):
             except (OptionError, RunError) as error:
                 error.args = (error_in_words_of_shell(str(error), options),)
                 raise
+
+
+def _refuse_repeats(order: Sequence[click.Parameter]) -> None:
+    """Refuse an option that takes one value and is given several, of which the last would count."""
+    for each, times in Counter(order).items():
+        if not isinstance(each, click.Option) or each.multiple or each.is_flag or times == 1:
+            continue
+        name, form = each.opts[0], str(each.metavar)
+        cure = "give it once"
+        if "," in form or "..." in form:
+            cure += f", with all its values in one list, of the form {name} {form}"
+        raise OptionError(f"{name} is given {times} times and counts once; {cure}")
 
 
 def _tell(options: Mapping[str, str], message: Warning | str, *_: Any) -> None:
