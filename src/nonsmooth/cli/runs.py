@@ -13,6 +13,7 @@ import click
 
 from nonsmooth.cli.arguments import names
 from nonsmooth.cli.command import Task
+from nonsmooth.cli.console import ENDED_EARLY
 from nonsmooth.cli.options import flag
 from nonsmooth.cli.report import Report
 from nonsmooth.cli.variables import chosen, pair
@@ -285,8 +286,14 @@ def _add_point(
 
 
 def _finish_points(task: Task, points: xr.Dataset, report: Report, shown: tuple[str, str]) -> None:
-    task.picture("section", points, *shown, phases=task["modes"])
-    task.finish(points, report, code=task.by_status(points))
+    code = task.by_status(points)
+    if points.sizes["point"]:
+        task.picture("section", points, *shown, phases=task["modes"])
+    else:
+        drawn = " to draw" if task.plot is not None else ""
+        click.echo(f"nonsmooth: there are no points{drawn}; the status says why", err=True)
+        code = code or ENDED_EARLY
+    task.finish(points, report, code=code)
 
 
 def _repeats(system: System, points: xr.Dataset) -> int:
@@ -404,8 +411,11 @@ def _spectrum_report(result: xr.Dataset) -> Report:
 def zero_one(task: Task) -> None:
     """``nonsmooth zero-one``."""
     from nonsmooth.analysis.zero_one_test import zero_one_test
+    from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 
     system = task.system
+    if task["period"] is not None:
+        StroboscopicMap(system, period=task["period"]).check_whole_periods()
     known = [*system.states, *system.outputs]
     tested = task["variable"] or system.states[0]
     if tested not in known:
