@@ -478,12 +478,3 @@ def test_whole_periods_hold_over_all_of_a_map():
     with pytest.raises(OptionError, match=r"2\*pi/omega = 6\.98"):
         ns.regime_map(system, over, period=2 * np.pi / 0.8, **few)
     assert ns.regime_map(system, over, period="4*pi/omega", **few).sizes["omega"] == 2
-
-
-def test_attractors_of_strobes_between_the_periods_are_refused():
-    system = ns.models.soft_impact(omega=0.8)
-    region = {"x": (-1, 1), "v": (-1, 1)}
-    with pytest.raises(OptionError, match="period = 3 is no whole multiple"):
-        ns.attractors(ns.StroboscopicMap(system, period=3), region, samples=4)
-    third = ns.StroboscopicMap(system, period="2*pi/omega/3", every=3)
-    assert ns.attractors(third, region, samples=4, record=500).sizes["attractor"]

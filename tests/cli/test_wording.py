@@ -11,6 +11,7 @@ from nonsmooth.cli.command import LEFT_OUT
 from nonsmooth.cli.signatures import parameters
 from nonsmooth.cli.table import TABLE
 from nonsmooth.cli.wording import advice_in_words_of_shell, error_in_words_of_shell
+from nonsmooth.system.columns import with_error
 
 OPTIONS = {
     "record": "--record",
@@ -96,3 +97,21 @@ def test_errors_are_one_line_in_words_of_the_shell(call, tmp_path, name, option)
         assert len(result.stderr.strip().splitlines()) <= 4, f"{option}={wrong}: {result.stderr}"
         if result.exit_code == 2:
             assert len(result.stderr.strip()) > 20, f"{option}={wrong}"
+
+
+@pytest.mark.parametrize(
+    ("value", "error", "told"),
+    [
+        (0.5, 1.7e-19, "0.5"),
+        (0.5, 4e-5, "0.5"),  # four digits are rounded to 5e-5
+        (0.5, 6e-5, "0.5 +- 6e-05"),
+        (-123.4, 0.04, "-123.4"),
+        (-123.4, 0.06, "-123.4 +- 0.06"),
+        (0.0, 1e-9, "0 +- 1e-09"),
+        (1.0, 0.0, "1"),
+        (float("nan"), 0.1, "nan +- 0.1"),
+        (float("-inf"), float("nan"), "-inf"),
+    ],
+)
+def test_an_error_below_the_rounding_is_not_told(value, error, told):
+    assert with_error(value, error) == told

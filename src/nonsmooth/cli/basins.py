@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from nonsmooth.cli.arguments import names, settings, value_limits, value_range
 from nonsmooth.cli.command import Task
-from nonsmooth.cli.report import Column, Report, with_error
+from nonsmooth.cli.report import Column, Report
 from nonsmooth.cli.variables import chosen
 from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.system.columns import with_error
 
 if TYPE_CHECKING:
     import numpy as np
@@ -24,7 +26,9 @@ __all__ = ["attractors", "basins", "measures", "region_of"]
 
 _MOST_CELLS = 100_000_000  # of a grid
 _MOST = 40  # attractors that are printed
-_LONGEST = 36  # letters of a word; those of long cycles are in the file
+_MOST_STATES = 3  # of a point
+_ROUNDING = 1e-12  # of the largest coordinate
+_LONGEST = 28  # letters of a word; those of long cycles are in the file
 _FEWEST_FOR_WADA = 3
 
 
@@ -144,7 +148,9 @@ def _map(task: Task) -> PoincareMap | StroboscopicMap:
                 f"{system.name} has no period; name a section, such as --section"
                 f" {system.states[-1]}, or give --period"
             )
-        return StroboscopicMap(system, **strobes)
+        strobed = StroboscopicMap(system, **strobes)
+        strobed.check_whole_periods()
+        return strobed
     if task.is_given("phase") or task["period"] is not None:
         raise OptionError("--phase and --period are those of strobes: leave out --section, or them")
     return PoincareMap(system, every=every, **task.options("PoincareMap"))
@@ -161,29 +167,47 @@ def _add_attractors(report: Report, result: xr.Dataset) -> None:
 
     report.lines.append(("attractors", f"{result.sizes['attractor']}"))
     rows = []
+    # the sum of all increments since a start says nothing of the attractor
+    states = [n for n in map(str, result["state"].values) if f"{n}_per_iterate" not in result]
     for i in range(result.sizes["attractor"]):
         one = result.isel(attractor=i)
         period = int(one["period"])
         sizes = np.hypot(one["multiplier_real"].values, one["multiplier_imag"].values)
         share = float(one["fraction"]), float(one["fraction_error"])
         exponent = float(one["exponent"]), float(one["exponent_error"])
+        point = {name: float(one["points"].sel(state=name)[0]) for name in states}
         rows.append(
             (
-                int(one["attractor"]), str(one["kind"].item()), period or None, share,
+                int(one["attractor"]), str(one["kind"].item()), period or None, point, share,
                 float(sizes.max(initial=0.0)) if period else None,
                 None if period else exponent, str(one["word"].item()),
             )
         )  # fmt: skip
+    if any(not period for period in result["period"].values):
+        report.add("exponents", "per iterate", exponents_are="per iterate")
     columns: list[Column] = [
         ("", "attractor", str),
         ("kind", "kind", str),
         ("period", "period", _or_blank(str)),
+        (f"point {_bracketed(states)}", "point", _point_text),
         ("share", "share and share_error", _pair_text),
         ("multiplier", "multiplier", _or_blank("{:.4g}".format)),
         ("exponent", "exponent and exponent_error", _or_blank(_pair_text)),
         ("word", "word", lambda w: w if len(w) <= _LONGEST else w[: _LONGEST - 4] + " ..."),
     ]
     report.table("attractors", columns, rows, _MOST)
+
+
+def _bracketed(states: Sequence[str]) -> str:
+    """States as coordinates of a point."""
+    return f"({', '.join(states[:_MOST_STATES])}{', ...' if len(states) > _MOST_STATES else ''})"
+
+
+def _point_text(point: Mapping[str, float]) -> str:
+    """Coordinates of a point, with zero for what is zero but for rounding."""
+    rounding = _ROUNDING * max(map(abs, point.values()), default=0.0)
+    shown = list(point.values())[:_MOST_STATES]
+    return ", ".join(f"{value if abs(value) > rounding else 0.0:.3g}" for value in shown)
 
 
 def _pair_text(pair: tuple[float, float]) -> str:

@@ -10,6 +10,7 @@ from nonsmooth.cli.report import Report
 from nonsmooth.cli.runs import certified
 from nonsmooth.cli.sweeps import certified_runs
 from nonsmooth.errors import OptionError
+from nonsmooth.system.columns import with_error
 
 if TYPE_CHECKING:
     import numpy as np
@@ -48,8 +49,8 @@ def _regime_report(found: xr.Dataset) -> Report:
         report.add("multipliers", text, multiplier_modulus=moduli)
     exponent, error = found["exponent"].item(), found["exponent_error"].item()
     if exponent == exponent:
-        text = f"{exponent:.6g}" + (f" +- {error:.2g}" if error == error else "")
-        report.add("exponent", text, exponent=exponent, exponent_error=error)
+        text = with_error(exponent, error, 6, 2)
+        report.add("exponent", f"{text} per unit time", exponent=exponent, exponent_error=error)
     certified(report, found["n_uncertain"].item(), found["n_estimated"].item())
     used = found["transient_used"].item()
     report.add("transient", f"{used} periods", transient=used)

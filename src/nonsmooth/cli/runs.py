@@ -18,6 +18,7 @@ from nonsmooth.cli.options import flag
 from nonsmooth.cli.report import Report
 from nonsmooth.cli.variables import chosen, pair
 from nonsmooth.errors import OptionError, ResultWarning, RunError, RunWarning, unknown_name
+from nonsmooth.system.columns import with_error
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -324,8 +325,10 @@ def _exponents_report(result: xr.Dataset) -> Report:
     report.add("status", attrs["message"], status=attrs["status"], message=attrs["message"])
     values, errors = result["lyapunov_exponent"].values, result["standard_error"].values
     for k, (value, error) in enumerate(zip(values, errors, strict=True), start=1):
-        text = f"{value:.6g}" + (f" +- {error:.2g}" if error == error else "")
-        report.add(f"exponent {k}", text, exponents=values, standard_errors=errors)
+        text = with_error(value, error, 6, 2)
+        report.add(
+            f"exponent {k}", f"{text} per unit time", exponents=values, standard_errors=errors
+        )
     for name, label in (("exponent_sum", "sum"), ("kaplan_yorke_dimension", "dimension")):
         value = float(result[name])
         if value == value:

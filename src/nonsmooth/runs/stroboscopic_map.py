@@ -290,7 +290,6 @@ class StroboscopicMap(Map):
                 " so a state at a strobe does not say what follows; leave it out, or look at runs"
                 " from one time with simulate or ensemble"
             )
-        self.check_whole_periods()
         if self.hides_phase:
             # told where the user calls the verb, which asks `map_of`, which calls this
             warnings.warn(
