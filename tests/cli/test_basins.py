@@ -107,9 +107,9 @@ def test_measures_of_what_is_none(call, tmp_path):
     text.write_text("no file of this kind")
     xr.Dataset({"x": ("time", [1.0])}).to_netcdf(other, engine="h5netcdf")
     faults = {
-        tmp_path / "none.nc": "is no file",
-        tmp_path: "is no file",
-        text: "cannot be read",
+        tmp_path / "none.nc": "there is no file",
+        tmp_path: "there is no file",
+        text: "is no netCDF file",
         other: "holds no basins",
     }
     for file, message in faults.items():

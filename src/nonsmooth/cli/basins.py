@@ -7,9 +7,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from nonsmooth.cli.arguments import names, settings, value_limits, value_range
+from nonsmooth.cli.arguments import names, need_period, settings, value_limits, value_range
 from nonsmooth.cli.command import Task
 from nonsmooth.cli.report import Column, Report
+from nonsmooth.cli.saved import saved_dataset
 from nonsmooth.cli.variables import chosen
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.system.columns import with_error
@@ -93,7 +94,7 @@ def basins(task: Task) -> None:
 def _options(task: Task, verb: str) -> dict[str, Any]:
     """Options of a search for attractors."""
     options = task.options(verb, "completion")
-    return options | {"completion": dict(settings(task["complete"], "--complete"))}
+    return options | {"completion": dict(settings(task["complete"], "--complete", "q=max(0,p-g)"))}
 
 
 def region_of(system: System, over: tuple[str, ...]) -> dict[str, tuple[float, float]]:
@@ -143,17 +144,22 @@ def _map(task: Task) -> PoincareMap | StroboscopicMap:
     if section is None:
         if task["direction"] is not None or task.is_given("side"):
             raise OptionError("--direction and --side are those of a section: name it: --section")
-        if task["period"] is None and system.period is None:
-            raise OptionError(
-                f"{system.name} has no period; name a section, such as --section"
-                f" {system.states[-1]}, or give --period"
+        if task["period"] is None:
+            need_period(
+                system, f"name a section, such as --section {system.states[-1]}, or give --period"
             )
         strobed = StroboscopicMap(system, **strobes)
         strobed.check_whole_periods()
         return strobed
     if task.is_given("phase") or task["period"] is not None:
         raise OptionError("--phase and --period are those of strobes: leave out --section, or them")
-    return PoincareMap(system, every=every, **task.options("PoincareMap"))
+    found = PoincareMap(system, every=every, **task.options("PoincareMap"))
+    if found.reads_time:
+        raise OptionError(
+            f"--section: the motion of {system.name} depends on time, so that it also matters when"
+            " it comes to the section; leave out --section, for points once per period"
+        )
+    return found
 
 
 def _add_status(report: Report, result: xr.Dataset) -> None:
@@ -280,15 +286,7 @@ def _add_wada(report: Report, saved: xr.Dataset, fractions: xr.Dataset, task: Ta
 
 def _saved(file: Path) -> xr.Dataset:
     """Basins of a file."""
-    import xarray as xr
-
-    if not file.is_file():
-        raise OptionError(f"{file} is no file; nonsmooth basins --save {file} would write it")
-    try:
-        saved = xr.load_dataset(file, engine="h5netcdf")
-    except (OSError, ValueError, KeyError) as fault:
-        reason = str(fault).splitlines()[0] if str(fault) else type(fault).__name__
-        raise OptionError(f"{file} cannot be read as netCDF: {reason}") from None
+    saved = saved_dataset(file, cure="nonsmooth basins --save writes one")
     if "label" not in saved:
         raise OptionError(
             f"{file} holds no basins; give a file that nonsmooth basins --save has written"

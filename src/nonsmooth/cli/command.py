@@ -23,7 +23,7 @@ from nonsmooth.cli.console import ENDED_EARLY, INTERRUPTED
 from nonsmooth.cli.options import Own, flag, own_option, verb_option
 from nonsmooth.cli.signatures import parameters
 from nonsmooth.cli.wording import advice_in_words_of_shell, error_in_words_of_shell
-from nonsmooth.errors import OptionError, ResultWarning, RunError
+from nonsmooth.errors import OptionError, ResultWarning, RunError, RunWarning
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -111,8 +111,11 @@ class Entry(NamedTuple):
         names = (name for verb, _ in self.verbs for name in parameters(verb))
         found = {name: name.replace("_", " ") for name in names}
         found |= {own.name: flag(own.name) for own in self.own}
-        if any(own.name == "over" for own in self.own):
+        own = {each.name for each in self.own}
+        if "over" in own:
             found |= dict.fromkeys(_RANGES, "--over")
+        if "contact_range" in own:
+            found["contact"] = "--contact-range"
         return found | self.flags()
 
 
@@ -252,8 +255,15 @@ def _refuse_repeats(order: Sequence[click.Parameter]) -> None:
         raise OptionError(f"{name} is given {times} times and counts once; {cure}")
 
 
-def _tell(options: Mapping[str, str], message: Warning | str, *_: Any) -> None:
-    """Print a warning as one line, without the place in the source where it was raised."""
+def _tell(
+    options: Mapping[str, str], message: Warning | str, category: type[Warning], *_: Any
+) -> None:
+    """Print a warning as one line, without the place in the source where it was raised.
+
+    Those of arrays and other libraries say nothing of the motion, and are left to scripts.
+    """
+    if not issubclass(category, ResultWarning | RunWarning):
+        return
     said = advice_in_words_of_shell(str(message), options)
     click.echo(f"nonsmooth: {said}", err=True)
 
@@ -354,7 +364,9 @@ class Task:
     @cached_property
     def system(self) -> System:
         """System of the arguments."""
-        return build_system(self["model"], settings(self["settings"], "NAME=VALUE"))
+        apart = "put blanks between several, as in omega=1 zeta=0.1"
+        given = settings(self["settings"], "NAME=VALUE", "name=value, such as omega=0.8", apart)
+        return build_system(self["model"], given, self.entry.flags().get("initial", ""))
 
     def options(self, verb: str, *without: str) -> dict[str, Any]:
         """Keyword arguments of a verb: what its options are given."""

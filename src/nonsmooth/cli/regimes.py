@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from nonsmooth.cli.arguments import value_range
+from nonsmooth.cli.arguments import need_period, value_range
 from nonsmooth.cli.command import Task
 from nonsmooth.cli.report import Report
 from nonsmooth.cli.runs import certified
@@ -23,8 +23,15 @@ def regime(task: Task) -> None:
     """``nonsmooth regime``."""
     from nonsmooth.analysis.regime import regime as judge
 
+    _check_period(task)
     found = judge(task.system, **task.options("regime"))
     task.finish(found, _regime_report(found))
+
+
+def _check_period(task: Task) -> None:
+    """Refuse a system without a period, unless it is said when to look."""
+    if task["period"] is None:
+        need_period(task.system, "give the time between two looks at it by --period, such as 1")
 
 
 def _regime_report(found: xr.Dataset) -> Report:
@@ -61,6 +68,7 @@ def regimes(task: Task) -> None:
     """``nonsmooth regimes``."""
     from nonsmooth.analysis.regime_map import regime_map
 
+    _check_period(task)
     result = regime_map(task.system, _grid(task["over"]), **task.options("regime_map"))
 
     task.picture("regime_map", result)

@@ -84,7 +84,8 @@ def waterfall(
 
     Notes
     -----
-    Of more than 50 spectra a cascade draws every second, or third, and so on.
+    Of more than 50 spectra a cascade draws every second, or third, and so on, and says so above
+    the axes.
 
     Examples
     --------
@@ -150,6 +151,10 @@ def _draw_lines(data: xr.Dataset, ax: Axes, over: str, last: float, height: floa
         x, line = here[i][shown[i]], values[i] + scale * motion[i][shown[i]]
         ax.fill_between(x, values[i], line, color="white", zorder=1 + 1e-3 * number, linewidth=0.0)
         ax.plot(x, line, color="black", linewidth=0.4, zorder=1 + 1e-3 * number)
+    if every > 1:
+        told = f"{chosen.size} of {values.size} spectra, one in {every}"
+        size = float(ax.xaxis.label.get_fontsize()) - 1.0
+        ax.set_title(told, loc="right", fontsize=size)
     ax.set_ylim(values[0] - 0.02 * spread, values[-1] + max(tall, 0.02 * spread))
 
 

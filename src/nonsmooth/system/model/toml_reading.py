@@ -162,7 +162,9 @@ def _made(make: Callable[..., T], words: dict[str, Any], where: str) -> T:
     try:
         return make(**words)
     except ModelError as fault:
-        raise ModelError(f"{where}: {str(fault).removeprefix(f'{make.__name__}: ')}") from None
+        told = str(fault).removeprefix(f"{make.__name__}: ")
+        told = re.sub(r"^(\w+)=(?=\S)", r"\1 = ", told)  # as the file has it
+        raise ModelError(f"{where}: {told}") from None
 
 
 def _drift(value: Any, where: str) -> list[str] | dict[str, Text]:
