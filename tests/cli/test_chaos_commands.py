@@ -52,6 +52,14 @@ def test_spectrum(call, tmp_path):
     assert picture.stat().st_size > 10_000
 
 
+def test_the_spectrum_of_a_drifting_state_has_no_mean(call):
+    """It is that of the motion less its progression; the mean of that is a matter of the start."""
+    result = call("spectrum", "moling", "--variable", "v", "--record", "20", "--transient", "20")
+    assert result.exit_code == 0, result.stderr
+    assert value(result.stdout, "drift") == "the mean progression of v is taken off"
+    assert "  mean " not in result.stdout
+
+
 def test_spectrum_without_a_period(call):
     result = call(
         "spectrum", "chua", "--transient", "20", "--record", "100", "--samples-per-period", "10",

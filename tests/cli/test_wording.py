@@ -228,3 +228,20 @@ def test_what_is_typed_wrong_is_told_in_words_of_the_shell(
 def test_values_are_written_as_the_shell_takes_them(message, told):
     known = OPTIONS | {"word": "--word", "completion": "--complete"}
     assert error_in_words_of_shell(message, known) == told
+
+
+WRONG_FILES = [
+    ('[equations]\nx = "-x"\n[modes.a.flow]\nx = "-x"\n', "modes are given as well", "modes="),
+    ('[modes.a.flow]\nx = "-x"\n[[modes.a.exits]]\nguard = "x"\nto = "a"\n', "add reset, or", "="),
+    ("[equations]\n", "equations: state 'x' has neither a flow", "flow["),
+    ('[equations]\nx = "-x"\ny = "1"\n', "equations: unknown state 'y'", "modes"),
+    ("[modes]\n", "one mode, or equations", "="),
+]
+
+
+@pytest.mark.parametrize(("text", "told", "never"), WRONG_FILES)
+def test_errors_of_files_have_no_arguments_of_python(call, tmp_path, text, told, never):
+    (tmp_path / "wrong.toml").write_text(f'states = ["x"]\n{text}')
+    result = call("explain", tmp_path / "wrong.toml")
+    assert result.exit_code == 2
+    assert told in result.stderr and never not in result.stderr

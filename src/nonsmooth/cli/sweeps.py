@@ -177,7 +177,8 @@ def contacts(task: Task) -> None:
         raise OptionError(
             "--plot draws over a parameter: give its range, such as --over eta=2:3:40"
         )
-    system, over = task.system, (None, None)
+    system = task.system
+    over: tuple[Any, Any] = (None, None)
     need_period(system, _FORCED)
     if task["over"] is not None:
         over = _parameter_range(system, task["over"])

@@ -231,7 +231,7 @@ def test_files_hold_all_words():
     [
         ('holds = "2"', "unknown key 'holds'; did you mean 'hold'"),
         ("below = 3", "surfaces.slip.below"),
-        ("on_nonunique = 'left'", "on_nonunique='left' is not known"),
+        ("on_nonunique = 'left'", "on_nonunique = 'left' is not known"),
     ],
 )
 def test_files_with_bad_words(line, message):
