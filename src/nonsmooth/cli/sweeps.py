@@ -182,9 +182,9 @@ def contacts(task: Task) -> None:
     need_period(system, _FORCED)
     if task["over"] is not None:
         over = _parameter_range(system, task["over"])
-    modes = {name.partition(",")[0] for name in system.mode_names}  # of cells, their own
+    modes = {*system.modes, *system.mode_names}
     if not task.is_given("contact") and "contact" not in modes:
-        known = ", ".join(sorted(system.mode_names))
+        known = ", ".join(sorted(modes))
         raise OptionError(
             f"{system.name} has no mode 'contact'; name the modes that count by --contact (known:"
             f" {known})"
@@ -193,7 +193,7 @@ def contacts(task: Task) -> None:
     result = contact_statistics(system, *over, **options)
     drawn = task["draw"] or next(iter(options["of"]), "contacts")
     if task.plot is not None:
-        single(drawn, list(map(str, result.data_vars)))
+        single(drawn, [*options["of"], *map(str, result.data_vars)])
 
     task.picture("statistics", result, drawn)
     task.finish(result, _contacts_report(result), code=task.by_message(result))

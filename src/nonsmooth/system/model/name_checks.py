@@ -205,7 +205,7 @@ def _check_mode(system: SystemData, name: str, mode: Mode) -> None:
         if state not in mode.flow and state not in mode.slaved:
             raise ModelError(
                 f"modes[{name!r}]: state {state!r} has neither a flow nor a slaved equation;"
-                ' give it one; "0" if it does not change'
+                f' add flow["{state}"], "0" if it does not change'
             )
     for position, way in enumerate(mode.exits):
         if way.sticks is not None:

@@ -25,6 +25,7 @@ T = TypeVar("T")
 
 _PLACE = re.compile(r"\w+(\['\w+'\]|\.\w+|\[\d+\])+(?=[:. ])")
 _KEY = re.compile(r"\['(\w+)'\]")
+_ENTRY = re.compile(r"\bflow\[\"(\w+)\"\]")  # in the middle, where the place is told already
 _ARGUMENT = re.compile(r"\b([a-z_]+)=(?=[\s,;:.)]|$)")  # as in: leave modes= out
 
 
@@ -48,7 +49,7 @@ def _in_words_of_file(message: str, equations: bool) -> str:
     The place at its beginning is ``modes.free.flow`` in place of brackets; `equations` tells that
     the file has those in place of a mode.
     """
-    message = _ARGUMENT.sub(r"\1", message)
+    message = _ENTRY.sub(r"\1", _ARGUMENT.sub(r"\1", message))
     place = _PLACE.match(message)
     if place is None:
         return message
