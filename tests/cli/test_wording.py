@@ -186,7 +186,7 @@ TYPED_WRONG = [
     ("fit soft_impact good.csv --free beta=1:2 --observe x=x --private a",
      "--private: there is one record; name further ones by --more", "leave it"),
     ("fit soft_impact good.csv --free beta=1:2 --observe x=x --events hit=good.csv",
-     "such as --observe hit=impact", "["),
+     "does not say what the instants hit shows", "["),
     ("measured good.csv --columns x --time-range 9,10", "--time-range = 9,10 must run", "_range"),
     ("measured good.csv --columns x --sample-rate 0", "--sample-rate = 0", "sample_rate"),
     ("measured good.csv --columns x --mains 50,a", "--mains = a uses 'a'", "value"),
