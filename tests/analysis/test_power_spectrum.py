@@ -122,6 +122,8 @@ def test_it_survives_a_file(tmp_path):
     ("options", "text"),
     [
         ({"variable": "w"}, "unknown variable 'w'"),
+        ({"variable": "mode"}, "its numbers stand for names"),
+        ({"variable": "event_time"}, r"unknown variable .*known: v, x\)"),
         ({"window": "square"}, "window = 'square'"),
         ({"segments": 50}, "too few for 50 segments"),
         ({"segments": 0}, "segments = 0"),

@@ -453,3 +453,28 @@ def test_systems_that_cannot_settle():
     )
     with pytest.raises(OptionError, match="measured input"):
         ns.regime(measured, period=1.0)
+
+
+def test_strobes_of_a_driven_system_are_whole_periods_apart():
+    """At other lengths strobes of a periodic motion lie on a curve, as those of a torus."""
+    driven = System(states=["x"], period="2*pi", equations={"x": "-x + cos(t)"})
+    message = r"no whole multiple of 2\*pi = 6\.28.*Leave period= out"
+    for period in (3, "3", 2 * np.pi / 1.5, "2*pi + 1e-6"):
+        with pytest.raises(OptionError, match=message):
+            ns.regime(driven, period=period)
+    assert label(ns.regime(driven, period=4 * np.pi)) == "periodic"
+    # what is declared may be several periods of what stands in the equations
+    twice = System(states=["x"], period="4*pi", equations={"x": "-x + cos(t)"})
+    assert label(ns.regime(twice, period="2*pi")) == "periodic"
+    # two frequencies without a common period are a torus
+    both = System(states=["x"], equations={"x": "-x + cos(t) + cos(sqrt(2)*t)"})
+    assert label(ns.regime(both, period="2*pi")) == "quasi-periodic"
+
+
+def test_whole_periods_hold_over_all_of_a_map():
+    system = ns.models.soft_impact(omega=0.8)
+    over = {"omega": [0.8, 0.9], "a": [0.5, 0.7]}
+    few = {"transient": 10, "longest": 20, "evidence": 20, "confirm": 0}
+    with pytest.raises(OptionError, match=r"2\*pi/omega = 6\.98"):
+        ns.regime_map(system, over, period=2 * np.pi / 0.8, **few)
+    assert ns.regime_map(system, over, period="4*pi/omega", **few).sizes["omega"] == 2

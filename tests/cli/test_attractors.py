@@ -29,8 +29,12 @@ def test_table_file_and_picture(call, tmp_path):
     assert value(result.stdout, "starts") == "40" and value(result.stdout, "attractors") == "2"
     share, error = (float(expected[name][0]) for name in ("fraction", "fraction_error"))
     # the multiplier of two states of which zeta alone takes: exp(-zeta 2 pi/omega)
-    told = ["periodic", "1", f"{share:.4g} +- {error:.1g}", "0.951", "free"]
+    point = ", ".join(f"{value:.3g}" for value in expected["points"].values[0, 0])
+    told = ["periodic", "1", point, f"{share:.4g} +- {error:.1g}", "0.951", "free"]
     assert row(result.stdout, 1) == told
+    # both have the period 1, and the points tell which is which
+    assert "point (x, v)" in result.stdout and row(result.stdout, 2)[2] != point
+    assert "exponent" not in result.stdout  # no attractor has one here
 
 
 def test_a_completion_and_a_chaotic_set(call):
@@ -42,7 +46,9 @@ def test_a_completion_and_a_chaotic_set(call):
     kinds = re.findall(r"^ \d+ +(\w+)", result.stdout, re.M)
     assert kinds[-1] == "chaotic"
     last = row(result.stdout, len(kinds))
-    assert float(last[2].partition(" ")[0]) == pytest.approx(0.38, abs=0.03)
+    assert float(last[3].partition(" ")[0]) == pytest.approx(0.38, abs=0.03)
+    assert value(result.stdout, "exponents") == "per iterate" and "point (p, y, q)" in result.stdout
+    assert last[1].count(",") == 2 and "e-1" not in result.stdout  # rounding is shown as zero
 
 
 def test_maps(call):
@@ -53,7 +59,7 @@ def test_maps(call):
     assert row(result.stdout, 1)[-1] == "left"  # a point of rest there
     once = call("attractors", "trilinear", *box, "--over", "v=-2:2")
     twice = call("attractors", "trilinear", *box, "--over", "v=-2:2", "--every", "2")
-    sizes = [float(row(result.stdout, 1)[3]) for result in (once, twice)]
+    sizes = [float(row(result.stdout, 1)[4]) for result in (once, twice)]
     assert sizes[1] == pytest.approx(sizes[0] ** 2, abs=2e-4)
 
 
@@ -70,16 +76,17 @@ def test_nothing_but_early_ends(call, accumulating):
         (["--over", "x=0"], "name=low:high"),
         (["--over", "x=0:1:5"], "name=low:high"),
         (["--over", "x=0:1", "--over", "x=0:2"], "given twice"),
-        (["--over", "x=1:1"], "empty"),
+        (["--over", "x=1:1"], "empty range"),
         (["--over", "x=0:q"], "'q'"),
         (["--over", "w=0:1"], "unknown state 'w'"),
-        (["--over", "x=0:1", "--complete", "v"], "name=value"),
+        (["--over", "x=0:1", "--complete", "v"], "of the form q=max(0,p-g)"),
         (["--over", "x=0:1", "--complete", "v=w + 1"], "'w'"),
-        (["--over", "x=0:1", "--complete", "v=1 +"], "--complete['v']"),
+        (["--over", "x=0:1", "--complete", "v=1 +"], "--complete: v"),
         (["--over", "x=0:1", "--starts", "0"], "--starts = 0"),
         (["--over", "x=0:1", "--direction", "1"], "--section"),
         (["--over", "x=0:1", "--section", "v", "--phase", "0.5"], "--phase"),
         (["--over", "x=0:1", "--every", "0"], "every"),
+        (["--over", "x=0:1", "--period", "3"], "--period = 3 is no whole multiple of 2*pi/omega"),
         (["--over", "x=0:1", "--draw", "x,v"], "--plot picture.png"),
         (["--over", "x=0:1", "--plot", "a.png", "--draw", "x"], "not two states"),
         (["--over", "x=0:1", "--plot", "a.png", "--draw", "x,w"], "unknown state 'w'"),

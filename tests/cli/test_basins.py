@@ -24,7 +24,7 @@ def test_table_file_picture_and_measures(call, tmp_path, expected):
     assert picture.stat().st_size > 1000
     assert value(result.stdout, "cells") == "320 (20 x 16)"
     share = float(np.mean(expected["label"] == 1))
-    assert float(row(result.stdout, 1)[2].partition(" ")[0]) == pytest.approx(share, rel=1e-3)
+    assert float(row(result.stdout, 1)[3].partition(" ")[0]) == pytest.approx(share, rel=1e-3)
 
     result = call("measures", file, "--box", "4", "--plot", curve)
     assert result.exit_code == 0, result.stderr
@@ -41,7 +41,7 @@ def test_table_file_picture_and_measures(call, tmp_path, expected):
 def test_cell_mapping(call, expected, method):
     result = call("basins", "gear_pair", "Omega=0.5", *GRID, "--method", method)
     assert result.exit_code == 0, result.stderr
-    share = float(row(result.stdout, 1)[2].partition(" ")[0])
+    share = float(row(result.stdout, 1)[3].partition(" ")[0])
     assert share == pytest.approx(float(np.mean(expected["label"] == 1)), abs=0.1)
 
 
@@ -107,9 +107,9 @@ def test_measures_of_what_is_none(call, tmp_path):
     text.write_text("no file of this kind")
     xr.Dataset({"x": ("time", [1.0])}).to_netcdf(other, engine="h5netcdf")
     faults = {
-        tmp_path / "none.nc": "is no file",
-        tmp_path: "is no file",
-        text: "cannot be read",
+        tmp_path / "none.nc": "there is no file",
+        tmp_path: "there is no file",
+        text: "is no netCDF file",
         other: "holds no basins",
     }
     for file, message in faults.items():

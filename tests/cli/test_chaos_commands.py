@@ -16,7 +16,7 @@ def test_exponents(call, tmp_path):
     assert result.exit_code == 0, result.stderr
     spectrum = ns.lyapunov_spectrum(ns.models.moling(b=0.15), {}, transient=60, record=40)
     assert value(result.stdout, "exponent 2").startswith("-0.0387962")
-    assert value(result.stdout, "exponent 4") == "-inf"
+    assert value(result.stdout, "exponent 4") == "-inf per unit time"
     assert value(result.stdout, "dimension") == "1"
     assert value(result.stdout, "averaged over").startswith("time 2513.274, 40 periods, 160 events")
     with xr.open_dataset(file, engine="h5netcdf") as saved:
@@ -50,6 +50,14 @@ def test_spectrum(call, tmp_path):
         amplitude = saved["amplitude"].swap_dims(frequency="harmonic").sel(harmonic=1)
         assert float(first) == float(f"{float(amplitude):.6g}") > 0.1
     assert picture.stat().st_size > 10_000
+
+
+def test_the_spectrum_of_a_drifting_state_has_no_mean(call):
+    """It is that of the motion less its progression; the mean of that is a matter of the start."""
+    result = call("spectrum", "moling", "--variable", "v", "--record", "20", "--transient", "20")
+    assert result.exit_code == 0, result.stderr
+    assert value(result.stdout, "drift") == "the mean progression of v is taken off"
+    assert "  mean " not in result.stdout
 
 
 def test_spectrum_without_a_period(call):

@@ -38,7 +38,7 @@ def test_several_initial_states(call):
     [
         ([], "--over"),
         (["--over", "omega=0.7:0.8"], "name=first:last:count"),
-        (["--over", "omega"], "name=value"),
+        (["--over", "omega"], "not of the form name=first:last:count"),
         (["--over", "omega=0.7:0.8:0"], "whole number"),
         (["--over", "q=0.7:0.8:5"], "unknown parameter 'q'"),
         (["--over", "omega=0.7:0.8:5", "--start", "follow"], "follow-up"),

@@ -134,7 +134,7 @@ def test_a_dead_probe_is_told(call, tmp_path, files):
         (["--columns", "x=a", "--mark", "b", "--time", "key"], "times must increase"),
         (["--columns", "x=a,x=b", "--mark", "key"], "'x' is given twice"),
         (["--columns", "x=", "--mark", "key"], "not of the form"),
-        (["--columns", "", "--mark", "key"], "--columns is empty"),
+        (["--columns", "", "--mark", "key"], "--columns: the text is empty"),
         (["--columns", "a", "--mark", "key", "--length", "2"], "together"),
         (["--columns", "a", "--mark", "key", "--draw", "a,va"], "--plot picture.png"),
         (["--columns", "a", "--mark", "key", "--speed-unit", "Hz"], "several files"),

@@ -1,6 +1,7 @@
 """Options agree with the verbs that they are made from, and the help says what they mean."""
 
 import inspect
+import json
 import re
 
 import click
@@ -201,6 +202,38 @@ def test_less_than_the_least_value_is_refused(call, tmp_path, name, option, leas
     result = call(name, *files(name, tmp_path), *SMALL.get(name, []), f"{option}={least - 1:g}")
     assert result.exit_code == 2, f"{name} {option} {least - 1:g} ran"
     assert "Traceback" not in result.output and result.stderr.strip()
+
+
+def test_an_option_of_one_value_is_given_once(call):
+    """The last one would win in silence, so every command refuses each of its options twice."""
+    seen = 0
+    for name in TABLE:
+        found, context = command(name)
+        for each in found.get_params(context):
+            if not isinstance(each, click.Option) or each.is_flag or each.multiple:
+                continue
+            flag, seen = each.opts[0], seen + 1
+            result = call(name, "duffing", "record.csv", flag, "1", f"{flag}=2")
+            assert result.exit_code == 2
+            assert f"{flag} is given 2 times" in result.stderr and "give it once" in result.stderr
+    assert seen > 200
+
+
+def test_values_of_a_list_are_given_once_in_one_list(call):
+    result = call("simulate", "duffing", "--initial", "x=1", "--initial", "v=2")
+    assert result.exit_code == 2
+    assert "in one list, of the form --initial x=0.1,v=0" in result.stderr
+    result = call("diagram", "duffing", "--over", "omega=1:2:3", "--over", "zeta=0:1:3")
+    assert "--over is given 2 times" in result.stderr and "list" not in result.stderr
+
+
+def test_options_that_may_be_given_several_times_still_are(call):
+    result = call(
+        "diagram", "soft_impact", "--over", "omega=0.7:0.8:2", "--transient", "5", "--record", "4",
+        "--initial", "x=0.1", "--initial", "x=0.2", "--json", "--json",
+    )  # fmt: skip
+    assert result.exit_code == 0, result.stderr
+    assert json.loads(result.stdout)["initial_states"] == 2
 
 
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])

@@ -244,7 +244,7 @@ def test_a_long_word_is_shortened(call, asked):
         (["orbit", "duffing", "--plot", "a.png", "--history", "w"], "unknown variable 'w'"),
         (["orbit", "duffing", "--plot", "a.png", "--draw", "x"], "not two variables"),
         (["orbit", "duffing", "--save", "a.csv"], "'.csv'"),
-        (["continue", "duffing", "--over", "omega"], "not of the form name=value"),
+        (["continue", "duffing", "--over", "omega"], "not of the form name=low:high"),
         (["continue", "duffing", "--over", "omega=1:2:3"], "not of the form name=low:high"),
         (["continue", "duffing", "--over", "omeg=1:2"], "unknown parameter 'omeg'"),
         (["continue", "duffing", "--over", "omega=2:3"], "not between 2 and 3"),

@@ -26,11 +26,27 @@ def test_summary_and_file(call, tmp_path):
 
 def test_events_of_a_model(call, accumulating):
     result = call("section", "ball", "--section", "h", "--t-end", "2", "--direction", "0")
-    assert result.exit_code == 0
+    assert result.exit_code == 1
     assert "nothing crosses section = 'h' in either direction" in result.stdout
     result = call("section", "ball", "--section", "flight", "--side", "after")
     assert result.exit_code == 1
     assert "event_limit" in result.stdout
+
+
+@pytest.mark.parametrize("more", [[], ["--json"], ["--t-end", "50"]])
+def test_a_section_that_is_never_crossed_is_no_success(call, tmp_path, more):
+    """Orbits of this oscillator stay within a few units of its wells."""
+    file, picture = tmp_path / "points.nc", tmp_path / "points.png"
+    result = call(
+        "section", "duffing", "--section", "x-100", "--transient", "1", "--record", "3",
+        "--save", file, "--plot", picture, *more,
+    )  # fmt: skip
+    assert result.exit_code == 1
+    assert "nothing crosses section = 'x-100' upward" in result.stdout
+    assert "there are no points to draw" in result.stderr
+    with xr.open_dataset(file, engine="h5netcdf") as saved:
+        assert saved.sizes["point"] == 0
+    assert not picture.exists()
 
 
 @pytest.mark.parametrize(

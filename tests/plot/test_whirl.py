@@ -108,6 +108,17 @@ def test_cascade(spectra, ax):
         assert height == pytest.approx(0.5 * here / largest, abs=1e-9)
 
 
+def test_a_cascade_says_how_many_spectra_it_draws(spectra, ax):
+    """Of 120 spectra one in three, as more than 50 lines are not told apart."""
+    many = spectra.isel(parameter=np.arange(120) % 5)
+    many = many.assign_coords(parameter=np.linspace(2.0, 3.0, 120))
+    ns.plot.waterfall(many, ax=ax, orders=False)
+    assert len(ax.lines) == 40
+    assert ax.get_ylabel().endswith("(40 of 120 drawn)")
+    few = ns.plot.waterfall(spectra, orders=False)
+    assert "drawn" not in few.get_ylabel()
+
+
 def test_map_of_colours(spectra, ax):
     ns.plot.waterfall(spectra, ax=ax, kind="map", over="frequency")
     (mesh,) = ax.collections

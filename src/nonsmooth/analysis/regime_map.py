@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from functools import partial
+from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +19,7 @@ from nonsmooth.analysis.regimes.options import check_system, make_protocol
 from nonsmooth.analysis.regimes.points import Plane
 from nonsmooth.analysis.regimes.regime_dataset import map_dataset
 from nonsmooth.analysis.settle import said_of_start
-from nonsmooth.errors import OptionError, is_known, unknown_name
+from nonsmooth.errors import ModelError, OptionError, is_known, unknown_name
 from nonsmooth.runs.options import finite_number
 from nonsmooth.runs.runner import build_tables
 from nonsmooth.runs.start import Start, check_carried, resolve_start
@@ -167,6 +169,7 @@ def regime_map(
     system = shared.system_of(system)
     check_system(system, period, "regime_map")
     names, values = _check_grid(system, over)
+    _check_corners(system, period, names, values)
     levels = _check_refine(refine)
     way = check_way(start)
     if levels and way != "restart":
@@ -219,6 +222,21 @@ def regime_map(
         filled = filled[:0]
     plane.fill(filled)
     return map_dataset(system, names, fine, plane.verdicts, filled, options)
+
+
+def _check_corners(
+    system: System,
+    period: float | str | None,
+    names: tuple[str, str],
+    values: tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]],
+) -> None:
+    """Refuse a time between strobes that is one period of the system here, and none there."""
+    if period is None:
+        return
+    for corner in product(*((each[0], each[-1]) for each in values)):
+        with suppress(ModelError):  # the map has a label for what the system refuses
+            there = system.with_parameters(**dict(zip(names, map(float, corner), strict=True)))
+            check_system(there, period, "regime_map")
 
 
 def _check_grid(

@@ -11,6 +11,7 @@ from nonsmooth.cli.arguments import number, settings
 from nonsmooth.cli.command import Task
 from nonsmooth.cli.records import channels, checked, code_of_flaws
 from nonsmooth.cli.report import Report
+from nonsmooth.cli.saved import saved_dataset
 from nonsmooth.errors import OptionError, unknown_name
 
 if TYPE_CHECKING:
@@ -51,14 +52,10 @@ def alarm(task: Task) -> None:
 
 def _windows(file: str, task: Task, flaws: list[xr.Dataset]) -> xr.Dataset:
     """Indicators of a record; or those that a netCDF file holds already."""
-    import xarray as xr
-
     from nonsmooth import measured
 
     if Path(file).suffix.lower() == ".nc":
-        if not Path(file).is_file():
-            raise OptionError(f"{file} is no file")
-        found = xr.load_dataset(file, engine="h5netcdf")
+        found = saved_dataset(file)
     else:
         if task["columns"] is None:
             raise OptionError("--columns: name the columns of a CSV file, such as x=CH1")
@@ -79,7 +76,7 @@ def _windows(file: str, task: Task, flaws: list[xr.Dataset]) -> xr.Dataset:
 
 def _range(text: str) -> tuple[str, tuple[float, float]]:
     """Name and ends of ``name=low:high``; an end that is left out is infinite."""
-    ((name, value),) = settings([text], "--contact-range").items()
+    ((name, value),) = settings([text], "--contact-range", "name=low:high").items()
     low, colon, high = (part.strip() for part in value.partition(":"))
     if not colon or not (low or high):
         raise OptionError(f"--contact-range: {text!r} is not of the form name=low:high")

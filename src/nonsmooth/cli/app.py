@@ -41,8 +41,8 @@ def app() -> None:
     Begin with: nonsmooth models, then nonsmooth simulate soft_impact --plot run.png. For what a
     command takes, with an example, type nonsmooth COMMAND --help.
 
-    Exit codes: 0 done, 1 ended early (files are written), 2 wrong use, 3 done from a record with
-    flaws (files are written), 130 interrupted.
+    Exit codes: 0 done, 1 ended early or found nothing (files are written), 2 wrong use, 3 done from
+    a record with flaws (files are written), 130 interrupted.
     """
 
 

@@ -6,6 +6,7 @@ Expressions go through the grammar of the library; nothing is handed to Python.
 from __future__ import annotations
 
 import inspect
+import math
 import os
 import re
 from collections.abc import Iterable, Sequence
@@ -26,6 +27,7 @@ __all__ = [
     "initial_state",
     "is_file",
     "names",
+    "need_period",
     "number",
     "number_list",
     "number_or_limits",
@@ -39,6 +41,8 @@ __all__ = [
 ]
 
 _MOST_VALUES = 1_000_000  # in a range
+_SECOND = re.compile(r"(?<![<>=!])=(?!=)")
+_WORDS = re.compile(r"Literal|\bstr\b")  # arguments of models that are no numbers
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 
 
@@ -47,13 +51,16 @@ def is_file(model: str) -> bool:
     return model.lower().endswith(".toml") or "/" in model or os.sep in model
 
 
-def build_system(model: str, values: dict[str, str]) -> System:
-    """System of a model or a file with some parameters given as text."""
+def build_system(model: str, values: dict[str, str], initial: str = "") -> System:
+    """System of a model or a file with some parameters given as text.
+
+    initial: the option for initial states, where there is one
+    """
     given = {name: _number_or_text(text) for name, text in values.items()}
     if is_file(model):
         from nonsmooth.system.system import System
 
-        return _with_others(System.from_toml(Path(model)), model, given, ())
+        return _with_others(System.from_toml(Path(model)), model, given, (), initial)
     from nonsmooth.models.ready_made import ready_made
 
     known = ready_made()
@@ -61,25 +68,48 @@ def build_system(model: str, values: dict[str, str]) -> System:
         raise OptionError(_unknown_model(model, known))
     make = known[model]
     arguments = inspect.signature(make).parameters
+    for name in given.keys() & arguments.keys():
+        if not _WORDS.search(str(arguments[name].annotation)):
+            _check_value(name, given[name])
     system = make(**{name: value for name, value in given.items() if name in arguments})
     others = {name: value for name, value in given.items() if name not in arguments}
-    return _with_others(system, model, others, arguments)
+    return _with_others(system, model, others, arguments, initial)
 
 
 def _with_others(
-    system: System, model: str, values: dict[str, float | str], arguments: Iterable[str]
+    system: System,
+    model: str,
+    values: dict[str, float | str],
+    arguments: Iterable[str],
+    initial: str,
 ) -> System:
     """System with values of parameters that are not arguments of its function."""
     for name in values:
         if name in system.states:
-            raise OptionError(
-                f"{model}: {name!r} is a state and no parameter; where a run begins is said by"
-                f" initial={{{name!r}: {values[name]}}}"
-            )
+            where = f"; where a run begins is said by {initial} {name}={_plain(values[name])}"
+            told = f"{model}: {name!r} is a state and no parameter"
+            raise OptionError(told + (where if initial else ""))
         if name not in system.parameters:
             known = {*arguments, *system.parameters}
             raise OptionError(f"{model}: {unknown_name('parameter', name, known)}")
+        _check_value(name, values[name])
     return system.with_parameters(**values) if values else system
+
+
+def _plain(value: float | str) -> str:
+    return value if isinstance(value, str) else f"{value:g}"
+
+
+def _check_value(name: str, value: float | str) -> None:
+    """Refuse a text that is no number, in words of the command line."""
+    if isinstance(value, str) and not math.isfinite(_constant(value, f"NAME=VALUE: {name}")):
+        raise OptionError(f"NAME=VALUE: {name} = {value} is not a finite number")
+
+
+def need_period(system: System, cure: str) -> None:
+    """Refuse a system without a period, where a command looks at it once per period."""
+    if system.period is None:
+        raise OptionError(f"{system.name} has no period; {cure}")
 
 
 def _unknown_model(model: str, known: Iterable[str]) -> str:
@@ -96,13 +126,20 @@ def _number_or_text(text: str) -> float | str:
     return float(text) if _NUMBER.fullmatch(text.strip()) else text
 
 
-def settings(texts: Sequence[str], option: str) -> dict[str, str]:
-    """Texts such as ``b=0.15`` as names with the texts of their values."""
+def settings(
+    texts: Sequence[str], option: str, form: str = "name=value", apart: str = ""
+) -> dict[str, str]:
+    """Texts such as ``b=0.15`` as names with the texts of their values.
+
+    form: what such a text is; apart: how several are given, where a value has no sign ``=``
+    """
     values: dict[str, str] = {}
     for text in texts:
         name, sign, value = (part.strip() for part in text.partition("="))
         if not (name and sign and value):
-            raise OptionError(f"{option}: {text!r} is not of the form name=value")
+            raise OptionError(f"{option}: {text!r} is not of the form {form}")
+        if apart and _SECOND.search(value):
+            raise OptionError(f"{option}: {text!r} has a second sign =; {apart}")
         if name in values:
             raise OptionError(f"{option}: {name!r} is given twice")
         values[name] = value
@@ -111,21 +148,23 @@ def settings(texts: Sequence[str], option: str) -> dict[str, str]:
 
 def constants(values: dict[str, str], option: str) -> dict[str, float]:
     """Values of constant expressions such as ``pi/2``."""
+    return {name: _constant(text, f"{option}: {name}") for name, text in values.items()}
+
+
+def _constant(text: str, where: str) -> float:
+    """Value of a constant expression; `where` says in an error what the text stands for."""
     from nonsmooth.system.text.evaluate import constant_value
     from nonsmooth.system.text.expressions import names_in
     from nonsmooth.system.text.grammar import parse
 
-    numbers = {}
-    for name, text in values.items():
-        tree = parse(text, where=f"{option}: {name}")
-        others = sorted(n.name for n in names_in(tree) if n.name != "pi")
-        if others:
-            raise OptionError(
-                f"{option}: {name} = {text} uses {others[0]!r}; give a number or a constant"
-                " expression such as pi/2"
-            )
-        numbers[name] = constant_value(tree, {})
-    return numbers
+    tree = parse(text, where=where)
+    others = sorted(n.name for n in names_in(tree) if n.name != "pi")
+    if others:
+        raise OptionError(
+            f"{where} = {text} uses {others[0]!r}; give a number or a constant expression such as"
+            " pi/2"
+        )
+    return constant_value(tree, {})
 
 
 def names(text: str | None) -> list[str]:
@@ -149,12 +188,13 @@ def number(text: str, option: str) -> float:
     try:
         return float(text)
     except ValueError:
-        return constants({"value": text}, option)["value"]
+        return _constant(text, option)
 
 
 def initial_state(text: str, option: str) -> dict[str, float]:
     """Initial state of a text such as ``x=0.1,v=0``."""
-    return constants(settings(names(text), option), option)
+    apart = "put commas between the states, as in x=0.1,v=0"
+    return constants(settings(names(text), option, "x=0.1,v=0", apart), option)
 
 
 def widths(text: str, option: str) -> list[float] | str:
@@ -166,8 +206,7 @@ def widths(text: str, option: str) -> list[float] | str:
         raise OptionError(f"{option}: give widths such as 0.1,0.01,0.001")
     if len(parts) == 1 and is_name(parts[0]):
         return parts[0]
-    numbered = {str(k): part for k, part in enumerate(parts, 1)}
-    return list(constants(numbered, option).values())
+    return [_constant(part, option) for part in parts]
 
 
 def by_column(text: str, option: str) -> str | dict[str, str]:
@@ -206,16 +245,24 @@ def _limits(
     text: str, shape: Sequence[str], option: str = "--over"
 ) -> tuple[str, dict[str, float]]:
     """Name and numbers of ``name=first:last``, or of ``name=first:last:count``."""
-    ((name, value),) = settings([text], option).items()
+    form = f"name={':'.join(shape)}"
+    ((name, value),) = settings([text], option, form, f"it is one {form}").items()
     parts = [part.strip() for part in value.split(":")]
     if len(parts) != len(shape) or not all(parts):
-        raise OptionError(f"{option}: {text!r} is not of the form name={':'.join(shape)}")
+        raise OptionError(f"{option}: {text!r} is not of the form {form}")
     return name, constants(dict(zip(shape, parts, strict=True)), option)
 
 
-def value_limits(text: str, option: str = "--over") -> tuple[str, tuple[float, float]]:
-    """Name and ends of ``name=low:high``."""
+def value_limits(
+    text: str, option: str = "--over", *, either_way: bool = False
+) -> tuple[str, tuple[float, float]]:
+    """Name and ends of ``name=low:high``; `either_way` lets the higher one be the first."""
     name, numbers = _limits(text, ("low", "high"), option)
+    rises = numbers["low"] < numbers["high"]
+    if not (rises or (either_way and numbers["low"] != numbers["high"])):
+        raise OptionError(
+            f"{option}: {text!r} is an empty range; the first number must be below the second one"
+        )
     return name, (numbers["low"], numbers["high"])
 
 

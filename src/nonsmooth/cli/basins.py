@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from nonsmooth.cli.arguments import names, settings, value_limits, value_range
+from nonsmooth.cli.arguments import names, need_period, settings, value_limits, value_range
 from nonsmooth.cli.command import Task
-from nonsmooth.cli.report import Column, Report, with_error
+from nonsmooth.cli.report import Column, Report
+from nonsmooth.cli.saved import saved_dataset
 from nonsmooth.cli.variables import chosen
 from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.system.columns import with_error
 
 if TYPE_CHECKING:
     import numpy as np
@@ -24,7 +27,9 @@ __all__ = ["attractors", "basins", "measures", "region_of"]
 
 _MOST_CELLS = 100_000_000  # of a grid
 _MOST = 40  # attractors that are printed
-_LONGEST = 36  # letters of a word; those of long cycles are in the file
+_MOST_STATES = 3  # of a point
+_ROUNDING = 1e-12  # of the largest coordinate
+_LONGEST = 28  # letters of a word; those of long cycles are in the file
 _FEWEST_FOR_WADA = 3
 
 
@@ -89,7 +94,7 @@ def basins(task: Task) -> None:
 def _options(task: Task, verb: str) -> dict[str, Any]:
     """Options of a search for attractors."""
     options = task.options(verb, "completion")
-    return options | {"completion": dict(settings(task["complete"], "--complete"))}
+    return options | {"completion": dict(settings(task["complete"], "--complete", "q=max(0,p-g)"))}
 
 
 def region_of(system: System, over: tuple[str, ...]) -> dict[str, tuple[float, float]]:
@@ -139,15 +144,22 @@ def _map(task: Task) -> PoincareMap | StroboscopicMap:
     if section is None:
         if task["direction"] is not None or task.is_given("side"):
             raise OptionError("--direction and --side are those of a section: name it: --section")
-        if task["period"] is None and system.period is None:
-            raise OptionError(
-                f"{system.name} has no period; name a section, such as --section"
-                f" {system.states[-1]}, or give --period"
+        if task["period"] is None:
+            need_period(
+                system, f"name a section, such as --section {system.states[-1]}, or give --period"
             )
-        return StroboscopicMap(system, **strobes)
+        strobed = StroboscopicMap(system, **strobes)
+        strobed.check_whole_periods()
+        return strobed
     if task.is_given("phase") or task["period"] is not None:
         raise OptionError("--phase and --period are those of strobes: leave out --section, or them")
-    return PoincareMap(system, every=every, **task.options("PoincareMap"))
+    found = PoincareMap(system, every=every, **task.options("PoincareMap"))
+    if found.reads_time:
+        raise OptionError(
+            f"--section: the motion of {system.name} depends on time, so that it also matters when"
+            " it comes to the section; leave out --section, for points once per period"
+        )
+    return found
 
 
 def _add_status(report: Report, result: xr.Dataset) -> None:
@@ -161,29 +173,47 @@ def _add_attractors(report: Report, result: xr.Dataset) -> None:
 
     report.lines.append(("attractors", f"{result.sizes['attractor']}"))
     rows = []
+    # the sum of all increments since a start says nothing of the attractor
+    states = [n for n in map(str, result["state"].values) if f"{n}_per_iterate" not in result]
     for i in range(result.sizes["attractor"]):
         one = result.isel(attractor=i)
         period = int(one["period"])
         sizes = np.hypot(one["multiplier_real"].values, one["multiplier_imag"].values)
         share = float(one["fraction"]), float(one["fraction_error"])
         exponent = float(one["exponent"]), float(one["exponent_error"])
+        point = {name: float(one["points"].sel(state=name)[0]) for name in states}
         rows.append(
             (
-                int(one["attractor"]), str(one["kind"].item()), period or None, share,
+                int(one["attractor"]), str(one["kind"].item()), period or None, point, share,
                 float(sizes.max(initial=0.0)) if period else None,
                 None if period else exponent, str(one["word"].item()),
             )
         )  # fmt: skip
+    if any(not period for period in result["period"].values):
+        report.add("exponents", "per iterate", exponents_are="per iterate")
     columns: list[Column] = [
         ("", "attractor", str),
         ("kind", "kind", str),
         ("period", "period", _or_blank(str)),
+        (f"point {_bracketed(states)}", "point", _point_text),
         ("share", "share and share_error", _pair_text),
         ("multiplier", "multiplier", _or_blank("{:.4g}".format)),
         ("exponent", "exponent and exponent_error", _or_blank(_pair_text)),
         ("word", "word", lambda w: w if len(w) <= _LONGEST else w[: _LONGEST - 4] + " ..."),
     ]
     report.table("attractors", columns, rows, _MOST)
+
+
+def _bracketed(states: Sequence[str]) -> str:
+    """States as coordinates of a point."""
+    return f"({', '.join(states[:_MOST_STATES])}{', ...' if len(states) > _MOST_STATES else ''})"
+
+
+def _point_text(point: Mapping[str, float]) -> str:
+    """Coordinates of a point, with zero for what is zero but for rounding."""
+    rounding = _ROUNDING * max(map(abs, point.values()), default=0.0)
+    shown = list(point.values())[:_MOST_STATES]
+    return ", ".join(f"{value if abs(value) > rounding else 0.0:.3g}" for value in shown)
 
 
 def _pair_text(pair: tuple[float, float]) -> str:
@@ -256,15 +286,7 @@ def _add_wada(report: Report, saved: xr.Dataset, fractions: xr.Dataset, task: Ta
 
 def _saved(file: Path) -> xr.Dataset:
     """Basins of a file."""
-    import xarray as xr
-
-    if not file.is_file():
-        raise OptionError(f"{file} is no file; nonsmooth basins --save {file} would write it")
-    try:
-        saved = xr.load_dataset(file, engine="h5netcdf")
-    except (OSError, ValueError, KeyError) as fault:
-        reason = str(fault).splitlines()[0] if str(fault) else type(fault).__name__
-        raise OptionError(f"{file} cannot be read as netCDF: {reason}") from None
+    saved = saved_dataset(file, cure="nonsmooth basins --save writes one")
     if "label" not in saved:
         raise OptionError(
             f"{file} holds no basins; give a file that nonsmooth basins --save has written"

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import importlib
 import warnings
-from collections.abc import Iterator, Mapping
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -22,7 +23,7 @@ from nonsmooth.cli.console import ENDED_EARLY, INTERRUPTED
 from nonsmooth.cli.options import Own, flag, own_option, verb_option
 from nonsmooth.cli.signatures import parameters
 from nonsmooth.cli.wording import advice_in_words_of_shell, error_in_words_of_shell
-from nonsmooth.errors import OptionError, ResultWarning, RunError
+from nonsmooth.errors import OptionError, ResultWarning, RunError, RunWarning
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -110,8 +111,11 @@ class Entry(NamedTuple):
         names = (name for verb, _ in self.verbs for name in parameters(verb))
         found = {name: name.replace("_", " ") for name in names}
         found |= {own.name: flag(own.name) for own in self.own}
-        if any(own.name == "over" for own in self.own):
+        own = {each.name for each in self.own}
+        if "over" in own:
             found |= dict.fromkeys(_RANGES, "--over")
+        if "contact_range" in own:
+            found["contact"] = "--contact-range"
         return found | self.flags()
 
 
@@ -152,6 +156,9 @@ class VerbCommand(click.Command):
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Parse; an argument of Python that has another name here is told by that."""
         try:
+            if not ctx.resilient_parsing:  # completion looks at lines that are not whole
+                _, _, order = self.make_parser(ctx).parse_args(list(args))
+                _refuse_repeats(order)
             return super().parse_args(ctx, args)
         except click.NoSuchOption as fault:
             instead = self._instead(fault.option_name)
@@ -236,8 +243,27 @@ class VerbCommand(click.Command):
                 raise
 
 
-def _tell(options: Mapping[str, str], message: Warning | str, *_: Any) -> None:
-    """Print a warning as one line, without the place in the source where it was raised."""
+def _refuse_repeats(order: Sequence[click.Parameter]) -> None:
+    """Refuse an option that takes one value and is given several, of which the last would count."""
+    for each, times in Counter(order).items():
+        if not isinstance(each, click.Option) or each.multiple or each.is_flag or times == 1:
+            continue
+        name, form = each.opts[0], str(each.metavar)
+        cure = "give it once"
+        if "," in form or "..." in form:
+            cure += f", with all its values in one list, of the form {name} {form}"
+        raise OptionError(f"{name} is given {times} times and counts once; {cure}")
+
+
+def _tell(
+    options: Mapping[str, str], message: Warning | str, category: type[Warning], *_: Any
+) -> None:
+    """Print a warning as one line, without the place in the source where it was raised.
+
+    Those of arrays and other libraries say nothing of the motion, and are left to scripts.
+    """
+    if not issubclass(category, ResultWarning | RunWarning):
+        return
     said = advice_in_words_of_shell(str(message), options)
     click.echo(f"nonsmooth: {said}", err=True)
 
@@ -338,7 +364,9 @@ class Task:
     @cached_property
     def system(self) -> System:
         """System of the arguments."""
-        return build_system(self["model"], settings(self["settings"], "NAME=VALUE"))
+        apart = "put blanks between several, as in omega=1 zeta=0.1"
+        given = settings(self["settings"], "NAME=VALUE", "name=value, such as omega=0.8", apart)
+        return build_system(self["model"], given, self.entry.flags().get("initial", ""))
 
     def options(self, verb: str, *without: str) -> dict[str, Any]:
         """Keyword arguments of a verb: what its options are given."""

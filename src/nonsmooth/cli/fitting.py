@@ -12,6 +12,7 @@ from nonsmooth.cli.command import Task
 from nonsmooth.cli.options import flag
 from nonsmooth.cli.records import add_flaws, checked, code_of_flaws, columns_of, places_of
 from nonsmooth.cli.report import Report
+from nonsmooth.cli.saved import saved_dataset
 from nonsmooth.errors import OptionError
 
 if TYPE_CHECKING:
@@ -21,6 +22,7 @@ __all__ = ["fit"]
 
 # options of the shell by the names of the arguments; --offset is one number in other commands
 _SENSOR = {"gain": "gain", "offset": "channel_offset", "delay": "delay", "noise": "noise"}
+_BY_RECORD = "record.name=value"
 # pictures of one channel, by what --draw calls them
 _OF_CHANNELS = {"fit": "fit", "spectra": "fit_spectra"}
 # no flaws of what is fitted: the mean of a transient moves by itself
@@ -44,7 +46,8 @@ def fit(task: Task) -> None:
         **task.options("fit"),
     )  # fmt: skip
     report = Report(str(found.attrs["system_name"]))
-    report.add("message", str(found.attrs["message"]))
+    # the table of the shell has no such column
+    report.add("message", str(found.attrs["message"]).replace(" (interval_open)", ""))
     add_flaws(report, *flaws)
     columns: list[Any] = [
         ("parameter", "parameter", str),
@@ -71,6 +74,8 @@ def _check(task: Task) -> None:
     """Refuse options that do not go together, and what the posterior would refuse after the fit."""
     from nonsmooth.fitting.posterior import check_chain
 
+    if task["private"] and not task["more"]:
+        raise OptionError("--private: there is one record; name further ones by --more")
     if task["posterior"] is None and task["store"] is not None:
         raise OptionError("--store keeps draws of a posterior: give --posterior")
     if task["posterior"] is not None:
@@ -125,8 +130,9 @@ def _records(task: Task, flaws: list[xr.Dataset]) -> tuple[Any, dict[str, str]]:
     flaws: what is found to be wrong with the records is added to it
     """
     first = Path(task["record"])
-    more = {name: Path(text) for name, text in settings(task["more"], "--more").items()}
-    events = settings(task["events"], "--events")
+    further = settings(task["more"], "--more", "name=file")
+    more = {name: Path(text) for name, text in further.items()}
+    events = settings(task["events"], "--events", "name=file")
     columns = columns_of(task["columns"]) if task["columns"] is not None else {}
     observe = _observed(task, columns, events)
     columns |= {name: name for name in observe if name not in (*columns, *events)}
@@ -150,7 +156,7 @@ def _observed(task: Task, columns: dict[str, str], events: dict[str, str]) -> di
     """What each channel shows; one without a word shows what has its name."""
     from nonsmooth.runs.section_search import event_names
 
-    found = settings(task["observe"], "--observe")
+    found = settings(task["observe"], "--observe", "name=expression")
     system = task.system
     shown: dict[str, Any] = dict.fromkeys(columns, (*system.states, *system.outputs))
     shown |= dict.fromkeys(events, event_names(system) if events else ())
@@ -219,24 +225,22 @@ def _record(task: Task, file: Path, columns: dict[str, str], flaws: list[xr.Data
 
 def _saved_record(task: Task, file: Path) -> xr.Dataset:
     """Record of a netCDF file."""
-    import xarray as xr
-
-    if not file.is_file():
-        raise OptionError(f"{file} is no file")
     if task["columns"] is not None:
         raise OptionError(f"--columns is that of CSV files; in {file} channels have their names")
-    record = xr.load_dataset(file, engine="h5netcdf")
+    record = saved_dataset(file)
     return record.assign_attrs({"system_name": file.stem} | record.attrs)
 
 
 def _by_record(task: Task) -> dict[str, dict[str, float]] | None:
     """Values such as ``slow.omega=0.8``, by record."""
     found: dict[str, dict[str, float]] = {}
-    for name, text in settings(task["by_record"], "--by-record").items():
+    for name, text in settings(task["by_record"], "--by-record", _BY_RECORD).items():
         label, dot, parameter = name.rpartition(".")
         if not (dot and label and parameter):
-            raise OptionError(f"--by-record: {name!r} is not of the form record.parameter")
-        found.setdefault(label, {})[parameter] = number(text, "--by-record")
+            raise OptionError(f"--by-record: {name!r} is not of the form {_BY_RECORD}")
+        found.setdefault(label, {})[parameter] = number(text, f"--by-record: {name}")
+    if found and not task["more"]:
+        raise OptionError("--by-record: there is one record; name further ones by --more")
     return found or None
 
 
@@ -249,5 +253,5 @@ def _by_channel(option: str, texts: tuple[str, ...]) -> dict[str, Any] | None:
         elif ":" in text:
             found[name] = value_limits(f"{name}={text}", option)[1]
         else:
-            found[name] = number(text, option)
+            found[name] = number(text, f"{option}: {name}")
     return found or None

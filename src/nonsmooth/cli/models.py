@@ -83,6 +83,8 @@ def explore(task: Task) -> None:
     from nonsmooth.explorer.explore import explore as open_page
 
     system = None if task["model"] is None else task.system
+    if system is not None and task["link"]:
+        raise OptionError("--link has a system of its own: leave out the model, or --link")
     options = task.options("explore") | {"allow_origin": task["allow_origin"] or ()}
     open_page(system, browser=not task["no_browser"], wait=True, **options)
 

@@ -234,6 +234,8 @@ class Kind(click.ParamType):
         if not isinstance(value, str):
             return value
         option = param.opts[0] if param is not None else ""
+        if param is not None and not value.strip() and value != param.default:
+            raise OptionError(f"{option}: the text is empty; give {self.name}, or leave it out")
         if self.choices:
             found = self.choices.get(value.strip().replace(" ", "-"))
             if found is None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
@@ -11,6 +10,7 @@ from nonsmooth.cli.arguments import value_limits
 from nonsmooth.cli.command import Task
 from nonsmooth.cli.console import ENDED_EARLY
 from nonsmooth.cli.report import Column, Report, complex_text
+from nonsmooth.cli.saved import saved_dataset
 from nonsmooth.cli.variables import chosen, pair, single
 from nonsmooth.errors import OptionError, unknown_name
 
@@ -164,7 +164,7 @@ def follow(task: Task) -> None:
 
 def _range(system: System, over: str) -> tuple[str, tuple[float, float]]:
     """Parameter and its ends; its own value lies between."""
-    name, limits = value_limits(over)
+    name, limits = value_limits(over, either_way=True)
     if name not in system.parameters:
         raise OptionError(f"--over: {unknown_name('parameter', name, system.parameters)}")
     low, high = sorted(limits)
@@ -189,20 +189,9 @@ def _read_diagram(text: str | None, parameter: str, drawn: str) -> xr.Dataset | 
     """The diagram to draw behind, which must fit the branch before the branch is followed."""
     if text is None:
         return None
-    import xarray as xr
-
     from nonsmooth.plot.branches import check_diagram
 
-    path = Path(text)
-    if not path.is_file():
-        raise OptionError(
-            f"--diagram: there is no file {text!r}; make it with nonsmooth diagram --save"
-        )
-    try:
-        with xr.open_dataset(path, engine="h5netcdf") as data:
-            found = data.load()
-    except (OSError, ValueError) as error:
-        raise OptionError(f"--diagram: {text!r} is no netCDF file: {error!s:.120}") from None
+    found = saved_dataset(text, "--diagram", "nonsmooth diagram --save makes one")
     try:
         check_diagram(found, parameter, drawn)
     except OptionError as fault:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from nonsmooth.cli.arguments import value_range
+from nonsmooth.cli.arguments import need_period, value_range
 from nonsmooth.cli.command import Task
 from nonsmooth.cli.report import Report
 from nonsmooth.cli.runs import certified
 from nonsmooth.cli.sweeps import certified_runs
 from nonsmooth.errors import OptionError
+from nonsmooth.system.columns import with_error
 
 if TYPE_CHECKING:
     import numpy as np
@@ -22,8 +23,15 @@ def regime(task: Task) -> None:
     """``nonsmooth regime``."""
     from nonsmooth.analysis.regime import regime as judge
 
+    _check_period(task)
     found = judge(task.system, **task.options("regime"))
     task.finish(found, _regime_report(found))
+
+
+def _check_period(task: Task) -> None:
+    """Refuse a system without a period, unless it is said when to look."""
+    if task["period"] is None:
+        need_period(task.system, "give the time between two looks at it by --period, such as 1")
 
 
 def _regime_report(found: xr.Dataset) -> Report:
@@ -48,8 +56,8 @@ def _regime_report(found: xr.Dataset) -> Report:
         report.add("multipliers", text, multiplier_modulus=moduli)
     exponent, error = found["exponent"].item(), found["exponent_error"].item()
     if exponent == exponent:
-        text = f"{exponent:.6g}" + (f" +- {error:.2g}" if error == error else "")
-        report.add("exponent", text, exponent=exponent, exponent_error=error)
+        text = with_error(exponent, error, 6, 2)
+        report.add("exponent", f"{text} per unit time", exponent=exponent, exponent_error=error)
     certified(report, found["n_uncertain"].item(), found["n_estimated"].item())
     used = found["transient_used"].item()
     report.add("transient", f"{used} periods", transient=used)
@@ -60,6 +68,7 @@ def regimes(task: Task) -> None:
     """``nonsmooth regimes``."""
     from nonsmooth.analysis.regime_map import regime_map
 
+    _check_period(task)
     result = regime_map(task.system, _grid(task["over"]), **task.options("regime_map"))
 
     task.picture("regime_map", result)

@@ -12,7 +12,7 @@ import click
 
 from nonsmooth.cli.console import print_table
 
-__all__ = ["Column", "Report", "complex_text", "with_error"]
+__all__ = ["Column", "Report", "complex_text"]
 
 
 Column = tuple[str, str, Callable[[Any], str]]  # heading, name in JSON, text of a value
@@ -75,29 +75,23 @@ class Report:
         lines = [self.title, *(f"  {label:<{width}}  {text}" for label, text in self.lines)]
         click.echo(harmless("\n".join(lines)))
         for table in self.tables:
-            shown = table.rows[: table.most]
-            if shown:
-                print_table(
-                    [heading for heading, _, _ in table.columns],
-                    [
-                        [
-                            harmless(text(value))
-                            for (_, _, text), value in zip(table.columns, row, strict=True)
-                        ]
-                        for row in shown
-                    ],
-                )
+            rows = [
+                [
+                    harmless(text(value))
+                    for (_, _, text), value in zip(table.columns, row, strict=True)
+                ]
+                for row in table.rows[: table.most]
+            ]
+            filled = [k for k in range(len(table.columns)) if any(row[k] for row in rows)]
+            if filled:
+                heads = [table.columns[k][0] for k in filled]
+                print_table(heads, [[row[k] for k in filled] for row in rows])
             if len(table.rows) > table.most:
                 click.echo(f"and {len(table.rows) - table.most} more {table.name}")
 
     def print_json(self) -> None:
         """Print one JSON document."""
         click.echo(json.dumps(_native(self.data), indent=2, ensure_ascii=False, allow_nan=False))
-
-
-def with_error(value: float, error: float) -> str:
-    """A number with its standard error where it has one."""
-    return f"{value:.4g} +- {error:.1g}" if 0.0 < error < math.inf else f"{value:.4g}"
 
 
 def complex_text(number: complex) -> str:

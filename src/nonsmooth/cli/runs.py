@@ -11,12 +11,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from nonsmooth.cli.arguments import names
+from nonsmooth.cli.arguments import names, need_period
 from nonsmooth.cli.command import Task
+from nonsmooth.cli.console import ENDED_EARLY
 from nonsmooth.cli.options import flag
 from nonsmooth.cli.report import Report
 from nonsmooth.cli.variables import chosen, pair
 from nonsmooth.errors import OptionError, ResultWarning, RunError, RunWarning, unknown_name
+from nonsmooth.system.columns import with_error
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -115,6 +117,8 @@ def _window(system: System, task: Task) -> tuple[float, float] | None:
         return times
     if first is None:
         return None
+    if not first >= 0.0:
+        raise OptionError(f"--from = {first:g} must not be negative: it counts periods of the run")
     if system.period_value is None:
         raise OptionError(f"--from counts periods, and {system.name!r} has none; use --time-range")
     return first * system.period_value, math.inf
@@ -257,10 +261,11 @@ def _strobes(task: Task) -> xr.Dataset:
     from nonsmooth.analysis.stroboscopic_map import stroboscopic_map
 
     system, options = task.system, task.options("stroboscopic_map")
-    if system.period is None and options["period"] is None:
-        raise OptionError(
-            f"{system.name} has no period; give the time between strobes by --period, or take"
-            f" points of a section: nonsmooth section --section {system.states[-1]}"
+    if options["period"] is None:
+        need_period(
+            system,
+            "give the time between strobes by --period, or take points of a section: nonsmooth"
+            f" section --section {system.states[-1]}",
         )
     return _quietly(stroboscopic_map, system, **options)
 
@@ -285,8 +290,14 @@ def _add_point(
 
 
 def _finish_points(task: Task, points: xr.Dataset, report: Report, shown: tuple[str, str]) -> None:
-    task.picture("section", points, *shown, phases=task["modes"])
-    task.finish(points, report, code=task.by_status(points))
+    code = task.by_status(points)
+    if points.sizes["point"]:
+        task.picture("section", points, *shown, phases=task["modes"])
+    else:
+        drawn = " to draw" if task.plot is not None else ""
+        click.echo(f"nonsmooth: there are no points{drawn}; the status says why", err=True)
+        code = code or ENDED_EARLY
+    task.finish(points, report, code=code)
 
 
 def _repeats(system: System, points: xr.Dataset) -> int:
@@ -317,8 +328,10 @@ def _exponents_report(result: xr.Dataset) -> Report:
     report.add("status", attrs["message"], status=attrs["status"], message=attrs["message"])
     values, errors = result["lyapunov_exponent"].values, result["standard_error"].values
     for k, (value, error) in enumerate(zip(values, errors, strict=True), start=1):
-        text = f"{value:.6g}" + (f" +- {error:.2g}" if error == error else "")
-        report.add(f"exponent {k}", text, exponents=values, standard_errors=errors)
+        text = with_error(value, error, 6, 2)
+        report.add(
+            f"exponent {k}", f"{text} per unit time", exponents=values, standard_errors=errors
+        )
     for name, label in (("exponent_sum", "sum"), ("kaplan_yorke_dimension", "dimension")):
         value = float(result[name])
         if value == value:
@@ -341,8 +354,12 @@ def spectrum(task: Task) -> None:
     """``nonsmooth spectrum``."""
     system = task.system
     variables = names(task["variable"]) or [system.states[0]]
-    if len(variables) > 2:
-        raise OptionError(f"--variable: {task['variable']!r} is more than two variables")
+    known = [*system.states, *system.outputs]
+    chosen(",".join(variables), known, "--variable", definitions=system.definitions)
+    if len(variables) > 2 or len(set(variables)) < len(variables):
+        raise OptionError(
+            f"--variable: {task['variable']!r} is neither one variable nor two different ones"
+        )
     options = task.options("simulate") | _record_length(system, task)
     run = _quietly(_run, system, **options)
     if run.attrs["status"] != "completed":
@@ -355,7 +372,8 @@ def spectrum(task: Task) -> None:
     result = analyse(run, *variables, transient=task["transient"], **parts)
 
     task.picture("spectrum", result)
-    task.finish(result, _spectrum_report(result))
+    drifting = [name for name in variables if name in system.drift_states]
+    task.finish(result, _spectrum_report(result, drifting))
 
 
 def _record_length(system: System, task: Task) -> dict[str, Any]:
@@ -363,10 +381,12 @@ def _record_length(system: System, task: Task) -> dict[str, Any]:
     import numpy as np
 
     transient, record, samples = task["transient"], task["record"], task["samples_per_period"]
-    if not (transient >= 0.0 and record > 0.0 and samples >= 2):
-        raise OptionError(
-            "--record must be positive, --transient not negative, --samples-per-period 2 or more"
-        )
+    if not transient >= 0.0:
+        raise OptionError(f"--transient = {transient:g} must not be negative")
+    if not record > 0.0:
+        raise OptionError(f"--record = {record:g} must be positive")
+    if samples < 2:
+        raise OptionError(f"--samples-per-period = {samples} must be 2 or more")
     if system.period is not None:
         length = {"periods": transient + record, "samples_per_period": samples}
         return {**length, "events": False}
@@ -374,8 +394,8 @@ def _record_length(system: System, task: Task) -> dict[str, Any]:
     return {"times": times, "events": False}
 
 
-def _spectrum_report(result: xr.Dataset) -> Report:
-    """The largest amplitudes, by frequency and harmonic."""
+def _spectrum_report(result: xr.Dataset, drifting: Sequence[str]) -> Report:
+    """The largest amplitudes, by frequency and harmonic; of drifting states what was taken off."""
     import numpy as np
 
     attrs, frequency = result.attrs, result["frequency"].values
@@ -384,7 +404,10 @@ def _spectrum_report(result: xr.Dataset) -> Report:
     record = {name: attrs[name] for name in ("segments", "n_samples", "window")}
     text = f"{attrs['segments']} x {attrs['n_samples']} samples, window {attrs['window']}"
     report.add("record", text, record=record)
-    report.number("mean", result["amplitude"].values[frequency == 0.0].item(), ".6g")
+    if drifting:  # its mean is that of the place where the record begins
+        report.add("drift", f"the mean progression of {' and '.join(drifting)} is taken off")
+    else:
+        report.number("mean", result["amplitude"].values[frequency == 0.0].item(), ".6g")
     amplitude = np.where(frequency == 0.0, 0.0, result["amplitude"].values)
     rising = np.concatenate([[False], amplitude[1:] > amplitude[:-1]])
     falling = np.concatenate([amplitude[:-1] >= amplitude[1:], [True]])
@@ -404,8 +427,11 @@ def _spectrum_report(result: xr.Dataset) -> Report:
 def zero_one(task: Task) -> None:
     """``nonsmooth zero-one``."""
     from nonsmooth.analysis.zero_one_test import zero_one_test
+    from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 
     system = task.system
+    if task["period"] is not None:
+        StroboscopicMap(system, period=task["period"]).check_whole_periods()
     known = [*system.states, *system.outputs]
     tested = task["variable"] or system.states[0]
     if tested not in known:

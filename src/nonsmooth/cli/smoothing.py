@@ -10,8 +10,9 @@ import click
 from nonsmooth.cli.arguments import value_limits
 from nonsmooth.cli.basins import region_of
 from nonsmooth.cli.command import Task
-from nonsmooth.cli.report import Column, Report, with_error
+from nonsmooth.cli.report import Column, Report
 from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.system.columns import with_error
 
 if TYPE_CHECKING:
     import xarray as xr

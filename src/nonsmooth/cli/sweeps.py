@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from nonsmooth.cli.arguments import names, value_range
+from nonsmooth.cli.arguments import names, need_period, value_range
 from nonsmooth.cli.command import Task
 from nonsmooth.cli.report import Report
 from nonsmooth.cli.variables import single
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 __all__ = ["certified_runs", "contacts", "diagram", "ensemble", "waterfall"]
 
+_FORCED = "this command looks at a forced system, once per period of its forcing"
 _SHOWN = 8  # harmonics, or periods, in a summary
 
 
@@ -37,13 +38,21 @@ def certified_runs(report: Report, result: xr.Dataset) -> None:
     report.add("certified", text, certified=not against, **counts)
 
 
+def _parameter_range(system: System, text: str) -> tuple[str, np.ndarray]:
+    """A parameter of the system and its values."""
+    name, values = value_range(text)
+    if name not in system.parameters:
+        raise OptionError(f"--over: {unknown_name('parameter', name, system.parameters)}")
+    return name, values
+
+
 def diagram(task: Task) -> None:
     """``nonsmooth diagram``."""
     from nonsmooth.analysis.bifurcation_diagram import bifurcation_diagram
     from nonsmooth.runs.poincare_map import PoincareMap
 
     system = task.system
-    parameter, values = value_range(task["over"])
+    parameter, values = _parameter_range(system, task["over"])
     drawn = _diagram_variable(system, task["draw"])
     options = task.options("bifurcation_diagram", "initial")
     target: Any = system
@@ -53,10 +62,10 @@ def diagram(task: Task) -> None:
         options["side"] = "before"
     elif task["direction"] is not None:
         raise OptionError("--direction is that of a section: name it with --section")
-    elif system.period is None:
-        raise OptionError(
-            f"{system.name} has no period; take points on a section in place of strobes, such as"
-            f" --section {system.states[-1]}"
+    else:
+        need_period(
+            system,
+            f"take points on a section in place of strobes, such as --section {system.states[-1]}",
         )
     starts = list(task["initial"]) or None
     result = bifurcation_diagram(target, parameter, values, initial=starts, **options)
@@ -127,7 +136,8 @@ def waterfall(task: Task) -> None:
     from nonsmooth.analysis.waterfall import waterfall as compute
 
     system = task.system
-    parameter, values = value_range(task["over"])
+    need_period(system, _FORCED)
+    parameter, values = _parameter_range(system, task["over"])
     variables = names(task["variable"]) or system.states[0]
     options = task.options("waterfall", "variable")
     result = compute(system, parameter, values, variables, **options)
@@ -167,10 +177,23 @@ def contacts(task: Task) -> None:
         raise OptionError(
             "--plot draws over a parameter: give its range, such as --over eta=2:3:40"
         )
-    over = value_range(task["over"]) if task["over"] is not None else (None, None)
+    system = task.system
+    over: tuple[Any, Any] = (None, None)
+    need_period(system, _FORCED)
+    if task["over"] is not None:
+        over = _parameter_range(system, task["over"])
+    modes = {*system.modes, *system.mode_names}
+    if not task.is_given("contact") and "contact" not in modes:
+        known = ", ".join(sorted(modes))
+        raise OptionError(
+            f"{system.name} has no mode 'contact'; name the modes that count by --contact (known:"
+            f" {known})"
+        )
     options = task.options("contact_statistics")
-    result = contact_statistics(task.system, *over, **options)
+    result = contact_statistics(system, *over, **options)
     drawn = task["draw"] or next(iter(options["of"]), "contacts")
+    if task.plot is not None:
+        single(drawn, [*options["of"], *map(str, result.data_vars)])
 
     task.picture("statistics", result, drawn)
     task.finish(result, _contacts_report(result), code=task.by_message(result))
@@ -202,6 +225,7 @@ def ensemble(task: Task) -> None:
     store = task["store"]
     if task.save is not None and store is not None:
         raise OptionError(f"--save: the result is in {Path(store) / 'result.nc'}; leave out --save")
+    need_period(task.system, _FORCED)
     initial, several = _lists(task.system, task["over"])
     for name, value in (task["initial"] or {}).items():
         if name in initial:

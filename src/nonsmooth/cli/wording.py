@@ -21,14 +21,31 @@ __all__ = [
 # A value as errors recommend one: a text, a collection, a number or a plain name.
 _VALUE = r"'[^']*'|\"[^\"]*\"|\{[^{}]*\}|\([^()]*\)|\[[^\[\]]*\]|-?\d[\w.+-]*\w|-?\d|True\b"
 
+_COLLECTION = r"\{[^{}]*\}|\([^()]*\)|\[[^\[\]]*\]"
+_WORDS = r"[a-z]+(?: [a-z]+)+"  # of a choice, such as follow up
+_FILE = r"[^\s:]+\.\w+: "  # a message may begin with the name of a file
+# Keys of the file of a system, which errors call as arguments of `System`.
+_KEYS = (
+    "definitions|drift|equations|initial|modes|outputs|parameters|period|require|signals|slow"
+    "|states|surfaces|symmetry"
+)
+
 
 def spoken(value: Any) -> str:
-    """A value as it is written in a shell, where a blank would need quotes."""
+    """A value as it is written in a shell: words with hyphens, an expression in quotes."""
     if isinstance(value, dict):
-        return ",".join(f"{name}={spoken(each)}" for name, each in value.items())
+        told = ",".join(
+            f"{name}={each if isinstance(each, str) else spoken(each)}"
+            for name, each in value.items()
+        )
+        return f'"{told}"' if " " in told else told
     if isinstance(value, list | tuple):
         return ",".join(map(spoken, value))
-    return value.replace(" ", "-") if isinstance(value, str) else f"{value:g}"
+    if not isinstance(value, str):
+        return f"{value:g}"
+    if " " not in value or re.fullmatch(_WORDS, value):
+        return value.replace(" ", "-")
+    return f'"{value}"'
 
 
 def text_in_words_of_shell(text: str, options: Mapping[str, str]) -> str:
@@ -52,9 +69,14 @@ def error_in_words_of_shell(message: str, options: Mapping[str, str]) -> str:
     Elsewhere such words may be parameters of a system and stay as they are.
     """
     names = _any_of(options)
-    if re.match(rf"({names})(?= = |: |\[)", message):
-        message = re.sub(rf"^({names})(?=: |\[)", lambda m: options[m[1]], message)
+    begin = rf"^({_FILE})?({names})"
+    if re.match(rf"{begin}(?= = |: |\[)", message):
+        message = re.sub(rf"{begin}(?=: |\[)", lambda m: f"{m[1] or ''}{options[m[2]]}", message)
         message = re.sub(rf"(?<![\w.'\"-])({names})(?= = )", lambda m: options[m[1]], message)
+        # of one entry of a mapping, or of one item of a list
+        message = re.sub(rf"^({_FILE})?([\w -]+)\[['\"]?(\w+)['\"]?\]", r"\1\2: \3", message)
+        message = re.sub(rf"(?<= = )({_COLLECTION})|(?<= as )({_COLLECTION})", _shown, message)
+        message = re.sub(rf"(--[\w-]+) = '({_WORDS})'", _chosen, message)
     return advice_in_words_of_shell(message, options)
 
 
@@ -70,13 +92,32 @@ def advice_in_words_of_shell(message: str, options: Mapping[str, str]) -> str:
         option, value = options[found[1]], found[2]
         if value in ("", "True"):  # of a flag
             return option
+        if option == "--word" and " " in value:
+            return f'{option} "{value[1:-1]}"'
         try:
             return f"{option} {spoken(ast.literal_eval(value))}"
         except (ValueError, SyntaxError, TypeError):  # a range in words, such as (low, high)
             return f"{option} {value}"
 
     argument = rf"(?<![\w.'\"\[{{-])({_any_of(options)})="
-    return re.sub(rf"{argument}({_VALUE}|(?=[\s,;:.)]|$))", given, message)
+    message = re.sub(rf"{argument}({_VALUE}|(?=[\s,;:.)]|$))", given, message)
+    # what is left stands in the file of a system
+    message = re.sub(rf"\b({_KEYS})=(?=[\s,;:.)]|$)", r"\1", message)
+    return message.replace("(low, high)", "low:high")
+
+
+def _shown(found: re.Match[str]) -> str:
+    """A collection as the shell writes it; what no value is stays."""
+    try:
+        return spoken(ast.literal_eval(found[0])) or found[0]
+    except (ValueError, SyntaxError, TypeError):
+        return found[0]
+
+
+def _chosen(found: re.Match[str]) -> str:
+    """A value of several words, which are modes in a word and else the name of a choice."""
+    option, value = found[1], found[2]
+    return found[0] if option == "--word" else f"{option} = '{spoken(value)}'"
 
 
 def _any_of(options: Mapping[str, str]) -> str:

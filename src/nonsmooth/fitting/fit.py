@@ -284,7 +284,12 @@ def _records(system: System, record: Any, by_record: Any) -> list[tuple[str, Any
             " {'slow': {'omega': 0.8}}"
         )
     for label in values:
-        if label not in named or not several:
+        if not several:
+            raise OptionError(
+                "by_record: there is one record; give its value to the system, or give several"
+                " records by their names"
+            )
+        if label not in named:
             raise OptionError(f"by_record: {unknown_name('record', str(label), named)}")
     return [
         (str(label), data, SharedOptions(parameters=values.get(label)).system_of(system))

@@ -113,12 +113,14 @@ def _new_name(name: str, taken: set[str]) -> str:
 def _with_outputs(system: System, outputs: Mapping[str, str], texts: Mapping[str, str]) -> System:
     """The system with more outputs, whose modes must stay what they are."""
     for channel, text in texts.items():
+        own = next(iter(outputs))
         try:
-            replace(system, outputs={**system.outputs, next(iter(outputs)): text})
+            replace(system, outputs={**system.outputs, own: text})
         except ModelError as fault:
+            told = str(fault).removeprefix(f"outputs[{own!r}]: ").replace(f" {own},", "")
             raise OptionError(
                 f"observe[{channel!r}] = {text!r:.60} is no expression of states, outputs,"
-                f" parameters and rates of states: {fault}"
+                f" parameters and rates of states: {told}"
             ) from None
     found = replace(system, outputs={**system.outputs, **outputs})
     if found.mode_names != system.mode_names:

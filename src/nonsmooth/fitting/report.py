@@ -360,7 +360,7 @@ def _message(
     if words:
         parts.append(words)
     if variables["interval_open"][1].any():
-        parts.append("bounds cut intervals off, see interval_open")
+        parts.append("bounds cut intervals off (interval_open)")
     if not variables["profile_followed"][1].all():
         parts.append(
             "some profiles could not be followed, and ends of their intervals are those of the"

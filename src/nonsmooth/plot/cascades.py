@@ -84,7 +84,8 @@ def waterfall(
 
     Notes
     -----
-    Of more than 50 spectra a cascade draws every second, or third, and so on.
+    Of more than 50 spectra a cascade draws every second, or third, and so on, and says so beside
+    the axis.
 
     Examples
     --------
@@ -113,7 +114,10 @@ def waterfall(
         _mark_orders(data, ax, over, last)
     two_sided = float(data["harmonic"].min()) < 0.0
     ax.set_xlim(-last if two_sided else 0.0, last)
-    finish_axes(ax, axis_label(data[over]), axis_label(data["parameter"]))
+    upward, count = axis_label(data["parameter"]), data.sizes["parameter"]
+    if kind == "cascade" and _drawn(count).size < count:
+        upward += f" ({_drawn(count).size} of {count} drawn)"
+    finish_axes(ax, axis_label(data[over]), upward)
     return ax
 
 
@@ -135,11 +139,15 @@ def _places(data: xr.Dataset, over: str) -> Floats:
     return np.asarray(np.broadcast_to(values, shape))
 
 
+def _drawn(count: int) -> npt.NDArray[np.int64]:
+    """Numbers of the spectra that a cascade draws, so few that they are told apart."""
+    return np.arange(0, count, -(-count // _MOST))
+
+
 def _draw_lines(data: xr.Dataset, ax: Axes, over: str, last: float, height: float | None) -> None:
     rows = data["amplitude"].transpose("parameter", "harmonic").values
     here, values = _places(data, over), data["parameter"].values
-    every = -(-values.size // _MOST)
-    chosen = np.arange(0, values.size, every)
+    chosen = _drawn(values.size)
     spread = float(np.ptp(values)) or 1.0
     tall = _HEIGHT * spread / max(chosen.size, 2 * _HEIGHT) if height is None else float(height)
     shown = np.abs(here) <= last

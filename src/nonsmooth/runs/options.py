@@ -68,8 +68,8 @@ def check_count(count: float) -> int:
     """Number of samples, refused where it would fill the memory."""
     if count > _MOST_SAMPLES:
         raise OptionError(
-            f"{count:.3g} samples are asked for, at most {_MOST_SAMPLES:g} in one run; take fewer"
-            " per period, or go on from run to run"
+            f"{count:.3g} samples are asked for, at most {_MOST_SAMPLES:g} in one run; lower"
+            " samples_per_period= or the length, or go on from run to run"
         )
     return int(count)
 

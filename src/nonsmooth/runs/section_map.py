@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import KW_ONLY, dataclass
 from numbers import Real
 from typing import Any
@@ -98,6 +99,12 @@ class SectionMap(Map):
             )
 
 
+def _one_of(events: Iterable[str]) -> str:
+    """Names of events, or that the system has none."""
+    known = sorted(events)
+    return f"one of {', '.join(known)}" if known else "of which this system has none"
+
+
 def _refuse_slow(system: System) -> None:
     """A section belongs to a map that does not change from period to period."""
     if system.slow:
@@ -123,7 +130,7 @@ def _read_section(system: System, section: Any, direction: Any) -> tuple[bool, i
         if section in {kind.word for kind in EventKind}:
             raise OptionError(
                 f"section = {section!r} is a kind of events; give the name of the exit, surface or"
-                f" mode that is meant, one of {', '.join(sorted(events))}"
+                f" mode that is meant, {_one_of(events)}"
             )
         raise OptionError(f"section: {unknown_name('variable or event', section, known)}")
     if direction is None:

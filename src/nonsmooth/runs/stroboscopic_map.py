@@ -229,10 +229,12 @@ class StroboscopicMap(Map):
             try:
                 period = constant_value(parse(period, where="period"), self.system.parameter_values)
             except KeyError as unknown:
-                raise ModelError(
-                    f"period = {unknown.args[0]!r} is no parameter of {self.system.name!r}; known"
+                raise OptionError(
+                    f"period: {unknown.args[0]!r} is no parameter of {self.system.name!r}; known"
                     f" are {', '.join(self.system.parameters)}"
                 ) from None
+            except ModelError as fault:  # the text is no part of the system
+                raise OptionError(str(fault)) from None
         length = finite_number("period", period)
         if not length > 0.0:
             raise OptionError(f"period = {length:g} must be positive")
@@ -255,6 +257,24 @@ class StroboscopicMap(Map):
     def points_have_time(self) -> bool:
         """Whether points lie at different phases of the period: strobes lie at one."""
         return False
+
+    def check_whole_periods(self) -> None:
+        """Refuse a time between strobes after which the forcing of a periodic system differs.
+
+        Strobes of a motion with the period of the forcing then never repeat, which would be taken
+        for a motion on a torus.
+        """
+        own = self.system.period_value
+        if self.length is None or own is None or not self.hides_phase:
+            return
+        text = self.system.period
+        told = f"{own:.10g}" if not isinstance(text, str) else f"{text} = {own:.10g}"
+        raise OptionError(
+            f"period = {self.period} is no whole multiple of {told}, the period of"
+            f" {self.system.name!r}, so strobes would meet the forcing at another phase each time."
+            " Leave period= out: it is for systems without forcing; or give a multiple of that"
+            " period as an expression"
+        )
 
     def check_states_suffice(self, verb: str) -> None:
         """Refuse forcing that does not repeat, and warn where strobes meet it at other phases.

@@ -1,10 +1,11 @@
-"""Rows of text in columns, and text that a terminal cannot take for a command."""
+"""Rows of text in columns, numbers with errors, text that no terminal takes for a command."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
-__all__ = ["aligned", "harmless", "one_line"]
+__all__ = ["aligned", "harmless", "one_line", "with_error"]
 
 _WIDEST = 48  # characters; a longer cell pushes its own row aside and no other
 
@@ -34,3 +35,14 @@ def one_line(text: str) -> str:
 def harmless(text: str) -> str:
     """Text with escapes for all control characters but the line break."""
     return "".join(c if c.isprintable() or c == "\n" else repr(c)[1:-1] for c in text)
+
+
+def with_error(value: float, error: float, digits: int = 4, of_error: int = 1) -> str:
+    """A number with so many digits and its standard error, where there is one.
+
+    An error below the rounding of the digits would tell nothing of them.
+    """
+    text = f"{value:.{digits}g}"
+    size = math.log10(abs(value)) if value and math.isfinite(value) else -math.inf
+    rounding = 0.5 * 10.0 ** (math.floor(size) + 1 - digits) if size > -math.inf else 0.0
+    return f"{text} +- {error:.{of_error}g}" if rounding < error < math.inf else text

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from typing import Any, NoReturn, TypeVar
 
 from nonsmooth.errors import ModelError
-from nonsmooth.system.text.grammar import is_name
+from nonsmooth.system.text.grammar import is_name, why_no_name
 
 __all__ = ["STOP", "Exit", "FrozenDict", "Mode", "Text", "items_of"]
 
@@ -90,7 +90,8 @@ class Exit:
         for label, value in (("to", self.to), ("name", self.name), ("sticks", self.sticks)):
             if value is not None and not (isinstance(value, str) and is_name(value)):
                 raise ModelError(
-                    f"Exit: {label}={value!r:.60} is not a name; use ASCII letters, digits and _"
+                    f"Exit: {label}={value!r:.60} is not a name; use ASCII letters, digits and _,"
+                    f" not a reserved word{why_no_name(value)}"
                 )
 
 

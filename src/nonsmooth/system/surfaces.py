@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from nonsmooth.errors import ModelError, is_known
 from nonsmooth.system.parts import Text
-from nonsmooth.system.text.grammar import is_name
+from nonsmooth.system.text.grammar import is_name, why_no_name
 
 __all__ = ["Surface"]
 
@@ -76,7 +76,15 @@ class Surface:
             value = getattr(self, label)
             if value is not None and not (isinstance(value, str) and is_name(value)):
                 raise ModelError(
-                    f"Surface: {label}={value!r:.60} is not a name; use ASCII letters, digits and _"
+                    f"Surface: {label}={value!r:.60} is not a name; use ASCII letters, digits and"
+                    f" _, not a reserved word{why_no_name(value)}"
+                )
+        names = [name for name in (self.below, self.on, self.above) if name is not None]
+        for name in names:
+            if names.count(name) > 1:
+                raise ModelError(
+                    f"Surface: two of below, on and above are called {name!r}; give each side a"
+                    " name of its own, for phase words are made of them"
                 )
         if self.on_nonunique is not None and not is_known(self.on_nonunique, ("below", "above")):
             raise ModelError(

@@ -32,6 +32,9 @@ def belt(surface=None, **more):
         ({"below": "a b"}, "Surface: below='a b' is not a name; use ASCII letters, digits and _"),
         ({"on": 3}, "Surface: on=3 is not a name"),
         ({"above": "3a"}, "Surface: above='3a' is not a name"),
+        ({"below": "in"}, "a reserved word: equations are read as Python reads them, where in is"),
+        ({"below": "up", "above": "up"}, "two of below, on and above are called 'up'"),
+        ({"on": "up", "above": "up"}, "two of below, on and above are called 'up'"),
         ({"hold": True}, "Surface: hold=True is no expression; give static over kinetic"),
         ({"hold": ["2"]}, "Surface: hold=['2'] is no expression"),
         ({"on_nonunique": "left"}, "on_nonunique='left' is not known; give 'below' or 'above'"),
@@ -228,7 +231,7 @@ def test_files_hold_all_words():
     [
         ('holds = "2"', "unknown key 'holds'; did you mean 'hold'"),
         ("below = 3", "surfaces.slip.below"),
-        ("on_nonunique = 'left'", "on_nonunique='left' is not known"),
+        ("on_nonunique = 'left'", "on_nonunique = 'left' is not known"),
     ],
 )
 def test_files_with_bad_words(line, message):

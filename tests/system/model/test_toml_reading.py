@@ -238,7 +238,7 @@ def test_numbers_may_stand_for_texts():
 def test_faults_of_the_system_itself_come_through():
     assert "did you mean 'stop'" in refused(changed('to = "stop"', 'to = "sto"'))
     assert "unknown name 'u'" in refused(changed('x = "v"', 'x = "u"'))
-    assert "modes.free.exits[0]: name='a b' is not a name" in refused(changed("impact", "a b"))
+    assert "modes.free.exits[0]: name = 'a b' is not a name" in refused(changed("impact", "a b"))
     assert "w > 0 is required" in refused(changed("2.8", "-1"))
     message = refused(changed('to = "stop"', 'to = "sto"'))
     assert message.startswith("modes.free.exits[")  # as the file names it, not ['free']

@@ -6,14 +6,13 @@ from dataclasses import dataclass
 from typing import Any
 
 from nonsmooth.analysis.options import check_match
-from nonsmooth.errors import ModelError, OptionError
-from nonsmooth.runs.options import check_count, finite_number, whole_number
+from nonsmooth.errors import OptionError
+from nonsmooth.runs.options import check_count, whole_number
 from nonsmooth.runs.strobe_times import check_phase, require_period
+from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.system.system import System
-from nonsmooth.system.text.evaluate import constant_value
-from nonsmooth.system.text.grammar import parse
 
-__all__ = ["RegimeProtocol", "check_system", "make_protocol", "strobe_length"]
+__all__ = ["RegimeProtocol", "check_system", "make_protocol"]
 
 TESTED = 200  # strobes of evidence from which the 0-1 test says something
 _LEAST_EVIDENCE = 20  # strobes of which averages of an exponent can be told apart
@@ -84,23 +83,4 @@ def check_system(system: System, period: Any, verb: str) -> None:
         )
     if period is None:
         require_period(system, verb)
-    elif not isinstance(period, str):
-        strobe_length(system, period)
-
-
-def strobe_length(system: System, period: Any) -> float | None:
-    """Length of time between strobes; None for the period of the system."""
-    if period is None:
-        return None
-    if isinstance(period, str):
-        try:
-            period = constant_value(parse(period, where="period"), system.parameter_values)
-        except KeyError as unknown:
-            raise ModelError(
-                f"period = {unknown.args[0]!r} is no parameter of {system.name!r}; known are"
-                f" {', '.join(system.parameters)}"
-            ) from None
-    length = finite_number("period", period)
-    if not length > 0.0:
-        raise OptionError(f"period = {length:g} must be positive")
-    return length
+    StroboscopicMap(system, period=period).check_whole_periods()

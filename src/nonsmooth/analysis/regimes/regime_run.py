@@ -39,6 +39,7 @@ from nonsmooth.runs.runner import Derivatives, build_derivatives
 from nonsmooth.runs.strobe_times import hides_phase, is_driven
 from nonsmooth.runs.sweep_runner import Recorded, Times
 from nonsmooth.runs.tangent_flow import TangentFlow
+from nonsmooth.system.columns import with_error
 
 __all__ = ["first_windows", "settled_regimes"]
 
@@ -405,7 +406,7 @@ class _Motions:
         )
         exponent, error = _mean_rate(growth, length)
         seen = replace(seen, exponent=exponent, error=error)
-        told = f"exponent {exponent:.3g} +- {error:.2g}"
+        told = f"exponent {with_error(exponent, error, 3, 2)}"
         if self.autonomous and np.count_nonzero(~self.drifting) < 2:
             seen, told = replace(seen, exponent=np.nan), "one state, and no direction across it"
         elif label == labels.LIMIT_CYCLE and not np.isfinite(error):

@@ -41,7 +41,8 @@ def check_run(run: Any) -> None:
 def record_of(run: xr.Dataset, variable: str) -> Series:
     """Series of a variable of a run."""
     check_run(run)
-    series = series_of(run, variable)
+    over_time = [name for name, each in run.data_vars.items() if each.dims == ("time",)]
+    series = series_of(run[over_time], variable)
     if series.times is None:
         raise OptionError(f"variable: {variable!r} is no series over time")
     return series

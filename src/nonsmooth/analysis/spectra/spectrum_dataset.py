@@ -95,6 +95,10 @@ def check_plane(
     for name in names:
         if name not in known:
             raise OptionError(f"variable: {unknown_name('variable', str(name), known)}")
+    if len(set(names)) < len(names):
+        raise OptionError(
+            f"variable: {names[0]!r} is given twice; a motion in a plane has two coordinates"
+        )
     units = [attributes(name).get("units", "") for name in names]
     if len(set(units)) == 2:
         raise OptionError(

@@ -58,9 +58,18 @@ class Series:
 def series_of(data: Any, variable: str | None) -> Series:
     """Series in a dataset by the name of a variable, in an array, or in a list of numbers."""
     if isinstance(data, xr.Dataset):
-        known = [str(name) for name in data.data_vars if data[name].ndim == 1]
+        known = [
+            str(name)
+            for name, each in data.data_vars.items()
+            if each.ndim == 1 and "flag_meanings" not in each.attrs
+        ]
         if variable is None:
             raise OptionError(f"variable= is needed; the dataset has {', '.join(known)}")
+        if is_known(variable, [*data.data_vars]) and "flag_meanings" in data[variable].attrs:
+            raise OptionError(
+                f"variable = {variable!r}: its numbers stand for names, so sums and differences of"
+                " them mean nothing; take a state or an output"
+            )
         if not is_known(variable, known):
             raise OptionError(f"variable: {unknown_name('variable', variable, known)}")
         array: xr.DataArray | None = data[variable]

@@ -126,10 +126,11 @@ def indicators(
     count = whole_number("periods", periods)
     longest = whole_number("most_period", most_period)
     if longest * _FEWEST_CYCLES > count:
+        most = count // _FEWEST_CYCLES
+        fewer = f"give at most {most}, or more periods=" if most else "give more periods="
         raise OptionError(
             f"most_period = {longest}: a window of {count} periods holds fewer than"
-            f" {_FEWEST_CYCLES} such cycles; give at most {count // _FEWEST_CYCLES}, or more"
-            " periods="
+            f" {_FEWEST_CYCLES} such cycles; {fewer}"
         )
     flawed = finite_number("most_flawed", most_flawed)
     if not 0.0 <= flawed < 1.0:
@@ -270,7 +271,7 @@ def _marked(record: xr.Dataset, period: Any) -> xr.Dataset:
         return record
     if period is None:
         raise OptionError(
-            "record: it has no marks; give period=, that of the forcing, or read it with marks"
+            "record: it has no marks; give period=, that of the forcing, or read it with mark="
         )
     length = positive_number("period", period)
     times = record["time"].values

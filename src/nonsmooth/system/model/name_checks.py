@@ -6,7 +6,6 @@ it stands.
 
 from __future__ import annotations
 
-import keyword
 from collections.abc import Mapping
 from typing import Any
 
@@ -18,7 +17,7 @@ from nonsmooth.system.parts import STOP, Mode
 from nonsmooth.system.signals import Signal
 from nonsmooth.system.surfaces import Surface
 from nonsmooth.system.text.functions import FUNCTIONS
-from nonsmooth.system.text.grammar import is_name
+from nonsmooth.system.text.grammar import is_name, why_no_name
 
 __all__ = ["MOST_STATES", "ONE_MODE", "check_kinds", "check_words", "modes_of"]
 
@@ -164,7 +163,7 @@ def _check_name(kind: str, name: object) -> None:
     if not isinstance(name, str) or not is_name(name):
         raise ModelError(
             f"{kind}: {name!r:.60} is not a name; use ASCII letters, digits and _, not a reserved"
-            f" word{_why_no_name(name)}"
+            f" word{why_no_name(name)}"
         )
     if name in _RESERVED:
         raise ModelError(
@@ -175,12 +174,6 @@ def _check_name(kind: str, name: object) -> None:
         raise ModelError(
             f"{kind}: {name!r} is the name of a variable of results; choose another name"
         )
-
-
-def _why_no_name(name: object) -> str:
-    if not isinstance(name, str) or not keyword.iskeyword(name):
-        return ""
-    return f": equations are read as Python reads them, where {name} is one; write {name}_"
 
 
 def _meaning(name: str) -> str:

@@ -25,6 +25,8 @@ T = TypeVar("T")
 
 _PLACE = re.compile(r"\w+(\['\w+'\]|\.\w+|\[\d+\])+(?=[:. ])")
 _KEY = re.compile(r"\['(\w+)'\]")
+_ENTRY = re.compile(r"\bflow\[\"(\w+)\"\]")  # in the middle, where the place is told already
+_ARGUMENT = re.compile(r"\b([a-z_]+)=(?=[\s,;:.)]|$)")  # as in: leave modes= out
 
 
 def read_system(make: Callable[..., T], source: str | os.PathLike[str]) -> T:
@@ -35,15 +37,26 @@ def read_system(make: Callable[..., T], source: str | os.PathLike[str]) -> T:
         try:
             return make(**_system_words(document))
         except ModelError as fault:
-            raise ModelError(f"{_place_in_file(str(fault))}{_misplaced(document)}") from None
+            told = _in_words_of_file(str(fault), "equations" in document)
+            raise ModelError(f"{told}{_misplaced(document)}") from None
     except ModelError as fault:
         raise ModelError(f"{file}: {fault}" if file else str(fault)) from None
 
 
-def _place_in_file(message: str) -> str:
-    """The place at the beginning of a message, as ``modes.free.flow`` in place of brackets."""
+def _in_words_of_file(message: str, equations: bool) -> str:
+    """A message with keys of the file in place of arguments of Python.
+
+    The place at its beginning is ``modes.free.flow`` in place of brackets; `equations` tells that
+    the file has those in place of a mode.
+    """
+    message = _ENTRY.sub(r"\1", _ARGUMENT.sub(r"\1", message))
     place = _PLACE.match(message)
-    return message if place is None else _KEY.sub(r".\1", place[0]) + message[place.end() :]
+    if place is None:
+        return message
+    where = _KEY.sub(r".\1", place[0])
+    if equations:
+        where = re.sub(r"^modes\.flow(\.flow)?$", "equations", where)
+    return where + message[place.end() :]
 
 
 def _system_words(document: dict[str, Any]) -> dict[str, Any]:
@@ -162,7 +175,9 @@ def _made(make: Callable[..., T], words: dict[str, Any], where: str) -> T:
     try:
         return make(**words)
     except ModelError as fault:
-        raise ModelError(f"{where}: {str(fault).removeprefix(f'{make.__name__}: ')}") from None
+        told = str(fault).removeprefix(f"{make.__name__}: ")
+        told = re.sub(r"^(\w+)=(?=\S)", r"\1 = ", told)  # as the file has it
+        raise ModelError(f"{where}: {told}") from None
 
 
 def _drift(value: Any, where: str) -> list[str] | dict[str, Text]:

@@ -22,7 +22,15 @@ from nonsmooth.real_numbers import finite_real
 from nonsmooth.system.text.expressions import ONE, ZERO, Call, Expression, Name, Number
 from nonsmooth.system.text.functions import COMPARISONS, FUNCTIONS
 
-__all__ = ["MAX_DEPTH", "MAX_LENGTH", "is_name", "parse", "parse_condition", "point_at"]
+__all__ = [
+    "MAX_DEPTH",
+    "MAX_LENGTH",
+    "is_name",
+    "parse",
+    "parse_condition",
+    "point_at",
+    "why_no_name",
+]
 
 MAX_LENGTH = 10_000  # characters; longer texts are a mistake or an attack
 MAX_DEPTH = 60  # nesting; keeps every recursion over trees far from Python's limit
@@ -80,6 +88,13 @@ class _Token(NamedTuple):
 def is_name(text: str) -> bool:
     """Whether the text may name a state, parameter, definition, output, mode or exit."""
     return bool(re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", text)) and not keyword.iskeyword(text)
+
+
+def why_no_name(name: object) -> str:
+    """What an error adds where a name is a reserved word; else nothing."""
+    if not isinstance(name, str) or not keyword.iskeyword(name):
+        return ""
+    return f": equations are read as Python reads them, where {name} is one; write {name}_"
 
 
 def parse(text: str | float, *, where: str = "expression") -> Expression:
