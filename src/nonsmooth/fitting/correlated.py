@@ -69,11 +69,15 @@ def autocorrelation(series: Floats, lags: int) -> Floats:
 
 
 def correlation_of(
-    rows: Residuals, record_of_channel: npt.NDArray[np.int64], n_spent: int
+    rows: Residuals,
+    record_of_channel: npt.NDArray[np.int64],
+    n_spent: int,
+    at_least: npt.NDArray[np.bool_] | None = None,
 ) -> Correlation | None:
     """How residuals are correlated; None where no channel speaks against white ones.
 
-    Channels of different records know nothing of each other.
+    Channels of different records know nothing of each other. Channels of ``at_least`` have a noise
+    that is known to be no smaller, however small their residuals are.
     """
     n_samples = int(rows.place.max(initial=-1)) + 1
     series = np.full((record_of_channel.size, n_samples), np.nan)
@@ -91,7 +95,11 @@ def correlation_of(
     grown = 1.0 / (1.0 - min(0.5, n_spent / rows.residual.size))
     innovations = np.where(known, news, 0.0) @ np.where(known, news, 0.0).T / together
     innovations[record_of_channel[:, None] != record_of_channel] = 0.0
-    return Correlation(filters, innovations * grown, rows, n_samples)
+    lift = np.ones(len(series))
+    if at_least is not None:
+        size = np.sqrt(grown * np.nanmean(series[at_least] ** 2, axis=1))
+        lift[at_least] = 1.0 / np.clip(size, 1e-300, 1.0)
+    return Correlation(filters, innovations * grown * np.outer(lift, lift), rows, n_samples)
 
 
 def _autoregression(series: Floats) -> Floats:

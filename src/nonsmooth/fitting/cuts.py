@@ -128,9 +128,9 @@ def equations_of(
             )
         end = begin + cut.length
     number = _number(given, fitted, used, free, cut, end - begin)
-    together = 1  # of short segments, an event would often lie at an end
-    if cut.segments is None and not any(channel.shows_events for channel in fitted):
-        together = _parts(number, used.size * len(fitted), len(system.states))
+    # picked events are told apart by the segment in which they are, so these stay
+    may_change = cut.segments is None and not any(channel.shows_events for channel in fitted)
+    together = _parts(number, used.size * len(fitted), len(system.states)) if may_change else 1
     bounds = np.linspace(begin, end, number * together + 1)
     for channel in fitted:
         if channel.shows_events:
@@ -138,7 +138,7 @@ def equations_of(
                                      cut)  # fmt: skip
     return RecordEquations(
         system, tuple(free), fitted, given.times, bounds, tolerance, shift,
-        is_cycle=cut.cycle is not None, together=together, may_join=cut.segments is None,
+        is_cycle=cut.cycle is not None, together=together, may_join=may_change,
     )  # fmt: skip
 
 

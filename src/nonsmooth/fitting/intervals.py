@@ -90,7 +90,10 @@ def spread_of(shooting: Shooting, fitted: Fitted, loss: str) -> Spread:
     white: Floats = root @ root.T
     found = None
     if loss == "linear":  # a robust loss has weights of its own
-        found = correlation_of(rows, shooting.record_of_channel, shooting.n_spent)
+        least = np.array([channel.noise.low for channel in shooting.channels])
+        found = correlation_of(
+            rows, shooting.record_of_channel, shooting.n_spent, fitted.noise <= least
+        )
     if found is None:
         return Spread(white, white, False)
     inner = found.covariance_of(free @ turned.T / sizes)
