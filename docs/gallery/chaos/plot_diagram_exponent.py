@@ -14,10 +14,11 @@ import nonsmooth as ns
 soft = ns.models.soft_impact()
 frequencies = np.linspace(0.78, 0.96, 91)
 diagram = ns.bifurcation_diagram(soft, "omega", frequencies, transient=400, record=80)
+# of the motions above, be they long transients: confirm=0 does not run on to see what they become
 exponents = [
     float(
         ns.lyapunov_spectrum(
-            soft, parameters={"omega": omega}, transient=400, record=150, exponents=1
+            soft, parameters={"omega": omega}, transient=400, record=150, exponents=1, confirm=0
         )["lyapunov_exponent"][0]
     )
     for omega in frequencies
