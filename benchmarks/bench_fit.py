@@ -1,7 +1,8 @@
 """How often `fit` finds the right parameters, how often its intervals hold them, what it costs.
 
 `python benchmarks/bench_fit.py [PART ...] [--records N] [--processes P] [--file FILE]`. The parts
-are ``records`` (100 synthetic records of six machines, see `synthetic_records`), ``forty`` (40
+are ``records`` (100 synthetic records of six machines, see `synthetic_records`), ``repeats`` (how
+often intervals hold the truth when only the noise of a record is drawn anew), ``forty`` (40
 periods, with one segment beside many), ``crack`` (the length of a crack of 11.3 mm behind imperfect
 sensors), ``open`` (a parameter that no record of this kind determines) and ``cost`` (ten parameters
 over 100 periods, as a ratio to one run). Each result is kept in FILE as soon as it is there, so

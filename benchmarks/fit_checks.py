@@ -4,6 +4,7 @@ import time
 
 import numpy as np
 import synthetic_motions as motions
+import synthetic_records as synthetic
 from scipy import stats
 from scipy.integrate import solve_ivp
 from synthetic_sensors import Sensor, fine_times, record
@@ -17,6 +18,8 @@ TEN = {
     "k1": 1.0, "c1": 0.04, "k2": 0.8, "c2": 0.03, "m2": 0.7, "k3": 0.5, "c3": 0.02, "k_stop": 20.0,
     "e": 0.9, "A": 0.5,
 }  # fmt: skip
+REPEATED = (1, 30, 32, 33)  # records of four machines that are fitted in a second or two
+DRAWS = 25  # of the noise of each
 SPEED = 0.8  # of the force on the two masses
 
 
@@ -86,6 +89,34 @@ def crack() -> dict:
         "single_hold": int(np.sum((np.array(lows) <= CRACK) & (np.array(highs) >= CRACK))),
         "passed": bool(abs(middle - CRACK) <= half and half < 0.2),
     }  # fmt: skip
+
+
+def repeats() -> dict:
+    """How often intervals hold the truth where the model is right and only the noise is drawn anew.
+
+    Records of one motion differ in nothing but their noise, so this is what an interval promises.
+    Parameters of one record err together: the error of the rate counts records, not intervals.
+    """
+    answers: dict = {}
+    for colour in (0.0, 0.7):
+        shares = []
+        for number in REPEATED:
+            for seed in range(DRAWS):
+                case = synthetic.with_noise_again(number, colour, seed)
+                known = {k: v for k, v in case.parameters.items() if k not in case.free}
+                system = getattr(ns.models, case.plan.name)(**known)
+                found = ns.fit(system, case.record, case.free, case.plan.observe, starts=1)
+                low, high = (
+                    found[f"interval_{side}"].sel(parameter=list(case.truth)).values
+                    for side in ("low", "high")
+                )
+                truth = np.array(list(case.truth.values()))
+                shares.append(float(np.mean((low <= truth) & (truth <= high))))
+        error = np.std(shares, ddof=1) / np.sqrt(len(shares))
+        answers["coloured" if colour else "white"] = [float(np.mean(shares)), float(error)]
+    rates = np.array(list(answers.values()))
+    within = np.abs(rates[:, 0] - 0.95) <= 0.03 + 2.0 * rates[:, 1]
+    return answers | {"records": len(shares), "passed": bool(within.all())}
 
 
 def unidentifiable() -> dict:
@@ -171,4 +202,4 @@ def least_seconds(call) -> float:
     return min(found)
 
 
-CHECKS = {"forty": forty, "crack": crack, "open": unidentifiable, "cost": ten}
+CHECKS = {"repeats": repeats, "forty": forty, "crack": crack, "open": unidentifiable, "cost": ten}

@@ -164,6 +164,42 @@ def case(number: int) -> Case:
     )  # fmt: skip
 
 
+def with_noise_again(number: int, colour: float, seed: int) -> Case:
+    """The machine and the motion of a record, right in all but the noise, which is drawn anew.
+
+    Bounds are near the truth, so that each fit comes to the right optimum.
+    """
+    known = case(number)
+    machine = getattr(motions, known.plan.name)(
+        **{key: known.parameters[key] for key in known.plan.draw(np.random.default_rng(0))}
+    )
+    step, count = machine.period / PER_PERIOD, known.record.sizes["time"]
+    times = fine_times(0.0, step, count)
+    found = _motion_again(number, machine, count)
+    sensors = dict.fromkeys(known.plan.observe, Sensor(known.noise, colour=colour))
+    rng = np.random.default_rng([number, seed, 7])
+    free = {
+        key: (0.75 * true, min(1.25 * true, 0.99) if key == "r" else 1.25 * true)
+        for key, true in known.truth.items()
+    }
+    return known._replace(
+        kind="coloured" if colour else "white", free=free, options={},
+        record=record(step, machine.period, known.plan.shows(found), sensors, times, rng),
+    )  # fmt: skip
+
+
+_MOTIONS: dict[int, motions.Motion] = {}
+
+
+def _motion_again(number: int, machine: motions.Machine, count: int) -> motions.Motion:
+    """Motion of a record, integrated once for all its noises."""
+    if number not in _MOTIONS:
+        plan = PLANS[number % len(PLANS)]
+        times = fine_times(0.0, machine.period / PER_PERIOD, count)
+        _MOTIONS[number] = motions.motion(machine, times, plan.start)
+    return _MOTIONS[number]
+
+
 def bounds_of(truth: float, name: str, rng: np.random.Generator) -> tuple[float, float]:
     """Bounds of a parameter whose middle, where a fit starts, is off by up to 50 %."""
     middle, half = truth * (1.0 + rng.uniform(-0.5, 0.5)), 0.75 * truth
