@@ -115,6 +115,17 @@ def test_halves_of_a_record_that_differ():
     assert float(told[2]) == pytest.approx(-np.log(2) / (2 * np.pi), abs=5e-4)  # digits of a text
 
 
+@pytest.mark.parametrize("chaotic", [60, 120, 250])
+def test_a_half_in_which_the_chaos_ends_differs_too(chaotic):
+    """Its own error is large, since rates of both kinds are in it."""
+    until = held_until(leaking(1e-3))
+    with pytest.warns(ns.ResultWarning, match="had not settled"):
+        found = ns.lyapunov_spectrum(
+            leaking(1e-3), transient=until - chaotic, record=1000, confirm=0
+        )
+    assert found.attrs["settled"] == 0
+
+
 def test_a_diagram_counts_motions_without_a_period():
     found = ns.bifurcation_diagram(leaking(1e-3), "none", [0.0, 1.0], record=20)
     assert found["period"].values.tolist() == [[0], [0]]

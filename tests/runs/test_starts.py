@@ -221,6 +221,17 @@ def test_a_run_goes_on_where_it_ended():
         ns.simulate(decay(), run, t_end=1.0)
 
 
+def test_the_end_of_a_run_of_another_system_is_taken_by_name():
+    """Other order and more states: what has the name of a state is its value, as in one point."""
+    swing = {"x": "v", "v": "-x", "z": "w", "w": "-z"}
+    long = ns.System(states=["z", "w", "v", "x"], equations=swing)
+    short = ns.System(states=["x", "v"], equations={"x": "v", "v": "-x"})
+    run = ns.simulate(long, {"x": 1.0, "z": 5.0}, t_end=1.0)
+    for start in (run, run.isel(time=-1)):
+        end = ns.simulate(short, start, t_end=2.0)["end_state"]
+        np.testing.assert_allclose(end, [np.cos(2.0), -np.sin(2.0)], rtol=1e-13)
+
+
 def test_a_dataset_of_another_system():
     run = ns.simulate(decay(), {"x": 1.0}, t_end=1.0)
     other = System(states=["y"], modes={"m": Mode({"y": "0"})})

@@ -222,7 +222,8 @@ def _from_run(
         time = end.number * float(run.attrs["window"]) + end.phase
         if "end_time" in run.attrs:  # of a run with slow parameters
             time, same = float(run.attrs["end_time"]), False
-        return Start(run["end_state"].values.copy(), end if same else _instant(tables, time))
+        state = run["end_state"].sel(state=list(system.states)).values.copy()  # by name, not place
+        return Start(state, end if same else _instant(tables, time))
     anchor = allocate_anchor(tables.sizes)
     anchor.move_to((int(run.attrs["anchor_number"]), float(run.attrs["anchor_phase"])))
     anchor.place["mode"] = run.attrs["anchor_mode"]

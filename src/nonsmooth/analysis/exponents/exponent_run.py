@@ -46,6 +46,7 @@ Floats = npt.NDArray[np.float64]
 
 _TOGETHER = 64  # intervals that are run at once, between which the progress is told
 _ERRORS = 5.0  # standard errors between two halves of a record, or between an exponent and zero
+_ALIKE = 4.0  # times that of the second half: an error of the first one, of one motion
 _LEAST = 3.0  # times one over the duration: no record tells an exponent better
 _RECORD, _MATCH = 100, 1e-6  # strobes at the end of the later motion, and how they repeat
 
@@ -174,7 +175,9 @@ def halves_differ(run: ExponentRun) -> str:
     if first == second == -np.inf:
         return ""
     least = 2.0 * _LEAST / _duration(run)
-    if abs(first - second) <= max(_ERRORS * float(np.hypot(error, other)), least):
+    # a first half in which chaos ends has a large error, which must not hide that the second is calm
+    spread = float(np.hypot(min(error, _ALIKE * other), other))
+    if abs(first - second) <= max(_ERRORS * spread, least):
         return ""
     return (
         f"the motion had not settled: its largest exponent is {first:.3g} in the first half of the"
