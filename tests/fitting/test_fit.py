@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import synthetic_motions as machines
 from scipy import stats
+from scipy.signal import lfilter
 
 import nonsmooth as ns
 from fitting.truth import RIGID, SOFT, dataset, noisy, rigid_motion, soft_motion
@@ -232,6 +233,24 @@ def test_a_spring_that_is_never_met_is_not_determined():
     assert found["identified"].values.tolist() == [False, True]
     assert found["interval_low"].values[0] == 15.0
     assert found["interval_high"].values[0] == 45.0
+
+
+def test_what_is_not_determined_is_open_in_coloured_noise_too():
+    """A stop that is never met, beside residuals in which each sample remembers the one before."""
+    times = np.linspace(0.0, 30.0, 600)
+    noise = 0.01 * lfilter([0.6], [1.0, -0.8], np.random.default_rng(3).standard_normal(600))
+    x = 0.5 * np.exp(-0.1 * times) * np.cos(2.0 * times) + noise
+    stop = ns.System(
+        states=["x", "v"],
+        parameters={"k": 4.0, "gap": 5.0},
+        equations={"x": "v", "v": "-k*x - 0.2*v - 30*max(x - gap, 0)"},
+    )
+    found = ns.fit(stop, dataset(times, x=x), {"k": (2, 6), "gap": (3, 9)}, starts=1)
+    assert float(found["variance_ratio"].sel(parameter="k")) > 2.0
+    assert found["identified"].values.tolist() == [True, False]
+    assert "gap" in found.attrs["open_parameters"]
+    gap = found.sel(parameter="gap")
+    assert [float(gap["interval_low"]), float(gap["interval_high"])] == pytest.approx([3.0, 9.0])
 
 
 def test_samples_that_are_nan_are_left_out():

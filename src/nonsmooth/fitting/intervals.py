@@ -85,7 +85,8 @@ def spread_of(shooting: Shooting, fitted: Fitted, loss: str) -> Spread:
     rows = fitted.evaluation.rows
     free, basis = free_jacobian(shooting, fitted.evaluation)
     _, sizes, turned = np.linalg.svd(np.linalg.qr(free, mode="r"))
-    sizes = np.maximum(sizes, _SMALLEST * sizes.max(initial=1e-300))
+    least = _SMALLEST * sizes.max(initial=1e-300)
+    untold, sizes = np.flatnonzero(sizes <= least), np.maximum(sizes, least)
     root = basis @ turned.T / sizes
     white: Floats = root @ root.T
     found = None
@@ -97,6 +98,8 @@ def spread_of(shooting: Shooting, fitted: Fitted, loss: str) -> Spread:
     if found is None:
         return Spread(white, white, False)
     inner = found.covariance_of(free @ turned.T / sizes)
+    inner[untold], inner[:, untold] = 0.0, 0.0  # no residual says anything, however it varies
+    inner[untold, untold] = 1.0
     return Spread(root @ inner @ root.T, white, True)
 
 

@@ -175,7 +175,7 @@ def halves_differ(run: ExponentRun) -> str:
     if first == second == -np.inf:
         return ""
     least = 2.0 * _LEAST / _duration(run)
-    # a first half in which chaos ends has a large error, which must not hide that the second is calm
+    # where chaos ends in the first half its error is large, which must not hide a calm second one
     spread = float(np.hypot(min(error, _ALIKE * other), other))
     if abs(first - second) <= max(_ERRORS * spread, least):
         return ""
