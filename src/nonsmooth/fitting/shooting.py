@@ -33,7 +33,7 @@ Integers = npt.NDArray[np.int64]
 
 _UNIT = 0.02  # of the size of a state: what a gap between segments is measured in
 _GROWTH = 10.0  # of an error in segments that become one, at most
-_LONGEST = 10  # segments that become one, at most: a step of the solver must not go astray in them
+_UNKNOWNS = 100  # few: decomposing a matrix of that size costs less than the runs
 
 
 class Evaluation(NamedTuple):
@@ -218,8 +218,11 @@ class Shooting:
         )
 
     def calm_segments(self, found: Evaluation) -> Integers:
-        """Segments that are left where neighbours become one, as long as no error grows in them."""
-        kept, last = [], self.n_segments
+        """Segments that are left where neighbours become one, as long as no error grows in them.
+
+        No more become one than it takes to have few unknowns: short segments lead a search well.
+        """
+        kept, longest = [], -(-self.size // _UNKNOWNS)
         growth = dict(zip(self.links[:, 0], _UNIT * found.gap_state, strict=True))
         for r, record in enumerate(self.records):
             first, last = self._first_segment[r], self._first_segment[r + 1]
@@ -228,7 +231,7 @@ class Shooting:
             for m in range(first + 1, last):
                 grown = growth[m - 1] @ grown
                 calm = record.may_join and np.linalg.norm(grown, 2) <= _GROWTH
-                if not calm or m - begun >= _LONGEST:
+                if not calm or m - begun >= longest:
                     begun, grown = m, np.eye(self.n)
                     kept.append(m)
         return np.array(kept, np.int64)
