@@ -35,6 +35,7 @@ Bools = npt.NDArray[np.bool_]
 FREE = "free"
 _DEFAULTS = {"gain": 1.0, "offset": 0.0, "delay": 0.0}
 _OF_EVENTS = {"gain": 1.0, "offset": 0.0}
+_SMALLEST = 1e-9  # noise, in parts of the spread of a channel
 _FEWEST = 10  # samples of a channel that are numbers
 _FEWEST_EVENTS = 3
 _KINDS = "iuf"  # of numpy: numbers that may be instants
@@ -77,6 +78,11 @@ class ObservedChannel(NamedTuple):
         if self.shows_events:
             return _half_a_wait(self.values)
         return float(np.nanstd(self.values))
+
+    @property
+    def least_noise(self) -> float:
+        """Noise below which none is taken: that which is given, or where none is, rounding."""
+        return max(self.noise.low, _SMALLEST * (self.spread or 1.0))
 
 
 def _half_a_wait(values: Floats) -> float:

@@ -91,7 +91,7 @@ def spread_of(shooting: Shooting, fitted: Fitted, loss: str) -> Spread:
     white: Floats = root @ root.T
     found = None
     if loss == "linear":  # a robust loss has weights of its own
-        least = np.array([channel.noise.low for channel in shooting.channels])
+        least = np.array([channel.least_noise for channel in shooting.channels])
         found = correlation_of(
             rows, shooting.record_of_channel, shooting.n_spent, fitted.noise <= least
         )

@@ -45,7 +45,6 @@ _BEHIND = 20.0  # logarithm of a likelihood that no start makes up for
 # noise is as large as its wait. One that is matched gains at most 20.7, the logarithm of 1e9, where
 # the noise is the smallest that is looked at: no start gains by an event that it loses.
 _UNMATCHED = 25.0
-_SMALLEST = 1e-9  # noise, in parts of the spread of a channel
 _PENALTY = 1e4  # residual in each row of a run that ends early
 _MEDIAN = 0.6744897501960817  # of the size of a normal variable
 
@@ -425,6 +424,6 @@ def noise_level(
             level = float(np.sqrt(own @ own / max(own.size - spent[c], 0.5 * own.size)))
         else:  # of those that are no outliers
             level = float(np.median(np.abs(own)) / _MEDIAN)
-        least = max(channel.noise.low, _SMALLEST * (channel.spread or 1.0))
+        least = channel.least_noise
         levels[c] = np.clip(level, least, max(least, channel.noise.high))
     return levels
