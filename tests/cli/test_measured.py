@@ -127,6 +127,12 @@ def test_a_dead_probe_is_told(call, tmp_path, files):
     assert "y does not change" in result.stderr
 
 
+def test_a_record_counts_once(call, files):
+    result = call("measured", *files, files[0], "--columns", "x=a", "--mark", "key")
+    assert result.exit_code == 2
+    assert f"records: '{files[0]}' is given twice" in result.stderr
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

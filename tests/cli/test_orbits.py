@@ -160,7 +160,7 @@ def test_a_branch(call, asked, tmp_path):
         ns.models.soft_impact(), "omega", [0.7, 0.9], transient=5, record=3
     ).to_netcdf(behind, engine="h5netcdf")
     result = call(
-        "continue", "soft_impact", "omega=0.8", "--over", "omega=0.9:0.7", "--plot", picture,
+        "continue", "soft_impact", "omega=0.8", "--over", "omega=0.7:0.9", "--plot", picture,
         "--diagram", behind, "--save", file,
     )  # fmt: skip
     assert result.exit_code == 0, result.stderr

@@ -362,6 +362,7 @@ def test_a_result_comes_back_from_a_file(tmp_path):
 BAD = [
     ({"free": {}}, "give the bounds of each parameter to be found"),
     ({"free": {"q": (0, 1)}}, r"free: unknown parameter 'q' \(known: k\)"),
+    ({"parameters": {"k": 3.0}}, "the value of 'k' counts for nothing, since free gives its"),
     ({"free": {"k": 3.0}}, r"free\['k'\] = 3.0: give two numbers, \(low, high\)"),
     ({"free": {"k": (2, 1)}}, "the first must be below the second"),
     ({"free": {"k": (0, np.inf)}}, "not a finite number"),

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from nonsmooth.cli.arguments import names
 from nonsmooth.cli.command import Task
-from nonsmooth.cli.records import add_flaws, channels, checked, code_of_flaws
+from nonsmooth.cli.records import add_flaws, channels, checked, code_of_flaws, refuse_repeated
 from nonsmooth.cli.report import Report
 from nonsmooth.errors import OptionError, unknown_name
 
@@ -51,6 +51,7 @@ def measured(task: Task) -> None:
 def _check(task: Task) -> None:
     """Refuse options that do not go together."""
     files = task["files"]
+    refuse_repeated(files, "records")
     if task["speed_unit"] is not None and len(files) == 1:
         raise OptionError("--speed-unit is that of a diagram, which several files give")
     if task["mark"] is None:

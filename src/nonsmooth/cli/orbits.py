@@ -164,10 +164,9 @@ def follow(task: Task) -> None:
 
 def _range(system: System, over: str) -> tuple[str, tuple[float, float]]:
     """Parameter and its ends; its own value lies between."""
-    name, limits = value_limits(over, either_way=True)
+    name, (low, high) = value_limits(over)
     if name not in system.parameters:
         raise OptionError(f"--over: {unknown_name('parameter', name, system.parameters)}")
-    low, high = sorted(limits)
     value_here = system.parameters[name]
     if isinstance(value_here, int | float) and not low <= value_here <= high:
         raise OptionError(

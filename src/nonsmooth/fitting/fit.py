@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.stats import qmc
 
-from nonsmooth.analysis.options import SharedOptions, check_seed
+from nonsmooth.analysis.options import SharedOptions, check_seed, refuse_fixed
 from nonsmooth.errors import OptionError, ResultWarning, RunError, is_known, unknown_name
 from nonsmooth.fitting.beginning import sizes_of_states
 from nonsmooth.fitting.channels import (
@@ -81,7 +81,9 @@ def fit(
         dimension of its own has the instants of events, such as impacts picked from an
         accelerometer, within the times of the samples. Several records are given by their names.
     free : mapping of str to (float, float)
-        Parameters to find, each with its least and largest value.
+        Parameters to find, each with its least and largest value. The search begins in the middle
+        and, with ``starts``, elsewhere between them; a value in ``parameters`` would count for
+        nothing, and is refused.
     observe : mapping of str to str, optional
         What each channel shows: an expression of states, outputs, parameters and rates such as
         ``"rate(v)"``; for instants the name of an event, which is that of an exit or of the mode
@@ -227,11 +229,12 @@ def fit(
     array([4.01, 0.2 ])
     """
     options = SharedOptions(parameters=parameters, tolerance=tolerance)
-    system = options.system_of(system)
+    given, system = system, options.system_of(system)
     bounds, moved = check_free(system, free), read_shift(shift)
+    refuse_fixed(given, parameters, bounds, "free")
     nuisances = {"gain": gain, "offset": offset, "delay": delay}
     records = []
-    for label, data, each in _records(system, record, by_record):
+    for label, data, each in _records(system, record, by_record, bounds):
         times = check_record_times(f"record {label!r}" if label else "record", data)
         channels = read_channels(each, data, observe, nuisances, noise)
         records.append(GivenRecord(label, each, channels, times))
@@ -269,7 +272,9 @@ def _marks(record: Any) -> Floats | None:
     return np.asarray(record["mark_time"].values, float)
 
 
-def _records(system: System, record: Any, by_record: Any) -> list[tuple[str, Any, System]]:
+def _records(
+    system: System, record: Any, by_record: Any, free: Collection[str]
+) -> list[tuple[str, Any, System]]:
     """Name, dataset and system of each record; a single one has no name."""
     several = isinstance(record, Mapping) and not hasattr(record, "data_vars")
     named = dict(record) if several else {"": record}
@@ -291,6 +296,12 @@ def _records(system: System, record: Any, by_record: Any) -> list[tuple[str, Any
             )
         if label not in named:
             raise OptionError(f"by_record: {unknown_name('record', str(label), named)}")
+        for name in free:
+            if name in values[label]:
+                raise OptionError(
+                    f"by_record: {name!r} is given for the record {str(label)!r}, and is to be"
+                    " found too; leave it out of by_record=, or of free="
+                )
     return [
         (str(label), data, SharedOptions(parameters=values.get(label)).system_of(system))
         for label, data in named.items()
