@@ -156,8 +156,8 @@ TYPED_WRONG = [
     ("diagram duffing --over omega=1:2:3 --side after",
      "--side = 'after' is that of an event, and points are taken once per period; name the event by"
      " --at", "at="),
-    ("diagram soft_impact --over omega=0.7:0.8:3 --at touch --phase 0.5",
-     "is that of strobes, and points are taken at 'touch'; leave out --phase, or --at", "phase="),
+    ("diagram soft_impact --over omega=0.7:0.8:3 --at impact --phase 0.5",
+     "is that of strobes, and points are taken at 'impact'; leave out --phase, or --at", "phase="),
     ("waterfall chua --over alpha=8:9:2", "chua has no period", "ns."),
     ("contacts chua", "chua has no period", "ns."),
     ("ensemble chua --over x=1:2:3", "chua has no period", "times"),
