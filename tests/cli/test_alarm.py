@@ -73,6 +73,7 @@ def test_flaws_are_told_and_give_their_code(call, days):
         (["--contact-range", "x=1:2", "--contact-range", "x=3:4"], "'x' is given twice"),
         (["--contact-range", "x=1"], "is not of the form name=low:high"),
         (["--contact-range", "y=1:"], "unknown variable 'y'"),
+        (["--indicators", "x_har"], "did you mean 'x_harmonic_1'?"),
         (["--indicators", "x_fourth"], "--indicators: unknown indicator 'x_fourth'"),
         (["--training", "0.5"], "--training is for one healthy record"),
         (["--rate", "0.001"], "support no rate below"),

@@ -158,6 +158,8 @@ TYPED_WRONG = [
      " --at", "at="),
     ("diagram soft_impact --over omega=0.7:0.8:3 --at impact --phase 0.5",
      "is that of strobes, and points are taken at 'impact'; leave out --phase, or --at", "phase="),
+    ("diagram duffing", "Missing option '--over'. Give it in the form --over NAME=A:B:N.",
+     "metavar"),
     ("waterfall chua --over alpha=8:9:2", "chua has no period", "ns."),
     ("contacts chua", "chua has no period", "ns."),
     ("ensemble chua --over x=1:2:3", "chua has no period", "times"),

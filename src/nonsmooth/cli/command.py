@@ -160,6 +160,11 @@ class VerbCommand(click.Command):
                 _, _, order = self.make_parser(ctx).parse_args(list(args))
                 _refuse_repeats(order)
             return super().parse_args(ctx, args)
+        except click.MissingParameter as fault:
+            if isinstance(fault.param, click.Option):
+                name, form = fault.param.opts[0], str(fault.param.metavar)
+                fault.message = f"Give it in the form {name} {form}."
+            raise
         except click.NoSuchOption as fault:
             instead = self._instead(fault.option_name)
             if not instead:
