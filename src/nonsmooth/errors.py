@@ -148,7 +148,8 @@ def is_known(value: Any, known: Container[str]) -> bool:
 def unknown_name(kind: str, name: Any, known: Iterable[str]) -> str:
     """Sentence for a name that is not declared: what is known, and the nearest one."""
     names = sorted(map(str, known))
-    near = get_close_matches(str(name), names, n=1)
+    begun = [each for each in names if str(name) and each.startswith(str(name))]
+    near = begun or get_close_matches(str(name), names, n=1)
     hint = f"; did you mean {near[0]!r}?" if near else ""
     listed = ", ".join(names[:_MOST_LISTED]) if names else "none"
     if len(names) > _MOST_LISTED:

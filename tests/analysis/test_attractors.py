@@ -224,6 +224,7 @@ def test_a_hidden_phase_is_told() -> None:
         ({"region": {"z": (0, 1)}}, "'z'"),
         ({"region": {"x": (1, 1)}}, "empty"),
         ({"region": {"x": (1, -1)}}, "lower one first"),
+        ({"region": {"x": (-3, -2, -1)}}, "give two numbers, the lower one first"),
         ({"completion": {"y": "sqrt(-2 - x)"}, "region": {"x": (0, 1)}}, "is nan"),
         ({"region": {}}, "mapping"),
         ({"region": {"x": (0, np.nan)}}, "finite"),

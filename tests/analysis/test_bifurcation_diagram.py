@@ -242,6 +242,8 @@ def test_an_interruption_keeps_what_is_done(monkeypatch):
         ({"start": "follow"}, "follow up"),
         ({"side": "between"}, "before"),
         ({"at": "hit"}, "unknown event 'hit'"),
+        ({"side": "after"}, "side = 'after' is that of an event"),
+        ({"parameters": {"w": 0.7}}, "the value of 'w' counts for nothing, since values gives"),
         ({"transient": -1}, "transient"),
         ({"record": 0}, "record"),
         ({"phase": 2.0}, "phase = 2: give a part of the period, from 0 to less than 1$"),
@@ -255,6 +257,26 @@ def test_wrong_use(options, message):
     given = {"parameter": "w", "values": [0.5]} | options
     with pytest.raises((OptionError, ModelError), match=message):
         ns.bifurcation_diagram(linear(), given.pop("parameter"), given.pop("values"), **given)
+
+
+def test_a_phase_is_none_of_events():
+    with pytest.raises(OptionError, match=r"phase = 0.5 is that of strobes"):
+        ns.bifurcation_diagram(ball(1.0), "gamma", [3.0], at="impact", phase=0.5)
+
+
+def test_a_value_stays_without_which_others_are_refused():
+    """Every e must be below w, so a call with e = 2 needs some w above 2 to begin with."""
+    system = System(
+        states=["x"],
+        parameters={"w": 1.0, "e": 0.5},
+        period="2*pi/w",
+        require={"e < w": "e is the smaller one"},
+        equations={"x": "cos(w*t) - x"},
+    )
+    found = ns.bifurcation_diagram(
+        system, "w", [3.0], parameters={"w": 4.0, "e": 2.0}, transient=20, record=2
+    )
+    assert found["status"].values.item() == "completed"
 
 
 def test_a_system_without_a_period():

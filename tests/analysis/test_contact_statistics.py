@@ -170,6 +170,11 @@ def test_values_that_are_refused():
     assert np.isnan(found["contacts"][0])
 
 
+def test_a_value_that_would_be_lost():
+    with pytest.raises(ns.OptionError, match="the value of 'w' counts for nothing"):
+        ns.contact_statistics(wave(), "w", [1.0, 2.0], parameters={"w": 3.0}, **QUICK)
+
+
 @pytest.mark.parametrize(
     ("options", "text"),
     [

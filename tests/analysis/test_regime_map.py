@@ -265,6 +265,8 @@ def test_following_stays_in_its_well(way, switches):
 def test_following_and_refining_exclude_each_other():
     with pytest.raises(OptionError, match="refine=0"):
         ns.regime_map(bistable(), {"f": [0.0, 1.0], "g": [0.0]}, start="follow up", refine=1)
+    with pytest.raises(OptionError, match="the value of 'g' counts for nothing, since over"):
+        ns.regime_map(bistable(), {"f": [0.0, 1.0], "g": [0.0]}, parameters={"g": 1.0})
     with pytest.raises(OptionError, match="unknown way 'sideways'"):
         ns.regime_map(bistable(), {"f": [0.0, 1.0], "g": [0.0]}, start="sideways")
 

@@ -137,6 +137,7 @@ def test_a_map_gives_the_period():
         ({"record": 2, "segments": 3}, "too few"),
         ({"start": "upward"}, "unknown way"),
         ({"values": []}, "non-empty"),
+        ({"parameters": {"w": 2.0}}, "the value of 'w' counts for nothing"),
         ({"parameter": "q"}, "unknown parameter"),
     ],
 )

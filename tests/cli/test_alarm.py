@@ -70,8 +70,10 @@ def test_flaws_are_told_and_give_their_code(call, days):
     ("more", "message"),
     [
         (["--plot", "a.png"], "--plot draws watched windows"),
+        (["--contact-range", "x=1:2", "--contact-range", "x=3:4"], "'x' is given twice"),
         (["--contact-range", "x=1"], "is not of the form name=low:high"),
         (["--contact-range", "y=1:"], "unknown variable 'y'"),
+        (["--indicators", "x_har"], "did you mean 'x_harmonic_1'?"),
         (["--indicators", "x_fourth"], "--indicators: unknown indicator 'x_fourth'"),
         (["--training", "0.5"], "--training is for one healthy record"),
         (["--rate", "0.001"], "support no rate below"),
@@ -81,6 +83,17 @@ def test_flaws_are_told_and_give_their_code(call, days):
 def test_wrong_use_is_refused(call, days, more, message):
     result = call("alarm", *days[:2], *READING, *more)
     assert result.exit_code == 2 and message in result.stderr, result.stderr
+
+
+@pytest.mark.parametrize(
+    ("healthy", "watched", "where", "twice"),
+    [((0, 1, 0), (2,), "healthy records", 0), ((0, 1), (2, 2), "--watched", 2)],
+)
+def test_a_record_counts_once(call, days, healthy, watched, where, twice):
+    more = [word for k in watched for word in ("--watched", days[k])]
+    result = call("alarm", *(days[k] for k in healthy), *more, *READING)
+    assert result.exit_code == 2 and "is given twice" in result.stderr
+    assert f"{where}: '{days[twice]}'" in result.stderr
 
 
 def test_columns_are_wanted_of_a_text_file(call, days):

@@ -250,6 +250,7 @@ def test_instants_that_cannot_be_fitted(call, ball, tmp_path):
     ("more", "said"),
     [
         (["--free", "q=0:1"], "--free: unknown parameter 'q' (known: k)"),
+        (["--free", "k=0:1", "--free", "k=0:2"], "--free: 'k' is given twice"),
         (["--free", "k=0.5"], "--free: 'k=0.5' is not of the form name=low:high"),
         (["--free", "k=0:1", "--gain", "y=1"], "--gain: unknown channel 'y'"),
         (["--free", "k=0:1", "--delay", "ch1=free"], "give a number or low:high"),
@@ -269,6 +270,12 @@ def test_wrong_words(call, ramp, more, said):
     result = call("fit", *ramp, *more)
     assert result.exit_code == 2
     assert said in result.stderr
+
+
+def test_a_record_counts_once(call, ramp):
+    result = call("fit", *ramp, "--free", "k=0:1", "--more", f"b={ramp[1]}")
+    assert result.exit_code == 2
+    assert f"--more: '{ramp[1]}' is given twice" in result.stderr
 
 
 @pytest.mark.parametrize("draw", ["fit", "profiles", "corner", "spectra"])

@@ -1,3 +1,5 @@
+import json
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -65,6 +67,12 @@ def test_accelerations_are_integrated(call, files, tmp_path):
         assert saved["x"].attrs["units"] == "mm" and saved["vx"].attrs["units"] == "mm/s"
         height = 3e3 / speed**2
         np.testing.assert_allclose(saved["x"], height * np.cos(0.4 - np.pi / 2), atol=0.01 * height)
+        kept = saved["time"].values
+    # the pulse rises through zero at 0.4 - pi/2, from the first whole turn on
+    marks = (0.4 - np.pi / 2 + 2 * np.pi * np.arange(1, 58)) / speed
+    assert marks[-1] < t[-1] < marks[-1] + 2 * np.pi / speed
+    lost = marks.size - kept.size
+    assert f"{kept.size} of {marks.size} marks; {lost} lie in the ends that" in result.stdout
     for options, words in (
         (("--lowest", "6", "--highest", "50"), "--low-pass"),
         (("--low-pass", "2000"), "below half the sample rate, 1000"),
@@ -125,6 +133,30 @@ def test_a_dead_probe_is_told(call, tmp_path, files):
     result = call("measured", dead, "--columns", "x=a,y=b", "--mark", "key")
     assert result.exit_code == 0
     assert "y does not change" in result.stderr
+
+
+@pytest.mark.parametrize("several", [False, True])
+def test_points_of_flagged_samples_are_counted(call, files, several):
+    """The probe stands still for a half of the record, so about half of its points are no good."""
+    table = np.loadtxt(files[0], delimiter=",", skiprows=1)
+    table[:, 1] += 0.01 * np.random.default_rng(1).standard_normal(len(table))
+    table[2000:, 1] = table[2000, 1]
+    np.savetxt(files[0], table, fmt="%.7f", delimiter=",", header="t,a,b,key", comments="")
+    words = ["measured", *files[: 2 if several else 1], "--columns", "x=a", "--mark", "key"]
+    told = json.loads(call(*words, "--json").stdout)
+    told = told["records"][0] if several else told
+    turn = 2 * np.pi / 90.0
+    assert told["points_flagged"] == pytest.approx(1.0 / turn, abs=1.5)
+    assert 2 * told["points_flagged"] == pytest.approx(told["points"], abs=3)
+    said = f"{told['points_flagged']} of "
+    said += "flagged" if several else f"{told['points']} points are made of flagged samples"
+    assert said in call(*words).stdout
+
+
+def test_a_record_counts_once(call, files):
+    result = call("measured", *files, files[0], "--columns", "x=a", "--mark", "key")
+    assert result.exit_code == 2
+    assert f"records: '{files[0]}' is given twice" in result.stderr
 
 
 @pytest.mark.parametrize(

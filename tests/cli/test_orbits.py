@@ -160,7 +160,7 @@ def test_a_branch(call, asked, tmp_path):
         ns.models.soft_impact(), "omega", [0.7, 0.9], transient=5, record=3
     ).to_netcdf(behind, engine="h5netcdf")
     result = call(
-        "continue", "soft_impact", "omega=0.8", "--over", "omega=0.9:0.7", "--plot", picture,
+        "continue", "soft_impact", "omega=0.8", "--over", "omega=0.7:0.9", "--plot", picture,
         "--diagram", behind, "--save", file,
     )  # fmt: skip
     assert result.exit_code == 0, result.stderr
@@ -207,7 +207,16 @@ def test_a_diagram_that_does_not_fit_is_refused_before_the_branch(call, asked, t
     t = np.linspace(0.0, 1.0, 3)
     over = {"parameter": "zeta"}
     values = {"x": (("parameter", "lane"), np.zeros((3, 1)))}
+    behind = {
+        name: ns.bifurcation_diagram(system, "omega", [0.7, 0.9], transient=5, record=3, **words)
+        for name, system, words in (
+            ("system", ns.models.duffing(), {}),
+            ("points", ns.models.soft_impact(), {"at": "release"}),
+        )
+    }
     for made, message in (
+        (behind["system"], "it is of 'duffing' and the branch of 'soft_impact'"),
+        (behind["points"], "its points are states at 'release', and those of the branch are"),
         (xr.Dataset({"x": ("time", t)}), "give a result of bifurcation_diagram"),
         (xr.Dataset(values, {"parameter": t}, over), "it is over 'zeta'"),
         (xr.Dataset(values, {"parameter": t}, {"parameter": "omega"}), "unknown variable 'v'"),

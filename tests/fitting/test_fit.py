@@ -359,9 +359,51 @@ def test_a_result_comes_back_from_a_file(tmp_path):
         assert read["estimate"].values.tolist() == found["estimate"].values.tolist()
 
 
+def in_units(model, record, gain=None, times="s"):
+    """A fit of the line whose state is described in some unit to a record in another."""
+    ramp, data = line()
+    described = {"x": f"height [{model}]", "time": "time [s]"}
+    ramp = ns.System(states=["x"], parameters={"k": 1.0}, equations={"x": "k"}, describe=described)
+    data["x"].attrs["units"], data["time"].attrs["units"] = record, times
+    return ns.fit(ramp, data, {"k": (-5, 5)}, gain=gain, starts=1, segments=1)
+
+
+def test_units_of_record_and_model_that_differ_are_told():
+    said = in_units("mm", "um").attrs["message"]
+    assert "x is in um and x of the model in mm, with a gain of 1: give gain=" in said
+    said = in_units("mm", "mm", times="ms").attrs["message"]
+    assert "times of the record are in ms and those of the model in s" in said
+    for same in (
+        ("mm", "mm"),
+        ("um", "\N{MICRO SIGN}m"),
+        ("1", "mm"),
+        ("mm", ""),
+        ("mm", "V", 2.0),
+    ):
+        assert "of the model" not in in_units(*same).attrs["message"]
+
+
+def test_a_fit_keeps_the_units_of_the_record():
+    found = in_units("mm", "um")
+    for name in ("measured", "fitted", "residual"):
+        assert found[name].attrs["units"] == "um"
+    assert found["time"].attrs["units"] == found["segment_time"].attrs["units"] == "s"
+    assert found["channel_units"].values.tolist() == ["um"]
+
+
+def test_channels_in_units_of_their_own_have_no_common_one():
+    ramp, record = line()
+    record["x"].attrs["units"] = "mm"
+    record["y"] = record["x"].assign_attrs(units="V")
+    found = ns.fit(ramp, record, {"k": (-5, 5)}, {"x": "x", "y": "x"}, starts=1, segments=1)
+    assert found["channel_units"].values.tolist() == ["mm", "V"]
+    assert "units" not in found["measured"].attrs
+
+
 BAD = [
     ({"free": {}}, "give the bounds of each parameter to be found"),
     ({"free": {"q": (0, 1)}}, r"free: unknown parameter 'q' \(known: k\)"),
+    ({"parameters": {"k": 3.0}}, "the value of 'k' counts for nothing, since free gives its"),
     ({"free": {"k": 3.0}}, r"free\['k'\] = 3.0: give two numbers, \(low, high\)"),
     ({"free": {"k": (2, 1)}}, "the first must be below the second"),
     ({"free": {"k": (0, np.inf)}}, "not a finite number"),

@@ -116,6 +116,7 @@ BAD = [
     ({"private": "k"}, "give a list of names"),
     ({"private": ["x"]}, "private: unknown name of what is found 'x'"),
     ({"by_record": {"third": {}}}, r"by_record: unknown record 'third' \(known: first, second\)"),
+    ({"by_record": {"first": {"k": 1.0}}}, "is to be found too; leave it out of by_record="),
     ({"by_record": {"first": {"q": 1.0}}}, "unknown parameter 'q'"),
     ({"by_record": 3}, "give parameters by the name of the record"),
     ({"record": {}}, "give a dataset, or several by their names"),

@@ -168,6 +168,51 @@ def test_a_diagram_lies_behind():
     assert texts(ax)[0] == "brute force"
 
 
+STRUCK = ns.models.soft_impact()
+DAMPED = STRUCK.with_parameters(zeta=0.05, omega=0.3)
+
+
+def of(dataset, system, **attrs):
+    return dataset.assign_attrs(system=system.to_toml(), **attrs)
+
+
+@pytest.mark.parametrize(
+    ("system", "points", "words"),
+    [
+        (ns.models.duffing(), {"phase_of_period": 0.0}, "of 'duffing' and the branch of 'soft_imp"),
+        (STRUCK, {"at": "impact", "phase_of_period": 0.0}, "its points are states at 'impact'"),
+        (STRUCK, {"at": "strobe", "section": "v"}, "its points are on the section 'v'"),
+        (
+            STRUCK,
+            {"at": "strobe", "phase_of_period": 0.5},
+            "its points are strobes at the phase 0.5",
+        ),
+    ],
+)
+def test_a_diagram_that_does_not_belong_to_the_branch(system, points, words):
+    one = of(saddle_node(), STRUCK, phase_of_period=0.0)
+    with pytest.raises(OptionError, match=words):
+        ns.plot.branch(one, "x", diagram=of(diagram(), system, **points))
+
+
+def test_a_drift_is_the_same_at_all_points():
+    """And a phase just below 1 is one just below 0."""
+    one = of(saddle_node(), STRUCK, phase_of_period=0.0)
+    for_all = diagram().isel(point=0)
+    ns.plot.branch(one, "x", diagram=of(for_all, STRUCK, section="v"))
+    ns.plot.branch(one, "x", diagram=of(diagram(), STRUCK, phase_of_period=1.0 - 1e-12))
+
+
+def test_a_diagram_with_other_values_of_parameters_is_drawn_with_a_warning():
+    """The values of the parameter that both are over may differ."""
+    one, points = saddle_node(), {"at": "strobe", "phase_of_period": 0.0}
+    branches = {"a": one, "b": of(one, STRUCK, phase_of_period=0.0)}
+    with pytest.warns(ns.ResultWarning, match=r"zeta = 0.05 and 0.01 \(the diagram first") as told:
+        ns.plot.branch(branches, "x", diagram=of(diagram(), DAMPED, **points))
+    assert len(told) == 1 and "omega" not in str(told[0].message)
+    assert told[0].filename == __file__
+
+
 def test_several_branches():
     other = saddle_node()
     other["x"] = other["x"] + 1.0

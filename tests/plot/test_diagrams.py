@@ -29,6 +29,21 @@ def test_points_and_labels():
     assert ax.get_legend() is None
 
 
+def test_a_constant_but_for_rounding_has_numbers_that_can_be_read():
+    """Texts of 16 digits told the rounding before; a span above it keeps its own numbers."""
+    flat = diagram(10, 4)
+    steps = np.arange(flat["x"].size).reshape(flat["x"].shape)
+    flat["x"].values[:] = 0.7 + 1e-13 * steps
+    ax = ns.plot.bifurcation(flat, "x")
+    ax.get_figure().draw_without_rendering()
+    assert max(len(each.get_text()) for each in ax.get_yticklabels()) <= 5
+    low, high = ax.get_ylim()
+    assert low == pytest.approx(0.665) and high == pytest.approx(0.735)
+    flat["x"].values[:] = 0.7 + 1e-6 * steps
+    low, high = ns.plot.bifurcation(flat, "x").get_ylim()
+    assert high - low < 1e-4
+
+
 def test_lanes_have_colours_and_a_legend():
     ax = ns.plot.bifurcation(diagram(10, 4, lanes=2), "period")
     assert len({line.get_color() for line in ax.lines}) == 2

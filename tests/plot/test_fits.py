@@ -165,6 +165,17 @@ def test_dots_of_a_phase_lie_where_the_forcing_says(found):
     assert curve[1:][gaps[:-1], 0].tolist() == [0.0] * 3
 
 
+def test_axes_have_the_units_of_the_record(found):
+    ax = ns.plot.fit(found.assign(channel_units=("channel", ["mm", "V"])), "b")
+    assert ax.get_ylabel() == "b [V]"
+    assert ns.plot.fit(found.drop_vars("channel_units"), "b").get_ylabel() == "b"
+    timed = found.assign(channel_units=("channel", ["mm", "V"]))
+    timed = timed.assign_coords(time=timed["time"].assign_attrs(units="s"))
+    ax = ns.plot.fit_spectra(timed, "b")
+    assert ax.get_xlabel() == "frequency [Hz]"
+    assert ax.get_ylabel() == "power density [dB re 1 V^2/Hz]"
+
+
 def test_marks_of_the_record_come_before_the_forcing(found):
     record = ns.measured.from_arrays(
         {"a": found["measured"].sel(channel="a").values}, times=TIMES, marks=[1.5, 4.0, 6.5, 9.0]

@@ -21,7 +21,7 @@ from nonsmooth.analysis.diagrams.columns import (
 from nonsmooth.analysis.diagrams.diagram_dataset import diagram_dataset
 from nonsmooth.analysis.diagrams.section_columns import run_section_chain
 from nonsmooth.analysis.diagrams.strobe_columns import strobe_looks
-from nonsmooth.analysis.options import SharedOptions, check_values
+from nonsmooth.analysis.options import SharedOptions, check_values, refuse_fixed
 from nonsmooth.analysis.settle import ParameterSets, at_time_zero, said_of_start, settle
 from nonsmooth.errors import OptionError
 from nonsmooth.runs.maps import Map
@@ -162,8 +162,14 @@ def bifurcation_diagram(
     """
     shared = SharedOptions(parameters, tolerance, mode, threads, store)
     chosen = map_of(system, parameters, tolerance, "bifurcation_diagram", phase=phase, mode=mode)
+    grid = check_values(chosen.system, parameter, values)
+    refuse_fixed(system, parameters, (parameter,), "values")
     system = chosen.system
-    grid = check_values(system, parameter, values)
+    if phase != 0.0 and at != "strobe":
+        raise OptionError(
+            f"phase = {phase:g} is that of strobes, and points are taken at {at!r}; leave out"
+            " phase=, or at="
+        )
     way = check_way(start)
     protocol = read_protocol(chosen, parameter, transient, record, match, at, side)
     given = list(initial) if isinstance(initial, Sequence) else [initial]

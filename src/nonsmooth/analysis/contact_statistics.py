@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.analysis.options import SharedOptions, check_values
+from nonsmooth.analysis.options import SharedOptions, check_values, refuse_fixed
 from nonsmooth.analysis.sweeps.contacts import Asked, contact_dataset, contact_numbers
 from nonsmooth.analysis.sweeps.sweep import SweepProtocol, make_sweep, run_sweep
 from nonsmooth.errors import OptionError, unknown_name
@@ -139,6 +139,7 @@ def contact_statistics(
     name, grid = "", np.zeros(1)
     if parameter is not None:
         name, grid = parameter, check_values(model, parameter, values)
+        refuse_fixed(system, parameters, (parameter,), "values")
     swept = run_sweep(
         sweep, name, grid, lambda settled: contact_numbers(settled, asked),
         label="contact statistics", options=asked.options,

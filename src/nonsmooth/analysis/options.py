@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,6 +13,7 @@ import numpy.typing as npt
 from nonsmooth.errors import ModelError, OptionError, is_known, unknown_name
 from nonsmooth.runs.crew import check_threads
 from nonsmooth.runs.labels import labels_of
+from nonsmooth.runs.maps import Map
 from nonsmooth.runs.options import check_run_options, finite_number
 from nonsmooth.system.system import System
 from nonsmooth.system.text.expressions import Expression, names_in, to_text
@@ -26,6 +27,7 @@ __all__ = [
     "check_values",
     "completion_rule",
     "derived_attributes",
+    "refuse_fixed",
     "result_attributes",
     "system_attributes",
 ]
@@ -122,6 +124,30 @@ def check_values(system: System, parameter: Any, values: Any) -> npt.NDArray[np.
             f" [{low:g}, {high:g}]"
         )
     return grid
+
+
+def refuse_fixed(
+    given: System | Map, parameters: Mapping[str, Any] | None, changed: Collection[str], by: str
+) -> None:
+    """Refuse a value of a parameter that is ``changed`` anyway, since it would be lost.
+
+    given: what the verb was given; by: the argument that says how the parameter is changed.
+    The value stays where the system refuses the other ones without it.
+    """
+    if not parameters:
+        return
+    own = given if isinstance(given, System) else given.system
+    for name in changed:
+        if name not in parameters:
+            continue
+        try:
+            own.with_parameters(**{key: each for key, each in parameters.items() if key != name})
+        except ModelError:
+            continue
+        raise OptionError(
+            f"parameters: the value of {name!r} counts for nothing, since {by} gives its values;"
+            f" leave {name!r} out of parameters="
+        )
 
 
 def completion_rule(place: str, text: str, known: list[str], given: str) -> Expression:

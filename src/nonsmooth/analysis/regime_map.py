@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.diagrams.chain_links import check_way
-from nonsmooth.analysis.options import SharedOptions
+from nonsmooth.analysis.options import SharedOptions, refuse_fixed
 from nonsmooth.analysis.regimes.border_refinement import refine_borders, refined_values
 from nonsmooth.analysis.regimes.options import check_system, make_protocol
 from nonsmooth.analysis.regimes.points import Plane
@@ -166,9 +166,10 @@ def regime_map(
         }  # fmt: skip
         return _maps_of_starts(partial(regime_map, system, over, **same), initial, store)
     shared = SharedOptions(parameters, tolerance, mode, threads, store)
-    system = shared.system_of(system)
+    given, system = system, shared.system_of(system)
     check_system(system, period, "regime_map")
     names, values = _check_grid(system, over)
+    refuse_fixed(given, parameters, names, "over")
     _check_corners(system, period, names, values)
     levels = _check_refine(refine)
     way = check_way(start)

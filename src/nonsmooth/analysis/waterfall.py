@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.analysis.options import SharedOptions, check_values
+from nonsmooth.analysis.options import SharedOptions, check_values, refuse_fixed
 from nonsmooth.analysis.spectra.segments import check_window, without_drift
 from nonsmooth.analysis.spectra.spectrum_dataset import Rows, check_plane, waterfall_dataset
 from nonsmooth.analysis.spectra.transforms import lines_of, phases
@@ -146,6 +146,7 @@ def waterfall(
     )  # fmt: skip
     model = sweep.system
     grid = check_values(model, parameter, values)
+    refuse_fixed(system, parameters, (parameter,), "values")
     names = check_plane(variable, [*model.states, *model.outputs], labels_of(model).attributes)
     per_period = whole_number("samples_per_period", samples_per_period)
     count = whole_number("segments", segments)

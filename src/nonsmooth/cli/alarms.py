@@ -9,7 +9,7 @@ import numpy as np
 
 from nonsmooth.cli.arguments import number, settings
 from nonsmooth.cli.command import Task
-from nonsmooth.cli.records import channels, checked, code_of_flaws
+from nonsmooth.cli.records import channels, checked, code_of_flaws, refuse_repeated
 from nonsmooth.cli.report import Report
 from nonsmooth.cli.saved import saved_dataset
 from nonsmooth.errors import OptionError, unknown_name
@@ -26,6 +26,7 @@ def alarm(task: Task) -> None:
     """``nonsmooth alarm``."""
     from nonsmooth import measured
 
+    _check(task)
     if task.plot is not None and not task["watched"]:
         raise OptionError("--plot draws watched windows: name their records by --watched")
     flaws: list[xr.Dataset] = []
@@ -48,6 +49,13 @@ def alarm(task: Task) -> None:
         _add_watched(report, found, list(task["watched"]))
         task.picture("alarm", found)
     task.finish(found, report, code=code_of_flaws(task, *flaws))
+
+
+def _check(task: Task) -> None:
+    """Refuse what is given twice."""
+    settings(task["contact_range"], "--contact-range", "name=low:high")
+    refuse_repeated(task["healthy"], "healthy records")
+    refuse_repeated(task["watched"], "--watched")
 
 
 def _windows(file: str, task: Task, flaws: list[xr.Dataset]) -> xr.Dataset:

@@ -13,7 +13,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.errors import ModelError, OptionError, unknown_name
 
 if TYPE_CHECKING:
     import numpy as np
@@ -32,6 +32,7 @@ __all__ = [
     "number_list",
     "number_or_limits",
     "numbers_by_column",
+    "refuse_fixed",
     "settings",
     "time_range",
     "value_limits",
@@ -104,6 +105,24 @@ def _check_value(name: str, value: float | str) -> None:
     """Refuse a text that is no number, in words of the command line."""
     if isinstance(value, str) and not math.isfinite(_constant(value, f"NAME=VALUE: {name}")):
         raise OptionError(f"NAME=VALUE: {name} = {value} is not a finite number")
+
+
+def refuse_fixed(model: str, values: dict[str, str], changed: Iterable[str], option: str) -> None:
+    """Refuse a value of a parameter that an option changes anyway, since it would be lost.
+
+    It stays where the system refuses the other values without it.
+    """
+    for name in changed:
+        if name not in values:
+            continue
+        try:
+            build_system(model, {key: text for key, text in values.items() if key != name})
+        except ModelError:
+            continue
+        raise OptionError(
+            f"{name}={values[name]} counts for nothing, since {option} gives the values of {name};"
+            " leave one of them out"
+        )
 
 
 def need_period(system: System, cure: str) -> None:
@@ -253,13 +272,10 @@ def _limits(
     return name, constants(dict(zip(shape, parts, strict=True)), option)
 
 
-def value_limits(
-    text: str, option: str = "--over", *, either_way: bool = False
-) -> tuple[str, tuple[float, float]]:
-    """Name and ends of ``name=low:high``; `either_way` lets the higher one be the first."""
+def value_limits(text: str, option: str = "--over") -> tuple[str, tuple[float, float]]:
+    """Name and ends of ``name=low:high``."""
     name, numbers = _limits(text, ("low", "high"), option)
-    rises = numbers["low"] < numbers["high"]
-    if not (rises or (either_way and numbers["low"] != numbers["high"])):
+    if not numbers["low"] < numbers["high"]:
         raise OptionError(
             f"{option}: {text!r} is an empty range; the first number must be below the second one"
         )

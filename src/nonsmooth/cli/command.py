@@ -9,7 +9,7 @@ from __future__ import annotations
 import importlib
 import warnings
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -18,7 +18,7 @@ import click
 from click.core import ParameterSource
 from click.shell_completion import CompletionItem
 
-from nonsmooth.cli.arguments import build_system, settings, whole_names
+from nonsmooth.cli.arguments import build_system, refuse_fixed, settings, whole_names
 from nonsmooth.cli.console import ENDED_EARLY, INTERRUPTED
 from nonsmooth.cli.options import Own, flag, own_option, verb_option
 from nonsmooth.cli.signatures import parameters
@@ -160,6 +160,11 @@ class VerbCommand(click.Command):
                 _, _, order = self.make_parser(ctx).parse_args(list(args))
                 _refuse_repeats(order)
             return super().parse_args(ctx, args)
+        except click.MissingParameter as fault:
+            if isinstance(fault.param, click.Option):
+                name, form = fault.param.opts[0], str(fault.param.metavar)
+                fault.message = f"Give it in the form {name} {form}."
+            raise
         except click.NoSuchOption as fault:
             instead = self._instead(fault.option_name)
             if not instead:
@@ -364,9 +369,18 @@ class Task:
     @cached_property
     def system(self) -> System:
         """System of the arguments."""
+        initial = self.entry.flags().get("initial", "")
+        return build_system(self["model"], self._values, initial)
+
+    @property
+    def _values(self) -> dict[str, str]:
+        """Texts of the values of parameters."""
         apart = "put blanks between several, as in omega=1 zeta=0.1"
-        given = settings(self["settings"], "NAME=VALUE", "name=value, such as omega=0.8", apart)
-        return build_system(self["model"], given, self.entry.flags().get("initial", ""))
+        return settings(self["settings"], "NAME=VALUE", "name=value, such as omega=0.8", apart)
+
+    def refuse_fixed(self, changed: Iterable[str], option: str) -> None:
+        """Refuse a value in the command of a parameter that an option changes anyway."""
+        refuse_fixed(self["model"], self._values, changed, option)
 
     def options(self, verb: str, *without: str) -> dict[str, Any]:
         """Keyword arguments of a verb: what its options are given."""

@@ -10,7 +10,14 @@ import numpy as np
 from nonsmooth.cli.arguments import number, settings, value_limits
 from nonsmooth.cli.command import Task
 from nonsmooth.cli.options import flag
-from nonsmooth.cli.records import add_flaws, checked, code_of_flaws, columns_of, places_of
+from nonsmooth.cli.records import (
+    add_flaws,
+    checked,
+    code_of_flaws,
+    columns_of,
+    places_of,
+    refuse_repeated,
+)
 from nonsmooth.cli.report import Report
 from nonsmooth.cli.saved import saved_dataset
 from nonsmooth.errors import OptionError
@@ -35,6 +42,7 @@ def fit(task: Task) -> None:
 
     _check(task)
     system = task.system
+    task.refuse_fixed(settings(task["free"], "--free", "name=low:high"), "--free")
     ranges = (value_limits(text, "--free") for text in task["free"])
     flaws: list[xr.Dataset] = []
     records, observe = _records(task, flaws)
@@ -140,6 +148,7 @@ def _records(task: Task, flaws: list[xr.Dataset]) -> tuple[Any, dict[str, str]]:
         raise OptionError("--events: with --more the instants must stand in netCDF files")
     if first.stem in more:
         raise OptionError(f"--more: {first.stem} is the name of RECORD; give another one")
+    refuse_repeated([first, *more.values()], "--more")
     if events and not columns and first.suffix.lower() != ".nc":
         _check_alone(first, events)
         import xarray as xr

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from nonsmooth.cli.arguments import names
 from nonsmooth.cli.command import Task
-from nonsmooth.cli.records import add_flaws, channels, checked, code_of_flaws
+from nonsmooth.cli.records import add_flaws, channels, checked, code_of_flaws, refuse_repeated
 from nonsmooth.cli.report import Report
 from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.measured.quality.masks import quality_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -24,8 +27,9 @@ def measured(task: Task) -> None:
     from nonsmooth import measured as rig
 
     columns = channels(task, "" if task["lowest"] is None else _READING)
-    read = [_record(file, columns, task) for file in task["files"]]
-    records, flaws = [one for one, _ in read], [found for _, found in read]
+    read = [_read(file, columns, task) for file in task["files"]]
+    flaws = [found for _, found in read]
+    records = [_processed(one, columns, task) for one, _ in read]
     if task["mark"] is None:
         result = records[0]
         shown = _shown(result, task["draw"], 1, 2)
@@ -33,7 +37,8 @@ def measured(task: Task) -> None:
     elif len(records) == 1:
         result = rig.section(records[0], **task.options("measured.section"))
         shown = _shown(result, task["draw"], 2, 2)
-        report = _section_report(records[0], result)
+        cut_off = _marks_within(read[0][0]) - _marks_within(records[0])
+        report = _section_report(records[0], result, cut_off)
     else:
         options = task.options("measured.section") | task.options("measured.diagram")
         result = rig.diagram(records, **options)
@@ -51,6 +56,7 @@ def measured(task: Task) -> None:
 def _check(task: Task) -> None:
     """Refuse options that do not go together."""
     files = task["files"]
+    refuse_repeated(files, "records")
     if task["speed_unit"] is not None and len(files) == 1:
         raise OptionError("--speed-unit is that of a diagram, which several files give")
     if task["mark"] is None:
@@ -65,13 +71,19 @@ def _check(task: Task) -> None:
         raise OptionError("--highest is of velocities, which --lowest integrates; use --low-pass")
 
 
-def _record(file: str, columns: dict[str, Any], task: Task) -> tuple[xr.Dataset, xr.Dataset]:
-    """Record with velocities, where their band is known, and what is wrong with it."""
+def _read(file: str, columns: dict[str, Any], task: Task) -> tuple[xr.Dataset, xr.Dataset]:
+    """Record as it was measured, and what is wrong with it."""
     from nonsmooth import measured as rig
 
     record = rig.read_csv(file, columns, **task.options("measured.read_csv"))
     # integration from a lowest frequency on takes a drift off
-    record, flaws = checked(record, task, *(() if task["lowest"] is None else ("drift",)))
+    return checked(record, task, *(() if task["lowest"] is None else ("drift",)))
+
+
+def _processed(record: xr.Dataset, columns: dict[str, Any], task: Task) -> xr.Dataset:
+    """Record behind its filters, with velocities where their band is known."""
+    from nonsmooth import measured as rig
+
     if task["low_pass"] is not None:
         record = rig.low_pass(record, task["low_pass"])
     if task["lowest"] is not None:
@@ -82,8 +94,14 @@ def _record(file: str, columns: dict[str, Any], task: Task) -> tuple[xr.Dataset,
         record = rig.dimensionless(record, **task.options("measured.dimensionless"))
     unmarked = "speed" not in record.attrs and task["highest"] is None
     if task["lowest"] is not None or unmarked:
-        return record, flaws
-    return rig.velocities(record, **task.options("measured.velocities")), flaws
+        return record
+    return rig.velocities(record, **task.options("measured.velocities"))
+
+
+def _marks_within(record: xr.Dataset) -> int:
+    """Number of marks between the first and the last sample of a record."""
+    times, marks = record["time"].values, record["mark_time"].values
+    return int(((marks >= times[0]) & (marks <= times[-1])).sum())
 
 
 def _record_report(record: xr.Dataset) -> Report:
@@ -96,8 +114,11 @@ def _record_report(record: xr.Dataset) -> Report:
     return report
 
 
-def _section_report(record: xr.Dataset, points: xr.Dataset) -> Report:
-    """What a user wants to know of a section before believing it."""
+def _section_report(record: xr.Dataset, points: xr.Dataset, cut_off: int) -> Report:
+    """What a user wants to know of a section before believing it.
+
+    cut_off: marks among the samples that the filters took as they need both of their sides
+    """
     report, attrs = Report(record.attrs["system_name"]), points.attrs
     unit = points["speed"].attrs.get("units", "")
     if "speed" in attrs:
@@ -105,7 +126,13 @@ def _section_report(record: xr.Dataset, points: xr.Dataset) -> Report:
         text = f"{speed:.7g} {unit} +- {spread:.2g}"
         report.add("speed", text, speed=speed, speed_spread=spread, speed_unit=unit)
     count, marks = points.sizes["point"], record.sizes["mark"]
-    report.add("points", f"{count} of {marks} marks", points=count, marks=marks)
+    text = f"{count} of {marks} marks"
+    text += f"; {cut_off} lie in the ends that the filter cuts off" if cut_off else ""
+    report.add("points", text, points=count, marks=marks, marks_cut_off=cut_off)
+    flagged = int(_flagged(points).sum())
+    report.data["points_flagged"] = flagged
+    if flagged:
+        report.lines.append(("flagged", f"{flagged} of {count} points are made of flagged samples"))
     if attrs["n_repaired"]:
         report.add("repaired", f"{attrs['n_repaired']} marks", n_repaired=attrs["n_repaired"])
     error = attrs["mark_error"]
@@ -113,6 +140,12 @@ def _section_report(record: xr.Dataset, points: xr.Dataset) -> Report:
     report.add("mark error", text, mark_error=error)
     _add_variables(report, record)
     return report
+
+
+def _flagged(points: xr.Dataset) -> np.ndarray:
+    """Whether points are made of flagged samples, in one of their variables at least."""
+    masks = (quality_of(points, name) for name in map(str, points.data_vars))
+    return np.any([mask > 0 for mask in masks if mask is not None] or [False], axis=0)
 
 
 def _add_variables(report: Report, record: xr.Dataset) -> None:
@@ -155,8 +188,11 @@ def _diagram_report(result: xr.Dataset, records: int) -> Report:
     for k, source in enumerate(result.attrs["sources"].split(", ")):
         speed, spread = (float(result[name][k, 0]) for name in ("speed", "speed_spread"))
         count = int(result["n_points"][k, 0])
-        found.append({"source": source, "speed": speed, "speed_spread": spread, "points": count})
+        flagged = int(_flagged(result.isel(parameter=k)).sum())
+        told = {"source": source, "speed": speed, "speed_spread": spread, "points": count}
+        found.append(told | {"points_flagged": flagged})
         text = f"speed {speed:.6g} {unit} +- {spread:.2g}, {count} points".replace("  ", " ")
+        text += f", {flagged} of flagged samples" if flagged else ""
         report.add(source, text, speed_unit=unit, records=found)
     return report
 

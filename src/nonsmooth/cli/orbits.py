@@ -143,7 +143,7 @@ def follow(task: Task) -> None:
     system = task.system
     parameter, between = _range(system, task["over"])
     drawn = _branch_variable(system, task["draw"])
-    behind = _read_diagram(task["diagram"], parameter, drawn)
+    behind = _read_diagram(task, parameter, drawn)
     first = ns.find_orbit(system, **task.options("find_orbit"))
     if not _exists(first):
         report = _orbit_report(first)
@@ -164,10 +164,9 @@ def follow(task: Task) -> None:
 
 def _range(system: System, over: str) -> tuple[str, tuple[float, float]]:
     """Parameter and its ends; its own value lies between."""
-    name, limits = value_limits(over, either_way=True)
+    name, (low, high) = value_limits(over)
     if name not in system.parameters:
         raise OptionError(f"--over: {unknown_name('parameter', name, system.parameters)}")
-    low, high = sorted(limits)
     value_here = system.parameters[name]
     if isinstance(value_here, int | float) and not low <= value_here <= high:
         raise OptionError(
@@ -185,15 +184,18 @@ def _branch_variable(system: System, text: str | None) -> str:
     return single(text, [*system.states, *drifts, "length", "residual", "multipliers"])
 
 
-def _read_diagram(text: str | None, parameter: str, drawn: str) -> xr.Dataset | None:
+def _read_diagram(task: Task, parameter: str, drawn: str) -> xr.Dataset | None:
     """The diagram to draw behind, which must fit the branch before the branch is followed."""
+    text = task["diagram"]
     if text is None:
         return None
-    from nonsmooth.plot.branches import check_diagram
+    from nonsmooth.plot.diagram_behind import check_diagram, check_origin
 
     found = saved_dataset(text, "--diagram", "nonsmooth diagram --save makes one")
     try:
         check_diagram(found, parameter, drawn)
+        expected = {"system": task.system.to_toml(), "phase_of_period": task["phase"]}
+        check_origin(found, expected, drawn)
     except OptionError as fault:
         raise OptionError(
             f"--diagram: {text!r} does not go with {drawn} over {parameter}: {fault}; make"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -23,6 +25,7 @@ __all__ = [
     "code_of_flaws",
     "columns_of",
     "places_of",
+    "refuse_repeated",
 ]
 
 _MOST_TOLD = 20  # findings of a record
@@ -38,6 +41,16 @@ def columns_of(text: str) -> dict[str, str]:
 def places_of(columns: dict[str, str]) -> dict[str, str | int]:
     """Columns as reading takes them: a number is the place of a column, from 0."""
     return {name: int(column) if column.isdecimal() else column for name, column in columns.items()}
+
+
+def refuse_repeated(files: Iterable[str | Path], where: str) -> None:
+    """Refuse a record that is given twice, since its samples would count twice."""
+    seen = set()
+    for file in files:
+        place = Path(file).resolve()
+        if place in seen:
+            raise OptionError(f"{where}: '{file}' is given twice; give each record once")
+        seen.add(place)
 
 
 def channels(task: Task, before: str = "") -> dict[str, Any]:

@@ -69,7 +69,9 @@ def regimes(task: Task) -> None:
     from nonsmooth.analysis.regime_map import regime_map
 
     _check_period(task)
-    result = regime_map(task.system, _grid(task["over"]), **task.options("regime_map"))
+    over = _grid(task["over"])
+    task.refuse_fixed(over, "--over")
+    result = regime_map(task.system, over, **task.options("regime_map"))
 
     task.picture("regime_map", result)
     task.finish(result, _map_report(result), code=task.by_status(result))

@@ -38,11 +38,12 @@ def certified_runs(report: Report, result: xr.Dataset) -> None:
     report.add("certified", text, certified=not against, **counts)
 
 
-def _parameter_range(system: System, text: str) -> tuple[str, np.ndarray]:
+def _parameter_range(task: Task) -> tuple[str, np.ndarray]:
     """A parameter of the system and its values."""
-    name, values = value_range(text)
-    if name not in system.parameters:
-        raise OptionError(f"--over: {unknown_name('parameter', name, system.parameters)}")
+    name, values = value_range(task["over"])
+    if name not in task.system.parameters:
+        raise OptionError(f"--over: {unknown_name('parameter', name, task.system.parameters)}")
+    task.refuse_fixed([name], "--over")
     return name, values
 
 
@@ -52,7 +53,7 @@ def diagram(task: Task) -> None:
     from nonsmooth.runs.poincare_map import PoincareMap
 
     system = task.system
-    parameter, values = _parameter_range(system, task["over"])
+    parameter, values = _parameter_range(task)
     drawn = _diagram_variable(system, task["draw"])
     options = task.options("bifurcation_diagram", "initial")
     target: Any = system
@@ -137,7 +138,7 @@ def waterfall(task: Task) -> None:
 
     system = task.system
     need_period(system, _FORCED)
-    parameter, values = _parameter_range(system, task["over"])
+    parameter, values = _parameter_range(task)
     variables = names(task["variable"]) or system.states[0]
     options = task.options("waterfall", "variable")
     result = compute(system, parameter, values, variables, **options)
@@ -181,7 +182,7 @@ def contacts(task: Task) -> None:
     over: tuple[Any, Any] = (None, None)
     need_period(system, _FORCED)
     if task["over"] is not None:
-        over = _parameter_range(system, task["over"])
+        over = _parameter_range(task)
     modes = {*system.modes, *system.mode_names}
     if not task.is_given("contact") and "contact" not in modes:
         known = ", ".join(sorted(modes))
@@ -227,6 +228,7 @@ def ensemble(task: Task) -> None:
         raise OptionError(f"--save: the result is in {Path(store) / 'result.nc'}; leave out --save")
     need_period(task.system, _FORCED)
     initial, several = _lists(task.system, task["over"])
+    task.refuse_fixed(several, "--over")
     for name, value in (task["initial"] or {}).items():
         if name in initial:
             raise OptionError(f"--initial: {name} is given by --over already")

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.stats import qmc
 
-from nonsmooth.analysis.options import SharedOptions, check_seed
+from nonsmooth.analysis.options import SharedOptions, check_seed, refuse_fixed
 from nonsmooth.errors import OptionError, ResultWarning, RunError, is_known, unknown_name
 from nonsmooth.fitting.beginning import sizes_of_states
 from nonsmooth.fitting.channels import (
@@ -25,6 +25,7 @@ from nonsmooth.fitting.cuts import Cut, GivenRecord, cut_for, equations_of
 from nonsmooth.fitting.report import NOT_CONVERGED, Search, fit_dataset
 from nonsmooth.fitting.shooting import Shooting
 from nonsmooth.fitting.solver import LOSSES, Fitted, height, solve_from
+from nonsmooth.fitting.units import with_units
 from nonsmooth.real_numbers import finite_real
 from nonsmooth.runs.options import whole_number
 from nonsmooth.runs.start import resolve_start
@@ -80,8 +81,12 @@ def fit(
         forcing has the phase that its equations say, or ``shift`` later. A channel over a
         dimension of its own has the instants of events, such as impacts picked from an
         accelerometer, within the times of the samples. Several records are given by their names.
+        Nothing is converted: where a channel is in other units than the state or output that it
+        shows, and no gain turns one into the other, the ``message`` says so.
     free : mapping of str to (float, float)
-        Parameters to find, each with its least and largest value.
+        Parameters to find, each with its least and largest value. The search begins in the middle
+        and, with ``starts``, elsewhere between them; a value in ``parameters`` would count for
+        nothing, and is refused.
     observe : mapping of str to str, optional
         What each channel shows: an expression of states, outputs, parameters and rates such as
         ``"rate(v)"``; for instants the name of an event, which is that of an exit or of the mode
@@ -151,9 +156,10 @@ def fit(
         profiles, whose intervals end where the rise is the attribute ``profile_threshold``. Over
         ``channel``: ``noise``,
         ``prediction_error`` (root mean square of what was held back, in units of the noise),
-        ``ljung_box`` and ``whiteness`` (its probability for white residuals). Over ``channel``
-        and ``time``: ``measured``, ``fitted``, ``residual``, ``held_back``. Over ``picked``, the
-        events of all channels: ``picked_channel``, ``picked_measured``, ``picked_fitted``,
+        ``ljung_box`` and ``whiteness`` (its probability for white residuals), ``channel_units``,
+        those of the record. Over ``channel`` and ``time``: ``measured``, ``fitted``,
+        ``residual``, ``held_back``. Over ``picked``, the events of all channels:
+        ``picked_channel``, ``picked_measured``, ``picked_fitted``,
         ``picked_residual``, ``picked_held_back``, and ``picked_missed`` where the motion has no
         such event. Over ``segment``: ``segment_time``, ``segment_state`` and the number of its
         record, ``segment_record``. Over ``mark``: ``mark_time``, marks of a single record or where
@@ -227,14 +233,16 @@ def fit(
     array([4.01, 0.2 ])
     """
     options = SharedOptions(parameters=parameters, tolerance=tolerance)
-    system = options.system_of(system)
+    given, system = system, options.system_of(system)
     bounds, moved = check_free(system, free), read_shift(shift)
+    refuse_fixed(given, parameters, bounds, "free")
     nuisances = {"gain": gain, "offset": offset, "delay": delay}
-    records = []
-    for label, data, each in _records(system, record, by_record):
+    records, datasets = [], []
+    for label, data, each in _records(system, record, by_record, bounds):
         times = check_record_times(f"record {label!r}" if label else "record", data)
         channels = read_channels(each, data, observe, nuisances, noise)
         records.append(GivenRecord(label, each, channels, times))
+        datasets.append(data)
     if not is_known(loss, LOSSES):
         raise OptionError(f"loss = {loss!r:.60}: give one of {', '.join(LOSSES)}")
     share = finite_real("hold_back", hold_back)
@@ -256,6 +264,7 @@ def fit(
     }  # fmt: skip
     whole = [channel for each in records for channel in each.channels]
     result = fit_dataset(whole, found, told, loss, drawn, chosen, _marks(record))
+    result = with_units(result, records, datasets)
     if result.attrs["status"] != "completed":
         said = f"{system.name}: the fit has not converged: {NOT_CONVERGED}"
         warnings.warn(said, ResultWarning, stacklevel=2)
@@ -269,7 +278,9 @@ def _marks(record: Any) -> Floats | None:
     return np.asarray(record["mark_time"].values, float)
 
 
-def _records(system: System, record: Any, by_record: Any) -> list[tuple[str, Any, System]]:
+def _records(
+    system: System, record: Any, by_record: Any, free: Collection[str]
+) -> list[tuple[str, Any, System]]:
     """Name, dataset and system of each record; a single one has no name."""
     several = isinstance(record, Mapping) and not hasattr(record, "data_vars")
     named = dict(record) if several else {"": record}
@@ -291,6 +302,12 @@ def _records(system: System, record: Any, by_record: Any) -> list[tuple[str, Any
             )
         if label not in named:
             raise OptionError(f"by_record: {unknown_name('record', str(label), named)}")
+        for name in free:
+            if name in values[label]:
+                raise OptionError(
+                    f"by_record: {name!r} is given for the record {str(label)!r}, and is to be"
+                    " found too; leave it out of by_record=, or of free="
+                )
     return [
         (str(label), data, SharedOptions(parameters=values.get(label)).system_of(system))
         for label, data in named.items()

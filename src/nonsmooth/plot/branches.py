@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.arguments import checked
-from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.errors import OptionError
 from nonsmooth.plot.branch_curves import (
     INADMISSIBLE,
     STABLE,
@@ -21,17 +21,23 @@ from nonsmooth.plot.branch_curves import (
     quantity,
     special_points,
 )
+from nonsmooth.plot.diagram_behind import (
+    check_diagram,
+    check_origin,
+    draw_diagram,
+    warn_of_other_parameters,
+)
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.style import LINES, PALETTE, axis_label, finish_axes
-from nonsmooth.plot.trace import DENSE, broken
+from nonsmooth.plot.trace import broken
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
 
-__all__ = ["branch", "check_diagram"]
+__all__ = ["branch"]
 
 Branches: TypeAlias = "xr.Dataset | Sequence[xr.Dataset] | Mapping[str, xr.Dataset]"
 
@@ -45,9 +51,7 @@ _COLOURS = (
     *(LINES[0]["color"], PALETTE["blue"], PALETTE["vermilion"], LINES[2]["color"]),
     *(LINES[3]["color"], PALETTE["orange"], PALETTE["sky"]),
 )
-_DOTS, _BEHIND = "0.6", "brute force"  # a diagram behind: its grey, its name
 _BELOW = 0.97  # of an axis that is cut: where marks of points beyond it are
-_MANY = 3_000  # dots that are drawn small
 _LAYER = 1e-3  # in the order of drawing, between a branch and the next one
 
 _SHARE, _TIMES, _LEAST = 0.9, 3.0, 10.0
@@ -84,7 +88,9 @@ def branch(
         With ``y="durations"``: the number of a leg, from 0 on, or the name of a mode for the time
         in it per turn.
     diagram : xarray.Dataset, optional
-        Result of `bifurcation_diagram` over the same parameter, drawn behind as grey dots.
+        Result of `bifurcation_diagram` of the same system over the same parameter, drawn behind as
+        grey dots. Where ``y`` differs from point to point, as a state does, these are strobes at
+        the phase of the branch.
     special : bool, optional
         Whether to mark folds, flips, grazings and other special points.
     ax : matplotlib.axes.Axes, optional
@@ -102,8 +108,13 @@ def branch(
     Raises
     ------
     OptionError
-        For a dataset that is no branch, an unknown variable, or a diagram over another parameter
-        or without the variable.
+        For a dataset that is no branch, an unknown variable, or a diagram of another system, over
+        another parameter, of other points, or without the variable.
+
+    Warns
+    -----
+    ResultWarning
+        When the diagram has other values of parameters than a branch.
 
     See Also
     --------
@@ -144,7 +155,11 @@ def branch(
     own = ax is None
     ax = new_axes() if ax is None else ax
     if diagram is not None:
-        _draw_diagram(diagram, next(iter(named.values())), x, y, ax)
+        for one in named.values():
+            check_diagram(diagram, check_branch(one), y, x)
+            check_origin(diagram, one.attrs, y)
+        warn_of_other_parameters(diagram, named.values())
+        draw_diagram(diagram, y, ax)
     drawn = len({line.get_gid() for line in ax.lines if _is_branch(line)})
     colours = {name: _COLOURS[(drawn + k) % len(_COLOURS)] for k, name in enumerate(named)}
     labels = []
@@ -223,39 +238,6 @@ def _explain(ax: Axes, colours: Mapping[str, str]) -> None:
     for name, colour in colours.items():
         if name and name not in known:
             ax.plot([], [], color=colour, linewidth=3.0, label=name)
-
-
-def check_diagram(diagram: xr.Dataset, parameter: str, y: str, x: str | None = None) -> None:
-    """Refuse what cannot be drawn behind y of a branch over a parameter."""
-    if "parameter" not in diagram.dims or "lane" not in diagram.dims:
-        raise OptionError(
-            "diagram: the dataset has no dimensions 'parameter' and 'lane'; give a result of"
-            " bifurcation_diagram"
-        )
-    over = str(diagram.attrs.get("parameter", parameter))
-    if over != parameter or x not in (None, parameter):
-        raise OptionError(
-            f"diagram: it is over {over!r} and the branch is drawn over {x or parameter!r}; draw"
-            " both over the same parameter"
-        )
-    known = [str(name) for name, values in diagram.data_vars.items() if values.dtype.kind in "fi"]
-    if y not in known:
-        raise OptionError(f"diagram: {unknown_name('variable', y, known)}")
-
-
-def _draw_diagram(diagram: xr.Dataset, branch: xr.Dataset, x: str | None, y: str, ax: Axes) -> None:
-    """Points of a diagram as grey dots behind all else."""
-    check_diagram(diagram, check_branch(branch), y, x)
-    values = diagram[y].transpose("parameter", ...).values
-    values = values.reshape(len(values), -1).astype(float)
-    here = np.broadcast_to(diagram["parameter"].values[:, None], values.shape)
-    shown = np.isfinite(values)
-    few = np.count_nonzero(shown) <= _MANY
-    ax.plot(
-        here[shown], values[shown], linestyle="none", marker=".", color=_DOTS,
-        markersize=3.0 if few else 1.5, markeredgewidth=0.0, zorder=1,
-        rasterized=np.count_nonzero(shown) > DENSE, label=_BEHIND, gid="diagram",
-    )  # fmt: skip
 
 
 def cut_axis(ax: Axes, values: npt.NDArray[np.float64]) -> float:

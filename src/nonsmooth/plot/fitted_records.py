@@ -126,9 +126,18 @@ def fit(
     ax.tick_params(labelbottom=False)
     panel.set_xlabel(label)
     panel.set_ylabel("residual")
-    finish_axes(ax, " ", f"{name}: time since the one before" if of_events else name)
+    finish_axes(ax, " ", _height_label(data, name, of_events))
     place_legend(ax)
     return ax
+
+
+def _height_label(data: xr.Dataset, name: str, of_events: bool) -> str:
+    """The channel with the units of its record; results of older versions tell none."""
+    said = data["channel"].sel(channel=name).copy()
+    said.attrs["long_name"] = f"{name}: time since the one before" if of_events else name
+    if "channel_units" in data:
+        said.attrs["units"] = str(data["channel_units"].sel(channel=name).item())
+    return axis_label(said)
 
 
 def chosen_channel(data: xr.Dataset, channel: str | None) -> str:

@@ -87,8 +87,9 @@ def fit_spectra(
         raise OptionError(f"segments = {count}: give at least 1")
     shown = _longest_stretch(fitted_channel(data, channel))
     step = _step_of(shown["time"].values)
+    labels = _labels(data, shown)
     curves = [
-        SpectrumCurve(_spectrum(shown[name].values, step, count), name, look)
+        SpectrumCurve(_spectrum(shown[name].values, step, count, labels), name, look)
         for name, look in (
             ("measured", {"color": MEASURED, "linewidth": 1.6}),
             ("residual", {"color": _RESIDUAL, "linewidth": 0.7}),
@@ -105,6 +106,17 @@ def fit_spectra(
                 decibel_label(curves[0].data["power_density"]))  # fmt: skip
     place_legend(ax)
     return ax
+
+
+def _labels(data: xr.Dataset, shown: xr.Dataset) -> tuple[dict[str, str], dict[str, str]]:
+    """Attributes of power density and frequency, with units where the record has times in s."""
+    density, frequency = {"long_name": "power density"}, {"long_name": "frequency"}
+    if data["time"].attrs.get("units") != "s":
+        return density, frequency
+    units = str(shown["channel_units"].item()) if "channel_units" in shown else ""
+    if units:
+        density["units"] = f"({units})^2/Hz" if "/" in units else f"{units}^2/Hz"
+    return density, frequency | {"units": "Hz"}
 
 
 def _longest_stretch(shown: xr.Dataset) -> xr.Dataset:
@@ -131,13 +143,16 @@ def _step_of(times: Floats) -> float:
     return step
 
 
-def _spectrum(values: Floats, step: float, segments: int) -> xr.Dataset:
+def _spectrum(
+    values: Floats, step: float, segments: int, labels: tuple[dict[str, str], dict[str, str]]
+) -> xr.Dataset:
     from scipy.signal import welch
 
     # segments that overlap by half: so many of them need (segments + 1) / 2 of their length
     length = max(_FEWEST // 2, min(values.size, 2 * values.size // (segments + 1)))
     frequency, density = welch(values - values.mean(), 1.0 / step, nperseg=length)
+    per_density, per_frequency = labels
     return xr.Dataset(
-        {"power_density": ("frequency", density[1:], {"long_name": "power density"})},
-        {"frequency": ("frequency", frequency[1:], {"long_name": "frequency"})},
+        {"power_density": ("frequency", density[1:], per_density)},
+        {"frequency": ("frequency", frequency[1:], per_frequency)},
     )

@@ -53,6 +53,7 @@ LINES: tuple[dict[str, Any], ...] = (
 _SHADES = ((0, 0), (0, 9), (255, 10), (0, 14))  # black or white, and twentieths of it
 _PIECE = 0.78  # of the side of the axes: labels of several lines take room from it
 _OVER = 1.03  # of the height of the axes, for a line beside them
+_FLAT, _HEIGHT = 1e-10, 0.05  # of the size of values: a span that is rounding, and what it gets
 _NOTHING = "no finite values to draw"
 _SYMBOL = re.compile(r"\b([A-Za-z]+)_([A-Za-z0-9]+)\b")  # a unit such as A_b or omega_M
 _GREEK = (
@@ -185,6 +186,7 @@ def mixed(colour: str, target: int, twentieths: int) -> str:
 
 def finish_axes(ax: Axes, x_label: str, y_label: str) -> None:
     """Set the labels that the caller has not set before, and say where axes hold nothing."""
+    _widen_constant(ax)
     across, up = _sides(ax)
     if not ax.get_xlabel():
         ax.set_xlabel(wrapped(x_label, across, float(ax.xaxis.label.get_fontsize())))
@@ -193,6 +195,17 @@ def finish_axes(ax: Axes, x_label: str, y_label: str) -> None:
     if ax.lines and not np.isfinite(ax.dataLim.get_points()).any():
         ax.text(0.5, 0.5, _NOTHING, transform=ax.transAxes, ha="center", va="center", color="0.4",
                 fontsize=ax.xaxis.label.get_fontsize())  # fmt: skip
+
+
+def _widen_constant(ax: Axes) -> None:
+    """Give what is constant but for rounding a height, so that rounding is not what is read.
+
+    It is the height that matplotlib gives what is constant to the last digit.
+    """
+    low, high = ax.dataLim.intervaly
+    size = max(abs(low), abs(high))
+    if ax.get_autoscaley_on() and ax.get_yscale() == "linear" and low < high < low + _FLAT * size:
+        ax.set_ylim(low - _HEIGHT * size, high + _HEIGHT * size, auto=True)
 
 
 def _sides(ax: Axes) -> tuple[float, float]:

@@ -179,7 +179,7 @@ def _check_names(system: System, region: Any, least: int) -> tuple[str, ...]:
 
 
 def read_box(system: System, region: Any, completion: Any) -> Box:
-    """Box of starts from a mapping of states to ranges or to values, whose ends count."""
+    """Box of starts from a mapping of states to ranges, or to rising values whose ends count."""
     names = _check_names(system, region, least=1)
     ends = [_ends(name, region[name]) for name in names]
     low, high = np.array(ends, float).T
@@ -188,6 +188,11 @@ def read_box(system: System, region: Any, completion: Any) -> Box:
 
 def _ends(name: str, given: Any) -> tuple[float, float]:
     values = _numbers(name, given)
+    if isinstance(given, tuple) and values.size != 2:
+        raise OptionError(
+            f"region[{name!r}] = {given!r:.60}: give two numbers, the lower one first, or fix the"
+            " state by completion="
+        )
     low, high = float(values[0]), float(values[-1])
     if values.size < 2 or np.any(np.diff(values) < 0.0) or low == high:
         raise OptionError(

@@ -115,6 +115,11 @@ def _exits(chosen: Map, at: Any, side: Any) -> npt.NDArray[np.bool_] | None:
             " which side of an event; give these to PoincareMap"
         )
     if is_known(at, ("strobe",)):
+        if side != "before":
+            raise OptionError(
+                f"side = {side!r} is that of an event, and points are taken once per period; name"
+                " the event by at="
+            )
         return None
     names = system.compiled.exit_names
     known = dict.fromkeys(name for of_mode in names for name in of_mode)
