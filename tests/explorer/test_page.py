@@ -231,8 +231,9 @@ def test_events_one_by_one_say_what_fires_and_why(screen, wall):
     screen.page.get_by_role("button", name="Next event").click()
     screen.page.get_by_role("button", name="Next event").click()
     said = text.inner_text()
-    assert re.search(r"impact at t = [\d.]+ \(\d+ of \d+\): sigma - x falls through 0", said)
-    assert re.search(r"v: [\d.]+ → -[\d.]+; certified", said)
+    words = r"impact at t = [\d.]+ \(\d+ of \d+; certified\): sigma - x falls through 0"
+    assert re.search(words, said)
+    assert text.get_attribute("title") == said
     before, after = (float(each) for each in re.search(r"v: ([\d.]+) → (-[\d.]+)", said).groups())
     assert after == pytest.approx(-0.8 * before, rel=1e-3)  # r = 0.8, to the four digits shown
     screen.page.locator("body").press("[")

@@ -87,7 +87,9 @@ def test_a_notebook_shows_the_page(page):
     assert "stop()" in repr(page)
 
 
-@pytest.mark.parametrize("origin", ["*", "*:5006", "http://host:1", "a b", "host:port", ""])
+@pytest.mark.parametrize(
+    "origin", ["*", "*:5006", "http://host:1", "a b", "host:port", "", "host", "[::1]"]
+)
 def test_an_origin_is_a_host_and_no_pattern(origin):
     with pytest.raises(OptionError, match="allow_origin"):
         check_origins([origin])
