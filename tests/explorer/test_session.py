@@ -309,9 +309,11 @@ def test_limits_and_stops_are_said_and_work_can_go_on():
     plane = begun["plane"]
     plane.tell("limit", plane, 60.0)
     page.settle()
-    assert "stopped after 60 s" in page.told("work")[-1]["message"]
+    last = page.told("work")[-1]
+    assert "nothing came within 60 s" in last["message"] and last["go_on"] == "Go on"
     page.do(do="go on", task="plane")
     assert page.crew.take()["plane"].seconds > plane.seconds
+    assert ("plane", "cleared") in page.shown  # nothing had come
     page.do(do="stop")
     assert {message["task"] for message in page.told("work")} >= {"diagram", "plane", "drawing"}
     assert begun["diagram"].cancelled

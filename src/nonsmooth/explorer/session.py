@@ -230,13 +230,15 @@ class Session:
         words = {"done": self.waits.pop(task, ""), "failed": value}.get(event, "")
         words = in_words_of_page(words)
         go_on = "Go on for all cells" if event == "done" and words else ""
-        if event == "failed" and task in self.empty:
+        if event != "done" and task in self.empty:
             self._clear(task)  # what stands there is of another view
         if event == "limit":
             words = (
                 f"stopped after {value:g} s of work, its limit; choose a smaller range, or let it"
                 " go on"
             )
+            if task in self.empty:
+                words = f"nothing came within {value:g} s of work: motions settle slowly here"
             go_on = "Go on"
         message = {"type": "work", "task": task, "state": event, "message": words}
         self.send(message | {"go_on": go_on})
@@ -305,6 +307,9 @@ class Session:
             self.crew.cancel(job)
             self.jobs.pop(task)
             message = "stopped; what was computed is shown"
+            if task in self.empty:
+                self._clear(task)
+                message = "stopped before there was anything to show"
             self.send({"type": "work", "task": task, "state": "stopped", "message": message})
 
     def _go_on(self, task: str) -> None:
