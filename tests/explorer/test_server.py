@@ -1,5 +1,6 @@
 """The server: on the loopback, for its own pages, with files of its own and no other."""
 
+import logging
 import re
 import socket
 import urllib.error
@@ -75,6 +76,10 @@ def test_other_machines_do_not_reach_it(page):
     with socket.socket() as other:
         other.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         other.bind(("127.0.0.2", port_of(page)))  # it would be taken, were all addresses
+
+
+def test_a_page_that_is_closed_while_it_is_told_something_is_no_news(page):
+    assert not logging.getLogger("bokeh.server.views.ws").isEnabledFor(logging.WARNING)
 
 
 def test_a_port_that_is_taken_is_told(page):
